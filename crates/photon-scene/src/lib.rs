@@ -1,0 +1,1 @@
+//! Scenes: what the renderer is given.

@@ -1,0 +1,254 @@
+//! The records that backends keep in buffers.
+//!
+//! Each has a GLSL twin of the same name and offsets. All are made of `vec3`-and-scalar rows of 16
+//! bytes, so that their `repr(C)` layout is also their std430 and scalar layout.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A record that backends store in buffers; its GLSL twin has the same offsets.
+pub trait Element: Pod + Send + Sync {
+    /// Name of the twin.
+    const GLSL_NAME: &'static str;
+}
+
+/// A photon that has landed on a surface.
+///
+/// It has no identity of its own: its number is its place in the buffer that the tracer fills,
+/// which is in order of path, then bounce.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Photon {
+    /// Normalised space.
+    pub position: [f32; 3],
+    /// Unit vector towards where it came from, packed by [`crate::octahedral::pack`].
+    pub direction: u32,
+    /// Radiant flux that its path carries, linear RGB, in units of the scene's total power; *not*
+    /// divided by the number of paths.
+    pub power: [f32; 3],
+    /// Geometric normal of the surface on the side where it arrived, packed likewise.
+    pub normal: u32,
+}
+
+/// A photon that is about to leave a light.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct PhotonRay {
+    /// Normalised space, already moved off the emitting surface.
+    pub origin: [f32; 3],
+    /// Number of the path within its pass.
+    pub path: u32,
+    /// Unit vector.
+    pub direction: [f32; 3],
+    /// Index of the light in the scene's table.
+    pub light: u32,
+    /// As [`Photon::power`].
+    pub power: [f32; 3],
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// A point whose reflected radiance is asked for.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Query {
+    /// Normalised space.
+    pub position: [f32; 3],
+    /// Search radius, normalised space, > 0; multiplied by [`crate::Gather::radius_scale`].
+    pub radius: f32,
+    /// Unit normal on the side that is looked at.
+    pub normal: [f32; 3],
+    /// Index of the pixel that the answer belongs to, row by row from the top left.
+    pub pixel: u32,
+    /// What irradiance here is multiplied by to give the pixel's radiance: throughput of the
+    /// camera path times the albedo over π.
+    pub weight: [f32; 3],
+    /// Index of the material.
+    pub material: u32,
+    /// Unit vector towards the viewer, packed by [`crate::octahedral::pack`].
+    pub outgoing: u32,
+    /// Number of the camera path within its pass: the key of the random numbers spent here.
+    pub path: u32,
+    /// Zero.
+    pub reserved: [u32; 2],
+}
+
+/// What a photon map says about one query.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Estimate {
+    /// Σ W(d²/r²)·power over the photons kept, linear RGB: neither divided by area nor by paths.
+    pub flux: [f32; 3],
+    /// Squared radius of the disc that the sum stands for, normalised space, > 0.
+    pub radius_squared: f32,
+    /// How many photons were within it.
+    pub photons: u32,
+    /// Bits: [`Estimate::SINGULAR`].
+    pub flags: u32,
+    /// Zero.
+    pub reserved: [u32; 2],
+}
+
+impl Estimate {
+    /// The k photons all lay at the query, so that the radius is a floor and not a measurement.
+    pub const SINGULAR: u32 = 1;
+
+    /// Irradiance in units of total power per squared normalised length, when `paths` paths were
+    /// emitted: `flux / (π r² paths)`.
+    #[must_use]
+    pub fn irradiance(&self, paths: u64) -> [f64; 3] {
+        if self.photons == 0 || paths == 0 {
+            return [0.0; 3];
+        }
+        let area = std::f64::consts::PI * f64::from(self.radius_squared) * paths as f64;
+        self.flux.map(|flux| f64::from(flux) / area)
+    }
+}
+
+/// What the surface of a triangle is: its plane's orientation and its material.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Facet {
+    /// Unit normal; the front is where the vertices run counter-clockwise.
+    pub normal: [f32; 3],
+    /// Index of the material.
+    pub material: u32,
+}
+
+/// How a surface scatters and emits.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Material {
+    /// Lambert: albedo. Mirror: reflectance. Dielectric: tint of what is transmitted. In `[0, 1]`,
+    /// linear RGB.
+    pub albedo: [f32; 3],
+    /// One of the constants of this type.
+    pub kind: u32,
+    /// Emitted radiance, linear RGB, in units of total power per steradian and squared normalised
+    /// length; from the front only unless [`Material::EMITS_BOTH_SIDES`].
+    pub emission: [f32; 3],
+    /// Bits: [`Material::EMITS_BOTH_SIDES`].
+    pub flags: u32,
+    /// Absorption coefficient inside a solid dielectric, per normalised length, ≥ 0.
+    pub absorption: [f32; 3],
+    /// Refractive index of a dielectric against the vacuum, > 0; 1 otherwise.
+    pub ior: f32,
+}
+
+impl Material {
+    /// Scatters evenly, on whichever side the light arrives; keeps photons unless it is black.
+    pub const LAMBERT: u32 = 0;
+    /// Reflects like a perfect mirror, on both sides.
+    pub const MIRROR: u32 = 1;
+    /// A smooth boundary of a solid: reflects and refracts by Fresnel's equations.
+    pub const DIELECTRIC: u32 = 2;
+    /// A smooth sheet without thickness: reflects, or passes straight through.
+    pub const THIN: u32 = 3;
+
+    /// Flag: the back emits too.
+    pub const EMITS_BOTH_SIDES: u32 = 1;
+
+    /// Whether photons landing here are kept and queries end here.
+    #[must_use]
+    pub fn is_diffuse(&self) -> bool {
+        self.kind == Self::LAMBERT
+    }
+
+    /// Whether it emits at all.
+    #[must_use]
+    pub fn is_emissive(&self) -> bool {
+        self.emission != [0.0; 3]
+    }
+}
+
+/// A light that photons can leave from; an area light is one of these per triangle.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Light {
+    /// Point and spot: where it is, normalised space.
+    pub position: [f32; 3],
+    /// One of the constants of this type.
+    pub kind: u32,
+    /// Spot and directional: unit vector along which the light travels.
+    pub direction: [f32; 3],
+    /// Triangle: its index. Otherwise `u32::MAX`.
+    pub primitive: u32,
+    /// All the flux that leaves it, linear RGB, in units of the scene's total power.
+    pub power: [f32; 3],
+    /// Spot: cosine of the angle up to which the intensity is full.
+    pub cos_inner: f32,
+    /// Spot: cosine of the angle from which it is zero, ≤ `cos_inner`.
+    pub cos_outer: f32,
+    /// Directional: radius of the disc that photons start from, normalised space.
+    pub radius: f32,
+    /// Triangle: its area, squared normalised length.
+    pub area: f32,
+    /// Bits: [`Light::BOTH_SIDES`].
+    pub flags: u32,
+}
+
+impl Light {
+    /// One emissive triangle, Lambertian.
+    pub const TRIANGLE: u32 = 0;
+    /// The same intensity in all directions.
+    pub const POINT: u32 = 1;
+    /// Intensity within a cone, falling to zero between two angles as glTF defines it.
+    pub const SPOT: u32 = 2;
+    /// Parallel light from infinitely far away.
+    pub const DIRECTIONAL: u32 = 3;
+
+    /// Flag: a triangle that emits from both sides.
+    pub const BOTH_SIDES: u32 = 1;
+}
+
+/// A camera: `origin + x·right + y·up` with x and y in `[-1, 1]`, x to the right, y upwards.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Camera {
+    /// Normalised space.
+    pub origin: [f32; 3],
+    /// One of the constants of this type.
+    pub kind: u32,
+    /// Unit vector.
+    pub forward: [f32; 3],
+    /// Zero.
+    pub reserved: u32,
+    /// To the right edge of the picture. Perspective: at distance 1. Orthographic: as it is.
+    pub right: [f32; 3],
+    /// Zero.
+    pub reserved2: u32,
+    /// To the upper edge of the picture, likewise.
+    pub up: [f32; 3],
+    /// Zero.
+    pub reserved3: u32,
+}
+
+impl Camera {
+    /// Rays leave one point.
+    pub const PERSPECTIVE: u32 = 0;
+    /// Rays are parallel.
+    pub const ORTHOGRAPHIC: u32 = 1;
+}
+
+macro_rules! elements {
+    ($($record:ident = $bytes:literal),+ $(,)?) => {$(
+        impl Element for $record {
+            const GLSL_NAME: &'static str = stringify!($record);
+        }
+        const _: () = assert!(size_of::<$record>() == $bytes);
+    )+};
+}
+
+elements!(
+    Photon = 32,
+    PhotonRay = 48,
+    Query = 64,
+    Estimate = 32,
+    Facet = 16,
+    Material = 48,
+    Light = 64,
+    Camera = 64,
+);
+
+impl Element for u32 {
+    const GLSL_NAME: &'static str = "uint";
+}

@@ -1,0 +1,140 @@
+//! What a renderer must model to render a scene: derived, never declared.
+
+use crate::error::{Error, Result};
+use crate::features::Features;
+use crate::layout::{Light, Material};
+use crate::scene::SceneView;
+use crate::settings::{Direct, Indirect, Settings};
+
+/// What stages are built for.
+///
+/// A pure function of scene and settings. What is absent is not compiled into a kernel, not
+/// allocated and not built. Too little is an error, too much changes no bit of the result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Requirements {
+    /// Lobes and lights.
+    pub features: Features,
+    /// Photons straight from a light are kept in a map.
+    pub direct_map: bool,
+    /// Photons that came from a light by specular surfaces alone are kept in a map.
+    pub caustic_map: bool,
+    /// Photons that have been scattered diffusely are kept in a map.
+    pub global_map: bool,
+    /// Direct light is asked for with shadow rays.
+    pub shadow_rays: bool,
+    /// Indirect light is gathered.
+    pub final_gather: bool,
+}
+
+impl Requirements {
+    /// The least that renders `scene` exactly.
+    #[must_use]
+    pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
+        let mut used = vec![false; scene.materials.len()];
+        for facet in scene.facets {
+            used[facet.material as usize] = true;
+        }
+        let mut features = Features::NONE;
+        for (material, _) in scene.materials.iter().zip(&used).filter(|(_, used)| **used) {
+            features = features.union(material_features(material));
+        }
+        for light in scene.lights {
+            features = features.union(light_features(light));
+        }
+        let gather = settings.indirect == Indirect::Gather;
+        Self {
+            features,
+            direct_map: settings.direct == Direct::Photons || gather,
+            caustic_map: (settings.caustics || gather) && specular_is_lit(scene),
+            global_map: settings.indirect != Indirect::None,
+            shadow_rays: settings.direct == Direct::Nee,
+            final_gather: gather,
+        }
+    }
+
+    /// Everything that the settings allow, whatever the scene: the same picture, more work.
+    #[must_use]
+    pub fn everything(settings: &Settings) -> Self {
+        let gather = settings.indirect == Indirect::Gather;
+        Self {
+            features: Features::ALL,
+            direct_map: settings.direct == Direct::Photons || gather,
+            caustic_map: settings.caustics || gather,
+            global_map: settings.indirect != Indirect::None,
+            shadow_rays: settings.direct == Direct::Nee,
+            final_gather: gather,
+        }
+    }
+
+    /// Whether stages built for `self` can render what needs `needed`.
+    ///
+    /// # Errors
+    /// [`Error::MissingFeatures`].
+    pub fn check(&self, needed: Features) -> Result<()> {
+        let missing = needed.without(self.features);
+        if missing == Features::NONE { Ok(()) } else { Err(Error::MissingFeatures { missing }) }
+    }
+}
+
+/// What one material makes a kernel do.
+#[must_use]
+pub fn material_features(material: &Material) -> Features {
+    let lobe = match material.kind {
+        Material::MIRROR => Features::MIRROR,
+        Material::DIELECTRIC => Features::DIELECTRIC,
+        Material::THIN => Features::THIN,
+        _ => Features::DIFFUSE,
+    };
+    let absorbs = material.kind == Material::DIELECTRIC && material.absorption != [0.0; 3];
+    if absorbs { lobe.union(Features::ABSORPTION) } else { lobe }
+}
+
+/// What one light makes a kernel do.
+#[must_use]
+pub fn light_features(light: &Light) -> Features {
+    match light.kind {
+        Light::POINT => Features::POINT_LIGHTS,
+        Light::SPOT => Features::SPOT_LIGHTS,
+        Light::DIRECTIONAL => Features::DIRECTIONAL_LIGHTS,
+        _ => Features::AREA_LIGHTS,
+    }
+}
+
+/// Whether some light could shine on some specular surface: whether the box about all specular
+/// triangles is not wholly behind every light. Errs on the side of yes; blockers are not looked at.
+fn specular_is_lit(scene: &SceneView<'_>) -> bool {
+    let mut low = [f32::INFINITY; 3];
+    let mut high = [f32::NEG_INFINITY; 3];
+    for (triangle, facet) in scene.triangles.iter().zip(scene.facets) {
+        if scene.materials[facet.material as usize].is_diffuse() {
+            continue;
+        }
+        for &vertex in triangle {
+            let p = scene.positions[vertex as usize];
+            for axis in 0..3 {
+                low[axis] = low[axis].min(p[axis]);
+                high[axis] = high[axis].max(p[axis]);
+            }
+        }
+    }
+    if low[0] > high[0] {
+        return false;
+    }
+    // The corner of the box that lies farthest along a direction, as a height over a plane.
+    let reach = |normal: [f32; 3], origin: [f32; 3]| -> f32 {
+        (0..3).map(|a| normal[a] * (if normal[a] > 0.0 { high[a] } else { low[a] } - origin[a])).sum()
+    };
+    scene.lights.iter().any(|light| match light.kind {
+        Light::TRIANGLE => {
+            let normal = scene.facets[light.primitive as usize].normal;
+            // The triangle's own plane: heights of rounding size do not count as in front.
+            scene.triangles[light.primitive as usize].iter().any(|&vertex| {
+                light.flags & Light::BOTH_SIDES != 0
+                    || reach(normal, scene.positions[vertex as usize]) > 1e-6
+            })
+        }
+        // A cone narrower than a half space reaches no further than the half space does.
+        Light::SPOT if light.cos_outer >= 0.0 => reach(light.direction, light.position) > 0.0,
+        _ => true,
+    })
+}

@@ -1,0 +1,89 @@
+//! What a backend is lent of a scene: plain slices.
+
+use crate::layout::{Facet, Light, Material};
+use crate::units::Units;
+
+/// A scene in normalised space, borrowed.
+///
+/// `photon_scene::Scene::view` lends one; a renderer with tables of its own can fill it in as well.
+/// Its owner has checked it: indices in range, numbers finite, normals unit, no triangle without
+/// area, albedos in `[0, 1]`.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneView<'a> {
+    /// Vertices, within a box of unit size about the origin.
+    pub positions: &'a [[f32; 3]],
+    /// Three vertex indices each.
+    pub triangles: &'a [[u32; 3]],
+    /// One for each triangle.
+    pub facets: &'a [Facet],
+    /// Indexed by [`Facet::material`].
+    pub materials: &'a [Material],
+    /// Everything that emits photons.
+    pub lights: &'a [Light],
+    /// Where each light's share of the range of a random `u32` begins; first 0, strictly rising.
+    pub light_starts: &'a [u32],
+    /// Radius of a sphere about the origin that holds the scene.
+    pub radius: f32,
+    /// The way back to the user's space and watts.
+    pub units: Units,
+}
+
+/// Divides the range of a random `u32` among lights in proportion to their power.
+///
+/// Every light gets at least one value, so that none is impossible; what a path carries is divided
+/// by the *quantised* probability ([`light_probability`]), so that the sum stays exact.
+#[must_use]
+pub fn light_starts(powers: &[f64]) -> Vec<u32> {
+    let total: f64 = powers.iter().sum();
+    let spare = (1_u64 << 32).saturating_sub(powers.len() as u64);
+    let mut before = 0.0;
+    powers
+        .iter()
+        .enumerate()
+        .map(|(index, power)| {
+            let fraction = if total > 0.0 { (before / total).min(1.0) } else { 0.0 };
+            before += power;
+            ((fraction * spare as f64) as u64 + index as u64).min(u64::from(u32::MAX)) as u32
+        })
+        .collect()
+}
+
+/// The light whose share holds `random`.
+#[must_use]
+pub fn pick_light(starts: &[u32], random: u32) -> usize {
+    starts.partition_point(|&start| start <= random).saturating_sub(1)
+}
+
+/// The probability with which [`pick_light`] returns `index` for a uniform `random`.
+#[must_use]
+pub fn light_probability(starts: &[u32], index: usize) -> f64 {
+    let end = starts.get(index + 1).map_or(1_u64 << 32, |&start| u64::from(start));
+    (end - u64::from(starts[index])) as f64 / 4_294_967_296.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_in_proportion_and_leave_nobody_out() {
+        let starts = light_starts(&[1.0, 3.0, 0.0, 1e-30]);
+        assert_eq!(starts[0], 0);
+        let shares: Vec<f64> = (0..4).map(|i| light_probability(&starts, i)).collect();
+        assert!((shares[0] - 0.25).abs() < 1e-8 && (shares[1] - 0.75).abs() < 1e-8, "{shares:?}");
+        assert!(shares[2] > 0.0 && shares[3] > 0.0);
+        assert_eq!(shares.iter().sum::<f64>(), 1.0);
+    }
+
+    #[test]
+    fn picking_inverts_the_shares() {
+        let starts = light_starts(&[1.0, 1.0, 2.0]);
+        for (index, &start) in starts.iter().enumerate() {
+            assert_eq!(pick_light(&starts, start), index);
+            if start > 0 {
+                assert_eq!(pick_light(&starts, start - 1), index - 1);
+            }
+        }
+        assert_eq!(pick_light(&starts, u32::MAX), 2);
+    }
+}

@@ -1,0 +1,236 @@
+//! What a user chooses.
+
+use crate::error::{Error, Result};
+use crate::kernel::Kernel;
+
+/// How photons are arranged for search.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum IndexKind {
+    /// Left-balanced kd-tree, split at the median: the paper's first.
+    Median,
+    /// kd-tree split by the Voxel Volume Heuristic: the paper's second.
+    Vvh,
+    /// Order of Morton codes: the quickest to build.
+    #[default]
+    Morton,
+}
+
+/// How the photons near a query become an estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Estimator {
+    /// All within a radius that shrinks from pass to pass.
+    Radius {
+        /// Radius of the first pass, user space, > 0 and finite; `None`: derived for each map from
+        /// the density of its photons.
+        radius: Option<f64>,
+    },
+    /// The `k` nearest, of which the farthest only sets the radius.
+    Knn {
+        /// How many, ≥ 2.
+        k: u32,
+        /// None farther than this counts, user space, > 0; `None`: no limit but the scene.
+        max_radius: Option<f64>,
+    },
+    /// Equation (2) of Lin and Wang 2010, with the errors that it has.
+    Paper(Paper),
+}
+
+/// The free numbers of Lin and Wang 2010.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paper {
+    /// At most this many photons; the radius shrinks to the farthest of them. ≥ 1.
+    pub max: u32,
+    /// Radius of the sphere S(P, r), user space, > 0; `None`: derived as for the others.
+    pub radius: Option<f64>,
+    /// With fewer photons than this the estimate is 0.
+    pub threshold: u32,
+    /// The free scale `factor`.
+    pub factor: f32,
+    /// Whether the finished colour is clamped to `[0, 1]`.
+    pub clamp: bool,
+}
+
+impl Default for Paper {
+    fn default() -> Self {
+        Self { max: 200, radius: None, threshold: 8, factor: 1.0, clamp: true }
+    }
+}
+
+/// Where direct light comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Direct {
+    /// Shadow rays to points on the lights.
+    #[default]
+    Nee,
+    /// A photon map of its own.
+    Photons,
+    /// It is left out.
+    None,
+}
+
+/// Where light that has been scattered diffusely before comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Indirect {
+    /// Straight from the global map.
+    #[default]
+    Map,
+    /// From the maps at where rays from the query land (Jensen 1996).
+    Gather,
+    /// It is left out.
+    None,
+}
+
+/// How paths are shared out among threads. The result is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sharing {
+    /// A fixed quota for each.
+    Static,
+    /// From a shared counter, so that all finish together.
+    #[default]
+    Dynamic,
+}
+
+/// Which random numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum RandomKind {
+    /// A counter-based generator: independent for every path and dimension.
+    #[default]
+    Counter,
+    /// The paper's linear congruential one, started at the number of the path.
+    Lcg,
+}
+
+/// What a user chooses. Lengths are in user space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Paths emitted per pass, ≥ 1.
+    pub photons: u32,
+    /// How photons become an estimate.
+    pub estimator: Estimator,
+    /// How they are weighted.
+    pub kernel: Kernel,
+    /// How they are arranged.
+    pub index: IndexKind,
+    /// Where direct light comes from.
+    pub direct: Direct,
+    /// Where indirect light comes from.
+    pub indirect: Indirect,
+    /// Whether light that came only by mirrors and glass is included.
+    pub caustics: bool,
+    /// Longest path, counted in surfaces met, ≥ 1; for photons and for camera paths.
+    pub max_bounces: u32,
+    /// Key of all random numbers.
+    pub seed: u64,
+    /// How fast radii shrink from pass to pass, in `(0, 1]`; 1 keeps them.
+    pub alpha: f64,
+    /// How paths are shared out among threads.
+    pub sharing: Sharing,
+    /// Which random numbers.
+    pub random: RandomKind,
+    /// Shadow rays per query and pass, ≥ 1.
+    pub shadow_rays: u32,
+    /// Final-gather rays per query and pass, ≥ 1.
+    pub gather_rays: u32,
+    /// A photon counts if its surface's normal and the query's have at least this cosine, in
+    /// `[-1, 1]`.
+    pub min_normal_cosine: f32,
+    /// Photons that a map may hold; `None`: as many as land.
+    pub photon_capacity: Option<u64>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            photons: 200_000,
+            estimator: Estimator::Radius { radius: None },
+            kernel: Kernel::Epanechnikov,
+            index: IndexKind::default(),
+            direct: Direct::default(),
+            indirect: Indirect::default(),
+            caustics: true,
+            max_bounces: 64,
+            seed: 0,
+            alpha: 2.0 / 3.0,
+            sharing: Sharing::default(),
+            random: RandomKind::default(),
+            shadow_rays: 2,
+            gather_rays: 16,
+            min_normal_cosine: 0.7,
+            photon_capacity: None,
+        }
+    }
+}
+
+impl Settings {
+    /// A picture at once: few photons, a broad radius.
+    #[must_use]
+    pub fn preview() -> Self {
+        Self { photons: 50_000, shadow_rays: 1, max_bounces: 16, ..Self::default() }
+    }
+
+    /// A picture to keep: many photons, final gathering.
+    #[must_use]
+    pub fn final_quality() -> Self {
+        Self {
+            photons: 1_000_000,
+            shadow_rays: 4,
+            indirect: Indirect::Gather,
+            max_bounces: 256,
+            ..Self::default()
+        }
+    }
+
+    /// As Lin and Wang 2010 have it, errors included: equation (2), the LCG, the median kd-tree,
+    /// static quotas.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            estimator: Estimator::Paper(Paper::default()),
+            kernel: Kernel::Constant,
+            index: IndexKind::Median,
+            sharing: Sharing::Static,
+            random: RandomKind::Lcg,
+            alpha: 1.0,
+            ..Self::default()
+        }
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] names the first that makes no sense.
+    pub fn validate(&self) -> Result<()> {
+        let ensure = |good: bool, name, value: String, mend| {
+            if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, mend }) }
+        };
+        let length = |name, radius: Option<f64>| match radius {
+            Some(r) => ensure(r > 0.0 && r.is_finite(), name, r.to_string(), "must be above 0 and finite"),
+            None => Ok(()),
+        };
+        ensure(self.photons > 0, "photons", self.photons.to_string(), "at least 1 is needed")?;
+        match self.estimator {
+            Estimator::Radius { radius } => length("radius", radius)?,
+            Estimator::Knn { k, max_radius } => {
+                ensure(k >= 2, "k", k.to_string(), "at least 2 are needed: the farthest photon only sets the radius")?;
+                length("radius", max_radius)?;
+            }
+            Estimator::Paper(paper) => {
+                ensure(paper.max >= 1, "k", paper.max.to_string(), "at least 1 is needed")?;
+                length("radius", paper.radius)?;
+                let good = paper.factor.is_finite() && paper.factor >= 0.0;
+                ensure(good, "factor", paper.factor.to_string(), "must be at least 0 and finite")?;
+            }
+        }
+        if let Kernel::Cone { slope } = self.kernel {
+            ensure(slope >= 1.0 && slope.is_finite(), "slope of the cone", slope.to_string(), "must be at least 1 and finite")?;
+        }
+        ensure(self.max_bounces >= 1, "max-bounces", self.max_bounces.to_string(), "at least 1 is needed")?;
+        let alpha = self.alpha;
+        ensure(alpha > 0.0 && alpha <= 1.0, "alpha", alpha.to_string(), "must be above 0 and at most 1")?;
+        ensure(self.shadow_rays >= 1, "shadow-rays", self.shadow_rays.to_string(), "at least 1 is needed")?;
+        ensure(self.gather_rays >= 1, "gather-rays", self.gather_rays.to_string(), "at least 1 is needed")?;
+        let cosine = self.min_normal_cosine;
+        ensure((-1.0..=1.0).contains(&cosine), "min-normal-cosine", cosine.to_string(), "must lie between -1 and 1")?;
+        Ok(())
+    }
+}

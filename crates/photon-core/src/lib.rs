@@ -4,25 +4,49 @@
 //! that drives them. No threads, no input or output, no ray-tracing structure.
 #![forbid(unsafe_code)]
 
+mod backend;
+pub mod bsdf;
 mod caster;
 mod error;
 mod features;
+mod film;
 mod kernel;
 mod layout;
+pub mod math;
+pub mod octahedral;
+pub mod offset;
+mod observer;
+mod pipeline;
 mod progressive;
+mod radii;
+pub mod random;
+mod render;
 mod requirements;
+pub mod sampling;
 mod scene;
 mod settings;
+mod stages;
+mod tally;
 mod units;
 
+pub use backend::{Backend, Fill, Stage, StageTimings, TransportBackend};
 pub use caster::{Hit, Ray, RayCaster};
 pub use error::{Error, Result};
 pub use features::Features;
+pub use film::{Film, FilmPixel, Layer, check_size};
 pub use glam;
 pub use kernel::Kernel;
 pub use layout::{Camera, Element, Estimate, Facet, Light, Material, Photon, PhotonRay, Query};
+pub use observer::{Event, Observer, PassReport};
+pub use pipeline::{Pipeline, QUERIES_PER_PIXEL};
 pub use progressive::radius_squared_factor;
+pub use render::{Budget, Facts, Outcome, PassEnd, Render, render};
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::{SceneView, light_probability, light_starts, pick_light};
 pub use settings::{Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing};
+pub use stages::{
+    Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages, Maps, Pass,
+    RadianceEstimator, Rule, Stages, Tracer, View,
+};
+pub use tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use units::Units;

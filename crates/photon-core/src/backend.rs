@@ -1,0 +1,215 @@
+//! What a backend is: where buffers live, and how stages come by them.
+
+use crate::error::Result;
+use crate::film::{Film, Layer};
+use crate::layout::{Element, Estimate, Query};
+use crate::requirements::Requirements;
+use crate::scene::SceneView;
+use crate::settings::{IndexKind, Settings};
+use crate::stages::{MapStages, Stages};
+
+/// Where buffers live and how they are filled. Not object-safe, on purpose: buffers are types, so
+/// that nothing is downcast.
+pub trait Backend: Sized + Send + 'static {
+    /// Elements of one kind, of fixed capacity; the length is kept where the data are.
+    type Buffer<T: Element>: Send;
+    /// Photons arranged for search.
+    type PhotonMap: Send;
+
+    /// Short name: `cpu`, `vulkan`.
+    fn name(&self) -> &'static str;
+
+    /// The device in words, for reports.
+    fn device(&self) -> String;
+
+    /// An empty buffer.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    fn alloc<T: Element>(&mut self, label: &'static str, capacity: u64) -> Result<Self::Buffer<T>>;
+
+    /// A buffer that holds `data`.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    fn upload<T: Element>(&mut self, label: &'static str, data: &[T]) -> Result<Self::Buffer<T>>;
+
+    /// Replaces `to` with what the buffer holds. Blocks until everything enqueued before is done.
+    ///
+    /// # Errors
+    /// Deferred errors surface here; [`crate::Error::CapacityExceeded`] if more was appended than fits.
+    fn download<T: Element>(&mut self, from: &Self::Buffer<T>, to: &mut Vec<T>) -> Result<()>;
+
+    /// How full a buffer is. Blocks likewise.
+    ///
+    /// # Errors
+    /// Deferred errors surface here.
+    fn fill<T: Element>(&mut self, buffer: &Self::Buffer<T>) -> Result<Fill>;
+
+    /// Empties a buffer; it keeps its storage.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`].
+    fn clear<T: Element>(&mut self, buffer: &mut Self::Buffer<T>) -> Result<()>;
+
+    /// The stages that need no scene.
+    ///
+    /// # Errors
+    /// [`crate::Error::Backend`] if they cannot be built.
+    fn map_stages(&mut self, index: IndexKind) -> Result<MapStages<Self>>;
+
+    /// What follows belongs to `stage`, for [`Backend::timings`]; `None`: to none.
+    fn mark(&mut self, stage: Option<Stage>);
+
+    /// Seconds spent in each stage since the last call. Blocks.
+    ///
+    /// # Errors
+    /// Deferred errors surface here.
+    fn timings(&mut self) -> Result<StageTimings>;
+}
+
+/// A backend that can also find out what photons hit.
+pub trait TransportBackend: Backend {
+    /// A scene, ready to be traced.
+    type Scene: Send;
+    /// A picture in progress, where the backend keeps it.
+    type Film: Send;
+
+    /// Brings a scene to the device.
+    ///
+    /// # Errors
+    /// [`crate::Error::MissingFeatures`] if it needs more than `required`;
+    /// [`crate::Error::OutOfMemory`].
+    fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<Self::Scene>;
+
+    /// All stages, built for `required`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Backend`] if they cannot be built.
+    fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>>;
+
+    /// An empty film.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`], [`crate::Error::InvalidSetting`] for a size without pixels.
+    fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<Self::Film>;
+
+    /// Adds `query.weight × estimate.irradiance(paths)` to `layer` of each query's pixel.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`].
+    fn fold(
+        &mut self,
+        film: &mut Self::Film,
+        layer: Layer,
+        queries: &Self::Buffer<Query>,
+        estimates: &Self::Buffer<Estimate>,
+        paths: u64,
+    ) -> Result<()>;
+
+    /// Ends a pass: from here on it counts in the mean.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`].
+    fn end_pass(&mut self, film: &mut Self::Film) -> Result<()>;
+
+    /// Forgets what the present pass has added since the last [`TransportBackend::end_pass`].
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`].
+    fn abandon_pass(&mut self, film: &mut Self::Film) -> Result<()>;
+
+    /// The picture so far. Blocks.
+    ///
+    /// # Errors
+    /// Deferred errors surface here.
+    fn read_film(&mut self, film: &Self::Film) -> Result<Film>;
+
+    /// What is allocated now: label and bytes.
+    fn memory(&self, scene: &Self::Scene) -> Vec<(String, u64)>;
+}
+
+/// How full a buffer is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fill {
+    /// Elements that it holds.
+    pub length: u64,
+    /// Elements that were to be appended; more than `length` if it overflowed.
+    pub needed: u64,
+    /// Elements that fit.
+    pub capacity: u64,
+}
+
+/// The stages of a pass, for timing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Photons leave the lights.
+    Emit,
+    /// They are followed through the scene.
+    Trace,
+    /// They are arranged for search.
+    Build,
+    /// Camera paths.
+    Eye,
+    /// Shadow rays.
+    Direct,
+    /// Radiance from the maps.
+    Estimate,
+    /// Final gathering.
+    Gather,
+    /// Sums over passes.
+    Film,
+}
+
+impl Stage {
+    /// In the order of a pass.
+    pub const ALL: [Self; 8] = [
+        Self::Emit,
+        Self::Trace,
+        Self::Build,
+        Self::Eye,
+        Self::Direct,
+        Self::Estimate,
+        Self::Gather,
+        Self::Film,
+    ];
+
+    /// Name for reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Emit => "emit",
+            Self::Trace => "trace",
+            Self::Build => "build",
+            Self::Eye => "eye",
+            Self::Direct => "direct",
+            Self::Estimate => "estimate",
+            Self::Gather => "gather",
+            Self::Film => "film",
+        }
+    }
+}
+
+/// Seconds per stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageTimings([f64; Stage::ALL.len()]);
+
+impl StageTimings {
+    /// Seconds spent in `stage`.
+    #[must_use]
+    pub fn get(&self, stage: Stage) -> f64 {
+        self.0[stage as usize]
+    }
+
+    /// Adds seconds to `stage`.
+    pub fn add(&mut self, stage: Stage, seconds: f64) {
+        self.0[stage as usize] += seconds;
+    }
+
+    /// Adds another's.
+    pub fn merge(&mut self, other: &Self) {
+        for stage in Stage::ALL {
+            self.add(stage, other.get(stage));
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! The picture, on the host: sums in f64, mergeable.
+
+use crate::error::{Error, Result};
+use crate::units::Units;
+
+/// The parts of a picture. No path of light is in two of them; their sum is the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    /// Lights seen directly or by mirrors and glass alone.
+    Emission,
+    /// Light, one diffuse surface, then the eye.
+    Direct,
+    /// Light that reaches the diffuse surface by mirrors and glass alone.
+    Caustic,
+    /// Light that has been scattered diffusely before.
+    Indirect,
+}
+
+impl Layer {
+    /// In the order in which they are summed.
+    pub const ALL: [Self; 4] = [Self::Emission, Self::Direct, Self::Caustic, Self::Indirect];
+
+    /// The name of the layer in a file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Emission => "emission",
+            Self::Direct => "direct",
+            Self::Caustic => "caustic",
+            Self::Indirect => "indirect",
+        }
+    }
+}
+
+/// Sums over passes of everything that is known of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilmPixel {
+    /// Radiance by [`Layer`], normalised units.
+    pub layers: [[f64; 3]; 4],
+    /// Square of each pass's radiance, mean of RGB.
+    pub square: f64,
+    /// Unit normal of the first surface seen, on the side seen.
+    pub normal: [f64; 3],
+    /// Albedo of the first surface seen.
+    pub albedo: [f64; 3],
+    /// Distance to the first surface seen, normalised length.
+    pub depth: f64,
+    /// Camera paths that saw a surface.
+    pub hits: u64,
+}
+
+/// A picture in progress: sums over passes, top row first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// `width × height` of them.
+    pub pixels: Vec<FilmPixel>,
+    /// Passes in the sums.
+    pub passes: u32,
+    /// The way back to user space and watts.
+    pub units: Units,
+    /// Whether colours are clamped to `[0, 1]` when read, as the paper does.
+    pub clamp: bool,
+}
+
+impl Film {
+    /// An empty film.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] for a picture without pixels, or with more than 2³¹ of them;
+    /// [`Error::OutOfMemory`].
+    pub fn new(width: u32, height: u32, units: Units) -> Result<Self> {
+        check_size(width, height)?;
+        let count = width as usize * height as usize;
+        let mut pixels = Vec::new();
+        if pixels.try_reserve_exact(count).is_err() {
+            let bytes = (count as u64).saturating_mul(size_of::<FilmPixel>() as u64);
+            return Err(Error::OutOfMemory { label: "film", bytes });
+        }
+        pixels.resize(count, FilmPixel::default());
+        Ok(Self { width, height, pixels, passes: 0, units, clamp: false })
+    }
+
+    /// Adds another film's passes. Which passes those were is for the caller to keep apart.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] if size or units differ.
+    pub fn merge(&mut self, other: &Self) -> Result<()> {
+        if (self.width, self.height, self.units) != (other.width, other.height, other.units) {
+            return Err(Error::InvalidSetting {
+                name: "merged film",
+                value: format!("{}x{}, {:?}", other.width, other.height, other.units),
+                mend: "must have the size and the units of the film that it is merged into",
+            });
+        }
+        for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
+            for (a, b) in mine.layers.iter_mut().flatten().zip(theirs.layers.iter().flatten()) {
+                *a += b;
+            }
+            for axis in 0..3 {
+                mine.normal[axis] += theirs.normal[axis];
+                mine.albedo[axis] += theirs.albedo[axis];
+            }
+            mine.square += theirs.square;
+            mine.depth += theirs.depth;
+            mine.hits += theirs.hits;
+        }
+        self.passes += other.passes;
+        Ok(())
+    }
+
+    /// One layer, W/(m²·sr), linear RGB.
+    #[must_use]
+    pub fn layer(&self, layer: Layer) -> Vec<[f32; 3]> {
+        let factor = self.units.radiance_to_user() / f64::from(self.passes.max(1));
+        self.pixels.iter().map(|p| p.layers[layer as usize].map(|sum| (sum * factor) as f32)).collect()
+    }
+
+    /// The picture, W/(m²·sr), linear RGB: exactly the sum of the layers, in their order, in f32.
+    #[must_use]
+    pub fn beauty(&self) -> Vec<[f32; 3]> {
+        let mut sum = vec![[0.0_f32; 3]; self.pixels.len()];
+        for layer in Layer::ALL {
+            for (total, part) in sum.iter_mut().zip(self.layer(layer)) {
+                for c in 0..3 {
+                    total[c] += part[c];
+                }
+            }
+        }
+        if self.clamp {
+            for value in sum.iter_mut().flatten() {
+                *value = value.clamp(0.0, 1.0);
+            }
+        }
+        sum
+    }
+
+    /// Standard error of each pixel's mean over the passes so far, mean of RGB, W/(m²·sr);
+    /// infinite before the second pass.
+    #[must_use]
+    pub fn standard_error(&self) -> Vec<f32> {
+        let n = f64::from(self.passes);
+        let factor = self.units.radiance_to_user();
+        self.pixels
+            .iter()
+            .map(|p| {
+                let mean = p.layers.iter().flatten().sum::<f64>() / 3.0 / n;
+                let variance = ((p.square / n - mean * mean) / (n - 1.0)).max(0.0);
+                if self.passes < 2 { f32::INFINITY } else { (variance.sqrt() * factor) as f32 }
+            })
+            .collect()
+    }
+
+    /// Mean distance to the first surface, user space; infinite where none was seen.
+    #[must_use]
+    pub fn depth(&self) -> Vec<f32> {
+        self.pixels
+            .iter()
+            .map(|p| if p.hits == 0 { f32::INFINITY } else { (p.depth / p.hits as f64 * self.units.scale) as f32 })
+            .collect()
+    }
+
+    /// Mean normal of the first surface, unit or 0.
+    #[must_use]
+    pub fn normal(&self) -> Vec<[f32; 3]> {
+        self.pixels
+            .iter()
+            .map(|p| {
+                let length = p.normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+                p.normal.map(|x| if length > 0.0 { (x / length) as f32 } else { 0.0 })
+            })
+            .collect()
+    }
+
+    /// Mean albedo of the first surface; 0 where none was seen.
+    #[must_use]
+    pub fn albedo(&self) -> Vec<[f32; 3]> {
+        let n = f64::from(self.passes.max(1));
+        self.pixels.iter().map(|p| p.albedo.map(|x| (x / n) as f32)).collect()
+    }
+}
+
+/// Checks the size of a picture.
+///
+/// # Errors
+/// [`Error::InvalidSetting`] if it has no pixels or more than 2³¹.
+pub fn check_size(width: u32, height: u32) -> Result<()> {
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels == 0 || pixels > 1 << 31 {
+        return Err(Error::InvalidSetting {
+            name: "size",
+            value: format!("{width}x{height}"),
+            mend: "must be at least 1x1 and at most 2^31 pixels",
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_sum_to_the_picture_and_merging_is_addition() {
+        let mut film = Film::new(2, 1, Units { power: 3.0, scale: 2.0, ..Units::default() }).unwrap();
+        film.pixels[0].layers = [[1.0, 2.0, 3.0], [0.5; 3], [0.25; 3], [0.125; 3]];
+        film.passes = 1;
+        let once = film.beauty();
+        assert_eq!(once[0], [1.875 * 0.75, 2.875 * 0.75, 3.875 * 0.75]);
+        let other = film.clone();
+        film.merge(&other).unwrap();
+        assert_eq!(film.beauty(), once);
+        assert_eq!(film.passes, 2);
+        assert!(film.merge(&Film::new(1, 2, film.units).unwrap()).is_err());
+    }
+
+    #[test]
+    fn absurd_sizes_are_refused() {
+        for (w, h) in [(0, 0), (0, 5), (5, 0), (1 << 20, 1 << 20)] {
+            assert!(Film::new(w, h, Units::default()).is_err());
+        }
+    }
+}

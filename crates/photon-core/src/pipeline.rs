@@ -1,0 +1,354 @@
+//! One pass, from photons to film, on any backend.
+
+use std::ops::ControlFlow;
+
+use crate::backend::{Stage, TransportBackend};
+use crate::error::{Error, Result};
+use crate::film::{Film, Layer};
+use crate::layout::{Estimate, Photon, PhotonRay, Query};
+use crate::observer::{Event, Observer, PassReport};
+use crate::radii::{self, Radii};
+use crate::render::{Facts, PassEnd, Render};
+use crate::requirements::Requirements;
+use crate::scene::SceneView;
+use crate::settings::{Estimator, Settings};
+use crate::stages::{Batch, Deposits, Maps, Pass, Stages, View};
+use crate::tally::Tally;
+use crate::units::Units;
+
+/// Paths per batch: 12 MiB of rays.
+const BATCH: u32 = 1 << 18;
+/// The pass that the derived radii come from; no pass of a picture has this number.
+const PILOT: u32 = u32::MAX;
+const PILOT_PATHS: u32 = 65_536;
+
+/// Camera paths split at the first two sheets or boundaries of glass, hence into four at most.
+pub const QUERIES_PER_PIXEL: u32 = 4;
+
+type Photons<B> = Option<<B as crate::Backend>::Buffer<Photon>>;
+
+/// Renders one scene through one camera on one backend.
+#[expect(missing_debug_implementations, reason = "boxed stages")]
+pub struct Pipeline<B: TransportBackend> {
+    on: B,
+    scene: B::Scene,
+    stages: Stages<B>,
+    required: Requirements,
+    settings: Settings,
+    units: Units,
+    view: View,
+    film: B::Film,
+    radii: Radii,
+    passes: u32,
+    rays: B::Buffer<PhotonRay>,
+    photons: [Photons<B>; 3],
+    queries: B::Buffer<Query>,
+    estimates: Option<B::Buffer<Estimate>>,
+}
+
+const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// Derives what the scene requires, brings it to the backend, and finds the radii.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`], [`Error::NoLight`], [`Error::NoReceiver`], and what the backend
+    /// raises.
+    pub fn new(on: B, scene: &SceneView<'_>, view: View, settings: Settings) -> Result<Self> {
+        let required = Requirements::of(scene, &settings);
+        Self::with_requirements(on, scene, view, settings, required)
+    }
+
+    /// As [`Pipeline::new`], for more than the scene requires: the same picture, more work.
+    ///
+    /// # Errors
+    /// Likewise, and [`Error::MissingFeatures`] for less.
+    pub fn with_requirements(
+        mut on: B,
+        scene: &SceneView<'_>,
+        view: View,
+        settings: Settings,
+        required: Requirements,
+    ) -> Result<Self> {
+        let stages = on.stages(&required, &settings)?;
+        Self::with_stages(on, scene, view, settings, required, stages)
+    }
+
+    /// As [`Pipeline::with_requirements`], with stages of the caller's choosing.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn with_stages(
+        mut on: B,
+        scene: &SceneView<'_>,
+        view: View,
+        settings: Settings,
+        required: Requirements,
+        stages: Stages<B>,
+    ) -> Result<Self> {
+        settings.validate()?;
+        check_scene(scene)?;
+        required.check(Requirements::of(scene, &settings).features)?;
+        let film = on.film(scene, view.width, view.height)?;
+        let prepared = on.prepare(scene, &required)?;
+        let rays = on.alloc("photon rays", u64::from(BATCH.min(settings.photons.max(PILOT_PATHS))))?;
+        let pixels = u64::from(view.width) * u64::from(view.height);
+        let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
+        let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
+        let queries = on.alloc("queries", pixels * per_pixel)?;
+        let any_map = required.direct_map || required.caustic_map || required.global_map;
+        let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
+        let mut pipeline = Self {
+            radii: radii::given(&settings, &scene.units),
+            units: scene.units,
+            scene: prepared,
+            photons: [None, None, None],
+            on,
+            stages,
+            required,
+            settings,
+            view,
+            film,
+            passes: 0,
+            rays,
+            queries,
+            estimates,
+        };
+        pipeline.allocate_maps(2.0)?;
+        if any_map && radii::need_pilot(&pipeline.settings) {
+            pipeline.pilot()?;
+        }
+        Ok(pipeline)
+    }
+
+    fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
+        let guess = (f64::from(self.settings.photons.max(PILOT_PATHS)) * photons_per_path) as u64 + 1024;
+        let capacity = self.settings.photon_capacity.unwrap_or(guess);
+        let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
+        for (map, wanted) in wanted.into_iter().enumerate() {
+            if wanted {
+                self.photons[map] = Some(self.on.alloc(LABELS[map], capacity)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Traces a few photons to find radii that suit their density.
+    fn pilot(&mut self) -> Result<()> {
+        let paths = self.settings.photons.min(PILOT_PATHS);
+        let share = f64::from(paths) / f64::from(self.settings.photons);
+        let neighbours = ((f64::from(radii::NEIGHBOURS) * share) as u32).max(8);
+        self.emit_and_trace(PILOT, paths, &mut ())?;
+        let mut found = [None; 3];
+        for (map, slot) in found.iter_mut().enumerate() {
+            if let Some(photons) = self.photons[map].take() {
+                let built = self.stages.map.builder.build(&mut self.on, photons)?;
+                let cosine = self.settings.min_normal_cosine;
+                *slot = self.stages.map.estimator.typical_radius(&mut self.on, &built, neighbours, cosine)?;
+                self.photons[map] = Some(self.stages.map.builder.reclaim(built));
+            }
+        }
+        let [direct, caustic, global] =
+            found.map(|r| radii::from_pilot(r, neighbours, paths, self.settings.photons));
+        self.radii = Radii { direct, caustic, global };
+        self.on.timings()?;
+        Ok(())
+    }
+
+    /// Fills the photon buffers. Returns the paths traced and their tally; fewer than asked for if
+    /// the observer stopped it.
+    fn emit_and_trace(&mut self, index: u32, paths: u32, observer: &mut dyn Observer) -> Result<(u32, Tally)> {
+        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
+        loop {
+            for photons in self.photons.iter_mut().flatten() {
+                self.on.clear(photons)?;
+            }
+            let mut traced = 0;
+            while traced < paths {
+                let end = traced.saturating_add(BATCH).min(paths);
+                let batch = Batch { pass, paths: traced..end };
+                self.on.mark(Some(Stage::Emit));
+                self.stages.emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;
+                self.on.mark(Some(Stage::Trace));
+                let [direct, caustic, global] = &mut self.photons;
+                let deposits = Deposits { direct: direct.as_mut(), caustic: caustic.as_mut(), global: global.as_mut() };
+                self.stages.tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits)?;
+                self.on.mark(None);
+                traced = end;
+                let event = Event::Photons { pass: index, traced, total: paths };
+                if observer.on_event(&event).is_break() && traced < paths {
+                    break;
+                }
+            }
+            let tally = self.stages.tracer.take_tally(&mut self.on)?;
+            if self.grow_if_needed()? {
+                continue;
+            }
+            return Ok((traced, tally));
+        }
+    }
+
+    /// Whether a buffer overflowed and was made anew, large enough for the pass to be repeated.
+    fn grow_if_needed(&mut self) -> Result<bool> {
+        let mut grew = false;
+        for (slot, label) in self.photons.iter_mut().zip(LABELS) {
+            let Some(photons) = slot else { continue };
+            let fill = self.on.fill(photons)?;
+            if fill.needed > fill.capacity {
+                if self.settings.photon_capacity.is_some() {
+                    return Err(Error::CapacityExceeded { label, needed: fill.needed, capacity: fill.capacity });
+                }
+                *slot = None;
+                *slot = Some(self.on.alloc(label, fill.needed + fill.needed / 8)?);
+                grew = true;
+            }
+        }
+        Ok(grew)
+    }
+
+    /// Reads the maps at the queries, into the film.
+    fn estimate(&mut self, index: u32, paths: u64, queries: u64) -> Result<()> {
+        self.on.mark(Some(Stage::Build));
+        let mut maps: [Option<B::PhotonMap>; 3] = [None, None, None];
+        for (photons, map) in self.photons.iter_mut().zip(&mut maps) {
+            // An empty map is not built: it has nothing to say.
+            if let Some(filled) = photons.take() {
+                if self.on.fill(&filled)?.length == 0 {
+                    *photons = Some(filled);
+                } else {
+                    *map = Some(self.stages.map.builder.build(&mut self.on, filled)?);
+                }
+            }
+        }
+        let radii = [self.radii.direct, self.radii.caustic, self.radii.global];
+        let gathers = radii.map(|radius| radii::gather(&self.settings, radius, index));
+        let shown = [
+            self.settings.direct == crate::Direct::Photons,
+            self.settings.caustics,
+            self.settings.indirect == crate::Indirect::Map,
+        ];
+        let layers = [Layer::Direct, Layer::Caustic, Layer::Indirect];
+        if let (Some(estimates), true) = (&mut self.estimates, queries > 0) {
+            for i in 0..3 {
+                let (Some(map), true) = (&maps[i], shown[i]) else { continue };
+                self.on.mark(Some(Stage::Estimate));
+                self.stages.map.estimator.estimate(&mut self.on, map, &self.queries, &gathers[i], estimates)?;
+                self.on.mark(Some(Stage::Film));
+                self.on.fold(&mut self.film, layers[i], &self.queries, estimates, paths)?;
+            }
+        }
+        if let (Some(stage), true) = (&mut self.stages.gather, queries > 0) {
+            self.on.mark(Some(Stage::Gather));
+            let [direct, caustic, global] = &maps;
+            let lent = Maps {
+                direct: direct.as_ref().map(|map| (map, gathers[0])),
+                caustic: caustic.as_ref().map(|map| (map, gathers[1])),
+                global: global.as_ref().map(|map| (map, gathers[2])),
+                paths,
+            };
+            let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
+            let rays = self.settings.gather_rays;
+            stage.gather(&mut self.on, &self.scene, &lent, pass, &self.queries, rays, &mut self.film)?;
+        }
+        self.on.mark(None);
+        for (photons, map) in self.photons.iter_mut().zip(maps) {
+            if let Some(map) = map {
+                *photons = Some(self.stages.map.builder.reclaim(map));
+            }
+        }
+        Ok(())
+    }
+
+    /// What the camera sees, and direct light.
+    fn look(&mut self, index: u32) -> Result<u64> {
+        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
+        self.on.mark(Some(Stage::Eye));
+        self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
+        if let Some(direct) = &mut self.stages.direct {
+            self.on.mark(Some(Stage::Direct));
+            let rays = self.settings.shadow_rays;
+            direct.light(&mut self.on, &self.scene, pass, &self.queries, rays, &mut self.film)?;
+        }
+        self.on.mark(None);
+        Ok(self.on.fill(&self.queries)?.length)
+    }
+
+    fn needs_photons(&self) -> bool {
+        self.photons.iter().any(Option::is_some)
+    }
+}
+
+fn check_scene(scene: &SceneView<'_>) -> Result<()> {
+    let lit = scene.lights.iter().any(|light| light.power.iter().any(|&p| p > 0.0));
+    if !lit {
+        return Err(Error::NoLight);
+    }
+    let keeps = scene.facets.iter().any(|facet| {
+        let material = &scene.materials[facet.material as usize];
+        material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0)
+    });
+    if keeps { Ok(()) } else { Err(Error::NoReceiver) }
+}
+
+impl<B: TransportBackend> Render for Pipeline<B> {
+    fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
+        if index == PILOT {
+            return Err(Error::InvalidSetting { name: "pass", value: index.to_string(), mend: "passes are numbered from 0 to 2^32 - 2" });
+        }
+        let wanted = self.settings.photons;
+        let (traced, tally) =
+            if self.needs_photons() { self.emit_and_trace(index, wanted, observer)? } else { (wanted, Tally::default()) };
+        // A first pass that was cut short is a pass of fewer photons, and as valid; a later one is
+        // given up, since the film is valid without it.
+        if traced < wanted && self.passes > 0 {
+            self.on.timings()?;
+            return Ok(PassEnd::Cancelled);
+        }
+        let queries = self.look(index).and_then(|queries| {
+            self.estimate(index, u64::from(traced), queries)?;
+            Ok(queries)
+        });
+        let queries = match queries {
+            Ok(queries) => queries,
+            Err(error) => {
+                // What earlier passes gave is kept.
+                self.on.abandon_pass(&mut self.film)?;
+                return Err(error);
+            }
+        };
+        self.on.mark(Some(Stage::Film));
+        self.on.end_pass(&mut self.film)?;
+        self.on.mark(None);
+        self.passes += 1;
+        let to_user = |required: bool, radius: f32| {
+            required.then(|| self.units.length_to_user(radii::gather(&self.settings, radius, index).radius_scale))
+        };
+        let report = PassReport {
+            index,
+            paths: u64::from(traced),
+            tally,
+            radius_direct: to_user(self.required.direct_map, self.radii.direct),
+            radius_caustic: to_user(self.required.caustic_map, self.radii.caustic),
+            radius_global: to_user(self.required.global_map, self.radii.global),
+            queries,
+            seconds: self.on.timings()?,
+        };
+        let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || traced < wanted;
+        Ok(if stop { PassEnd::Last(report) } else { PassEnd::Done(report) })
+    }
+
+    fn film(&mut self) -> Result<Film> {
+        let mut film = self.on.read_film(&self.film)?;
+        film.clamp = matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp);
+        Ok(film)
+    }
+
+    fn facts(&self) -> Facts {
+        Facts {
+            backend: self.on.name(),
+            device: self.on.device(),
+            required: self.required,
+            memory: self.on.memory(&self.scene),
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! The radius within which each map is searched.
+
+use crate::progressive::radius_squared_factor;
+use crate::settings::{Estimator, Settings};
+use crate::stages::{Gather, Rule};
+use crate::units::Units;
+
+/// Photons that the first pass is to find within the derived radius, where a typical photon lies.
+pub(crate) const NEIGHBOURS: u32 = 50;
+
+/// Where no map can tell: a fiftieth of the scene.
+const FALLBACK: f32 = 0.02;
+
+/// How far a nearest-photon search goes where nobody said: a tenth of the scene. Without a limit,
+/// a query that few photons can serve would look through the whole map.
+const NEAREST_LIMIT: f32 = 0.1;
+
+/// One radius per map, normalised space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Radii {
+    pub(crate) direct: f32,
+    pub(crate) caustic: f32,
+    pub(crate) global: f32,
+}
+
+/// Whether radii must be derived from photons.
+pub(crate) fn need_pilot(settings: &Settings) -> bool {
+    match settings.estimator {
+        Estimator::Radius { radius } => radius.is_none(),
+        Estimator::Knn { .. } => false,
+        Estimator::Paper(paper) => paper.radius.is_none(),
+    }
+}
+
+/// The same radius for all maps, where it is given.
+pub(crate) fn given(settings: &Settings, units: &Units) -> Radii {
+    let radius = match settings.estimator {
+        Estimator::Radius { radius } => radius.map_or(FALLBACK, |r| units.length(r)),
+        Estimator::Knn { max_radius, .. } => max_radius.map_or(NEAREST_LIMIT, |r| units.length(r)),
+        Estimator::Paper(paper) => paper.radius.map_or(FALLBACK, |r| units.length(r)),
+    };
+    // A normalised radius beyond the scene is as good as any other there; below it, as small as
+    // the rounding of positions, nothing is found anyway but a square of it must not vanish.
+    let radius = radius.clamp(1e-12, 4.0);
+    Radii { direct: radius, caustic: radius, global: radius }
+}
+
+/// From a pilot's radius around `neighbours` photons of `pilot` paths to the first pass's.
+pub(crate) fn from_pilot(radius: Option<f32>, neighbours: u32, pilot: u32, photons: u32) -> f32 {
+    let Some(radius) = radius else { return FALLBACK };
+    let factor = f64::from(NEIGHBOURS) * f64::from(pilot) / (f64::from(neighbours) * f64::from(photons));
+    ((f64::from(radius) * factor.sqrt()) as f32).clamp(1e-6, 0.25)
+}
+
+/// How pass `index` reads a map whose first radius is `radius`.
+pub(crate) fn gather(settings: &Settings, radius: f32, index: u32) -> Gather {
+    let (rule, shrink) = match settings.estimator {
+        Estimator::Radius { .. } => (Rule::Radius, radius_squared_factor(index, settings.alpha).sqrt()),
+        Estimator::Knn { k, .. } => (Rule::Nearest { k }, 1.0),
+        Estimator::Paper(p) => (Rule::Paper { max: p.max, threshold: p.threshold, factor: p.factor }, 1.0),
+    };
+    Gather {
+        rule,
+        kernel: settings.kernel,
+        radius_scale: radius * shrink as f32,
+        min_normal_cosine: settings.min_normal_cosine,
+    }
+}

@@ -1,0 +1,149 @@
+//! Random numbers as a pure function of (seed, pass, domain, path, dimension).
+//!
+//! No state is carried from one path to the next, so that the numbers do not depend on which
+//! thread, batch, machine or backend asks for them. Integer arithmetic only: the GLSL twin gives
+//! the same words.
+
+use crate::settings::RandomKind;
+
+/// What the numbers are for; keeps the streams of different stages apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Domain {
+    /// Emission and scattering of photons.
+    Photon = 0,
+    /// Camera paths.
+    Eye = 1,
+    /// Points on lights for shadow rays.
+    Shadow = 2,
+    /// Final-gather rays.
+    Gather = 3,
+}
+
+/// Four independent words from a counter and a key: Philox4x32-10 (Salmon, Moraes, Dror and Shaw
+/// 2011), which passes TestU01's BigCrush.
+#[inline]
+#[must_use]
+pub fn philox4x32(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
+    const ROUNDS: u32 = 10;
+    const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
+    const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
+    for _ in 0..ROUNDS {
+        let a = u64::from(MULTIPLIER[0]) * u64::from(counter[0]);
+        let b = u64::from(MULTIPLIER[1]) * u64::from(counter[2]);
+        counter = [
+            (b >> 32) as u32 ^ counter[1] ^ key[0],
+            b as u32,
+            (a >> 32) as u32 ^ counter[3] ^ key[1],
+            a as u32,
+        ];
+        key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
+    }
+    counter
+}
+
+/// One step of the paper's generator, `N' = (a N + b) mod 2³¹`, with the constants of ISO C's
+/// example of `rand`.
+#[inline]
+#[must_use]
+pub fn lcg(state: u32) -> u32 {
+    state.wrapping_mul(1_103_515_245).wrapping_add(12_345) & 0x7FFF_FFFF
+}
+
+/// A word as a number in `[0, 1)`: its upper 24 bits, exactly.
+#[inline]
+#[must_use]
+pub fn unit_f32(word: u32) -> f32 {
+    (word >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// The random numbers of one path.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampler {
+    kind: RandomKind,
+    key: [u32; 2],
+    path: u32,
+    pass: u32,
+    domain: u32,
+    state: u32,
+}
+
+impl Sampler {
+    /// The numbers of path `path` of pass `pass`. Only photons obey `kind`; all else is
+    /// counter-based.
+    #[inline]
+    #[must_use]
+    pub fn new(kind: RandomKind, seed: u64, pass: u32, domain: Domain, path: u32) -> Self {
+        let kind = if domain == Domain::Photon { kind } else { RandomKind::Counter };
+        Self {
+            kind,
+            key: [seed as u32, (seed >> 32) as u32],
+            path,
+            pass,
+            domain: domain as u32,
+            // As in the paper, thread by thread: neighbours start at neighbouring numbers.
+            state: path.wrapping_add(pass.wrapping_mul(0x9E37_79B9)).wrapping_add(seed as u32) & 0x7FFF_FFFF,
+        }
+    }
+
+    /// Four words. With the counter, `block` (four dimensions each) says which; the LCG gives the
+    /// next four of its sequence, 31 bits each, shifted up to fill the word.
+    #[inline]
+    #[must_use]
+    pub fn words(&mut self, block: u32) -> [u32; 4] {
+        match self.kind {
+            RandomKind::Counter => philox4x32([self.path, block, self.pass, self.domain], self.key),
+            RandomKind::Lcg => std::array::from_fn(|_| {
+                self.state = lcg(self.state);
+                self.state << 1
+            }),
+        }
+    }
+}
+
+/// Block of dimensions that chooses the light and the point on it.
+pub const BLOCK_LIGHT: u32 = 0;
+/// Block of dimensions that chooses the direction in which a photon leaves, or the point of the
+/// pixel that a camera path starts at.
+pub const BLOCK_START: u32 = 1;
+/// Block of dimensions of the first surface met; the next ones follow.
+pub const BLOCK_SURFACES: u32 = 2;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The known answers published with Random123.
+    #[test]
+    fn philox_gives_the_published_words() {
+        assert_eq!(philox4x32([0; 4], [0; 2]), [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]);
+        assert_eq!(
+            philox4x32([u32::MAX; 4], [u32::MAX; 2]),
+            [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]
+        );
+    }
+
+    #[test]
+    fn unit_interval_is_half_open() {
+        assert_eq!(unit_f32(0), 0.0);
+        assert!(unit_f32(u32::MAX) < 1.0);
+    }
+
+    #[test]
+    fn numbers_depend_on_every_part_of_the_key() {
+        let draw = |seed, pass, domain, path, block| {
+            Sampler::new(RandomKind::Counter, seed, pass, domain, path).words(block)
+        };
+        let base = draw(1, 2, Domain::Photon, 3, 4);
+        assert_eq!(base, draw(1, 2, Domain::Photon, 3, 4));
+        for other in [
+            draw(1 << 40 | 1, 2, Domain::Photon, 3, 4),
+            draw(1, 3, Domain::Photon, 3, 4),
+            draw(1, 2, Domain::Eye, 3, 4),
+            draw(1, 2, Domain::Photon, 4, 4),
+            draw(1, 2, Domain::Photon, 3, 5),
+        ] {
+            assert_ne!(base, other);
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The stages of a pass. Each is object-safe for a fixed backend, so that a user may swap one.
+
+use std::ops::Range;
+
+use crate::backend::{Backend, TransportBackend};
+use crate::error::Result;
+use crate::kernel::Kernel;
+use crate::layout::{Camera, Estimate, Photon, PhotonRay, Query};
+use crate::settings::RandomKind;
+use crate::tally::Tally;
+
+/// Which paths of which pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// The pass.
+    pub pass: Pass,
+    /// Numbers of the paths within the pass.
+    pub paths: Range<u32>,
+}
+
+/// The key of a pass's random numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// Key of all random numbers.
+    pub seed: u64,
+    /// Number of the pass, from 0.
+    pub index: u32,
+    /// Which random numbers photons get.
+    pub random: RandomKind,
+}
+
+/// A camera and the picture that it takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// The camera, its right and up vectors fitted to the picture's aspect.
+    pub camera: Camera,
+    /// Pixels across, ≥ 1.
+    pub width: u32,
+    /// Pixels down, ≥ 1.
+    pub height: u32,
+}
+
+/// How photons near a query become an estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gather {
+    /// Which photons.
+    pub rule: Rule,
+    /// How they are weighted.
+    pub kernel: Kernel,
+    /// Factor on every query's radius, > 0.
+    pub radius_scale: f32,
+    /// A photon counts if its surface's normal and the query's have at least this cosine; −1 lets
+    /// all count.
+    pub min_normal_cosine: f32,
+}
+
+/// Which photons count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// All within the radius.
+    Radius,
+    /// The `k` nearest within the radius. If there are k, the farthest sets the radius and does
+    /// not count itself, which makes the estimate free of bias: (k−1)/(π r_k²). If there are
+    /// fewer, all count over the full radius.
+    Nearest {
+        /// ≥ 2.
+        k: u32,
+    },
+    /// Equation (2) of Lin and Wang 2010: the `max` nearest within the radius, each times its
+    /// cosine and `factor`, over π r²; 0 with fewer than `threshold`.
+    Paper {
+        /// ≥ 1.
+        max: u32,
+        /// Least count.
+        threshold: u32,
+        /// Free scale.
+        factor: f32,
+    },
+}
+
+/// Sends photons out from the lights.
+pub trait Emitter<B: TransportBackend>: Send {
+    /// Replaces `rays` with one ray per path of the batch.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    fn emit(&mut self, on: &mut B, scene: &B::Scene, batch: &Batch, rays: &mut B::Buffer<PhotonRay>) -> Result<()>;
+}
+
+/// Follows photons through the scene.
+pub trait Tracer<B: TransportBackend>: Send {
+    /// Follows `rays` and appends a photon to one of `deposits` at each diffuse surface met, in
+    /// order of path, then bounce.
+    ///
+    /// # Errors
+    /// What the backend raises. A full buffer is no error here; it shows in [`Backend::fill`].
+    fn trace(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        batch: &Batch,
+        rays: &B::Buffer<PhotonRay>,
+        deposits: Deposits<'_, B>,
+    ) -> Result<()>;
+
+    /// What became of all paths since the last call. Blocks.
+    ///
+    /// # Errors
+    /// Deferred errors surface here.
+    fn take_tally(&mut self, on: &mut B) -> Result<Tally>;
+}
+
+/// Where photons go; `None` for a map that is not called for.
+#[derive(Debug)]
+pub struct Deposits<'a, B: Backend> {
+    /// Straight from a light.
+    pub direct: Option<&'a mut B::Buffer<Photon>>,
+    /// From a light by specular surfaces alone.
+    pub caustic: Option<&'a mut B::Buffer<Photon>>,
+    /// After a diffuse surface.
+    pub global: Option<&'a mut B::Buffer<Photon>>,
+}
+
+/// Arranges photons for search.
+pub trait KdTreeBuilder<B: Backend>: Send {
+    /// Consumes the photons; the map owns them.
+    ///
+    /// # Errors
+    /// [`crate::Error::InvalidInput`] names a photon that is not finite.
+    fn build(&mut self, on: &mut B, photons: B::Buffer<Photon>) -> Result<B::PhotonMap>;
+
+    /// Gives the storage back, emptied, for the next pass.
+    fn reclaim(&mut self, map: B::PhotonMap) -> B::Buffer<Photon>;
+}
+
+/// Estimates the irradiance at queries.
+pub trait RadianceEstimator<B: Backend>: Send {
+    /// Replaces `estimates` with one per query.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    fn estimate(
+        &mut self,
+        on: &mut B,
+        map: &B::PhotonMap,
+        queries: &B::Buffer<Query>,
+        gather: &Gather,
+        estimates: &mut B::Buffer<Estimate>,
+    ) -> Result<()>;
+
+    /// A radius within which a typical photon has `neighbours` others on its side, normalised
+    /// space: the median over a fixed sample. `None` if there are too few photons to tell.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    fn typical_radius(&mut self, on: &mut B, map: &B::PhotonMap, neighbours: u32, min_normal_cosine: f32) -> Result<Option<f32>>;
+}
+
+/// Follows camera paths to the first diffuse surface.
+pub trait EyeTracer<B: TransportBackend>: Send {
+    /// Adds the lights seen to the film, with depth, normal and albedo, and replaces `queries`.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    fn trace_eye(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        view: &View,
+        pass: Pass,
+        film: &mut B::Film,
+        queries: &mut B::Buffer<Query>,
+    ) -> Result<()>;
+}
+
+/// Direct light by next-event estimation.
+pub trait DirectLight<B: TransportBackend>: Send {
+    /// Adds to [`crate::Layer::Direct`] of the film what `shadow_rays` rays per query find.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    fn light(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        pass: Pass,
+        queries: &B::Buffer<Query>,
+        shadow_rays: u32,
+        film: &mut B::Film,
+    ) -> Result<()>;
+}
+
+/// The photon maps of a pass, each with how it is read.
+#[derive(Debug)]
+pub struct Maps<'a, B: Backend> {
+    /// Photons straight from a light.
+    pub direct: Option<(&'a B::PhotonMap, Gather)>,
+    /// Photons by specular surfaces alone.
+    pub caustic: Option<(&'a B::PhotonMap, Gather)>,
+    /// Photons after a diffuse surface.
+    pub global: Option<(&'a B::PhotonMap, Gather)>,
+    /// Paths emitted.
+    pub paths: u64,
+}
+
+/// Indirect light by final gathering.
+pub trait FinalGather<B: TransportBackend>: Send {
+    /// Adds to [`crate::Layer::Indirect`] of the film what `rays` rays per query find in the maps
+    /// where they land.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    #[expect(clippy::too_many_arguments, reason = "each is a resource of its own; a struct would be taken apart at once")]
+    fn gather(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        maps: &Maps<'_, B>,
+        pass: Pass,
+        queries: &B::Buffer<Query>,
+        rays: u32,
+        film: &mut B::Film,
+    ) -> Result<()>;
+}
+
+/// The stages that need no scene. Swap a field to bring your own.
+#[expect(missing_debug_implementations, reason = "boxed stages")]
+pub struct MapStages<B: Backend> {
+    /// Arranges photons.
+    pub builder: Box<dyn KdTreeBuilder<B>>,
+    /// Asks them.
+    pub estimator: Box<dyn RadianceEstimator<B>>,
+}
+
+/// All stages. Swap a field to bring your own.
+#[expect(missing_debug_implementations, reason = "boxed stages")]
+pub struct Stages<B: TransportBackend> {
+    /// Sends photons out.
+    pub emitter: Box<dyn Emitter<B>>,
+    /// Follows them.
+    pub tracer: Box<dyn Tracer<B>>,
+    /// Follows camera paths.
+    pub eye: Box<dyn EyeTracer<B>>,
+    /// Shadow rays; `None` if not called for.
+    pub direct: Option<Box<dyn DirectLight<B>>>,
+    /// Final gathering; `None` if not called for.
+    pub gather: Option<Box<dyn FinalGather<B>>>,
+    /// Photon maps.
+    pub map: MapStages<B>,
+}

@@ -1,1 +1,22 @@
-//! The CPU backend.
+//! The CPU backend of the photon mapper: every stage on a pool of threads.
+//!
+//! The picture does not depend on the number of threads, on how paths are shared out among them, or
+//! on the size of batches: not in a single bit.
+#![forbid(unsafe_code)]
+
+mod cpu;
+mod direct;
+mod emit;
+mod estimate;
+mod eye;
+mod film;
+mod gather;
+pub mod index;
+mod map;
+mod scene;
+mod trace;
+
+pub use cpu::{Cpu, CpuBuffer};
+pub use film::CpuFilm;
+pub use map::CpuMap;
+pub use scene::CpuScene;

@@ -1,0 +1,184 @@
+//! The backend: a pool of threads, and buffers that are vectors.
+
+use std::time::Instant;
+
+use photon_core::{
+    Backend, Element, Error, Fill, IndexKind, MapStages, RayCaster, Result, SceneView, Stage, StageTimings,
+};
+
+use crate::estimate::CpuEstimator;
+use crate::map::{CpuBuilder, CpuMap};
+
+/// Makes the ray caster of a scene.
+pub(crate) type MakeCaster = Box<dyn Fn(&SceneView<'_>) -> Result<Box<dyn RayCaster>> + Send>;
+
+/// Renders on the processor's cores.
+#[expect(missing_debug_implementations, reason = "holds a thread pool and a closure")]
+pub struct Cpu {
+    pub(crate) pool: rayon::ThreadPool,
+    pub(crate) make_caster: Option<MakeCaster>,
+    timings: StageTimings,
+    running: Option<(Stage, Instant)>,
+    memory: Vec<(String, u64)>,
+}
+
+impl Cpu {
+    /// On all cores.
+    ///
+    /// # Errors
+    /// [`Error::Backend`] if the threads cannot be started.
+    pub fn new() -> Result<Self> {
+        Self::start(0)
+    }
+
+    /// On so many threads. The picture does not depend on it.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] for 0 or over 4096; [`Error::Backend`] if they cannot be started.
+    pub fn with_threads(threads: usize) -> Result<Self> {
+        if !(1..=4096).contains(&threads) {
+            return Err(Error::InvalidSetting {
+                name: "threads",
+                value: threads.to_string(),
+                mend: "must lie between 1 and 4096",
+            });
+        }
+        Self::start(threads)
+    }
+
+    fn start(threads: usize) -> Result<Self> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|n| format!("photon-{n}"))
+            .build()
+            .map_err(|source| Error::Backend { backend: "cpu: starting threads", source: Box::new(source) })?;
+        Ok(Self {
+            pool,
+            make_caster: None,
+            timings: StageTimings::default(),
+            running: None,
+            memory: Vec::new(),
+        })
+    }
+
+    /// With a ray caster of the caller's instead of `photon_scene::Accel`. It is made once for each
+    /// scene, from vertices and triangles in normalised space.
+    #[must_use]
+    pub fn with_caster<F>(mut self, make: F) -> Self
+    where
+        F: Fn(&SceneView<'_>) -> Result<Box<dyn RayCaster>> + Send + 'static,
+    {
+        self.make_caster = Some(Box::new(make));
+        self
+    }
+
+    /// How many threads it works on.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    pub(crate) fn note_memory(&mut self, label: &str, bytes: u64) {
+        match self.memory.iter_mut().find(|(known, _)| known == label) {
+            Some((_, known)) => *known = bytes,
+            None => self.memory.push((label.to_owned(), bytes)),
+        }
+    }
+
+    pub(crate) fn noted_memory(&self) -> &[(String, u64)] {
+        &self.memory
+    }
+}
+
+/// Elements of one kind.
+#[derive(Debug)]
+pub struct CpuBuffer<T> {
+    pub(crate) data: Vec<T>,
+    pub(crate) label: &'static str,
+    pub(crate) capacity: u64,
+    pub(crate) needed: u64,
+}
+
+impl<T: Copy> CpuBuffer<T> {
+    /// What it holds.
+    #[must_use]
+    pub fn as_slice(&self) -> &[T] {
+        &self.data
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.data.clear();
+        self.needed = 0;
+    }
+
+    /// Appends what fits, and counts all.
+    pub(crate) fn append(&mut self, more: &[T]) {
+        let room = (self.capacity - self.data.len() as u64).min(more.len() as u64) as usize;
+        self.data.extend_from_slice(&more[..room]);
+        self.needed += more.len() as u64;
+    }
+}
+
+impl Backend for Cpu {
+    type Buffer<T: Element> = CpuBuffer<T>;
+    type PhotonMap = CpuMap;
+
+    fn name(&self) -> &'static str {
+        "cpu"
+    }
+
+    fn device(&self) -> String {
+        format!("{} threads, {}", self.threads(), std::env::consts::ARCH)
+    }
+
+    fn alloc<T: Element>(&mut self, label: &'static str, capacity: u64) -> Result<CpuBuffer<T>> {
+        let bytes = capacity.saturating_mul(size_of::<T>() as u64);
+        let mut data = Vec::new();
+        let count = usize::try_from(capacity).unwrap_or(usize::MAX);
+        data.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { label, bytes })?;
+        self.note_memory(label, bytes);
+        Ok(CpuBuffer { data, label, capacity, needed: 0 })
+    }
+
+    fn upload<T: Element>(&mut self, label: &'static str, data: &[T]) -> Result<CpuBuffer<T>> {
+        let mut buffer = self.alloc(label, data.len() as u64)?;
+        buffer.append(data);
+        Ok(buffer)
+    }
+
+    fn download<T: Element>(&mut self, from: &CpuBuffer<T>, to: &mut Vec<T>) -> Result<()> {
+        let Fill { needed, capacity, .. } = self.fill(from)?;
+        if needed > capacity {
+            return Err(Error::CapacityExceeded { label: from.label, needed, capacity });
+        }
+        to.clear();
+        to.extend_from_slice(&from.data);
+        Ok(())
+    }
+
+    fn fill<T: Element>(&mut self, buffer: &CpuBuffer<T>) -> Result<Fill> {
+        Ok(Fill { length: buffer.data.len() as u64, needed: buffer.needed, capacity: buffer.capacity })
+    }
+
+    fn clear<T: Element>(&mut self, buffer: &mut CpuBuffer<T>) -> Result<()> {
+        buffer.clear();
+        Ok(())
+    }
+
+    fn map_stages(&mut self, index: IndexKind) -> Result<MapStages<Self>> {
+        Ok(MapStages { builder: Box::new(CpuBuilder::new(index)), estimator: Box::new(CpuEstimator) })
+    }
+
+    fn mark(&mut self, stage: Option<Stage>) {
+        let now = Instant::now();
+        if let Some((running, since)) = self.running.take() {
+            self.timings.add(running, (now - since).as_secs_f64());
+        }
+        self.running = stage.map(|stage| (stage, now));
+    }
+
+    fn timings(&mut self) -> Result<StageTimings> {
+        self.mark(None);
+        Ok(std::mem::take(&mut self.timings))
+    }
+}

@@ -1,0 +1,109 @@
+//! Direct light by next-event estimation.
+
+use photon_core::glam::Vec3;
+use photon_core::random::{Domain, Sampler, unit_f32};
+use photon_core::{
+    DirectLight, Layer, Light, Pass, Query, RandomKind, Ray, Result, light_probability, offset, pick_light, sampling,
+};
+
+use crate::cpu::{Cpu, CpuBuffer};
+use crate::film::{CpuFilm, deposit};
+use crate::scene::CpuScene;
+
+/// Shadow rays to points on the lights.
+#[derive(Debug)]
+pub(crate) struct CpuDirect;
+
+impl DirectLight<Cpu> for CpuDirect {
+    fn light(
+        &mut self,
+        on: &mut Cpu,
+        scene: &CpuScene,
+        pass: Pass,
+        queries: &CpuBuffer<Query>,
+        shadow_rays: u32,
+        film: &mut CpuFilm,
+    ) -> Result<()> {
+        on.pool.install(|| {
+            film.for_queries(
+                queries.as_slice(),
+                || (),
+                |(), _, query, pixel| {
+                    let irradiance = irradiance(scene, pass, query, shadow_rays);
+                    deposit(pixel, Layer::Direct, query.weight, irradiance);
+                },
+            );
+        });
+        Ok(())
+    }
+}
+
+/// Mean over `rays` shadow rays, spread over the lights by their power.
+fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
+    let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
+    let mut sum = [0.0; 3];
+    for ray in 0..rays {
+        let [choice, u, v, side] = sampler.words(ray);
+        // One stratum of the lights for each ray.
+        let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
+        let index = pick_light(&scene.light_starts, choice);
+        let share = light_probability(&scene.light_starts, index);
+        let sample = sample(scene, &scene.lights[index], query, unit_f32(u), unit_f32(v), side);
+        let Some((value, ray)) = sample else { continue };
+        if !scene.caster.occluded(&ray) {
+            for c in 0..3 {
+                sum[c] += f64::from(value[c]) / share;
+            }
+        }
+    }
+    sum.map(|s| s / f64::from(rays))
+}
+
+/// Unoccluded irradiance from one point of a light over the density of that point, and the ray that
+/// must be free. `None` if the light is on the other side.
+fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32, side: u32) -> Option<(Vec3, Ray)> {
+    let normal = Vec3::from(query.normal);
+    let from = offset::off_surface(query.position.into(), normal);
+    let power = Vec3::from(light.power);
+    if light.kind == Light::DIRECTIONAL {
+        let direction = -Vec3::from(light.direction);
+        let cosine = normal.dot(direction);
+        let area = std::f32::consts::PI * light.radius * light.radius;
+        let ray = Ray { origin: from, direction, t_max: f32::INFINITY };
+        return (cosine > 0.0).then(|| (power * (cosine / area), ray));
+    }
+    let (to, front) = if light.kind == Light::TRIANGLE {
+        let primitive = light.primitive as usize;
+        let (b, c) = sampling::triangle(u, v);
+        let point = offset::barycentric(scene.vertices[primitive], b, c);
+        let both = light.flags & Light::BOTH_SIDES != 0;
+        let front = Vec3::from(scene.facets[primitive].normal);
+        let front = if both && side >> 31 == 1 { -front } else { front };
+        (offset::off_surface(point, front), front)
+    } else {
+        (Vec3::from(light.position), Vec3::ZERO)
+    };
+    let gap = to - from;
+    let squared = gap.length_squared();
+    let distance = squared.sqrt();
+    let direction = gap / distance;
+    let cosine = normal.dot(direction);
+    if !(cosine > 0.0) {
+        return None;
+    }
+    // Radiant intensity towards the query.
+    let intensity = match light.kind {
+        Light::POINT => power * (0.25 * std::f32::consts::FRAC_1_PI),
+        Light::SPOT => {
+            let along = -direction.dot(light.direction.into());
+            let falloff = sampling::spot_falloff(along, light.cos_inner, light.cos_outer);
+            power * (falloff / sampling::spot_solid_angle(light.cos_inner, light.cos_outer) as f32)
+        }
+        // All its power, as if it left this point with the cosine of Lambert.
+        _ => power * (-direction.dot(front) * std::f32::consts::FRAC_1_PI).max(0.0),
+    };
+    if intensity == Vec3::ZERO {
+        return None;
+    }
+    Some((intensity * (cosine / squared), Ray { origin: from, direction, t_max: distance }))
+}

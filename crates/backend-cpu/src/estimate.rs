@@ -1,0 +1,182 @@
+//! Irradiance from the photons near a point.
+
+use photon_core::glam::Vec3;
+use photon_core::{Estimate, Gather, Query, RadianceEstimator, Result, Rule, octahedral};
+use rayon::prelude::*;
+
+use crate::cpu::{Cpu, CpuBuffer};
+use crate::index::Neighbours;
+use crate::map::CpuMap;
+
+/// The least squared radius that an estimate divides by: (2⁻²⁰ of the scene)².
+const LEAST: f32 = 1.0 / (1_048_576.0 * 1_048_576.0);
+
+/// Queries that a thread takes at a time.
+const BLOCK: usize = 256;
+
+/// Asks photon maps.
+#[derive(Debug)]
+pub(crate) struct CpuEstimator;
+
+impl RadianceEstimator<Cpu> for CpuEstimator {
+    fn estimate(
+        &mut self,
+        on: &mut Cpu,
+        map: &CpuMap,
+        queries: &CpuBuffer<Query>,
+        gather: &Gather,
+        estimates: &mut CpuBuffer<Estimate>,
+    ) -> Result<()> {
+        estimates.clear();
+        estimates.needed = queries.data.len() as u64;
+        let fit = queries.data.len().min(estimates.capacity as usize);
+        estimates.data.resize(fit, Estimate::default());
+        on.pool.install(|| {
+            estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK)).for_each(|(out, queries)| {
+                // Neighbouring queries have similar radii, which the scratch remembers.
+                let mut scratch = Neighbours::default();
+                for (estimate, query) in out.iter_mut().zip(queries) {
+                    let radius = query.radius * gather.radius_scale;
+                    let normal = Vec3::from(query.normal);
+                    *estimate = estimate_at(map, query.position, normal, radius, gather, &mut scratch);
+                }
+            });
+        });
+        Ok(())
+    }
+
+    fn typical_radius(
+        &mut self,
+        on: &mut Cpu,
+        map: &CpuMap,
+        neighbours: u32,
+        min_normal_cosine: f32,
+    ) -> Result<Option<f32>> {
+        const SAMPLE: usize = 1024;
+        // No photon is asked to look farther than a quarter of the scene.
+        const LIMIT: f32 = 0.25 * 0.25;
+        let photons = map.photons();
+        let count = photons.len().min(SAMPLE);
+        if photons.len() <= neighbours as usize {
+            return Ok(None);
+        }
+        let mut found: Vec<f32> = on.pool.install(|| {
+            (0..count)
+                .into_par_iter()
+                .filter_map(|i| {
+                    let photon = &photons[i * photons.len() / count];
+                    let normal = octahedral::unpack(photon.normal);
+                    let mut scratch = Neighbours::default();
+                    let accept = |slot| map.arrived(slot).normal.dot(normal) >= min_normal_cosine;
+                    map.index().nearest(photon.position, neighbours as usize + 1, LIMIT, accept, &mut scratch);
+                    let nearest = scratch.as_slice();
+                    (nearest.len() > neighbours as usize).then(|| nearest[neighbours as usize].d2)
+                })
+                .collect()
+        });
+        if found.len() * 2 < count {
+            return Ok(None);
+        }
+        found.sort_unstable_by(f32::total_cmp);
+        Ok(Some(found[found.len() / 2].max(LEAST).sqrt()))
+    }
+}
+
+/// The estimate at one point. `normal` is unit, on the side looked at.
+pub(crate) fn estimate_at(
+    map: &CpuMap,
+    position: [f32; 3],
+    normal: Vec3,
+    radius: f32,
+    gather: &Gather,
+    scratch: &mut Neighbours,
+) -> Estimate {
+    let radius_squared = radius * radius;
+    let accept = |slot: u32| map.arrived(slot).normal.dot(normal) >= gather.min_normal_cosine;
+    match gather.rule {
+        Rule::Radius => {
+            let mut sum = Sum::new(radius_squared);
+            let scale = 1.0 / sum.radius_squared;
+            map.index().within(position, radius_squared, |slot, d2| {
+                if accept(slot) {
+                    let weight = gather.kernel.weight((d2 * scale).min(1.0));
+                    sum.add(map.arrived(slot).power, weight);
+                }
+            });
+            sum.finish()
+        }
+        Rule::Nearest { k } => {
+            map.index().nearest(position, k as usize, radius_squared, accept, scratch);
+            let nearest = scratch.as_slice();
+            // The k-th only says how large the disc is that holds the others.
+            let full = nearest.len() == k as usize;
+            let (kept, reach) = match nearest.split_last() {
+                Some((last, others)) if full => (others, last.d2),
+                _ => (nearest, radius_squared),
+            };
+            let mut sum = Sum::new(reach);
+            let scale = 1.0 / sum.radius_squared;
+            for neighbour in kept {
+                let weight = gather.kernel.weight((neighbour.d2 * scale).min(1.0));
+                sum.add(map.arrived(neighbour.slot).power, weight);
+            }
+            sum.photons = nearest.len() as u32;
+            sum.finish()
+        }
+        Rule::Paper { max, threshold, factor } => {
+            let cosine = |slot: u32| octahedral::unpack(map.arrived(slot).direction).dot(normal);
+            map.index().nearest(position, max as usize, radius_squared, |slot| cosine(slot) > 0.0, scratch);
+            let nearest = scratch.as_slice();
+            if nearest.len() < threshold as usize {
+                return Sum::new(radius_squared).finish();
+            }
+            let reach = match nearest.last() {
+                Some(last) if nearest.len() == max as usize => last.d2,
+                _ => radius_squared,
+            };
+            let mut sum = Sum::new(reach);
+            for neighbour in nearest {
+                sum.add(map.arrived(neighbour.slot).power, cosine(neighbour.slot) * factor);
+            }
+            sum.finish()
+        }
+    }
+}
+
+/// Σ weight·power, in f64, so that a million photons add up.
+struct Sum {
+    flux: [f64; 3],
+    radius_squared: f32,
+    photons: u32,
+    flags: u32,
+}
+
+impl Sum {
+    fn new(radius_squared: f32) -> Self {
+        let singular = radius_squared < LEAST;
+        Self {
+            flux: [0.0; 3],
+            radius_squared: radius_squared.max(LEAST),
+            photons: 0,
+            flags: if singular { Estimate::SINGULAR } else { 0 },
+        }
+    }
+
+    #[inline]
+    fn add(&mut self, power: Vec3, weight: f32) {
+        for (sum, p) in self.flux.iter_mut().zip(power.to_array()) {
+            *sum += f64::from(p) * f64::from(weight);
+        }
+        self.photons += 1;
+    }
+
+    fn finish(self) -> Estimate {
+        Estimate {
+            flux: self.flux.map(|f| f as f32),
+            radius_squared: self.radius_squared,
+            photons: self.photons,
+            flags: self.flags,
+            reserved: [0; 2],
+        }
+    }
+}

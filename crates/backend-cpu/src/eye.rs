@@ -1,0 +1,193 @@
+//! Camera paths, to the first diffuse surface.
+
+use photon_core::glam::Vec3;
+use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
+use photon_core::{
+    Camera, EyeTracer, FilmPixel, Layer, Material, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, View,
+    bsdf, octahedral,
+};
+use rayon::prelude::*;
+
+use crate::cpu::{Cpu, CpuBuffer};
+use crate::film::{CpuFilm, deposit, splits};
+use crate::scene::{CpuScene, VACUUM};
+use crate::trace::{boundary, entered};
+
+/// Follows camera paths through mirrors and glass.
+///
+/// At the first two boundaries of glass a path splits, so that reflections in it are free of the
+/// noise of choosing; after that it chooses.
+#[derive(Debug)]
+pub(crate) struct CpuEye {
+    pub(crate) max_bounces: u32,
+}
+
+const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
+
+impl EyeTracer<Cpu> for CpuEye {
+    fn trace_eye(
+        &mut self,
+        on: &mut Cpu,
+        scene: &CpuScene,
+        view: &View,
+        pass: Pass,
+        film: &mut CpuFilm,
+        queries: &mut CpuBuffer<Query>,
+    ) -> Result<()> {
+        let max_splits = if splits(scene.features) { SPLITS } else { 0 };
+        let eye = Eye { scene, view, pass, max_bounces: self.max_bounces, max_splits };
+        let rows: Vec<Vec<Query>> = on.pool.install(|| {
+            film.pending
+                .par_chunks_mut(view.width as usize)
+                .enumerate()
+                .map(|(row, pixels)| {
+                    let mut found = Vec::with_capacity(pixels.len());
+                    for (column, pixel) in pixels.iter_mut().enumerate() {
+                        eye.look(column as u32, row as u32, pixel, &mut found);
+                    }
+                    found
+                })
+                .collect()
+        });
+        queries.clear();
+        for row in rows {
+            queries.append(&row);
+        }
+        Ok(())
+    }
+}
+
+struct Eye<'a> {
+    scene: &'a CpuScene,
+    view: &'a View,
+    pass: Pass,
+    max_bounces: u32,
+    max_splits: u32,
+}
+
+/// A camera path under way.
+#[derive(Clone, Copy)]
+struct Path {
+    ray: Ray,
+    weight: Vec3,
+    medium: u32,
+    surfaces: u32,
+    splits: u32,
+    /// Which of the pixel's paths this is; a key of random numbers.
+    branch: u32,
+}
+
+impl Eye<'_> {
+    fn look(&self, x: u32, y: u32, pixel: &mut FilmPixel, queries: &mut Vec<Query>) {
+        let number = y * self.view.width + x;
+        let sampler = |branch: u32| {
+            let key = number * QUERIES_PER_PIXEL + branch;
+            Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Eye, key)
+        };
+        let [a, b, ..] = sampler(0).words(BLOCK_START);
+        let across = 2.0 * (x as f32 + unit_f32(a)) / self.view.width as f32 - 1.0;
+        let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;
+        let first = Path {
+            ray: camera_ray(&self.view.camera, across, -down),
+            weight: Vec3::ONE,
+            medium: VACUUM,
+            surfaces: 0,
+            splits: 0,
+            branch: 0,
+        };
+        let mut waiting = [first; QUERIES_PER_PIXEL as usize];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let mut path = waiting[count];
+            while let Some(branch) = self.step(&mut path, number, pixel, queries, &sampler) {
+                if let Some(branch) = branch {
+                    waiting[count] = branch;
+                    count += 1;
+                }
+            }
+        }
+    }
+
+    /// One surface. `None` when the path has ended; within, the other path if it has split.
+    fn step(
+        &self,
+        path: &mut Path,
+        number: u32,
+        pixel: &mut FilmPixel,
+        queries: &mut Vec<Query>,
+        sampler: &impl Fn(u32) -> Sampler,
+    ) -> Option<Option<Path>> {
+        let surface = self.scene.surface(&path.ray)?;
+        let material = &self.scene.materials[surface.material as usize];
+        if path.surfaces == 0 {
+            pixel.hits += 1;
+            pixel.depth += f64::from(surface.t);
+            for axis in 0..3 {
+                pixel.normal[axis] += f64::from(surface.normal[axis]);
+                pixel.albedo[axis] += f64::from(material.albedo[axis]);
+            }
+        }
+        path.weight *= self.scene.transmittance(&surface, path.medium);
+        if material.is_emissive() && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
+            deposit(pixel, Layer::Emission, path.weight.into(), material.emission.map(f64::from));
+        }
+        let albedo = Vec3::from(material.albedo);
+        if material.is_diffuse() {
+            let weight = path.weight * albedo * std::f32::consts::FRAC_1_PI;
+            if weight != Vec3::ZERO {
+                queries.push(Query {
+                    position: surface.point.into(),
+                    radius: 1.0,
+                    normal: surface.normal.into(),
+                    pixel: number,
+                    weight: weight.into(),
+                    material: surface.material,
+                    outgoing: octahedral::pack(-path.ray.direction),
+                    path: number * QUERIES_PER_PIXEL + path.branch,
+                    reserved: [0; 2],
+                });
+            }
+            return None;
+        }
+        path.surfaces += 1;
+        if path.surfaces >= self.max_bounces {
+            return None;
+        }
+        if material.kind == Material::MIRROR {
+            path.weight *= albedo;
+            path.ray = surface.leave(bsdf::reflect(path.ray.direction, surface.normal));
+            return Some(None);
+        }
+        let (reflectance, beyond) = boundary(material, &surface, path.ray.direction);
+        let reflected = Path { ray: surface.leave(bsdf::reflect(path.ray.direction, surface.normal)), ..*path };
+        let passed = Path {
+            ray: surface.pass(beyond),
+            weight: path.weight * albedo,
+            medium: entered(material, &surface, path.medium),
+            ..*path
+        };
+        if reflectance > 0.0 && reflectance < 1.0 && path.splits < self.max_splits {
+            let bit = 1 << path.splits;
+            let splits = path.splits + 1;
+            *path = Path { weight: passed.weight * (1.0 - reflectance), splits, ..passed };
+            let other = Path { weight: reflected.weight * reflectance, splits, branch: path.branch | bit, ..reflected };
+            return Some(Some(other));
+        }
+        let [choice, ..] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);
+        *path = if unit_f32(choice) < reflectance { reflected } else { passed };
+        Some(None)
+    }
+}
+
+/// The ray through a point of the picture, both coordinates in `[-1, 1]`.
+fn camera_ray(camera: &Camera, x: f32, y: f32) -> Ray {
+    let offset = Vec3::from(camera.right) * x + Vec3::from(camera.up) * y;
+    let (origin, forward) = (Vec3::from(camera.origin), Vec3::from(camera.forward));
+    let (origin, direction) = if camera.kind == Camera::ORTHOGRAPHIC {
+        (origin + offset, forward)
+    } else {
+        (origin, (forward + offset).normalize_or(forward))
+    };
+    Ray { origin, direction, t_max: f32::INFINITY }
+}

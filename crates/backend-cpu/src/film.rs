@@ -1,0 +1,160 @@
+//! The picture in progress.
+
+use photon_core::{
+    Estimate, Features, Film, FilmPixel, Layer, Query, Requirements, Result, SceneView, Settings, Stages,
+    TransportBackend,
+};
+use rayon::prelude::*;
+
+use crate::cpu::{Cpu, CpuBuffer};
+use crate::direct::CpuDirect;
+use crate::emit::CpuEmitter;
+use crate::estimate::CpuEstimator;
+use crate::eye::CpuEye;
+use crate::gather::CpuGather;
+use crate::map::CpuBuilder;
+use crate::scene::CpuScene;
+use crate::trace::CpuTracer;
+
+/// Sums over finished passes, and the pass in progress apart from them.
+#[derive(Debug)]
+pub struct CpuFilm {
+    pub(crate) film: Film,
+    pub(crate) pending: Vec<FilmPixel>,
+}
+
+impl CpuFilm {
+    /// Calls `work` with every query and the present pass of its pixel; rows in parallel. Queries are
+    /// in order of pixels.
+    pub(crate) fn for_queries<S: Send>(
+        &mut self,
+        queries: &[Query],
+        scratch: impl Fn() -> S + Sync,
+        work: impl Fn(&mut S, usize, &Query, &mut FilmPixel) + Sync,
+    ) {
+        let width = self.film.width;
+        self.pending.par_chunks_mut(width as usize).enumerate().for_each(|(row, pixels)| {
+            let first = row as u32 * width;
+            let start = queries.partition_point(|query| query.pixel < first);
+            let mut scratch = scratch();
+            for (index, query) in queries.iter().enumerate().skip(start) {
+                let Some(pixel) = pixels.get_mut((query.pixel - first) as usize) else { break };
+                work(&mut scratch, index, query, pixel);
+            }
+        });
+    }
+}
+
+/// Adds `weight × value` to a layer.
+#[inline]
+pub(crate) fn deposit(pixel: &mut FilmPixel, layer: Layer, weight: [f32; 3], value: [f64; 3]) {
+    for c in 0..3 {
+        pixel.layers[layer as usize][c] += f64::from(weight[c]) * value[c];
+    }
+}
+
+impl TransportBackend for Cpu {
+    type Scene = CpuScene;
+    type Film = CpuFilm;
+
+    fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<CpuScene> {
+        CpuScene::new(self, scene, required)
+    }
+
+    fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {
+        Ok(Stages {
+            emitter: Box::new(CpuEmitter),
+            tracer: Box::new(CpuTracer::new(settings, required.features)),
+            eye: Box::new(CpuEye { max_bounces: settings.max_bounces }),
+            direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
+            gather: if required.final_gather {
+                Some(Box::new(CpuGather { max_bounces: settings.max_bounces }))
+            } else {
+                None
+            },
+            map: photon_core::MapStages {
+                builder: Box::new(CpuBuilder::new(settings.index)),
+                estimator: Box::new(CpuEstimator),
+            },
+        })
+    }
+
+    fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<CpuFilm> {
+        let film = Film::new(width, height, scene.units)?;
+        let pending = Film::new(width, height, scene.units)?.pixels;
+        let bytes = (film.pixels.len() + pending.len()) * size_of::<FilmPixel>();
+        self.note_memory("film", bytes as u64);
+        Ok(CpuFilm { film, pending })
+    }
+
+    fn fold(
+        &mut self,
+        film: &mut CpuFilm,
+        layer: Layer,
+        queries: &CpuBuffer<Query>,
+        estimates: &CpuBuffer<Estimate>,
+        paths: u64,
+    ) -> Result<()> {
+        let estimates = estimates.as_slice();
+        self.pool.install(|| {
+            film.for_queries(
+                queries.as_slice(),
+                || (),
+                |(), index, query, pixel| {
+                    if let Some(estimate) = estimates.get(index) {
+                        deposit(pixel, layer, query.weight, estimate.irradiance(paths));
+                    }
+                },
+            );
+        });
+        Ok(())
+    }
+
+    fn end_pass(&mut self, film: &mut CpuFilm) -> Result<()> {
+        self.pool.install(|| {
+            let sums = film.film.pixels.par_iter_mut().with_min_len(4096);
+            sums.zip(&mut film.pending).for_each(|(sum, pass)| {
+                let radiance = pass.layers.iter().flatten().sum::<f64>() / 3.0;
+                for (a, b) in sum.layers.iter_mut().flatten().zip(pass.layers.iter().flatten()) {
+                    *a += b;
+                }
+                for axis in 0..3 {
+                    sum.normal[axis] += pass.normal[axis];
+                    sum.albedo[axis] += pass.albedo[axis];
+                }
+                sum.square += radiance * radiance;
+                sum.depth += pass.depth;
+                sum.hits += pass.hits;
+                *pass = FilmPixel::default();
+            });
+        });
+        film.film.passes += 1;
+        Ok(())
+    }
+
+    fn abandon_pass(&mut self, film: &mut CpuFilm) -> Result<()> {
+        film.pending.fill(FilmPixel::default());
+        Ok(())
+    }
+
+    fn read_film(&mut self, film: &CpuFilm) -> Result<Film> {
+        Ok(film.film.clone())
+    }
+
+    fn memory(&self, scene: &CpuScene) -> Vec<(String, u64)> {
+        let bytes = |count: usize, size: usize| (count * size) as u64;
+        let mut memory = vec![
+            ("triangles".to_owned(), bytes(scene.vertices.len(), 36) + bytes(scene.facets.len(), 16)),
+            ("materials".to_owned(), bytes(scene.materials.len(), 48)),
+            ("lights".to_owned(), bytes(scene.lights.len(), 64 + 4)),
+            ("bvh".to_owned(), scene.caster.bytes()),
+        ];
+        memory.extend(self.noted_memory().iter().cloned());
+        memory
+    }
+}
+
+/// Whether camera paths can split.
+pub(crate) fn splits(features: Features) -> bool {
+    features.intersects(Features::DIELECTRIC.union(Features::THIN))
+}

@@ -1,0 +1,48 @@
+//! The left-balanced kd-tree: split at the median along the longest axis (Jensen 2001, *Realistic
+//! Image Synthesis Using Photon Mapping*, chapter 6, has the split rule), one canonical result.
+//!
+//! # The canonical order
+//!
+//! Any builder, on any device, that keeps these rules arrives at the same permutation, bit for bit:
+//!
+//! 1. Negative zeros count as zeros. The whole set is one segment.
+//! 2. A segment of at most 16 points is a block: its points in order of their ids.
+//! 3. A longer segment of n points has the tight box of its points; its axis is the one with the
+//!    greatest `hi − lo` in `f32`, the lowest axis of equals.
+//! 4. Its left part is the first 16·2^j points, 2^j the greatest power of two below ⌈n/16⌉, in the
+//!    order (coordinate on the axis, id); its right part is the rest. Both are segments.
+//!
+//! So every left part is a perfect tree, all blocks but the last are full, and the parts of one level
+//! all begin at multiples of one size: a breadth-first builder needs no bookkeeping but the level.
+//! Four levels of splits make one node of sixteen children.
+
+use crate::index::layout::{Bounds, Item, WIDTH};
+use crate::index::select::select;
+
+/// Segments longer than this are split in two tasks.
+const TASK: usize = 1 << 13;
+
+/// Brings `items` into the canonical order.
+pub(crate) fn arrange(items: &mut [Item]) {
+    if items.len() <= WIDTH {
+        items.sort_unstable_by_key(|item| item.id);
+        return;
+    }
+    let left = left_size(items.len());
+    let (axis, _) = Bounds::around(items).longest();
+    select(items, left, axis);
+    let (low, high) = items.split_at_mut(left);
+    // Recursion ends after 28 levels: 2³² points in blocks of 2⁴.
+    if low.len() > TASK {
+        rayon::join(|| arrange(low), || arrange(high));
+    } else {
+        arrange(low);
+        arrange(high);
+    }
+}
+
+/// Points in the left part of a segment of `len` > 16 points.
+pub(crate) fn left_size(len: usize) -> usize {
+    let blocks = len.div_ceil(WIDTH);
+    WIDTH << (blocks - 1).ilog2()
+}

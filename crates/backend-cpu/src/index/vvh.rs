@@ -1,0 +1,124 @@
+//! The kd-tree split by the Voxel Volume Heuristic (Wald, Günther, Slusallek 2004, *Balancing
+//! Considered Harmful: Faster Photon Mapping using the Voxel Volume Heuristic*): of all planes across
+//! the longest axis of a voxel, the one that minimises volume × photons, summed over both sides.
+//!
+//! Both volumes share the voxel's other two extents, so along one axis the cost of a plane at x is
+//! (x − lo)·N_left + (hi − x)·N_right. It is evaluated at 63 planes; the best one's count is then
+//! rounded to whole blocks, so that no lane of a block stands empty. Voxels are the tight boxes of
+//! their points: empty rims never need a split of their own.
+
+use crate::index::layout::{Bounds, Item, LEAF, Node, WIDTH};
+use crate::index::median::left_size;
+use crate::index::select::select;
+
+/// Slabs across a voxel, between which the planes lie.
+const SLABS: usize = 64;
+
+/// Below this depth voxels are split at the median. Adversarial points could make the heuristic peel
+/// off block after block; 24 levels of it and at most 28 of medians stay under [`MAX_DEPTH`].
+///
+/// [`MAX_DEPTH`]: crate::index::layout::MAX_DEPTH
+const HEURISTIC_DEPTH: u32 = 24;
+
+/// Segments longer than this are split in two tasks.
+const TASK: usize = 1 << 13;
+
+/// Arranges `items` and returns the nodes over them, of which only `child` is filled in.
+pub(crate) fn arrange(items: &mut [Item]) -> Vec<Node> {
+    if items.is_empty() {
+        return Vec::new();
+    }
+    let blocks = items.len().div_ceil(WIDTH);
+    // Blocks in the left part of every split, in preorder: of m blocks' m − 1 splits the first is the
+    // segment's own, then come those of its left part, then those of its right.
+    let mut splits = vec![0_u32; blocks - 1];
+    split(items, &mut splits, 0);
+    let mut nodes = Vec::with_capacity(blocks / 8 + 1);
+    collapse(&splits, blocks, &mut nodes);
+    nodes
+}
+
+fn split(items: &mut [Item], splits: &mut [u32], depth: u32) {
+    let Some((own, below)) = splits.split_first_mut() else {
+        items.sort_unstable_by_key(|item| item.id);
+        return;
+    };
+    let bounds = Bounds::around(items);
+    let (axis, extent) = bounds.longest();
+    let left = if depth < HEURISTIC_DEPTH { plane(items, axis, bounds.lo[axis], extent) } else { left_size(items.len()) };
+    select(items, left, axis);
+    *own = (left / WIDTH) as u32;
+    let (low, high) = items.split_at_mut(left);
+    let (splits_low, splits_high) = below.split_at_mut(left / WIDTH - 1);
+    if low.len().min(high.len()) > TASK {
+        rayon::join(|| split(low, splits_low, depth + 1), || split(high, splits_high, depth + 1));
+    } else {
+        split(low, splits_low, depth + 1);
+        split(high, splits_high, depth + 1);
+    }
+}
+
+/// Points left of the best plane, a multiple of the block size.
+fn plane(items: &[Item], axis: usize, lo: f32, extent: f32) -> usize {
+    let scale = SLABS as f32 / extent;
+    // Extents of zero, of almost zero and beyond the range of f32 have no slabs to speak of.
+    if !(scale > 0.0 && scale < f32::INFINITY) {
+        return left_size(items.len());
+    }
+    let mut counts = [0_usize; SLABS];
+    for item in items {
+        let slab = ((item.position[axis] - lo) * scale) as usize;
+        counts[slab.min(SLABS - 1)] += 1;
+    }
+    let (mut best, mut best_cost, mut left) = (0, usize::MAX, 0);
+    for (slab, count) in counts.iter().enumerate().take(SLABS - 1) {
+        left += count;
+        // In units of slabs × points.
+        let cost = (slab + 1) * left + (SLABS - 1 - slab) * (items.len() - left);
+        if left > 0 && cost < best_cost {
+            (best, best_cost) = (left, cost);
+        }
+    }
+    let blocks = items.len().div_ceil(WIDTH);
+    ((best + WIDTH / 2) / WIDTH).clamp(1, blocks - 1) * WIDTH
+}
+
+/// A segment of blocks in the binary tree: its first block, how many, and where its splits begin.
+#[derive(Clone, Copy)]
+struct Segment {
+    first: usize,
+    blocks: usize,
+    splits: usize,
+}
+
+/// Gathers the binary tree into nodes of up to sixteen children, by opening the largest child until
+/// there are sixteen.
+fn collapse(splits: &[u32], blocks: usize, nodes: &mut Vec<Node>) {
+    nodes.push(Node::EMPTY);
+    let mut open = vec![(0_usize, Segment { first: 0, blocks, splits: 0 })];
+    while let Some((number, segment)) = open.pop() {
+        let mut children = Vec::with_capacity(WIDTH);
+        children.push(segment);
+        while children.len() < WIDTH {
+            let Some(largest) = (0..children.len()).filter(|&c| children[c].blocks > 1).max_by_key(|&c| (children[c].blocks, WIDTH - c)) else {
+                break;
+            };
+            let parent = children[largest];
+            let left = splits[parent.splits] as usize;
+            children[largest] = Segment { first: parent.first, blocks: left, splits: parent.splits + 1 };
+            children.insert(
+                largest + 1,
+                Segment { first: parent.first + left, blocks: parent.blocks - left, splits: parent.splits + left },
+            );
+        }
+        for (lane, child) in children.iter().enumerate() {
+            nodes[number].child[lane] = if child.blocks == 1 {
+                LEAF | child.first as u32
+            } else {
+                nodes.push(Node::EMPTY);
+                open.push((nodes.len() - 1, *child));
+                (nodes.len() - 1) as u32
+            };
+        }
+    }
+}

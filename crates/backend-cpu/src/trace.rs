@@ -1,0 +1,257 @@
+//! Photons are followed through the scene.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use photon_core::glam::Vec3;
+use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
+use photon_core::{
+    Batch, Deposits, Fate, Features, FixedFlux, Material, Photon, PhotonRay, Ray, Result, Settings, Sharing, Tally,
+    Tracer, bsdf, octahedral, sampling,
+};
+use rayon::prelude::*;
+
+use crate::cpu::{Cpu, CpuBuffer};
+use crate::scene::{CpuScene, Surface, VACUUM};
+
+/// Paths that a thread takes at a time. The result does not depend on it.
+const BLOCK: usize = 2048;
+
+/// More power than this on one path is a sign of broken numbers: a path starts with about 1.
+const TOO_MUCH: f32 = 1_048_576.0;
+
+/// Follows photons.
+#[derive(Debug)]
+pub(crate) struct CpuTracer {
+    sharing: Sharing,
+    max_bounces: u32,
+    features: Features,
+    tally: Tally,
+}
+
+impl CpuTracer {
+    pub(crate) fn new(settings: &Settings, features: Features) -> Self {
+        Self { sharing: settings.sharing, max_bounces: settings.max_bounces, features, tally: Tally::default() }
+    }
+}
+
+/// What a thread brings home from some paths: photons for the direct, caustic and global map.
+#[derive(Default)]
+struct Harvest {
+    photons: [Vec<Photon>; 3],
+    tally: Tally,
+}
+
+impl Tracer<Cpu> for CpuTracer {
+    fn trace(
+        &mut self,
+        on: &mut Cpu,
+        scene: &CpuScene,
+        batch: &Batch,
+        rays: &CpuBuffer<PhotonRay>,
+        mut deposits: Deposits<'_, Cpu>,
+    ) -> Result<()> {
+        let wanted = [deposits.direct.is_some(), deposits.caustic.is_some(), deposits.global.is_some()];
+        let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow: kernel(self.features) };
+        let rays = rays.as_slice();
+        let harvests = match self.sharing {
+            Sharing::Static => share_statically(on, &walk, rays),
+            Sharing::Dynamic => share_dynamically(on, &walk, rays),
+        };
+        for harvest in harvests {
+            self.tally.merge(&harvest.tally);
+            let targets = [&mut deposits.direct, &mut deposits.caustic, &mut deposits.global];
+            for (target, photons) in targets.into_iter().zip(&harvest.photons) {
+                if let Some(target) = target {
+                    target.append(photons);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn take_tally(&mut self, _on: &mut Cpu) -> Result<Tally> {
+        Ok(std::mem::take(&mut self.tally))
+    }
+}
+
+/// The paper's first way: each thread has its quota.
+fn share_statically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<Harvest> {
+    let quota = rays.len().div_ceil(on.threads()).max(1);
+    on.pool.install(|| rays.par_chunks(quota).with_max_len(1).map(|chunk| walk.harvest(chunk)).collect())
+}
+
+/// The paper's second way: threads take blocks from a shared counter until none is left. Blocks are
+/// put back in order afterwards, so that it does not show which thread took which.
+fn share_dynamically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<Harvest> {
+    let next = AtomicUsize::new(0);
+    let threads = on.threads();
+    let mut harvests: Vec<(usize, Harvest)> = on.pool.install(|| {
+        (0..threads)
+            .into_par_iter()
+            .with_max_len(1)
+            .flat_map_iter(|_| {
+                let next = &next;
+                std::iter::from_fn(move || {
+                    let block = next.fetch_add(1, Ordering::Relaxed);
+                    let start = block * BLOCK;
+                    let end = (start + BLOCK).min(rays.len());
+                    (start < rays.len()).then(|| (block, walk.harvest(&rays[start..end])))
+                })
+            })
+            .collect()
+    });
+    harvests.sort_unstable_by_key(|(block, _)| *block);
+    harvests.into_iter().map(|(_, harvest)| harvest).collect()
+}
+
+type Follow = fn(&Walk<'_>, &PhotonRay, &mut Harvest);
+
+struct Walk<'a> {
+    scene: &'a CpuScene,
+    batch: &'a Batch,
+    wanted: [bool; 3],
+    max_bounces: u32,
+    follow: Follow,
+}
+
+impl Walk<'_> {
+    fn harvest(&self, rays: &[PhotonRay]) -> Harvest {
+        let mut harvest = Harvest::default();
+        for ray in rays {
+            (self.follow)(self, ray, &mut harvest);
+        }
+        harvest
+    }
+}
+
+const MIRRORS: u32 = Features::DIFFUSE.union(Features::MIRROR).bits();
+
+/// The smallest kernel that does it all.
+fn kernel(features: Features) -> Follow {
+    if !features.intersects(Features::SPECULAR) {
+        follow::<{ Features::DIFFUSE.bits() }>
+    } else if !features.intersects(Features::DIELECTRIC.union(Features::THIN)) {
+        follow::<MIRRORS>
+    } else {
+        follow::<{ Features::ALL.bits() }>
+    }
+}
+
+/// Follows one path to its end. `F` says which lobes are compiled in.
+fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harvest) {
+    let features = Features::from_bits(F);
+    let scene = walk.scene;
+    let pass = walk.batch.pass;
+    let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, Domain::Photon, start.path);
+    if pass.random == photon_core::RandomKind::Lcg {
+        // The sequence goes on where emission left it.
+        let _ = (sampler.words(0), sampler.words(0));
+    }
+    let tally = &mut harvest.tally;
+    let mut ray =
+        Ray { origin: start.origin.into(), direction: start.direction.into(), t_max: f32::INFINITY };
+    let mut power = Vec3::from(start.power);
+    let mut flux = FixedFlux::new(start.power);
+    tally.emitted += 1;
+    tally.flux_emitted.add(flux);
+    let mut specular_only = true;
+    let mut medium = VACUUM;
+    for bounce in 0..walk.max_bounces {
+        // NaN fails the comparison too.
+        let sane = ray.origin.is_finite() && ray.direction.is_finite() && power.abs().max_element() <= TOO_MUCH;
+        if !sane || power.is_nan() {
+            return tally.end(Fate::Dropped, flux);
+        }
+        let Some(surface) = scene.surface(&ray) else {
+            return tally.end(Fate::Escaped, flux);
+        };
+        tally.surfaces += 1;
+        let material = &scene.materials[surface.material as usize];
+        let carry = |power: Vec3, flux: &mut FixedFlux, tally: &mut Tally| {
+            let left = FixedFlux::new(power.into());
+            tally.flux_absorbed.add(flux.minus(left));
+            *flux = left;
+        };
+        if features.contains(Features::ABSORPTION) && scene.features.contains(Features::ABSORPTION) {
+            power *= scene.transmittance(&surface, medium);
+            carry(power, &mut flux, tally);
+        }
+        let [choice, u, v, _] = sampler.words(BLOCK_SURFACES + bounce);
+        let (choice, u, v) = (unit_f32(choice), unit_f32(u), unit_f32(v));
+        match material.kind {
+            Material::MIRROR if features.contains(Features::MIRROR) => {
+                let Some(next) = survive(power, material, choice) else {
+                    return tally.end(Fate::Absorbed, flux);
+                };
+                power = next;
+                ray = surface.leave(bsdf::reflect(ray.direction, surface.normal));
+            }
+            Material::DIELECTRIC | Material::THIN if features.contains(Features::DIELECTRIC) => {
+                let (reflectance, beyond) = boundary(material, &surface, ray.direction);
+                if choice < reflectance {
+                    ray = surface.leave(bsdf::reflect(ray.direction, surface.normal));
+                } else {
+                    power *= Vec3::from(material.albedo);
+                    ray = surface.pass(beyond);
+                    medium = entered(material, &surface, medium);
+                }
+            }
+            _ => {
+                if material.albedo != [0.0; 3] {
+                    let class = if !specular_only { 2 } else { usize::from(bounce > 0) };
+                    let stored = [&mut tally.stored_direct, &mut tally.stored_caustic, &mut tally.stored_global];
+                    if walk.wanted[class] {
+                        *stored.into_iter().nth(class).unwrap_or(&mut 0) += 1;
+                        harvest.photons[class].push(Photon {
+                            position: surface.point.into(),
+                            direction: octahedral::pack(-ray.direction),
+                            power: power.into(),
+                            normal: octahedral::pack(surface.normal),
+                        });
+                    }
+                }
+                let Some(next) = survive(power, material, choice) else {
+                    return tally.end(Fate::Absorbed, flux);
+                };
+                power = next;
+                specular_only = false;
+                ray = surface.leave(sampling::cosine_hemisphere(surface.normal, u, v));
+            }
+        }
+        carry(power, &mut flux, tally);
+    }
+    tally.end(Fate::Truncated, flux);
+}
+
+/// Russian roulette (Arvo and Kirk 1990) that keeps the brightest channel as it is; `None` if the
+/// photon is absorbed.
+#[inline]
+fn survive(power: Vec3, material: &Material, choice: f32) -> Option<Vec3> {
+    let next = power * Vec3::from(material.albedo);
+    let chance = next.max_element() / power.max_element();
+    // Also false for 0/0.
+    if choice < chance { Some(next / chance) } else { None }
+}
+
+/// Reflectance of glass, and the direction of what passes.
+#[inline]
+pub(crate) fn boundary(material: &Material, surface: &Surface, direction: Vec3) -> (f32, Vec3) {
+    if material.kind == Material::THIN {
+        let single = bsdf::fresnel(surface.cosine, material.ior).reflectance;
+        return (bsdf::sheet_reflectance(single), direction);
+    }
+    let eta = if surface.front { material.ior } else { 1.0 / material.ior };
+    let fresnel = bsdf::fresnel(surface.cosine, eta);
+    let beyond = bsdf::refract(direction, surface.normal, eta, fresnel.cos_transmitted);
+    (fresnel.reflectance, beyond)
+}
+
+/// The solid that a path is in once it has passed `surface`.
+#[inline]
+pub(crate) fn entered(material: &Material, surface: &Surface, medium: u32) -> u32 {
+    match (material.kind, surface.front) {
+        (Material::DIELECTRIC, true) => surface.material,
+        (Material::DIELECTRIC, false) => VACUUM,
+        _ => medium,
+    }
+}

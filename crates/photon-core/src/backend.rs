@@ -143,6 +143,8 @@ pub struct Fill {
 /// The stages of a pass, for timing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
+    /// The scene is brought to the device, and its ray-tracing structure built.
+    Prepare,
     /// Photons leave the lights.
     Emit,
     /// They are followed through the scene.
@@ -162,8 +164,9 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// In the order of a pass.
-    pub const ALL: [Self; 8] = [
+    /// In the order of their work.
+    pub const ALL: [Self; 9] = [
+        Self::Prepare,
         Self::Emit,
         Self::Trace,
         Self::Build,
@@ -178,6 +181,7 @@ impl Stage {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Prepare => "prepare",
             Self::Emit => "emit",
             Self::Trace => "trace",
             Self::Build => "build",

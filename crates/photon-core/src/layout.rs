@@ -252,3 +252,50 @@ elements!(
 impl Element for u32 {
     const GLSL_NAME: &'static str = "uint";
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+
+    /// The offsets that the GLSL twins rely on: rows of a vector and a scalar.
+    #[test]
+    fn offsets_are_those_of_vector_and_scalar_rows() {
+        let rows = [
+            (offset_of!(Photon, position), offset_of!(Photon, direction)),
+            (offset_of!(Photon, power), offset_of!(Photon, normal)),
+            (offset_of!(PhotonRay, origin), offset_of!(PhotonRay, path)),
+            (offset_of!(PhotonRay, direction), offset_of!(PhotonRay, light)),
+            (offset_of!(PhotonRay, power), offset_of!(PhotonRay, reserved)),
+            (offset_of!(Query, position), offset_of!(Query, radius)),
+            (offset_of!(Query, normal), offset_of!(Query, pixel)),
+            (offset_of!(Query, weight), offset_of!(Query, material)),
+            (offset_of!(Estimate, flux), offset_of!(Estimate, radius_squared)),
+            (offset_of!(Facet, normal), offset_of!(Facet, material)),
+            (offset_of!(Material, albedo), offset_of!(Material, kind)),
+            (offset_of!(Material, emission), offset_of!(Material, flags)),
+            (offset_of!(Material, absorption), offset_of!(Material, ior)),
+            (offset_of!(Light, position), offset_of!(Light, kind)),
+            (offset_of!(Light, direction), offset_of!(Light, primitive)),
+            (offset_of!(Light, power), offset_of!(Light, cos_inner)),
+            (offset_of!(Camera, origin), offset_of!(Camera, kind)),
+            (offset_of!(Camera, right), offset_of!(Camera, reserved2)),
+        ];
+        for (vector, scalar) in rows {
+            assert_eq!(vector % 16, 0);
+            assert_eq!(scalar, vector + 12);
+        }
+        assert_eq!(offset_of!(Light, cos_outer), 48);
+        assert_eq!(offset_of!(Query, outgoing), 48);
+        assert_eq!(offset_of!(Estimate, photons), 16);
+    }
+
+    #[test]
+    fn irradiance_of_a_known_disc() {
+        let estimate = Estimate { flux: [2.0; 3], radius_squared: 0.25, photons: 4, ..Estimate::default() };
+        let expected = 2.0 / (std::f64::consts::PI * 0.25 * 10.0);
+        assert!((estimate.irradiance(10)[0] - expected).abs() < 1e-15);
+        assert_eq!(estimate.irradiance(0), [0.0; 3]);
+        assert_eq!(Estimate::default().irradiance(10), [0.0; 3]);
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::backend::{Stage, TransportBackend};
+use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layer};
 use crate::layout::{Estimate, Photon, PhotonRay, Query};
@@ -40,6 +40,7 @@ pub struct Pipeline<B: TransportBackend> {
     film: B::Film,
     radii: Radii,
     passes: u32,
+    setup: StageTimings,
     rays: B::Buffer<PhotonRay>,
     photons: [Photons<B>; 3],
     queries: B::Buffer<Query>,
@@ -90,7 +91,9 @@ impl<B: TransportBackend> Pipeline<B> {
         check_scene(scene)?;
         required.check(Requirements::of(scene, &settings).features)?;
         let film = on.film(scene, view.width, view.height)?;
+        on.mark(Some(Stage::Prepare));
         let prepared = on.prepare(scene, &required)?;
+        on.mark(None);
         let rays = on.alloc("photon rays", u64::from(BATCH.min(settings.photons.max(PILOT_PATHS))))?;
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
@@ -110,6 +113,7 @@ impl<B: TransportBackend> Pipeline<B> {
             view,
             film,
             passes: 0,
+            setup: StageTimings::default(),
             rays,
             queries,
             estimates,
@@ -118,6 +122,7 @@ impl<B: TransportBackend> Pipeline<B> {
         if any_map && radii::need_pilot(&pipeline.settings) {
             pipeline.pilot()?;
         }
+        pipeline.setup = pipeline.on.timings()?;
         Ok(pipeline)
     }
 
@@ -151,7 +156,6 @@ impl<B: TransportBackend> Pipeline<B> {
         let [direct, caustic, global] =
             found.map(|r| radii::from_pilot(r, neighbours, paths, self.settings.photons));
         self.radii = Radii { direct, caustic, global };
-        self.on.timings()?;
         Ok(())
     }
 
@@ -348,6 +352,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
             backend: self.on.name(),
             device: self.on.device(),
             required: self.required,
+            setup: self.setup,
             memory: self.on.memory(&self.scene),
         }
     }

@@ -49,6 +49,9 @@ pub struct Facts {
     pub device: String,
     /// What was derived from scene and settings.
     pub required: Requirements,
+    /// Seconds spent before the first pass: bringing the scene to the device, and the photons that
+    /// derived radii come from.
+    pub setup: StageTimings,
     /// What is allocated: label and bytes.
     pub memory: Vec<(String, u64)>,
 }

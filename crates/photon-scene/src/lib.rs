@@ -1,1 +1,23 @@
 //! Scenes: what the renderer is given.
+//!
+//! A [`SceneBuilder`] collects what a user describes, in the user's own space and radiometric units;
+//! [`SceneBuilder::build`] checks it, names whatever is wrong, and turns it into a [`Scene`]: the
+//! tables in normalised space that backends read through [`Scene::view`].
+#![forbid(unsafe_code)]
+
+mod builder;
+mod camera;
+mod describe;
+mod error;
+mod lights;
+mod normalise;
+mod report;
+mod scene;
+mod solids;
+mod validate;
+
+pub use builder::{MaterialId, SceneBuilder};
+pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+pub use error::SceneError;
+pub use report::{LoadReport, ReportKind, ReportLine};
+pub use scene::Scene;

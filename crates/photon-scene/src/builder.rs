@@ -1,0 +1,159 @@
+//! Collecting a scene, piece by piece.
+
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
+use crate::error::SceneError;
+use crate::scene::Scene;
+use crate::{camera, lights, normalise, solids, validate};
+use photon_core::{Facet, Units, light_starts};
+
+/// A material of one [`SceneBuilder`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MaterialId(pub(crate) u32);
+
+/// Triangles that share a name and a material, user space.
+#[derive(Clone, Debug)]
+pub(crate) struct Mesh {
+    pub(crate) name: String,
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) material: MaterialId,
+}
+
+/// A scene in the making.
+///
+/// Nothing is checked before [`SceneBuilder::build`].
+///
+/// ```
+/// use photon_scene::{CameraDesc, MaterialDesc, SceneBuilder};
+///
+/// let mut scene = SceneBuilder::new();
+/// let white = scene.material(MaterialDesc::lambert("white", [0.8; 3]));
+/// let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [10.0; 3]));
+/// scene.quad("floor", [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]], white);
+/// scene.quad("lamp", [[-1., 2., -1.], [1., 2., -1.], [1., 2., 1.], [-1., 2., 1.]], lamp);
+/// scene.camera("front", CameraDesc::look_at([0., 1., 5.], [0., 1., 0.], [0., 1., 0.], 0.7));
+/// let scene = scene.build()?;
+/// assert_eq!(scene.view().triangles.len(), 4);
+/// # Ok::<(), photon_scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct SceneBuilder {
+    pub(crate) materials: Vec<MaterialDesc>,
+    pub(crate) meshes: Vec<Mesh>,
+    pub(crate) lights: Vec<(String, LightDesc)>,
+    pub(crate) cameras: Vec<(String, CameraDesc)>,
+}
+
+impl SceneBuilder {
+    /// An empty scene.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a material, for meshes to refer to.
+    pub fn material(&mut self, desc: MaterialDesc) -> MaterialId {
+        self.materials.push(desc);
+        MaterialId(u32::try_from(self.materials.len() - 1).unwrap_or(u32::MAX))
+    }
+
+    /// Adds triangles: three indices into `positions` each, user space, counter-clockwise as seen
+    /// from the front.
+    pub fn mesh(
+        &mut self,
+        name: impl Into<String>,
+        positions: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+        material: MaterialId,
+    ) {
+        self.meshes.push(Mesh { name: name.into(), positions, triangles, material });
+    }
+
+    /// Adds a quadrilateral as two triangles; corners counter-clockwise as seen from the front.
+    pub fn quad(&mut self, name: impl Into<String>, corners: [[f64; 3]; 4], material: MaterialId) {
+        self.mesh(name, corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]], material);
+    }
+
+    /// Adds a point, spot or directional light.
+    pub fn light(&mut self, name: impl Into<String>, desc: LightDesc) {
+        self.lights.push((name.into(), desc));
+    }
+
+    /// Adds a camera; the first is the one used where none is named.
+    pub fn camera(&mut self, name: impl Into<String>, desc: CameraDesc) {
+        self.cameras.push((name.into(), desc));
+    }
+
+    /// The materials so far, to be changed.
+    pub fn materials_mut(&mut self) -> &mut [MaterialDesc] {
+        &mut self.materials
+    }
+
+    /// Whether there is a camera.
+    #[must_use]
+    pub fn has_camera(&self) -> bool {
+        !self.cameras.is_empty()
+    }
+
+    /// Whether anything emits: a mesh with an emissive material, or a light.
+    #[must_use]
+    pub fn has_light(&self) -> bool {
+        let emits = |mesh: &Mesh| self.materials.get(mesh.material.0 as usize).is_some_and(MaterialDesc::is_emissive);
+        !self.lights.is_empty() || self.meshes.iter().any(emits)
+    }
+
+    /// The box around the triangles, user space: lower and upper corner. None without triangles.
+    #[must_use]
+    pub fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {
+        normalise::bounds(&self.meshes, &[])
+    }
+
+    /// A camera that sees the whole scene from the front: from +z, with y upwards.
+    #[must_use]
+    pub fn frame_camera(&self) -> CameraDesc {
+        camera::framing(self.bounds())
+    }
+
+    /// Checks everything and moves it to normalised space.
+    ///
+    /// Triangles without area are dropped and counted; a scene without triangles, or without any
+    /// light, is not an error here.
+    ///
+    /// # Errors
+    /// Whatever is out of range, by the name of the material, mesh, light or camera.
+    pub fn build(self) -> Result<Scene, SceneError> {
+        validate::check(&self)?;
+        let frame = normalise::Frame::new(&self.meshes, &self.lights)?;
+        let geometry = normalise::geometry(&self.meshes, &self.materials, frame)?;
+        let lit = lights::table(&self.lights, &self.materials, &geometry, frame)?;
+        let materials = lights::materials(&self.materials, &geometry, &lit, frame);
+
+        let mut warnings = Vec::new();
+        frame.warn(&self.meshes, geometry.radius, &mut warnings);
+        if geometry.triangles.is_empty() {
+            warnings.push("the scene has no triangles, so that there is nothing to see".to_owned());
+        }
+        if geometry.dropped > 0 {
+            warnings.push(format!("{} triangles without area were dropped", geometry.dropped));
+        }
+        solids::warn(&geometry, &self.materials, &mut warnings);
+
+        let radius = lit.lights.iter().map(|light| normalise::length(light.position)).fold(geometry.radius, f64::max);
+        Ok(Scene {
+            light_starts: light_starts(&lit.means),
+            units: Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power },
+            radius: normalise::round_up(radius),
+            facets: geometry.facets.iter().map(|&(normal, material)| Facet { normal, material }).collect(),
+            positions: geometry.positions,
+            triangles: geometry.triangles,
+            mesh_starts: geometry.mesh_starts,
+            mesh_names: self.meshes.into_iter().map(|mesh| mesh.name).collect(),
+            material_names: self.materials.into_iter().map(|material| material.name).collect(),
+            materials,
+            lights: lit.lights,
+            cameras: self.cameras,
+            dropped: geometry.dropped,
+            warnings,
+        })
+    }
+}

@@ -1,0 +1,65 @@
+//! Cameras, from the user's space to the renderer's.
+
+use crate::describe::{CameraDesc, Projection};
+use crate::error::SceneError;
+use crate::validate::unit;
+use glam::DVec3;
+use photon_core::{Camera, Units};
+
+/// A camera for a picture of that shape; `desc` has been checked.
+pub(crate) fn resolve(
+    name: &str,
+    desc: &CameraDesc,
+    units: Units,
+    width: u32,
+    height: u32,
+) -> Result<Camera, SceneError> {
+    if width == 0 || height == 0 || u64::from(width) * u64::from(height) > u64::from(u32::MAX) {
+        return Err(SceneError::PictureSize { width, height });
+    }
+    let forward = unit(desc.direction);
+    let right = forward.cross(unit(desc.up)).normalize();
+    let up = right.cross(forward);
+    let (kind, half_height) = match desc.projection {
+        Projection::Perspective { vertical_fov } => (Camera::PERSPECTIVE, (0.5 * vertical_fov).tan()),
+        Projection::Orthographic { half_height } => (Camera::ORTHOGRAPHIC, half_height / units.scale),
+    };
+    let half_width = half_height * f64::from(width) / f64::from(height);
+    let camera = Camera {
+        origin: units.point(desc.position),
+        kind,
+        forward: forward.as_vec3().to_array(),
+        right: (right * half_width).as_vec3().to_array(),
+        up: (up * half_height).as_vec3().to_array(),
+        ..Camera::default()
+    };
+    let rows = [camera.origin, camera.right, camera.up];
+    if rows.iter().flatten().any(|part| !part.is_finite()) || !(half_height as f32).is_normal() {
+        return Err(SceneError::Extreme {
+            what: format!("camera '{name}'"),
+            value: format!("at {:?} with {:?}", desc.position, desc.projection),
+            mend: "bring its position and its view within the reach of the scene",
+        });
+    }
+    Ok(camera)
+}
+
+/// A camera that sees all of a box from +z, y upwards; of a unit box where there is none.
+pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>) -> CameraDesc {
+    let (low, high) = bounds.unwrap_or(([-0.5; 3], [0.5; 3]));
+    let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
+    let extent = high - low;
+    let center = low + extent * 0.5;
+    let size = if extent.max_element() > 0.0 { extent.max_element() } else { 1.0 };
+    let vertical_fov = 40_f64.to_radians();
+    // In front of the nearest face, so far away that this face fits with a tenth to spare.
+    let face = if extent.x.max(extent.y) > 0.0 { extent.x.max(extent.y) } else { size };
+    let distance = extent.z * 0.5 + 0.55 * face / (0.5 * vertical_fov).tan();
+    let position = center + DVec3::Z * distance;
+    CameraDesc {
+        position: position.to_array(),
+        direction: [0.0, 0.0, -1.0],
+        up: [0.0, 1.0, 0.0],
+        projection: Projection::Perspective { vertical_fov },
+    }
+}

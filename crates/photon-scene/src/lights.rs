@@ -1,0 +1,147 @@
+//! The tables of lights and materials, in units of the scene's total power.
+
+use crate::describe::{LightDesc, MaterialDesc, Surface};
+use crate::error::SceneError;
+use crate::normalise::{Frame, Geometry};
+use crate::validate::unit;
+use glam::DVec3;
+use photon_core::{Light, Material};
+use std::f64::consts::PI;
+
+/// Everything that emits.
+#[derive(Debug)]
+pub(crate) struct Lit {
+    pub(crate) lights: Vec<Light>,
+    /// Mean of RGB of each light's power, for its share of the photons.
+    pub(crate) means: Vec<f64>,
+    /// All the flux, mean of RGB, watts; 1 where nothing shines.
+    pub(crate) power: f64,
+    /// The same in W per squared normalised length, which is what radiances are divided by.
+    total: f64,
+}
+
+/// Lists emissive triangles, then the other lights, each with its power.
+///
+/// Powers are first taken per squared scale: that is what a scene ten to the thirty times as large
+/// keeps, while its watts might leave the range.
+pub(crate) fn table(
+    descs: &[(String, LightDesc)],
+    materials: &[MaterialDesc],
+    geometry: &Geometry,
+    frame: Frame,
+) -> Result<Lit, SceneError> {
+    let triangles = geometry.emitters.iter().map(|&(primitive, area)| {
+        let material = &materials[geometry.facets[primitive as usize].1 as usize];
+        // Flux of a Lambertian emitter: π L A from each side that emits.
+        let sides = if material.emits_both_sides { 2.0 } else { 1.0 };
+        let power = DVec3::from_array(material.emission) * (sides * PI * area);
+        let flags = if material.emits_both_sides { Light::BOTH_SIDES } else { 0 };
+        (Light { kind: Light::TRIANGLE, primitive, area: area as f32, flags, ..blank() }, power)
+    });
+    let others = descs.iter().map(|(_, desc)| punctual(desc, geometry.radius, frame));
+    let all: Vec<(Light, DVec3)> = triangles.chain(others).collect();
+
+    let total: f64 = all.iter().map(|(_, power)| mean(*power)).sum();
+    let power = total * frame.scale * frame.scale;
+    if !total.is_finite() || (total > 0.0 && !(power.is_finite() && power > 0.0)) {
+        return Err(SceneError::Extreme {
+            what: "the power of all lights together".to_owned(),
+            value: format!("{power:e} W"),
+            mend: "use another unit of length or of power",
+        });
+    }
+    let mut lit = Lit { lights: Vec::new(), means: Vec::new(), power: if total > 0.0 { power } else { 1.0 }, total };
+    for (light, power) in all {
+        let share = power / total;
+        // A light whose power vanishes beside the others' would only be handed photons of none.
+        let power = share.as_vec3().to_array();
+        if total > 0.0 && power != [0.0; 3] {
+            lit.lights.push(Light { power, ..light });
+            lit.means.push(mean(share));
+        }
+    }
+    if lit.lights.len() >= u32::MAX as usize {
+        return Err(SceneError::TooMany { what: "lights", count: lit.lights.len() });
+    }
+    Ok(lit)
+}
+
+/// A light that is not a surface, and its flux per squared scale.
+fn punctual(desc: &LightDesc, radius: f64, frame: Frame) -> (Light, DVec3) {
+    let place = |position| frame.point(position).as_vec3().to_array();
+    let per_area = |intensity| DVec3::from_array(intensity) / frame.scale / frame.scale;
+    match *desc {
+        LightDesc::Point { position, intensity } => {
+            let light = Light { kind: Light::POINT, position: place(position), ..blank() };
+            (light, per_area(intensity) * (4.0 * PI))
+        }
+        LightDesc::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+            let cos_outer = outer_angle.cos().max(0.0) as f32;
+            let cos_inner = (inner_angle.cos() as f32).max(cos_outer);
+            // ∫ I dω over the cone: full inside, and the mean of the square of a ramp, 1/3, in
+            // between. Of the rounded cosines, so that dividing it out again gives I exactly.
+            let (inner, outer) = (f64::from(cos_inner), f64::from(cos_outer));
+            let solid_angle = 2.0 * PI * ((1.0 - inner) + (inner - outer) / 3.0);
+            let light = Light {
+                kind: Light::SPOT,
+                position: place(position),
+                direction: unit(direction).as_vec3().to_array(),
+                cos_inner,
+                cos_outer,
+                ..blank()
+            };
+            (light, per_area(intensity) * solid_angle)
+        }
+        LightDesc::Directional { direction, irradiance } => {
+            let direction = unit(direction).as_vec3().to_array();
+            let light = Light { kind: Light::DIRECTIONAL, direction, radius: radius as f32, ..blank() };
+            (light, DVec3::from_array(irradiance) * (PI * radius * radius))
+        }
+    }
+}
+
+fn blank() -> Light {
+    Light { primitive: u32::MAX, ..Light::default() }
+}
+
+fn mean(power: DVec3) -> f64 {
+    power.element_sum() / 3.0
+}
+
+/// The materials, indexed as they were added.
+pub(crate) fn materials(descs: &[MaterialDesc], geometry: &Geometry, lit: &Lit, frame: Frame) -> Vec<Material> {
+    let mut shines = vec![false; descs.len()];
+    for &(primitive, _) in &geometry.emitters {
+        shines[geometry.facets[primitive as usize].1 as usize] = true;
+    }
+    descs
+        .iter()
+        .zip(shines)
+        .map(|(desc, shines)| {
+            let surface = surface(&desc.surface, frame);
+            // One that no triangle uses must not make the scene seem to glow.
+            let emission =
+                if shines && lit.total > 0.0 { DVec3::from_array(desc.emission) / lit.total } else { DVec3::ZERO };
+            let flags = if desc.emits_both_sides { Material::EMITS_BOTH_SIDES } else { 0 };
+            Material { emission: emission.as_vec3().to_array(), flags, ..surface }
+        })
+        .collect()
+}
+
+fn surface(surface: &Surface, frame: Frame) -> Material {
+    let colour = |colour: [f64; 3]| colour.map(|part| part as f32);
+    let dark = Material { ior: 1.0, ..Material::default() };
+    match *surface {
+        Surface::Lambert { albedo } => Material { kind: Material::LAMBERT, albedo: colour(albedo), ..dark },
+        Surface::Mirror { reflectance } => Material { kind: Material::MIRROR, albedo: colour(reflectance), ..dark },
+        Surface::Dielectric { ior, absorption, tint } => Material {
+            kind: Material::DIELECTRIC,
+            albedo: colour(tint),
+            ior: ior as f32,
+            // Black beyond a few units anyway; an infinity would make 0 · ∞ at no distance.
+            absorption: absorption.map(|part| (part * frame.scale).min(1e30) as f32),
+            ..dark
+        },
+        Surface::Thin { ior, tint } => Material { kind: Material::THIN, albedo: colour(tint), ior: ior as f32, ..dark },
+    }
+}

@@ -1,0 +1,179 @@
+//! From user space to the unit box about the origin.
+
+use crate::builder::Mesh;
+use crate::describe::{LightDesc, MaterialDesc};
+use crate::error::SceneError;
+use glam::DVec3;
+
+/// The similarity that recentres and scales the scene.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    /// Centre of the bounding box, user space.
+    pub(crate) center: DVec3,
+    /// The box's largest extent, user length; 1 where there is none.
+    pub(crate) scale: f64,
+}
+
+/// The triangles that are left, in normalised space.
+#[derive(Debug, Default)]
+pub(crate) struct Geometry {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Unit normal and material.
+    pub(crate) facets: Vec<([f32; 3], u32)>,
+    /// First triangle of each mesh.
+    pub(crate) mesh_starts: Vec<u32>,
+    /// Emissive triangles, with their areas.
+    pub(crate) emitters: Vec<(u32, f64)>,
+    /// How many had no area.
+    pub(crate) dropped: u64,
+    /// Radius of a sphere about the origin that holds the vertices.
+    pub(crate) radius: f64,
+}
+
+/// Box around the vertices that triangles refer to, and around some further points.
+pub(crate) fn bounds(meshes: &[Mesh], points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
+    let corners = meshes.iter().flat_map(|mesh| {
+        // A vertex that no triangle uses must not make the scene smaller than it is.
+        mesh.triangles.iter().flatten().filter_map(|&index| mesh.positions.get(index as usize))
+    });
+    corners
+        .chain(points)
+        .map(|&at| DVec3::from_array(at))
+        .fold(None, |found: Option<(DVec3, DVec3)>, at| {
+            Some(found.map_or((at, at), |(low, high)| (low.min(at), high.max(at))))
+        })
+        .map(|(low, high)| (low.to_array(), high.to_array()))
+}
+
+impl Frame {
+    /// The frame of the triangles and of the lights that have a place.
+    pub(crate) fn new(meshes: &[Mesh], lights: &[(String, LightDesc)]) -> Result<Self, SceneError> {
+        let places: Vec<_> = lights
+            .iter()
+            .filter_map(|(_, light)| match *light {
+                LightDesc::Point { position, .. } | LightDesc::Spot { position, .. } => Some(position),
+                LightDesc::Directional { .. } => None,
+            })
+            .collect();
+        let Some((low, high)) = bounds(meshes, &places) else {
+            return Ok(Self { center: DVec3::ZERO, scale: 1.0 });
+        };
+        let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
+        let extent = (high - low).max_element();
+        if !extent.is_finite() {
+            return Err(SceneError::Extreme {
+                what: "the extent of the scene".to_owned(),
+                value: format!("more than {:e}", f64::MAX),
+                mend: "use a larger unit of length",
+            });
+        }
+        Ok(Self { center: low + (high - low) * 0.5, scale: if extent > 0.0 { extent } else { 1.0 } })
+    }
+
+    /// A point of user space, normalised.
+    pub(crate) fn point(self, user: [f64; 3]) -> DVec3 {
+        (DVec3::from_array(user) - self.center) / self.scale
+    }
+
+    /// Distance of the user's origin from the scene, in extents of the scene.
+    fn offset(self) -> f64 {
+        self.center.abs().max_element() / self.scale
+    }
+
+    /// Where the scene is placed or spread so that precision is lost.
+    pub(crate) fn warn(self, meshes: &[Mesh], radius: f64, warnings: &mut Vec<String>) {
+        let offset = self.offset();
+        if offset > 1e4 {
+            warnings.push(format!(
+                "the scene lies {offset:.1e} times its own extent away from the origin; if its coordinates were \
+                 ever stored in 32 bits, it is distorted; move it towards the origin where it is made"
+            ));
+        }
+        if radius < 1e-3 && meshes.iter().any(|mesh| !mesh.triangles.is_empty()) && radius > 0.0 {
+            warnings.push(format!(
+                "a light is so far away that the surfaces fill only {:.1e} of the scene's extent, which costs \
+                 precision; use a directional light instead",
+                2.0 * radius
+            ));
+        }
+    }
+}
+
+/// Moves all meshes to normalised space, without the triangles that have no area there.
+pub(crate) fn geometry(meshes: &[Mesh], materials: &[MaterialDesc], frame: Frame) -> Result<Geometry, SceneError> {
+    let mut geometry = Geometry::default();
+    let count: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    let vertices: usize = meshes.iter().map(|mesh| mesh.positions.len()).sum();
+    for (what, count) in [("triangles", count), ("vertices", vertices)] {
+        if count >= u32::MAX as usize {
+            return Err(SceneError::TooMany { what, count });
+        }
+    }
+    geometry.triangles.reserve_exact(count);
+    geometry.facets.reserve_exact(count);
+    geometry.positions.reserve(vertices);
+    for mesh in meshes {
+        let first = geometry.triangles.len();
+        geometry.mesh_starts.push(first as u32);
+        let desc = &materials[mesh.material.0 as usize];
+        geometry.add(mesh, desc.is_emissive(), frame);
+        if desc.is_emissive() && geometry.triangles.len() == first {
+            return Err(SceneError::ZeroAreaLight { mesh: mesh.name.clone(), material: desc.name.clone() });
+        }
+    }
+    let radii = geometry.positions.iter().map(|&at| length(at));
+    geometry.radius = f64::from(round_up(radii.fold(0.0, f64::max)));
+    Ok(geometry)
+}
+
+impl Geometry {
+    fn add(&mut self, mesh: &Mesh, emits: bool, frame: Frame) {
+        let wide: Vec<DVec3> = mesh.positions.iter().map(|&at| frame.point(at)).collect();
+        // Coordinates are known to half a unit in the last place of f64; an area below what that
+        // makes of it is noise.
+        let noise = (frame.offset() + 1.0) * 2.0 * f64::EPSILON;
+        let mut moved = vec![u32::MAX; wide.len()];
+        for &corners in &mesh.triangles {
+            let [a, b, c] = corners.map(|index| wide[index as usize]);
+            let (cross, area) = cross_and_area([a, b, c]);
+            let longest = (b - a).length().max((c - a).length()).max((c - b).length());
+            let narrow = [a, b, c].map(|at| at.as_vec3().as_dvec3());
+            // What rays meet is the rounded triangle, and what samples it divides by its area.
+            let (_, narrow_area) = cross_and_area(narrow);
+            if 2.0 * area <= noise * longest || narrow_area == 0.0 || area < f64::from(f32::MIN_POSITIVE) {
+                self.dropped += 1;
+                continue;
+            }
+            let primitive = self.triangles.len() as u32;
+            self.triangles.push(corners.map(|index| {
+                let place = &mut moved[index as usize];
+                if *place == u32::MAX {
+                    *place = self.positions.len() as u32;
+                    self.positions.push(wide[index as usize].as_vec3().to_array());
+                }
+                *place
+            }));
+            self.facets.push(((cross / (2.0 * area)).as_vec3().to_array(), mesh.material.0));
+            if emits {
+                self.emitters.push((primitive, area));
+            }
+        }
+    }
+}
+
+fn cross_and_area([a, b, c]: [DVec3; 3]) -> (DVec3, f64) {
+    let cross = (b - a).cross(c - a);
+    (cross, 0.5 * cross.length())
+}
+
+/// Length of a normalised vector, in f64.
+pub(crate) fn length(vector: [f32; 3]) -> f64 {
+    glam::Vec3::from_array(vector).as_dvec3().length()
+}
+
+/// The nearest f32 that is surely not below a positive number.
+pub(crate) fn round_up(value: f64) -> f32 {
+    // Twice the rounding to f32, so that the sphere holds what was rounded to lie on it.
+    (value * (1.0 + 2.0 * f64::from(f32::EPSILON))) as f32
+}

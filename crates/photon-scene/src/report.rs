@@ -1,0 +1,104 @@
+//! What a loader could not take over as it stood.
+
+use std::fmt;
+
+/// What happened to the subject of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReportKind {
+    /// It is rendered, but not as the file says.
+    Approximated,
+    /// It is not rendered.
+    LeftOut,
+    /// Nothing is lost; something the user may want to know.
+    Note,
+}
+
+/// One thing a loader has to say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReportLine {
+    /// What happened.
+    pub kind: ReportKind,
+    /// To which material, mesh, node or light.
+    pub subject: String,
+    /// How, and what the user can do about it.
+    pub text: String,
+}
+
+impl fmt::Display for ReportLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = match self.kind {
+            ReportKind::Approximated => "approximated",
+            ReportKind::LeftOut => "left out",
+            ReportKind::Note => "note",
+        };
+        write!(f, "{kind}: {}: {}", self.subject, self.text)
+    }
+}
+
+/// Everything a loader has to say, in the order of the file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadReport {
+    /// The lines.
+    pub lines: Vec<ReportLine>,
+}
+
+impl LoadReport {
+    /// Adds [`ReportKind::Approximated`].
+    pub fn approximated(&mut self, subject: impl Into<String>, text: impl Into<String>) {
+        self.push(ReportKind::Approximated, subject.into(), text.into());
+    }
+
+    /// Adds [`ReportKind::LeftOut`].
+    pub fn left_out(&mut self, subject: impl Into<String>, text: impl Into<String>) {
+        self.push(ReportKind::LeftOut, subject.into(), text.into());
+    }
+
+    /// Adds [`ReportKind::Note`].
+    pub fn note(&mut self, subject: impl Into<String>, text: impl Into<String>) {
+        self.push(ReportKind::Note, subject.into(), text.into());
+    }
+
+    /// Whether the scene is rendered as its file says: notes at most.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.lines.iter().all(|line| line.kind == ReportKind::Note)
+    }
+
+    fn push(&mut self, kind: ReportKind, subject: String, text: String) {
+        let line = ReportLine { kind, subject, text };
+        // A file that says the same of a material a thousand times is reported once.
+        if !self.lines.contains(&line) {
+            self.lines.push(line);
+        }
+    }
+}
+
+impl fmt::Display for LoadReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, line) in self.lines.iter().enumerate() {
+            if index > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{line}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_said_once_and_name_their_subject() {
+        let mut report = LoadReport::default();
+        assert!(report.is_exact());
+        report.note("file", "no camera");
+        assert!(report.is_exact());
+        for _ in 0..2 {
+            report.left_out("wall", "its texture; give an albedo");
+        }
+        assert!(!report.is_exact());
+        assert_eq!(report.to_string(), "note: file: no camera\nleft out: wall: its texture; give an albedo");
+    }
+}

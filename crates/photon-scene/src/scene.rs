@@ -1,0 +1,105 @@
+//! A scene that has been checked, in normalised space.
+
+use crate::camera;
+use crate::describe::CameraDesc;
+use crate::error::SceneError;
+use photon_core::{Camera, Facet, Light, Material, SceneView, Units};
+
+/// What [`crate::SceneBuilder::build`] makes: the tables that backends read, and what is needed to
+/// speak of them by name.
+///
+/// Vertices lie in a box of unit size about the origin, those that no triangle uses are gone, and
+/// triangles keep the order in which meshes were added. Powers are fractions of
+/// [`Units::power`].
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) facets: Vec<Facet>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) lights: Vec<Light>,
+    pub(crate) light_starts: Vec<u32>,
+    pub(crate) radius: f32,
+    pub(crate) units: Units,
+    pub(crate) mesh_starts: Vec<u32>,
+    pub(crate) mesh_names: Vec<String>,
+    pub(crate) material_names: Vec<String>,
+    pub(crate) cameras: Vec<(String, CameraDesc)>,
+    pub(crate) dropped: u64,
+    pub(crate) warnings: Vec<String>,
+}
+
+impl Scene {
+    /// The tables, lent.
+    #[must_use]
+    pub fn view(&self) -> SceneView<'_> {
+        SceneView {
+            positions: &self.positions,
+            triangles: &self.triangles,
+            facets: &self.facets,
+            materials: &self.materials,
+            lights: &self.lights,
+            light_starts: &self.light_starts,
+            radius: self.radius,
+            units: self.units,
+        }
+    }
+
+    /// The camera of that name, or the first, for a picture of `width` by `height` pixels.
+    ///
+    /// The vertical field of view is kept; the horizontal one follows the picture's shape.
+    ///
+    /// # Errors
+    /// No camera at all, none of that name (the message lists those there are), a picture without
+    /// pixels, or a camera beyond the range of f32 in units of the scene.
+    pub fn camera(&self, name: Option<&str>, width: u32, height: u32) -> Result<Camera, SceneError> {
+        let wanted = |(known, _): &&(String, CameraDesc)| name.is_none_or(|name| name == known);
+        match (self.cameras.iter().find(wanted), name) {
+            (Some((name, desc)), _) => camera::resolve(name, desc, self.units, width, height),
+            (None, Some(name)) if !self.cameras.is_empty() => Err(SceneError::UnknownCamera {
+                name: name.to_owned(),
+                known: self.camera_names().map(str::to_owned).collect(),
+            }),
+            (None, _) => Err(SceneError::NoCamera),
+        }
+    }
+
+    /// The cameras, in the order in which they were added.
+    pub fn camera_names(&self) -> impl Iterator<Item = &str> {
+        self.cameras.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// The way back to the user's space and watts.
+    #[must_use]
+    pub fn units(&self) -> Units {
+        self.units
+    }
+
+    /// The materials' names, by index.
+    pub fn material_names(&self) -> impl Iterator<Item = &str> {
+        self.material_names.iter().map(String::as_str)
+    }
+
+    /// Name of the mesh that a triangle belongs to; empty for a triangle that is not there.
+    #[must_use]
+    pub fn mesh_of_triangle(&self, primitive: u32) -> &str {
+        if primitive as usize >= self.triangles.len() {
+            return "";
+        }
+        // Meshes of which nothing is left begin where the next one does: the last is the one.
+        let after = self.mesh_starts.partition_point(|&start| start <= primitive);
+        after.checked_sub(1).and_then(|mesh| self.mesh_names.get(mesh)).map_or("", String::as_str)
+    }
+
+    /// How many triangles had no area and were dropped.
+    #[must_use]
+    pub fn dropped_triangles(&self) -> u64 {
+        self.dropped
+    }
+
+    /// What is odd about the scene without being wrong, for the user to read.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}

@@ -1,0 +1,173 @@
+//! Everything that can be checked before anything is computed.
+
+use crate::builder::{Mesh, SceneBuilder};
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::error::SceneError;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A property, its value and its mend: what the caller adds its culprit's name to.
+type Fault = (&'static str, String, &'static str);
+
+/// Checks materials, meshes, lights and cameras, in that order.
+pub(crate) fn check(scene: &SceneBuilder) -> Result<(), SceneError> {
+    for desc in &scene.materials {
+        material(desc).map_err(|(property, value, mend)| SceneError::Material {
+            material: desc.name.clone(),
+            property,
+            value,
+            mend,
+        })?;
+    }
+    for desc in &scene.meshes {
+        mesh(desc, scene.materials.len())?;
+    }
+    for (name, desc) in &scene.lights {
+        light(desc).map_err(|(property, value, mend)| SceneError::Light {
+            light: name.clone(),
+            property,
+            value,
+            mend,
+        })?;
+    }
+    for (name, desc) in &scene.cameras {
+        camera(desc).map_err(|(property, value, mend)| SceneError::Camera {
+            camera: name.clone(),
+            property,
+            value,
+            mend,
+        })?;
+    }
+    Ok(())
+}
+
+fn material(desc: &MaterialDesc) -> Result<(), Fault> {
+    match desc.surface {
+        Surface::Lambert { albedo } => fractions("albedo", albedo)?,
+        Surface::Mirror { reflectance } => fractions("reflectance", reflectance)?,
+        Surface::Dielectric { ior, absorption, tint } => {
+            refractive(ior)?;
+            not_negative("absorption", absorption)?;
+            fractions("tint", tint)?;
+        }
+        Surface::Thin { ior, tint } => {
+            refractive(ior)?;
+            fractions("tint", tint)?;
+        }
+    }
+    not_negative("emission", desc.emission)
+}
+
+fn refractive(ior: f64) -> Result<(), Fault> {
+    // In f32, since that is what rays meet.
+    let narrow = ior as f32;
+    require(
+        narrow.is_normal() && narrow > 0.0,
+        "ior",
+        ior,
+        "a refractive index must be a finite number above 0, such as 1.5",
+    )
+}
+
+fn fractions(property: &'static str, colour: [f64; 3]) -> Result<(), Fault> {
+    let fine = colour.iter().all(|part| (0.0..=1.0).contains(part));
+    require(fine, property, colour, "each channel must lie between 0 and 1")
+}
+
+fn not_negative(property: &'static str, colour: [f64; 3]) -> Result<(), Fault> {
+    let fine = colour.iter().all(|part| part.is_finite() && *part >= 0.0);
+    require(fine, property, colour, "each channel must be a finite number, at least 0")
+}
+
+fn finite(property: &'static str, point: [f64; 3]) -> Result<(), Fault> {
+    require(point.iter().all(|part| part.is_finite()), property, point, "each coordinate must be a finite number")
+}
+
+fn heading(property: &'static str, direction: [f64; 3]) -> Result<(), Fault> {
+    finite(property, direction)?;
+    require(direction != [0.0; 3], property, direction, "it must point somewhere")
+}
+
+fn require(fine: bool, property: &'static str, value: impl std::fmt::Debug, mend: &'static str) -> Result<(), Fault> {
+    if fine { Ok(()) } else { Err((property, format!("{value:?}"), mend)) }
+}
+
+fn mesh(mesh: &Mesh, materials: usize) -> Result<(), SceneError> {
+    if mesh.material.0 as usize >= materials {
+        return Err(SceneError::MaterialId { mesh: mesh.name.clone(), material: mesh.material.0, materials });
+    }
+    if let Some(vertex) = mesh.positions.iter().position(|at| at.iter().any(|part| !part.is_finite())) {
+        let value = format!("{:?}", mesh.positions[vertex]);
+        return Err(SceneError::Vertex { mesh: mesh.name.clone(), vertex, value });
+    }
+    let vertices = mesh.positions.len();
+    let outside = |index: &u32| *index as usize >= vertices;
+    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+        if let Some(&index) = corners.iter().find(|index| outside(index)) {
+            return Err(SceneError::Index { mesh: mesh.name.clone(), triangle, index, vertices });
+        }
+    }
+    Ok(())
+}
+
+fn light(desc: &LightDesc) -> Result<(), Fault> {
+    match *desc {
+        LightDesc::Point { position, intensity } => {
+            finite("position", position)?;
+            not_negative("intensity", intensity)
+        }
+        LightDesc::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+            finite("position", position)?;
+            heading("direction", direction)?;
+            not_negative("intensity", intensity)?;
+            require(
+                // A cone whose cosine rounds to 1 would have no solid angle to shine into.
+                outer_angle > 0.0 && outer_angle <= FRAC_PI_2 && (outer_angle.cos() as f32) < 1.0,
+                "the outer angle",
+                outer_angle,
+                "it must lie between 0.001 and π/2 radians",
+            )?;
+            require(
+                inner_angle >= 0.0 && inner_angle <= outer_angle,
+                "the inner angle",
+                inner_angle,
+                "it must lie between 0 and the outer angle",
+            )
+        }
+        LightDesc::Directional { direction, irradiance } => {
+            heading("direction", direction)?;
+            not_negative("irradiance", irradiance)
+        }
+    }
+}
+
+fn camera(desc: &CameraDesc) -> Result<(), Fault> {
+    finite("position", desc.position)?;
+    heading("direction", desc.direction)?;
+    heading("up", desc.up)?;
+    let sine = unit(desc.direction).cross(unit(desc.up)).length();
+    // Below that, the roll of the picture would be decided by rounding.
+    require(sine > 1e-9, "up", desc.up, "it must not be parallel to the direction of view")?;
+    match desc.projection {
+        Projection::Perspective { vertical_fov } => require(
+            vertical_fov > 0.0 && vertical_fov < PI && (vertical_fov as f32).is_normal(),
+            "the vertical field of view",
+            vertical_fov,
+            "it must lie between 0 and π radians, both excluded",
+        ),
+        Projection::Orthographic { half_height } => require(
+            half_height.is_finite() && half_height > 0.0,
+            "half the height",
+            half_height,
+            "it must be a finite number above 0",
+        ),
+    }
+}
+
+/// The unit vector along one that is finite and not zero, however long.
+pub(crate) fn unit(vector: [f64; 3]) -> DVec3 {
+    let vector = DVec3::from_array(vector);
+    // The square of an extreme component would leave the range, the quotient by the largest one
+    // does not.
+    (vector / vector.abs().max_element()).normalize()
+}

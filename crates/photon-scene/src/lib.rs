@@ -10,6 +10,8 @@ mod camera;
 mod describe;
 mod error;
 mod lights;
+#[cfg(feature = "files")]
+mod load;
 mod normalise;
 mod report;
 mod scene;
@@ -19,5 +21,7 @@ mod validate;
 pub use builder::{MaterialId, SceneBuilder};
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 pub use error::SceneError;
+#[cfg(feature = "files")]
+pub use load::load_gltf;
 pub use report::{LoadReport, ReportKind, ReportLine};
 pub use scene::Scene;

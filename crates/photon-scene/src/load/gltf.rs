@@ -1,0 +1,123 @@
+//! glTF 2.0: `.gltf` with its buffers beside it or within it, and `.glb`.
+//!
+//! | glTF | here |
+//! |---|---|
+//! | node | its matrix or translation, rotation and scale, in f64; a mirrored mesh keeps its front |
+//! | primitive | one mesh, once for each node that holds it; lists, strips and fans of triangles |
+//! | base colour | albedo, mirror's reflectance, or tint of what is transmitted |
+//! | metal (≥ 0.5), roughness ≤ 0.1 | mirror |
+//! | `transmission` ≥ 0.5 | thin sheet; solid dielectric where `volume` gives a thickness |
+//! | `ior` | refractive index; 1.5 where there is none |
+//! | `volume` | absorption `−ln(colour) / distance`, per length of the scene |
+//! | `emissiveFactor` × `emissive_strength` | radiance, W/(m²·sr); from both sides if `doubleSided` |
+//! | `lights_punctual` | candela are W/sr, lux are W/m²: no factor of 683 |
+//! | texture | its mean colour, where it is a PNG |
+//! | alpha below one half | thin sheet |
+//!
+//! Whatever that leaves out is a line of the report. The document is read without the parser's own
+//! validation, which refuses extensions that are supported here; instead, every index is looked up
+//! where it is used, and what it leads nowhere from is named.
+
+mod accessor;
+mod buffers;
+mod container;
+mod extensions;
+mod fault;
+mod material;
+mod meshes;
+mod nodes;
+mod parameters;
+mod primitive;
+mod punctual;
+mod texture;
+mod uri;
+
+use std::fs;
+use std::path::Path;
+
+use gltf::json::Root;
+
+use self::accessor::Accessors;
+use self::buffers::Buffers;
+use self::fault::{Fault, label};
+use self::meshes::{Census, Meshes};
+use self::texture::Textures;
+use crate::builder::SceneBuilder;
+use crate::error::SceneError;
+use crate::report::LoadReport;
+
+/// Reads a glTF 2.0 file, `.gltf` or `.glb`, whichever its first bytes say.
+///
+/// # Errors
+///
+/// [`SceneError::Read`] if the file cannot be read; [`SceneError::Content`] if it or a buffer it
+/// names is missing, truncated or inconsistent, or requires an extension that is not supported.
+/// Numbers out of their range (an albedo of 2) are found by [`SceneBuilder::build`].
+pub fn load_gltf(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
+    let bytes =
+        fs::read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    assemble(&bytes, folder).map_err(|fault| fault.in_file(path))
+}
+
+/// The scene that the bytes of a file describe; other files are looked for in `folder`.
+fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), Fault> {
+    let mut report = LoadReport::default();
+    let mut builder = SceneBuilder::new();
+    let (root, bin) = container::open(bytes)?;
+    extensions::check(&root, &mut report)?;
+    let buffers = Buffers::new(&root, folder, bin);
+
+    let textures = Textures::new(&root, &buffers);
+    let mut materials = Vec::with_capacity(root.materials.len());
+    for index in 0..root.materials.len() {
+        let desc = material::describe(&root, index, &textures, &mut report)?;
+        materials.push(builder.material(desc));
+    }
+
+    let mut meshes = Meshes {
+        root: &root,
+        accessors: Accessors::new(&root, &buffers),
+        materials,
+        default_material: None,
+        census: Census::default(),
+    };
+    let mut camera_names = Vec::new();
+    for placed in nodes::place(&root)? {
+        let node = &root.nodes[placed.node];
+        let part = nodes::node_label(&root, placed.node);
+        if let Some(mesh) = node.mesh {
+            meshes.add(placed.node, mesh.value(), &placed.transform, &mut builder, &mut report)?;
+            if node.skin.is_some() {
+                report.left_out(&part, "its skin; the mesh is rendered without its bones");
+            }
+        }
+        if let Some(camera) = node.camera {
+            let (camera, names) = (camera.value(), &mut camera_names);
+            punctual::add_camera(&root, &part, camera, &placed.transform, names, &mut builder)?;
+        }
+        let lights = node.extensions.as_ref().and_then(|all| all.khr_lights_punctual.as_ref());
+        if let Some(light) = lights.map(|holder| holder.light.value()) {
+            punctual::add_light(
+                &root, &part, light, &placed.transform, &mut builder, &mut report,
+            )?;
+        }
+    }
+    meshes.census.report(&mut report);
+    report_rest(&root, &mut report);
+    Ok((builder, report))
+}
+
+/// What concerns the file as a whole.
+fn report_rest(root: &Root, report: &mut LoadReport) {
+    if root.scenes.len() > 1 {
+        let index = root.scene.map_or(0, |scene| scene.value());
+        let name = root.scenes.get(index).and_then(|scene| scene.name.as_deref());
+        let text = format!("has {} scenes; {} is rendered", root.scenes.len(), label("scene", index, name));
+        report.note("the file", text);
+    }
+    match root.animations.len() {
+        0 => {}
+        count => report.left_out("the file", format!("its {count} animations; it is rendered at rest")),
+    }
+}

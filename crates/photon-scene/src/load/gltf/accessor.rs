@@ -1,0 +1,199 @@
+//! Numbers out of buffers: every read is checked against what is there.
+
+use gltf::json::accessor::{Accessor, ComponentType, Type};
+use gltf::json::validation::Checked;
+use gltf::json::Root;
+
+use super::buffers::Buffers;
+use super::fault::{AGAIN, Fault, label};
+
+/// An accessor without data of its own stands for zeros; beyond this many it is taken for damage,
+/// since a few bytes of JSON could otherwise ask for all the memory there is.
+const MAX_ZEROS: u64 = 1 << 22;
+
+/// Reads the accessors of a file.
+pub(super) struct Accessors<'a> {
+    root: &'a Root,
+    buffers: &'a Buffers<'a>,
+}
+
+/// How the elements of an accessor lie in its bytes.
+struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    component: ComponentType,
+    normalized: bool,
+}
+
+impl<'a> Accessors<'a> {
+    pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>) -> Self {
+        Self { root, buffers }
+    }
+
+    /// How many elements it has, without reading them.
+    pub(super) fn count(&self, index: usize, user: &str) -> Result<u64, Fault> {
+        Ok(self.find(index, user)?.count.0)
+    }
+
+    /// Vectors of three numbers, of any component type, on behalf of `user`.
+    pub(super) fn vectors(&self, index: usize, user: &str) -> Result<Vec<[f64; 3]>, Fault> {
+        self.read(index, user, Type::Vec3, &[], |elements, at| {
+            std::array::from_fn(|axis| elements.number(at, axis))
+        })
+    }
+
+    /// Vertex indices, of any unsigned type, on behalf of `user`.
+    pub(super) fn indices(&self, index: usize, user: &str) -> Result<Vec<u32>, Fault> {
+        let unsigned = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
+        self.read(index, user, Type::Scalar, &unsigned, |elements, at| elements.unsigned(at))
+    }
+
+    fn find(&self, index: usize, user: &str) -> Result<&'a Accessor, Fault> {
+        let accessors = &self.root.accessors;
+        accessors.get(index).ok_or_else(|| Fault::dangling(user, "accessor", index, accessors.len()))
+    }
+
+    /// Reads all elements with `take`; an empty `allowed` admits every component type.
+    fn read<T: Copy + Default>(
+        &self,
+        index: usize,
+        user: &str,
+        shape: Type,
+        allowed: &[ComponentType],
+        take: impl Fn(&Elements<'_>, usize) -> T,
+    ) -> Result<Vec<T>, Fault> {
+        let accessor = self.find(index, user)?;
+        let part = label("accessor", index, accessor.name.as_deref());
+        let wrong = |why: String| Fault::new(&part, why, AGAIN);
+        let component = match accessor.component_type {
+            Checked::Valid(component) if allowed.is_empty() || allowed.contains(&component.0) => {
+                component.0
+            }
+            _ => {
+                return Err(wrong(format!("has a component type that {user} cannot use")));
+            }
+        };
+        match accessor.type_ {
+            Checked::Valid(found) if found == shape => {}
+            _ => return Err(wrong(format!("must be of type {shape:?} for {user}"))),
+        }
+
+        let count = accessor.count.0;
+        let size = component.size() * shape.multiplicity();
+        let normalized = accessor.normalized;
+        let mut values = match accessor.buffer_view {
+            Some(view) => {
+                let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
+                let stride = self.stride(view.value(), size, &part)?;
+                let bytes = self.span(view.value(), offset, count, stride, size, &part)?;
+                let elements = Elements { bytes, stride, component, normalized };
+                (0..count as usize).map(|at| take(&elements, at)).collect()
+            }
+            None if count <= MAX_ZEROS => vec![T::default(); count as usize],
+            None => {
+                let why = format!("has {count} elements but no data");
+                return Err(Fault::new(part, why, "export the file again, without compression"));
+            }
+        };
+
+        if let Some(sparse) = &accessor.sparse {
+            let indices = &sparse.indices;
+            let Checked::Valid(kind) = indices.component_type else {
+                return Err(wrong("has sparse indices of an unknown type".into()));
+            };
+            let (entries, width) = (sparse.count.0, kind.0.size());
+            let view = indices.buffer_view.value();
+            let bytes = self.span(view, indices.byte_offset.0, entries, width, width, &part)?;
+            let places = Elements { bytes, stride: width, component: kind.0, normalized: false };
+            let view = sparse.values.buffer_view.value();
+            let bytes = self.span(view, sparse.values.byte_offset.0, entries, size, size, &part)?;
+            let elements = Elements { bytes, stride: size, component, normalized };
+            for entry in 0..entries as usize {
+                let place = places.unsigned(entry);
+                let value = values.get_mut(place as usize).ok_or_else(|| {
+                    wrong(format!(
+                        "replaces element {place} (sparse entry {entry}), but has only {count}"
+                    ))
+                })?;
+                *value = take(&elements, entry);
+            }
+        }
+        Ok(values)
+    }
+
+    /// Distance in bytes between elements of `size` bytes in a view.
+    fn stride(&self, view: usize, size: usize, part: &str) -> Result<usize, Fault> {
+        match self.root.buffer_views.get(view).and_then(|view| view.byte_stride) {
+            Some(stride) if stride.0 < size => Err(Fault::new(
+                part,
+                format!(
+                    "has elements of {size} bytes, but buffer view {view} puts them {} apart",
+                    stride.0
+                ),
+                AGAIN,
+            )),
+            Some(stride) => Ok(stride.0),
+            None => Ok(size),
+        }
+    }
+
+    /// The bytes from the first element on; all `count` of them are there.
+    fn span(
+        &self,
+        view: usize,
+        offset: u64,
+        count: u64,
+        stride: usize,
+        size: usize,
+        part: &str,
+    ) -> Result<&[u8], Fault> {
+        let bytes = self.buffers.view(view, part)?;
+        let Some(last) = count.checked_sub(1) else {
+            return Ok(&[]);
+        };
+        let needed = u128::from(offset) + u128::from(last) * stride as u128 + size as u128;
+        usize::try_from(offset)
+            .ok()
+            .filter(|_| needed <= bytes.len() as u128)
+            .and_then(|offset| bytes.get(offset..))
+            .ok_or_else(|| {
+                Fault::new(
+                    part,
+                    format!(
+                        "needs {needed} bytes for its {count} elements, but buffer view {view} has {}",
+                        bytes.len()
+                    ),
+                    AGAIN,
+                )
+            })
+    }
+}
+
+impl Elements<'_> {
+    fn component<const N: usize>(&self, at: usize, axis: usize) -> [u8; N] {
+        let start = at * self.stride + axis * N;
+        std::array::from_fn(|byte| self.bytes[start + byte])
+    }
+
+    /// One component; normalised integers as the glTF 2.0 specification says in section 3.11.
+    fn number(&self, at: usize, axis: usize) -> f64 {
+        let (value, full) = match self.component {
+            ComponentType::I8 => (f64::from(i8::from_le_bytes(self.component(at, axis))), 127.0),
+            ComponentType::U8 => (f64::from(u8::from_le_bytes(self.component(at, axis))), 255.0),
+            ComponentType::I16 => (f64::from(i16::from_le_bytes(self.component(at, axis))), 32767.0),
+            ComponentType::U16 => (f64::from(u16::from_le_bytes(self.component(at, axis))), 65535.0),
+            ComponentType::U32 => (f64::from(u32::from_le_bytes(self.component(at, axis))), 1.0),
+            ComponentType::F32 => (f64::from(f32::from_le_bytes(self.component(at, axis))), 1.0),
+        };
+        if self.normalized { (value / full).max(-1.0) } else { value }
+    }
+
+    /// One unsigned integer.
+    fn unsigned(&self, at: usize) -> u32 {
+        match self.component.size() {
+            1 => u32::from(u8::from_le_bytes(self.component(at, 0))),
+            2 => u32::from(u16::from_le_bytes(self.component(at, 0))),
+            _ => u32::from_le_bytes(self.component(at, 0)),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The binary data of a file: buffers, read when first asked for, and views into them.
+
+use std::borrow::Cow;
+use std::cell::OnceCell;
+use std::path::Path;
+
+use gltf::json::Root;
+
+use super::fault::{AGAIN, COPY_AGAIN, Fault, label};
+use super::uri;
+
+/// The buffers of a file.
+pub(super) struct Buffers<'a> {
+    root: &'a Root,
+    folder: &'a Path,
+    bin: Option<&'a [u8]>,
+    loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
+}
+
+impl<'a> Buffers<'a> {
+    /// Those of `root`, whose files lie in `folder` and whose GLB chunk is `bin`.
+    pub(super) fn new(root: &'a Root, folder: &'a Path, bin: Option<&'a [u8]>) -> Self {
+        let loaded = root.buffers.iter().map(|_| OnceCell::new()).collect();
+        Self { root, folder, bin, loaded }
+    }
+
+    /// Where the files of the scene lie.
+    pub(super) fn folder(&self) -> &'a Path {
+        self.folder
+    }
+
+    /// The bytes of a buffer view, on behalf of `user`.
+    pub(super) fn view(&self, index: usize, user: &str) -> Result<&[u8], Fault> {
+        let views = &self.root.buffer_views;
+        let view = views
+            .get(index)
+            .ok_or_else(|| Fault::dangling(user, "buffer view", index, views.len()))?;
+        let part = label("buffer view", index, view.name.as_deref());
+        let buffer = self.buffer(view.buffer.value(), &part)?;
+        let offset = view.byte_offset.map_or(0, |offset| offset.0);
+        let end = offset.checked_add(view.byte_length.0);
+        let bytes = end
+            .and_then(|end| usize::try_from(end).ok())
+            .and_then(|end| buffer.get(usize::try_from(offset).ok()?..end));
+        bytes.ok_or_else(|| {
+            Fault::new(
+                part,
+                format!(
+                    "takes {} bytes from byte {offset} of buffer {}, which has {}",
+                    view.byte_length.0,
+                    view.buffer.value(),
+                    buffer.len()
+                ),
+                AGAIN,
+            )
+        })
+    }
+
+    fn buffer(&self, index: usize, user: &str) -> Result<&[u8], Fault> {
+        let dangling = || Fault::dangling(user, "buffer", index, self.loaded.len());
+        let cell = self.loaded.get(index).ok_or_else(dangling)?;
+        if let Some(bytes) = cell.get() {
+            return Ok(bytes);
+        }
+        let bytes = self.load(index)?;
+        Ok(cell.get_or_init(|| bytes))
+    }
+
+    fn load(&self, index: usize) -> Result<Cow<'a, [u8]>, Fault> {
+        let buffer = &self.root.buffers[index];
+        let part = label("buffer", index, buffer.name.as_deref());
+        let bytes = match (&buffer.uri, self.bin) {
+            (Some(uri), _) => match uri::read(uri, self.folder) {
+                Ok(bytes) => Cow::Owned(bytes),
+                Err((why, mend)) => return Err(Fault::new(part, why, mend)),
+            },
+            (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
+            (None, _) => {
+                return Err(Fault::new(
+                    part,
+                    "has no URI, and there is no GLB chunk for it",
+                    "export the file again, without compression",
+                ));
+            }
+        };
+        let needed = buffer.byte_length.0;
+        if (bytes.len() as u64) < needed {
+            let place = match buffer.uri.as_deref() {
+                Some(uri) if !uri.starts_with("data:") => format!("the file {uri}"),
+                Some(_) => "its data URI".to_owned(),
+                None => "the GLB chunk".to_owned(),
+            };
+            return Err(Fault::new(
+                part,
+                format!("needs {needed} bytes, but {place} has {}", bytes.len()),
+                COPY_AGAIN,
+            ));
+        }
+        Ok(bytes)
+    }
+}

@@ -1,0 +1,63 @@
+//! Which extensions of glTF are understood, and which cannot be done without.
+
+use gltf::json::Root;
+
+use super::fault::Fault;
+use crate::report::LoadReport;
+
+/// Extensions that are taken over, or whose absence the report tells of material by material.
+const KNOWN: &[&str] = &[
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    // The mean of a picture is the same wherever its corners are put.
+    "KHR_texture_transform",
+    // Pictures that cannot be decoded are reported where they are used.
+    "KHR_texture_basisu",
+    "EXT_texture_webp",
+    "EXT_texture_avif",
+    "MSFT_texture_dds",
+];
+
+/// Extensions that only say something about the file.
+const HARMLESS: &[&str] = &["KHR_xmp", "KHR_xmp_json_ld"];
+
+/// What to do about an extension that data cannot be read without.
+fn mend(extension: &str) -> &'static str {
+    match extension {
+        "KHR_draco_mesh_compression" => "export the file without Draco mesh compression",
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "export the file without meshopt compression"
+        }
+        "EXT_mesh_gpu_instancing" => "make the instances real before the export",
+        _ => "export the file without it",
+    }
+}
+
+/// Refuses a file that requires what is not understood, and reports the rest.
+///
+/// Extensions of materials are never refused: they change how a surface looks, which the report
+/// says, and a picture without them is still one of the scene.
+pub(super) fn check(root: &Root, report: &mut LoadReport) -> Result<(), Fault> {
+    let is_of_material = |name: &str| name.contains("_materials_");
+    for name in root.extensions_required.iter().map(String::as_str) {
+        if !KNOWN.contains(&name) && !HARMLESS.contains(&name) && !is_of_material(name) {
+            let why = format!("requires the extension {name}, which is not supported");
+            return Err(Fault::new("extensionsRequired", why, mend(name)));
+        }
+    }
+    for name in root.extensions_used.iter().map(String::as_str) {
+        if name == "KHR_materials_variants" {
+            report.note("the file", "has material variants; the default ones are rendered");
+        } else if !KNOWN.contains(&name) && !HARMLESS.contains(&name) && !is_of_material(name) {
+            report.left_out(
+                "the file",
+                format!("the extension {name} is not supported; {}", mend(name)),
+            );
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,156 @@
+//! Meshes: each node that holds one adds it once more, where the node is.
+
+use glam::{DMat4, DVec3};
+use gltf::json::Root;
+use gltf::json::mesh::Semantic;
+
+use super::accessor::Accessors;
+use super::fault::{Fault, label, name_or_number};
+use super::primitive;
+use crate::builder::{MaterialId, SceneBuilder};
+use crate::describe::MaterialDesc;
+use crate::report::LoadReport;
+
+/// More vertex positions and indices than this, over all instances, are taken for damage: a few
+/// nodes that share a mesh could otherwise ask for all the memory there is.
+const MAX_ELEMENTS: u64 = 1 << 28;
+
+/// What is said once for all meshes.
+#[derive(Default)]
+pub(super) struct Census {
+    elements: u64,
+    smooth_triangles: u64,
+    colored: u64,
+    morphed: u64,
+    without_material: u64,
+}
+
+/// Adds the mesh that a node holds, one mesh of the builder for each primitive.
+pub(super) struct Meshes<'a> {
+    pub(super) root: &'a Root,
+    pub(super) accessors: Accessors<'a>,
+    pub(super) materials: Vec<MaterialId>,
+    pub(super) default_material: Option<MaterialId>,
+    pub(super) census: Census,
+}
+
+impl Meshes<'_> {
+    pub(super) fn add(
+        &mut self,
+        node: usize,
+        mesh: usize,
+        transform: &DMat4,
+        builder: &mut SceneBuilder,
+        report: &mut LoadReport,
+    ) -> Result<(), Fault> {
+        let meshes = &self.root.meshes;
+        let node_name = self.root.nodes[node].name.as_deref();
+        let found = meshes.get(mesh).ok_or_else(|| {
+            Fault::dangling(&label("node", node, node_name), "mesh", mesh, meshes.len())
+        })?;
+        let mesh_name = found.name.as_deref().filter(|name| !name.is_empty());
+        let name = match node_name.filter(|name| !name.is_empty()).or(mesh_name) {
+            Some(name) => name.to_owned(),
+            None => name_or_number("mesh", mesh, None),
+        };
+        // Nodes are scaled to nothing in order to hide them.
+        if [transform.x_axis, transform.y_axis, transform.z_axis].iter().all(|x| x.truncate() == DVec3::ZERO)
+        {
+            report.note(format!("mesh '{name}'"), "is scaled to nothing, and so not there");
+            return Ok(());
+        }
+        for (number, source) in found.primitives.iter().enumerate() {
+            let part = format!("{} primitive {number}", label("mesh", mesh, mesh_name));
+            if !primitive::is_surface(source, &part)? {
+                report.left_out(part, "consists of points or lines, which have no surface");
+                continue;
+            }
+            self.census.elements = self
+                .census
+                .elements
+                .saturating_add(primitive::size(&self.accessors, source, &part)?);
+            if self.census.elements > MAX_ELEMENTS {
+                return Err(Fault::new(
+                    part,
+                    format!("brings the scene to over {MAX_ELEMENTS} vertices and indices"),
+                    "leave out instances, or use coarser meshes",
+                ));
+            }
+            let material = match source.material {
+                None => self.default_material(builder),
+                Some(material) => *self.materials.get(material.value()).ok_or_else(|| {
+                    Fault::dangling(&part, "material", material.value(), self.materials.len())
+                })?,
+            };
+            let read = primitive::read(&self.accessors, source, &part)?;
+            if read.stray > 0 {
+                let text = format!("{} vertices at its end make no whole triangle", read.stray);
+                report.left_out(part, text);
+            }
+            self.census.smooth_triangles += read.smooth;
+            self.census.colored += u64::from(primitive::attribute(source, Semantic::Colors(0)).is_some());
+            self.census.morphed += u64::from(source.targets.iter().flatten().next().is_some());
+
+            let mut triangles = read.triangles;
+            if is_mirrored(transform) {
+                // A mirrored mesh keeps its front (glTF 2.0 specification, section 3.7.4).
+                triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+            }
+            let positions = read.positions.into_iter().map(DVec3::from);
+            let positions = positions.map(|at| transform.transform_point3(at).to_array()).collect();
+            let name = match found.primitives.len() {
+                1 => name.clone(),
+                _ => format!("{name} primitive {number}"),
+            };
+            builder.mesh(name, positions, triangles, material);
+        }
+        Ok(())
+    }
+
+    /// The grey that surfaces without a material are given, as by the other loaders.
+    fn default_material(&mut self, builder: &mut SceneBuilder) -> MaterialId {
+        self.census.without_material += 1;
+        *self
+            .default_material
+            .get_or_insert_with(|| builder.material(MaterialDesc::lambert("default", [0.5; 3])))
+    }
+}
+
+/// Whether left and right are exchanged. Of the axes' directions alone, since the determinant of
+/// tiny or huge scales leaves the range.
+fn is_mirrored(transform: &DMat4) -> bool {
+    let axis = |axis: glam::DVec4| axis.truncate().normalize_or_zero();
+    let [x, y, z] = [transform.x_axis, transform.y_axis, transform.z_axis].map(axis);
+    x.cross(y).dot(z) < 0.0
+}
+
+impl Census {
+    /// Says it.
+    pub(super) fn report(&self, report: &mut LoadReport) {
+        let Self { smooth_triangles, colored, morphed, without_material, .. } = self;
+        if *smooth_triangles > 0 {
+            report.approximated(
+                "the file",
+                format!(
+                    "{smooth_triangles} triangles are smoothed by vertex normals and rendered \
+                     flat; use finer meshes where facets show"
+                ),
+            );
+        }
+        if *colored > 0 {
+            report.left_out("the file", format!("the vertex colours of {colored} meshes"));
+        }
+        if *morphed > 0 {
+            report.left_out("the file", format!("the morph targets of {morphed} meshes; the base shape is rendered"));
+        }
+        if *without_material > 0 {
+            report.approximated(
+                "the file",
+                format!(
+                    "{without_material} meshes have no material and are made a diffuse grey of 0.5 \
+                     named 'default'"
+                ),
+            );
+        }
+    }
+}

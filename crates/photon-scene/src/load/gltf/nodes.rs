@@ -1,0 +1,150 @@
+//! The tree of nodes: which belong to the scene, and where each of them is.
+
+use glam::{DMat4, DQuat, DVec3, DVec4};
+use gltf::json::{Node, Root};
+
+use super::fault::{AGAIN, Fault, label};
+
+/// A node of the scene and where it is.
+#[derive(Debug)]
+pub(super) struct Placed {
+    /// Index of the node.
+    pub(super) node: usize,
+    /// From its own space to that of the scene; affine and finite.
+    pub(super) transform: DMat4,
+}
+
+/// What messages call a node.
+pub(super) fn node_label(root: &Root, index: usize) -> String {
+    label("node", index, root.nodes.get(index).and_then(|node| node.name.as_deref()))
+}
+
+/// The nodes of the scene, parents before children, siblings in order.
+pub(super) fn place(root: &Root) -> Result<Vec<Placed>, Fault> {
+    let parents = parents(root)?;
+    refuse_cycles(root, &parents)?;
+
+    let mut placed = Vec::new();
+    let mut seen = vec![false; root.nodes.len()];
+    let mut pending: Vec<(usize, DMat4)> =
+        roots(root, &parents)?.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
+    while let Some((node, above)) = pending.pop() {
+        if std::mem::replace(&mut seen[node], true) {
+            return Err(Fault::new(
+                node_label(root, node),
+                "is in the scene twice",
+                "list it once, at the root of the scene or below one parent",
+            ));
+        }
+        let transform = above * local(&root.nodes[node], &node_label(root, node))?;
+        if !transform.is_finite() {
+            return Err(Fault::new(
+                node_label(root, node),
+                "has a transform that is not finite",
+                "give it and its parents translations, rotations and scales of sensible size",
+            ));
+        }
+        pending.extend(children(&root.nodes[node]).rev().map(|child| (child, transform)));
+        placed.push(Placed { node, transform });
+    }
+    Ok(placed)
+}
+
+/// What the scene is rooted in: that of the default scene, else of the first, else every node
+/// without a parent.
+fn roots(root: &Root, parents: &[Option<usize>]) -> Result<Vec<usize>, Fault> {
+    if root.scenes.is_empty() && root.scene.is_none() {
+        let orphans = parents.iter().enumerate().filter(|(_, parent)| parent.is_none());
+        return Ok(orphans.map(|(node, _)| node).collect());
+    }
+    let index = root.scene.map_or(0, |scene| scene.value());
+    let scene = root
+        .scenes
+        .get(index)
+        .ok_or_else(|| Fault::dangling("the default scene", "scene", index, root.scenes.len()))?;
+    let part = label("scene", index, scene.name.as_deref());
+    scene
+        .nodes
+        .iter()
+        .map(|node| match node.value() {
+            node if node < root.nodes.len() => Ok(node),
+            node => Err(Fault::dangling(&part, "node", node, root.nodes.len())),
+        })
+        .collect()
+}
+
+fn children(node: &Node) -> impl DoubleEndedIterator<Item = usize> {
+    node.children.iter().flatten().map(|child| child.value())
+}
+
+/// The parent of each node; glTF asks that there be one at most.
+fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
+    let mut parents: Vec<Option<usize>> = vec![None; root.nodes.len()];
+    for (index, node) in root.nodes.iter().enumerate() {
+        for child in children(node) {
+            let Some(parent) = parents.get_mut(child) else {
+                let count = root.nodes.len();
+                return Err(Fault::dangling(&node_label(root, index), "node", child, count));
+            };
+            if let Some(other) = parent.replace(index) {
+                let (one, two) = (node_label(root, other), node_label(root, index));
+                return Err(Fault::new(
+                    node_label(root, child),
+                    format!("is a child of both {one} and {two}"),
+                    "give it one parent, and copy it for the other",
+                ));
+            }
+        }
+    }
+    Ok(parents)
+}
+
+/// With one parent each, a node that no orphan leads to hangs below a cycle or is in it.
+fn refuse_cycles(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
+    let mut reached = vec![false; parents.len()];
+    let mut pending: Vec<usize> =
+        (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
+    while let Some(node) = pending.pop() {
+        reached[node] = true;
+        pending.extend(children(&root.nodes[node]));
+    }
+    match reached.iter().position(|&reached| !reached) {
+        None => Ok(()),
+        Some(node) => Err(Fault::new(
+            node_label(root, node),
+            "is an ancestor of itself, or below a node that is",
+            "take the cycle out of the children of these nodes",
+        )),
+    }
+}
+
+/// The transform of a node within its parent.
+fn local(node: &Node, part: &str) -> Result<DMat4, Fault> {
+    if let Some(matrix) = node.matrix {
+        let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
+        if matrix.row(3) != DVec4::W {
+            return Err(Fault::new(part, "has a matrix whose last row is not 0 0 0 1", AGAIN));
+        }
+        return Ok(matrix);
+    }
+    let vector = |value: Option<[f32; 3]>, default| value.map_or(default, |v| DVec3::from(v.map(f64::from)));
+    let rotation = match node.rotation {
+        None => DQuat::IDENTITY,
+        Some(rotation) => {
+            let rotation = DQuat::from_array(rotation.0.map(f64::from));
+            if rotation.length() == 0.0 || !rotation.is_finite() {
+                return Err(Fault::new(
+                    part,
+                    format!("has the rotation {:?}, which is no quaternion", rotation.to_array()),
+                    AGAIN,
+                ));
+            }
+            rotation.normalize()
+        }
+    };
+    Ok(DMat4::from_scale_rotation_translation(
+        vector(node.scale, DVec3::ONE),
+        rotation,
+        vector(node.translation, DVec3::ZERO),
+    ))
+}

@@ -1,0 +1,168 @@
+//! The numbers of a material: its factors, times the means of its textures.
+
+use gltf::json::extensions::material as extension;
+use gltf::json::material::AlphaMode;
+use gltf::json::texture::Info;
+use gltf::json::validation::Checked;
+use gltf::json::{Root, Value};
+
+use super::fault::{AGAIN, Fault, label};
+use super::texture::{Mean, Textures};
+use crate::report::LoadReport;
+
+/// What decides how a material is rendered.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parameters {
+    /// Base colour, linear RGB.
+    pub(super) base: [f64; 3],
+    /// How much of the surface is there, in `[0, 1]`.
+    pub(super) coverage: f64,
+    pub(super) metallic: f64,
+    pub(super) roughness: f64,
+    pub(super) transmission: f64,
+    /// 0 stands for a surface that reflects all light (`KHR_materials_ior`).
+    pub(super) ior: f64,
+    /// Scale and colour of the reflection of a surface that is not a metal.
+    pub(super) specular: [f64; 3],
+    /// Whether it bounds a volume rather than being a sheet.
+    pub(super) is_solid: bool,
+    /// What is left of white light after `attenuation_distance`.
+    pub(super) attenuation_color: [f64; 3],
+    /// User length; infinite where nothing is absorbed.
+    pub(super) attenuation_distance: f64,
+    /// Radiance.
+    pub(super) emission: [f64; 3],
+    pub(super) is_unlit: bool,
+}
+
+/// Reads the material; what its textures lose goes into the report under `subject`.
+pub(super) fn read(
+    root: &Root,
+    index: usize,
+    textures: &Textures<'_>,
+    subject: &str,
+    report: &mut LoadReport,
+) -> Result<Parameters, Fault> {
+    let material = &root.materials[index];
+    let part = label("material", index, material.name.as_deref());
+    let mut means = Means { textures, part: &part, subject, report };
+
+    let none = extension::Material::default();
+    let extensions = material.extensions.as_ref().unwrap_or(&none);
+    let pbr = &material.pbr_metallic_roughness;
+    let mut factor = pbr.base_color_factor.0.map(f64::from);
+    let mut metallic = f64::from(pbr.metallic_factor.0);
+    let mut roughness = f64::from(pbr.roughness_factor.0);
+    if let Some(old) = extensions.others.get("KHR_materials_pbrSpecularGlossiness") {
+        // Of this retired extension only the diffuse part has a counterpart.
+        factor = numbers(old, "diffuseFactor").unwrap_or([1.0; 4]);
+        (metallic, roughness) = (0.0, 1.0);
+        means.report.approximated(
+            subject,
+            "its specular-glossiness model is rendered as its diffuse colour; export it as \
+             metallic-roughness",
+        );
+    }
+    let base = means.get(pbr.base_color_texture.as_ref(), "base colour", |mean| mean.color)?;
+    if let Some(mean) = means.get(pbr.metallic_roughness_texture.as_ref(), "metal and roughness", |mean| mean.plain)? {
+        roughness *= mean.plain[1];
+        metallic *= mean.plain[2];
+    }
+    let transmission = match &extensions.transmission {
+        None => 0.0,
+        Some(transmission) => {
+            let texture = transmission.transmission_texture.as_ref();
+            let mean = means.get(texture, "transmission", |mean| mean.plain)?;
+            f64::from(transmission.transmission_factor.0) * mean.map_or(1.0, |mean| mean.plain[0])
+        }
+    };
+    let strength = extensions.emissive_strength.as_ref().map_or(1.0, |e| f64::from(e.emissive_strength.0));
+    let emissive = material.emissive_factor.0.map(|factor| f64::from(factor) * strength);
+    let is_dark = emissive == [0.0; 3];
+    let emissive_texture = material.emissive_texture.as_ref().filter(|_| !is_dark);
+    let glow = means.get(emissive_texture, "emission", |mean| mean.color)?;
+
+    let alpha = factor[3] * base.map_or(1.0, |mean| mean.alpha);
+    let volume = extensions.volume.as_ref();
+    let specular = extensions.others.get("KHR_materials_specular");
+    let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
+    let color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
+    Ok(Parameters {
+        base: times([factor[0], factor[1], factor[2]], base.map(|mean| mean.color)),
+        coverage: match material.alpha_mode {
+            Checked::Valid(AlphaMode::Opaque) => 1.0,
+            Checked::Valid(AlphaMode::Blend) => alpha,
+            // Where a texture decides it, some of the surface is there and some is not.
+            Checked::Valid(AlphaMode::Mask) if base.is_none() => {
+                let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
+                if alpha >= f64::from(cutoff) { 1.0 } else { 0.0 }
+            }
+            Checked::Valid(AlphaMode::Mask) => alpha.max(0.5),
+            Checked::Invalid => return Err(Fault::new(part, "has an unknown alphaMode", AGAIN)),
+        },
+        metallic,
+        roughness,
+        transmission,
+        ior: extensions.ior.as_ref().map_or(1.5, |ior| f64::from(ior.ior.0)),
+        specular: color.map(|color| color * scale),
+        is_solid: volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0),
+        attenuation_color: volume.map_or([1.0; 3], |v| v.attenuation_color.0.map(f64::from)),
+        attenuation_distance: volume.map_or(f64::INFINITY, |v| f64::from(v.attenuation_distance.0)),
+        emission: times(emissive, glow.map(|mean| mean.color)),
+        is_unlit: extensions.others.contains_key("KHR_materials_unlit"),
+    })
+}
+
+/// The textures of one material.
+struct Means<'a, 'b> {
+    textures: &'a Textures<'b>,
+    part: &'a str,
+    subject: &'a str,
+    report: &'a mut LoadReport,
+}
+
+impl Means<'_, '_> {
+    /// The mean of a texture, if there is one and it can be read; `shown` is what the report says.
+    fn get(
+        &mut self,
+        texture: Option<&Info>,
+        role: &str,
+        shown: fn(&Mean) -> [f64; 3],
+    ) -> Result<Option<Mean>, Fault> {
+        let Some(texture) = texture.map(|info| info.index.value()) else {
+            return Ok(None);
+        };
+        let name = self.textures.name(texture);
+        match self.textures.mean(texture, self.part)? {
+            Ok(mean) if mean.is_uniform => Ok(Some(mean)),
+            Ok(mean) => {
+                let [r, g, b] = shown(&mean);
+                let text = format!(
+                    "{name} ({role}) is replaced by its mean colour ({r:.3}, {g:.3}, {b:.3})"
+                );
+                self.report.approximated(self.subject, text);
+                Ok(Some(mean))
+            }
+            Err(why) => {
+                let text = format!("{name} ({role}): {why}; only its factor is used");
+                self.report.left_out(self.subject, text);
+                Ok(None)
+            }
+        }
+    }
+}
+
+fn times(factor: [f64; 3], mean: Option<[f64; 3]>) -> [f64; 3] {
+    let mean = mean.unwrap_or([1.0; 3]);
+    std::array::from_fn(|channel| factor[channel] * mean[channel])
+}
+
+/// A number, or an array of `N` numbers, out of an extension that the parser leaves as it is.
+fn numbers<const N: usize>(extension: &Value, field: &str) -> Option<[f64; N]> {
+    let value = extension.get(field)?;
+    let numbers: Vec<f64> = match value {
+        Value::Array(items) => items.iter().map(Value::as_f64).collect::<Option<_>>()?,
+        single => vec![single.as_f64()?],
+    };
+    numbers.try_into().ok()
+}

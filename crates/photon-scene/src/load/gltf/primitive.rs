@@ -1,0 +1,158 @@
+//! From the primitives of a mesh to triangles.
+
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
+
+use super::accessor::Accessors;
+use super::fault::{AGAIN, Fault};
+
+/// The triangles of a primitive, in the space of its node.
+#[derive(Debug, Default)]
+pub(super) struct Triangles {
+    pub(super) positions: Vec<[f64; 3]>,
+    /// Vertex indices, all in range; counter-clockwise seen from the front.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// How many of them have vertex normals that bend away from the facet.
+    pub(super) smooth: u64,
+    /// Vertices at the end of the list that make no whole triangle.
+    pub(super) stray: usize,
+}
+
+/// Whether a primitive is made of triangles, and not of points or lines.
+pub(super) fn is_surface(primitive: &Primitive, part: &str) -> Result<bool, Fault> {
+    match primitive.mode {
+        Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => Ok(true),
+        Checked::Valid(_) => Ok(false),
+        Checked::Invalid => Err(Fault::new(part, "has an unknown mode", AGAIN)),
+    }
+}
+
+/// Index of the accessor that holds an attribute.
+pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
+    primitive.attributes.get(&Checked::Valid(semantic)).map(|accessor| accessor.value())
+}
+
+/// A bound on its vertices and triangles together, without reading them.
+pub(super) fn size(
+    accessors: &Accessors<'_>,
+    primitive: &Primitive,
+    part: &str,
+) -> Result<u64, Fault> {
+    let count = |accessor: Option<usize>| match accessor {
+        Some(accessor) => accessors.count(accessor, part),
+        None => Ok(0),
+    };
+    let indices = count(primitive.indices.map(|indices| indices.value()))?;
+    Ok(indices.saturating_add(count(attribute(primitive, Semantic::Positions))?))
+}
+
+/// Reads a primitive for which [`is_surface`] holds.
+pub(super) fn read(
+    accessors: &Accessors<'_>,
+    primitive: &Primitive,
+    part: &str,
+) -> Result<Triangles, Fault> {
+    let Some(positions) = attribute(primitive, Semantic::Positions) else {
+        return Ok(Triangles::default());
+    };
+    let positions = accessors.vectors(positions, part)?;
+    if let Some(vertex) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+        return Err(Fault::new(
+            part,
+            format!("vertex {vertex} is at {:?}", positions[vertex]),
+            "every coordinate must be a finite number; repair the mesh and export it again",
+        ));
+    }
+    let Ok(vertices) = u32::try_from(positions.len()) else {
+        return Err(Fault::new(part, "has more vertices than 32 bits can number", "split it"));
+    };
+
+    let order = match primitive.indices {
+        Some(indices) => accessors.indices(indices.value(), part)?,
+        None => (0..vertices).collect(),
+    };
+    if let Some(place) = order.iter().position(|&vertex| vertex >= vertices) {
+        return Err(Fault::new(
+            part,
+            format!(
+                "index {place} (of triangle {}) is vertex {}, but there are {vertices}",
+                match primitive.mode {
+                    Checked::Valid(Mode::Triangles) => place / 3,
+                    _ => place.saturating_sub(2),
+                },
+                order[place]
+            ),
+            AGAIN,
+        ));
+    }
+
+    let (triangles, stray) = assemble(&order, primitive.mode);
+    let smooth = match attribute(primitive, Semantic::Normals) {
+        None => 0,
+        Some(normals) => {
+            let normals = accessors.vectors(normals, part)?;
+            triangles.iter().filter(|triangle| is_bent(&positions, &normals, **triangle)).count()
+        }
+    };
+    Ok(Triangles { positions, triangles, smooth: smooth as u64, stray })
+}
+
+/// Triangles from a list, a strip or a fan (glTF 2.0 specification, section 3.7.2.1), and how many
+/// vertices are left over.
+fn assemble(order: &[u32], mode: Checked<Mode>) -> (Vec<[u32; 3]>, usize) {
+    let windows = || order.windows(3).enumerate();
+    // Strips repeat vertices to jump from one place to another; those triangles are not meant.
+    let is_meant = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+    match mode {
+        Checked::Valid(Mode::TriangleStrip) => {
+            let turned = |(at, v): (usize, &[u32])| match at % 2 {
+                0 => [v[0], v[1], v[2]],
+                _ => [v[0], v[2], v[1]],
+            };
+            (windows().map(turned).filter(is_meant).collect(), 0)
+        }
+        Checked::Valid(Mode::TriangleFan) => {
+            let triangles = order.iter().skip(1).zip(order.iter().skip(2));
+            (triangles.map(|(&a, &b)| [a, b, order[0]]).filter(is_meant).collect(), 0)
+        }
+        _ => {
+            let (triples, rest) = order.as_chunks::<3>();
+            (triples.to_vec(), rest.len())
+        }
+    }
+}
+
+/// Whether a vertex normal is more than a degree off the facet's.
+fn is_bent(positions: &[[f64; 3]], normals: &[[f64; 3]], triangle: [u32; 3]) -> bool {
+    const COSINE_OF_A_DEGREE: f64 = 0.999_847_695_156_391_2;
+    let [a, b, c] = triangle.map(|vertex| glam::DVec3::from(positions[vertex as usize]));
+    let facet = (b - a).cross(c - a).normalize_or_zero();
+    triangle.iter().any(|&vertex| {
+        normals.get(vertex as usize).is_some_and(|&normal| {
+            let normal = glam::DVec3::from(normal).normalize_or_zero();
+            facet != glam::DVec3::ZERO
+                && normal != glam::DVec3::ZERO
+                && facet.dot(normal) < COSINE_OF_A_DEGREE
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_their_front() {
+        let strip = assemble(&[0, 1, 2, 3, 4], Checked::Valid(Mode::TriangleStrip));
+        assert_eq!(strip, (vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]], 0));
+        let fan = assemble(&[0, 1, 2, 3], Checked::Valid(Mode::TriangleFan));
+        assert_eq!(fan, (vec![[1, 2, 0], [2, 3, 0]], 0));
+        let list = assemble(&[0, 1, 2, 3], Checked::Valid(Mode::Triangles));
+        assert_eq!(list, (vec![[0, 1, 2]], 1));
+        for mode in [Mode::Triangles, Mode::TriangleStrip, Mode::TriangleFan] {
+            for few in [&[][..], &[0], &[0, 1]] {
+                assert!(assemble(few, Checked::Valid(mode)).0.is_empty());
+            }
+        }
+    }
+}

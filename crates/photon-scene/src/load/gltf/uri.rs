@@ -1,0 +1,120 @@
+//! What a URI in a file stands for: bytes within it, or a file beside it.
+
+use std::fs;
+use std::path::Path;
+
+use super::fault::AGAIN;
+
+/// The bytes that `uri` stands for; relative paths start at `folder`.
+///
+/// # Errors
+///
+/// Why it cannot be read, as the end of a sentence about the thing that has it, and the mend.
+pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'static str)> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        return read_data(data);
+    }
+    if let Some((scheme, _)) = uri.split_once("://") {
+        let why = format!("is at a {scheme} address, and only files beside the scene are read");
+        return Err((why, "download it, and name the file instead"));
+    }
+    // Exporters that write a name as it is are as common as those that escape it, so that both
+    // are tried.
+    let written = folder.join(uri);
+    let path = match percent_decode(uri).and_then(|bytes| String::from_utf8(bytes).ok()) {
+        Some(decoded) if !written.is_file() => folder.join(decoded),
+        _ => written,
+    };
+    if !path.is_file() {
+        let why = format!("is in the file {uri}, which is not there");
+        return Err((why, "put it where the scene expects it, or export a .glb"));
+    }
+    fs::read(&path).map_err(|error| {
+        (format!("is in the file {uri}, which cannot be read: {error}"), "check that it may be read")
+    })
+}
+
+/// What comes after `data:` (RFC 2397).
+fn read_data(data: &str) -> Result<Vec<u8>, (String, &'static str)> {
+    let damaged = || ("has a data URI that is cut off or damaged".to_owned(), AGAIN);
+    let (kind, payload) = data.split_once(',').ok_or_else(damaged)?;
+    let bytes = if kind.ends_with(";base64") {
+        base64_decode(payload)
+    } else {
+        percent_decode(payload)
+    };
+    bytes.ok_or_else(damaged)
+}
+
+/// Undoes base64 in its standard alphabet (RFC 4648, section 4), with or without padding.
+fn base64_decode(text: &str) -> Option<Vec<u8>> {
+    let digits = text.trim_end_matches('=').as_bytes();
+    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
+    for group in digits.chunks(4) {
+        let mut bits = 0_u32;
+        for &digit in group {
+            bits = bits << 6 | sextet(digit)?;
+        }
+        match group.len() {
+            4 => bytes.extend_from_slice(&bits.to_be_bytes()[1..]),
+            3 => bytes.extend_from_slice(&(bits >> 2).to_be_bytes()[2..]),
+            2 => bytes.push((bits >> 4) as u8),
+            _ => return None,
+        }
+    }
+    Some(bytes)
+}
+
+fn sextet(digit: u8) -> Option<u32> {
+    let value = match digit {
+        b'A'..=b'Z' => digit - b'A',
+        b'a'..=b'z' => digit - b'a' + 26,
+        b'0'..=b'9' => digit - b'0' + 52,
+        b'+' => 62,
+        b'/' => 63,
+        _ => return None,
+    };
+    Some(u32::from(value))
+}
+
+/// Undoes `%41`-like escapes (RFC 3986, section 2.1).
+fn percent_decode(text: &str) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let Some((&first, tail)) = rest.split_first() {
+        if first != b'%' {
+            bytes.push(first);
+            rest = tail;
+            continue;
+        }
+        let (high, low) = (*tail.first()? as char, *tail.get(1)? as char);
+        bytes.push((high.to_digit(16)? * 16 + low.to_digit(16)?) as u8);
+        rest = &tail[2..];
+    }
+    Some(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_follows_the_examples_of_rfc_4648() {
+        for (text, bytes) in
+            [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYg==", "foob"), ("Zm9vYmE", "fooba")]
+        {
+            assert_eq!(base64_decode(text).as_deref(), Some(bytes.as_bytes()), "{text}");
+        }
+        assert_eq!(base64_decode("/+8A"), Some(vec![0xff, 0xef, 0]));
+        assert_eq!(base64_decode("Zm9vY"), None);
+        assert_eq!(base64_decode("Zm 9"), None);
+    }
+
+    #[test]
+    fn escapes_are_undone_or_refused() {
+        assert_eq!(percent_decode("a%20b%C3%a9").as_deref(), Some("a bé".as_bytes()));
+        for broken in ["%", "%4", "%zz"] {
+            assert_eq!(percent_decode(broken), None, "{broken}");
+        }
+    }
+}

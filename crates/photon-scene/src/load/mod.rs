@@ -1,0 +1,5 @@
+//! Scenes from files.
+
+mod gltf;
+
+pub use self::gltf::load_gltf;

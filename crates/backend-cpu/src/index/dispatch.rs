@@ -1,0 +1,92 @@
+//! One source, three instruction sets: a search is compiled for the baseline, for AVX2 and for
+//! AVX-512, and which of them runs is decided when an index is built. None of them fuses or reorders
+//! floating-point operations, so that results are the same bits.
+
+/// What the processor offers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Isa {
+    /// What every processor of the target has.
+    Baseline,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Isa {
+    /// The best that this processor has.
+    pub(crate) fn detect() -> Isa {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("popcnt")
+                && is_x86_feature_detected!("lzcnt")
+            {
+                return Isa::Avx512;
+            }
+            if is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("popcnt")
+                && is_x86_feature_detected!("lzcnt")
+            {
+                return Isa::Avx2;
+            }
+        }
+        Isa::Baseline
+    }
+
+    /// All that this processor has, for tests that compare them.
+    #[cfg(test)]
+    pub(crate) fn all() -> Vec<Isa> {
+        let mut all = vec![Isa::Baseline];
+        #[cfg(target_arch = "x86_64")]
+        match Isa::detect() {
+            Isa::Baseline => {}
+            Isa::Avx2 => all.push(Isa::Avx2),
+            Isa::Avx512 => all.extend([Isa::Avx2, Isa::Avx512]),
+        }
+        all
+    }
+
+    /// Runs `search` compiled for this instruction set.
+    #[inline]
+    pub(crate) fn run<S: Search>(self, search: S) -> S::Output {
+        match self {
+            Isa::Baseline => search.run(),
+            // SAFETY: these values come from `detect` alone, which saw the features that the functions
+            // are compiled for.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
+            Isa::Avx2 => unsafe { avx2(search) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
+            Isa::Avx512 => unsafe { avx512(search) },
+        }
+    }
+}
+
+/// Work to be compiled once for each instruction set. `run`, and all in it that should profit, is
+/// `#[inline(always)]`.
+pub(crate) trait Search {
+    type Output;
+    fn run(self) -> Self::Output;
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
+fn avx2<S: Search>(search: S) -> S::Output {
+    search.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt,lzcnt")]
+fn avx512<S: Search>(search: S) -> S::Output {
+    search.run()
+}

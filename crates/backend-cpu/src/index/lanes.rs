@@ -1,0 +1,71 @@
+//! Sixteen distances at once. Written over arrays of fixed length, which the compiler turns into
+//! whatever vectors the surrounding function may use.
+//!
+//! Squared distances are `(dx·dx + dy·dy) + dz·dz` in `f32`, each operation rounded, none fused. As
+//! rounding is monotonic, a box's distance computed the same way from its nearest corner is never
+//! above that of a point in it, nor below it from its farthest: pruning by boxes loses nothing and
+//! needs no tolerance.
+
+use crate::index::layout::{Block, Node, WIDTH};
+
+/// Sixteen squared distances.
+pub(crate) type Distances = [f32; WIDTH];
+
+/// From the query to the points of a block; NaN in empty lanes.
+#[inline(always)]
+pub(crate) fn to_points(block: &Block, query: [f32; 3]) -> Distances {
+    let mut d2 = [0.0; WIDTH];
+    for lane in 0..WIDTH {
+        let dx = query[0] - block.x[lane];
+        let dy = query[1] - block.y[lane];
+        let dz = query[2] - block.z[lane];
+        d2[lane] = dx * dx + dy * dy + dz * dz;
+    }
+    d2
+}
+
+/// From the query to the nearest corner, edge or face of the children's boxes, 0 inside; NaN in empty lanes.
+#[inline(always)]
+pub(crate) fn to_boxes(node: &Node, query: [f32; 3]) -> Distances {
+    let mut d2 = [0.0; WIDTH];
+    for lane in 0..WIDTH {
+        let mut sum = 0.0;
+        for axis in 0..3 {
+            let below = node.lo[axis][lane] - query[axis];
+            let above = query[axis] - node.hi[axis][lane];
+            let outside = if below > above { below } else { above };
+            // In this order of operands a NaN stays.
+            let gap = if 0.0 > outside { 0.0 } else { outside };
+            sum += gap * gap;
+        }
+        d2[lane] = sum;
+    }
+    d2
+}
+
+/// From the query to the farthest corners of the children's boxes; NaN in empty lanes.
+#[inline(always)]
+pub(crate) fn to_far_corners(node: &Node, query: [f32; 3]) -> Distances {
+    let mut d2 = [0.0; WIDTH];
+    for lane in 0..WIDTH {
+        let mut sum = 0.0;
+        for axis in 0..3 {
+            let below = query[axis] - node.lo[axis][lane];
+            let above = node.hi[axis][lane] - query[axis];
+            let far = if below > above { below } else { above };
+            sum += far * far;
+        }
+        d2[lane] = sum;
+    }
+    d2
+}
+
+/// One bit for each lane that is at most `limit`.
+#[inline(always)]
+pub(crate) fn at_most(d2: &Distances, limit: f32) -> u32 {
+    let mut mask = 0;
+    for lane in 0..WIDTH {
+        mask |= u32::from(d2[lane] <= limit) << lane;
+    }
+    mask
+}

@@ -1,0 +1,134 @@
+//! All points within a radius.
+
+use crate::index::dispatch::Search;
+use crate::index::lanes::{Distances, at_most, to_boxes, to_far_corners, to_points};
+use crate::index::layout::{LEAF, MAX_DEPTH, Tree, WIDTH};
+
+/// Calls `found` for every block with a point within `r2`: its number, which of its lanes are, and the
+/// squared distances of all lanes. Blocks come in an order that only tree, query and radius decide.
+/// Ends early when `found` returns false.
+#[inline(always)]
+pub(crate) fn blocks_within(tree: &Tree, query: [f32; 3], r2: f32, mut found: impl FnMut(u32, u32, &Distances) -> bool) {
+    let Some(root) = tree.nodes.first() else {
+        return;
+    };
+    // One level each: the node, and the children of it that are still to be visited.
+    let mut stack = [(0_u32, 0_u32); MAX_DEPTH];
+    let mut depth = 0;
+    let (mut node, mut mask) = (root, at_most(&to_boxes(root, query), r2));
+    let mut number = 0;
+    loop {
+        while mask == 0 {
+            if depth == 0 {
+                return;
+            }
+            depth -= 1;
+            (number, mask) = stack[depth];
+            node = &tree.nodes[number as usize];
+        }
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask - 1;
+        let child = node.child[lane % WIDTH];
+        if child & LEAF != 0 {
+            let block = child & !LEAF;
+            let d2 = to_points(&tree.blocks[block as usize], query);
+            let hits = at_most(&d2, r2);
+            if hits != 0 && !found(block, hits, &d2) {
+                return;
+            }
+        } else {
+            if mask != 0 {
+                stack[depth] = (number, mask);
+                depth += 1;
+            }
+            number = child;
+            node = &tree.nodes[number as usize];
+            mask = at_most(&to_boxes(node, query), r2);
+        }
+    }
+}
+
+/// Calls `visit` with slot and squared distance of every point within `r2`.
+pub(crate) struct Within<'a, V> {
+    pub(crate) tree: &'a Tree,
+    pub(crate) query: [f32; 3],
+    pub(crate) r2: f32,
+    pub(crate) visit: V,
+}
+
+impl<V: FnMut(u32, f32)> Search for Within<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        blocks_within(self.tree, self.query, self.r2, |block, mut hits, d2| {
+            while hits != 0 {
+                let lane = hits.trailing_zeros();
+                hits &= hits - 1;
+                (self.visit)(block * WIDTH as u32 + lane, d2[lane as usize % WIDTH]);
+            }
+            true
+        });
+    }
+}
+
+/// Counts the points within `r2`. Subtrees that lie wholly inside are not entered.
+pub(crate) struct Count<'a> {
+    pub(crate) tree: &'a Tree,
+    pub(crate) query: [f32; 3],
+    pub(crate) r2: f32,
+}
+
+impl Search for Count<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run(self) -> u32 {
+        let Count { tree, query, r2 } = self;
+        if tree.nodes.is_empty() {
+            return 0;
+        }
+        let mut total = 0;
+        let mut stack = [(0_u32, 0_u32); MAX_DEPTH];
+        let mut depth = 0;
+        let mut number = 0;
+        let enter = |number: u32, total: &mut u32| {
+            let node = &tree.nodes[number as usize];
+            let touched = at_most(&to_boxes(node, query), r2);
+            let mut inside = at_most(&to_far_corners(node, query), r2);
+            let rest = touched & !inside;
+            while inside != 0 {
+                let lane = inside.trailing_zeros() as usize;
+                inside &= inside - 1;
+                let child = node.child[lane % WIDTH];
+                let extra = if child & LEAF != 0 { &tree.block_extra[(child & !LEAF) as usize] } else { &tree.node_extra[child as usize] };
+                *total += extra.count;
+            }
+            rest
+        };
+        let mut mask = enter(0, &mut total);
+        loop {
+            while mask == 0 {
+                if depth == 0 {
+                    return total;
+                }
+                depth -= 1;
+                (number, mask) = stack[depth];
+            }
+            let lane = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            let child = tree.nodes[number as usize].child[lane % WIDTH];
+            if child & LEAF != 0 {
+                let d2 = to_points(&tree.blocks[(child & !LEAF) as usize], query);
+                total += at_most(&d2, r2).count_ones();
+            } else {
+                if mask != 0 {
+                    stack[depth] = (number, mask);
+                    depth += 1;
+                }
+                number = child;
+                mask = enter(number, &mut total);
+            }
+        }
+    }
+}

@@ -121,3 +121,6 @@ fn report_rest(root: &Root, report: &mut LoadReport) {
         count => report.left_out("the file", format!("its {count} animations; it is rendered at rest")),
     }
 }
+
+#[cfg(test)]
+mod tests;

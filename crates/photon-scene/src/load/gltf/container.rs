@@ -84,13 +84,12 @@ fn read_u32(bytes: &[u8], at: usize) -> Option<u32> {
 
 /// The document that the JSON text describes.
 fn parse(json: &[u8]) -> Result<Root, Fault> {
-    let wrong = |error: gltf::json::Error| {
-        Fault::new("the JSON", error.to_string(), "the file is damaged, or it is not a glTF file")
-            .at_line(error.line())
-    };
+    const MEND: &str = "the file is damaged, or it is not a glTF file";
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-    let mut value: Value = deserialize::from_slice(json).map_err(wrong)?;
-    if let Some(place) = find_oversized_index(&value, false) {
+    let mut value: Value = deserialize::from_slice(json).map_err(|error| {
+        Fault::new("the JSON", error.to_string(), MEND).at_line(error.line())
+    })?;
+    if let Some(place) = find_oversized_index(&value, "") {
         return Err(Fault::new(
             place.trim_start_matches('/'),
             "is above 4294967295, which no index can be",
@@ -98,35 +97,79 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
         ));
     }
     Root::from_slice(json).or_else(|error| {
-        // The parser asks for some things that the specification leaves out freely. The message
-        // stays that of the original text, whose line numbers are the user's.
+        // The parser asks for some things that the specification leaves out freely.
         fill_in_optional(&mut value);
-        let filled = serialize::to_vec(&value).map_err(wrong)?;
-        Root::from_slice(&filled).map_err(|_| wrong(error))
+        let text = serialize::to_vec(&value).unwrap_or_default();
+        Root::from_slice(&text).map_err(|remaining| {
+            let message = |error: &gltf::json::Error| {
+                error.to_string().split(" at line ").next().unwrap_or_default().to_owned()
+            };
+            // Line numbers are the user's only if the original text fails for the same reason.
+            let is_same = message(&error) == message(&remaining);
+            let fault = Fault::new(blame(&value), message(&remaining), MEND);
+            if is_same { fault.at_line(error.line()) } else { fault }
+        })
     })
 }
 
-/// Where an index stands that the parser would cut down to 32 bits, and so turn into another one.
-fn find_oversized_index(value: &Value, is_index: bool) -> Option<String> {
+/// Which top-level part of a document cannot be read, since the parser only says at which column
+/// of a line that is often the only one.
+fn blame(document: &Value) -> String {
+    let is_readable = |key: &str, part: &Value| {
+        let mut alone = serialize::to_value(Root::default()).unwrap_or_default();
+        alone[key] = part.clone();
+        serialize::to_vec(&alone).is_ok_and(|text| Root::from_slice(&text).is_ok())
+    };
+    for (key, part) in document.as_object().into_iter().flatten() {
+        if is_readable(key, part) {
+            continue;
+        }
+        let items = part.as_array().map_or(&[][..], Vec::as_slice);
+        let culprit = items.iter().position(|item| {
+            !is_readable(key, &Value::Array(vec![item.clone()]))
+        });
+        return match culprit {
+            Some(number) => format!("number {number} of {key}"),
+            None => key.clone(),
+        };
+    }
+    "the JSON".to_owned()
+}
+
+/// Where an index stands that the parser would cut down to 32 bits, and so turn into another one;
+/// `key` is the name that `value` goes by.
+fn find_oversized_index(value: &Value, key: &str) -> Option<String> {
     const HOLD_INDICES: &[&str] = &[
-        "scene", "nodes", "children", "mesh", "camera", "skin", "skeleton", "joints", "material",
-        "indices", "bufferView", "buffer", "source", "sampler", "index", "light", "componentType",
-        "mode", "attributes",
+        "scene",
+        "nodes",
+        "children",
+        "mesh",
+        "camera",
+        "skin",
+        "material",
+        "attributes",
+        "indices",
+        "bufferView",
+        "buffer",
+        "source",
+        "index",
+        "light",
+        "componentType",
+        "mode",
     ];
     match value {
         Value::Number(number) => {
             let oversized = number.as_u64().is_some_and(|number| number > u64::from(u32::MAX));
-            (is_index && oversized).then(String::new)
+            (oversized && HOLD_INDICES.contains(&key)).then(String::new)
         }
         Value::Array(items) => items.iter().enumerate().find_map(|(position, item)| {
-            find_oversized_index(item, is_index).map(|rest| format!("/{position}{rest}"))
+            find_oversized_index(item, key).map(|rest| format!("/{position}{rest}"))
         }),
         Value::Object(fields) => {
-            fields.iter().filter(|(key, _)| *key != "extras").find_map(|(key, field)| {
-                // The numbers of `attributes` stand one level below it.
-                let holds = HOLD_INDICES.contains(&key.as_str())
-                    || (is_index && matches!(field, Value::Number(_)));
-                find_oversized_index(field, holds).map(|rest| format!("/{key}{rest}"))
+            fields.iter().filter(|(name, _)| *name != "extras").find_map(|(name, field)| {
+                // The names within `attributes` are those of vertex attributes.
+                let key = if key == "attributes" { key } else { name };
+                find_oversized_index(field, key).map(|rest| format!("/{name}{rest}"))
             })
         }
         _ => None,

@@ -9,10 +9,12 @@ use super::texture::Textures;
 use crate::describe::{MaterialDesc, Surface};
 use crate::report::LoadReport;
 
-/// Up to this roughness a metal is a mirror and glass is clear.
-const SMOOTH: f64 = 0.1;
+/// Up to this roughness a metal is a mirror. A file's 0.1 is read as f32, which is a little more.
+const SMOOTH: f64 = 0.1_f32 as f64;
 /// Up to this roughness the reflection of a surface that is not a metal shows.
 const GLOSSY: f64 = 0.5;
+/// Below this share a surface is not called a metal: means of textures are hardly ever exactly 0.
+const SOME_METAL: f64 = 0.01;
 /// The darkest attenuation colour, since black would need infinite absorption: after the
 /// attenuation distance a millionth of the light is left.
 const DARKEST: f64 = 1e-6;
@@ -73,7 +75,7 @@ fn surface(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
         report.approximated(subject, "has the refractive index 0, which reflects all light; it is rendered as a mirror");
         return Surface::Mirror { reflectance: of.specular.map(|part| part.clamp(0.0, 1.0)) };
     }
-    if of.metallic > 0.0 {
+    if of.metallic > SOME_METAL {
         let text = format!("is {:.0} % metal; it is rendered as a diffuse surface", of.metallic * 100.0);
         report.approximated(subject, text);
     }
@@ -122,7 +124,7 @@ fn glass(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
         let text = format!("transmits {:.0} % of the light; it is rendered as clear", of.transmission * 100.0);
         report.approximated(subject, text);
     }
-    if of.metallic > 0.0 {
+    if of.metallic > SOME_METAL {
         let text = format!("is {:.0} % metal; it is rendered as clear", of.metallic * 100.0);
         report.approximated(subject, text);
     }

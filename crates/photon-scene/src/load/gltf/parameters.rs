@@ -47,15 +47,19 @@ pub(super) fn read(
     let part = label("material", index, material.name.as_deref());
     let mut means = Means { textures, part: &part, subject, report };
 
+    let used = |info: &Info| info.index.value();
     let none = extension::Material::default();
     let extensions = material.extensions.as_ref().unwrap_or(&none);
     let pbr = &material.pbr_metallic_roughness;
     let mut factor = pbr.base_color_factor.0.map(f64::from);
     let mut metallic = f64::from(pbr.metallic_factor.0);
     let mut roughness = f64::from(pbr.roughness_factor.0);
+    let mut base_texture = pbr.base_color_texture.as_ref().map(used);
     if let Some(old) = extensions.others.get("KHR_materials_pbrSpecularGlossiness") {
         // Of this retired extension only the diffuse part has a counterpart.
         factor = numbers(old, "diffuseFactor").unwrap_or([1.0; 4]);
+        let index = old.get("diffuseTexture").and_then(|info| info.get("index")?.as_u64());
+        base_texture = index.map(|index| index as usize);
         (metallic, roughness) = (0.0, 1.0);
         means.report.approximated(
             subject,
@@ -63,26 +67,33 @@ pub(super) fn read(
              metallic-roughness",
         );
     }
-    let base = means.get(pbr.base_color_texture.as_ref(), "base colour", |mean| mean.color)?;
-    if let Some(mean) = means.get(pbr.metallic_roughness_texture.as_ref(), "metal and roughness", |mean| mean.plain)? {
+    let base = means.get(base_texture, "base colour", |mean| triple(mean.color))?;
+    let texture = pbr.metallic_roughness_texture.as_ref().map(used);
+    let shown = |mean: &Mean| format!("metal {:.3}, roughness {:.3}", mean.plain[2], mean.plain[1]);
+    if let Some(mean) = means.get(texture, "metal and roughness", shown)? {
         roughness *= mean.plain[1];
         metallic *= mean.plain[2];
     }
     let transmission = match &extensions.transmission {
         None => 0.0,
         Some(transmission) => {
-            let texture = transmission.transmission_texture.as_ref();
-            let mean = means.get(texture, "transmission", |mean| mean.plain)?;
+            let texture = transmission.transmission_texture.as_ref().map(used);
+            let shown = |mean: &Mean| format!("transmission {:.3}", mean.plain[0]);
+            let mean = means.get(texture, "transmission", shown)?;
             f64::from(transmission.transmission_factor.0) * mean.map_or(1.0, |mean| mean.plain[0])
         }
     };
     let strength = extensions.emissive_strength.as_ref().map_or(1.0, |e| f64::from(e.emissive_strength.0));
     let emissive = material.emissive_factor.0.map(|factor| f64::from(factor) * strength);
     let is_dark = emissive == [0.0; 3];
-    let emissive_texture = material.emissive_texture.as_ref().filter(|_| !is_dark);
-    let glow = means.get(emissive_texture, "emission", |mean| mean.color)?;
+    let texture = material.emissive_texture.as_ref().map(used).filter(|_| !is_dark);
+    let glow = means.get(texture, "emission", |mean| triple(mean.color))?;
 
     let alpha = factor[3] * base.map_or(1.0, |mean| mean.alpha);
+    let is_masked = matches!(material.alpha_mode, Checked::Valid(AlphaMode::Mask));
+    if is_masked && base.is_some_and(|mean| mean.alpha < 1.0) {
+        means.report.left_out(subject, "its alpha mask; it is rendered as opaque");
+    }
     let volume = extensions.volume.as_ref();
     let specular = extensions.others.get("KHR_materials_specular");
     let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
@@ -92,12 +103,11 @@ pub(super) fn read(
         coverage: match material.alpha_mode {
             Checked::Valid(AlphaMode::Opaque) => 1.0,
             Checked::Valid(AlphaMode::Blend) => alpha,
-            // Where a texture decides it, some of the surface is there and some is not.
-            Checked::Valid(AlphaMode::Mask) if base.is_none() => {
+            Checked::Valid(AlphaMode::Mask) => {
                 let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-                if alpha >= f64::from(cutoff) { 1.0 } else { 0.0 }
+                // A texture puts some of the surface there in any case.
+                if base.is_some() || alpha >= f64::from(cutoff) { 1.0 } else { 0.0 }
             }
-            Checked::Valid(AlphaMode::Mask) => alpha.max(0.5),
             Checked::Invalid => return Err(Fault::new(part, "has an unknown alphaMode", AGAIN)),
         },
         metallic,
@@ -125,21 +135,18 @@ impl Means<'_, '_> {
     /// The mean of a texture, if there is one and it can be read; `shown` is what the report says.
     fn get(
         &mut self,
-        texture: Option<&Info>,
+        texture: Option<usize>,
         role: &str,
-        shown: fn(&Mean) -> [f64; 3],
+        shown: impl Fn(&Mean) -> String,
     ) -> Result<Option<Mean>, Fault> {
-        let Some(texture) = texture.map(|info| info.index.value()) else {
+        let Some(texture) = texture else {
             return Ok(None);
         };
         let name = self.textures.name(texture);
         match self.textures.mean(texture, self.part)? {
             Ok(mean) if mean.is_uniform => Ok(Some(mean)),
             Ok(mean) => {
-                let [r, g, b] = shown(&mean);
-                let text = format!(
-                    "{name} ({role}) is replaced by its mean colour ({r:.3}, {g:.3}, {b:.3})"
-                );
+                let text = format!("{name} ({role}) is replaced by its mean: {}", shown(&mean));
                 self.report.approximated(self.subject, text);
                 Ok(Some(mean))
             }
@@ -150,6 +157,10 @@ impl Means<'_, '_> {
             }
         }
     }
+}
+
+fn triple([r, g, b]: [f64; 3]) -> String {
+    format!("colour ({r:.3}, {g:.3}, {b:.3})")
 }
 
 fn times(factor: [f64; 3], mean: Option<[f64; 3]>) -> [f64; 3] {

@@ -105,7 +105,7 @@ impl SceneBuilder {
     /// The box around the triangles, user space: lower and upper corner. None without triangles.
     #[must_use]
     pub fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {
-        normalise::bounds(&self.meshes, &[])
+        normalise::bounds(&self.meshes)
     }
 
     /// A camera that sees the whole scene from the front: from +z, with y upwards.
@@ -129,7 +129,7 @@ impl SceneBuilder {
         let materials = lights::materials(&self.materials, &geometry, &lit, frame);
 
         let mut warnings = Vec::new();
-        frame.warn(&self.meshes, geometry.radius, &mut warnings);
+        frame.warn(&mut warnings);
         if geometry.triangles.is_empty() {
             warnings.push("the scene has no triangles, so that there is nothing to see".to_owned());
         }

@@ -22,6 +22,6 @@ pub use builder::{MaterialId, SceneBuilder};
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 pub use error::SceneError;
 #[cfg(feature = "files")]
-pub use load::load_gltf;
+pub use load::{Overrides, load, load_gltf, load_obj, load_ply};
 pub use report::{LoadReport, ReportKind, ReportLine};
 pub use scene::Scene;

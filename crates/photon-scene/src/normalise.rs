@@ -12,6 +12,8 @@ pub(crate) struct Frame {
     pub(crate) center: DVec3,
     /// The box's largest extent, user length; 1 where there is none.
     pub(crate) scale: f64,
+    /// What the triangles alone take of it; 1 where there are none.
+    filled: f64,
 }
 
 /// The triangles that are left, in normalised space.
@@ -31,19 +33,23 @@ pub(crate) struct Geometry {
     pub(crate) radius: f64,
 }
 
-/// Box around the vertices that triangles refer to, and around some further points.
-pub(crate) fn bounds(meshes: &[Mesh], points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
-    let corners = meshes.iter().flat_map(|mesh| {
-        // A vertex that no triangle uses must not make the scene smaller than it is.
-        mesh.triangles.iter().flatten().filter_map(|&index| mesh.positions.get(index as usize))
-    });
-    corners
-        .chain(points)
-        .map(|&at| DVec3::from_array(at))
-        .fold(None, |found: Option<(DVec3, DVec3)>, at| {
-            Some(found.map_or((at, at), |(low, high)| (low.min(at), high.max(at))))
-        })
-        .map(|(low, high)| (low.to_array(), high.to_array()))
+/// Box around the vertices that triangles refer to: lower and upper corner.
+pub(crate) fn bounds(meshes: &[Mesh]) -> Option<([f64; 3], [f64; 3])> {
+    // A vertex that no triangle uses must not make the scene smaller than it is.
+    around(meshes.iter().flat_map(|mesh| {
+        mesh.triangles.iter().flatten().filter_map(|&index| mesh.positions.get(index as usize).copied())
+    }))
+}
+
+fn around(points: impl Iterator<Item = [f64; 3]>) -> Option<([f64; 3], [f64; 3])> {
+    let mut points = points.map(DVec3::from_array);
+    let first = points.next()?;
+    let (low, high) = points.fold((first, first), |(low, high), at| (low.min(at), high.max(at)));
+    Some((low.to_array(), high.to_array()))
+}
+
+fn extent(low: [f64; 3], high: [f64; 3]) -> f64 {
+    (DVec3::from_array(high) - DVec3::from_array(low)).max_element()
 }
 
 impl Frame {
@@ -56,11 +62,13 @@ impl Frame {
                 LightDesc::Directional { .. } => None,
             })
             .collect();
-        let Some((low, high)) = bounds(meshes, &places) else {
-            return Ok(Self { center: DVec3::ZERO, scale: 1.0 });
+        let surfaces = bounds(meshes);
+        let corners = surfaces.iter().flat_map(|(low, high)| [*low, *high]);
+        let Some((low, high)) = around(corners.chain(places)) else {
+            return Ok(Self { center: DVec3::ZERO, scale: 1.0, filled: 1.0 });
         };
-        let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
-        let extent = (high - low).max_element();
+        let center = DVec3::from_array(low) + (DVec3::from_array(high) - DVec3::from_array(low)) * 0.5;
+        let extent = extent(low, high);
         if !extent.is_finite() {
             return Err(SceneError::Extreme {
                 what: "the extent of the scene".to_owned(),
@@ -68,7 +76,9 @@ impl Frame {
                 mend: "use a larger unit of length",
             });
         }
-        Ok(Self { center: low + (high - low) * 0.5, scale: if extent > 0.0 { extent } else { 1.0 } })
+        let scale = if extent > 0.0 { extent } else { 1.0 };
+        let filled = surfaces.map_or(1.0, |(low, high)| self::extent(low, high) / scale);
+        Ok(Self { center, scale, filled })
     }
 
     /// A point of user space, normalised.
@@ -82,7 +92,7 @@ impl Frame {
     }
 
     /// Where the scene is placed or spread so that precision is lost.
-    pub(crate) fn warn(self, meshes: &[Mesh], radius: f64, warnings: &mut Vec<String>) {
+    pub(crate) fn warn(self, warnings: &mut Vec<String>) {
         let offset = self.offset();
         if offset > 1e4 {
             warnings.push(format!(
@@ -90,11 +100,11 @@ impl Frame {
                  ever stored in 32 bits, it is distorted; move it towards the origin where it is made"
             ));
         }
-        if radius < 1e-3 && meshes.iter().any(|mesh| !mesh.triangles.is_empty()) && radius > 0.0 {
+        if self.filled < 1e-3 {
             warnings.push(format!(
-                "a light is so far away that the surfaces fill only {:.1e} of the scene's extent, which costs \
-                 precision; use a directional light instead",
-                2.0 * radius
+                "lights are so far away that the surfaces fill only {:.1e} of the scene's extent, which costs \
+                 precision; use directional lights instead",
+                self.filled
             ));
         }
     }

@@ -1,0 +1,290 @@
+//! Wavefront OBJ: polygons by name and material.
+//!
+//! The statements that carry geometry are read here rather than by the library that reads the
+//! materials: it tells neither line nor face of an error, and refuses files that only some
+//! vertices of which are coloured.
+
+use super::mtl::Library;
+use super::{default_material, read_text, stem};
+use crate::builder::{MaterialId, SceneBuilder};
+use crate::error::SceneError;
+use crate::report::LoadReport;
+use glam::DVec3;
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+/// Reads an OBJ file and the MTL files that it names.
+///
+/// Polygons become fans of triangles; each pair of an object (or group) and a material becomes a
+/// mesh. All materials of the MTL files are there to be overridden, used or not.
+///
+/// # Errors
+/// A file that cannot be read; a statement that makes no sense, by its line.
+pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
+    let text = read_text(path)?;
+    let vertices = text.lines().filter(|line| line.split_whitespace().next() == Some("v")).count();
+    if vertices >= u32::MAX as usize {
+        return Err(SceneError::TooMany { what: "vertices", count: vertices });
+    }
+    let mut reader = Reader {
+        path,
+        vertices,
+        positions: Vec::with_capacity(vertices),
+        normals: Vec::new(),
+        library: Library::default(),
+        report: LoadReport::default(),
+        object: stem(path),
+        material: None,
+        groups: Vec::new(),
+        by_name: HashMap::new(),
+        group: None,
+        faces: 0,
+        census: Census::default(),
+    };
+    let mut joined = String::new();
+    let mut first = 0;
+    for (index, line) in text.lines().enumerate() {
+        if joined.is_empty() {
+            first = index + 1;
+        }
+        // A backslash at its end joins a line with the next.
+        if let Some(begun) = line.trim_end().strip_suffix('\\') {
+            joined.push_str(begun);
+            joined.push(' ');
+        } else if joined.is_empty() {
+            reader.statement(line, first)?;
+        } else {
+            joined.push_str(line);
+            reader.statement(&std::mem::take(&mut joined), first)?;
+        }
+    }
+    reader.statement(&joined, first)?;
+    Ok(reader.finish())
+}
+
+/// Triangles of one object and material, by index into all vertices of the file.
+struct Group {
+    object: String,
+    material: Option<String>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// What is left out, counted.
+#[derive(Default)]
+struct Census {
+    colored: usize,
+    smoothed: usize,
+    concave: Vec<usize>,
+    ignored: BTreeMap<String, usize>,
+}
+
+struct Reader<'a> {
+    path: &'a Path,
+    /// How many the file has altogether: a face may name one that comes later.
+    vertices: usize,
+    positions: Vec<[f64; 3]>,
+    normals: Vec<DVec3>,
+    library: Library,
+    report: LoadReport,
+    object: String,
+    material: Option<String>,
+    groups: Vec<Group>,
+    by_name: HashMap<(String, Option<String>), usize>,
+    /// The group that faces go to; none until the next face asks for it.
+    group: Option<usize>,
+    faces: usize,
+    census: Census,
+}
+
+impl Reader<'_> {
+    fn fault(&self, line: usize, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
+        let (what, mend) = (what.into(), mend.into());
+        SceneError::Content { path: self.path.to_owned(), line: Some(line as u64), what, mend }
+    }
+
+    fn statement(&mut self, line: &str, number: usize) -> Result<(), SceneError> {
+        let line = line.trim();
+        // Not everywhere: names may hold one.
+        if line.starts_with('#') {
+            return Ok(());
+        }
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let rest = rest.trim();
+        match keyword {
+            "v" => {
+                let position = self.numbers(keyword, rest, number)?;
+                self.positions.push(position);
+                // A fourth number is a weight that only curves use; a sixth, the last of a colour.
+                self.census.colored += usize::from(rest.split_whitespace().nth(5).is_some());
+            }
+            "vn" => {
+                let normal = self.numbers(keyword, rest, number)?;
+                self.normals.push(DVec3::from_array(normal).normalize_or_zero());
+            }
+            "f" => self.face(rest, number)?,
+            "o" | "g" => {
+                self.object = if rest.is_empty() { stem(self.path) } else { rest.to_owned() };
+                self.group = None;
+            }
+            "usemtl" => {
+                self.material = (!rest.is_empty()).then(|| rest.to_owned());
+                self.group = None;
+            }
+            "mtllib" => self.library.open(self.path, rest, &mut self.report)?,
+            // Texture coordinates and smoothing groups mean nothing to a surface without textures.
+            "" | "vt" | "s" => {}
+            other => *self.census.ignored.entry(other.to_owned()).or_default() += 1,
+        }
+        Ok(())
+    }
+
+    fn numbers(&self, keyword: &str, rest: &str, line: usize) -> Result<[f64; 3], SceneError> {
+        let mut words = rest.split_whitespace();
+        let mut numbers = [0.0; 3];
+        for number in &mut numbers {
+            let word = words.next().unwrap_or("nothing");
+            *number = word.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+                self.fault(
+                    line,
+                    format!("'{keyword} {rest}' has {word} for a number"),
+                    "three finite numbers must follow",
+                )
+            })?;
+        }
+        Ok(numbers)
+    }
+
+    fn face(&mut self, rest: &str, line: usize) -> Result<(), SceneError> {
+        self.faces += 1;
+        let mut corners = Vec::with_capacity(4);
+        let mut normals = Vec::new();
+        for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
+            let mut parts = word.split('/');
+            let vertex = parts.next().unwrap_or_default();
+            let Some(index) = resolve(vertex, self.positions.len(), self.vertices) else {
+                let what = format!(
+                    "face {} refers to vertex '{vertex}', but the file has {}, of which {} come before it",
+                    self.faces,
+                    self.vertices,
+                    self.positions.len()
+                );
+                return Err(self.fault(line, what, "vertices count from 1, or back from -1"));
+            };
+            corners.push(index as u32);
+            let normal = parts.nth(1).and_then(|word| resolve(word, self.normals.len(), self.normals.len()));
+            normals.extend(normal.map(|index| self.normals[index]));
+        }
+        if corners.len() < 3 {
+            let what = format!("face {} has {} corners", self.faces, corners.len());
+            return Err(self.fault(line, what, "it needs at least three"));
+        }
+        self.look_at(&corners, &normals, line);
+        let group = self.current();
+        let triangles = &mut self.groups[group].triangles;
+        triangles.extend((1..corners.len() - 1).map(|next| [corners[0], corners[next], corners[next + 1]]));
+        Ok(())
+    }
+
+    /// Notes a polygon that a fan does not cover, and one whose normals pretend that it is curved.
+    fn look_at(&mut self, corners: &[u32], normals: &[DVec3], line: usize) {
+        let places: Option<Vec<DVec3>> =
+            corners.iter().map(|&index| self.positions.get(index as usize).map(|&at| DVec3::from_array(at))).collect();
+        let Some(places) = places else { return };
+        let fan = |next: usize| (places[next] - places[0]).cross(places[next + 1] - places[0]);
+        let whole: DVec3 = (1..places.len() - 1).map(fan).sum();
+        if (1..places.len() - 1).any(|next| fan(next).dot(whole) < 0.0) {
+            self.census.concave.push(line);
+        }
+        let facet = whole.normalize_or_zero();
+        // Less than that, some 2.5 degrees, is what files round their normals to.
+        self.census.smoothed += usize::from(normals.iter().any(|normal| normal.dot(facet).abs() < 0.999));
+    }
+
+    fn current(&mut self) -> usize {
+        if let Some(group) = self.group {
+            return group;
+        }
+        let key = (self.object.clone(), self.material.clone());
+        let groups = &mut self.groups;
+        let group = *self.by_name.entry(key.clone()).or_insert_with(|| {
+            groups.push(Group { object: key.0, material: key.1, triangles: Vec::new() });
+            groups.len() - 1
+        });
+        self.group = Some(group);
+        group
+    }
+
+    fn finish(mut self) -> (SceneBuilder, LoadReport) {
+        let mut builder = SceneBuilder::new();
+        let ids: Vec<MaterialId> =
+            self.library.describe(&mut self.report).into_iter().map(|desc| builder.material(desc)).collect();
+        let mut fallback = None;
+        // Which group a vertex was last moved for, and where to.
+        let mut moved = vec![(usize::MAX, 0_u32); self.positions.len()];
+        for (number, group) in self.groups.into_iter().enumerate() {
+            let known = group.material.as_deref().and_then(|name| self.library.find(name)).map(|index| ids[index]);
+            let material = known.unwrap_or_else(|| {
+                let subject = format!("mesh '{}'", group.object);
+                let text = match &group.material {
+                    Some(name) => format!("its material '{name}' is nowhere defined"),
+                    None => "it has no material".to_owned(),
+                };
+                self.report.approximated(subject, text + "; it is made a diffuse grey of 0.5 named 'default'");
+                *fallback.get_or_insert_with(|| builder.material(default_material()))
+            });
+            let mut positions = Vec::new();
+            let mut triangles = group.triangles;
+            for index in triangles.iter_mut().flatten() {
+                let place = &mut moved[*index as usize];
+                if place.0 != number {
+                    *place = (number, positions.len() as u32);
+                    positions.push(self.positions[*index as usize]);
+                }
+                *index = place.1;
+            }
+            builder.mesh(group.object, positions, triangles, material);
+        }
+        self.census.report(&mut self.report);
+        (builder, self.report)
+    }
+}
+
+impl Census {
+    fn report(&self, report: &mut LoadReport) {
+        if self.smoothed > 0 {
+            report.approximated(
+                "the file",
+                format!(
+                    "{} polygons are smoothed by vertex normals and rendered flat; use finer meshes where facets show",
+                    self.smoothed
+                ),
+            );
+        }
+        if let Some(line) = self.concave.first() {
+            report.approximated(
+                "the file",
+                format!(
+                    "{} polygons are not convex, the first in line {line}; each is cut into a fan of triangles, which \
+                     may stick out; triangulate them where the file is made",
+                    self.concave.len()
+                ),
+            );
+        }
+        if self.colored > 0 {
+            report.left_out(
+                "the file",
+                format!("the colours of {} vertices; give an albedo in an override file", self.colored),
+            );
+        }
+        for (keyword, count) in &self.ignored {
+            report.left_out("the file", format!("{count} statements '{keyword}', which are not geometry that is read"));
+        }
+    }
+}
+
+/// The index from 0 that a reference from 1, or back from -1, means; none if it is out of range.
+fn resolve(word: &str, before: usize, all: usize) -> Option<usize> {
+    let number: i64 = word.parse().ok()?;
+    let index = if number > 0 { number - 1 } else { (before as i64).checked_add(number)? };
+    usize::try_from(index).ok().filter(|&index| number != 0 && index < all)
+}

@@ -1,0 +1,254 @@
+//! Override files: what a scene file lacks, or says otherwise than is wanted.
+
+use super::schema::{Camera, File, Kind, Light, Material, Quad};
+use crate::builder::{MaterialId, SceneBuilder};
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::error::SceneError;
+use crate::report::LoadReport;
+use std::path::{Path, PathBuf};
+
+/// Materials, lights, cameras and quadrilaterals to lay over a scene, read from TOML.
+///
+/// The format is described in the project's `docs/overrides.md`.
+#[derive(Clone, Debug)]
+pub struct Overrides {
+    /// For messages.
+    path: PathBuf,
+    file: File,
+}
+
+impl Overrides {
+    /// Reads an override file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or what [`Overrides::parse`] finds.
+    pub fn read(path: &Path) -> Result<Self, SceneError> {
+        Self::parse(&super::read_text(path)?, path)
+    }
+
+    /// Takes the text of an override file; `path` is what messages call it.
+    ///
+    /// # Errors
+    /// Text that is not TOML, a key that is not known or missing, a value of the wrong type, by its
+    /// line.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
+        let path = path.to_owned();
+        match toml::from_str(text) {
+            Ok(file) => Ok(Self { path, file }),
+            Err(error) => {
+                let before = error.span().and_then(|span| text.get(..span.start));
+                let line = before.map(|before| before.matches('\n').count() as u64 + 1);
+                let what = error.message().trim().replace('\n', "; ");
+                Err(SceneError::Content {
+                    path,
+                    line,
+                    what,
+                    mend: "docs/overrides.md lists what may stand there".to_owned(),
+                })
+            }
+        }
+    }
+
+    /// Changes a scene: materials first, then quadrilaterals, lights and cameras are added. The
+    /// cameras come before those that are there already, so that the first of them is the default.
+    ///
+    /// Lines of the report about materials whose surface is now given here are taken out of it.
+    ///
+    /// # Errors
+    /// A material that is not there, a property that its kind does not have, a camera without or
+    /// with two projections, by name.
+    pub fn apply(&self, scene: &mut SceneBuilder, report: &mut LoadReport) -> Result<(), SceneError> {
+        let frame = Frame::of(scene);
+        for (name, material) in &self.file.materials {
+            self.material(name, material, scene)?;
+            if material.kind.is_some() || material.albedo.is_some() {
+                let subject = format!("material '{name}'");
+                report.lines.retain(|line| line.subject != subject);
+            }
+        }
+        for (index, quad) in self.file.quads.iter().enumerate() {
+            self.quad(index, quad, frame, scene)?;
+        }
+        for (index, light) in self.file.lights.iter().enumerate() {
+            add_light(index, light, frame, scene);
+        }
+        let mut cameras = Vec::new();
+        for camera in &self.file.cameras {
+            cameras.push((camera.name.clone(), self.camera(camera, frame)?));
+        }
+        scene.cameras.splice(0..0, cameras);
+        Ok(())
+    }
+
+    fn fault(&self, what: String, mend: impl Into<String>) -> SceneError {
+        SceneError::Content { path: self.path.clone(), line: None, what, mend: mend.into() }
+    }
+
+    fn material(&self, name: &str, with: &Material, scene: &mut SceneBuilder) -> Result<(), SceneError> {
+        let known = scene.materials.iter().any(|material| material.name == name);
+        if with.new {
+            if known {
+                let what = format!("material '{name}' is new, but the scene has one of that name");
+                return Err(self.fault(what, "leave out 'new', or choose another name"));
+            }
+            scene.material(MaterialDesc::lambert(name, [0.5; 3]));
+        } else if !known {
+            return Err(self.unknown(&format!("there is no material '{name}'"), scene));
+        }
+        for material in scene.materials.iter_mut().filter(|material| material.name == name) {
+            self.change(material, with)?;
+        }
+        Ok(())
+    }
+
+    fn unknown(&self, what: &str, scene: &SceneBuilder) -> SceneError {
+        let names: Vec<_> = scene.materials.iter().map(|material| format!("'{}'", material.name)).collect();
+        let mend = format!("there are {}; 'new = true' in [materials] adds one", names.join(", "));
+        self.fault(what.to_owned(), mend)
+    }
+
+    fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
+        let kind = with.kind.unwrap_or(kind_of(&desc.surface));
+        if kind != kind_of(&desc.surface) {
+            desc.surface = match kind {
+                Kind::Lambert => Surface::Lambert { albedo: [0.5; 3] },
+                Kind::Mirror => Surface::Mirror { reflectance: [1.0; 3] },
+                Kind::Glass => Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3] },
+                Kind::Thin => Surface::Thin { ior: 1.5, tint: [1.0; 3] },
+            };
+        }
+        let (mut new_albedo, mut new_ior) = (with.albedo, with.ior);
+        let (mut new_tint, mut new_absorption) = (with.tint, with.absorption);
+        match &mut desc.surface {
+            Surface::Lambert { albedo: colour } | Surface::Mirror { reflectance: colour } => {
+                *colour = new_albedo.take().map_or(*colour, |given| given.rgb());
+            }
+            Surface::Dielectric { ior, absorption, tint } => {
+                *ior = new_ior.take().unwrap_or(*ior);
+                *absorption = new_absorption.take().map_or(*absorption, |given| given.rgb());
+                *tint = new_tint.take().map_or(*tint, |given| given.rgb());
+            }
+            Surface::Thin { ior, tint } => {
+                *ior = new_ior.take().unwrap_or(*ior);
+                *tint = new_tint.take().map_or(*tint, |given| given.rgb());
+            }
+        }
+        let left = [
+            ("albedo", new_albedo.is_some()),
+            ("ior", new_ior.is_some()),
+            ("tint", new_tint.is_some()),
+            ("absorption", new_absorption.is_some()),
+        ];
+        if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
+            let kind = format!("{kind:?}").to_lowercase();
+            let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
+            let mend = "lambert and mirror have albedo, glass has ior, tint and absorption, thin has ior and tint; \
+                        give another kind, or leave it out";
+            return Err(self.fault(what, mend));
+        }
+        desc.emission = with.emission.map_or(desc.emission, |given| given.rgb());
+        desc.emits_both_sides = with.emits_both_sides.unwrap_or(desc.emits_both_sides);
+        Ok(())
+    }
+
+    fn quad(&self, index: usize, quad: &Quad, frame: Frame, scene: &mut SceneBuilder) -> Result<(), SceneError> {
+        let name = quad.name.clone().unwrap_or_else(|| format!("override quad {index}"));
+        let Some(material) = scene.materials.iter().position(|material| material.name == quad.material) else {
+            let what = format!("quad '{name}' is of a material '{}', which is not there", quad.material);
+            return Err(self.unknown(&what, scene));
+        };
+        let corners = frame.corners(quad.relative, quad.corner, quad.edges);
+        scene.quad(name, corners, MaterialId(material as u32));
+        Ok(())
+    }
+
+    fn camera(&self, camera: &Camera, frame: Frame) -> Result<CameraDesc, SceneError> {
+        let projection = match (camera.fov_degrees, camera.half_height) {
+            (Some(degrees), None) => Projection::Perspective { vertical_fov: degrees.to_radians() },
+            (None, Some(half_height)) => {
+                let size = if camera.relative { frame.size } else { 1.0 };
+                Projection::Orthographic { half_height: half_height * size }
+            }
+            (given, _) => {
+                let count = if given.is_some() { "both" } else { "neither" };
+                let what = format!("camera '{}' has {count} of fov_degrees and half_height", camera.name);
+                return Err(self.fault(what, "give one: fov_degrees for perspective, half_height for parallel rays"));
+            }
+        };
+        let from = frame.place(camera.relative, camera.from);
+        let to = frame.place(camera.relative, camera.to);
+        Ok(CameraDesc { projection, ..CameraDesc::look_at(from, to, camera.up, 1.0) })
+    }
+}
+
+fn kind_of(surface: &Surface) -> Kind {
+    match surface {
+        Surface::Lambert { .. } => Kind::Lambert,
+        Surface::Mirror { .. } => Kind::Mirror,
+        Surface::Dielectric { .. } => Kind::Glass,
+        Surface::Thin { .. } => Kind::Thin,
+    }
+}
+
+fn add_light(index: usize, light: &Light, frame: Frame, scene: &mut SceneBuilder) {
+    let called = |name: &Option<String>| name.clone().unwrap_or_else(|| format!("override light {index}"));
+    match light {
+        Light::Point { name, relative, position, intensity } => {
+            let position = frame.place(*relative, *position);
+            scene.light(called(name), LightDesc::Point { position, intensity: intensity.rgb() });
+        }
+        Light::Spot { name, relative, position, direction, intensity, inner_degrees, outer_degrees } => {
+            let light = LightDesc::Spot {
+                position: frame.place(*relative, *position),
+                direction: *direction,
+                intensity: intensity.rgb(),
+                inner_angle: inner_degrees.to_radians(),
+                outer_angle: outer_degrees.to_radians(),
+            };
+            scene.light(called(name), light);
+        }
+        Light::Directional { name, direction, irradiance } => {
+            scene.light(called(name), LightDesc::Directional { direction: *direction, irradiance: irradiance.rgb() });
+        }
+        Light::Quad { name, relative, corner, edges, radiance, emits_both_sides } => {
+            let name = called(name);
+            let mut lamp = MaterialDesc::emissive(&name, [0.0; 3], radiance.rgb());
+            lamp.emits_both_sides = *emits_both_sides;
+            let lamp = scene.material(lamp);
+            scene.quad(name, frame.corners(*relative, *corner, *edges), lamp);
+        }
+    }
+}
+
+/// The box around the scene's triangles, as far as `relative` coordinates need it.
+#[derive(Clone, Copy)]
+struct Frame {
+    center: [f64; 3],
+    size: f64,
+}
+
+impl Frame {
+    fn of(scene: &SceneBuilder) -> Self {
+        let (low, high) = scene.bounds().unwrap_or(([-0.5; 3], [0.5; 3]));
+        let extents: [f64; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);
+        let size = extents.into_iter().fold(0.0, f64::max);
+        Self {
+            center: std::array::from_fn(|axis| low[axis] + 0.5 * extents[axis]),
+            size: if size > 0.0 { size } else { 1.0 },
+        }
+    }
+
+    fn place(self, relative: bool, at: [f64; 3]) -> [f64; 3] {
+        if !relative {
+            return at;
+        }
+        std::array::from_fn(|axis| self.center[axis] + self.size * at[axis])
+    }
+
+    /// A parallelogram, counter-clockwise as seen from where the cross product of its edges points.
+    fn corners(self, relative: bool, corner: [f64; 3], [first, second]: [[f64; 3]; 2]) -> [[f64; 3]; 4] {
+        let sum = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|axis| a[axis] + b[axis]);
+        let next = sum(corner, first);
+        [corner, next, sum(next, second), sum(corner, second)].map(|at| self.place(relative, at))
+    }
+}

@@ -1,0 +1,160 @@
+//! PLY: a mesh without materials.
+
+use super::{default_material, read, stem};
+use crate::builder::SceneBuilder;
+use crate::error::SceneError;
+use crate::report::LoadReport;
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
+use std::path::Path;
+
+/// Reads the vertices and polygons of a PLY file, ASCII or binary of either byte order.
+///
+/// Polygons become fans of triangles, and strips of triangles are resolved. The mesh is named after
+/// the file.
+///
+/// # Errors
+/// A file that cannot be read or makes no sense, by its line where it has lines; a polygon that
+/// names a vertex which is not there.
+pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
+    let bytes = read(path)?;
+    let fault = |line: Option<usize>, what: String, mend: &str| SceneError::Content {
+        path: path.to_owned(),
+        line: line.map(|line| line as u64),
+        what,
+        mend: mend.to_owned(),
+    };
+    let damaged = |error: ParseError| {
+        // Its message begins with the line's number and spreads over several lines.
+        let text = error.to_string();
+        let text = error.line().and_then(|line| text.strip_prefix(&format!("Line {line}: "))).unwrap_or(&text);
+        let what = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        fault(error.line(), what, "it is truncated or damaged; copy or export it again")
+    };
+    let parser = Parser::<Element>::new();
+    let mut reader = Reader::new(bytes.as_slice());
+    let header = parser.read_header(&mut reader).map_err(damaged)?;
+    for element in header.elements.values() {
+        // Each takes a byte at least, so that more cannot be there: better told than waited for.
+        if element.count > bytes.len() || (element.properties.is_empty() && element.count > 0) {
+            let what = format!("{} elements '{}' are announced but cannot be there", element.count, element.name);
+            return Err(fault(None, what, "it is truncated or damaged; copy or export it again"));
+        }
+    }
+    let payload = parser.read_payload(&mut reader, &header).map_err(damaged)?;
+
+    let elements = |name: &str| payload.get(name).map_or(&[][..], Vec::as_slice);
+    let vertices = elements("vertex");
+    if let Some(vertex) = vertices.iter().position(|vertex| vertex.axes != 0b111) {
+        return Err(fault(None, format!("vertex {vertex} has no x, y and z"), "export it with positions as numbers"));
+    }
+    let positions: Vec<[f64; 3]> = vertices.iter().map(|vertex| vertex.position).collect();
+
+    let mut triangles = Vec::new();
+    let count = positions.len();
+    let corner = |what: &str, number: usize, index: i64| {
+        u32::try_from(index).ok().filter(|&index| (index as usize) < count).ok_or_else(|| {
+            let what = format!("{what} {number} refers to vertex {index}, but there are {count}, numbered from 0");
+            fault(None, what, "export it again")
+        })
+    };
+    for (number, face) in elements("face").iter().enumerate() {
+        let corners: Vec<u32> =
+            face.indices.iter().map(|&index| corner("face", number, index)).collect::<Result<_, _>>()?;
+        if corners.len() < 3 {
+            let what = format!("face {number} has {} corners", corners.len());
+            return Err(fault(None, what, "it needs at least three, in a list called vertex_indices"));
+        }
+        triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+    }
+    for (number, strips) in elements("tristrips").iter().enumerate() {
+        // A negative index ends a strip, and every other triangle of one runs backwards.
+        for strip in strips.indices.split(|&index| index < 0) {
+            let corners: Vec<u32> =
+                strip.iter().map(|&index| corner("strip", number, index)).collect::<Result<_, _>>()?;
+            let turn = |(odd, three): (usize, &[u32])| match odd % 2 {
+                0 => [three[0], three[1], three[2]],
+                _ => [three[1], three[0], three[2]],
+            };
+            triangles.extend(corners.windows(3).enumerate().map(turn));
+        }
+    }
+
+    let mut report = LoadReport::default();
+    let mut builder = SceneBuilder::new();
+    let name = stem(path);
+    let material = builder.material(default_material());
+    let subject = format!("mesh '{name}'");
+    report.approximated(
+        &subject,
+        "it has no material, which this format does not define; it is made a diffuse grey of 0.5 named 'default'",
+    );
+    let properties = |element: &str| header.elements.get(element).map(|element| &element.properties);
+    if properties("vertex").is_some_and(|known| known.contains_key("red") || known.contains_key("diffuse_red")) {
+        report.left_out(&subject, "its vertex colours; give an albedo in an override file");
+    }
+    if properties("vertex").is_some_and(|known| known.contains_key("nx")) {
+        report.approximated(&subject, "its vertex normals are not used; it is rendered as flat as its triangles");
+    }
+    if triangles.is_empty() {
+        report.note(&subject, "it has no faces; points alone are not rendered");
+    }
+    builder.mesh(name, positions, triangles, material);
+    Ok((builder, report))
+}
+
+/// A vertex, a face or whatever else: what each has of the properties that are used.
+#[derive(Default)]
+struct Element {
+    position: [f64; 3],
+    /// Which coordinates were there, as bits.
+    axes: u8,
+    indices: Vec<i64>,
+}
+
+impl PropertyAccess for Element {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let axis = match name {
+            "x" => 0,
+            "y" => 1,
+            "z" => 2,
+            "vertex_indices" | "vertex_index" => return self.set_indices(property),
+            _ => return PropertyAccessResult::Ignored,
+        };
+        self.position[axis] = match property {
+            Property::Char(value) => value.into(),
+            Property::UChar(value) => value.into(),
+            Property::Short(value) => value.into(),
+            Property::UShort(value) => value.into(),
+            Property::Int(value) => value.into(),
+            Property::UInt(value) => value.into(),
+            Property::Float(value) => value.into(),
+            Property::Double(value) => value,
+            _ => return PropertyAccessResult::UnsupportedType,
+        };
+        self.axes |= 1 << axis;
+        PropertyAccessResult::Set
+    }
+}
+
+impl Element {
+    fn set_indices(&mut self, property: Property) -> PropertyAccessResult {
+        fn wide<T: Into<i64>>(list: Vec<T>) -> Vec<i64> {
+            list.into_iter().map(Into::into).collect()
+        }
+        self.indices = match property {
+            Property::ListChar(list) => wide(list),
+            Property::ListUChar(list) => wide(list),
+            Property::ListShort(list) => wide(list),
+            Property::ListUShort(list) => wide(list),
+            Property::ListInt(list) => wide(list),
+            Property::ListUInt(list) => wide(list),
+            _ => return PropertyAccessResult::UnsupportedType,
+        };
+        PropertyAccessResult::Set
+    }
+}

@@ -1,0 +1,126 @@
+//! What an override file may hold. Every key is known: a misspelt one is an error.
+
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// The file.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct File {
+    pub(super) materials: BTreeMap<String, Material>,
+    pub(super) lights: Vec<Light>,
+    pub(super) quads: Vec<Quad>,
+    pub(super) cameras: Vec<Camera>,
+}
+
+/// `[materials."name"]`: what is given replaces what the scene has.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Material {
+    /// It is not in the scene, but added to it.
+    #[serde(default)]
+    pub(super) new: bool,
+    pub(super) kind: Option<Kind>,
+    pub(super) albedo: Option<Colour>,
+    pub(super) ior: Option<f64>,
+    pub(super) absorption: Option<Colour>,
+    pub(super) tint: Option<Colour>,
+    pub(super) emission: Option<Colour>,
+    pub(super) emits_both_sides: Option<bool>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Kind {
+    Lambert,
+    Mirror,
+    Glass,
+    Thin,
+}
+
+/// A number for all channels, or one for each.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged, expecting = "a number, or three numbers in brackets, is expected")]
+pub(super) enum Colour {
+    Grey(f64),
+    Rgb([f64; 3]),
+}
+
+impl Colour {
+    pub(super) fn rgb(self) -> [f64; 3] {
+        match self {
+            Self::Grey(value) => [value; 3],
+            Self::Rgb(value) => value,
+        }
+    }
+}
+
+/// `[[lights]]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
+pub(super) enum Light {
+    Point {
+        name: Option<String>,
+        #[serde(default)]
+        relative: bool,
+        position: [f64; 3],
+        intensity: Colour,
+    },
+    Spot {
+        name: Option<String>,
+        #[serde(default)]
+        relative: bool,
+        position: [f64; 3],
+        direction: [f64; 3],
+        intensity: Colour,
+        #[serde(default)]
+        inner_degrees: f64,
+        outer_degrees: f64,
+    },
+    Directional {
+        name: Option<String>,
+        direction: [f64; 3],
+        irradiance: Colour,
+    },
+    Quad {
+        name: Option<String>,
+        #[serde(default)]
+        relative: bool,
+        corner: [f64; 3],
+        edges: [[f64; 3]; 2],
+        radiance: Colour,
+        #[serde(default)]
+        emits_both_sides: bool,
+    },
+}
+
+/// `[[quads]]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Quad {
+    pub(super) name: Option<String>,
+    #[serde(default)]
+    pub(super) relative: bool,
+    pub(super) corner: [f64; 3],
+    pub(super) edges: [[f64; 3]; 2],
+    pub(super) material: String,
+}
+
+/// `[[cameras]]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Camera {
+    pub(super) name: String,
+    #[serde(default)]
+    pub(super) relative: bool,
+    pub(super) from: [f64; 3],
+    pub(super) to: [f64; 3],
+    #[serde(default = "upwards")]
+    pub(super) up: [f64; 3],
+    pub(super) fov_degrees: Option<f64>,
+    pub(super) half_height: Option<f64>,
+}
+
+fn upwards() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}

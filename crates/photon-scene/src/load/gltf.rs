@@ -32,7 +32,6 @@ mod punctual;
 mod texture;
 mod uri;
 
-use std::fs;
 use std::path::Path;
 
 use gltf::json::Root;
@@ -42,6 +41,7 @@ use self::buffers::Buffers;
 use self::fault::{Fault, label};
 use self::meshes::{Census, Meshes};
 use self::texture::Textures;
+use super::read;
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;
 use crate::report::LoadReport;
@@ -54,8 +54,7 @@ use crate::report::LoadReport;
 /// names is missing, truncated or inconsistent, or requires an extension that is not supported.
 /// Numbers out of their range (an albedo of 2) are found by [`SceneBuilder::build`].
 pub fn load_gltf(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
-    let bytes =
-        fs::read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+    let bytes = read(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     assemble(&bytes, folder).map_err(|fault| fault.in_file(path))
 }
@@ -87,7 +86,13 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
         let node = &root.nodes[placed.node];
         let part = nodes::node_label(&root, placed.node);
         if let Some(mesh) = node.mesh {
-            meshes.add(placed.node, mesh.value(), &placed.transform, &mut builder, &mut report)?;
+            meshes.add(
+                placed.node,
+                mesh.value(),
+                &placed.transform,
+                &mut builder,
+                &mut report,
+            )?;
             if node.skin.is_some() {
                 report.left_out(&part, "its skin; the mesh is rendered without its bones");
             }
@@ -96,10 +101,18 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
             let (camera, names) = (camera.value(), &mut camera_names);
             punctual::add_camera(&root, &part, camera, &placed.transform, names, &mut builder)?;
         }
-        let lights = node.extensions.as_ref().and_then(|all| all.khr_lights_punctual.as_ref());
+        let lights = node
+            .extensions
+            .as_ref()
+            .and_then(|all| all.khr_lights_punctual.as_ref());
         if let Some(light) = lights.map(|holder| holder.light.value()) {
             punctual::add_light(
-                &root, &part, light, &placed.transform, &mut builder, &mut report,
+                &root,
+                &part,
+                light,
+                &placed.transform,
+                &mut builder,
+                &mut report,
             )?;
         }
     }
@@ -112,13 +125,23 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
 fn report_rest(root: &Root, report: &mut LoadReport) {
     if root.scenes.len() > 1 {
         let index = root.scene.map_or(0, |scene| scene.value());
-        let name = root.scenes.get(index).and_then(|scene| scene.name.as_deref());
-        let text = format!("has {} scenes; {} is rendered", root.scenes.len(), label("scene", index, name));
+        let name = root
+            .scenes
+            .get(index)
+            .and_then(|scene| scene.name.as_deref());
+        let text = format!(
+            "has {} scenes; {} is rendered",
+            root.scenes.len(),
+            label("scene", index, name)
+        );
         report.note("the file", text);
     }
     match root.animations.len() {
         0 => {}
-        count => report.left_out("the file", format!("its {count} animations; it is rendered at rest")),
+        count => report.left_out(
+            "the file",
+            format!("its {count} animations; it is rendered at rest"),
+        ),
     }
 }
 

@@ -1,8 +1,8 @@
 //! Numbers out of buffers: every read is checked against what is there.
 
+use gltf::json::Root;
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::validation::Checked;
-use gltf::json::Root;
 
 use super::buffers::Buffers;
 use super::fault::{AGAIN, Fault, label};
@@ -45,12 +45,16 @@ impl<'a> Accessors<'a> {
     /// Vertex indices, of any unsigned type, on behalf of `user`.
     pub(super) fn indices(&self, index: usize, user: &str) -> Result<Vec<u32>, Fault> {
         let unsigned = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
-        self.read(index, user, Type::Scalar, &unsigned, |elements, at| elements.unsigned(at))
+        self.read(index, user, Type::Scalar, &unsigned, |elements, at| {
+            elements.unsigned(at)
+        })
     }
 
     fn find(&self, index: usize, user: &str) -> Result<&'a Accessor, Fault> {
         let accessors = &self.root.accessors;
-        accessors.get(index).ok_or_else(|| Fault::dangling(user, "accessor", index, accessors.len()))
+        accessors
+            .get(index)
+            .ok_or_else(|| Fault::dangling(user, "accessor", index, accessors.len()))
     }
 
     /// Reads all elements with `take`; an empty `allowed` admits every component type.
@@ -70,7 +74,9 @@ impl<'a> Accessors<'a> {
                 component.0
             }
             _ => {
-                return Err(wrong(format!("has a component type that {user} cannot use")));
+                return Err(wrong(format!(
+                    "has a component type that {user} cannot use"
+                )));
             }
         };
         match accessor.type_ {
@@ -86,13 +92,22 @@ impl<'a> Accessors<'a> {
                 let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
                 let stride = self.stride(view.value(), size, &part)?;
                 let bytes = self.span(view.value(), offset, count, stride, size, &part)?;
-                let elements = Elements { bytes, stride, component, normalized };
+                let elements = Elements {
+                    bytes,
+                    stride,
+                    component,
+                    normalized,
+                };
                 (0..count as usize).map(|at| take(&elements, at)).collect()
             }
             None if count <= MAX_ZEROS => vec![T::default(); count as usize],
             None => {
                 let why = format!("has {count} elements but no data");
-                return Err(Fault::new(part, why, "export the file again, without compression"));
+                return Err(Fault::new(
+                    part,
+                    why,
+                    "export the file again, without compression",
+                ));
             }
         };
 
@@ -104,10 +119,27 @@ impl<'a> Accessors<'a> {
             let (entries, width) = (sparse.count.0, kind.0.size());
             let view = indices.buffer_view.value();
             let bytes = self.span(view, indices.byte_offset.0, entries, width, width, &part)?;
-            let places = Elements { bytes, stride: width, component: kind.0, normalized: false };
+            let places = Elements {
+                bytes,
+                stride: width,
+                component: kind.0,
+                normalized: false,
+            };
             let view = sparse.values.buffer_view.value();
-            let bytes = self.span(view, sparse.values.byte_offset.0, entries, size, size, &part)?;
-            let elements = Elements { bytes, stride: size, component, normalized };
+            let bytes = self.span(
+                view,
+                sparse.values.byte_offset.0,
+                entries,
+                size,
+                size,
+                &part,
+            )?;
+            let elements = Elements {
+                bytes,
+                stride: size,
+                component,
+                normalized,
+            };
             for entry in 0..entries as usize {
                 let place = places.unsigned(entry);
                 let value = values.get_mut(place as usize).ok_or_else(|| {
@@ -123,7 +155,12 @@ impl<'a> Accessors<'a> {
 
     /// Distance in bytes between elements of `size` bytes in a view.
     fn stride(&self, view: usize, size: usize, part: &str) -> Result<usize, Fault> {
-        match self.root.buffer_views.get(view).and_then(|view| view.byte_stride) {
+        match self
+            .root
+            .buffer_views
+            .get(view)
+            .and_then(|view| view.byte_stride)
+        {
             Some(stride) if stride.0 < size => Err(Fault::new(
                 part,
                 format!(
@@ -178,14 +215,30 @@ impl Elements<'_> {
     /// One component; normalised integers as the glTF 2.0 specification says in section 3.11.
     fn number(&self, at: usize, axis: usize) -> f64 {
         let (value, full) = match self.component {
-            ComponentType::I8 => (f64::from(i8::from_le_bytes(self.component(at, axis))), 127.0),
-            ComponentType::U8 => (f64::from(u8::from_le_bytes(self.component(at, axis))), 255.0),
-            ComponentType::I16 => (f64::from(i16::from_le_bytes(self.component(at, axis))), 32767.0),
-            ComponentType::U16 => (f64::from(u16::from_le_bytes(self.component(at, axis))), 65535.0),
+            ComponentType::I8 => (
+                f64::from(i8::from_le_bytes(self.component(at, axis))),
+                127.0,
+            ),
+            ComponentType::U8 => (
+                f64::from(u8::from_le_bytes(self.component(at, axis))),
+                255.0,
+            ),
+            ComponentType::I16 => (
+                f64::from(i16::from_le_bytes(self.component(at, axis))),
+                32767.0,
+            ),
+            ComponentType::U16 => (
+                f64::from(u16::from_le_bytes(self.component(at, axis))),
+                65535.0,
+            ),
             ComponentType::U32 => (f64::from(u32::from_le_bytes(self.component(at, axis))), 1.0),
             ComponentType::F32 => (f64::from(f32::from_le_bytes(self.component(at, axis))), 1.0),
         };
-        if self.normalized { (value / full).max(-1.0) } else { value }
+        if self.normalized {
+            (value / full).max(-1.0)
+        } else {
+            value
+        }
     }
 
     /// One unsigned integer.

@@ -21,7 +21,12 @@ impl<'a> Buffers<'a> {
     /// Those of `root`, whose files lie in `folder` and whose GLB chunk is `bin`.
     pub(super) fn new(root: &'a Root, folder: &'a Path, bin: Option<&'a [u8]>) -> Self {
         let loaded = root.buffers.iter().map(|_| OnceCell::new()).collect();
-        Self { root, folder, bin, loaded }
+        Self {
+            root,
+            folder,
+            bin,
+            loaded,
+        }
     }
 
     /// Where the files of the scene lie.

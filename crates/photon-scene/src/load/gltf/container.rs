@@ -13,7 +13,11 @@ pub(super) fn open(bytes: &[u8]) -> Result<(Root, Option<&[u8]>), Fault> {
     if bytes.is_empty() {
         return Err(Fault::new("the file", "is empty", COPY_AGAIN));
     }
-    let (json, bin) = if bytes.starts_with(MAGIC) { split_glb(bytes)? } else { (bytes, None) };
+    let (json, bin) = if bytes.starts_with(MAGIC) {
+        split_glb(bytes)?
+    } else {
+        (bytes, None)
+    };
     let root = parse(json)?;
     check_version(&root)?;
     Ok((root, bin))
@@ -30,7 +34,10 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
         return Err(header(why, COPY_AGAIN));
     };
     if version != 2 {
-        return Err(header(format!("says version {version}"), "export the file as glTF 2.0"));
+        return Err(header(
+            format!("says version {version}"),
+            "export the file as glTF 2.0",
+        ));
     }
     let Some(body) = bytes.get(..length as usize) else {
         let why = format!("promises {length} bytes, but the file has {}", bytes.len());
@@ -86,9 +93,8 @@ fn read_u32(bytes: &[u8], at: usize) -> Option<u32> {
 fn parse(json: &[u8]) -> Result<Root, Fault> {
     const MEND: &str = "the file is damaged, or it is not a glTF file";
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-    let mut value: Value = deserialize::from_slice(json).map_err(|error| {
-        Fault::new("the JSON", error.to_string(), MEND).at_line(error.line())
-    })?;
+    let mut value: Value = deserialize::from_slice(json)
+        .map_err(|error| Fault::new("the JSON", error.to_string(), MEND).at_line(error.line()))?;
     if let Some(place) = find_oversized_index(&value, "") {
         return Err(Fault::new(
             place.trim_start_matches('/'),
@@ -102,12 +108,21 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
         let text = serialize::to_vec(&value).unwrap_or_default();
         Root::from_slice(&text).map_err(|remaining| {
             let message = |error: &gltf::json::Error| {
-                error.to_string().split(" at line ").next().unwrap_or_default().to_owned()
+                error
+                    .to_string()
+                    .split(" at line ")
+                    .next()
+                    .unwrap_or_default()
+                    .to_owned()
             };
             // Line numbers are the user's only if the original text fails for the same reason.
             let is_same = message(&error) == message(&remaining);
             let fault = Fault::new(blame(&value), message(&remaining), MEND);
-            if is_same { fault.at_line(error.line()) } else { fault }
+            if is_same {
+                fault.at_line(error.line())
+            } else {
+                fault
+            }
         })
     })
 }
@@ -125,9 +140,9 @@ fn blame(document: &Value) -> String {
             continue;
         }
         let items = part.as_array().map_or(&[][..], Vec::as_slice);
-        let culprit = items.iter().position(|item| {
-            !is_readable(key, &Value::Array(vec![item.clone()]))
-        });
+        let culprit = items
+            .iter()
+            .position(|item| !is_readable(key, &Value::Array(vec![item.clone()])));
         return match culprit {
             Some(number) => format!("number {number} of {key}"),
             None => key.clone(),
@@ -159,18 +174,23 @@ fn find_oversized_index(value: &Value, key: &str) -> Option<String> {
     ];
     match value {
         Value::Number(number) => {
-            let oversized = number.as_u64().is_some_and(|number| number > u64::from(u32::MAX));
+            let oversized = number
+                .as_u64()
+                .is_some_and(|number| number > u64::from(u32::MAX));
             (oversized && HOLD_INDICES.contains(&key)).then(String::new)
         }
         Value::Array(items) => items.iter().enumerate().find_map(|(position, item)| {
             find_oversized_index(item, key).map(|rest| format!("/{position}{rest}"))
         }),
         Value::Object(fields) => {
-            fields.iter().filter(|(name, _)| *name != "extras").find_map(|(name, field)| {
-                // The names within `attributes` are those of vertex attributes.
-                let key = if key == "attributes" { key } else { name };
-                find_oversized_index(field, key).map(|rest| format!("/{name}{rest}"))
-            })
+            fields
+                .iter()
+                .filter(|(name, _)| *name != "extras")
+                .find_map(|(name, field)| {
+                    // The names within `attributes` are those of vertex attributes.
+                    let key = if key == "attributes" { key } else { name };
+                    find_oversized_index(field, key).map(|rest| format!("/{name}{rest}"))
+                })
         }
         _ => None,
     }
@@ -184,8 +204,14 @@ fn fill_in_optional(value: &mut Value) {
         }
     }
     let scenes = value.get_mut("scenes").and_then(Value::as_array_mut);
-    for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
-        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+    for scene in scenes
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_object_mut)
+    {
+        scene
+            .entry("nodes")
+            .or_insert_with(|| Value::Array(Vec::new()));
     }
 }
 
@@ -193,14 +219,21 @@ fn fill_in_optional(value: &mut Value) {
 fn empty_animation() -> Value {
     let nothing = || Value::Array(Vec::new());
     Value::Object(
-        [("channels".to_owned(), nothing()), ("samplers".to_owned(), nothing())]
-            .into_iter()
-            .collect(),
+        [
+            ("channels".to_owned(), nothing()),
+            ("samplers".to_owned(), nothing()),
+        ]
+        .into_iter()
+        .collect(),
     )
 }
 
 fn check_version(root: &Root) -> Result<(), Fault> {
-    let version = root.asset.min_version.as_deref().unwrap_or(&root.asset.version);
+    let version = root
+        .asset
+        .min_version
+        .as_deref()
+        .unwrap_or(&root.asset.version);
     // Later 2.x files are made to be readable by readers of 2.0, unless `minVersion` says otherwise.
     let readable = match root.asset.min_version.as_deref() {
         Some(minimum) => minimum == "2.0",
@@ -209,5 +242,9 @@ fn check_version(root: &Root) -> Result<(), Fault> {
     if readable {
         return Ok(());
     }
-    Err(Fault::new("asset", format!("is of version {version}"), "export the file as glTF 2.0"))
+    Err(Fault::new(
+        "asset",
+        format!("is of version {version}"),
+        "export the file as glTF 2.0",
+    ))
 }

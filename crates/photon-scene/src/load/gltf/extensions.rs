@@ -51,7 +51,10 @@ pub(super) fn check(root: &Root, report: &mut LoadReport) -> Result<(), Fault> {
     }
     for name in root.extensions_used.iter().map(String::as_str) {
         if name == "KHR_materials_variants" {
-            report.note("the file", "has material variants; the default ones are rendered");
+            report.note(
+                "the file",
+                "has material variants; the default ones are rendered",
+            );
         } else if !KNOWN.contains(&name) && !HARMLESS.contains(&name) && !is_of_material(name) {
             report.left_out(
                 "the file",

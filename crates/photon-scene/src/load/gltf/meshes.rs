@@ -8,7 +8,7 @@ use super::accessor::Accessors;
 use super::fault::{Fault, label, name_or_number};
 use super::primitive;
 use crate::builder::{MaterialId, SceneBuilder};
-use crate::describe::MaterialDesc;
+use crate::load::default_material;
 use crate::report::LoadReport;
 
 /// More vertex positions and indices than this, over all instances, are taken for damage: a few
@@ -54,9 +54,14 @@ impl Meshes<'_> {
             None => name_or_number("mesh", mesh, None),
         };
         // Nodes are scaled to nothing in order to hide them.
-        if [transform.x_axis, transform.y_axis, transform.z_axis].iter().all(|x| x.truncate() == DVec3::ZERO)
+        if [transform.x_axis, transform.y_axis, transform.z_axis]
+            .iter()
+            .all(|x| x.truncate() == DVec3::ZERO)
         {
-            report.note(format!("mesh '{name}'"), "is scaled to nothing, and so not there");
+            report.note(
+                format!("mesh '{name}'"),
+                "is scaled to nothing, and so not there",
+            );
             return Ok(());
         }
         for (number, source) in found.primitives.iter().enumerate() {
@@ -65,10 +70,11 @@ impl Meshes<'_> {
                 report.left_out(part, "consists of points or lines, which have no surface");
                 continue;
             }
-            self.census.elements = self
-                .census
-                .elements
-                .saturating_add(primitive::size(&self.accessors, source, &part)?);
+            self.census.elements = self.census.elements.saturating_add(primitive::size(
+                &self.accessors,
+                source,
+                &part,
+            )?);
             if self.census.elements > MAX_ELEMENTS {
                 return Err(Fault::new(
                     part,
@@ -88,16 +94,21 @@ impl Meshes<'_> {
                 report.left_out(part, text);
             }
             self.census.smooth_triangles += read.smooth;
-            self.census.colored += u64::from(primitive::attribute(source, Semantic::Colors(0)).is_some());
+            self.census.colored +=
+                u64::from(primitive::attribute(source, Semantic::Colors(0)).is_some());
             self.census.morphed += u64::from(source.targets.iter().flatten().next().is_some());
 
             let mut triangles = read.triangles;
             if is_mirrored(transform) {
                 // A mirrored mesh keeps its front (glTF 2.0 specification, section 3.7.4).
-                triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+                triangles
+                    .iter_mut()
+                    .for_each(|triangle| triangle.swap(1, 2));
             }
             let positions = read.positions.into_iter().map(DVec3::from);
-            let positions = positions.map(|at| transform.transform_point3(at).to_array()).collect();
+            let positions = positions
+                .map(|at| transform.transform_point3(at).to_array())
+                .collect();
             let name = match found.primitives.len() {
                 1 => name.clone(),
                 _ => format!("{name} primitive {number}"),
@@ -112,7 +123,7 @@ impl Meshes<'_> {
         self.census.without_material += 1;
         *self
             .default_material
-            .get_or_insert_with(|| builder.material(MaterialDesc::lambert("default", [0.5; 3])))
+            .get_or_insert_with(|| builder.material(default_material()))
     }
 }
 
@@ -127,7 +138,13 @@ fn is_mirrored(transform: &DMat4) -> bool {
 impl Census {
     /// Says it.
     pub(super) fn report(&self, report: &mut LoadReport) {
-        let Self { smooth_triangles, colored, morphed, without_material, .. } = self;
+        let Self {
+            smooth_triangles,
+            colored,
+            morphed,
+            without_material,
+            ..
+        } = self;
         if *smooth_triangles > 0 {
             report.approximated(
                 "the file",
@@ -138,10 +155,16 @@ impl Census {
             );
         }
         if *colored > 0 {
-            report.left_out("the file", format!("the vertex colours of {colored} meshes"));
+            report.left_out(
+                "the file",
+                format!("the vertex colours of {colored} meshes"),
+            );
         }
         if *morphed > 0 {
-            report.left_out("the file", format!("the morph targets of {morphed} meshes; the base shape is rendered"));
+            report.left_out(
+                "the file",
+                format!("the morph targets of {morphed} meshes; the base shape is rendered"),
+            );
         }
         if *without_material > 0 {
             report.approximated(

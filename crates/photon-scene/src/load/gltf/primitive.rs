@@ -29,7 +29,10 @@ pub(super) fn is_surface(primitive: &Primitive, part: &str) -> Result<bool, Faul
 
 /// Index of the accessor that holds an attribute.
 pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
-    primitive.attributes.get(&Checked::Valid(semantic)).map(|accessor| accessor.value())
+    primitive
+        .attributes
+        .get(&Checked::Valid(semantic))
+        .map(|accessor| accessor.value())
 }
 
 /// A bound on its vertices and triangles together, without reading them.
@@ -56,7 +59,10 @@ pub(super) fn read(
         return Ok(Triangles::default());
     };
     let positions = accessors.vectors(positions, part)?;
-    if let Some(vertex) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+    if let Some(vertex) = positions
+        .iter()
+        .position(|p| p.iter().any(|x| !x.is_finite()))
+    {
         return Err(Fault::new(
             part,
             format!("vertex {vertex} is at {:?}", positions[vertex]),
@@ -64,7 +70,11 @@ pub(super) fn read(
         ));
     }
     let Ok(vertices) = u32::try_from(positions.len()) else {
-        return Err(Fault::new(part, "has more vertices than 32 bits can number", "split it"));
+        return Err(Fault::new(
+            part,
+            "has more vertices than 32 bits can number",
+            "split it",
+        ));
     };
 
     let order = match primitive.indices {
@@ -91,10 +101,18 @@ pub(super) fn read(
         None => 0,
         Some(normals) => {
             let normals = accessors.vectors(normals, part)?;
-            triangles.iter().filter(|triangle| is_bent(&positions, &normals, **triangle)).count()
+            triangles
+                .iter()
+                .filter(|triangle| is_bent(&positions, &normals, **triangle))
+                .count()
         }
     };
-    Ok(Triangles { positions, triangles, smooth: smooth as u64, stray })
+    Ok(Triangles {
+        positions,
+        triangles,
+        smooth: smooth as u64,
+        stray,
+    })
 }
 
 /// Triangles from a list, a strip or a fan (glTF 2.0 specification, section 3.7.2.1), and how many
@@ -113,7 +131,13 @@ fn assemble(order: &[u32], mode: Checked<Mode>) -> (Vec<[u32; 3]>, usize) {
         }
         Checked::Valid(Mode::TriangleFan) => {
             let triangles = order.iter().skip(1).zip(order.iter().skip(2));
-            (triangles.map(|(&a, &b)| [a, b, order[0]]).filter(is_meant).collect(), 0)
+            (
+                triangles
+                    .map(|(&a, &b)| [a, b, order[0]])
+                    .filter(is_meant)
+                    .collect(),
+                0,
+            )
         }
         _ => {
             let (triples, rest) = order.as_chunks::<3>();

@@ -1,89 +1,228 @@
-//! Damaged files: each is refused with its culprit named, and none brings the program down.
+//! Damaged files: each is refused with its culprit named.
 
 use std::path::Path;
 
 use super::super::assemble;
-use super::file::{File, data_uri, floats, glb, png};
+use super::file::{File, floats};
 
 const HERE: &str = ".";
 
 #[track_caller]
 fn check(file: &File, words: &[&str]) {
     let error = file.error();
-    assert!(words.iter().all(|word| error.contains(word)), "{words:?} not all in: {error}");
+    assert!(
+        words.iter().all(|word| error.contains(word)),
+        "{words:?} not all in: {error}"
+    );
     assert!(error.contains("; "), "no mend in: {error}");
 }
 
 #[test]
 fn nodes_must_be_a_tree() {
     let nodes = |json: &str| File::new().with("nodes", json);
-    check(&nodes(r#"[{"children": [1]}, {"children": [0], "name": "b"}]"#), &["node 0", "ancestor of itself"]);
-    check(&nodes(r#"[{}, {"children": [1]}]"#), &["node 1", "ancestor of itself"]);
-    check(&nodes(r#"[{"children": [2]}, {"children": [2]}, {"name": "c"}]"#), &["node 2 'c'", "node 0", "node 1"]);
-    check(&nodes(r#"[{"children": [1, 1]}, {}]"#), &["node 1", "child of both"]);
+    check(
+        &nodes(r#"[{"children": [1]}, {"children": [0], "name": "b"}]"#),
+        &["node 0", "ancestor of itself"],
+    );
+    check(
+        &nodes(r#"[{}, {"children": [1]}]"#),
+        &["node 1", "ancestor of itself"],
+    );
+    check(
+        &nodes(r#"[{"children": [2]}, {"children": [2]}, {"name": "c"}]"#),
+        &["node 2 'c'", "node 0", "node 1"],
+    );
+    check(
+        &nodes(r#"[{"children": [1, 1]}, {}]"#),
+        &["node 1", "child of both"],
+    );
     check(&nodes(r#"[{"children": [9]}]"#), &["node 0", "node 9"]);
-    check(&nodes("[{}]").with("scenes", r#"[{"nodes": [0, 0]}]"#), &["node 0", "twice"]);
-    check(&nodes(r#"[{"children": [1]}, {}]"#).with("scenes", r#"[{"nodes": [0, 1]}]"#), &["node 1", "twice"]);
-    check(&nodes("[{}]").with("scenes", r#"[{"nodes": [3], "name": "s"}]"#), &["scene 0 's'", "node 3"]);
-    check(&File::new().with("scene", "5"), &["default scene", "scene 5"]);
+    check(
+        &nodes("[{}]").with("scenes", r#"[{"nodes": [0, 0]}]"#),
+        &["node 0", "twice"],
+    );
+    check(
+        &nodes(r#"[{"children": [1]}, {}]"#).with("scenes", r#"[{"nodes": [0, 1]}]"#),
+        &["node 1", "twice"],
+    );
+    check(
+        &nodes("[{}]").with("scenes", r#"[{"nodes": [3], "name": "s"}]"#),
+        &["scene 0 's'", "node 3"],
+    );
+    check(
+        &File::new().with("scene", "5"),
+        &["default scene", "scene 5"],
+    );
     // A deep chain neither recurses nor takes long.
-    let chain: Vec<String> = (1..100_000).map(|child| format!(r#"{{"children": [{child}]}}"#)).collect();
+    let chain: Vec<String> = (1..100_000)
+        .map(|child| format!(r#"{{"children": [{child}]}}"#))
+        .collect();
     let deep = nodes(&format!("[{}, {{\"mesh\": 0}}]", chain.join(",")));
     assert_eq!(deep.load().0.meshes.len(), 1);
 }
 
 #[test]
 fn transforms_must_make_sense() {
-    let node = |json: &str| File::new().with("nodes", format!(r#"[{{"mesh": 0, "name": "n", {json}}}]"#));
-    check(&node(r#""rotation": [0, 0, 0, 0]"#), &["node 0 'n'", "quaternion"]);
-    check(&node(r#""translation": [1e39, 0, 0]"#), &["node 0 'n'", "not finite"]);
-    check(&node(r#""matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]"#), &["node 0 'n'", "last row"]);
+    let node =
+        |json: &str| File::new().with("nodes", format!(r#"[{{"mesh": 0, "name": "n", {json}}}]"#));
+    check(
+        &node(r#""rotation": [0, 0, 0, 0]"#),
+        &["node 0 'n'", "quaternion"],
+    );
+    check(
+        &node(r#""translation": [1e39, 0, 0]"#),
+        &["node 0 'n'", "not finite"],
+    );
+    check(
+        &node(r#""matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]"#),
+        &["node 0 'n'", "last row"],
+    );
 }
 
 #[test]
 fn references_must_lead_somewhere() {
-    let mesh = |json: &str| File::new().with("meshes", format!(r#"[{{"name": "m", "primitives": [{{{json}}}]}}]"#));
-    check(&File::new().with("nodes", r#"[{"mesh": 4}]"#), &["node 0", "mesh 4"]);
-    check(&mesh(r#""attributes": {"POSITION": 7}"#), &["mesh 0 'm' primitive 0", "accessor 7"]);
-    check(&mesh(r#""attributes": {"POSITION": 0}, "indices": 8"#), &["mesh 0 'm' primitive 0", "accessor 8"]);
-    check(&mesh(r#""attributes": {"POSITION": 0}, "material": 3"#), &["mesh 0 'm' primitive 0", "material 3"]);
-    check(&mesh(r#""attributes": {"POSITION": 0}, "mode": 9"#), &["mesh 0 'm' primitive 0", "mode"]);
-    check(&mesh(r#""attributes": {"POSITION": 1}"#), &["accessor 1", "Vec3"]);
-    check(&mesh(r#""attributes": {"POSITION": 0}, "indices": 0"#), &["accessor 0", "component type"]);
-    check(&mesh(r#""attributes": {"POSITION": 4294967296}"#), &["meshes/0/primitives/0/attributes/POSITION", "4294967295"]);
-    check(&mesh(r#""attributes": {"POSITION": 0}, "material": -1"#), &["number 0 of meshes", "-1"]);
-    check(&File::new().with("bufferViews", "[]"), &["accessor 0", "buffer view 0"]);
-    check(&File::new().with("buffers", "[]"), &["buffer view 0", "buffer 0"]);
-    check(&File::new().with("buffers", r#"[{"byteLength": 44}]"#), &["buffer 0", "no URI"]);
+    let mesh = |json: &str| {
+        File::new().with(
+            "meshes",
+            format!(r#"[{{"name": "m", "primitives": [{{{json}}}]}}]"#),
+        )
+    };
+    check(
+        &File::new().with("nodes", r#"[{"mesh": 4}]"#),
+        &["node 0", "mesh 4"],
+    );
+    check(
+        &mesh(r#""attributes": {"POSITION": 7}"#),
+        &["mesh 0 'm' primitive 0", "accessor 7"],
+    );
+    check(
+        &mesh(r#""attributes": {"POSITION": 0}, "indices": 8"#),
+        &["mesh 0 'm' primitive 0", "accessor 8"],
+    );
+    check(
+        &mesh(r#""attributes": {"POSITION": 0}, "material": 3"#),
+        &["mesh 0 'm' primitive 0", "material 3"],
+    );
+    check(
+        &mesh(r#""attributes": {"POSITION": 0}, "mode": 9"#),
+        &["mesh 0 'm' primitive 0", "mode"],
+    );
+    check(
+        &mesh(r#""attributes": {"POSITION": 1}"#),
+        &["accessor 1", "Vec3"],
+    );
+    check(
+        &mesh(r#""attributes": {"POSITION": 0}, "indices": 0"#),
+        &["accessor 0", "component type"],
+    );
+    check(
+        &mesh(r#""attributes": {"POSITION": 4294967296}"#),
+        &["meshes/0/primitives/0/attributes/POSITION", "4294967295"],
+    );
+    check(
+        &mesh(r#""attributes": {"POSITION": 0}, "material": -1"#),
+        &["number 0 of meshes", "-1"],
+    );
+    check(
+        &File::new().with("bufferViews", "[]"),
+        &["accessor 0", "buffer view 0"],
+    );
+    check(
+        &File::new().with("buffers", "[]"),
+        &["buffer view 0", "buffer 0"],
+    );
+    check(
+        &File::new().with("buffers", r#"[{"byteLength": 44}]"#),
+        &["buffer 0", "no URI"],
+    );
 }
 
 #[test]
 fn data_must_be_there() {
     let view = |json: &str| File::new().with("bufferViews", json);
     let accessor = |json: &str| {
-        File::new()
-            .with("accessors", format!("[{json}]"))
-            .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]"#)
+        File::new().with("accessors", format!("[{json}]")).with(
+            "meshes",
+            r#"[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]"#,
+        )
     };
-    check(&view(r#"[{"buffer": 0, "byteLength": 99}]"#), &["buffer view 0", "99 bytes", "44"]);
-    check(&view(r#"[{"buffer": 0, "byteLength": 2, "byteOffset": 18446744073709551615}]"#), &["buffer view 0"]);
-    check(&view(r#"[{"buffer": 0, "byteLength": 35}]"#), &["accessor 0", "36 bytes", "35"]);
-    check(&view(r#"[{"buffer": 0, "byteLength": 36, "byteStride": 0}]"#), &["accessor 0", "0 apart"]);
-    check(&accessor(r#"{"bufferView": 0, "componentType": 5126, "count": 18446744073709551615, "type": "VEC3"}"#), &["mesh 0 primitive 0", "268435456"]);
-    check(&accessor(r#"{"bufferView": 0, "componentType": 5126, "count": 100000000, "type": "VEC3"}"#), &["accessor 0", "1200000000 bytes"]);
-    check(&accessor(r#"{"bufferView": 0, "componentType": 5126, "count": 1, "byteOffset": 18446744073709551615, "type": "VEC3"}"#), &["accessor 0"]);
-    check(&accessor(r#"{"componentType": 5126, "count": 100000000, "type": "VEC3"}"#), &["accessor 0", "no data"]);
-    check(&accessor(r#"{"bufferView": 0, "componentType": 1, "count": 1, "type": "VEC3"}"#), &["accessor 0", "component type"]);
-    check(&accessor(r#"{"bufferView": 0, "componentType": 5126, "count": 1, "type": "VEC9"}"#), &["accessor 0", "Vec3"]);
+    check(
+        &view(r#"[{"buffer": 0, "byteLength": 99}]"#),
+        &["buffer view 0", "99 bytes", "44"],
+    );
+    check(
+        &view(r#"[{"buffer": 0, "byteLength": 2, "byteOffset": 18446744073709551615}]"#),
+        &["buffer view 0"],
+    );
+    check(
+        &view(r#"[{"buffer": 0, "byteLength": 35}]"#),
+        &["accessor 0", "36 bytes", "35"],
+    );
+    check(
+        &view(r#"[{"buffer": 0, "byteLength": 36, "byteStride": 0}]"#),
+        &["accessor 0", "0 apart"],
+    );
+    check(
+        &accessor(
+            r#"{"bufferView": 0, "componentType": 5126, "count": 18446744073709551615, "type": "VEC3"}"#,
+        ),
+        &["mesh 0 primitive 0", "268435456"],
+    );
+    check(
+        &accessor(
+            r#"{"bufferView": 0, "componentType": 5126, "count": 100000000, "type": "VEC3"}"#,
+        ),
+        &["accessor 0", "1200000000 bytes"],
+    );
+    check(
+        &accessor(
+            r#"{"bufferView": 0, "componentType": 5126, "count": 1, "byteOffset": 18446744073709551615, "type": "VEC3"}"#,
+        ),
+        &["accessor 0"],
+    );
+    check(
+        &accessor(r#"{"componentType": 5126, "count": 100000000, "type": "VEC3"}"#),
+        &["accessor 0", "no data"],
+    );
+    check(
+        &accessor(r#"{"bufferView": 0, "componentType": 1, "count": 1, "type": "VEC3"}"#),
+        &["accessor 0", "component type"],
+    );
+    check(
+        &accessor(r#"{"bufferView": 0, "componentType": 5126, "count": 1, "type": "VEC9"}"#),
+        &["accessor 0", "Vec3"],
+    );
     let sparse = |indices: &str, values: &str, count: u64| {
-        accessor(&format!(r#"{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
-            "sparse": {{"count": {count}, "indices": {indices}, "values": {values}}}}}"#))
+        accessor(&format!(
+            r#"{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+            "sparse": {{"count": {count}, "indices": {indices}, "values": {values}}}}}"#
+        ))
     };
     let good = r#"{"bufferView": 1, "componentType": 5123}"#;
-    check(&sparse(good, r#"{"bufferView": 0}"#, 4), &["accessor 0", "8 bytes", "6"]);
-    check(&sparse(good, r#"{"bufferView": 5}"#, 1), &["accessor 0", "buffer view 5"]);
-    check(&sparse(r#"{"bufferView": 0, "byteOffset": 14, "componentType": 5123}"#, r#"{"bufferView": 0}"#, 1), &["accessor 0", "replaces element 16256"]);
-    check(&sparse(r#"{"bufferView": 0, "componentType": 5126}"#, r#"{"bufferView": 0}"#, 1), &["accessor 0", "sparse"]);
+    check(
+        &sparse(good, r#"{"bufferView": 0}"#, 4),
+        &["accessor 0", "8 bytes", "6"],
+    );
+    check(
+        &sparse(good, r#"{"bufferView": 5}"#, 1),
+        &["accessor 0", "buffer view 5"],
+    );
+    check(
+        &sparse(
+            r#"{"bufferView": 0, "byteOffset": 14, "componentType": 5123}"#,
+            r#"{"bufferView": 0}"#,
+            1,
+        ),
+        &["accessor 0", "replaces element 16256"],
+    );
+    check(
+        &sparse(
+            r#"{"bufferView": 0, "componentType": 5126}"#,
+            r#"{"bufferView": 0}"#,
+            1,
+        ),
+        &["accessor 0", "sparse"],
+    );
 }
 
 #[test]
@@ -91,11 +230,23 @@ fn vertices_must_be_somewhere_and_indices_in_range() {
     for bad in [f32::NAN, f32::INFINITY] {
         let mut data = floats(&[0., 0., 0., 1., bad, 0., 0., 1., 0.]);
         data.extend([0, 0, 1, 0, 2, 0]);
-        check(&File::new().data(&data), &["mesh 0 'tri' primitive 0", "vertex 1", "finite"]);
+        check(
+            &File::new().data(&data),
+            &["mesh 0 'tri' primitive 0", "vertex 1", "finite"],
+        );
     }
     let mut data = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
     data.extend([0, 0, 1, 0, 3, 0]);
-    check(&File::new().data(&data), &["mesh 0 'tri' primitive 0", "index 2", "triangle 0", "vertex 3", "there are 3"]);
+    check(
+        &File::new().data(&data),
+        &[
+            "mesh 0 'tri' primitive 0",
+            "index 2",
+            "triangle 0",
+            "vertex 3",
+            "there are 3",
+        ],
+    );
 }
 
 #[test]
@@ -104,19 +255,40 @@ fn instances_cannot_ask_for_all_the_memory() {
     let file = File::new()
         .with("nodes", format!("[{nodes}]"))
         .without("scenes")
-        .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0, "mode": 5}]}]"#)
-        .with("accessors", r#"[{"componentType": 5126, "count": 300000000, "type": "VEC3"}]"#);
+        .with(
+            "meshes",
+            r#"[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0, "mode": 5}]}]"#,
+        )
+        .with(
+            "accessors",
+            r#"[{"componentType": 5126, "count": 300000000, "type": "VEC3"}]"#,
+        );
     check(&file, &["mesh 0 primitive 0", "leave out instances"]);
 }
 
 #[test]
 fn buffers_must_be_there_whole() {
     let buffer = |json: &str| File::new().with("buffers", format!("[{json}]"));
-    check(&buffer(r#"{"byteLength": 44, "uri": "no such file.bin"}"#), &["buffer 0", "no such file.bin", "not there"]);
-    check(&buffer(r#"{"byteLength": 44, "uri": "https://example.org/a.bin"}"#), &["buffer 0", "https", "download"]);
-    check(&buffer(r#"{"byteLength": 44, "uri": "data:;base64,AAAA"}"#), &["buffer 0", "44 bytes", "has 3"]);
-    check(&buffer(r#"{"byteLength": 44, "uri": "data:;base64,A*AA"}"#), &["buffer 0", "damaged"]);
-    check(&buffer(r#"{"byteLength": 44, "uri": "data:nothing"}"#), &["buffer 0", "damaged"]);
+    check(
+        &buffer(r#"{"byteLength": 44, "uri": "no such file.bin"}"#),
+        &["buffer 0", "no such file.bin", "not there"],
+    );
+    check(
+        &buffer(r#"{"byteLength": 44, "uri": "https://example.org/a.bin"}"#),
+        &["buffer 0", "https", "download"],
+    );
+    check(
+        &buffer(r#"{"byteLength": 44, "uri": "data:;base64,AAAA"}"#),
+        &["buffer 0", "44 bytes", "has 3"],
+    );
+    check(
+        &buffer(r#"{"byteLength": 44, "uri": "data:;base64,A*AA"}"#),
+        &["buffer 0", "damaged"],
+    );
+    check(
+        &buffer(r#"{"byteLength": 44, "uri": "data:nothing"}"#),
+        &["buffer 0", "damaged"],
+    );
 }
 
 #[test]
@@ -144,9 +316,20 @@ fn documents_must_be_gltf_2() {
         assert!(file.starts_with("some.gltf") && file.contains("; "), "{file}");
         assert!(words.iter().all(|word| error.contains(word) || file.contains(word)), "{words:?}: {file}");
     }
-    check(&File::new().with("asset", r#"{"version": "1.0"}"#), &["version 1.0"]);
-    check(&File::new().with("asset", r#"{"version": "2.1", "minVersion": "2.1"}"#), &["version 2.1"]);
-    assert!(File::new().with("asset", r#"{"version": "2.1"}"#).try_load().is_ok());
+    check(
+        &File::new().with("asset", r#"{"version": "1.0"}"#),
+        &["version 1.0"],
+    );
+    check(
+        &File::new().with("asset", r#"{"version": "2.1", "minVersion": "2.1"}"#),
+        &["version 2.1"],
+    );
+    assert!(
+        File::new()
+            .with("asset", r#"{"version": "2.1"}"#)
+            .try_load()
+            .is_ok()
+    );
     let mut marked = b"\xef\xbb\xbf".to_vec();
     marked.extend(File::new().json().as_bytes());
     assert!(assemble(&marked, Path::new(HERE)).is_ok());
@@ -155,88 +338,24 @@ fn documents_must_be_gltf_2() {
 #[test]
 fn required_extensions_must_be_known() {
     let requires = |name: &str| File::new().with("extensionsRequired", format!(r#"["{name}"]"#));
-    check(&requires("KHR_draco_mesh_compression"), &["KHR_draco_mesh_compression", "without Draco"]);
-    check(&requires("EXT_meshopt_compression"), &["EXT_meshopt_compression", "without meshopt"]);
-    check(&requires("EXT_mesh_gpu_instancing"), &["EXT_mesh_gpu_instancing", "instances real"]);
+    check(
+        &requires("KHR_draco_mesh_compression"),
+        &["KHR_draco_mesh_compression", "without Draco"],
+    );
+    check(
+        &requires("EXT_meshopt_compression"),
+        &["EXT_meshopt_compression", "without meshopt"],
+    );
+    check(
+        &requires("EXT_mesh_gpu_instancing"),
+        &["EXT_mesh_gpu_instancing", "instances real"],
+    );
     check(&requires("ACME_rocket"), &["ACME_rocket", "without it"]);
-    for name in ["KHR_materials_volume", "KHR_materials_transmission", "KHR_texture_transform"] {
+    for name in [
+        "KHR_materials_volume",
+        "KHR_materials_transmission",
+        "KHR_texture_transform",
+    ] {
         assert!(requires(name).try_load().is_ok(), "{name}");
     }
-}
-
-/// A file that uses everything, for what follows to damage.
-fn rich() -> (File, Vec<u8>) {
-    let mut bin = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
-    bin.extend([0, 0, 1, 0, 2, 0, 0, 0]);
-    bin.extend(png(&[[9, 99, 199, 128], [0, 255, 255, 255]]));
-    let image = bin.len() - 44;
-    let uri = data_uri("image/png", &png(&[[1, 2, 3, 255]]));
-    let file = File::new()
-        .with("buffers", format!(r#"[{{"byteLength": {}}}]"#, bin.len()))
-        .with("bufferViews", format!(r#"[{{"buffer": 0, "byteLength": 36, "byteStride": 12}}, {{"buffer": 0, "byteOffset": 36, "byteLength": 6}}, {{"buffer": 0, "byteOffset": 44, "byteLength": {image}}}]"#))
-        .with("accessors", r#"[{"bufferView": 0, "byteOffset": 0, "componentType": 5126, "count": 3, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5123}, "values": {"bufferView": 0}}},
-            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}]"#)
-        .with("materials", r#"[{"name": "a", "alphaMode": "BLEND", "emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}, "emissiveTexture": {"index": 1},
-            "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 1, "attenuationColor": [0.5, 0.5, 0.5]}, "KHR_materials_ior": {"ior": 1.5}, "KHR_materials_emissive_strength": {"emissiveStrength": 3}}}]"#)
-        .with("textures", r#"[{"source": 0}, {"source": 1}]"#)
-        .with("images", format!(r#"[{{"bufferView": 2, "mimeType": "image/png"}}, {{"uri": "{uri}"}}]"#))
-        .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0}, "indices": 1, "material": 0, "mode": 4}, {"attributes": {"POSITION": 0}, "mode": 5}]}]"#)
-        .with("cameras", r#"[{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}]"#)
-        .with("nodes", r#"[{"children": [1, 2]}, {"mesh": 0, "scale": [1, -1, 1]}, {"camera": 0, "rotation": [0, 0, 0, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}}]"#)
-        .with("scene", "0")
-        .with("extensions", r#"{"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 1, "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.5}}]}}"#);
-    (file, bin)
-}
-
-/// Loads and builds; anything but a panic will do.
-fn survive(bytes: &[u8]) -> bool {
-    assemble(bytes, Path::new(HERE)).is_ok_and(|(builder, _)| builder.build().is_ok())
-}
-
-#[test]
-fn a_file_cut_anywhere_is_refused() {
-    let (file, bin) = rich();
-    let whole = glb(&file.json(), &bin);
-    assert!(survive(&whole));
-    for length in 0..whole.len() {
-        assert!(assemble(&whole[..length], Path::new(HERE)).is_err(), "{length} of {}", whole.len());
-    }
-    let json = File::new().json();
-    for length in 0..json.len() {
-        assert!(assemble(&json.as_bytes()[..length], Path::new(HERE)).is_err(), "{length}");
-    }
-}
-
-#[test]
-fn no_changed_byte_brings_it_down() {
-    let (file, bin) = rich();
-    let whole = glb(&file.json(), &bin);
-    let mut survivors = 0;
-    for place in 0..whole.len() {
-        for flip in [0x01, 0x10, 0x80, 0xff] {
-            let mut damaged = whole.clone();
-            damaged[place] ^= flip;
-            survivors += usize::from(survive(&damaged));
-        }
-    }
-    // Many bytes do not matter (coordinates, names), so that both outcomes must have been seen.
-    assert!(survivors > 0 && survivors < 4 * whole.len(), "{survivors}");
-}
-
-#[test]
-fn no_changed_number_brings_it_down() {
-    let (file, bin) = rich();
-    let json = file.json();
-    let is_digit = |byte: u8| byte.is_ascii_digit();
-    let mut at = 0;
-    let mut tried = 0;
-    while let Some(start) = json[at..].find(|c: char| c.is_ascii_digit()).map(|found| at + found) {
-        let end = json[start..].bytes().position(|byte| !is_digit(byte)).map_or(json.len(), |len| start + len);
-        for hostile in ["0", "1", "2", "3", "7", "255", "-1", "0.5", "1e30", "1e39", "4294967295", "4294967296", "99999999999", "18446744073709551615", "null", "[]", "{}"] {
-            survive(&glb(&[&json[..start], hostile, &json[end..]].concat(), &bin));
-            tried += 1;
-        }
-        at = end;
-    }
-    assert!(tried > 1000, "{tried}");
 }

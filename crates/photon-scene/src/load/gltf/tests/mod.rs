@@ -2,6 +2,7 @@
 
 mod damage;
 mod file;
+mod fuzz;
 mod geometry;
 mod lights;
 mod materials;

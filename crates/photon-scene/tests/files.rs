@@ -140,7 +140,7 @@ fn obj_and_mtl() {
         "left out: material 'glow': its Ka of [20.0, 20.0, 20.0]",
         "approximated: material 'rough': its glossy highlight",
         "left out: material 'rough': its textures (wood grain.png)",
-        "left out: material 'rough': its physically based parameters (Pr 0.4)",
+        "left out: material 'rough': its statements Pr 0.4",
         "note: material 'lamp': emits [5.0, 4.0, 3.0]",
         "its material 'nowhere' is nowhere defined",
         "1 statements 'l'",
@@ -192,8 +192,19 @@ fn obj_faults_name_their_line() {
     names(&fault("v 0 0\n"), &["line 1", "nothing", "three finite numbers"]);
     // Wild references to what is not used do no harm.
     assert!(load_obj(&folder.file("b.obj", format!("vt 0 0\n{start}f 1/-9/-9 2/7/7 3//0\n"))).is_ok());
-    folder.file("bad.mtl", "newmtl a\nKd 1 x 0\n");
-    names(&fault("mtllib bad.mtl\n"), &["bad.mtl, line 2", "'Kd 1 x 0'"]);
+    for (statement, mend) in [
+        ("Kd 1 x 0", "one number, or three"),
+        ("Kd 1 1", "one number, or three"),
+        ("Ke", "one number, or three"),
+        ("Ni", "a number"),
+        ("illum 2.5", "0 to 10"),
+        ("newmtl", "a name"),
+    ] {
+        folder.file("bad.mtl", format!("newmtl a\n{statement}\n"));
+        names(&fault("mtllib bad.mtl\n"), &["bad.mtl, line 2", &format!("'{statement}'"), mend]);
+    }
+    folder.file("bad.mtl", "Kd 1 1 1\n");
+    names(&fault("mtllib bad.mtl\n"), &["bad.mtl, line 1", "newmtl"]);
     folder.file("bright.mtl", "newmtl bright\nKd 1.5 0 0\n");
     let bright = folder.file("bright.obj", format!("mtllib bright.mtl\nusemtl bright\n{start}f 1 2 3\n"));
     names(&message(load(&bright, None)), &["material 'bright'", "albedo", "1.5"]);

@@ -1,8 +1,7 @@
 //! Wavefront OBJ: polygons by name and material.
 //!
-//! The statements that carry geometry are read here rather than by the library that reads the
-//! materials: it tells neither line nor face of an error, and refuses files that only some
-//! vertices of which are coloured.
+//! Read here rather than by a library: those that there are tell neither line nor face of an error,
+//! or panic at a malformed one.
 
 use super::mtl::Library;
 use super::{default_material, read_text, stem};

@@ -1,0 +1,114 @@
+//! What the renderer makes of an MTL material.
+
+use super::Entry;
+use crate::describe::{MaterialDesc, Surface};
+use crate::report::LoadReport;
+
+/// One material on its way.
+pub(super) struct Translation<'a> {
+    pub(super) material: &'a Entry,
+    pub(super) report: &'a mut LoadReport,
+}
+
+const MEND: &str = "give it in an override file";
+
+impl Translation<'_> {
+    fn subject(&self) -> String {
+        format!("material '{}'", self.material.name)
+    }
+
+    fn approximated(&mut self, text: impl Into<String>) {
+        self.report.approximated(self.subject(), text);
+    }
+
+    fn left_out(&mut self, text: impl Into<String>) {
+        self.report.left_out(self.subject(), text);
+    }
+
+    pub(super) fn describe(mut self) -> MaterialDesc {
+        let surface = self.surface();
+        let mut desc = MaterialDesc::new(&self.material.name, surface);
+        desc.emission = self.material.emissive.unwrap_or_default();
+        if desc.is_emissive() {
+            let text = format!(
+                "emits {:?}, taken as radiance in W/(m²·sr), from its front; an override file can make it \
+                 emits_both_sides",
+                desc.emission
+            );
+            self.report.note(self.subject(), text);
+        } else if let Some(ambient) = self.material.ambient.filter(|color| color.iter().any(|&part| part > 1.0)) {
+            self.left_out(format!(
+                "its Ka of {ambient:?}: ambient light is not physical, but some files put emission there; if this one \
+                 does, give emission in an override file"
+            ));
+        }
+        self.leftovers();
+        desc
+    }
+
+    fn surface(&mut self) -> Surface {
+        let material = self.material;
+        let illumination = material.illumination.unwrap_or(2);
+        let diffuse = material.diffuse;
+        let specular = material.specular.unwrap_or_default();
+        let reflects = specular != [0.0; 3];
+        let dissolve = material.dissolve.unwrap_or(1.0);
+        let tint = material.filter.unwrap_or([1.0; 3]);
+        if matches!(illumination, 4 | 6 | 7 | 9) {
+            let ior = self.ior();
+            self.approximated(format!(
+                "is taken as solid glass of refractive index {ior} (illum {illumination}), whose triangles must \
+                 enclose it"
+            ));
+            Surface::Dielectric { ior, absorption: [0.0; 3], tint }
+        } else if dissolve < 1.0 {
+            let ior = self.ior();
+            self.approximated(format!(
+                "is see-through (d {dissolve}) and taken as a clear thin pane; give another kind in an override file \
+                 if that is wrong"
+            ));
+            Surface::Thin { ior, tint }
+        } else if matches!(illumination, 3 | 5) && reflects {
+            if let Some(color) = diffuse.filter(|&color| color != [0.0; 3]) {
+                self.left_out(format!("its diffuse part Kd {color:?} beside the mirror (illum {illumination})"));
+            }
+            Surface::Mirror { reflectance: specular }
+        } else {
+            // Models 0 and 1 have no highlight whatever Ks says.
+            if illumination >= 2 && reflects {
+                let shininess = material.shininess.unwrap_or(0.0);
+                self.approximated(format!(
+                    "its glossy highlight (Ks {specular:?}, Ns {shininess}) is left out; kind = \"mirror\" in an \
+                     override file is the nearest"
+                ));
+            }
+            let albedo = diffuse.unwrap_or_else(|| {
+                self.approximated(format!("has no Kd and is made a diffuse grey of 0.5; {MEND}"));
+                [0.5; 3]
+            });
+            Surface::Lambert { albedo }
+        }
+    }
+
+    fn ior(&mut self) -> f64 {
+        let Some(ior) = self.material.ior else {
+            self.approximated(format!("has no refractive index Ni; 1.5 is taken; {MEND}"));
+            return 1.5;
+        };
+        if ior == 1.0 {
+            self.report.note(self.subject(), "its refractive index Ni is 1, so that it bends no light");
+        }
+        ior
+    }
+
+    fn leftovers(&mut self) {
+        let Entry { textures, others, .. } = self.material;
+        if !textures.is_empty() {
+            let list = textures.join(", ");
+            self.left_out(format!("its textures ({list}); give an albedo like their mean in an override file"));
+        }
+        if !others.is_empty() {
+            self.left_out(format!("its statements {}, which are not modelled", others.join(", ")));
+        }
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! The picture does not depend on the number of threads, on how paths are shared out among them, or
 //! on the size of batches: not in a single bit.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod cpu;
 mod direct;

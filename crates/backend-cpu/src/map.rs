@@ -79,10 +79,10 @@ impl KdTreeBuilder<Cpu> for CpuBuilder {
         let (index, arrived) = on.pool.install(|| {
             photons.data.par_iter().with_min_len(4096).map(|p| p.position).collect_into_vec(&mut self.positions);
             let index = PointIndex::build(&self.positions, self.kind).map_err(|error| match error {
-                crate::index::IndexError::NotFinite { point, .. } => Error::InvalidInput {
+                crate::index::IndexError::NotFinite { index, position } => Error::InvalidInput {
                     what: "photon",
-                    index: point as u64,
-                    why: format!("position {:?} is not finite", self.positions[point]),
+                    index: index as u64,
+                    why: format!("position {position:?} is not finite"),
                 },
                 other => Error::Backend { backend: "cpu: arranging photons", source: Box::new(other) },
             })?;

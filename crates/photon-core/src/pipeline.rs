@@ -142,19 +142,23 @@ impl<B: TransportBackend> Pipeline<B> {
     fn pilot(&mut self) -> Result<()> {
         let paths = self.settings.photons.min(PILOT_PATHS);
         let share = f64::from(paths) / f64::from(self.settings.photons);
-        let neighbours = ((f64::from(radii::NEIGHBOURS) * share) as u32).max(8);
         self.emit_and_trace(PILOT, paths, &mut ())?;
-        let mut found = [None; 3];
-        for (map, slot) in found.iter_mut().enumerate() {
+        let mut found = [self.radii.direct, self.radii.caustic, self.radii.global];
+        for (map, radius) in found.iter_mut().enumerate() {
             if let Some(photons) = self.photons[map].take() {
+                self.on.mark(Some(Stage::Build));
                 let built = self.stages.map.builder.build(&mut self.on, photons)?;
+                self.on.mark(Some(Stage::Estimate));
                 let cosine = self.settings.min_normal_cosine;
-                *slot = self.stages.map.estimator.typical_radius(&mut self.on, &built, neighbours, cosine)?;
+                let wanted = radii::NEIGHBOURS[map];
+                let asked = ((f64::from(wanted) * share) as u32).max(8);
+                let typical = self.stages.map.estimator.typical_radius(&mut self.on, &built, asked, cosine)?;
+                *radius = radii::from_pilot(typical, asked, paths, wanted, self.settings.photons);
+                self.on.mark(None);
                 self.photons[map] = Some(self.stages.map.builder.reclaim(built));
             }
         }
-        let [direct, caustic, global] =
-            found.map(|r| radii::from_pilot(r, neighbours, paths, self.settings.photons));
+        let [direct, caustic, global] = found;
         self.radii = Radii { direct, caustic, global };
         Ok(())
     }

@@ -5,8 +5,10 @@ use crate::settings::{Estimator, Settings};
 use crate::stages::{Gather, Rule};
 use crate::units::Units;
 
-/// Photons that the first pass is to find within the derived radius, where a typical photon lies.
-pub(crate) const NEIGHBOURS: u32 = 50;
+/// Photons of the direct, caustic and global map that the first pass is to find within the derived
+/// radius, where a typical photon lies. Caustics are sharp, so that they are worth more noise per
+/// pass; light that has been scattered is smooth.
+pub(crate) const NEIGHBOURS: [u32; 3] = [24, 12, 64];
 
 /// Where no map can tell: a fiftieth of the scene.
 const FALLBACK: f32 = 0.02;
@@ -45,10 +47,10 @@ pub(crate) fn given(settings: &Settings, units: &Units) -> Radii {
     Radii { direct: radius, caustic: radius, global: radius }
 }
 
-/// From a pilot's radius around `neighbours` photons of `pilot` paths to the first pass's.
-pub(crate) fn from_pilot(radius: Option<f32>, neighbours: u32, pilot: u32, photons: u32) -> f32 {
+/// From a pilot's radius around `asked` photons of `pilot` paths to that around `wanted` of `photons`.
+pub(crate) fn from_pilot(radius: Option<f32>, asked: u32, pilot: u32, wanted: u32, photons: u32) -> f32 {
     let Some(radius) = radius else { return FALLBACK };
-    let factor = f64::from(NEIGHBOURS) * f64::from(pilot) / (f64::from(neighbours) * f64::from(photons));
+    let factor = f64::from(wanted) * f64::from(pilot) / (f64::from(asked) * f64::from(photons));
     ((f64::from(radius) * factor.sqrt()) as f32).clamp(1e-6, 0.25)
 }
 

@@ -7,7 +7,7 @@ use super::read_text;
 use crate::describe::MaterialDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// All materials of the MTL files that an OBJ file names.
 #[derive(Default)]
@@ -72,7 +72,7 @@ impl Library {
     }
 }
 
-fn parse(path: &PathBuf) -> Result<Vec<Entry>, SceneError> {
+fn parse(path: &Path) -> Result<Vec<Entry>, SceneError> {
     let text = read_text(path)?;
     let mut entries: Vec<Entry> = Vec::new();
     for (index, line) in text.lines().enumerate() {
@@ -80,7 +80,7 @@ fn parse(path: &PathBuf) -> Result<Vec<Entry>, SceneError> {
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
         let fault = |mend: &str| SceneError::Content {
-            path: path.clone(),
+            path: path.to_owned(),
             line: Some(index as u64 + 1),
             what: format!("'{line}' cannot be understood"),
             mend: mend.to_owned(),

@@ -3,13 +3,17 @@
 //! Read here rather than by a library: those that there are tell neither line nor face of an error,
 //! or panic at a malformed one.
 
+mod census;
+
+use self::census::Census;
 use super::mtl::Library;
 use super::{default_material, read_text, stem};
 use crate::builder::{MaterialId, SceneBuilder};
+use crate::describe::MaterialDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
 use glam::DVec3;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Reads an OBJ file and the MTL files that it names.
@@ -66,15 +70,6 @@ struct Group {
     object: String,
     material: Option<String>,
     triangles: Vec<[u32; 3]>,
-}
-
-/// What is left out, counted.
-#[derive(Default)]
-struct Census {
-    colored: usize,
-    smoothed: usize,
-    concave: Vec<usize>,
-    ignored: BTreeMap<String, usize>,
 }
 
 struct Reader<'a> {
@@ -177,26 +172,11 @@ impl Reader<'_> {
             let what = format!("face {} has {} corners", self.faces, corners.len());
             return Err(self.fault(line, what, "it needs at least three"));
         }
-        self.look_at(&corners, &normals, line);
+        self.census.polygon(&corners, &self.positions, &normals, line);
         let group = self.current();
         let triangles = &mut self.groups[group].triangles;
         triangles.extend((1..corners.len() - 1).map(|next| [corners[0], corners[next], corners[next + 1]]));
         Ok(())
-    }
-
-    /// Notes a polygon that a fan does not cover, and one whose normals pretend that it is curved.
-    fn look_at(&mut self, corners: &[u32], normals: &[DVec3], line: usize) {
-        let places: Option<Vec<DVec3>> =
-            corners.iter().map(|&index| self.positions.get(index as usize).map(|&at| DVec3::from_array(at))).collect();
-        let Some(places) = places else { return };
-        let fan = |next: usize| (places[next] - places[0]).cross(places[next + 1] - places[0]);
-        let whole: DVec3 = (1..places.len() - 1).map(fan).sum();
-        if (1..places.len() - 1).any(|next| fan(next).dot(whole) < 0.0) {
-            self.census.concave.push(line);
-        }
-        let facet = whole.normalize_or_zero();
-        // Less than that, some 2.5 degrees, is what files round their normals to.
-        self.census.smoothed += usize::from(normals.iter().any(|normal| normal.dot(facet).abs() < 0.999));
     }
 
     fn current(&mut self) -> usize {
@@ -217,19 +197,29 @@ impl Reader<'_> {
         let mut builder = SceneBuilder::new();
         let ids: Vec<MaterialId> =
             self.library.describe(&mut self.report).into_iter().map(|desc| builder.material(desc)).collect();
-        let mut fallback = None;
+        // Of materials that are nowhere defined, and of none; under their names, so that an override
+        // file can say what they are.
+        let mut grey = HashMap::new();
         // Which group a vertex was last moved for, and where to.
         let mut moved = vec![(usize::MAX, 0_u32); self.positions.len()];
         for (number, group) in self.groups.into_iter().enumerate() {
             let known = group.material.as_deref().and_then(|name| self.library.find(name)).map(|index| ids[index]);
             let material = known.unwrap_or_else(|| {
-                let subject = format!("mesh '{}'", group.object);
-                let text = match &group.material {
-                    Some(name) => format!("its material '{name}' is nowhere defined"),
-                    None => "it has no material".to_owned(),
-                };
-                self.report.approximated(subject, text + "; it is made a diffuse grey of 0.5 named 'default'");
-                *fallback.get_or_insert_with(|| builder.material(default_material()))
+                *grey.entry(group.material.clone()).or_insert_with(|| {
+                    let desc = default_material();
+                    match group.material {
+                        Some(name) => {
+                            let text = "is nowhere defined; it is made a diffuse grey of 0.5";
+                            self.report.approximated(format!("material '{name}'"), text);
+                            builder.material(MaterialDesc { name, ..desc })
+                        }
+                        None => {
+                            let text = "has polygons without material; they are made a diffuse grey of 0.5, 'default'";
+                            self.report.approximated("the file", text);
+                            builder.material(desc)
+                        }
+                    }
+                })
             });
             let mut positions = Vec::new();
             let mut triangles = group.triangles;
@@ -245,39 +235,6 @@ impl Reader<'_> {
         }
         self.census.report(&mut self.report);
         (builder, self.report)
-    }
-}
-
-impl Census {
-    fn report(&self, report: &mut LoadReport) {
-        if self.smoothed > 0 {
-            report.approximated(
-                "the file",
-                format!(
-                    "{} polygons are smoothed by vertex normals and rendered flat; use finer meshes where facets show",
-                    self.smoothed
-                ),
-            );
-        }
-        if let Some(line) = self.concave.first() {
-            report.approximated(
-                "the file",
-                format!(
-                    "{} polygons are not convex, the first in line {line}; each is cut into a fan of triangles, which \
-                     may stick out; triangulate them where the file is made",
-                    self.concave.len()
-                ),
-            );
-        }
-        if self.colored > 0 {
-            report.left_out(
-                "the file",
-                format!("the colours of {} vertices; give an albedo in an override file", self.colored),
-            );
-        }
-        for (keyword, count) in &self.ignored {
-            report.left_out("the file", format!("{count} statements '{keyword}', which are not geometry that is read"));
-        }
     }
 }
 

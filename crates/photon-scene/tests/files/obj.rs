@@ -1,0 +1,109 @@
+//! OBJ and MTL.
+
+use crate::support::{Folder, MTL, OBJ, corners, material, message, names};
+use photon_core::Material;
+use photon_scene::{load, load_obj};
+
+#[test]
+fn obj_and_mtl() {
+    let folder = Folder::new("obj");
+    folder.file("scene materials.mtl", MTL);
+    let path = folder.file("scene.obj", OBJ);
+    let (scene, report) = load(&path, None).expect("a scene");
+    assert_eq!(scene.view().triangles.len(), 8);
+    assert_eq!(corners(&scene, 0), [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0]]);
+    assert_eq!(corners(&scene, 1), [[0.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]]);
+    assert_eq!(corners(&scene, 2), corners(&scene, 0), "counted from the end, over two lines");
+    assert_eq!((scene.mesh_of_triangle(1), scene.mesh_of_triangle(3)), ("room", "things"));
+
+    assert_eq!((material(&scene, "wall").kind, material(&scene, "wall").albedo), (Material::LAMBERT, [0.6, 0.5, 0.4]));
+    assert_eq!(material(&scene, "shiny metal").kind, Material::MIRROR);
+    assert_eq!(material(&scene, "shiny metal").albedo, [0.9, 0.8, 0.7]);
+    let gem = material(&scene, "gem");
+    assert_eq!((gem.kind, gem.ior, gem.albedo), (Material::DIELECTRIC, 1.7, [0.9, 1.0, 0.8]));
+    assert_eq!((material(&scene, "pane").kind, material(&scene, "pane").ior), (Material::THIN, 1.4));
+    assert_eq!(material(&scene, "nowhere").albedo, [0.5; 3]);
+    assert_eq!(scene.view().lights.len(), 1);
+    let radiance = material(&scene, "lamp").emission.map(|part| f64::from(part) * scene.units().radiance_to_user());
+    for (found, expected) in radiance.into_iter().zip([5.0, 4.0, 3.0]) {
+        assert!((found - expected).abs() < 1e-5, "{radiance:?}");
+    }
+
+    let text = report.to_string();
+    for line in [
+        "approximated: material 'gem'",
+        "approximated: material 'pane'",
+        "left out: material 'glow': its Ka of [20.0, 20.0, 20.0]",
+        "approximated: material 'rough': its glossy highlight",
+        "left out: material 'rough': its textures (wood grain.png)",
+        "left out: material 'rough': its statements Pr 0.4",
+        "note: material 'lamp': emits [5.0, 4.0, 3.0]",
+        "material 'nowhere': is nowhere defined",
+        "1 statements 'l'",
+        "has no camera",
+    ] {
+        names(&text, &[line]);
+    }
+    assert!(!text.contains("'wall'") && !text.contains("smoothed"), "{text}");
+    assert_eq!(scene.camera_names().collect::<Vec<_>>(), ["automatic"]);
+}
+
+#[test]
+fn obj_says_what_it_approximates() {
+    let folder = Folder::new("obj-notes");
+    let report = |text: &str| load_obj(&folder.file("a.obj", text)).expect("a scene").1;
+    let bare = report("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    names(&bare.to_string(), &["the file", "without material", "'default'"]);
+    let dart = report("v 0 0 0\nv 1 1 0\nv 0 3 0\nv -1 1 0\nv 0 2 0\nf 5 4 1 2 3\nf 1 2 3 4\n");
+    assert!(!dart.to_string().contains("not convex"), "{dart}");
+    let dart = report("v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nf 2 3 4 1\n");
+    names(&dart.to_string(), &["1 polygons are not convex, the first in line 5"]);
+    let smooth = report("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 1\nf 1//1 2//1 3//1\n");
+    names(&smooth.to_string(), &["1 polygons are smoothed"]);
+    let colored = report("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 # all\n");
+    names(&colored.to_string(), &["the colours of 1 vertices"]);
+    let lost = report("mtllib gone.mtl\nusemtl a#b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    names(&lost.to_string(), &["gone.mtl'", "is not there", "'a#b': is nowhere defined"]);
+    // Latin-1 is not UTF-8, and still a comment.
+    let path = folder.file("latin.obj", b"# \xfc\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    assert!(load_obj(&path).is_ok());
+}
+
+#[test]
+fn obj_faults_name_their_line() {
+    let folder = Folder::new("obj-faults");
+    let fault = |text: &str| message(load_obj(&folder.file("a.obj", text)));
+    let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (face, word) in [
+        ("1 2 4", "'4'"),
+        ("0 1 2", "'0'"),
+        ("-4 1 2", "'-4'"),
+        ("1 2 x/1", "'x'"),
+        ("1 2 99999999999999999999", "9999"),
+    ] {
+        names(&fault(&format!("{start}f 1 2 3\nf {face}\n")), &["a.obj, line 5", "face 2", word, "count from 1"]);
+    }
+    names(&fault(&format!("{start}f 1 2\n")), &["line 4", "face 1 has 2 corners"]);
+    names(&fault("v 0 0 0\nv 1 nan 0\n"), &["line 2", "nan", "finite"]);
+    names(&fault("v 0 0\n"), &["line 1", "nothing", "three finite numbers"]);
+    // Wild references to what is not used do no harm.
+    assert!(load_obj(&folder.file("b.obj", format!("vt 0 0\n{start}f 1/-9/-9 2/7/7 3//0\n"))).is_ok());
+    for (statement, mend) in [
+        ("Kd 1 x 0", "one number, or three"),
+        ("Kd 1 1", "one number, or three"),
+        ("Ke", "one number, or three"),
+        ("Ni", "a number"),
+        ("illum 2.5", "0 to 10"),
+        ("newmtl", "a name"),
+    ] {
+        folder.file("bad.mtl", format!("newmtl a\n{statement}\n"));
+        names(&fault("mtllib bad.mtl\n"), &["bad.mtl, line 2", &format!("'{statement}'"), mend]);
+    }
+    folder.file("bad.mtl", "Kd 1 1 1\n");
+    names(&fault("mtllib bad.mtl\n"), &["bad.mtl, line 1", "newmtl"]);
+    folder.file("bright.mtl", "newmtl bright\nKd 1.5 0 0\n");
+    let bright = folder.file("bright.obj", format!("mtllib bright.mtl\nusemtl bright\n{start}f 1 2 3\n"));
+    names(&message(load(&bright, None)), &["material 'bright'", "albedo", "1.5"]);
+    let (scene, _) = load(&folder.file("empty.obj", ""), None).expect("nothing");
+    assert!(scene.warnings()[0].contains("no triangles"));
+}

@@ -1,0 +1,157 @@
+//! Override files.
+
+use crate::support::{Folder, MTL, OBJ, corners, material, message, names};
+use photon_core::Material;
+use photon_scene::{Overrides, load};
+use std::path::Path;
+
+const OVERRIDES: &str = r#"
+[materials.glow]
+emission = [20, 10, 5]
+emits_both_sides = true
+
+[materials.wall]
+kind = "glass"
+ior = 1.33
+absorption = 0.5
+
+[materials.gem]
+tint = 0.5
+
+[materials."rough"]
+kind = "mirror"
+albedo = 0.4
+
+[materials.floor]
+new = true
+albedo = [0.1, 0.2, 0.3]
+
+[[quads]]
+material = "floor"
+corner = [0, 0, 5]
+edges = [[1, 0, 0], [0, 0, -1]]
+
+[[lights]]
+type = "quad"
+name = "panel"
+relative = true
+corner = [-0.5, 0.5, 0.5]
+edges = [[1, 0, 0], [0, 1, 0]]
+radiance = 2
+
+[[lights]]
+type = "point"
+relative = true
+position = [0, 0, 1]
+intensity = 1
+
+[[lights]]
+type = "spot"
+position = [1, 1, 1]
+direction = [0, 0, -1]
+intensity = [1, 0, 0]
+outer_degrees = 60
+
+[[lights]]
+type = "directional"
+direction = [0, -1, 0]
+irradiance = 3
+
+[[cameras]]
+name = "first"
+from = [1, 1, 8]
+to = [1, 1, 0]
+fov_degrees = 90
+
+[[cameras]]
+name = "second"
+relative = true
+from = [0, 0, 2]
+to = [0, 0, 0]
+up = [1, 0, 0]
+half_height = 0.5
+"#;
+
+#[test]
+fn overrides_are_laid_over() {
+    let folder = Folder::new("overrides");
+    folder.file("scene materials.mtl", MTL);
+    let obj = folder.file("scene.obj", OBJ);
+    let overrides = Overrides::read(&folder.file("over.toml", OVERRIDES)).expect("overrides");
+    let (scene, report) = load(&obj, Some(&overrides)).expect("a scene");
+
+    let wall = material(&scene, "wall");
+    assert_eq!((wall.kind, wall.ior, wall.albedo), (Material::DIELECTRIC, 1.33, [1.0; 3]));
+    assert!((f64::from(wall.absorption[0]) - 0.5 * scene.units().scale).abs() < 1e-6);
+    assert_eq!((material(&scene, "gem").ior, material(&scene, "gem").albedo), (1.7, [0.5; 3]));
+    assert_eq!((material(&scene, "rough").kind, material(&scene, "rough").albedo), (Material::MIRROR, [0.4; 3]));
+    assert_eq!(material(&scene, "floor").albedo, [0.1, 0.2, 0.3]);
+    assert_eq!(material(&scene, "glow").flags, Material::EMITS_BOTH_SIDES);
+
+    // The quadrilateral stands where it was put, facing up; the relative one, on the box of the
+    // file: centre (1, 1, 0), extent 2, facing +z.
+    let facets = scene.view().facets;
+    assert_eq!((scene.mesh_of_triangle(8), facets[8].normal), ("override quad 0", [0.0, 1.0, 0.0]));
+    assert_eq!(corners(&scene, 8)[0], [0.0, 0.0, 5.0]);
+    assert_eq!((scene.mesh_of_triangle(10), facets[10].normal), ("panel", [0.0, 0.0, 1.0]));
+    assert_eq!(corners(&scene, 10)[0], [0.0, 2.0, 1.0]);
+    let lights = scene.view().lights;
+    assert_eq!(lights.len(), 1 + 2 + 3);
+    let bulb = scene.units().point_to_user(lights[3].position);
+    assert!((bulb[2] - 2.0).abs() < 1e-6 && (bulb[0] - 1.0).abs() < 1e-6, "{bulb:?}");
+    assert!((lights[4].cos_outer - 0.5).abs() < 1e-6 && lights[4].cos_inner == 1.0);
+
+    assert_eq!(scene.camera_names().collect::<Vec<_>>(), ["first", "second"]);
+    let second = scene.camera(Some("second"), 10, 10).expect("a camera");
+    let up = f64::from(glam::Vec3::from(second.up).length()) * scene.units().scale;
+    assert!((up - 1.0).abs() < 1e-6, "half of an extent of 2: {up}");
+
+    let text = report.to_string();
+    assert!(!text.contains("'rough'") && text.contains("'pane'") && !text.contains("no camera"), "{text}");
+}
+
+#[test]
+fn override_faults() {
+    let folder = Folder::new("override-faults");
+    folder.file("scene materials.mtl", MTL);
+    let obj = folder.file("scene.obj", OBJ);
+    let parse = |text: &str| Overrides::parse(text, Path::new("over.toml"));
+    let fault = |text: &str| message(parse(text).and_then(|overrides| load(&obj, Some(&overrides))));
+    names(
+        &fault("\n[materials.wall]\nalbedoo = 1\n"),
+        &["over.toml, line 3", "albedoo", "`albedo`", "docs/overrides.md"],
+    );
+    names(&fault("[[light]]\n"), &["line 1", "light"]);
+    names(&fault("[materials.wal]\n"), &["'wal'", "'wall'", "'lamp'", "new = true"]);
+    names(&fault("[materials.wall]\nnew = true\n"), &["'wall'", "is new"]);
+    names(&fault("[materials.wall]\nior = 1.5\n"), &["'wall'", "lambert", "no ior"]);
+    names(&fault("[materials.pane]\nabsorption = 1\n"), &["'pane'", "thin", "no absorption"]);
+    names(&fault("[materials.wall]\nkind = \"glas\"\n"), &["line 2", "glas", "`glass`"]);
+    names(&fault("[materials.wall]\nalbedo = [1, 2]\n"), &["line 2", "three numbers"]);
+    names(&fault("[materials.wall]\nalbedo = 2\n"), &["'wall'", "albedo", "2.0"]);
+    names(&fault("[[lights]]\ntype = \"lamp\"\n"), &["line 2", "lamp", "`point`"]);
+    names(&fault("[[lights]]\ntype = \"point\"\nposition = [0, 0, 0]\n"), &["line 1", "intensity"]);
+    names(&fault("[[lights]]\ntype = \"point\"\nposition = [0, 0, 0]\nintensity = 1\nradius = 2\n"), &["radius"]);
+    names(
+        &fault("[[quads]]\nmaterial = \"x\"\ncorner = [0, 0, 0]\nedges = [[1, 0, 0], [0, 1, 0]]\n"),
+        &["'x'", "'wall'"],
+    );
+    let camera = "[[cameras]]\nname = \"eye\"\nfrom = [0, 0, 1]\nto = [0, 0, 0]\n";
+    names(&fault(camera), &["'eye'", "neither"]);
+    names(&fault(&format!("{camera}fov_degrees = 40\nhalf_height = 1\n")), &["'eye'", "both"]);
+    names(&fault(&format!("{camera}fov_degrees = 180\n")), &["'eye'", "field of view"]);
+    names(&fault("not toml"), &["over.toml, line 1"]);
+    assert!(parse("").and_then(|overrides| load(&obj, Some(&overrides))).is_ok());
+}
+
+#[test]
+fn the_example_files_are_sound() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/overrides");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("the examples") {
+        let path = entry.expect("an entry").path();
+        Overrides::read(&path).expect("a sound file");
+        count += 1;
+    }
+    assert!(count >= 2);
+}

@@ -1,0 +1,97 @@
+//! Requirements are derived from the scene and are the least that renders it.
+
+use photon_core::{
+    Direct, Error, Facet, Features, Indirect, Light, Material, Requirements, SceneView, Settings, Units, light_starts,
+};
+
+/// A light facing down at height 0.5, a diffuse floor, and a triangle of `kind` at height `z`.
+struct Tables {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    facets: Vec<Facet>,
+    materials: Vec<Material>,
+    lights: Vec<Light>,
+    starts: Vec<u32>,
+}
+
+impl Tables {
+    fn new(kind: u32, z: f32) -> Self {
+        let triangle = |z: f32| [[-0.4, -0.4, z], [0.4, -0.4, z], [0.0, 0.4, z]];
+        let positions = [triangle(0.4), triangle(-0.5), triangle(z)].concat();
+        let facet = |z: f32, material| Facet { normal: [0.0, 0.0, z], material };
+        let lambert = Material { albedo: [0.5; 3], ior: 1.0, ..Material::default() };
+        Self {
+            positions,
+            triangles: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]],
+            facets: vec![facet(-1.0, 0), facet(1.0, 1), facet(1.0, 2)],
+            materials: vec![
+                Material { emission: [1.0; 3], ..lambert },
+                lambert,
+                Material { kind, ior: 1.5, ..lambert },
+                Material { kind: Material::THIN, ..lambert },
+            ],
+            lights: vec![Light { kind: Light::TRIANGLE, primitive: 0, power: [1.0; 3], area: 0.32, ..Light::default() }],
+            starts: light_starts(&[1.0]),
+        }
+    }
+
+    fn view(&self) -> SceneView<'_> {
+        SceneView {
+            positions: &self.positions,
+            triangles: &self.triangles,
+            facets: &self.facets,
+            materials: &self.materials,
+            lights: &self.lights,
+            light_starts: &self.starts,
+            radius: 0.9,
+            units: Units::default(),
+        }
+    }
+}
+
+#[test]
+fn only_materials_in_use_count() {
+    let tables = Tables::new(Material::LAMBERT, 0.0);
+    let required = Requirements::of(&tables.view(), &Settings::default());
+    assert_eq!(required.features, Features::DIFFUSE.union(Features::AREA_LIGHTS));
+    assert!(!required.caustic_map && required.global_map && !required.direct_map && required.shadow_rays);
+}
+
+#[test]
+fn a_caustic_map_needs_a_specular_surface_that_a_light_can_reach() {
+    let settings = Settings::default();
+    for kind in [Material::MIRROR, Material::DIELECTRIC, Material::THIN] {
+        assert!(Requirements::of(&Tables::new(kind, 0.0).view(), &settings).caustic_map);
+        // Behind the light, which shines from its front only.
+        let mut behind = Tables::new(kind, 0.45);
+        assert!(!Requirements::of(&behind.view(), &settings).caustic_map);
+        behind.lights[0].flags = Light::BOTH_SIDES;
+        assert!(Requirements::of(&behind.view(), &settings).caustic_map);
+        behind.lights[0] = Light { kind: Light::POINT, power: [1.0; 3], ..Light::default() };
+        assert!(Requirements::of(&behind.view(), &settings).caustic_map);
+    }
+}
+
+#[test]
+fn maps_follow_the_settings() {
+    let tables = Tables::new(Material::MIRROR, 0.0);
+    let of = |settings: Settings| Requirements::of(&tables.view(), &settings);
+    let none = of(Settings { indirect: Indirect::None, caustics: false, ..Settings::default() });
+    assert!(!none.global_map && !none.caustic_map && !none.direct_map);
+    let photons = of(Settings { direct: Direct::Photons, ..Settings::default() });
+    assert!(photons.direct_map && !photons.shadow_rays);
+    let gather = of(Settings { indirect: Indirect::Gather, caustics: false, ..Settings::default() });
+    assert!(gather.final_gather && gather.direct_map && gather.caustic_map && gather.global_map);
+}
+
+#[test]
+fn too_little_is_an_error_that_names_it() {
+    let tables = Tables::new(Material::DIELECTRIC, 0.0);
+    let needed = Requirements::of(&tables.view(), &Settings::default());
+    let less = Requirements { features: needed.features.without(Features::DIELECTRIC), ..needed };
+    match less.check(needed.features) {
+        Err(Error::MissingFeatures { missing }) => assert_eq!(missing, Features::DIELECTRIC),
+        other => panic!("{other:?}"),
+    }
+    assert!(Requirements::everything(&Settings::default()).check(needed.features).is_ok());
+}

@@ -52,13 +52,7 @@ impl Cpu {
             .thread_name(|n| format!("photon-{n}"))
             .build()
             .map_err(|source| Error::Backend { backend: "cpu: starting threads", source: Box::new(source) })?;
-        Ok(Self {
-            pool,
-            make_caster: None,
-            timings: StageTimings::default(),
-            running: None,
-            memory: Vec::new(),
-        })
+        Ok(Self { pool, make_caster: None, timings: StageTimings::default(), running: None, memory: Vec::new() })
     }
 
     /// With a ray caster of the caller's instead of `photon_scene::Accel`. It is made once for each

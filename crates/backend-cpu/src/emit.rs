@@ -2,9 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler, unit_f32};
-use photon_core::{
-    Batch, Emitter, Light, PhotonRay, Result, light_probability, offset, pick_light, sampling,
-};
+use photon_core::{Batch, Emitter, Light, PhotonRay, Result, light_probability, offset, pick_light, sampling};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};

@@ -3,8 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Camera, EyeTracer, FilmPixel, Layer, Material, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, View,
-    bsdf, octahedral,
+    Camera, EyeTracer, FilmPixel, Layer, Material, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, View, bsdf,
+    octahedral,
 };
 use rayon::prelude::*;
 

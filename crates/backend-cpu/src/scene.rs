@@ -4,8 +4,7 @@ use std::time::Instant;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Error, Facet, Features, Hit, Light, Material, Ray, RayCaster, Requirements, Result, SceneView, math,
-    offset,
+    Error, Facet, Features, Hit, Light, Material, Ray, RayCaster, Requirements, Result, SceneView, math, offset,
 };
 
 use crate::cpu::Cpu;

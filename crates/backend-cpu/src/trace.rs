@@ -148,8 +148,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
         let _ = (sampler.words(0), sampler.words(0));
     }
     let tally = &mut harvest.tally;
-    let mut ray =
-        Ray { origin: start.origin.into(), direction: start.direction.into(), t_max: f32::INFINITY };
+    let mut ray = Ray { origin: start.origin.into(), direction: start.direction.into(), t_max: f32::INFINITY };
     let mut power = Vec3::from(start.power);
     let mut flux = FixedFlux::new(start.power);
     tally.emitted += 1;

@@ -16,7 +16,9 @@ pub enum Error {
         missing: Features,
     },
     /// More elements than a buffer holds.
-    #[error("{label}: {needed} elements do not fit a buffer of {capacity}; allow {needed}, or emit fewer photons per pass")]
+    #[error(
+        "{label}: {needed} elements do not fit a buffer of {capacity}; allow {needed}, or emit fewer photons per pass"
+    )]
     CapacityExceeded {
         /// The buffer.
         label: &'static str,

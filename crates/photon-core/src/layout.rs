@@ -238,16 +238,7 @@ macro_rules! elements {
     )+};
 }
 
-elements!(
-    Photon = 32,
-    PhotonRay = 48,
-    Query = 64,
-    Estimate = 32,
-    Facet = 16,
-    Material = 48,
-    Light = 64,
-    Camera = 64,
-);
+elements!(Photon = 32, PhotonRay = 48, Query = 64, Estimate = 32, Facet = 16, Material = 48, Light = 64, Camera = 64,);
 
 impl Element for u32 {
     const GLSL_NAME: &'static str = "uint";

@@ -12,7 +12,7 @@ pub fn sin_cos_turns(t: f32) -> (f32, f32) {
     let quarter = (t * 4.0 + 0.5) as u32;
     let r = t - quarter as f32 * 0.25;
     let s = r * r;
-    let sin = r * (6.283_185_5 + s * (-41.341_702 + s * (81.605_205 + s * (-76.697_87 + s * 41.472_89))));
+    let sin = r * (6.283_185_5 + s * (-41.341_7 + s * (81.605_2 + s * (-76.697_87 + s * 41.472_89))));
     let cos = 1.0 + s * (-19.739_208 + s * (64.939_316 + s * (-85.442_85 + s * 59.220_29)));
     match quarter & 3 {
         0 => (sin, cos),
@@ -27,8 +27,7 @@ pub fn sin_cos_turns(t: f32) -> (f32, f32) {
 #[inline]
 #[must_use]
 pub fn exp_neg(tau: f32) -> f32 {
-    // Also catches NaN.
-    if !(tau < 87.0) {
+    if tau >= 87.0 || tau.is_nan() {
         return 0.0;
     }
     let whole = (-tau * std::f32::consts::LOG2_E - 0.5) as i32;
@@ -37,8 +36,9 @@ pub fn exp_neg(tau: f32) -> f32 {
     let rest = (-tau - w * 0.693_359_4) + w * 2.121_944_4e-4;
     let f = rest * std::f32::consts::LOG2_E;
     let p = 1.0
-        + f * (0.693_147_2
-            + f * (0.240_226_51 + f * (0.055_503_27 + f * (0.009_618_026 + f * (0.001_340_043_2 + f * 0.000_154_697_32)))));
+        + f * (std::f32::consts::LN_2
+            + f * (0.240_226_5
+                + f * (0.055_503_27 + f * (0.009_618_026 + f * (0.001_340_043_2 + f * 0.000_154_697_32)))));
     p * f32::from_bits(((127 + whole) as u32) << 23)
 }
 
@@ -52,7 +52,9 @@ pub fn ln(x: f32) -> f32 {
     let m = f32::from_bits(bits.wrapping_sub((exponent as u32) << 23)) - 1.0;
     let q = 0.333_333_3
         + m * (-0.250_002_97
-            + m * (0.200_014_69 + m * (-0.166_422_48 + m * (0.142_021_74 + m * (-0.129_722_39 + m * (0.127_123_08 + m * -0.081_015_585))))));
+            + m * (0.200_014_7
+                + m * (-0.166_422_48
+                    + m * (0.142_021_74 + m * (-0.129_722_39 + m * (0.127_123_08 + m * -0.081_015_59))))));
     // The exponent's share in two parts, so that the large one is exact.
     let e = exponent as f32;
     (m - 0.5 * m * m + m * m * m * q + e * 1.428_606_8e-6) + e * 0.693_145_75

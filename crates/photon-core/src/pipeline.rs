@@ -301,11 +301,18 @@ fn check_scene(scene: &SceneView<'_>) -> Result<()> {
 impl<B: TransportBackend> Render for Pipeline<B> {
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
         if index == PILOT {
-            return Err(Error::InvalidSetting { name: "pass", value: index.to_string(), mend: "passes are numbered from 0 to 2^32 - 2" });
+            return Err(Error::InvalidSetting {
+                name: "pass",
+                value: index.to_string(),
+                mend: "passes are numbered from 0 to 2^32 - 2",
+            });
         }
         let wanted = self.settings.photons;
-        let (traced, tally) =
-            if self.needs_photons() { self.emit_and_trace(index, wanted, observer)? } else { (wanted, Tally::default()) };
+        let (traced, tally) = if self.needs_photons() {
+            self.emit_and_trace(index, wanted, observer)?
+        } else {
+            (wanted, Tally::default())
+        };
         // A first pass that was cut short is a pass of fewer photons, and as valid; a later one is
         // given up, since the film is valid without it.
         if traced < wanted && self.passes > 0 {

@@ -9,9 +9,8 @@
 pub fn radius_squared_factor(index: u32, alpha: f64) -> f64 {
     // Below this the product itself is exact and as quick as the two logarithms.
     const DIRECT: u32 = 64;
-    let product = |from: u32, to: u32| -> f64 {
-        (from..to).map(|j| (f64::from(j) + alpha) / (f64::from(j) + 1.0)).product()
-    };
+    let product =
+        |from: u32, to: u32| -> f64 { (from..to).map(|j| (f64::from(j) + alpha) / (f64::from(j) + 1.0)).product() };
     if index <= DIRECT {
         return product(1, index + 1);
     }
@@ -32,8 +31,7 @@ mod tests {
 
     #[test]
     fn the_published_table() {
-        for (passes, factor) in
-            [(1, 1.0), (10, 0.508_516), (100, 0.238_389), (1000, 0.110_761), (10_000, 0.051_415_8)]
+        for (passes, factor) in [(1, 1.0), (10, 0.508_516), (100, 0.238_389), (1000, 0.110_761), (10_000, 0.051_415_8)]
         {
             let got = radius_squared_factor(passes - 1, 2.0 / 3.0);
             assert!((got - factor).abs() < 1e-6, "{passes}: {got}");
@@ -43,8 +41,7 @@ mod tests {
     #[test]
     fn the_series_continues_the_product() {
         for alpha in [0.1, 0.5, 2.0 / 3.0, 0.9, 1.0] {
-            let product: f64 =
-                (1..=5000).map(|j| (f64::from(j) + alpha) / (f64::from(j) + 1.0)).product();
+            let product: f64 = (1..=5000).map(|j| (f64::from(j) + alpha) / (f64::from(j) + 1.0)).product();
             let got = radius_squared_factor(5000, alpha);
             assert!((got / product - 1.0).abs() < 1e-6, "{alpha}: {got} {product}");
         }

@@ -31,12 +31,7 @@ pub fn philox4x32(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     for _ in 0..ROUNDS {
         let a = u64::from(MULTIPLIER[0]) * u64::from(counter[0]);
         let b = u64::from(MULTIPLIER[1]) * u64::from(counter[2]);
-        counter = [
-            (b >> 32) as u32 ^ counter[1] ^ key[0],
-            b as u32,
-            (a >> 32) as u32 ^ counter[3] ^ key[1],
-            a as u32,
-        ];
+        counter = [(b >> 32) as u32 ^ counter[1] ^ key[0], b as u32, (a >> 32) as u32 ^ counter[3] ^ key[1], a as u32];
         key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
     }
     counter
@@ -117,10 +112,7 @@ mod tests {
     #[test]
     fn philox_gives_the_published_words() {
         assert_eq!(philox4x32([0; 4], [0; 2]), [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]);
-        assert_eq!(
-            philox4x32([u32::MAX; 4], [u32::MAX; 2]),
-            [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]
-        );
+        assert_eq!(philox4x32([u32::MAX; 4], [u32::MAX; 2]), [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]);
     }
 
     #[test]
@@ -131,9 +123,8 @@ mod tests {
 
     #[test]
     fn numbers_depend_on_every_part_of_the_key() {
-        let draw = |seed, pass, domain, path, block| {
-            Sampler::new(RandomKind::Counter, seed, pass, domain, path).words(block)
-        };
+        let draw =
+            |seed, pass, domain, path, block| Sampler::new(RandomKind::Counter, seed, pass, domain, path).words(block);
         let base = draw(1, 2, Domain::Photon, 3, 4);
         assert_eq!(base, draw(1, 2, Domain::Photon, 3, 4));
         for other in [

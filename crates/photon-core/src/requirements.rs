@@ -129,8 +129,7 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
             let normal = scene.facets[light.primitive as usize].normal;
             // The triangle's own plane: heights of rounding size do not count as in front.
             scene.triangles[light.primitive as usize].iter().any(|&vertex| {
-                light.flags & Light::BOTH_SIDES != 0
-                    || reach(normal, scene.positions[vertex as usize]) > 1e-6
+                light.flags & Light::BOTH_SIDES != 0 || reach(normal, scene.positions[vertex as usize]) > 1e-6
             })
         }
         // A cone narrower than a half space reaches no further than the half space does.

@@ -116,7 +116,11 @@ mod tests {
         for n in cases {
             let (t, b) = basis(n);
             for (a, want) in [
-                (t.dot(b), 0.0), (t.dot(n), 0.0), (b.dot(n), 0.0), (t.length(), 1.0), (b.length(), 1.0),
+                (t.dot(b), 0.0),
+                (t.dot(n), 0.0),
+                (b.dot(n), 0.0),
+                (t.length(), 1.0),
+                (b.length(), 1.0),
                 (t.cross(b).dot(n), 1.0),
             ] {
                 assert!((a - want).abs() < 1e-6, "{n}: {a} not {want}");
@@ -128,9 +132,7 @@ mod tests {
     fn spot_cosines_follow_the_intensity() {
         let (inner, outer) = (0.9_f32, 0.7_f32);
         let n = 100_000;
-        let mean: f64 = (0..n)
-            .map(|i| f64::from(spot_cosine(inner, outer, (i as f32 + 0.5) / n as f32)))
-            .sum::<f64>()
+        let mean: f64 = (0..n).map(|i| f64::from(spot_cosine(inner, outer, (i as f32 + 0.5) / n as f32))).sum::<f64>()
             / f64::from(n);
         // ∫ c f(c) dc / ∫ f(c) dc, by a fine sum.
         let (mut top, mut bottom) = (0.0, 0.0);

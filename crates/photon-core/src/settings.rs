@@ -171,13 +171,7 @@ impl Settings {
     /// A picture to keep: many photons, final gathering.
     #[must_use]
     pub fn final_quality() -> Self {
-        Self {
-            photons: 1_000_000,
-            shadow_rays: 4,
-            indirect: Indirect::Gather,
-            max_bounces: 256,
-            ..Self::default()
-        }
+        Self { photons: 1_000_000, shadow_rays: 4, indirect: Indirect::Gather, max_bounces: 256, ..Self::default() }
     }
 
     /// As Lin and Wang 2010 have it, errors included: equation (2), the LCG, the median kd-tree,
@@ -222,7 +216,12 @@ impl Settings {
             }
         }
         if let Kernel::Cone { slope } = self.kernel {
-            ensure(slope >= 1.0 && slope.is_finite(), "slope of the cone", slope.to_string(), "must be at least 1 and finite")?;
+            ensure(
+                slope >= 1.0 && slope.is_finite(),
+                "slope of the cone",
+                slope.to_string(),
+                "must be at least 1 and finite",
+            )?;
         }
         ensure(self.max_bounces >= 1, "max-bounces", self.max_bounces.to_string(), "at least 1 is needed")?;
         let alpha = self.alpha;

@@ -153,7 +153,13 @@ pub trait RadianceEstimator<B: Backend>: Send {
     ///
     /// # Errors
     /// What the backend raises.
-    fn typical_radius(&mut self, on: &mut B, map: &B::PhotonMap, neighbours: u32, min_normal_cosine: f32) -> Result<Option<f32>>;
+    fn typical_radius(
+        &mut self,
+        on: &mut B,
+        map: &B::PhotonMap,
+        neighbours: u32,
+        min_normal_cosine: f32,
+    ) -> Result<Option<f32>>;
 }
 
 /// Follows camera paths to the first diffuse surface.
@@ -210,7 +216,10 @@ pub trait FinalGather<B: TransportBackend>: Send {
     ///
     /// # Errors
     /// What the backend raises.
-    #[expect(clippy::too_many_arguments, reason = "each is a resource of its own; a struct would be taken apart at once")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "each is a resource of its own; a struct would be taken apart at once"
+    )]
     fn gather(
         &mut self,
         on: &mut B,

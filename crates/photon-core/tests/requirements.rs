@@ -30,7 +30,13 @@ impl Tables {
                 Material { kind, ior: 1.5, ..lambert },
                 Material { kind: Material::THIN, ..lambert },
             ],
-            lights: vec![Light { kind: Light::TRIANGLE, primitive: 0, power: [1.0; 3], area: 0.32, ..Light::default() }],
+            lights: vec![Light {
+                kind: Light::TRIANGLE,
+                primitive: 0,
+                power: [1.0; 3],
+                area: 0.32,
+                ..Light::default()
+            }],
             starts: light_starts(&[1.0]),
         }
     }

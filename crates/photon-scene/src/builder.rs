@@ -116,7 +116,7 @@ impl SceneBuilder {
 
     /// Checks everything and moves it to normalised space.
     ///
-    /// Triangles without area are dropped and counted; a scene without triangles, or without any
+    /// Triangles without area, and those that light passes unchanged, are dropped and counted; a scene without triangles, or without any
     /// light, is not an error here.
     ///
     /// # Errors
@@ -132,6 +132,9 @@ impl SceneBuilder {
         frame.warn(&mut warnings);
         if geometry.triangles.is_empty() {
             warnings.push("the scene has no triangles, so that there is nothing to see".to_owned());
+        }
+        if geometry.invisible > 0 {
+            warnings.push(format!("{} triangles of an ior of 1 bound nothing and were left out", geometry.invisible));
         }
         if geometry.dropped > 0 {
             warnings.push(format!("{} triangles without area were dropped", geometry.dropped));

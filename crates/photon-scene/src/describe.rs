@@ -90,6 +90,18 @@ impl MaterialDesc {
     pub fn is_emissive(&self) -> bool {
         self.emission != [0.0; 3]
     }
+
+    /// Whether light passes it as if it were not there: an index of 1 that absorbs, tints and emits
+    /// nothing.
+    #[must_use]
+    pub fn is_invisible(&self) -> bool {
+        let clear = match self.surface {
+            Surface::Dielectric { ior, absorption, tint } => ior == 1.0 && absorption == [0.0; 3] && tint == [1.0; 3],
+            Surface::Thin { ior, tint } => ior == 1.0 && tint == [1.0; 3],
+            Surface::Lambert { .. } | Surface::Mirror { .. } => false,
+        };
+        clear && !self.is_emissive()
+    }
 }
 
 /// A light that is not a surface.

@@ -29,6 +29,8 @@ pub(crate) struct Geometry {
     pub(crate) emitters: Vec<(u32, f64)>,
     /// How many had no area.
     pub(crate) dropped: u64,
+    /// How many bound nothing: light passes as if they were not there, so that they are not modelled.
+    pub(crate) invisible: u64,
     /// Radius of a sphere about the origin that holds the vertices.
     pub(crate) radius: f64,
 }
@@ -127,6 +129,10 @@ pub(crate) fn geometry(meshes: &[Mesh], materials: &[MaterialDesc], frame: Frame
         let first = geometry.triangles.len();
         geometry.mesh_starts.push(first as u32);
         let desc = &materials[mesh.material.0 as usize];
+        if desc.is_invisible() {
+            geometry.invisible += mesh.triangles.len() as u64;
+            continue;
+        }
         geometry.add(mesh, desc.is_emissive(), frame);
         if desc.is_emissive() && geometry.triangles.len() == first {
             return Err(SceneError::ZeroAreaLight { mesh: mesh.name.clone(), material: desc.name.clone() });

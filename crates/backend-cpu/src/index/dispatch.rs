@@ -62,11 +62,17 @@ impl Isa {
             // SAFETY: these values come from `detect` alone, which saw the features that the functions
             // are compiled for.
             #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
+            #[allow(
+                unsafe_code,
+                reason = "a function compiled for more than the baseline can be called in no other way"
+            )]
             Isa::Avx2 => unsafe { avx2(search) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
+            #[allow(
+                unsafe_code,
+                reason = "a function compiled for more than the baseline can be called in no other way"
+            )]
             Isa::Avx512 => unsafe { avx512(search) },
         }
     }

@@ -2,6 +2,8 @@
 //! to a node. One layout serves all three builders; they differ in the order of the points and in
 //! which blocks share a node.
 
+use crate::index::IndexError;
+use photon_core::glam::Vec4;
 use rayon::prelude::*;
 
 /// Points in a block, and children of a node: one AVX-512 register of `f32`, two of AVX2.
@@ -13,14 +15,28 @@ pub(crate) const LEAF: u32 = 1 << 31;
 /// Deepest tree that a builder may hand over, counted in nodes from the root to a block.
 pub(crate) const MAX_DEPTH: usize = 64;
 
-/// A point on its way into the index.
+/// A point on its way into the index: its coordinates, finite and without negative zeros, and the bits of
+/// its id. Four numbers of one type, so that one instruction handles all.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
-pub(crate) struct Item {
-    /// Finite, without negative zeros.
-    pub(crate) position: [f32; 3],
-    /// Where it stood in the caller's slice.
-    pub(crate) id: u32,
+pub(crate) struct Item(pub(crate) [f32; 4]);
+
+impl Item {
+    pub(crate) fn new(position: [f32; 3], id: u32) -> Item {
+        // Adding 0 turns −0 into 0, so that equal coordinates are equal bits.
+        Item([position[0] + 0.0, position[1] + 0.0, position[2] + 0.0, f32::from_bits(id)])
+    }
+
+    #[inline(always)]
+    pub(crate) fn position(&self) -> [f32; 3] {
+        [self.0[0], self.0[1], self.0[2]]
+    }
+
+    /// Where the point stood in the caller's slice.
+    #[inline(always)]
+    pub(crate) fn id(&self) -> u32 {
+        self.0[3].to_bits()
+    }
 }
 
 /// Sixteen points, coordinate by coordinate. Lanes past the last point are NaN, so that no
@@ -31,6 +47,10 @@ pub(crate) struct Block {
     pub(crate) x: [f32; WIDTH],
     pub(crate) y: [f32; WIDTH],
     pub(crate) z: [f32; WIDTH],
+}
+
+impl Block {
+    pub(crate) const EMPTY: Block = Block { x: [f32::NAN; WIDTH], y: [f32::NAN; WIDTH], z: [f32::NAN; WIDTH] };
 }
 
 /// Up to sixteen children and the boxes around their points. Boxes of absent children are NaN, for
@@ -45,7 +65,8 @@ pub(crate) struct Node {
 }
 
 impl Node {
-    pub(crate) const EMPTY: Node = Node { lo: [[f32::NAN; WIDTH]; 3], hi: [[f32::NAN; WIDTH]; 3], child: [u32::MAX; WIDTH] };
+    pub(crate) const EMPTY: Node =
+        Node { lo: [[f32::NAN; WIDTH]; 3], hi: [[f32::NAN; WIDTH]; 3], child: [u32::MAX; WIDTH] };
 }
 
 /// What a search never reads unless distances tie or a whole subtree counts.
@@ -55,6 +76,10 @@ pub(crate) struct Extra {
     pub(crate) min_id: u32,
     /// Points below.
     pub(crate) count: u32,
+}
+
+impl Extra {
+    pub(crate) const NONE: Extra = Extra { min_id: u32::MAX, count: 0 };
 }
 
 /// An axis-parallel box.
@@ -83,21 +108,21 @@ impl Bounds {
     }
 
     pub(crate) fn around(items: &[Item]) -> Bounds {
-        // Four boxes at once break the chain of dependent comparisons.
-        let mut part = [Bounds::NONE; 4];
-        let chunks = items.chunks_exact(4);
-        let rest = chunks.remainder();
-        for chunk in chunks {
-            for (bounds, item) in part.iter_mut().zip(chunk) {
-                bounds.grow(item.position);
+        // The id's lane comes along, for one instruction to compare all four. Two boxes break the
+        // chain of dependent comparisons.
+        let mut lo = [Vec4::INFINITY; 2];
+        let mut hi = [Vec4::NEG_INFINITY; 2];
+        let mut pairs = items.chunks_exact(2);
+        for pair in &mut pairs {
+            for part in 0..2 {
+                let point = Vec4::from_array(pair[part].0);
+                lo[part] = point.min(lo[part]);
+                hi[part] = point.max(hi[part]);
             }
         }
-        let [mut all, b, c, d] = part;
-        for other in [b, c, d] {
-            all.join(&other);
-        }
-        for item in rest {
-            all.grow(item.position);
+        let mut all = Bounds { lo: lo[0].min(lo[1]).truncate().to_array(), hi: hi[0].max(hi[1]).truncate().to_array() };
+        for item in pairs.remainder() {
+            all.grow(item.position());
         }
         all
     }
@@ -129,21 +154,109 @@ pub(crate) struct Tree {
     pub(crate) bounds: Bounds,
 }
 
-/// Lays out items that stand in their final order, under nodes of which only `child` is filled in.
-pub(crate) fn lay_out(items: &[Item], mut nodes: Vec<Node>) -> Tree {
-    let (blocks, below): (Vec<Block>, Vec<(Bounds, Extra)>) = items.par_chunks(WIDTH).with_min_len(512).map(block).unzip();
-    let order = items.par_iter().with_min_len(1 << 14).map(|item| item.id).collect();
-    let mut node_bounds = vec![(Bounds::NONE, Extra { min_id: u32::MAX, count: 0 }); nodes.len()];
+/// The box around `points`.
+pub(crate) fn checked_bounds(points: &[[f32; 3]]) -> Result<Bounds, IndexError> {
+    const CHUNK: usize = 1 << 14;
+    let parts: Vec<Option<Bounds>> = points
+        .par_chunks(CHUNK)
+        .map(|points| {
+            // Four points are three registers; each lane sees one coordinate only.
+            let (fours, rest) = points.as_flattened().split_at(points.len() / 4 * 12);
+            let (mut lo, mut hi) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
+            // What is not finite leaves a NaN behind: ∞·0 and NaN·0 are NaN.
+            let mut trace = [Vec4::ZERO; 3];
+            for four in fours.chunks_exact(12) {
+                for part in 0..3 {
+                    let c = Vec4::from_slice(&four[4 * part..]);
+                    lo[part] = c.min(lo[part]);
+                    hi[part] = c.max(hi[part]);
+                    trace[part] += c * 0.0;
+                }
+            }
+            let mut finite = trace == [Vec4::ZERO; 3];
+            let mut bounds = Bounds::NONE;
+            for lane in 0..12 {
+                bounds.lo[lane % 3] = lo[lane / 4][lane % 4].min(bounds.lo[lane % 3]);
+                bounds.hi[lane % 3] = hi[lane / 4][lane % 4].max(bounds.hi[lane % 3]);
+            }
+            for point in rest.chunks_exact(3) {
+                bounds.grow([point[0], point[1], point[2]]);
+                finite &= point.iter().all(|c| c.is_finite());
+            }
+            finite.then_some(bounds)
+        })
+        .collect();
+    let mut all = Bounds::NONE;
+    for (number, part) in parts.iter().enumerate() {
+        if let Some(bounds) = part {
+            all.join(bounds);
+            continue;
+        }
+        for (index, &position) in points.iter().enumerate().skip(number * CHUNK) {
+            if !position.iter().all(|c| c.is_finite()) {
+                return Err(IndexError::NotFinite { index, position });
+            }
+        }
+    }
+    Ok(Bounds { lo: all.lo.map(|c| c + 0.0), hi: all.hi.map(|c| c + 0.0) })
+}
+
+/// The points with their ids.
+pub(crate) fn items(points: &[[f32; 3]]) -> Vec<Item> {
+    let mut items = Vec::new();
+    let numbered = points.par_iter().enumerate().with_min_len(1 << 14);
+    numbered.map(|(id, &position)| Item::new(position, id as u32)).collect_into_vec(&mut items);
+    items
+}
+
+/// Blocks to a task, and blocks whose points are fetched together.
+const TASK: usize = 512;
+const NEAR: usize = 8;
+
+/// The ids of items.
+pub(crate) fn order(items: &[Item]) -> Vec<u32> {
+    let mut order = Vec::new();
+    items.par_iter().with_min_len(1 << 14).map(Item::id).collect_into_vec(&mut order);
+    order
+}
+
+/// Lays out points in their final order, of which `item` tells the one in a slot with an id, under nodes of which
+/// only `child` is filled in.
+pub(crate) fn lay_out(order: Vec<u32>, item: impl Fn(usize, u32) -> Item + Sync, mut nodes: Vec<Node>) -> Tree {
+    let count = order.len().div_ceil(WIDTH);
+    let mut blocks = vec![Block::EMPTY; count];
+    let mut below = vec![(Bounds::NONE, Extra::NONE); count];
+    blocks
+        .par_chunks_mut(TASK)
+        .zip(below.par_chunks_mut(TASK))
+        .zip(order.par_chunks(TASK * WIDTH))
+        .enumerate()
+        .for_each(|(task, ((blocks, below), ids))| {
+            // Points may come from all over memory: fetched many at a time, they do not wait for each other.
+            let mut near = [Item::default(); NEAR * WIDTH];
+            let some = blocks.chunks_mut(NEAR).zip(below.chunks_mut(NEAR)).zip(ids.chunks(NEAR * WIDTH));
+            for (part, ((blocks, below), ids)) in some.enumerate() {
+                let first = task * TASK * WIDTH + part * NEAR * WIDTH;
+                for (at, (near, &id)) in near.iter_mut().zip(ids).enumerate() {
+                    *near = item(first + at, id);
+                }
+                for ((block, below), items) in blocks.iter_mut().zip(below).zip(near[..ids.len()].chunks(WIDTH)) {
+                    *below = fill(block, items);
+                }
+            }
+        });
+    let mut node_bounds = vec![(Bounds::NONE, Extra::NONE); nodes.len()];
     // Children stand after their parents: backwards, each is finished before it is asked for.
     for number in (0..nodes.len()).rev() {
         let node = &mut nodes[number];
-        let (mut all, mut extra) = (Bounds::NONE, Extra { min_id: u32::MAX, count: 0 });
+        let (mut all, mut extra) = (Bounds::NONE, Extra::NONE);
         for lane in 0..WIDTH {
             let child = node.child[lane];
             if child == u32::MAX {
                 continue;
             }
-            let (bounds, child_extra) = if child & LEAF != 0 { below[(child & !LEAF) as usize] } else { node_bounds[child as usize] };
+            let (bounds, child_extra) =
+                if child & LEAF != 0 { below[(child & !LEAF) as usize] } else { node_bounds[child as usize] };
             for axis in 0..3 {
                 node.lo[axis][lane] = bounds.lo[axis];
                 node.hi[axis][lane] = bounds.hi[axis];
@@ -165,18 +278,13 @@ pub(crate) fn lay_out(items: &[Item], mut nodes: Vec<Node>) -> Tree {
     }
 }
 
-fn block(items: &[Item]) -> (Block, (Bounds, Extra)) {
-    let mut block = Block { x: [f32::NAN; WIDTH], y: [f32::NAN; WIDTH], z: [f32::NAN; WIDTH] };
-    let mut bounds = Bounds::NONE;
+fn fill(block: &mut Block, items: &[Item]) -> (Bounds, Extra) {
     let mut extra = Extra { min_id: u32::MAX, count: items.len() as u32 };
     for (lane, item) in items.iter().enumerate() {
-        block.x[lane] = item.position[0];
-        block.y[lane] = item.position[1];
-        block.z[lane] = item.position[2];
-        bounds.grow(item.position);
-        extra.min_id = extra.min_id.min(item.id);
+        [block.x[lane], block.y[lane], block.z[lane]] = item.position();
+        extra.min_id = extra.min_id.min(item.id());
     }
-    (block, (bounds, extra))
+    (Bounds::around(items), extra)
 }
 
 /// Nodes over `blocks` consecutive blocks, sixteen to a node, level upon level: the topology of the

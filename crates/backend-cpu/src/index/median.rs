@@ -17,27 +17,39 @@
 //! Four levels of splits make one node of sixteen children.
 
 use crate::index::layout::{Bounds, Item, WIDTH};
-use crate::index::select::select;
+use crate::index::select::{Scratch, split};
 
 /// Segments longer than this are split in two tasks.
 const TASK: usize = 1 << 13;
 
-/// Brings `items` into the canonical order.
+/// Brings `items`, which stand in order of their ids, into the canonical order.
 pub(crate) fn arrange(items: &mut [Item]) {
+    let mut other = vec![Item::default(); items.len()];
+    segment(items, &mut other, true, &mut Scratch::default());
+}
+
+/// Arranges what is in `items`, with the result there or in `other`.
+fn segment(items: &mut [Item], other: &mut [Item], in_place: bool, scratch: &mut Scratch) {
     if items.len() <= WIDTH {
-        items.sort_unstable_by_key(|item| item.id);
+        if !in_place {
+            other.copy_from_slice(items);
+        }
         return;
     }
     let left = left_size(items.len());
     let (axis, _) = Bounds::around(items).longest();
-    select(items, left, axis);
-    let (low, high) = items.split_at_mut(left);
+    split(items, other, left, axis, scratch);
+    let (low, high) = other.split_at_mut(left);
+    let (other_low, other_high) = items.split_at_mut(left);
     // Recursion ends after 28 levels: 2³² points in blocks of 2⁴.
     if low.len() > TASK {
-        rayon::join(|| arrange(low), || arrange(high));
+        rayon::join(
+            || segment(low, other_low, !in_place, scratch),
+            || segment(high, other_high, !in_place, &mut Scratch::default()),
+        );
     } else {
-        arrange(low);
-        arrange(high);
+        segment(low, other_low, !in_place, scratch);
+        segment(high, other_high, !in_place, scratch);
     }
 }
 

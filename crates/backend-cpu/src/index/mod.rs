@@ -65,34 +65,25 @@ impl PointIndex {
         if points.len() >= u32::MAX as usize {
             return Err(IndexError::TooMany { count: points.len() });
         }
-        let mut items = vec![Item::default(); points.len()];
-        let culprit = items
-            .par_iter_mut()
-            .zip(points)
-            .enumerate()
-            .with_min_len(1 << 14)
-            .filter_map(|(id, (item, &position))| {
-                // Adding 0 turns −0 into 0, so that equal coordinates are equal bits.
-                *item = Item { position: position.map(|c| c + 0.0), id: id as u32 };
-                (!position.iter().all(|c| c.is_finite())).then_some(id)
-            })
-            .min();
-        if let Some(index) = culprit {
-            return Err(IndexError::NotFinite { index, position: points[index] });
-        }
-        let blocks = items.len().div_ceil(layout::WIDTH);
-        let nodes = match kind {
+        let bounds = layout::checked_bounds(points)?;
+        let blocks = points.len().div_ceil(layout::WIDTH);
+        let tree = match kind {
             IndexKind::Median => {
+                let mut items = layout::items(points);
                 median::arrange(&mut items);
-                layout::regular_nodes(blocks)
+                layout::lay_out(layout::order(&items), |slot, _| items[slot], layout::regular_nodes(blocks))
             }
-            IndexKind::Vvh => vvh::arrange(&mut items),
+            IndexKind::Vvh => {
+                let mut items = layout::items(points);
+                let nodes = vvh::arrange(&mut items);
+                layout::lay_out(layout::order(&items), |slot, _| items[slot], nodes)
+            }
             IndexKind::Morton => {
-                morton::arrange(&mut items);
-                layout::regular_nodes(blocks)
+                let order = morton::order(points, &bounds);
+                layout::lay_out(order, |_, id| Item::new(points[id as usize], id), layout::regular_nodes(blocks))
             }
         };
-        Ok(Self { kind, isa: Isa::detect(), tree: layout::lay_out(&items, nodes) })
+        Ok(Self { kind, isa: Isa::detect(), tree })
     }
 
     /// How many points there are.
@@ -160,7 +151,14 @@ impl PointIndex {
     /// `accept` may be asked for any slot, in any order and more than once, and must answer a slot
     /// always alike. Squared distances and NaN are as with [`Self::within`].
     #[inline]
-    pub fn nearest(&self, query: [f32; 3], k: usize, max_r2: f32, accept: impl FnMut(u32) -> bool, out: &mut Neighbours) {
+    pub fn nearest(
+        &self,
+        query: [f32; 3],
+        k: usize,
+        max_r2: f32,
+        accept: impl FnMut(u32) -> bool,
+        out: &mut Neighbours,
+    ) {
         self.isa.run(nearest::Nearest { tree: &self.tree, query, k, max_r2, accept, out });
     }
 

@@ -11,62 +11,110 @@
 //!
 //! Blocks are then sixteen consecutive points each, nodes sixteen consecutive blocks or nodes.
 
-use crate::index::layout::{Bounds, Item, WIDTH};
-use crate::index::radix;
+use crate::index::dispatch::{Isa, Search};
+use crate::index::layout::{Bounds, WIDTH};
+use crate::index::radix::{self, Keyed};
 use rayon::prelude::*;
 
 /// Bits of the code per axis.
 const BITS: i32 = 21;
 
-/// Brings `items` into the canonical order.
-pub(crate) fn arrange(items: &mut Vec<Item>) {
-    let bounds = bounds_of(items);
-    let grid = Grid::over(&bounds);
-    *items = radix::sort(items, grid);
-    refine(items, grid);
+/// The ids of `points` in the canonical order; `bounds` is their box.
+pub(crate) fn order(points: &[[f32; 3]], bounds: &Bounds) -> Vec<u32> {
+    let grid = Grid::over(bounds);
+    let isa = Isa::detect();
+    let mut keyed = vec![Keyed::default(); points.len()];
+    keyed.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).enumerate().for_each(|(chunk, (keyed, points))| {
+        isa.run(Encode { grid, points, first: (chunk * CHUNK) as u32, keyed });
+    });
+    let mut order = vec![0; points.len()];
+    sort(points, keyed, &mut order);
+    order
 }
 
-fn bounds_of(items: &[Item]) -> Bounds {
-    let parts: Vec<Bounds> = items.par_chunks(1 << 14).map(Bounds::around).collect();
-    let mut all = Bounds::NONE;
-    for part in &parts {
-        all.join(part);
-    }
-    all
+/// Points to a task.
+const CHUNK: usize = 1 << 14;
+
+/// Codes of many points, with ids from `first` on.
+struct Encode<'a> {
+    grid: Grid,
+    points: &'a [[f32; 3]],
+    first: u32,
+    keyed: &'a mut [Keyed],
 }
 
-/// Arranges anew every long run of equal codes in `items`, which are sorted by `grid`.
-fn refine(items: &mut [Item], grid: Grid) {
-    // A list instead of recursion; every level shortens the extent by 2²⁰ at least, so that the range of
-    // f32 is exhausted after 14 levels.
-    let mut sets = vec![(0, items.len(), grid)];
-    while let Some((start, end, grid)) = sets.pop() {
-        let mut first = start;
-        while first < end {
-            let code = grid.code(items[first].position);
-            // A run of more than a block reaches the point one block on: elsewhere, one look suffices.
-            let probe = first + WIDTH;
-            if probe >= end || grid.code(items[probe].position) != code {
-                first += 1;
-                while first < end && first < probe && grid.code(items[first].position) == code {
-                    first += 1;
+impl Search for Encode<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Encode { grid, points, mut first, keyed } = self;
+        let mut eights = points.chunks_exact(8);
+        let mut out = keyed.chunks_exact_mut(8);
+        // Eight at a time, in loops of fixed length, for the compiler to make vectors of.
+        for (points, keyed) in (&mut eights).zip(&mut out) {
+            let mut codes = [0_u64; 8];
+            for axis in 0..3 {
+                let mut cells = [0_u32; 8];
+                for lane in 0..8 {
+                    cells[lane] = grid.cell(points[lane][axis], axis);
                 }
+                for lane in 0..8 {
+                    codes[lane] |= spread(cells[lane]) << (2 - axis);
+                }
+            }
+            for lane in 0..8 {
+                keyed[lane] = Keyed::new(codes[lane], first + lane as u32);
+            }
+            first += 8;
+        }
+        for (&point, keyed) in eights.remainder().iter().zip(out.into_remainder()) {
+            *keyed = Keyed::new(grid.code(point), first);
+            first += 1;
+        }
+    }
+}
+
+/// Sorts into `order`, and then again, by a finer grid, what shares a code.
+fn sort(points: &[[f32; 3]], mut keyed: Vec<Keyed>, order: &mut [u32]) {
+    let mut scratch = vec![Keyed::default(); keyed.len()];
+    radix::sort(&mut keyed, &mut scratch, order, 3 * BITS as u32, &|sorted, order| {
+        for (id, keyed) in order.iter_mut().zip(sorted) {
+            *id = keyed.id;
+        }
+        // A run of more than a block fills two of these places, half a block apart, at least.
+        let mut at = 0;
+        while at + WIDTH / 2 < sorted.len() {
+            let code = sorted[at].code();
+            if sorted[at + WIDTH / 2].code() != code {
+                at += WIDTH / 2;
                 continue;
             }
-            let mut last = probe + 1;
-            while last < end && grid.code(items[last].position) == code {
-                last += 1;
+            let mut first = at;
+            while first > 0 && sorted[first - 1].code() == code {
+                first -= 1;
             }
-            let run = &mut items[first..last];
-            let bounds = bounds_of(run);
-            if bounds.lo != bounds.hi {
-                let finer = Grid::over(&bounds);
-                let sorted = radix::sort(run, finer);
-                run.copy_from_slice(&sorted);
-                sets.push((first, last, finer));
+            while at < sorted.len() && sorted[at].code() == code {
+                at += 1;
             }
-            first = last;
+            if at - first > WIDTH {
+                refine(points, &mut order[first..at]);
+            }
         }
+    });
+}
+
+/// Arranges ids of points that share a code.
+fn refine(points: &[[f32; 3]], ids: &mut [u32]) {
+    let mut bounds = Bounds::NONE;
+    for &id in &*ids {
+        bounds.grow(points[id as usize]);
+    }
+    // The extent shrinks 2²⁰-fold at least, so that the range of f32 ends this after 14 levels.
+    if bounds.lo != bounds.hi {
+        let grid = Grid::over(&bounds);
+        let keyed = ids.iter().map(|&id| Keyed::new(grid.code(points[id as usize]), id)).collect();
+        sort(points, keyed, ids);
     }
 }
 
@@ -91,13 +139,16 @@ impl Grid {
         Grid { lo, before, scale: [power_of_two(half), power_of_two(exponent - half)] }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn code(&self, position: [f32; 3]) -> u64 {
-        let cell = |axis: usize| {
-            let scaled = (position[axis] * self.before - self.lo[axis]) * self.scale[0] * self.scale[1];
-            (scaled as u32).min((1 << BITS) - 1)
-        };
-        spread(cell(0)) << 2 | spread(cell(1)) << 1 | spread(cell(2))
+        let cell = |axis: usize| spread(self.cell(position[axis], axis));
+        cell(0) << 2 | cell(1) << 1 | cell(2)
+    }
+
+    #[inline(always)]
+    fn cell(&self, coordinate: f32, axis: usize) -> u32 {
+        let scaled = (coordinate * self.before - self.lo[axis]) * self.scale[0] * self.scale[1];
+        (scaled as i32).min((1 << BITS) - 1) as u32
     }
 }
 
@@ -114,7 +165,7 @@ fn power_of_two(exponent: i32) -> f32 {
 }
 
 /// Puts two zeros between the low 21 bits of `value`.
-#[inline]
+#[inline(always)]
 fn spread(value: u32) -> u64 {
     let mut v = u64::from(value);
     v = (v | v << 32) & 0x001f_0000_0000_ffff;

@@ -169,7 +169,14 @@ impl<A: FnMut(u32) -> bool> Search for Nearest<'_, A> {
 
 /// Collects into `out.keys` the k nearest within `bound`, and perhaps others, from near to far.
 #[inline(always)]
-fn shrink(tree: &Tree, query: [f32; 3], k: usize, bound: f32, accept: &mut impl FnMut(u32) -> bool, out: &mut Neighbours) {
+fn shrink(
+    tree: &Tree,
+    query: [f32; 3],
+    k: usize,
+    bound: f32,
+    accept: &mut impl FnMut(u32) -> bool,
+    out: &mut Neighbours,
+) {
     let Neighbours { keys, stack, .. } = out;
     keys.clear();
     stack.clear();

@@ -8,7 +8,12 @@ use crate::index::layout::{LEAF, MAX_DEPTH, Tree, WIDTH};
 /// squared distances of all lanes. Blocks come in an order that only tree, query and radius decide.
 /// Ends early when `found` returns false.
 #[inline(always)]
-pub(crate) fn blocks_within(tree: &Tree, query: [f32; 3], r2: f32, mut found: impl FnMut(u32, u32, &Distances) -> bool) {
+pub(crate) fn blocks_within(
+    tree: &Tree,
+    query: [f32; 3],
+    r2: f32,
+    mut found: impl FnMut(u32, u32, &Distances) -> bool,
+) {
     let Some(root) = tree.nodes.first() else {
         return;
     };
@@ -101,7 +106,11 @@ impl Search for Count<'_> {
                 let lane = inside.trailing_zeros() as usize;
                 inside &= inside - 1;
                 let child = node.child[lane % WIDTH];
-                let extra = if child & LEAF != 0 { &tree.block_extra[(child & !LEAF) as usize] } else { &tree.node_extra[child as usize] };
+                let extra = if child & LEAF != 0 {
+                    &tree.block_extra[(child & !LEAF) as usize]
+                } else {
+                    &tree.node_extra[child as usize]
+                };
                 *total += extra.count;
             }
             rest

@@ -58,7 +58,8 @@ fn with_isa(mut index: PointIndex, isa: Isa) -> PointIndex {
 /// Point sets that break search structures.
 fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
     let mut random = Random(1);
-    let mut many = |n: usize, f: &mut dyn FnMut(&mut Random) -> [f32; 3]| (0..n).map(|_| f(&mut random)).collect::<Vec<_>>();
+    let mut many =
+        |n: usize, f: &mut dyn FnMut(&mut Random) -> [f32; 3]| (0..n).map(|_| f(&mut random)).collect::<Vec<_>>();
     let mut sets = vec![
         ("none", Vec::new()),
         ("one", vec![[0.25, -3.0, 7.5]]),
@@ -66,7 +67,13 @@ fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
         ("random", many(3000, &mut Random::point)),
         ("identical", vec![[0.5, 0.25, -1.0]; 2000]),
         ("zeros of both signs", (0..100).map(|i| if i % 2 == 0 { [0.0; 3] } else { [-0.0; 3] }).collect()),
-        ("collinear", many(1000, &mut |r| { let t = r.unit(); [t, 2.0 * t, -t] })),
+        (
+            "collinear",
+            many(1000, &mut |r| {
+                let t = r.unit();
+                [t, 2.0 * t, -t]
+            }),
+        ),
         ("one axis", many(1000, &mut |r| [3.0, r.unit(), 4.0])),
         ("coplanar", many(1500, &mut |r| [r.unit(), 1.0, r.unit()])),
         ("lattice with duplicates", many(2000, &mut |r| r.point().map(|c| (c * 6.0).floor()))),
@@ -74,14 +81,31 @@ fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
         ("subnormal", many(600, &mut |r| r.point().map(|c| c * 1e-42))),
         ("huge", many(600, &mut |r| r.point().map(|c| (c - 0.5) * 2e30))),
         ("limits", many(600, &mut |r| r.point().map(|c| (c - 0.5) * 2.0 * f32::MAX))),
-        ("all scales", many(800, &mut |r| { let s = 10_f32.powf(r.unit() * 70.0 - 38.0); r.point().map(|c| (c - 0.5) * s) })),
-        ("caustic", many(3000, &mut |r| {
-            let (radius, angle) = (r.unit() * 1e-6, r.unit() * std::f32::consts::TAU);
-            if r.unit() < 0.9 { [0.3 + radius * angle.cos(), 0.0, 0.7 + radius * angle.sin()] } else { r.point() }
-        })),
-        ("clusters", many(2000, &mut |r| { let c = r.point().map(|c| (c * 3.0).floor()); let d = r.point(); [c[0] + d[0] * 1e-6, c[1] + d[1] * 1e-6, c[2]] })),
+        (
+            "all scales",
+            many(800, &mut |r| {
+                let s = 10_f32.powf(r.unit() * 70.0 - 38.0);
+                r.point().map(|c| (c - 0.5) * s)
+            }),
+        ),
+        (
+            "caustic",
+            many(3000, &mut |r| {
+                let (radius, angle) = (r.unit() * 1e-6, r.unit() * std::f32::consts::TAU);
+                if r.unit() < 0.9 { [0.3 + radius * angle.cos(), 0.0, 0.7 + radius * angle.sin()] } else { r.point() }
+            }),
+        ),
+        (
+            "clusters",
+            many(2000, &mut |r| {
+                let c = r.point().map(|c| (c * 3.0).floor());
+                let d = r.point();
+                [c[0] + d[0] * 1e-6, c[1] + d[1] * 1e-6, c[2]]
+            }),
+        ),
     ];
-    for n in [3, 15, 16, 17, 31, 32, 33, 63, 64, 65, 127, 128, 129, 255, 256, 257, 272, 511, 512, 513, 4095, 4096, 4097] {
+    for n in [3, 15, 16, 17, 31, 32, 33, 63, 64, 65, 127, 128, 129, 255, 256, 257, 272, 511, 512, 513, 4095, 4096, 4097]
+    {
         sets.push(("power of two", many(n, &mut Random::point)));
     }
     sets
@@ -90,7 +114,8 @@ fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
 /// Queries on, near and far from a set.
 fn queries(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut random = Random(2);
-    let mut all = vec![[0.0; 3], [0.5; 3], [1e9, -1e9, 3.0], [f32::MAX; 3], [-f32::MAX, 0.0, 1e-40], [f32::INFINITY, 0.0, 0.0]];
+    let mut all =
+        vec![[0.0; 3], [0.5; 3], [1e9, -1e9, 3.0], [f32::MAX; 3], [-f32::MAX, 0.0, 1e-40], [f32::INFINITY, 0.0, 0.0]];
     for _ in 0..6 {
         if let Some(&p) = points.get((random.unit() * points.len() as f32) as usize) {
             // A coincident one and one close by, in sequence, so that the second profits from the first.
@@ -114,7 +139,13 @@ fn searches_agree_with_brute_force() {
                 let index = with_isa(index.clone(), isa);
                 let mut found = Neighbours::new();
                 for query in queries(&points) {
-                    check_query(&index, &points, query, &mut found, &format!("{name} ({}) {kind:?} {isa:?} {query:?}", points.len()));
+                    check_query(
+                        &index,
+                        &points,
+                        query,
+                        &mut found,
+                        &format!("{name} ({}) {kind:?} {isa:?} {query:?}", points.len()),
+                    );
                 }
             }
         }
@@ -132,7 +163,9 @@ fn check_query(index: &PointIndex, points: &[[f32; 3]], query: [f32; 3], found: 
         assert_eq!(within, expected, "{context} within {r2}");
         assert_eq!(index.count_within(query, r2) as usize, expected.len(), "{context} count within {r2}");
     }
-    for (k, max_r2) in [(1, f32::INFINITY), (7, middle), (50, f32::INFINITY), (50, middle), (50, 0.0), (usize::MAX, middle)] {
+    for (k, max_r2) in
+        [(1, f32::INFINITY), (7, middle), (50, f32::INFINITY), (50, middle), (50, 0.0), (usize::MAX, middle)]
+    {
         let expected: Vec<_> = all.iter().copied().filter(|n| n.0 <= max_r2).take(k).collect();
         // The second search starts from what the first remembered.
         for _ in 0..2 {
@@ -157,7 +190,13 @@ fn nothing_is_found_with_nan_or_zero_k() {
         let index = PointIndex::build(&[[0.5; 3]; 40], kind).expect("finite points");
         let mut found = Neighbours::new();
         let nan = f32::NAN;
-        for (query, k, r2) in [([nan, 0.5, 0.5], 3, 1.0), ([0.5; 3], 3, nan), ([0.5; 3], 3, -1.0), ([0.5, 0.5, nan], 3, f32::INFINITY), ([0.5; 3], 0, 1.0)] {
+        for (query, k, r2) in [
+            ([nan, 0.5, 0.5], 3, 1.0),
+            ([0.5; 3], 3, nan),
+            ([0.5; 3], 3, -1.0),
+            ([0.5, 0.5, nan], 3, f32::INFINITY),
+            ([0.5; 3], 0, 1.0),
+        ] {
             index.nearest([0.5; 3], 3, 1.0, |_| true, &mut found);
             assert_eq!(found.as_slice().len(), 3);
             index.nearest(query, k, r2, |_| true, &mut found);
@@ -256,7 +295,13 @@ fn the_median_order_is_the_canonical_one() {
             let c = segment.iter().map(|p| p.1[axis]);
             c.clone().fold(f32::NEG_INFINITY, f32::max) - c.fold(f32::INFINITY, f32::min)
         };
-        let axis = if side(0) >= side(1).max(side(2)) { 0 } else if side(1) >= side(2) { 1 } else { 2 };
+        let axis = if side(0) >= side(1).max(side(2)) {
+            0
+        } else if side(1) >= side(2) {
+            1
+        } else {
+            2
+        };
         segment.sort_by(|a, b| a.1[axis].partial_cmp(&b.1[axis]).expect("finite").then(a.0.cmp(&b.0)));
         let mut left = WIDTH;
         while 2 * left < segment.len() {

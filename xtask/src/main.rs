@@ -1,1 +1,24 @@
-fn main() {}
+//! Chores of this workspace: `cargo xtask ci`, or any of its steps by name.
+#![forbid(unsafe_code)]
+
+mod ci;
+mod duplicates;
+mod graph;
+mod licences;
+mod msrv;
+mod shell;
+mod tidy;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let names: Vec<String> = std::env::args().skip(1).collect();
+    let steps = match ci::choose(&names) {
+        Ok(steps) => steps,
+        Err(message) => {
+            eprintln!("error: {message}\n\n{}", ci::usage());
+            return ExitCode::from(2);
+        }
+    };
+    if ci::run(&steps) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,0 +1,156 @@
+//! The steps of `cargo xtask ci`, each of which runs alone by its name.
+
+use std::fmt::Write as _;
+use std::time::Instant;
+
+use crate::{duplicates, licences, msrv, shell, tidy};
+
+/// Something that passes or fails.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step {
+    name: &'static str,
+    what: &'static str,
+    run: fn() -> Result<(), String>,
+}
+
+/// In this order: what fails fastest comes first; the tests come last, so that the closing line of
+/// their runner ends the output.
+const STEPS: [Step; 10] = [
+    Step { name: "fmt", what: "formatting", run: fmt },
+    Step { name: "tidy", what: "rules for the files themselves", run: tidy::step },
+    Step { name: "duplicates", what: "glam and ash in one version each", run: duplicates::step },
+    Step { name: "licences", what: "licences of the dependencies", run: licences::step },
+    Step { name: "msrv", what: "the oldest compiler promised", run: msrv::step },
+    Step { name: "clippy", what: "lints, warnings are errors", run: clippy },
+    Step { name: "features", what: "the libraries without their optional parts", run: features },
+    Step { name: "doc", what: "documentation, warnings are errors", run: doc },
+    Step { name: "doctest", what: "examples in the documentation", run: doctest },
+    Step { name: "test", what: "all other tests", run: test },
+];
+
+/// The steps by their names, in the order given; `ci` stands for all.
+///
+/// # Errors
+///
+/// No name, or one that is not a step.
+pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
+    if names.is_empty() {
+        return Err("no step named".to_owned());
+    }
+    let mut chosen = Vec::new();
+    for name in names {
+        if name == "ci" {
+            chosen.extend(STEPS);
+        } else {
+            let known = STEPS.iter().find(|step| step.name == name);
+            chosen.push(*known.ok_or_else(|| format!("no step is named {name:?}"))?);
+        }
+    }
+    Ok(chosen)
+}
+
+/// How the program is called.
+pub(crate) fn usage() -> String {
+    let mut text = "usage: cargo xtask STEP...\n\n  ci          all of the following, in this order\n".to_owned();
+    for step in STEPS {
+        let _ = writeln!(text, "  {:<11} {}", step.name, step.what);
+    }
+    text
+}
+
+/// Runs every step, the later ones too when one fails, and returns whether all passed.
+pub(crate) fn run(steps: &[Step]) -> bool {
+    let mut table = String::new();
+    let mut passed = true;
+    for (index, step) in steps.iter().enumerate() {
+        eprintln!("\n=== {} ({} of {}): {}", step.name, index + 1, steps.len(), step.what);
+        let start = Instant::now();
+        let result = (step.run)();
+        let seconds = start.elapsed().as_secs_f64();
+        let verdict = if result.is_ok() { "ok" } else { "FAILED" };
+        let _ = writeln!(table, "  {:<11} {seconds:>7.1} s  {verdict}", step.name);
+        if let Err(message) = result {
+            passed = false;
+            eprintln!("error: {}: {message}", step.name);
+        }
+        // The time of the last step is in the table, or known to whoever ran it alone.
+        if index + 1 < steps.len() {
+            eprintln!("    {} {verdict} after {seconds:.1} s", step.name);
+        }
+    }
+    if steps.len() > 1 {
+        eprint!("\n{table}");
+    }
+    passed
+}
+
+fn fmt() -> Result<(), String> {
+    shell::run(&["cargo", "fmt", "--all", "--check"], &[])
+}
+
+fn clippy() -> Result<(), String> {
+    shell::run(&["cargo", "clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"], &[])
+}
+
+fn features() -> Result<(), String> {
+    // One call each: cargo unites the features of packages that it builds together.
+    for package in ["photon-core", "photon-scene", "backend-cpu"] {
+        let command = ["cargo", "clippy", "--locked", "--no-default-features", "-p", package, "--", "-D", "warnings"];
+        shell::run(&command, &[])?;
+    }
+    Ok(())
+}
+
+fn doc() -> Result<(), String> {
+    shell::run(&["cargo", "doc", "--workspace", "--no-deps", "--locked"], &[("RUSTDOCFLAGS", "-D warnings")])
+}
+
+// The benchmarks are linted, but neither built nor run here: their rivals take longer to compile
+// than everything else.
+
+fn doctest() -> Result<(), String> {
+    shell::run(&["cargo", "test", "--doc", "--workspace", "--exclude", "photon-benches", "--locked"], &[])
+}
+
+fn test() -> Result<(), String> {
+    let selection = ["--workspace", "--exclude", "photon-benches", "--locked"];
+    if shell::present(&["cargo", "nextest", "--version"]) {
+        return shell::run(&[&["cargo", "nextest", "run"], selection.as_slice()].concat(), &[]);
+    }
+    eprintln!("cargo-nextest is not installed: cargo test runs the same tests");
+    let targets = ["--lib", "--bins", "--tests", "--no-fail-fast"];
+    shell::run(&[&["cargo", "test"], selection.as_slice(), &targets].concat(), &[])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(asked: &[&str]) -> Result<Vec<&'static str>, String> {
+        let asked: Vec<String> = asked.iter().map(|&name| name.to_owned()).collect();
+        choose(&asked).map(|steps| steps.iter().map(|step| step.name).collect())
+    }
+
+    #[test]
+    fn steps_are_chosen_by_name() {
+        assert_eq!(names(&["test", "fmt"]).unwrap(), ["test", "fmt"]);
+        assert_eq!(names(&["ci"]).unwrap().len(), STEPS.len());
+        assert_eq!(names(&["ci"]).unwrap().last(), Some(&"test"));
+    }
+
+    #[test]
+    fn an_unknown_step_is_named() {
+        assert!(names(&["fmt", "formt"]).unwrap_err().contains("formt"));
+        assert!(names(&[]).is_err());
+    }
+
+    #[test]
+    fn one_failure_fails_the_run_but_stops_nothing() {
+        let good = Step { name: "good", what: "", run: || Ok(()) };
+        let bad = Step { name: "bad", what: "", run: || Err("for the test".to_owned()) };
+        assert!(run(&[good, good]));
+        assert!(!run(&[bad, good]));
+        assert!(!run(&[good, bad]));
+        assert!(!run(&[bad]));
+    }
+}

@@ -2,10 +2,9 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{
-    DirectLight, Layer, Light, Pass, Query, RandomKind, Ray, Result, light_probability, offset, pick_light, sampling,
-};
+use photon_core::{DirectLight, Layer, Light, Pass, Query, RandomKind, Ray, Result, offset, sampling};
 
+use crate::choice::Choices;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
@@ -38,16 +37,16 @@ impl DirectLight<Cpu> for CpuDirect {
     }
 }
 
-/// Mean over `rays` shadow rays, spread over the lights by their power.
+/// Mean over `rays` shadow rays.
 fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
     let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
+    let choices = Choices::at(scene, query);
     let mut sum = [0.0; 3];
     for ray in 0..rays {
         let [choice, u, v, side] = sampler.words(ray);
         // One stratum of the lights for each ray.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
-        let index = pick_light(&scene.light_starts, choice);
-        let share = light_probability(&scene.light_starts, index);
+        let (index, share) = choices.pick(scene, choice);
         let sample = sample(scene, &scene.lights[index], query, unit_f32(u), unit_f32(v), side);
         let Some((value, ray)) = sample else { continue };
         if !scene.caster.occluded(&ray) {

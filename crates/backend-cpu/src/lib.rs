@@ -4,6 +4,7 @@
 //! on the size of batches: not in a single bit.
 #![deny(unsafe_code)]
 
+mod choice;
 mod cpu;
 mod direct;
 mod emit;

@@ -1,0 +1,96 @@
+//! Which light a shadow ray goes to.
+
+use photon_core::glam::Vec3;
+use photon_core::{Light, Query, light_probability, pick_light, sampling};
+
+use crate::scene::CpuScene;
+
+/// Up to so many lights are weighed for each query; more are chosen by power alone.
+const FEW: usize = 16;
+
+/// What is chosen by power whatever the weights say, so that no light is ever impossible.
+const BLIND: f64 = 0.1;
+
+/// The probabilities of the lights at one query.
+///
+/// In proportion to what each would give if nothing were in between: a weak lamp close by, or the
+/// narrow cone of a spot, counts for what it is here and not for its share of the scene's power.
+pub(crate) struct Choices {
+    /// Running sums; empty where power alone decides.
+    ends: [f64; FEW],
+    count: usize,
+}
+
+impl Choices {
+    pub(crate) fn at(scene: &CpuScene, query: &Query) -> Self {
+        let mut choices = Self { ends: [0.0; FEW], count: 0 };
+        let lights = scene.lights.len();
+        if !(2..=FEW).contains(&lights) {
+            return choices;
+        }
+        let mut weights = [0.0_f64; FEW];
+        for (weight, light) in weights.iter_mut().zip(&scene.lights) {
+            *weight = f64::from(weigh(scene, light, query));
+        }
+        let total: f64 = weights.iter().sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return choices;
+        }
+        let mut sum = 0.0;
+        for index in 0..lights {
+            let share = light_probability(&scene.light_starts, index);
+            sum += BLIND * share + (1.0 - BLIND) * weights[index] / total;
+            choices.ends[index] = sum;
+        }
+        choices.count = lights;
+        choices
+    }
+
+    /// A light and its probability.
+    pub(crate) fn pick(&self, scene: &CpuScene, random: u32) -> (usize, f64) {
+        if self.count == 0 {
+            let index = pick_light(&scene.light_starts, random);
+            return (index, light_probability(&scene.light_starts, index));
+        }
+        let ends = &self.ends[..self.count];
+        // The sums end at 1 but for rounding, hence in proportion to the last.
+        let whole = ends[self.count - 1];
+        let at = f64::from(random) / 4_294_967_296.0 * whole;
+        let index = ends.partition_point(|&end| end <= at).min(self.count - 1);
+        let before = if index == 0 { 0.0 } else { ends[index - 1] };
+        (index, (ends[index] - before) / whole)
+    }
+}
+
+/// Roughly the unoccluded irradiance from a light, mean of RGB; 0 only where it is 0.
+fn weigh(scene: &CpuScene, light: &Light, query: &Query) -> f32 {
+    let power = light.power.iter().sum::<f32>() / 3.0;
+    let normal = Vec3::from(query.normal);
+    let position = Vec3::from(query.position);
+    match light.kind {
+        Light::DIRECTIONAL => {
+            let cosine = -normal.dot(light.direction.into());
+            power * cosine.max(0.0) / (std::f32::consts::PI * light.radius * light.radius)
+        }
+        Light::TRIANGLE => {
+            let [a, b, c] = scene.vertices[light.primitive as usize];
+            let gap = (a + b + c) / 3.0 - position;
+            // Within its own size a lamp is no longer a point; its cosines vary, and are left out.
+            power / (4.0 * gap.length_squared().max(light.area))
+        }
+        _ => {
+            let gap = Vec3::from(light.position) - position;
+            let squared = gap.length_squared();
+            let direction = gap / squared.sqrt();
+            let cosine = normal.dot(direction).max(0.0);
+            let intensity = if light.kind == Light::SPOT {
+                let along = -direction.dot(light.direction.into());
+                let falloff = sampling::spot_falloff(along, light.cos_inner, light.cos_outer);
+                power * falloff / sampling::spot_solid_angle(light.cos_inner, light.cos_outer) as f32
+            } else {
+                power / (4.0 * std::f32::consts::PI)
+            };
+            intensity * cosine / squared
+        }
+    }
+}

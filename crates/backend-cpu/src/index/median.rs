@@ -16,6 +16,7 @@
 //! all begin at multiples of one size: a breadth-first builder needs no bookkeeping but the level.
 //! Four levels of splits make one node of sixteen children.
 
+use crate::index::dispatch::Isa;
 use crate::index::layout::{Bounds, Item, WIDTH};
 use crate::index::select::{Scratch, split};
 
@@ -23,9 +24,9 @@ use crate::index::select::{Scratch, split};
 const TASK: usize = 1 << 13;
 
 /// Brings `items`, which stand in order of their ids, into the canonical order.
-pub(crate) fn arrange(items: &mut [Item]) {
+pub(crate) fn arrange(items: &mut [Item], isa: Isa) {
     let mut other = vec![Item::default(); items.len()];
-    segment(items, &mut other, true, &mut Scratch::default());
+    segment(items, &mut other, true, &mut Scratch::new(isa));
 }
 
 /// Arranges what is in `items`, with the result there or in `other`.
@@ -43,10 +44,8 @@ fn segment(items: &mut [Item], other: &mut [Item], in_place: bool, scratch: &mut
     let (other_low, other_high) = items.split_at_mut(left);
     // Recursion ends after 28 levels: 2³² points in blocks of 2⁴.
     if low.len() > TASK {
-        rayon::join(
-            || segment(low, other_low, !in_place, scratch),
-            || segment(high, other_high, !in_place, &mut Scratch::default()),
-        );
+        let mut another = scratch.other();
+        rayon::join(|| segment(low, other_low, !in_place, scratch), || segment(high, other_high, !in_place, &mut another));
     } else {
         segment(low, other_low, !in_place, scratch);
         segment(high, other_high, !in_place, scratch);

@@ -3,6 +3,8 @@
 //! Every answer is exact, the same set in the same order as by brute force, for any input; the kinds of
 //! index differ in the time that they take.
 
+#[cfg(target_arch = "x86_64")]
+mod compress;
 mod dispatch;
 mod lanes;
 mod layout;
@@ -62,6 +64,10 @@ impl PointIndex {
     /// [`IndexError::NotFinite`] for the first point with a coordinate that is not finite,
     /// [`IndexError::TooMany`] for more than `u32::MAX − 1` points.
     pub fn build(points: &[[f32; 3]], kind: IndexKind) -> Result<Self, IndexError> {
+        Self::build_with(points, kind, Isa::detect())
+    }
+
+    fn build_with(points: &[[f32; 3]], kind: IndexKind, isa: Isa) -> Result<Self, IndexError> {
         if points.len() >= u32::MAX as usize {
             return Err(IndexError::TooMany { count: points.len() });
         }
@@ -70,20 +76,20 @@ impl PointIndex {
         let tree = match kind {
             IndexKind::Median => {
                 let mut items = layout::items(points);
-                median::arrange(&mut items);
+                median::arrange(&mut items, isa);
                 layout::lay_out(layout::order(&items), |slot, _| items[slot], layout::regular_nodes(blocks))
             }
             IndexKind::Vvh => {
                 let mut items = layout::items(points);
-                let nodes = vvh::arrange(&mut items);
+                let nodes = vvh::arrange(&mut items, isa);
                 layout::lay_out(layout::order(&items), |slot, _| items[slot], nodes)
             }
             IndexKind::Morton => {
-                let order = morton::order(points, &bounds);
+                let order = morton::order(points, &bounds, isa);
                 layout::lay_out(order, |_, id| Item::new(points[id as usize], id), layout::regular_nodes(blocks))
             }
         };
-        Ok(Self { kind, isa: Isa::detect(), tree })
+        Ok(Self { kind, isa, tree })
     }
 
     /// How many points there are.

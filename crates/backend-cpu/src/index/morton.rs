@@ -20,9 +20,8 @@ use rayon::prelude::*;
 const BITS: i32 = 21;
 
 /// The ids of `points` in the canonical order; `bounds` is their box.
-pub(crate) fn order(points: &[[f32; 3]], bounds: &Bounds) -> Vec<u32> {
+pub(crate) fn order(points: &[[f32; 3]], bounds: &Bounds, isa: Isa) -> Vec<u32> {
     let grid = Grid::over(bounds);
-    let isa = Isa::detect();
     let mut keyed = vec![Keyed::default(); points.len()];
     keyed.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).enumerate().for_each(|(chunk, (keyed, points))| {
         isa.run(Encode { grid, points, first: (chunk * CHUNK) as u32, keyed });

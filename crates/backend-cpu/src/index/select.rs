@@ -5,19 +5,32 @@
 //! coordinates go to the left by lower ids without a comparison, and blocks end up in order of their ids
 //! without a sort.
 
+use crate::index::dispatch::{Collected, Distributed, Isa, Search};
 use crate::index::layout::Item;
 
-/// Up to this many, ranks are counted by comparing all with all.
-const COUNTED: usize = 32;
+/// Up to this many, all are compared with all; with vectors of eight and more, up to twice as many.
+const COMPARED: usize = 64;
 
 /// From this many, a sample narrows down the rank's coordinate.
 const SAMPLED: usize = 1024;
 
 /// Working memory of [`split`].
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Scratch {
+    isa: Isa,
+    coordinates: Vec<f32>,
     keys: Vec<i32>,
-    sample: Vec<i32>,
+}
+
+impl Scratch {
+    pub(crate) fn new(isa: Isa) -> Scratch {
+        Scratch { isa, coordinates: Vec::new(), keys: Vec::new() }
+    }
+
+    /// Another, for another task.
+    pub(crate) fn other(&self) -> Scratch {
+        Scratch::new(self.isa)
+    }
 }
 
 /// Copies `from` to `to`, the `left` lowest along `axis` first; of equal coordinates those that stand
@@ -26,9 +39,25 @@ pub(crate) fn split(from: &[Item], to: &mut [Item], left: usize, axis: usize, sc
     debug_assert!(0 < left && left < from.len() && from.len() == to.len(), "a split leaves points on both sides");
     // A copy of the code for each axis, as its loops are short.
     match axis {
-        0 => split_along::<0>(from, to, left, scratch),
-        1 => split_along::<1>(from, to, left, scratch),
-        _ => split_along::<2>(from, to, left, scratch),
+        0 => scratch.isa.run(Split::<0> { from, to, left, scratch }),
+        1 => scratch.isa.run(Split::<1> { from, to, left, scratch }),
+        _ => scratch.isa.run(Split::<2> { from, to, left, scratch }),
+    }
+}
+
+struct Split<'a, const AXIS: usize> {
+    from: &'a [Item],
+    to: &'a mut [Item],
+    left: usize,
+    scratch: &'a mut Scratch,
+}
+
+impl<const AXIS: usize> Search for Split<'_, AXIS> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        split_along::<AXIS>(self.from, self.to, self.left, self.scratch);
     }
 }
 
@@ -47,16 +76,21 @@ fn coordinate(key: i32) -> f32 {
 
 #[inline(always)]
 fn split_along<const AXIS: usize>(from: &[Item], to: &mut [Item], left: usize, scratch: &mut Scratch) {
-    if from.len() <= COUNTED {
-        split_few::<AXIS>(from, to, left);
-        return;
-    }
-    let Cut { last, below, tied } = nth::<AXIS>(from, left - 1, scratch);
+    let Cut { last, below, tied } = if from.len() <= COMPARED / 2 {
+        cut_few::<AXIS, { COMPARED / 2 }>(from, left)
+    } else if from.len() <= COMPARED {
+        cut_few::<AXIS, COMPARED>(from, left)
+    } else if from.len() <= 2 * COMPARED && scratch.isa != Isa::Baseline {
+        cut_few::<AXIS, { 2 * COMPARED }>(from, left)
+    } else {
+        cut_many::<AXIS>(from, left - 1, scratch)
+    };
     let mut next_left = 0;
     if below + tied == left {
         // No tie goes through the cut.
-        let last = coordinate(last);
-        for (at, item) in from.iter().enumerate() {
+        let Distributed { done, went_left } = scratch.isa.distribute::<AXIS>(from, to, left, last);
+        next_left = went_left;
+        for (at, item) in from.iter().enumerate().skip(done) {
             let goes_left = item.0[AXIS] <= last;
             to[if goes_left { next_left } else { left + at - next_left }] = *item;
             next_left += usize::from(goes_left);
@@ -66,33 +100,10 @@ fn split_along<const AXIS: usize>(from: &[Item], to: &mut [Item], left: usize, s
     // Of the points at the last coordinate, as many as there is room for.
     let mut room = left - below;
     for (at, item) in from.iter().enumerate() {
-        let key = rank_key(item.0[AXIS]);
-        let fits = (key == last) & (room > 0);
+        let c = item.0[AXIS];
+        let fits = (c == last) & (room > 0);
         room -= usize::from(fits);
-        let goes_left = (key < last) | fits;
-        to[if goes_left { next_left } else { left + at - next_left }] = *item;
-        next_left += usize::from(goes_left);
-    }
-}
-
-#[inline(always)]
-fn split_few<const AXIS: usize>(from: &[Item], to: &mut [Item], left: usize) {
-    // Absent points rank last.
-    let mut keys = [i32::MAX; COUNTED];
-    for (key, item) in keys.iter_mut().zip(from) {
-        *key = rank_key(item.0[AXIS]);
-    }
-    // How many precede each: those before it that are not greater, and those after it that are less.
-    let mut ranks = [0_i32; COUNTED];
-    for (at, &key) in keys.iter().enumerate() {
-        for (other, rank) in ranks.iter_mut().enumerate() {
-            let precedes = if at < other { key <= keys[other] } else { key < keys[other] };
-            *rank += i32::from(precedes);
-        }
-    }
-    let mut next_left = 0;
-    for (at, (item, &rank)) in from.iter().zip(&ranks).enumerate() {
-        let goes_left = (rank as usize) < left;
+        let goes_left = (c < last) | fits;
         to[if goes_left { next_left } else { left + at - next_left }] = *item;
         next_left += usize::from(goes_left);
     }
@@ -100,41 +111,70 @@ fn split_few<const AXIS: usize>(from: &[Item], to: &mut [Item], left: usize) {
 
 /// Where a segment is cut.
 struct Cut {
-    /// The greatest key on the left.
-    last: i32,
-    /// Keys less than that.
+    /// The greatest coordinate on the left.
+    last: f32,
+    /// Coordinates less than that.
     below: usize,
-    /// Keys equal to it.
+    /// Coordinates equal to it.
     tied: usize,
 }
 
-/// The cut whose `last` is the key at `rank` in ascending order.
+/// The cut through at most `MOST` points with `left` on its left.
 #[inline(always)]
-fn nth<const AXIS: usize>(items: &[Item], rank: usize, scratch: &mut Scratch) -> Cut {
-    let Scratch { keys, sample } = scratch;
+fn cut_few<const AXIS: usize, const MOST: usize>(from: &[Item], left: usize) -> Cut {
+    let mut coordinates = [f32::INFINITY; MOST];
+    for (c, item) in coordinates.iter_mut().zip(from) {
+        *c = item.0[AXIS];
+    }
+    // How many are less than each: the same for equals.
+    let mut less = [0_i32; MOST];
+    for &c in &coordinates[..from.len()] {
+        for lane in 0..MOST {
+            less[lane] += i32::from(c < coordinates[lane]);
+        }
+    }
+    // The greatest of those that have fewer than `left` below them; absent points have more.
+    let mut below = 0;
+    for lane in 0..MOST {
+        below = below.max(if less[lane] < left as i32 { less[lane] } else { 0 });
+    }
+    let (mut tied, mut place) = (0, MOST as i32 - 1);
+    for lane in 0..MOST {
+        tied += i32::from(less[lane] == below);
+        place = place.min(if less[lane] == below { lane as i32 } else { i32::MAX });
+    }
+    Cut { last: coordinates[place as usize], below: below as usize, tied: tied as usize }
+}
+
+/// The cut whose `last` is the coordinate at `rank` in ascending order.
+#[inline(always)]
+fn cut_many<const AXIS: usize>(items: &[Item], rank: usize, scratch: &mut Scratch) -> Cut {
+    let Scratch { isa, coordinates, keys } = scratch;
     if items.len() >= SAMPLED {
         // Floyd and Rivest 1975: two sampled keys that most likely embrace the rank.
         let stride = (items.len() / 2048).max(16);
-        sample.clear();
-        sample.extend(items.iter().step_by(stride).map(|item| rank_key(item.0[AXIS])));
-        sample.sort_unstable();
-        let expected = rank * sample.len() / items.len();
-        let margin = (sample.len() as f64).sqrt() as usize + 4;
-        let low = if expected > margin { sample[expected - margin] } else { rank_key(f32::NEG_INFINITY) };
-        let high = sample.get(expected + margin).copied().unwrap_or(rank_key(f32::INFINITY));
-        if keys.len() < items.len() {
-            keys.resize(items.len(), 0);
+        keys.clear();
+        keys.extend(items.iter().step_by(stride).map(|item| rank_key(item.0[AXIS])));
+        keys.sort_unstable();
+        let expected = rank * keys.len() / items.len();
+        let margin = (keys.len() as f64).sqrt() as usize + 4;
+        let low = if expected > margin { coordinate(keys[expected - margin]) } else { f32::NEG_INFINITY };
+        let high = keys.get(expected + margin).map_or(f32::INFINITY, |&key| coordinate(key));
+        // Four more, for vectors that reach beyond what they found.
+        if coordinates.len() < items.len() + 4 {
+            coordinates.resize(items.len() + 4, 0.0);
         }
-        let (mut below, mut inside) = (0, 0);
-        let (low, high) = (coordinate(low), coordinate(high));
-        for item in items {
+        let Collected { done, mut below, mut inside } = isa.collect::<AXIS>(items, coordinates, low, high);
+        for item in &items[done..] {
             let c = item.0[AXIS];
             below += usize::from(c < low);
-            keys[inside] = rank_key(c);
+            coordinates[inside] = c;
             inside += usize::from((c >= low) & (c <= high));
         }
         if (below..below + inside).contains(&rank) {
-            return nth_of(&mut keys[..inside], rank - below, below);
+            keys.clear();
+            keys.extend(coordinates[..inside].iter().map(|&c| rank_key(c)));
+            return nth_of(keys, rank - below, below);
         }
         // The sample misled.
     }
@@ -148,5 +188,5 @@ fn nth_of(keys: &mut [i32], rank: usize, below: usize) -> Cut {
     let (lower, &mut last, higher) = keys.select_nth_unstable(rank);
     let lower_ties = lower.iter().filter(|&&key| key == last).count();
     let higher_ties = higher.iter().filter(|&&key| key == last).count();
-    Cut { last, below: below + rank - lower_ties, tied: lower_ties + 1 + higher_ties }
+    Cut { last: coordinate(last), below: below + rank - lower_ties, tied: lower_ties + 1 + higher_ties }
 }

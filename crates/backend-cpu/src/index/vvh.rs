@@ -7,6 +7,7 @@
 //! rounded to whole blocks, so that no lane of a block stands empty. Voxels are the tight boxes of
 //! their points: empty rims never need a split of their own.
 
+use crate::index::dispatch::Isa;
 use crate::index::layout::{Bounds, Item, LEAF, Node, WIDTH};
 use crate::index::median::left_size;
 use crate::index::select::{Scratch, split};
@@ -16,7 +17,7 @@ const SLABS: usize = 32;
 
 /// Points that are counted, at most (and at least half as many, if there are): a fixed share of every segment,
 /// in order of ids, tells where its photons are dense as well as all of them do.
-const SAMPLE: usize = 512;
+const SAMPLE: usize = 64;
 
 /// Below this depth voxels are split at the median. Adversarial points could make the heuristic peel
 /// off block after block; 24 levels of it and at most 28 of medians stay under [`MAX_DEPTH`].
@@ -28,7 +29,7 @@ const HEURISTIC_DEPTH: u32 = 24;
 const TASK: usize = 1 << 13;
 
 /// Arranges `items`, which stand in order of their ids, and returns the nodes over them, of which only `child` is filled in.
-pub(crate) fn arrange(items: &mut [Item]) -> Vec<Node> {
+pub(crate) fn arrange(items: &mut [Item], isa: Isa) -> Vec<Node> {
     if items.is_empty() {
         return Vec::new();
     }
@@ -37,7 +38,7 @@ pub(crate) fn arrange(items: &mut [Item]) -> Vec<Node> {
     // segment's own, then come those of its left part, then those of its right.
     let mut splits = vec![0_u32; blocks - 1];
     let mut other = vec![Item::default(); items.len()];
-    segment(items, &mut other, true, &mut splits, 0, &mut Scratch::default());
+    segment(items, &mut other, true, &mut splits, 0, &mut Scratch::new(isa));
     let mut nodes = Vec::with_capacity(blocks / 8 + 1);
     collapse(&splits, blocks, &mut nodes);
     nodes
@@ -68,9 +69,10 @@ fn segment(
     let (other_low, other_high) = items.split_at_mut(left);
     let (splits_low, splits_high) = below.split_at_mut(left / WIDTH - 1);
     if low.len().min(high.len()) > TASK {
+        let mut another = scratch.other();
         rayon::join(
             || segment(low, other_low, !in_place, splits_low, depth + 1, scratch),
-            || segment(high, other_high, !in_place, splits_high, depth + 1, &mut Scratch::default()),
+            || segment(high, other_high, !in_place, splits_high, depth + 1, &mut another),
         );
     } else {
         segment(low, other_low, !in_place, splits_low, depth + 1, scratch);
@@ -80,18 +82,18 @@ fn segment(
 
 /// Points left of the best plane, a multiple of the block size.
 fn plane(items: &[Item], axis: usize, lo: f32, extent: f32) -> usize {
+    let blocks = items.len().div_ceil(WIDTH);
     let scale = SLABS as f32 / extent;
-    // Extents of zero, of almost zero and beyond the range of f32 have no slabs to speak of.
-    if !(scale > 0.0 && scale < f32::INFINITY) {
+    // Two blocks leave no choice. Extents of zero, of almost zero and beyond the range of f32 have no slabs to speak of.
+    if blocks == 2 || !(scale > 0.0 && scale < f32::INFINITY) {
         return left_size(items.len());
     }
     let mut counts = [0_u32; SLABS];
     let sample = items.iter().step_by(items.len().div_ceil(SAMPLE));
     let sampled = sample.len() as u32;
     for item in sample {
-        // In this range the low bits of the sum are the integer nearest to what is added to 2²³.
-        let slab = ((item.0[axis] - lo) * scale - 0.5 + 8_388_608.0).to_bits() & 0xff;
-        counts[(slab as usize).min(SLABS - 1)] += 1;
+        let slab = ((item.0[axis] - lo) * scale) as i32 as usize;
+        counts[slab.min(SLABS - 1)] += 1;
     }
     let (mut best, mut best_cost, mut left) = (0, u32::MAX, 0);
     for (slab, count) in (1..).zip(&counts[..SLABS - 1]) {
@@ -103,7 +105,6 @@ fn plane(items: &[Item], axis: usize, lo: f32, extent: f32) -> usize {
         }
     }
     let best = (u64::from(best) * items.len() as u64 / u64::from(sampled)) as usize;
-    let blocks = items.len().div_ceil(WIDTH);
     ((best + WIDTH / 2) / WIDTH).clamp(1, blocks - 1) * WIDTH
 }
 

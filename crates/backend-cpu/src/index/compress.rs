@@ -1,0 +1,81 @@
+//! Vector versions of the two loops over all points of a segment that `select` consists of. They go as
+//! far as whole vectors reach and say how far; the plain loops do the rest, and the same from the start
+//! where there are no such vectors.
+
+use crate::index::dispatch::{Collected, Distributed};
+use crate::index::layout::Item;
+use bytemuck::cast;
+use std::arch::x86_64::*;
+
+/// Copies points to `to`, in their order: those at most at `last` along `AXIS` from the start on, the others
+/// from `left` on.
+#[target_feature(enable = "avx512f,popcnt")]
+pub(crate) fn distribute_by_four<const AXIS: usize>(from: &[Item], to: &mut [Item], left: usize, last: f32) -> Distributed {
+    let cut = _mm512_set1_ps(last);
+    let (mut done, mut next_left) = (0, 0);
+    let (fours, _) = from.as_chunks::<4>();
+    for &four in fours {
+        let next_right = left + done - next_left;
+        // Four are stored on either side; what is too much is overwritten by those that follow, or else
+        // there must not be any.
+        if next_left + 4 > left || next_right + 4 > to.len() {
+            break;
+        }
+        let points: __m512 = cast(four.map(|item| item.0));
+        let goes_left = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(0x1111 << AXIS, points, cut) >> AXIS;
+        // One bit per point becomes one per number.
+        let numbers = goes_left * 15;
+        let low: [[f32; 4]; 4] = cast(_mm512_maskz_compress_ps(numbers, points));
+        let high: [[f32; 4]; 4] = cast(_mm512_maskz_compress_ps(!numbers, points));
+        to[next_left..next_left + 4].copy_from_slice(&low.map(Item));
+        to[next_right..next_right + 4].copy_from_slice(&high.map(Item));
+        next_left += goes_left.count_ones() as usize;
+        done += 4;
+    }
+    Distributed { done, went_left: next_left }
+}
+
+/// [`distribute_by_four`] for AVX2.
+#[target_feature(enable = "avx2,popcnt")]
+pub(crate) fn distribute_by_two<const AXIS: usize>(from: &[Item], to: &mut [Item], left: usize, last: f32) -> Distributed {
+    let cut = _mm256_set1_ps(last);
+    let (mut done, mut next_left) = (0, 0);
+    let (pairs, _) = from.as_chunks::<2>();
+    for &pair in pairs {
+        let next_right = left + done - next_left;
+        if next_left + 2 > left || next_right + 2 > to.len() {
+            break;
+        }
+        let points: __m256 = cast(pair.map(|item| item.0));
+        let swapped = _mm256_permute2f128_ps::<1>(points, points);
+        let compared = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(points, cut)) as usize >> AXIS;
+        let (first, second) = (compared & 1, compared >> 4 & 1);
+        // Whoever is alone on a side must be in front there.
+        let low: [[f32; 4]; 2] = cast(if first < second { swapped } else { points });
+        let high: [[f32; 4]; 2] = cast(if first > second { swapped } else { points });
+        to[next_left..next_left + 2].copy_from_slice(&low.map(Item));
+        to[next_right..next_right + 2].copy_from_slice(&high.map(Item));
+        next_left += first + second;
+        done += 2;
+    }
+    Distributed { done, went_left: next_left }
+}
+
+/// Collects the coordinates along `AXIS` that are in [`low`, `high`]. `keys` must be four longer than `items`.
+#[target_feature(enable = "avx512f,popcnt")]
+pub(crate) fn collect_by_four<const AXIS: usize>(items: &[Item], keys: &mut [f32], low: f32, high: f32) -> Collected {
+    let (low, high) = (_mm512_set1_ps(low), _mm512_set1_ps(high));
+    let mut seen = Collected::default();
+    let (fours, _) = items.as_chunks::<4>();
+    for &four in fours {
+        let points: __m512 = cast(four.map(|item| item.0));
+        let reaches = _mm512_mask_cmp_ps_mask::<_CMP_GE_OQ>(0x1111 << AXIS, points, low);
+        let inside = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(reaches, points, high);
+        let found: [f32; 4] = cast(_mm512_castps512_ps128(_mm512_maskz_compress_ps(inside, points)));
+        keys[seen.inside..seen.inside + 4].copy_from_slice(&found);
+        seen.below += 4 - reaches.count_ones() as usize;
+        seen.inside += inside.count_ones() as usize;
+        seen.done += 4;
+    }
+    seen
+}

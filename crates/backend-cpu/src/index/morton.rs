@@ -22,7 +22,7 @@ const BITS: i32 = 21;
 /// The ids of `points` in the canonical order; `bounds` is their box.
 pub(crate) fn order(points: &[[f32; 3]], bounds: &Bounds, isa: Isa) -> Vec<u32> {
     let grid = Grid::over(bounds);
-    let mut keyed = vec![Keyed::default(); points.len()];
+    let mut keyed = radix::zeros(points.len());
     keyed.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).enumerate().for_each(|(chunk, (keyed, points))| {
         isa.run(Encode { grid, points, first: (chunk * CHUNK) as u32, keyed });
     });
@@ -76,7 +76,7 @@ impl Search for Encode<'_> {
 
 /// Sorts into `order`, and then again, by a finer grid, what shares a code.
 fn sort(points: &[[f32; 3]], mut keyed: Vec<Keyed>, order: &mut [u32]) {
-    let mut scratch = vec![Keyed::default(); keyed.len()];
+    let mut scratch = radix::zeros(keyed.len());
     radix::sort(&mut keyed, &mut scratch, order, 3 * BITS as u32, &|sorted, order| {
         for (id, keyed) in order.iter_mut().zip(sorted) {
             *id = keyed.id;

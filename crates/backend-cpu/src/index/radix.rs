@@ -2,10 +2,12 @@
 //! least significant first. Every step keeps the order of equal digits, so that equal codes stay in
 //! order of their ids, and the result depends on nothing but the codes.
 
+use bytemuck::Zeroable;
 use rayon::prelude::*;
 
 /// A code and the id of its point, in twelve bytes: memory is most of the cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Zeroable)]
+#[repr(C)]
 pub(crate) struct Keyed {
     high: u32,
     low: u32,
@@ -32,6 +34,12 @@ const COMPARED: usize = 40;
 
 /// Segments at least this long are distributed by several threads.
 const SHARED: usize = 1 << 17;
+
+/// Zeros to be overwritten. Memory that comes zeroed from the system is not touched here, but by the threads
+/// that write to it first.
+pub(crate) fn zeros(count: usize) -> Vec<Keyed> {
+    bytemuck::zeroed_vec(count)
+}
 
 /// Sorts `keyed`, which stand in ascending order of their ids, by the lowest `bits` of their codes, and hands
 /// over every segment of the result, with the matching part of `out`, to `finish`. Equal codes never fall

@@ -113,20 +113,20 @@ impl Isa {
     pub(crate) fn run<S: Search>(self, search: S) -> S::Output {
         match self {
             Isa::Baseline => search.run(),
+            #[cfg(target_arch = "x86_64")]
+            #[allow(
+                unsafe_code,
+                reason = "a function compiled for more than the baseline can be called in no other way"
+            )]
             // SAFETY: these values come from `detect` alone, which saw the features that the functions
             // are compiled for.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(
-                unsafe_code,
-                reason = "a function compiled for more than the baseline can be called in no other way"
-            )]
             Isa::Avx2 => unsafe { avx2(search) },
-            // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
             #[allow(
                 unsafe_code,
                 reason = "a function compiled for more than the baseline can be called in no other way"
             )]
+            // SAFETY: as above.
             Isa::Avx512 => unsafe { avx512(search) },
         }
     }

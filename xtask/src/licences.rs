@@ -2,7 +2,7 @@
 
 use crate::graph::{Graph, Kind};
 
-/// Permissive licences that ask for no more than a notice. `deny.toml` lists the same.
+/// Permissive licences that ask for no more than a notice.
 const ACCEPTED: [&str; 11] = [
     "MIT",
     "MIT-0",

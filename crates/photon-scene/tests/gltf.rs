@@ -1,4 +1,5 @@
 //! glTF files as they lie on a disk: beside their buffers, with odd names, missing or cut.
+#![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the place and the error")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

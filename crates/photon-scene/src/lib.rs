@@ -3,7 +3,7 @@
 //! A [`SceneBuilder`] collects what a user describes, in the user's own space and radiometric units;
 //! [`SceneBuilder::build`] checks it, names whatever is wrong, and turns it into a [`Scene`]: the
 //! tables in normalised space that backends read through [`Scene::view`].
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod builder;
 mod camera;
@@ -17,6 +17,7 @@ mod report;
 mod scene;
 mod solids;
 mod validate;
+mod wide;
 
 pub use builder::{MaterialId, SceneBuilder};
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
@@ -25,3 +26,4 @@ pub use error::SceneError;
 pub use load::{Overrides, load, load_gltf, load_obj, load_ply};
 pub use report::{LoadReport, ReportKind, ReportLine};
 pub use scene::Scene;
+pub use wide::{Accel, AccelError, BruteForce};

@@ -1,0 +1,105 @@
+//! The binary tree: obvhs builds it, and where obvhs would go astray a plain median split does.
+
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::{Boundable, BvhBuildParams};
+
+use super::node::{Binary, binary};
+
+/// So many primitives with one and the same box make obvhs build a list instead of a tree.
+const TWINS: usize = 64;
+/// Primitives per leaf: one packet.
+const LEAF: usize = super::triangle::LANES;
+
+/// A padded box, as obvhs takes it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Padded {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl Padded {
+    /// Around a triangle, wider than rounding in the triangle test can reach within a unit box.
+    pub(crate) fn around(corners: [[f32; 3]; 3]) -> Self {
+        const ULPS: f32 = 8.0 * f32::EPSILON;
+        let mut padded = Self { low: corners[0], high: corners[0] };
+        for corner in corners {
+            for axis in 0..3 {
+                padded.low[axis] = padded.low[axis].min(corner[axis]);
+                padded.high[axis] = padded.high[axis].max(corner[axis]);
+            }
+        }
+        for axis in 0..3 {
+            padded.low[axis] -= ULPS * (1.0 + padded.low[axis].abs());
+            padded.high[axis] += ULPS * (1.0 + padded.high[axis].abs());
+        }
+        padded
+    }
+}
+
+impl Boundable for Padded {
+    fn aabb(&self) -> Aabb {
+        Aabb { min: obvhs_vec(self.low), max: obvhs_vec(self.high) }
+    }
+}
+
+fn obvhs_vec(v: [f32; 3]) -> glam::Vec3A {
+    v.into()
+}
+
+/// A binary tree over `boxes`, its root first, and the order of primitives that its leaves refer to.
+pub(crate) fn tree(boxes: &[Padded]) -> (Vec<Binary>, Vec<u32>) {
+    if boxes.len() <= LEAF || has_twins(boxes) {
+        return balanced(boxes);
+    }
+    let parameters = BvhBuildParams { max_prims_per_leaf: LEAF as u32, ..BvhBuildParams::medium_build() };
+    let built = build_bvh2(boxes, parameters, &mut std::time::Duration::default());
+    (binary(&built), built.primitive_indices)
+}
+
+fn has_twins(boxes: &[Padded]) -> bool {
+    let mut keys: Vec<[u32; 6]> = boxes
+        .iter()
+        .map(|b| {
+            let [x, y, z] = b.low.map(f32::to_bits);
+            let [u, v, w] = b.high.map(f32::to_bits);
+            [x, y, z, u, v, w]
+        })
+        .collect();
+    keys.sort_unstable();
+    keys.windows(TWINS).any(|run| run[0] == run[TWINS - 1])
+}
+
+/// Split at the median of the widest axis: never deeper than the logarithm of the count.
+pub(crate) fn balanced(boxes: &[Padded]) -> (Vec<Binary>, Vec<u32>) {
+    let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+    let blank = Binary { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3], first: 0, count: 0 };
+    let mut nodes = vec![blank];
+    let mut open = vec![(0_usize, 0_usize, boxes.len())];
+    while let Some((place, from, to)) = open.pop() {
+        let mut node = blank;
+        for &id in &order[from..to] {
+            for axis in 0..3 {
+                node.low[axis] = node.low[axis].min(boxes[id as usize].low[axis]);
+                node.high[axis] = node.high[axis].max(boxes[id as usize].high[axis]);
+            }
+        }
+        if to - from <= LEAF {
+            node.first = from as u32;
+            node.count = (to - from) as u32;
+        } else {
+            let middle = (from + to) / 2;
+            let extent: [f32; 3] = std::array::from_fn(|axis| node.high[axis] - node.low[axis]);
+            let axis = (0..3).max_by(|&i, &j| extent[i].total_cmp(&extent[j])).unwrap_or(0);
+            let center = |id: u32| boxes[id as usize].low[axis] + boxes[id as usize].high[axis];
+            order[from..to]
+                .select_nth_unstable_by(middle - from, |&a, &b| center(a).total_cmp(&center(b)).then(a.cmp(&b)));
+            node.first = nodes.len() as u32;
+            nodes.extend([blank, blank]);
+            open.push((nodes.len() - 2, from, middle));
+            open.push((nodes.len() - 1, middle, to));
+        }
+        nodes[place] = node;
+    }
+    (nodes, order)
+}

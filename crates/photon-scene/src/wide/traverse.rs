@@ -1,0 +1,162 @@
+//! Traversal, compiled once for the baseline and once for AVX2; both give the same bits, since
+//! neither contracts a product and a sum.
+
+use photon_core::{Hit, Ray};
+
+use super::node::{Child, Node, WIDTH};
+use super::triangle::{LANES, Packet, Sheared, intersect};
+
+/// Deepest tree that the stack serves.
+pub(crate) const MAX_DEPTH: usize = 40;
+/// Each level leaves at most seven children waiting.
+const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
+
+/// Slab distances are widened by this factor on either side, so that rounding never closes a box
+/// before a triangle on its face (after Ize 2013).
+const WIDER: f32 = 1.0 + 8.0 * f32::EPSILON;
+const NARROWER: f32 = 1.0 - 8.0 * f32::EPSILON;
+
+pub(crate) fn nearest(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
+        // SAFETY: the processor has AVX2, as has just been asked.
+        return unsafe { avx2::nearest(nodes, packets, ray) };
+    }
+    walk::<false>(nodes, packets, ray)
+}
+
+pub(crate) fn occluded(nodes: &[Node], packets: &[Packet], ray: &Ray) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
+        // SAFETY: the processor has AVX2, as has just been asked.
+        return unsafe { avx2::occluded(nodes, packets, ray) };
+    }
+    walk::<true>(nodes, packets, ray).is_some()
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use super::{Hit, Node, Packet, Ray, walk};
+
+    #[target_feature(enable = "avx2")]
+    pub(super) fn nearest(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
+        walk::<false>(nodes, packets, ray)
+    }
+
+    #[target_feature(enable = "avx2")]
+    pub(super) fn occluded(nodes: &[Node], packets: &[Packet], ray: &Ray) -> bool {
+        walk::<true>(nodes, packets, ray).is_some()
+    }
+}
+
+/// The baseline, for tests of the other.
+#[cfg(test)]
+pub(crate) fn portable(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
+    walk::<false>(nodes, packets, ray)
+}
+
+pub(crate) fn brute_force(packets: &[Packet], ray: &Ray) -> Option<Hit> {
+    let sheared = Sheared::new(ray)?;
+    let mut best = Best::new(ray)?;
+    for packet in packets {
+        best.test(packet, &sheared);
+    }
+    best.hit()
+}
+
+/// The nearest hit so far; of equals, the lowest index.
+struct Best {
+    t: f32,
+    id: u32,
+    u: f32,
+    v: f32,
+}
+
+impl Best {
+    /// `None` where no hit can count.
+    #[inline(always)]
+    fn new(ray: &Ray) -> Option<Self> {
+        if ray.t_max >= 0.0 { Some(Self { t: ray.t_max, id: u32::MAX, u: 0.0, v: 0.0 }) } else { None }
+    }
+
+    #[inline(always)]
+    fn test(&mut self, packet: &Packet, ray: &Sheared) {
+        let found = intersect(packet, ray);
+        for lane in 0..LANES {
+            let t = found.t[lane];
+            // A miss is NaN and fails both.
+            if t < self.t || t == self.t && packet.ids[lane] < self.id {
+                *self = Self { t, id: packet.ids[lane], u: found.u[lane], v: found.v[lane] };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn hit(&self) -> Option<Hit> {
+        (self.id != u32::MAX).then_some(Hit { t: self.t, primitive: self.id, u: self.u, v: self.v })
+    }
+}
+
+#[inline(always)]
+fn walk<const ANY: bool>(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
+    let sheared = Sheared::new(ray)?;
+    let mut best = Best::new(ray)?;
+    if nodes.is_empty() {
+        return None;
+    }
+    let origin = ray.origin.to_array();
+    // True infinities where the direction is 0: such a slab is entered always or never.
+    let inverse = ray.direction.to_array().map(|d| 1.0 / d);
+    // Which bound of each axis is met first.
+    let near: [usize; 3] = std::array::from_fn(|axis| 2 * axis + usize::from(inverse[axis].is_sign_negative()));
+    let mut stack = [(Child::default(), 0.0_f32); STACK];
+    let mut top = 1;
+    while top > 0 {
+        top -= 1;
+        let (child, entry) = stack[top];
+        if entry > best.t {
+            continue;
+        }
+        if child.packets > 0 {
+            for packet in &packets[child.first as usize..(child.first + child.packets) as usize] {
+                best.test(packet, &sheared);
+            }
+            if ANY && best.id != u32::MAX {
+                return best.hit();
+            }
+            continue;
+        }
+        let node = &nodes[child.first as usize];
+        let (mut enter, mut leave) = ([0.0_f32; WIDTH], [best.t; WIDTH]);
+        for axis in 0..3 {
+            let (first, last) = (&node.bounds[near[axis]], &node.bounds[near[axis] ^ 1]);
+            for lane in 0..WIDTH {
+                let a = (first[lane] - origin[axis]) * inverse[axis] * NARROWER;
+                let b = (last[lane] - origin[axis]) * inverse[axis] * WIDER;
+                // 0·∞ is NaN, which neither comparison takes: the ray runs within that face.
+                enter[lane] = if a > enter[lane] { a } else { enter[lane] };
+                leave[lane] = if b < leave[lane] { b } else { leave[lane] };
+            }
+        }
+        let mut mask = 0_u32;
+        for lane in 0..WIDTH {
+            mask |= u32::from(enter[lane] <= leave[lane]) << lane;
+        }
+        let bottom = top;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            // The nearest goes on top.
+            let mut place = top;
+            while place > bottom && stack[place - 1].1 < enter[lane] {
+                stack[place] = stack[place - 1];
+                place -= 1;
+            }
+            stack[place] = (node.children[lane], enter[lane]);
+            top += 1;
+        }
+    }
+    best.hit()
+}

@@ -1,0 +1,154 @@
+//! The watertight ray-triangle test (Woop, Benthin and Wald 2013), four triangles at a time.
+
+use photon_core::Ray;
+
+/// Triangles per packet.
+pub(crate) const LANES: usize = 4;
+
+/// Vertices of four triangles, by vertex, axis, lane.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Packet {
+    pub(crate) vertices: [[[f32; LANES]; 3]; 3],
+    /// Index of each triangle; `u32::MAX` for an empty lane.
+    pub(crate) ids: [u32; LANES],
+}
+
+impl Packet {
+    /// Up to four triangles. Lanes to spare repeat the first, under no index, so that they take the
+    /// same way through the test and never count.
+    pub(crate) fn of(ids: &[u32], corners: &dyn Fn(u32) -> [[f32; 3]; 3]) -> Self {
+        let mut packet = Self { vertices: [[[0.0; LANES]; 3]; 3], ids: [u32::MAX; LANES] };
+        for lane in 0..LANES {
+            let id = ids.get(lane).copied();
+            if let Some(shown) = id.or(ids.first().copied()) {
+                packet.set(lane, id.unwrap_or(u32::MAX), corners(shown));
+            }
+        }
+        packet
+    }
+
+    fn set(&mut self, lane: usize, id: u32, corners: [[f32; 3]; 3]) {
+        self.ids[lane] = id;
+        for (vertex, corner) in self.vertices.iter_mut().zip(corners) {
+            for (axis, value) in vertex.iter_mut().zip(corner) {
+                axis[lane] = value;
+            }
+        }
+    }
+}
+
+/// A ray in the test's own frame: sheared so that it runs along its largest axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sheared {
+    axes: [usize; 3],
+    shear: [f32; 3],
+    origin: [f32; 3],
+}
+
+impl Sheared {
+    /// `None` for a ray without a direction or with numbers that are not finite.
+    #[inline(always)]
+    pub(crate) fn new(ray: &Ray) -> Option<Self> {
+        let d = ray.direction.to_array();
+        let [x, y, z] = d.map(f32::abs);
+        let kz = if x > y {
+            if x > z { 0 } else { 2 }
+        } else if y > z {
+            1
+        } else {
+            2
+        };
+        // NaN and infinity fail here, and so does no direction at all.
+        if !(ray.direction.is_finite() && ray.origin.is_finite() && d[kz] != 0.0) {
+            return None;
+        }
+        let (kx, ky) = match kz {
+            0 => (1, 2),
+            1 => (2, 0),
+            _ => (0, 1),
+        };
+        // Swapping keeps the winding, and with it the sign of the edge functions.
+        let (kx, ky) = if d[kz] < 0.0 { (ky, kx) } else { (kx, ky) };
+        Some(Self {
+            axes: [kx, ky, kz],
+            shear: [d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]],
+            origin: ray.origin.to_array(),
+        })
+    }
+}
+
+/// What four tests found.
+pub(crate) struct Found {
+    /// Distance; NaN for a miss.
+    pub(crate) t: [f32; LANES],
+    /// Weight of the second vertex.
+    pub(crate) u: [f32; LANES],
+    /// Weight of the third vertex.
+    pub(crate) v: [f32; LANES],
+}
+
+/// Tests a packet. Both sides count; edges and vertices belong to every triangle that has them, so
+/// that no ray slips between two.
+///
+/// Two triangles that share an edge compute the same two products for it, and their difference with
+/// opposite sign: rounding cannot put the ray outside of both. Where a difference vanishes it is
+/// computed anew in f64, whose products of f32 are exact. A twin without f64 may take the sign from
+/// the products' rounding errors instead.
+#[inline(always)]
+pub(crate) fn intersect(packet: &Packet, ray: &Sheared) -> Found {
+    let [kx, ky, kz] = ray.axes;
+    let [sx, sy, sz] = ray.shear;
+    let [ox, oy, oz] = [ray.origin[kx], ray.origin[ky], ray.origin[kz]];
+    let mut x = [[0.0_f32; LANES]; 3];
+    let mut y = [[0.0_f32; LANES]; 3];
+    let mut z = [[0.0_f32; LANES]; 3];
+    for (vertex, corner) in packet.vertices.iter().enumerate() {
+        for lane in 0..LANES {
+            let height = corner[kz][lane] - oz;
+            x[vertex][lane] = (corner[kx][lane] - ox) - sx * height;
+            y[vertex][lane] = (corner[ky][lane] - oy) - sy * height;
+            z[vertex][lane] = sz * height;
+        }
+    }
+    let mut e = [[0.0_f32; LANES]; 3];
+    let mut vanishes = false;
+    for edge in 0..3 {
+        let (b, c) = ((edge + 1) % 3, (edge + 2) % 3);
+        for lane in 0..LANES {
+            e[edge][lane] = x[c][lane] * y[b][lane] - y[c][lane] * x[b][lane];
+            vanishes |= e[edge][lane] == 0.0;
+        }
+    }
+    if vanishes {
+        again(&x, &y, &mut e);
+    }
+    let mut found = Found { t: [0.0; LANES], u: [0.0; LANES], v: [0.0; LANES] };
+    for lane in 0..LANES {
+        let (u, v, w) = (e[0][lane], e[1][lane], e[2][lane]);
+        let determinant = u + v + w;
+        let scaled = u * z[0][lane] + v * z[1][lane] + w * z[2][lane];
+        let inside = (u >= 0.0) & (v >= 0.0) & (w >= 0.0) | (u <= 0.0) & (v <= 0.0) & (w <= 0.0);
+        let t = scaled / determinant;
+        found.t[lane] = if inside & (determinant != 0.0) & (t >= 0.0) { t } else { f32::NAN };
+        found.u[lane] = v / determinant;
+        found.v[lane] = w / determinant;
+    }
+    found
+}
+
+/// The lanes in which an edge function vanished, in f64.
+#[cold]
+#[inline(never)]
+fn again(x: &[[f32; LANES]; 3], y: &[[f32; LANES]; 3], e: &mut [[f32; LANES]; 3]) {
+    for lane in 0..LANES {
+        if e.iter().all(|edge| edge[lane] != 0.0) {
+            continue;
+        }
+        for edge in 0..3 {
+            let (b, c) = ((edge + 1) % 3, (edge + 2) % 3);
+            let wide = |a: f32, b: f32| f64::from(a) * f64::from(b);
+            e[edge][lane] = (wide(x[c][lane], y[b][lane]) - wide(y[c][lane], x[b][lane])) as f32;
+        }
+    }
+}

@@ -133,8 +133,8 @@ fn walk<const ANY: bool>(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Optio
         for axis in 0..3 {
             let (first, last) = (&node.bounds[near[axis]], &node.bounds[near[axis] ^ 1]);
             for lane in 0..WIDTH {
-                let a = (first[lane] - origin[axis]) * inverse[axis] * NARROWER;
-                let b = (last[lane] - origin[axis]) * inverse[axis] * WIDER;
+                let a = (first[lane] - origin[axis]) * inverse[axis];
+                let b = (last[lane] - origin[axis]) * inverse[axis];
                 // 0·∞ is NaN, which neither comparison takes: the ray runs within that face.
                 enter[lane] = if a > enter[lane] { a } else { enter[lane] };
                 leave[lane] = if b < leave[lane] { b } else { leave[lane] };
@@ -142,6 +142,8 @@ fn walk<const ANY: bool>(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Optio
         }
         let mut mask = 0_u32;
         for lane in 0..WIDTH {
+            enter[lane] *= NARROWER;
+            leave[lane] *= WIDER;
             mask |= u32::from(enter[lane] <= leave[lane]) << lane;
         }
         let bottom = top;

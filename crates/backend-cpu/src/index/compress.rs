@@ -1,9 +1,12 @@
-//! Vector versions of the two loops over all points of a segment that `select` consists of. They go as
-//! far as whole vectors reach and say how far; the plain loops do the rest, and the same from the start
-//! where there are no such vectors.
+//! Vector instructions by name, for what the compiler does not find by itself.
+//!
+//! The loops over all points of a segment that `select` consists of go as far as whole vectors reach and
+//! say how far; plain loops do the rest, and the same from the start where there are no such vectors.
 
 use crate::index::dispatch::{Collected, Distributed};
+use crate::index::lanes::Distances;
 use crate::index::layout::Item;
+use crate::index::rank::Key;
 use bytemuck::cast;
 use std::arch::x86_64::*;
 
@@ -78,4 +81,40 @@ pub(crate) fn collect_by_four<const AXIS: usize>(items: &[Item], keys: &mut [f32
         seen.done += 4;
     }
     seen
+}
+
+/// [`Lanes::at_most`](crate::index::lanes::Lanes::at_most).
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(crate) fn at_most_of_sixteen(d2: &Distances, limit: f32) -> u32 {
+    u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(cast(*d2), _mm512_set1_ps(limit)))
+}
+
+/// [`Lanes::at_most`](crate::index::lanes::Lanes::at_most).
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(crate) fn at_most_of_eight_twice(d2: &Distances, limit: f32) -> u32 {
+    let limit = _mm256_set1_ps(limit);
+    let [low, high]: [__m256; 2] = cast(*d2);
+    let low = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(low, limit)) as u32;
+    let high = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(high, limit)) as u32;
+    low | high << 8
+}
+
+/// [`Lanes::append`](crate::index::lanes::Lanes::append).
+#[inline]
+#[target_feature(enable = "avx512f,popcnt")]
+pub(crate) fn append_by_eight(keys: &mut [Key], hits: u32, first_slot: u32, d2: &Distances) -> usize {
+    let slots = _mm512_add_epi64(_mm512_set1_epi64(i64::from(first_slot)), _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7));
+    let halves: [__m256i; 2] = cast(*d2);
+    let mut count = 0;
+    for (half, bits) in halves.into_iter().enumerate() {
+        let slots = _mm512_add_epi64(slots, _mm512_set1_epi64(8 * half as i64));
+        let whole = _mm512_or_si512(_mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(bits)), slots);
+        let hits = (hits >> (8 * half)) as u8;
+        let found: [Key; 8] = cast(_mm512_maskz_compress_epi64(hits, whole));
+        keys[count..count + 8].copy_from_slice(&found);
+        count += hits.count_ones() as usize;
+    }
+    count
 }

@@ -4,7 +4,10 @@
 
 #[cfg(target_arch = "x86_64")]
 use crate::index::compress;
+use crate::index::lanes::{Baseline, Lanes};
 use crate::index::layout::Item;
+#[cfg(target_arch = "x86_64")]
+use crate::index::{lanes::Distances, rank::Key};
 
 /// How far [`Isa::distribute`] came.
 #[derive(Clone, Copy, Debug, Default)]
@@ -112,7 +115,7 @@ impl Isa {
     #[inline]
     pub(crate) fn run<S: Search>(self, search: S) -> S::Output {
         match self {
-            Isa::Baseline => search.run(),
+            Isa::Baseline => search.run(Baseline),
             #[cfg(target_arch = "x86_64")]
             #[allow(
                 unsafe_code,
@@ -136,17 +139,54 @@ impl Isa {
 /// `#[inline(always)]`.
 pub(crate) trait Search {
     type Output;
-    fn run(self) -> Self::Output;
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
+}
+
+/// Only code compiled for AVX2 gets hold of this.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy)]
+struct Avx2(());
+
+#[cfg(target_arch = "x86_64")]
+impl Lanes for Avx2 {
+    #[inline(always)]
+    #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
+    fn at_most(self, d2: &Distances, limit: f32) -> u32 {
+        // SAFETY: whoever has `self` was compiled for AVX2.
+        unsafe { compress::at_most_of_eight_twice(d2, limit) }
+    }
+}
+
+/// Only code compiled for AVX-512 gets hold of this.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy)]
+struct Avx512(());
+
+#[cfg(target_arch = "x86_64")]
+impl Lanes for Avx512 {
+    #[inline(always)]
+    #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
+    fn at_most(self, d2: &Distances, limit: f32) -> u32 {
+        // SAFETY: whoever has `self` was compiled for AVX-512.
+        unsafe { compress::at_most_of_sixteen(d2, limit) }
+    }
+
+    #[inline(always)]
+    #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
+    fn append(self, keys: &mut [Key], hits: u32, first_slot: u32, d2: &Distances) -> usize {
+        // SAFETY: whoever has `self` was compiled for AVX-512.
+        unsafe { compress::append_by_eight(keys, hits, first_slot, d2) }
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
 fn avx2<S: Search>(search: S) -> S::Output {
-    search.run()
+    search.run(Avx2(()))
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt,lzcnt")]
 fn avx512<S: Search>(search: S) -> S::Output {
-    search.run()
+    search.run(Avx512(()))
 }

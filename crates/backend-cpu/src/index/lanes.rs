@@ -7,6 +7,8 @@
 //! needs no tolerance.
 
 use crate::index::layout::{Block, Node, WIDTH};
+use crate::index::rank::{Key, key};
+use photon_core::glam::Vec4;
 
 /// Sixteen squared distances.
 pub(crate) type Distances = [f32; WIDTH];
@@ -60,12 +62,36 @@ pub(crate) fn to_far_corners(node: &Node, query: [f32; 3]) -> Distances {
     d2
 }
 
-/// One bit for each lane that is at most `limit`.
-#[inline(always)]
-pub(crate) fn at_most(d2: &Distances, limit: f32) -> u32 {
-    let mut mask = 0;
-    for lane in 0..WIDTH {
-        mask |= u32::from(d2[lane] <= limit) << lane;
+/// What instruction sets do differently.
+pub(crate) trait Lanes: Copy {
+    /// One bit for each lane that is at most `limit`.
+    #[inline(always)]
+    fn at_most(self, d2: &Distances, limit: f32) -> u32 {
+        let limit = Vec4::splat(limit);
+        let mut mask = 0;
+        for four in 0..WIDTH / 4 {
+            mask |= Vec4::from_slice(&d2[4 * four..]).cmple(limit).bitmask() << (4 * four);
+        }
+        mask
     }
-    mask
+
+    /// Writes a key for each lane in `hits` to the front of `keys`, which has room for all sixteen; how many.
+    #[inline(always)]
+    fn append(self, keys: &mut [Key], hits: u32, first_slot: u32, d2: &Distances) -> usize {
+        let mut rest = hits;
+        let mut count = 0;
+        while rest != 0 {
+            let lane = rest.trailing_zeros();
+            rest &= rest - 1;
+            keys[count] = key(d2[lane as usize % WIDTH], first_slot + lane);
+            count += 1;
+        }
+        count
+    }
 }
+
+/// What every target has.
+#[derive(Clone, Copy)]
+pub(crate) struct Baseline;
+
+impl Lanes for Baseline {}

@@ -12,6 +12,7 @@
 //! Blocks are then sixteen consecutive points each, nodes sixteen consecutive blocks or nodes.
 
 use crate::index::dispatch::{Isa, Search};
+use crate::index::lanes::Lanes;
 use crate::index::layout::{Bounds, WIDTH};
 use crate::index::radix::{self, Keyed};
 use rayon::prelude::*;
@@ -46,7 +47,7 @@ impl Search for Encode<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<L: Lanes>(self, _: L) {
         let Encode { grid, points, mut first, keyed } = self;
         let mut eights = points.chunks_exact(8);
         let mut out = keyed.chunks_exact_mut(8);

@@ -8,10 +8,10 @@
 //! are found.
 
 use crate::index::dispatch::Search;
-use crate::index::lanes::{at_most, to_boxes, to_points};
+use crate::index::lanes::{Lanes, to_boxes, to_points};
 use crate::index::layout::{LEAF, Tree, WIDTH};
 use crate::index::range::blocks_within;
-use crate::index::rank::{Key, d2_bits, keep_lowest, key, settle_ties, slot, sort};
+use crate::index::rank::{Key, d2_bits, keep_lowest, settle_ties, slot, sort_lowest};
 
 /// One of the points nearest to a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,14 +73,14 @@ impl Neighbours {
         // By the triangle inequality this radius holds k points (but for rounding, and for points that
         // `accept` turns away), and is the better choice after a small step.
         let sure = hint.r2.sqrt() + moved.sqrt();
-        let likely = hint.r2 * MARGIN;
+        let likely = hint.r2 * (1.0 + MARGIN / (k as f32).sqrt());
         Some(if sure * sure < likely { sure * sure * 1.000_01 } else { likely })
     }
 }
 
-/// By how much a guessed squared radius exceeds the last one: the spread of the count of k = 50 points
-/// is a seventh, and a second attempt costs more than a quarter more points.
-const MARGIN: f32 = 1.25;
+/// By how many standard deviations a guessed squared radius exceeds the last one: a second attempt costs more
+/// than these few points more. Of a count of k the relative deviation is 1/√k.
+const MARGIN: f32 = 1.8;
 
 /// The search for the nearest.
 pub(crate) struct Nearest<'a, A> {
@@ -92,96 +92,94 @@ pub(crate) struct Nearest<'a, A> {
     pub(crate) out: &'a mut Neighbours,
 }
 
-impl<A: FnMut(u32) -> bool> Search for Nearest<'_, A> {
+impl<A: Accept> Search for Nearest<'_, A> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
-        let out = &mut *self.out;
+    fn run<L: Lanes>(self, lanes: L) {
+        let Nearest { tree, query, k, max_r2, mut accept, out } = self;
         out.found.clear();
         out.keys.clear();
-        if self.tree.nodes.is_empty() || self.k == 0 || !(self.max_r2 >= 0.0) || self.query.iter().any(|c| c.is_nan()) {
+        if tree.nodes.is_empty() || k == 0 || !(max_r2 >= 0.0) || query.iter().any(|c| c.is_nan()) {
             return;
         }
-        let k = self.k.min(self.tree.order.len());
-        let cap = 4 * k + 64;
-        // Where the ranking may expect the greatest distance.
-        let mut reach = f32::INFINITY;
-        let mut complete = false;
-        let mut bound = self.max_r2;
-        let mut guess = out.guess(self.query, self.k).unwrap_or(f32::INFINITY);
+        let wanted = k.min(tree.order.len());
+        let mut bound = max_r2;
+        // What the ranking may take for the greatest distance.
+        let mut reach = None;
+        let mut guess = out.guess(query, k);
         for _ in 0..3 {
-            if guess == f32::INFINITY {
+            let Some(r2) = guess else {
                 break;
-            }
-            let last = !(guess < self.max_r2);
-            let r2 = if last { self.max_r2 } else { guess };
-            out.keys.clear();
-            let keys = &mut out.keys;
-            let accept = &mut self.accept;
-            blocks_within(self.tree, self.query, r2, |block, mut hits, d2| {
-                while hits != 0 {
-                    let lane = hits.trailing_zeros();
-                    hits &= hits - 1;
-                    let slot = block * WIDTH as u32 + lane;
-                    if accept(slot) {
-                        keys.push(key(d2[lane as usize % WIDTH], slot));
-                    }
-                }
-                keys.len() <= cap
-            });
-            let found = out.keys.len();
-            if found > cap {
+            };
+            let last = !(r2 < max_r2);
+            let r2 = if last { max_r2 } else { r2 };
+            let most = 4 * wanted + 64;
+            let found = collect(lanes, tree, query, r2, most, &mut accept, &mut out.keys);
+            if found > most {
                 // Far too many: the k-th of those seen bounds the true one.
-                keep_lowest(&mut out.keys, k, &self.tree.order);
+                keep_lowest(&mut out.keys, wanted, &tree.order);
                 bound = out.keys.last().map_or(bound, |&last| f32::from_bits(d2_bits(last)));
                 break;
             }
-            if found >= k || last {
-                complete = true;
-                reach = r2;
+            if found >= wanted || last {
+                reach = Some(r2);
                 break;
             }
-            guess *= (1.4 * k as f32 / found.max(1) as f32).clamp(1.5, 8.0);
+            guess = Some(r2 * (1.4 * wanted as f32 / found.max(1) as f32).clamp(1.5, 8.0));
         }
-        if !complete {
-            shrink(self.tree, self.query, k, bound, &mut self.accept, out);
-            reach = bound;
-        }
-        if out.keys.len() > k {
-            keep_lowest(&mut out.keys, k, &self.tree.order);
-            reach = out.keys.last().map_or(reach, |&last| f32::from_bits(d2_bits(last)));
-        }
-        sort(&mut out.keys, &mut out.sorted, reach);
-        settle_ties(&mut out.keys, &self.tree.order);
+        let reach = reach.unwrap_or_else(|| {
+            shrink(lanes, tree, query, wanted, bound, &mut accept, out);
+            let greatest = out.keys.iter().max().map_or(0, |&key| d2_bits(key));
+            f32::from_bits(greatest)
+        });
+        sort_lowest(&mut out.keys, &mut out.sorted, wanted, reach);
+        settle_ties(&mut out.keys, &tree.order);
+        out.keys.truncate(wanted);
         out.found.extend(out.keys.iter().map(|&key| Neighbour {
             d2: f32::from_bits(d2_bits(key)),
-            id: self.tree.order[slot(key) as usize],
+            id: tree.order[slot(key) as usize],
             slot: slot(key),
         }));
         out.hint = match out.found.last() {
-            Some(last) if out.found.len() == self.k => Some(Hint { query: self.query, k: self.k, r2: last.d2 }),
-            _ if self.max_r2 < f32::INFINITY => Some(Hint { query: self.query, k: self.k, r2: self.max_r2 }),
+            Some(last) if out.found.len() == k => Some(Hint { query, k, r2: last.d2 }),
+            _ if max_r2 < f32::INFINITY => Some(Hint { query, k, r2: max_r2 }),
             _ => None,
         };
     }
 }
 
-/// Collects into `out.keys` the k nearest within `bound`, and perhaps others, from near to far.
+/// Leaves in `keys` the accepted points within `r2`, or more than `most` of them; how many.
 #[inline(always)]
-fn shrink(
+fn collect<L: Lanes>(
+    lanes: L,
     tree: &Tree,
     query: [f32; 3],
-    k: usize,
-    bound: f32,
-    accept: &mut impl FnMut(u32) -> bool,
-    out: &mut Neighbours,
-) {
+    r2: f32,
+    most: usize,
+    accept: &mut impl Accept,
+    keys: &mut Vec<Key>,
+) -> usize {
+    // Room for the block that goes beyond, and for vectors that reach beyond that.
+    keys.resize(most + 2 * WIDTH + 1, 0);
+    let mut found = 0;
+    blocks_within(lanes, tree, query, r2, |block, hits, d2| {
+        let first = block * WIDTH as u32;
+        found += lanes.append(&mut keys[found..], accept.among(hits, first), first, d2);
+        found <= most
+    });
+    keys.truncate(found);
+    found
+}
+
+/// Collects into `out.keys` the k nearest within `bound`, and perhaps others, from near to far.
+#[inline(always)]
+fn shrink<L: Lanes>(lanes: L, tree: &Tree, query: [f32; 3], k: usize, bound: f32, accept: &mut impl Accept, out: &mut Neighbours) {
     let Neighbours { keys, stack, .. } = out;
     keys.clear();
     stack.clear();
     stack.push((0.0, 0));
-    let cap = 2 * k + 32;
+    let most = 2 * k + 32;
     // Beyond this distance, or at it with a greater id, nothing matters any more.
     let (mut bound, mut bound_id) = (bound, u32::MAX);
     while let Some((d2, child)) = stack.pop() {
@@ -195,16 +193,15 @@ fn shrink(
         }
         if leaf {
             let d2 = to_points(&tree.blocks[number], query);
-            let mut hits = at_most(&d2, bound);
-            while hits != 0 {
-                let lane = hits.trailing_zeros();
-                hits &= hits - 1;
-                let slot = number as u32 * WIDTH as u32 + lane;
-                if accept(slot) {
-                    keys.push(key(d2[lane as usize % WIDTH], slot));
-                }
+            let hits = lanes.at_most(&d2, bound);
+            if hits == 0 {
+                continue;
             }
-            if keys.len() > cap {
+            let (first, found) = (number as u32 * WIDTH as u32, keys.len());
+            keys.resize(found + WIDTH, 0);
+            let added = lanes.append(&mut keys[found..], accept.among(hits, first), first, &d2);
+            keys.truncate(found + added);
+            if keys.len() > most {
                 keep_lowest(keys, k, &tree.order);
                 if let Some(&last) = keys.last() {
                     bound = f32::from_bits(d2_bits(last));
@@ -214,7 +211,7 @@ fn shrink(
         } else {
             let node = &tree.nodes[number];
             let d2 = to_boxes(node, query);
-            let mut hits = at_most(&d2, bound);
+            let mut hits = lanes.at_most(&d2, bound);
             let first = stack.len();
             while hits != 0 {
                 // From the last lane, so that of equally near children the first ends on top.
@@ -231,5 +228,39 @@ fn shrink(
                 stack[at] = entry;
             }
         }
+    }
+}
+
+/// Which points may be found.
+pub(crate) trait Accept {
+    /// Those of the `hits` in a block, whose first slot is `first`, that are accepted.
+    fn among(&mut self, hits: u32, first: u32) -> u32;
+}
+
+/// All.
+pub(crate) struct All;
+
+impl Accept for All {
+    #[inline(always)]
+    fn among(&mut self, hits: u32, _: u32) -> u32 {
+        hits
+    }
+}
+
+/// Those for whose slot a function is true.
+pub(crate) struct If<F>(pub(crate) F);
+
+impl<F: FnMut(u32) -> bool> Accept for If<F> {
+    #[inline(always)]
+    fn among(&mut self, hits: u32, first: u32) -> u32 {
+        let (mut rest, mut accepted) = (hits, hits);
+        while rest != 0 {
+            let lane = rest.trailing_zeros();
+            rest &= rest - 1;
+            if !(self.0)(first + lane) {
+                accepted &= !(1 << lane);
+            }
+        }
+        accepted
     }
 }

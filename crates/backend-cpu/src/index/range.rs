@@ -1,14 +1,15 @@
 //! All points within a radius.
 
 use crate::index::dispatch::Search;
-use crate::index::lanes::{Distances, at_most, to_boxes, to_far_corners, to_points};
+use crate::index::lanes::{Distances, Lanes, to_boxes, to_far_corners, to_points};
 use crate::index::layout::{LEAF, MAX_DEPTH, Tree, WIDTH};
 
 /// Calls `found` for every block with a point within `r2`: its number, which of its lanes are, and the
 /// squared distances of all lanes. Blocks come in an order that only tree, query and radius decide.
 /// Ends early when `found` returns false.
 #[inline(always)]
-pub(crate) fn blocks_within(
+pub(crate) fn blocks_within<L: Lanes>(
+    lanes: L,
     tree: &Tree,
     query: [f32; 3],
     r2: f32,
@@ -20,7 +21,7 @@ pub(crate) fn blocks_within(
     // One level each: the node, and the children of it that are still to be visited.
     let mut stack = [(0_u32, 0_u32); MAX_DEPTH];
     let mut depth = 0;
-    let (mut node, mut mask) = (root, at_most(&to_boxes(root, query), r2));
+    let (mut node, mut mask) = (root, lanes.at_most(&to_boxes(root, query), r2));
     let mut number = 0;
     loop {
         while mask == 0 {
@@ -37,7 +38,7 @@ pub(crate) fn blocks_within(
         if child & LEAF != 0 {
             let block = child & !LEAF;
             let d2 = to_points(&tree.blocks[block as usize], query);
-            let hits = at_most(&d2, r2);
+            let hits = lanes.at_most(&d2, r2);
             if hits != 0 && !found(block, hits, &d2) {
                 return;
             }
@@ -48,32 +49,36 @@ pub(crate) fn blocks_within(
             }
             number = child;
             node = &tree.nodes[number as usize];
-            mask = at_most(&to_boxes(node, query), r2);
+            mask = lanes.at_most(&to_boxes(node, query), r2);
         }
     }
 }
 
-/// Calls `visit` with slot and squared distance of every point within `r2`.
-pub(crate) struct Within<'a, V> {
+/// Folds slot and squared distance of every point within `r2` into `state`.
+pub(crate) struct Within<'a, T, F> {
     pub(crate) tree: &'a Tree,
     pub(crate) query: [f32; 3],
     pub(crate) r2: f32,
-    pub(crate) visit: V,
+    pub(crate) state: T,
+    pub(crate) fold: F,
 }
 
-impl<V: FnMut(u32, f32)> Search for Within<'_, V> {
-    type Output = ();
+impl<T, F: FnMut(T, u32, f32) -> T> Search for Within<'_, T, F> {
+    type Output = T;
 
     #[inline(always)]
-    fn run(mut self) {
-        blocks_within(self.tree, self.query, self.r2, |block, mut hits, d2| {
+    fn run<L: Lanes>(mut self, lanes: L) -> T {
+        // By value through the loop, for it to stay in registers.
+        let mut state = Some(self.state);
+        blocks_within(lanes, self.tree, self.query, self.r2, |block, mut hits, d2| {
             while hits != 0 {
                 let lane = hits.trailing_zeros();
                 hits &= hits - 1;
-                (self.visit)(block * WIDTH as u32 + lane, d2[lane as usize % WIDTH]);
+                state = state.take().map(|s| (self.fold)(s, block * WIDTH as u32 + lane, d2[lane as usize % WIDTH]));
             }
             true
         });
+        state.expect("put back after every point")
     }
 }
 
@@ -88,7 +93,7 @@ impl Search for Count<'_> {
     type Output = u32;
 
     #[inline(always)]
-    fn run(self) -> u32 {
+    fn run<L: Lanes>(self, lanes: L) -> u32 {
         let Count { tree, query, r2 } = self;
         if tree.nodes.is_empty() {
             return 0;
@@ -99,8 +104,8 @@ impl Search for Count<'_> {
         let mut number = 0;
         let enter = |number: u32, total: &mut u32| {
             let node = &tree.nodes[number as usize];
-            let touched = at_most(&to_boxes(node, query), r2);
-            let mut inside = at_most(&to_far_corners(node, query), r2);
+            let touched = lanes.at_most(&to_boxes(node, query), r2);
+            let mut inside = lanes.at_most(&to_far_corners(node, query), r2);
             let rest = touched & !inside;
             while inside != 0 {
                 let lane = inside.trailing_zeros() as usize;
@@ -129,7 +134,7 @@ impl Search for Count<'_> {
             let child = tree.nodes[number as usize].child[lane % WIDTH];
             if child & LEAF != 0 {
                 let d2 = to_points(&tree.blocks[(child & !LEAF) as usize], query);
-                total += at_most(&d2, r2).count_ones();
+                total += lanes.at_most(&d2, r2).count_ones();
             } else {
                 if mask != 0 {
                     stack[depth] = (number, mask);

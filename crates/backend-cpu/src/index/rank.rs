@@ -1,5 +1,7 @@
 //! Candidates: points found so far, as one integer each, and their ranking.
 
+use std::ops::AddAssign;
+
 /// Squared distance above, slot below: as squared distances are not negative, integers order as they do.
 pub(crate) type Key = u64;
 
@@ -31,52 +33,86 @@ pub(crate) fn keep_lowest(keys: &mut Vec<Key>, k: usize, order: &[u32]) {
     keys.truncate(k);
 }
 
-/// Below this many keys per bucket the sort by buckets beats one by comparisons.
-const CROWDED: usize = 24;
+/// Leaves in `keys`, sorted, the `k` lowest at least, and perhaps some more, up to the end of a tie.
+///
+/// Quickest if squared distances spread evenly over [0, `r2`], as those of photons on a surface do; right in
+/// any case.
+pub(crate) fn sort_lowest(keys: &mut Vec<Key>, scratch: &mut Vec<Key>, k: usize, r2: f32) {
+    match keys.len() {
+        0..12 => keys.sort_unstable(),
+        12..256 => sort_by_buckets::<u8, 256>(keys, scratch, k, r2, |counts| {
+            // Eight bytes at a time: the product's bytes are the sums of the factor's bytes up to there.
+            const ONES: u64 = 0x0101_0101_0101_0101;
+            let mut before = 0_u64;
+            for eight in counts.as_chunks_mut::<8>().0 {
+                let sums = u64::from_le_bytes(*eight).wrapping_mul(ONES);
+                *eight = (sums << 8).wrapping_add(before.wrapping_mul(ONES)).to_le_bytes();
+                before += sums >> 56;
+            }
+        }),
+        256..4096 => sort_by_buckets::<u16, 1024>(keys, scratch, k, r2, |counts| {
+            let mut sum = 0;
+            for count in counts {
+                sum += std::mem::replace(count, sum);
+            }
+        }),
+        _ => keys.sort_unstable(),
+    }
+}
 
-/// Sorts keys whose squared distances spread evenly over [0, `r2`], as those of photons on a surface do.
-/// Others come out sorted as well, only later.
-pub(crate) fn sort(keys: &mut Vec<Key>, scratch: &mut Vec<Key>, r2: f32) {
-    const BUCKETS: usize = 256;
-    let scale = BUCKETS as f32 / r2;
-    if keys.len() < 24 || keys.len() > 1024 || !(scale > 0.0 && scale < f32::INFINITY) {
+/// The sort of [`sort_lowest`] with counters that hold `keys.len()`; `sum_before` replaces each count by the sum
+/// of those before it.
+#[inline(always)]
+fn sort_by_buckets<C: Copy + Default + From<u8> + AddAssign + Into<usize>, const BUCKETS: usize>(
+    keys: &mut Vec<Key>,
+    scratch: &mut Vec<Key>,
+    k: usize,
+    r2: f32,
+    sum_before: impl Fn(&mut [C; BUCKETS]),
+) {
+    let scale = (BUCKETS - 1) as f32 / r2;
+    if !(scale > 0.0 && scale < f32::INFINITY) {
         keys.sort_unstable();
         return;
     }
-    let bucket = |key: Key| ((f32::from_bits(d2_bits(key)) * scale) as usize).min(BUCKETS - 1);
-    let mut start = [0_u16; BUCKETS];
+    // In this range the low bits of the sum are the integer nearest to what is added to 2²³.
+    let bucket = |key: Key| ((f32::from_bits(d2_bits(key)) * scale + 8_388_608.0).to_bits() as usize) & (BUCKETS - 1);
+    let mut next = [C::default(); BUCKETS];
     for &key in keys.iter() {
-        start[bucket(key)] += 1;
+        next[bucket(key)] += C::from(1);
     }
-    let (mut sum, mut crowd) = (0, 0);
-    for count in &mut start {
-        let own = *count;
-        crowd = crowd.max(own);
-        *count = sum;
-        sum += own;
+    sum_before(&mut next);
+    if scratch.len() < keys.len() {
+        scratch.resize(keys.len(), 0);
     }
-    if usize::from(crowd) > CROWDED {
-        keys.sort_unstable();
-        return;
-    }
-    scratch.clear();
-    scratch.resize(keys.len(), 0);
+    let all = &mut scratch[..keys.len()];
     for &key in keys.iter() {
-        let at = &mut start[bucket(key)];
-        scratch[usize::from(*at)] = key;
-        *at += 1;
+        let at = &mut next[bucket(key)];
+        all[(*at).into()] = key;
+        *at += C::from(1);
     }
-    std::mem::swap(keys, scratch);
-    // Only neighbours in one bucket can still be out of order.
-    for at in 1..keys.len() {
-        let key = keys[at];
+    // Those in buckets after the one with the k-th are not among the k lowest.
+    let end = if k < all.len() { next[bucket(all[k - 1])].into() } else { all.len() };
+    let lowest = &mut all[..end];
+    // Only keys in one bucket can still be out of order.
+    let mut patience = 8 * lowest.len();
+    for at in 1..lowest.len() {
+        let key = lowest[at];
         let mut to = at;
-        while to > 0 && keys[to - 1] > key {
-            keys[to] = keys[to - 1];
+        while to > 0 && lowest[to - 1] > key {
+            lowest[to] = lowest[to - 1];
             to -= 1;
         }
-        keys[to] = key;
+        lowest[to] = key;
+        if at - to > patience {
+            // Crowded buckets.
+            lowest.sort_unstable();
+            break;
+        }
+        patience -= at - to;
     }
+    keys.clear();
+    keys.extend_from_slice(lowest);
 }
 
 /// Puts the ids of equal distances, which stand sorted by slot, in ascending order.

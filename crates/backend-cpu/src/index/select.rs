@@ -6,6 +6,7 @@
 //! without a sort.
 
 use crate::index::dispatch::{Collected, Distributed, Isa, Search};
+use crate::index::lanes::Lanes;
 use crate::index::layout::Item;
 
 /// Up to this many, all are compared with all; with vectors of eight and more, up to twice as many.
@@ -56,7 +57,7 @@ impl<const AXIS: usize> Search for Split<'_, AXIS> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<L: Lanes>(self, _: L) {
         split_along::<AXIS>(self.from, self.to, self.left, self.scratch);
     }
 }

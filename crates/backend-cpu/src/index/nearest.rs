@@ -42,6 +42,8 @@ struct Hint {
     k: usize,
     /// Squared distance of the k-th.
     r2: f32,
+    /// Whether the search before had found it about as far.
+    steady: bool,
 }
 
 impl Neighbours {
@@ -66,8 +68,8 @@ impl Neighbours {
         }
         let [dx, dy, dz] = [query[0] - hint.query[0], query[1] - hint.query[1], query[2] - hint.query[2]];
         let moved = dx * dx + dy * dy + dz * dz;
-        // Far away the last radius says nothing.
-        if !(moved <= 4.0 * hint.r2) {
+        // Far away the last radius says something only where density is even.
+        if !(moved <= 4.0 * hint.r2 || hint.steady) {
             return None;
         }
         // By the triangle inequality this radius holds k points (but for rounding, and for points that
@@ -141,11 +143,13 @@ impl<A: Accept> Search for Nearest<'_, A> {
             id: tree.order[slot(key) as usize],
             slot: slot(key),
         }));
-        out.hint = match out.found.last() {
-            Some(last) if out.found.len() == k => Some(Hint { query, k, r2: last.d2 }),
-            _ if max_r2 < f32::INFINITY => Some(Hint { query, k, r2: max_r2 }),
-            _ => None,
+        let r2 = match out.found.last() {
+            Some(last) if out.found.len() == k => last.d2,
+            // Fewer than k within this radius: it is the one to try again.
+            _ => max_r2,
         };
+        let steady = out.hint.is_some_and(|before| r2 < 2.0 * before.r2 && before.r2 < 2.0 * r2);
+        out.hint = (r2 < f32::INFINITY).then_some(Hint { query, k, r2, steady });
     }
 }
 

@@ -17,7 +17,8 @@ use std::time::Instant;
 
 fn main() {
     let setting = |name: &str, default: usize| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
-    let (count, queries, rounds) = (setting("KNN_POINTS", 1_000_000), setting("KNN_QUERIES", 100_000), setting("KNN_ROUNDS", 5));
+    let (count, queries, rounds) =
+        (setting("KNN_POINTS", 1_000_000), setting("KNN_QUERIES", 100_000), setting("KNN_ROUNDS", 5));
     let side = (queries as f64).sqrt().ceil() as usize;
     // One thread for both sides, in queries and builds.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
@@ -71,7 +72,7 @@ impl Contestant for Ours {
     fn nearest(&self, queries: &[[f32; 3]], k: usize) -> f64 {
         let (mut found, mut sum) = (Neighbours::new(), 0.0);
         for &query in queries {
-            self.index().nearest(query, k, f32::INFINITY, |_| true, &mut found);
+            self.index().nearest_of_all(query, k, f32::INFINITY, &mut found);
             for n in found.as_slice() {
                 sum += f64::from(n.d2) + f64::from(n.id);
             }
@@ -82,9 +83,8 @@ impl Contestant for Ours {
     fn within(&self, queries: &[[f32; 3]], r2: f32) -> (f64, u64) {
         let (mut sum, mut count) = (0.0, 0);
         for &query in queries {
-            self.index().within(query, r2, |slot, d2| {
-                sum += f64::from(d2) + f64::from(slot);
-                count += 1;
+            (sum, count) = self.index().fold_within(query, r2, (sum, count), |(sum, count), slot, d2| {
+                (sum + f64::from(d2) + f64::from(slot), count + 1)
             });
         }
         (sum, count)
@@ -92,7 +92,7 @@ impl Contestant for Ours {
 
     fn distances(&self, query: [f32; 3], k: usize) -> Vec<f32> {
         let mut found = Neighbours::new();
-        self.index().nearest(query, k, f32::INFINITY, |_| true, &mut found);
+        self.index().nearest_of_all(query, k, f32::INFINITY, &mut found);
         found.as_slice().iter().map(|n| n.d2).collect()
     }
 }
@@ -123,7 +123,8 @@ macro_rules! kiddo_tree {
                 let mut scratch = tree.create_scratch::<SquaredEuclidean<f32>>();
                 let mut sum = 0.0;
                 for query in queries {
-                    let found = tree.query(query).nearest_n::<SquaredEuclidean<f32>>(k).with_scratch(&mut scratch).execute();
+                    let found =
+                        tree.query(query).nearest_n::<SquaredEuclidean<f32>>(k).with_scratch(&mut scratch).execute();
                     for n in &found {
                         sum += f64::from(n.distance) + f64::from(n.item);
                     }
@@ -136,10 +137,12 @@ macro_rules! kiddo_tree {
                 let mut scratch = tree.create_scratch::<SquaredEuclidean<f32>>();
                 let (mut sum, mut count) = (0.0, 0);
                 for query in queries {
-                    tree.query(query).within::<SquaredEuclidean<f32>>(r2).unsorted().with_scratch(&mut scratch).visit(|n| {
-                        sum += f64::from(n.distance) + f64::from(n.item);
-                        count += 1;
-                    });
+                    tree.query(query).within::<SquaredEuclidean<f32>>(r2).unsorted().with_scratch(&mut scratch).visit(
+                        |n| {
+                            sum += f64::from(n.distance) + f64::from(n.item);
+                            count += 1;
+                        },
+                    );
                 }
                 (sum, count)
             }
@@ -208,7 +211,8 @@ fn workload(name: &str, points: &[[f32; 3]], queries: &[[f32; 3]], rounds: usize
     }
     for target in [50, 200] {
         // The radius that holds that many on average over some queries.
-        let mut radii: Vec<f32> = queries.iter().step_by(97).map(|&q| shared[0].distances(q, target)[target - 1]).collect();
+        let mut radii: Vec<f32> =
+            queries.iter().step_by(97).map(|&q| shared[0].distances(q, target)[target - 1]).collect();
         radii.sort_by(f32::total_cmp);
         let r2 = radii[radii.len() / 2];
         let (mut low, mut high) = (u64::MAX, 0);

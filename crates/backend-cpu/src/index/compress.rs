@@ -3,17 +3,20 @@
 //! The loops over all points of a segment that `select` consists of go as far as whole vectors reach and
 //! say how far; plain loops do the rest, and the same from the start where there are no such vectors.
 
-use crate::index::dispatch::{Collected, Distributed};
-use crate::index::lanes::Distances;
+use crate::index::lanes::{Collected, Distances, Distributed};
 use crate::index::layout::Item;
 use crate::index::rank::Key;
 use bytemuck::cast;
 use std::arch::x86_64::*;
 
-/// Copies points to `to`, in their order: those at most at `last` along `AXIS` from the start on, the others
-/// from `left` on.
+/// [`Lanes::distribute`](crate::index::lanes::Lanes::distribute).
 #[target_feature(enable = "avx512f,popcnt")]
-pub(crate) fn distribute_by_four<const AXIS: usize>(from: &[Item], to: &mut [Item], left: usize, last: f32) -> Distributed {
+pub(crate) fn distribute_by_four<const AXIS: usize>(
+    from: &[Item],
+    to: &mut [Item],
+    left: usize,
+    last: f32,
+) -> Distributed {
     let cut = _mm512_set1_ps(last);
     let (mut done, mut next_left) = (0, 0);
     let (fours, _) = from.as_chunks::<4>();
@@ -38,33 +41,7 @@ pub(crate) fn distribute_by_four<const AXIS: usize>(from: &[Item], to: &mut [Ite
     Distributed { done, went_left: next_left }
 }
 
-/// [`distribute_by_four`] for AVX2.
-#[target_feature(enable = "avx2,popcnt")]
-pub(crate) fn distribute_by_two<const AXIS: usize>(from: &[Item], to: &mut [Item], left: usize, last: f32) -> Distributed {
-    let cut = _mm256_set1_ps(last);
-    let (mut done, mut next_left) = (0, 0);
-    let (pairs, _) = from.as_chunks::<2>();
-    for &pair in pairs {
-        let next_right = left + done - next_left;
-        if next_left + 2 > left || next_right + 2 > to.len() {
-            break;
-        }
-        let points: __m256 = cast(pair.map(|item| item.0));
-        let swapped = _mm256_permute2f128_ps::<1>(points, points);
-        let compared = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(points, cut)) as usize >> AXIS;
-        let (first, second) = (compared & 1, compared >> 4 & 1);
-        // Whoever is alone on a side must be in front there.
-        let low: [[f32; 4]; 2] = cast(if first < second { swapped } else { points });
-        let high: [[f32; 4]; 2] = cast(if first > second { swapped } else { points });
-        to[next_left..next_left + 2].copy_from_slice(&low.map(Item));
-        to[next_right..next_right + 2].copy_from_slice(&high.map(Item));
-        next_left += first + second;
-        done += 2;
-    }
-    Distributed { done, went_left: next_left }
-}
-
-/// Collects the coordinates along `AXIS` that are in [`low`, `high`]. `keys` must be four longer than `items`.
+/// [`Lanes::collect`](crate::index::lanes::Lanes::collect).
 #[target_feature(enable = "avx512f,popcnt")]
 pub(crate) fn collect_by_four<const AXIS: usize>(items: &[Item], keys: &mut [f32], low: f32, high: f32) -> Collected {
     let (low, high) = (_mm512_set1_ps(low), _mm512_set1_ps(high));

@@ -2,32 +2,14 @@
 //! AVX-512, and which of them runs is decided when an index is built. None of them fuses or reorders
 //! floating-point operations, so that results are the same bits.
 
-#[cfg(target_arch = "x86_64")]
-use crate::index::compress;
 use crate::index::lanes::{Baseline, Lanes};
-use crate::index::layout::Item;
 #[cfg(target_arch = "x86_64")]
-use crate::index::{lanes::Distances, rank::Key};
-
-/// How far [`Isa::distribute`] came.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Distributed {
-    /// Points done.
-    pub(crate) done: usize,
-    /// How many of those went left.
-    pub(crate) went_left: usize,
-}
-
-/// How far [`Isa::collect`] came.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Collected {
-    /// Points done.
-    pub(crate) done: usize,
-    /// How many of those were below the range.
-    pub(crate) below: usize,
-    /// How many were in it.
-    pub(crate) inside: usize,
-}
+use crate::index::{
+    compress,
+    lanes::{Collected, Distances, Distributed},
+    layout::Item,
+    rank::Key,
+};
 
 /// What the processor offers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,36 +61,6 @@ impl Isa {
             Isa::Avx512 => all.extend([Isa::Avx2, Isa::Avx512]),
         }
         all
-    }
-
-    /// Copies points to `to`, in their order: those at most at `last` along `AXIS` from the start on, the others
-    /// from `left` on; as many as vectors reach.
-    #[inline(always)]
-    pub(crate) fn distribute<const AXIS: usize>(self, from: &[Item], to: &mut [Item], left: usize, last: f32) -> Distributed {
-        match self {
-            Isa::Baseline => Distributed::default(),
-            // SAFETY: as in `run`.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code, reason = "see `run`")]
-            Isa::Avx2 => unsafe { compress::distribute_by_two::<AXIS>(from, to, left, last) },
-            // SAFETY: as in `run`.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code, reason = "see `run`")]
-            Isa::Avx512 => unsafe { compress::distribute_by_four::<AXIS>(from, to, left, last) },
-        }
-    }
-
-    /// Collects the coordinates along `AXIS` that are in [`low`, `high`], of as many points as vectors reach.
-    /// `to` is at least four longer than `items`.
-    #[inline(always)]
-    pub(crate) fn collect<const AXIS: usize>(self, items: &[Item], to: &mut [f32], low: f32, high: f32) -> Collected {
-        match self {
-            // SAFETY: as in `run`.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code, reason = "see `run`")]
-            Isa::Avx512 => unsafe { compress::collect_by_four::<AXIS>(items, to, low, high) },
-            _ => Collected::default(),
-        }
     }
 
     /// Runs `search` compiled for this instruction set.
@@ -164,6 +116,8 @@ struct Avx512(());
 
 #[cfg(target_arch = "x86_64")]
 impl Lanes for Avx512 {
+    const WIDE: bool = true;
+
     #[inline(always)]
     #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
     fn at_most(self, d2: &Distances, limit: f32) -> u32 {
@@ -176,6 +130,20 @@ impl Lanes for Avx512 {
     fn append(self, keys: &mut [Key], hits: u32, first_slot: u32, d2: &Distances) -> usize {
         // SAFETY: whoever has `self` was compiled for AVX-512.
         unsafe { compress::append_by_eight(keys, hits, first_slot, d2) }
+    }
+
+    #[inline(always)]
+    #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
+    fn distribute<const AXIS: usize>(self, from: &[Item], to: &mut [Item], left: usize, last: f32) -> Distributed {
+        // SAFETY: whoever has `self` was compiled for AVX-512.
+        unsafe { compress::distribute_by_four::<AXIS>(from, to, left, last) }
+    }
+
+    #[inline(always)]
+    #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
+    fn collect<const AXIS: usize>(self, items: &[Item], to: &mut [f32], low: f32, high: f32) -> Collected {
+        // SAFETY: whoever has `self` was compiled for AVX-512.
+        unsafe { compress::collect_by_four::<AXIS>(items, to, low, high) }
     }
 }
 

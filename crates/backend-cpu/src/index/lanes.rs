@@ -6,7 +6,7 @@
 //! above that of a point in it, nor below it from its farthest: pruning by boxes loses nothing and
 //! needs no tolerance.
 
-use crate::index::layout::{Block, Node, WIDTH};
+use crate::index::layout::{Block, Item, Node, WIDTH};
 use crate::index::rank::{Key, key};
 use photon_core::glam::Vec4;
 
@@ -64,6 +64,9 @@ pub(crate) fn to_far_corners(node: &Node, query: [f32; 3]) -> Distances {
 
 /// What instruction sets do differently.
 pub(crate) trait Lanes: Copy {
+    /// Whether one vector holds sixteen lanes.
+    const WIDE: bool = false;
+
     /// One bit for each lane that is at most `limit`.
     #[inline(always)]
     fn at_most(self, d2: &Distances, limit: f32) -> u32 {
@@ -88,6 +91,40 @@ pub(crate) trait Lanes: Copy {
         }
         count
     }
+
+    /// Copies points to `to`, in their order: those at most at `last` along `AXIS` from the start on, the others
+    /// from `left` on; as many as vectors reach.
+    #[inline(always)]
+    fn distribute<const AXIS: usize>(self, _from: &[Item], _to: &mut [Item], _left: usize, _last: f32) -> Distributed {
+        Distributed::default()
+    }
+
+    /// Collects the coordinates along `AXIS` that are in [`low`, `high`], of as many points as vectors reach.
+    /// `to` is at least four longer than `items`.
+    #[inline(always)]
+    fn collect<const AXIS: usize>(self, _items: &[Item], _to: &mut [f32], _low: f32, _high: f32) -> Collected {
+        Collected::default()
+    }
+}
+
+/// How far [`Lanes::distribute`] came.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Distributed {
+    /// Points done.
+    pub(crate) done: usize,
+    /// How many of those went left.
+    pub(crate) went_left: usize,
+}
+
+/// How far [`Lanes::collect`] came.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Collected {
+    /// Points done.
+    pub(crate) done: usize,
+    /// How many of those were below the range.
+    pub(crate) below: usize,
+    /// How many were in it.
+    pub(crate) inside: usize,
 }
 
 /// What every target has.

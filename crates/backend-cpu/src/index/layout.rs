@@ -226,7 +226,11 @@ pub(crate) fn lay_out(order: Vec<u32>, item: impl Fn(usize, u32) -> Item + Sync,
     let count = order.len().div_ceil(WIDTH);
     // In parallel, as the system hands out memory where it is first written.
     let (mut blocks, mut below) = (Vec::new(), Vec::new());
-    (0..count).into_par_iter().with_min_len(TASK).map(|_| (Block::EMPTY, (Bounds::NONE, Extra::NONE))).unzip_into_vecs(&mut blocks, &mut below);
+    (0..count)
+        .into_par_iter()
+        .with_min_len(TASK)
+        .map(|_| (Block::EMPTY, (Bounds::NONE, Extra::NONE)))
+        .unzip_into_vecs(&mut blocks, &mut below);
     blocks
         .par_chunks_mut(TASK)
         .zip(below.par_chunks_mut(TASK))

@@ -45,7 +45,10 @@ fn segment(items: &mut [Item], other: &mut [Item], in_place: bool, scratch: &mut
     // Recursion ends after 28 levels: 2³² points in blocks of 2⁴.
     if low.len() > TASK {
         let mut another = scratch.other();
-        rayon::join(|| segment(low, other_low, !in_place, scratch), || segment(high, other_high, !in_place, &mut another));
+        rayon::join(
+            || segment(low, other_low, !in_place, scratch),
+            || segment(high, other_high, !in_place, &mut another),
+        );
     } else {
         segment(low, other_low, !in_place, scratch);
         segment(high, other_high, !in_place, scratch);

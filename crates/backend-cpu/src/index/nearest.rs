@@ -178,7 +178,15 @@ fn collect<L: Lanes>(
 
 /// Collects into `out.keys` the k nearest within `bound`, and perhaps others, from near to far.
 #[inline(always)]
-fn shrink<L: Lanes>(lanes: L, tree: &Tree, query: [f32; 3], k: usize, bound: f32, accept: &mut impl Accept, out: &mut Neighbours) {
+fn shrink<L: Lanes>(
+    lanes: L,
+    tree: &Tree,
+    query: [f32; 3],
+    k: usize,
+    bound: f32,
+    accept: &mut impl Accept,
+    out: &mut Neighbours,
+) {
     let Neighbours { keys, stack, .. } = out;
     keys.clear();
     stack.clear();

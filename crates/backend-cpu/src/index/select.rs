@@ -5,11 +5,11 @@
 //! coordinates go to the left by lower ids without a comparison, and blocks end up in order of their ids
 //! without a sort.
 
-use crate::index::dispatch::{Collected, Distributed, Isa, Search};
-use crate::index::lanes::Lanes;
+use crate::index::dispatch::{Isa, Search};
+use crate::index::lanes::{Collected, Distributed, Lanes};
 use crate::index::layout::Item;
 
-/// Up to this many, all are compared with all; with vectors of eight and more, up to twice as many.
+/// Up to this many, all are compared with all; with vectors of sixteen, up to twice as many.
 const COMPARED: usize = 64;
 
 /// From this many, a sample narrows down the rank's coordinate.
@@ -57,8 +57,8 @@ impl<const AXIS: usize> Search for Split<'_, AXIS> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        split_along::<AXIS>(self.from, self.to, self.left, self.scratch);
+    fn run<L: Lanes>(self, lanes: L) {
+        split_along::<AXIS, L>(lanes, self.from, self.to, self.left, self.scratch);
     }
 }
 
@@ -76,20 +76,26 @@ fn coordinate(key: i32) -> f32 {
 }
 
 #[inline(always)]
-fn split_along<const AXIS: usize>(from: &[Item], to: &mut [Item], left: usize, scratch: &mut Scratch) {
+fn split_along<const AXIS: usize, L: Lanes>(
+    lanes: L,
+    from: &[Item],
+    to: &mut [Item],
+    left: usize,
+    scratch: &mut Scratch,
+) {
     let Cut { last, below, tied } = if from.len() <= COMPARED / 2 {
         cut_few::<AXIS, { COMPARED / 2 }>(from, left)
     } else if from.len() <= COMPARED {
         cut_few::<AXIS, COMPARED>(from, left)
-    } else if from.len() <= 2 * COMPARED && scratch.isa != Isa::Baseline {
+    } else if from.len() <= 2 * COMPARED && L::WIDE {
         cut_few::<AXIS, { 2 * COMPARED }>(from, left)
     } else {
-        cut_many::<AXIS>(from, left - 1, scratch)
+        cut_many::<AXIS, L>(lanes, from, left - 1, scratch)
     };
     let mut next_left = 0;
     if below + tied == left {
         // No tie goes through the cut.
-        let Distributed { done, went_left } = scratch.isa.distribute::<AXIS>(from, to, left, last);
+        let Distributed { done, went_left } = lanes.distribute::<AXIS>(from, to, left, last);
         next_left = went_left;
         for (at, item) in from.iter().enumerate().skip(done) {
             let goes_left = item.0[AXIS] <= last;
@@ -149,8 +155,8 @@ fn cut_few<const AXIS: usize, const MOST: usize>(from: &[Item], left: usize) -> 
 
 /// The cut whose `last` is the coordinate at `rank` in ascending order.
 #[inline(always)]
-fn cut_many<const AXIS: usize>(items: &[Item], rank: usize, scratch: &mut Scratch) -> Cut {
-    let Scratch { isa, coordinates, keys } = scratch;
+fn cut_many<const AXIS: usize, L: Lanes>(lanes: L, items: &[Item], rank: usize, scratch: &mut Scratch) -> Cut {
+    let Scratch { coordinates, keys, .. } = scratch;
     if items.len() >= SAMPLED {
         // Floyd and Rivest 1975: two sampled keys that most likely embrace the rank.
         let stride = (items.len() / 2048).max(16);
@@ -165,7 +171,7 @@ fn cut_many<const AXIS: usize>(items: &[Item], rank: usize, scratch: &mut Scratc
         if coordinates.len() < items.len() + 4 {
             coordinates.resize(items.len() + 4, 0.0);
         }
-        let Collected { done, mut below, mut inside } = isa.collect::<AXIS>(items, coordinates, low, high);
+        let Collected { done, mut below, mut inside } = lanes.collect::<AXIS>(items, coordinates, low, high);
         for item in &items[done..] {
             let c = item.0[AXIS];
             below += usize::from(c < low);

@@ -1,0 +1,66 @@
+//! Searches against brute force.
+
+use super::inputs::{point_sets, queries};
+use super::oracle::{Random, check};
+use super::{Isa, KINDS, Neighbours, PointIndex};
+
+#[test]
+fn searches_agree_with_brute_force() {
+    for (name, points) in point_sets() {
+        for kind in KINDS {
+            let first = PointIndex::build(&points, kind).expect("finite points");
+            let mut ids = first.order().to_vec();
+            ids.sort_unstable();
+            assert!(ids.iter().copied().eq(0..points.len() as u32), "{name} {kind:?}: a permutation");
+            for isa in Isa::all() {
+                let index = PointIndex::build_with(&points, kind, isa).expect("finite points");
+                assert_eq!(index.order(), first.order(), "{name} {kind:?} {isa:?}");
+                let mut found = Neighbours::new();
+                for query in queries(&points) {
+                    if let Err(difference) = check(&index, &points, query, &mut found) {
+                        panic!("{name}, {} points, {kind:?}, {isa:?}: {difference}", points.len());
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One point moved by a few units in the last place, one more, or two exchanged: the comparison must notice.
+#[test]
+fn the_comparison_can_fail() {
+    let mut random = Random(4);
+    let points: Vec<_> = (0..500).map(|_| random.point()).collect();
+    for kind in KINDS {
+        let index = PointIndex::build(&points, kind).expect("finite points");
+        let mut found = Neighbours::new();
+        let query = [0.5; 3];
+        assert_eq!(check(&index, &points, query, &mut found), Ok(()));
+        let mut moved = points.clone();
+        moved[123][1] = f32::from_bits(moved[123][1].to_bits() + 64);
+        assert!(check(&index, &moved, query, &mut found).is_err());
+        assert!(check(&index, &points[..499], query, &mut found).is_err());
+        let mut swapped = points.clone();
+        swapped.swap(7, 8);
+        assert!(check(&index, &swapped, query, &mut found).is_err());
+    }
+}
+
+/// A picture's worth of coherent and of jumping queries, where guesses are right, too small and too large.
+#[test]
+fn guesses_change_no_result() {
+    let points = super::inputs::caustic(20_000, 0.05);
+    for kind in KINDS {
+        let index = PointIndex::build(&points, kind).expect("finite points");
+        let (mut guided, mut random) = (Neighbours::new(), Random(6));
+        for step in 0..2_000 {
+            let t = step as f32 / 2_000.0;
+            let query = if step % 50 == 49 { random.point() } else { [t, 0.0, 0.7] };
+            let k = if step % 70 == 0 { 5 } else { 40 };
+            index.nearest(query, k, f32::INFINITY, |_| true, &mut guided);
+            let mut fresh = Neighbours::new();
+            index.nearest(query, k, f32::INFINITY, |_| true, &mut fresh);
+            assert_eq!(guided.as_slice(), fresh.as_slice(), "{kind:?} step {step}");
+        }
+    }
+}

@@ -6,6 +6,7 @@
 #![deny(unsafe_code)]
 
 mod builder;
+mod builtin;
 mod camera;
 mod describe;
 mod error;
@@ -15,11 +16,13 @@ mod load;
 mod normalise;
 mod report;
 mod scene;
+pub mod shapes;
 mod solids;
 mod validate;
 mod wide;
 
 pub use builder::{MaterialId, SceneBuilder};
+pub use builtin::{FurnaceShape, IntegratingSphere, builtin, builtin_names, furnace, plates};
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 pub use error::SceneError;
 #[cfg(feature = "files")]

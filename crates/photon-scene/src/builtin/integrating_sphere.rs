@@ -1,0 +1,77 @@
+//! The sphere that laboratories measure flux with.
+
+use super::add;
+use crate::builder::SceneBuilder;
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
+use crate::shapes::{area, flip, icosphere};
+use std::f64::consts::PI;
+
+/// A point light in a diffuse sphere about the origin.
+///
+/// Wherever the light is, what the wall receives from the wall is the same everywhere,
+/// [`IntegratingSphere::indirect_irradiance`]: between any two points of a sphere, cosines and
+/// distance cancel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IntegratingSphere {
+    /// Radius of the sphere that has the mesh's area, > 0.
+    pub radius: f64,
+    /// Albedo of the wall, in `[0, 1)`.
+    pub albedo: f64,
+    /// Where the light is; inside.
+    pub light: [f64; 3],
+    /// Radiant flux of the light, watts, the same in every channel.
+    pub power: f64,
+    /// The mesh has `20 · 4^subdivision` triangles.
+    pub subdivision: u32,
+}
+
+impl Default for IntegratingSphere {
+    /// One metre, 80 %, 100 W well off the centre, 20 480 triangles.
+    fn default() -> Self {
+        Self { radius: 1.0, albedo: 0.8, light: [0.3, 0.4, -0.2], power: 100.0, subdivision: 5 }
+    }
+}
+
+impl IntegratingSphere {
+    /// The scene, with a camera inside.
+    #[must_use]
+    pub fn builder(&self) -> SceneBuilder {
+        let mut scene = SceneBuilder::new();
+        let wall = scene.material(MaterialDesc::lambert("wall", [self.albedo; 3]));
+        // Corners a little outside, so that the area is the sphere's: flux that the wall takes up
+        // must equal the light's, and irradiance is per area.
+        let unit = area(&icosphere(self.subdivision, [0.0; 3], 1.0));
+        let corners = self.radius * (4.0 * PI / unit).sqrt();
+        add(&mut scene, "wall", flip(icosphere(self.subdivision, [0.0; 3], corners)), wall);
+        let intensity = [self.power / (4.0 * PI); 3];
+        scene.light("light", LightDesc::Point { position: self.light, intensity });
+        let from = [-0.5, -0.3, 0.6].map(|part| part * self.radius);
+        scene.camera("inside", CameraDesc::look_at(from, [0.0; 3], [0., 1., 0.], 1.2));
+        scene
+    }
+
+    /// Irradiance by light that the wall has scattered at least once, W/m²:
+    /// `Φ ρ / (4π R² (1 − ρ))`.
+    #[must_use]
+    pub fn indirect_irradiance(&self) -> f64 {
+        self.power * self.albedo / (4.0 * PI * self.radius * self.radius * (1.0 - self.albedo))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn area_power_and_answer_are_those_of_the_sphere() {
+        let sphere = IntegratingSphere { radius: 2.0, ..IntegratingSphere::default() };
+        let builder = sphere.builder();
+        let mesh = &builder.meshes[0];
+        let area = area(&(mesh.positions.clone(), mesh.triangles.clone()));
+        assert!((area / (16.0 * PI) - 1.0).abs() < 1e-12, "{area}");
+        let power = builder.build().expect("valid").units().power;
+        assert!((power / 100.0 - 1.0).abs() < 1e-6, "{power}");
+        let answer = IntegratingSphere::default().indirect_irradiance();
+        assert!((answer - 31.830_989).abs() < 1e-6, "{answer}");
+    }
+}

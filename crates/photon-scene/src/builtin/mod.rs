@@ -1,0 +1,105 @@
+//! Scenes that need no file: pictures to look at, and rooms whose answer is known.
+//!
+//! All are in metres and watts, with y upwards, and have one camera, made for a square picture.
+
+mod cornell;
+mod furnace;
+mod glass;
+mod integrating_sphere;
+mod plates;
+mod pool;
+mod ring;
+mod two_rooms;
+
+pub use furnace::{FurnaceShape, furnace};
+pub use integrating_sphere::IntegratingSphere;
+pub use plates::plates;
+
+use crate::builder::{MaterialId, SceneBuilder};
+use crate::shapes::Shape;
+
+/// Every name with a line that says what it shows.
+const NAMES: [(&str, &str); 8] = [
+    ("cornell", "the Cornell box: diffuse walls, two blocks, a lamp in the ceiling"),
+    ("cornell-glass", "the Cornell box with a mirror ball and a glass ball, and the caustics they cast"),
+    ("ring", "a golden ring on a table, with the cardioid that its inner wall casts"),
+    ("pool", "the floor of a swimming pool in the sun, under waves"),
+    ("two-rooms", "a dark room, lit through a door that stands ajar"),
+    ("furnace", "inside a glowing sphere that looks the same everywhere: radiosity 2"),
+    ("integrating-sphere", "inside a diffuse sphere: indirect irradiance 31.831 everywhere"),
+    ("plates", "two endless plates, by way of four mirrors: radiosities 5/3 and 4/3"),
+];
+
+/// The built-in scenes: name, and one line that says what it shows.
+#[must_use]
+pub fn builtin_names() -> &'static [(&'static str, &'static str)] {
+    &NAMES
+}
+
+/// A built-in scene by its name, one of [`builtin_names`]; `None` for any other.
+///
+/// ```
+/// let scene = photon_scene::builtin("cornell").expect("listed").build()?;
+/// assert!(scene.warnings().is_empty());
+/// # Ok::<(), photon_scene::SceneError>(())
+/// ```
+#[must_use]
+pub fn builtin(name: &str) -> Option<SceneBuilder> {
+    Some(match name {
+        "cornell" => cornell::cornell(),
+        "cornell-glass" => glass::cornell_glass(),
+        "ring" => ring::ring(),
+        "pool" => pool::pool(),
+        "two-rooms" => two_rooms::two_rooms(),
+        "furnace" => furnace(0.5, FurnaceShape::Sphere),
+        "integrating-sphere" => IntegratingSphere::default().builder(),
+        "plates" => plates(0.5, 0.8, 1.0),
+        _ => return None,
+    })
+}
+
+fn add(scene: &mut SceneBuilder, name: &str, (positions, triangles): Shape, material: MaterialId) {
+    scene.mesh(name, positions, triangles, material);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_each_has_a_scene() {
+        for (index, (name, line)) in builtin_names().iter().enumerate() {
+            assert!(!line.is_empty());
+            assert!(builtin_names()[..index].iter().all(|(other, _)| other != name), "{name} twice");
+            assert!(builtin(name).is_some(), "{name}");
+        }
+        assert!(builtin("no-such-scene").is_none());
+        assert!(builtin("").is_none());
+    }
+
+    #[test]
+    fn every_scene_builds_without_a_warning_and_is_seen_and_lit() {
+        for (name, _) in builtin_names() {
+            let scene = builtin(name).expect("listed").build().unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert!(scene.warnings().is_empty(), "{name}: {:?}", scene.warnings());
+            assert_eq!(scene.dropped_triangles(), 0, "{name}");
+            assert_eq!(scene.camera_names().count(), 1, "{name}");
+            scene.camera(None, 512, 512).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let view = scene.view();
+            assert!(!view.lights.is_empty(), "{name}");
+            let keeps = |material: &photon_core::Material| material.is_diffuse() && material.albedo != [0.0; 3];
+            assert!(view.materials.iter().any(keeps), "{name}");
+        }
+    }
+
+    /// The check for open glass must see that of these scenes: a hole in it makes a warning.
+    #[test]
+    fn a_hole_in_the_glass_is_told() {
+        let mut scene = glass::cornell_glass();
+        let ball = scene.meshes.iter_mut().find(|mesh| mesh.name == "glass ball").expect("a glass ball");
+        ball.triangles.pop();
+        let scene = scene.build().expect("a hole is no error");
+        assert_eq!(scene.warnings().len(), 1, "{:?}", scene.warnings());
+        assert!(scene.warnings()[0].contains("glass"));
+    }
+}

@@ -1,0 +1,71 @@
+//! A ring on a table, with the caustic that is known from cups.
+
+use super::add;
+use crate::builder::SceneBuilder;
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
+use crate::shapes::{disc, tube};
+
+/// Radius of the inner wall.
+const INNER: f64 = 1.0;
+const OUTER: f64 = 1.06;
+/// A light at height H above the rim casts the whole caustic from the ring's wall at height H/4:
+/// there a ray has gone three parts of its way to the caustic. The wall reaches beyond that.
+const RING: f64 = 0.62;
+const LIGHT: f64 = 1.8;
+/// The envelope is a curve only if facets are narrower than what the picture resolves.
+const SEGMENTS: u32 = 8192;
+
+/// A golden ring, lit by a spot straight above a point of its inner wall.
+///
+/// Seen from above, reflections in an upright cylinder are those in a circle, and those of light
+/// from a point on the circle touch a cardioid, whose cusp lies a third of the radius beyond the
+/// centre as seen from the light: at x = −1/3, z = 0.
+pub(super) fn ring() -> SceneBuilder {
+    let mut scene = SceneBuilder::new();
+    let table = scene.material(MaterialDesc::lambert("table", [0.62, 0.58, 0.54]));
+    let gold = scene.material(MaterialDesc::mirror("gold", [0.95, 0.78, 0.42]));
+    let panel = scene.material(MaterialDesc::emissive("panel", [0.0; 3], [0.5, 0.65, 0.9]));
+
+    add(&mut scene, "table", disc([0., 0., 0.], [0., 1., 0.], 4.5, 128), table);
+    // Its lower rim is let into the table, so that no light creeps under it.
+    add(&mut scene, "ring", tube([0., -0.01, 0.], INNER, OUTER, RING + 0.01, SEGMENTS), gold);
+    // Dim and far, to give the shadows and the metal something to show.
+    scene.quad("panel", [[-2., 3.5, -4.], [2., 3.5, -4.], [2., 5., -2.5], [-2., 5., -2.5]], panel);
+    scene.light(
+        "spot",
+        LightDesc::Spot {
+            position: [INNER, LIGHT, 0.],
+            // Along the bisector of what it has to light: the table beyond, and the ring.
+            direction: [-0.75, -LIGHT, 0.],
+            intensity: [22., 21., 19.],
+            inner_angle: 0.75,
+            outer_angle: 1.0,
+        },
+    );
+    scene.camera("above", CameraDesc::look_at([0.6, 3.3, 2.6], [-0.05, 0.15, 0.08], [0., 1., 0.], 0.62));
+    scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_wall_is_high_enough_for_the_whole_caustic() {
+        assert!(RING > LIGHT / 4.0);
+    }
+
+    /// Rays from the light, reflected in the mathematical cylinder near the plane of symmetry, cross
+    /// that plane at a third of the radius.
+    #[test]
+    fn the_cusp_lies_a_third_of_the_radius_beyond_the_centre() {
+        let angle = 1e-4_f64;
+        // From (1, 0) to the wall at π − angle, and on from there.
+        let wall = [-angle.cos() * INNER, angle.sin() * INNER];
+        let (dx, dz) = (wall[0] - INNER, wall[1]);
+        let along = 2.0 * (dx * wall[0] + dz * wall[1]) / (INNER * INNER);
+        let (rx, rz) = (dx - along * wall[0], dz - along * wall[1]);
+        let crossing = wall[0] - wall[1] * rx / rz;
+        assert!((crossing + INNER / 3.0).abs() < 1e-6, "{crossing}");
+    }
+}

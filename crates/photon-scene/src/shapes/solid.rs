@@ -1,0 +1,100 @@
+//! Solids with flat sides, and moving them about.
+
+use super::{Shape, flip, grid, join};
+
+/// The box between two corners; needs `low < high` on every axis.
+#[must_use]
+pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Shape {
+    let [x0, y0, z0] = low;
+    let [x1, y1, z1] = high;
+    prism(&[[x0, z0], [x0, z1], [x1, z1], [x1, z0]], 0, y0, y1)
+}
+
+/// A polygon of `[x, z]` points, stretched from height `bottom` to height `top`.
+///
+/// The points run counter-clockwise as seen from above (from +z towards +x), at least 3 of them.
+/// The caps are fans about the point number `hub`, from which all others must be visible: any point
+/// of a convex polygon, the inner corner of an L. Fewer points, or a hub beyond them, make an empty
+/// shape.
+#[must_use]
+pub fn prism(polygon: &[[f64; 2]], hub: u32, bottom: f64, top: f64) -> Shape {
+    let count = polygon.len() as u32;
+    if count < 3 || hub >= count {
+        return Shape::default();
+    }
+    let level = |height: f64| polygon.iter().map(move |&[x, z]| [x, height, z]);
+    let positions = level(bottom).chain(level(top)).collect();
+    let mut triangles = Vec::new();
+    for step in 1..count - 1 {
+        let [b, c] = [(hub + step) % count, (hub + step + 1) % count];
+        triangles.push([hub, c, b]);
+        triangles.push([hub + count, b + count, c + count]);
+    }
+    for a in 0..count {
+        let b = (a + 1) % count;
+        triangles.push([a, b, b + count]);
+        triangles.push([a, b + count, a + count]);
+    }
+    (positions, triangles)
+}
+
+/// A solid with a flat bottom at height `bottom` and a top at `height(x, z)` over the rectangle from
+/// `low` to `high` (`[x, z]` each), of `cells` (in x and z, at least 1 each) of two triangles.
+///
+/// `height` must be above `bottom` everywhere.
+#[must_use]
+pub fn height_field(
+    low: [f64; 2],
+    high: [f64; 2],
+    cells: [u32; 2],
+    bottom: f64,
+    height: impl Fn(f64, f64) -> f64,
+) -> Shape {
+    let [nx, nz] = cells.map(|count| count.max(1));
+    let plane = |level| [[low[0], level, low[1]], [low[0], level, high[1]], [high[0], level, high[1]], [high[0], level, low[1]]];
+    // Columns run along z, as the first side of the quadrilateral does. Bottom and top are cut alike,
+    // since their rims must match.
+    let mut top = grid(plane(bottom), nz, nx);
+    for at in &mut top.0 {
+        at[1] = height(at[0], at[2]);
+    }
+    let base = flip(grid(plane(bottom), nz, nx));
+    let above = base.0.len() as u32;
+    let mut solid = join([base, top]);
+    // The rim, counter-clockwise as seen from above.
+    let at = |x: u32, z: u32| x * (nz + 1) + z;
+    let rim: Vec<u32> = (0..nz)
+        .map(|z| at(0, z))
+        .chain((0..nx).map(|x| at(x, nz)))
+        .chain((0..nz).map(|z| at(nx, nz - z)))
+        .chain((0..nx).map(|x| at(nx - x, 0)))
+        .collect();
+    for (step, &a) in rim.iter().enumerate() {
+        let b = rim[(step + 1) % rim.len()];
+        solid.1.push([a, b, b + above]);
+        solid.1.push([a, b + above, a + above]);
+    }
+    solid
+}
+
+/// Moves a shape.
+#[must_use]
+pub fn translate((mut positions, triangles): Shape, by: [f64; 3]) -> Shape {
+    for at in &mut positions {
+        for (part, by) in at.iter_mut().zip(by) {
+            *part += by;
+        }
+    }
+    (positions, triangles)
+}
+
+/// Turns a shape about the y axis, by radians from +z towards +x.
+#[must_use]
+pub fn rotate_y((mut positions, triangles): Shape, angle: f64) -> Shape {
+    let (sin, cos) = angle.sin_cos();
+    for at in &mut positions {
+        let [x, y, z] = *at;
+        *at = [cos * x + sin * z, y, cos * z - sin * x];
+    }
+    (positions, triangles)
+}

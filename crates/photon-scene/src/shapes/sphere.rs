@@ -1,0 +1,76 @@
+//! Spheres.
+
+use super::{Shape, revolve, translate};
+use glam::DVec3;
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+/// More would not fit the memory of most machines: 20 million triangles.
+const MOST_SUBDIVISIONS: u32 = 10;
+
+/// A sphere of `20 · 4^subdivision` nearly equal triangles, inscribed: an icosahedron whose
+/// triangles are divided into four, again and again, at most 10 times.
+#[must_use]
+pub fn icosphere(subdivision: u32, center: [f64; 3], radius: f64) -> Shape {
+    let (mut points, mut triangles) = icosahedron();
+    for _ in 0..subdivision.min(MOST_SUBDIVISIONS) {
+        let mut middles = HashMap::with_capacity(triangles.len() * 3 / 2);
+        let mut finer = Vec::with_capacity(triangles.len() * 4);
+        for [a, b, c] in triangles {
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
+                // The neighbour on the other side of the edge finds the same vertex.
+                *middles.entry((from.min(to), from.max(to))).or_insert_with(|| {
+                    points.push((points[from as usize] + points[to as usize]).normalize());
+                    points.len() as u32 - 1
+                })
+            });
+            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = finer;
+    }
+    let center = DVec3::from_array(center);
+    (points.into_iter().map(|at| (center + at * radius).to_array()).collect(), triangles)
+}
+
+/// The icosahedron in the unit sphere: the corners of three golden rectangles at right angles.
+fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
+    let mut points = Vec::with_capacity(12);
+    for axis in 0..3 {
+        for (short, long) in [(-1.0, -golden), (1.0, -golden), (-1.0, golden), (1.0, golden)] {
+            let mut at = [0.0; 3];
+            at[axis] = short;
+            at[(axis + 1) % 3] = long;
+            points.push(DVec3::from_array(at));
+        }
+    }
+    // Neighbours are 2 apart, all others at least 2 · golden.
+    let near = |a: usize, b: usize| points[a].distance_squared(points[b]) < 5.0;
+    let mut triangles = Vec::with_capacity(20);
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                if near(a, b) && near(b, c) && near(c, a) {
+                    let outwards = points[a].dot(points[b].cross(points[c])) > 0.0;
+                    let (b, c) = if outwards { (b, c) } else { (c, b) };
+                    triangles.push([a as u32, b as u32, c as u32]);
+                }
+            }
+        }
+    }
+    (points.into_iter().map(DVec3::normalize).collect(), triangles)
+}
+
+/// A sphere of `segments` meridians (at least 3) and `rings` bands (at least 2), inscribed, with
+/// poles above and below.
+#[must_use]
+pub fn uv_sphere(segments: u32, rings: u32, center: [f64; 3], radius: f64) -> Shape {
+    let rings = rings.max(2);
+    let profile: Vec<_> = (0..=rings)
+        .map(|ring| {
+            let (sin, cos) = (PI * f64::from(ring) / f64::from(rings)).sin_cos();
+            [radius * sin, -radius * cos]
+        })
+        .collect();
+    translate(revolve(&profile, segments), center)
+}

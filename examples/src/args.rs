@@ -1,0 +1,314 @@
+//! The options of `render`.
+
+use std::path::PathBuf;
+
+use clap::{Parser, ValueEnum};
+use photon_core::{Direct, Estimator, IndexKind, Indirect, Kernel, Paper, RandomKind, Settings, Sharing};
+
+use crate::fault::Fault;
+use crate::tonemap::ToneMap;
+
+/// Passes where neither `--passes` nor `--time` says otherwise: a finished picture of the default
+/// scene, well within a minute on two cores.
+pub const PASSES: u32 = 48;
+
+/// Renders a scene by photon mapping.
+#[derive(Debug, Parser)]
+#[command(name = "render", version, about)]
+pub struct Args {
+    /// A .gltf, .glb, .obj or .ply file, or the name of a built-in scene.
+    #[arg(default_value = "cornell-glass")]
+    pub scene: String,
+    /// Picture to write, .exr or .png; may be given twice. Default: NAME.png in this folder.
+    #[arg(short, long)]
+    pub output: Vec<PathBuf>,
+    /// List the built-in scenes.
+    #[arg(long)]
+    pub list: bool,
+    /// Lights, materials and cameras that the file lacks (see docs/overrides.md).
+    #[arg(long, value_name = "FILE.toml")]
+    pub overrides: Option<PathBuf>,
+    /// Where to render.
+    #[arg(long, value_enum, default_value_t = BackendName::Auto)]
+    pub backend: BackendName,
+    /// Pixels across and down.
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
+    pub size: (u32, u32),
+    /// The camera of that name; default: the first.
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Paths emitted per pass; `k` and `M` are understood.
+    #[arg(long, value_name = "N", default_value = "200k", value_parser = count)]
+    pub photons: u32,
+    /// Passes [default: 48, or as many as --time allows].
+    #[arg(long, value_name = "N")]
+    pub passes: Option<u32>,
+    /// Seconds after which no new pass is begun.
+    #[arg(long, value_name = "SECONDS")]
+    pub time: Option<f64>,
+    /// How photons become light.
+    #[arg(long, value_enum, default_value_t = EstimatorName::Radius)]
+    pub estimator: EstimatorName,
+    /// Photons per estimate, for knn and paper [default: 50, paper 200].
+    #[arg(long, value_name = "N")]
+    pub k: Option<u32>,
+    /// Search radius of the first pass, in the scene's unit of length [default: derived].
+    #[arg(long, value_name = "R")]
+    pub radius: Option<f64>,
+    /// constant, epanechnikov, cone, cone:SLOPE or biweight [default: epanechnikov, paper constant].
+    #[arg(long, value_name = "NAME", value_parser = kernel)]
+    pub kernel: Option<Kernel>,
+    /// How photons are arranged.
+    #[arg(long, value_enum)]
+    pub index: Option<IndexName>,
+    /// Light that was scattered before: read from the map, gathered, or left out.
+    #[arg(long, value_enum, default_value_t = IndirectName::Map)]
+    pub indirect: IndirectName,
+    /// Light straight from the lamps: by shadow rays, by photons, or left out.
+    #[arg(long, value_enum, default_value_t = DirectName::Nee)]
+    pub direct: DirectName,
+    /// Surfaces that a path may meet.
+    #[arg(long, value_name = "N", default_value_t = 64)]
+    pub max_bounces: u32,
+    /// Key of all random numbers.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// How paths are shared out among threads [default: dynamic, paper static].
+    #[arg(long, value_enum)]
+    pub sharing: Option<SharingName>,
+    /// Random numbers of photons [default: counter, paper lcg].
+    #[arg(long, value_enum)]
+    pub rng: Option<RngName>,
+    /// Exposure of the PNG, in stops.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f32,
+    /// Curve of the PNG.
+    #[arg(long, value_enum, default_value_t = ToneMap::Neutral)]
+    pub tonemap: ToneMap,
+    /// Report to write; `-` for stdout.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Whatever a loader approximates or leaves out is an error.
+    #[arg(long)]
+    pub strict: bool,
+    /// How fast radii shrink from pass to pass, above 0 and at most 1; 1 keeps them.
+    #[arg(long, value_name = "ALPHA", default_value_t = 2.0 / 3.0)]
+    pub alpha: f64,
+    /// Shadow rays per query and pass.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub shadow_rays: u32,
+    /// Final-gather rays per query and pass.
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub gather_rays: u32,
+    /// Least photons of an estimate, for paper.
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub paper_threshold: u32,
+    /// Free scale of an estimate, for paper.
+    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    pub paper_factor: f32,
+}
+
+macro_rules! names {
+    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident),+ }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+        pub enum $name { $($(#[$variant_doc])* $variant),+ }
+    };
+}
+
+names!(/// Backends.
+    BackendName { /// The best that is usable.
+        Auto, /// The processor's cores.
+        Cpu, /// A GPU.
+        Vulkan });
+names!(/// Estimators.
+    EstimatorName { /// All photons within a radius that shrinks.
+        Radius, /// The k nearest.
+        Knn, /// Equation (2) of Lin and Wang 2010, errors included.
+        Paper });
+names!(/// Ways to arrange photons.
+    IndexName { /// Left-balanced kd-tree.
+        Median, /// kd-tree by the Voxel Volume Heuristic.
+        Vvh, /// Morton order.
+        Morton });
+names!(/// Indirect light.
+    IndirectName { /// Straight from the global map.
+        Map, /// By final gathering.
+        Gather, /// Left out.
+        None });
+names!(/// Direct light.
+    DirectName { /// Shadow rays.
+        Nee, /// Photons.
+        Photons, /// Left out.
+        None });
+names!(/// Ways to share out paths.
+    SharingName { /// Fixed quotas.
+        Static, /// A shared counter.
+        Dynamic });
+names!(/// Random numbers.
+    RngName { /// Counter-based.
+        Counter, /// The paper's.
+        Lcg });
+
+impl Args {
+    /// The library's settings.
+    ///
+    /// # Errors
+    /// [`Fault::Input`] names the option whose value makes no sense.
+    pub fn settings(&self) -> Result<Settings, Fault> {
+        let paper = self.estimator == EstimatorName::Paper;
+        let base = if paper { Settings::paper() } else { Settings::default() };
+        let estimator = match self.estimator {
+            EstimatorName::Radius => Estimator::Radius { radius: self.radius },
+            EstimatorName::Knn => Estimator::Knn { k: self.k.unwrap_or(50), max_radius: self.radius },
+            EstimatorName::Paper => Estimator::Paper(Paper {
+                max: self.k.unwrap_or(200),
+                radius: self.radius,
+                threshold: self.paper_threshold,
+                factor: self.paper_factor,
+                clamp: true,
+            }),
+        };
+        if self.k == Some(0) {
+            return Err(Fault::input("--k is 0, but at least 1 is needed (2 for knn)"));
+        }
+        if self.passes == Some(0) {
+            return Err(Fault::input("--passes is 0, but at least 1 is needed"));
+        }
+        if self.time.is_some_and(|time| !(time > 0.0 && time.is_finite())) {
+            let time = self.time.unwrap_or_default();
+            return Err(Fault::input(format!("--time is {time}, but must be above 0 and finite")));
+        }
+        if !self.exposure.is_finite() {
+            return Err(Fault::input(format!("--exposure is {}, but must be finite", self.exposure)));
+        }
+        let settings = Settings {
+            photons: self.photons,
+            estimator,
+            kernel: self.kernel.unwrap_or(base.kernel),
+            index: self.index.map_or(base.index, |index| match index {
+                IndexName::Median => IndexKind::Median,
+                IndexName::Vvh => IndexKind::Vvh,
+                IndexName::Morton => IndexKind::Morton,
+            }),
+            direct: match self.direct {
+                DirectName::Nee => Direct::Nee,
+                DirectName::Photons => Direct::Photons,
+                DirectName::None => Direct::None,
+            },
+            indirect: match self.indirect {
+                IndirectName::Map => Indirect::Map,
+                IndirectName::Gather => Indirect::Gather,
+                IndirectName::None => Indirect::None,
+            },
+            max_bounces: self.max_bounces,
+            seed: self.seed,
+            alpha: if paper { base.alpha } else { self.alpha },
+            sharing: self.sharing.map_or(base.sharing, |sharing| match sharing {
+                SharingName::Static => Sharing::Static,
+                SharingName::Dynamic => Sharing::Dynamic,
+            }),
+            random: self.rng.map_or(base.random, |rng| match rng {
+                RngName::Counter => RandomKind::Counter,
+                RngName::Lcg => RandomKind::Lcg,
+            }),
+            shadow_rays: self.shadow_rays,
+            gather_rays: self.gather_rays,
+            ..base
+        };
+        settings.validate()?;
+        Ok(settings)
+    }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    let (width, height) = parsed.ok_or("give two whole numbers with an x between, such as 640x480")?;
+    photon_core::check_size(width, height).map_err(|error| error.to_string())?;
+    Ok((width, height))
+}
+
+fn count(text: &str) -> Result<u32, String> {
+    let (digits, factor) = match text.strip_suffix(['k', 'K']) {
+        Some(digits) => (digits, 1e3),
+        None => text.strip_suffix(['m', 'M']).map_or((text, 1.0), |digits| (digits, 1e6)),
+    };
+    let number = digits.parse::<f64>().map_err(|_| "give a number such as 200000, 200k or 1.5M")? * factor;
+    if number.fract() == 0.0 && (1.0..f64::from(u32::MAX)).contains(&number) {
+        Ok(number as u32)
+    } else {
+        Err(format!("{number} is out of range: give a whole number from 1 to {}", u32::MAX - 1))
+    }
+}
+
+fn kernel(text: &str) -> Result<Kernel, String> {
+    let kernel = match text {
+        "constant" => Kernel::Constant,
+        "epanechnikov" => Kernel::Epanechnikov,
+        "biweight" => Kernel::Biweight,
+        "cone" => Kernel::Cone { slope: 1.0 },
+        _ => {
+            let slope = text.strip_prefix("cone:").and_then(|slope| slope.parse().ok());
+            let slope = slope.filter(|slope: &f32| *slope >= 1.0 && slope.is_finite());
+            let slope = slope
+                .ok_or("choose constant, epanechnikov, cone, cone:SLOPE with a slope of at least 1, or biweight")?;
+            Kernel::Cone { slope }
+        }
+    };
+    Ok(kernel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(arguments: &[&str]) -> Result<Settings, Fault> {
+        let all = std::iter::once("render").chain(arguments.iter().copied());
+        Args::try_parse_from(all).map_err(Fault::input)?.settings()
+    }
+
+    #[test]
+    fn options_reach_the_settings() {
+        let s = settings(&["--estimator", "knn", "--k", "70", "--photons", "1.5M", "--index", "vvh"]).unwrap();
+        assert_eq!((s.photons, s.index), (1_500_000, IndexKind::Vvh));
+        assert_eq!(s.estimator, Estimator::Knn { k: 70, max_radius: None });
+        assert_eq!(settings(&["--kernel", "cone:1.1"]).unwrap().kernel, Kernel::Cone { slope: 1.1 });
+    }
+
+    #[test]
+    fn the_paper_brings_its_habits_unless_told_otherwise() {
+        let s = settings(&["--estimator", "paper"]).unwrap();
+        assert_eq!((s.random, s.sharing, s.index), (RandomKind::Lcg, Sharing::Static, IndexKind::Median));
+        let s = settings(&["--estimator", "paper", "--rng", "counter", "--index", "morton"]).unwrap();
+        assert_eq!((s.random, s.index), (RandomKind::Counter, IndexKind::Morton));
+    }
+
+    #[test]
+    fn absurd_values_are_refused() {
+        for bad in [
+            vec!["--k", "0"],
+            vec!["--estimator", "knn", "--k", "1"],
+            vec!["--radius", "0"],
+            vec!["--radius", "inf"],
+            vec!["--radius=-1"],
+            vec!["--photons", "0"],
+            vec!["--photons", "1.5"],
+            vec!["--size", "0x0"],
+            vec!["--size", "12"],
+            vec!["--passes", "0"],
+            vec!["--time", "0"],
+            vec!["--time", "nan"],
+            vec!["--kernel", "box"],
+            vec!["--kernel", "cone:0.5"],
+            vec!["--alpha", "0"],
+            vec!["--max-bounces", "0"],
+            vec!["--exposure", "nan"],
+            vec!["--backend", "cuda"],
+        ] {
+            assert!(settings(&bad).is_err(), "{bad:?}");
+        }
+    }
+}

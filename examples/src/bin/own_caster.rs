@@ -1,0 +1,122 @@
+//! The whole pipeline over a ray caster that is not ours.
+//!
+//! The foreign one here is obvhs' own traversal and triangle test; Embree or a renderer's own tree
+//! would come in at the same place. Both casters render the same passes, and the pictures are
+//! compared: hits agree but for rounding, so that the pictures differ by far less than their noise.
+#![expect(clippy::print_stdout, reason = "the comparison is the result")]
+
+use std::process::ExitCode;
+
+use backend_cpu::Cpu;
+use clap::Parser;
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::ray::{Ray as TheirRay, RayHit};
+use obvhs::triangle::Triangle;
+use photon_core::glam::Vec3A;
+use photon_core::{Budget, Film, Hit, Pipeline, Ray, RayCaster, Render, SceneView, Settings, View, render};
+use photon_examples::fault::{self, Fault};
+
+/// Renders a built-in scene with a foreign ray caster and with ours, and compares.
+#[derive(Debug, Parser)]
+#[command(name = "own_caster", version, about)]
+struct Args {
+    /// A built-in scene.
+    #[arg(default_value = "cornell")]
+    scene: String,
+    /// Pixels across and down.
+    #[arg(long, default_value_t = 128)]
+    size: u32,
+    /// Paths per pass.
+    #[arg(long, default_value_t = 50_000)]
+    photons: u32,
+    /// Passes.
+    #[arg(long, default_value_t = 4)]
+    passes: u32,
+}
+
+/// What another renderer has already.
+struct Foreign {
+    tree: Bvh2,
+    triangles: Vec<Triangle>,
+}
+
+impl Foreign {
+    fn new(scene: &SceneView<'_>) -> Self {
+        let at = |vertex: u32| Vec3A::from(scene.positions[vertex as usize]);
+        let triangles: Vec<Triangle> =
+            scene.triangles.iter().map(|&[a, b, c]| Triangle { v0: at(a), v1: at(b), v2: at(c) }).collect();
+        let mut taken = std::time::Duration::default();
+        Self { tree: build_bvh2_from_tris(&triangles, BvhBuildParams::fast_build(), &mut taken), triangles }
+    }
+}
+
+impl RayCaster for Foreign {
+    fn nearest(&self, ray: &Ray) -> Option<Hit> {
+        let theirs = TheirRay::new(ray.origin.into(), ray.direction.into(), 0.0, ray.t_max);
+        let mut hit = RayHit::none();
+        let id = |slot: u32| self.tree.primitive_indices[slot as usize];
+        let found = self.tree.ray_traverse(theirs, &mut hit, |ray, slot| {
+            self.triangles[self.tree.primitive_indices[slot] as usize].intersect(ray)
+        });
+        if !found {
+            return None;
+        }
+        let primitive = id(hit.primitive_id);
+        // The weights of the point hit, which this tracer does not give by itself.
+        let Triangle { v0, v1, v2 } = self.triangles[primitive as usize];
+        let (e1, e2) = (v1 - v0, v2 - v0);
+        let p = theirs.direction.cross(e2);
+        let determinant = e1.dot(p);
+        let s = theirs.origin - v0;
+        let (u, v) = (s.dot(p) / determinant, theirs.direction.dot(s.cross(e1)) / determinant);
+        (u.is_finite() && v.is_finite()).then(|| Hit {
+            t: hit.t,
+            primitive,
+            u: u.clamp(0.0, 1.0),
+            v: v.clamp(0.0, 1.0),
+        })
+    }
+}
+
+fn main() -> ExitCode {
+    fault::run(|| work(&Args::parse()))
+}
+
+fn work(args: &Args) -> Result<(), Fault> {
+    let builder = photon_scene::builtin(&args.scene)
+        .ok_or_else(|| Fault::input(format!("{}: no built-in scene has that name; see render --list", args.scene)))?;
+    let scene = builder.build()?;
+    let view = View { camera: scene.camera(None, args.size, args.size)?, width: args.size, height: args.size };
+    let picture = |cpu: Cpu| -> Result<Film, Fault> {
+        let settings = Settings { photons: args.photons, ..Settings::default() };
+        let mut renderer = Pipeline::new(cpu, &scene.view(), view, settings)?;
+        render(&mut renderer, Budget::passes(args.passes), &mut ())?;
+        Ok(renderer.film()?)
+    };
+    let ours = picture(Cpu::new()?)?;
+    let foreign = picture(Cpu::new()?.with_caster(|scene| Ok(Box::new(Foreign::new(scene)))))?;
+
+    let noise = ours.standard_error();
+    let (mut apart, mut sum, mut squares) = (0, 0.0, 0.0);
+    let (a, b) = (ours.beauty(), foreign.beauty());
+    for ((a, b), noise) in a.iter().zip(&b).zip(&noise) {
+        let mean = |c: &[f32; 3]| f64::from(c[0] + c[1] + c[2]) / 3.0;
+        let difference = mean(a) - mean(b);
+        apart += usize::from(difference.abs() > 4.5 * f64::from(*noise) + 1e-6);
+        sum += mean(a);
+        squares += difference * difference;
+    }
+    let pixels = a.len() as f64;
+    let relative = (squares / pixels).sqrt() / (sum / pixels);
+    println!(
+        "root mean square difference {:.5} of the mean; {apart} of {pixels} pixels beyond 4.5 standard errors",
+        relative
+    );
+    // One ray in many thousands meets an edge, where the other caster may see the neighbour.
+    if apart as f64 > 0.01 * pixels {
+        return Err(Fault::failure("the pictures differ by more than rounding explains"));
+    }
+    Ok(())
+}

@@ -1,0 +1,199 @@
+//! A scene in, a picture out.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "results go to stdout, progress to stderr")]
+
+use std::io::{IsTerminal, Write};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use backend_cpu::Cpu;
+use clap::Parser;
+use photon_core::{Budget, Event, Film, Outcome, Pipeline, Render, Settings, View, render};
+use photon_examples::args::{Args, BackendName, PASSES};
+use photon_examples::fault::{self, Fault};
+use photon_examples::report::{self, Told};
+use photon_examples::{exr_file, png_file};
+use photon_scene::{LoadReport, Overrides, Scene};
+
+fn main() -> ExitCode {
+    fault::run(|| work(&Args::parse()))
+}
+
+fn work(args: &Args) -> Result<(), Fault> {
+    if args.list {
+        for (name, description) in photon_scene::builtin_names() {
+            println!("{name:<20} {description}");
+        }
+        return Ok(());
+    }
+    let settings = args.settings()?;
+    let outputs = outputs(args)?;
+    let begun = Instant::now();
+    let (scene, load) = load(args)?;
+    let seconds_load = begun.elapsed().as_secs_f64();
+    for warning in scene.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    for line in &load.lines {
+        eprintln!("{line}");
+    }
+    if args.strict && !load.is_exact() {
+        return Err(Fault::input("--strict: the lines above say what is approximated or left out"));
+    }
+    let (width, height) = args.size;
+    let view = View { camera: scene.camera(args.camera.as_deref(), width, height)?, width, height };
+    let mut renderer = start(args, &scene, view, &settings)?;
+
+    let stop = Arc::new(AtomicBool::new(false));
+    let heard = Arc::clone(&stop);
+    let handler = ctrlc::set_handler(move || {
+        // The first asks for what is there; the second does not wait for it.
+        if heard.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    });
+    handler.map_err(Fault::failure)?;
+    let outcome = passes(args, &mut *renderer, &stop)?;
+    let film = renderer.film()?;
+    let seconds_total = begun.elapsed().as_secs_f64();
+
+    let told = Told {
+        scene: &args.scene,
+        size: args.size,
+        settings: &settings,
+        outcome: &outcome,
+        load: &load,
+        warnings: scene.warnings(),
+        seconds_load,
+        seconds_total,
+    };
+    for output in &outputs {
+        save(args, output, &film, &*renderer, &told)?;
+        println!("{}", output.display());
+    }
+    if let Some(path) = &args.json {
+        let text = format!("{:#}\n", report::json(&*renderer, &told));
+        if path.as_os_str() == "-" {
+            std::io::stdout().write_all(text.as_bytes()).map_err(|why| Fault::writing(path, why))?;
+        } else {
+            std::fs::write(path, text).map_err(|why| Fault::writing(path, why))?;
+        }
+    }
+    let stopped = if outcome.cancelled { ", stopped early" } else { "" };
+    eprintln!("{} passes of {} paths in {seconds_total:.1} s{stopped}", outcome.passes, args.photons);
+    Ok(())
+}
+
+/// Checked before anything is rendered.
+fn outputs(args: &Args) -> Result<Vec<PathBuf>, Fault> {
+    if args.output.is_empty() {
+        let stem = Path::new(&args.scene).file_stem().unwrap_or_default();
+        return Ok(vec![Path::new(stem).with_extension("png")]);
+    }
+    for path in &args.output {
+        let known = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr") || e.eq_ignore_ascii_case("png"));
+        if !known {
+            return Err(Fault::input(format!("{}: pictures end in .exr or .png", path.display())));
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return Err(Fault::input(format!("{}: there is no folder {}", path.display(), folder.display())));
+        }
+        if path.is_dir() {
+            return Err(Fault::input(format!("{}: is a folder", path.display())));
+        }
+    }
+    Ok(args.output.clone())
+}
+
+fn load(args: &Args) -> Result<(Scene, LoadReport), Fault> {
+    let overrides = args.overrides.as_deref().map(Overrides::read).transpose()?;
+    match photon_scene::builtin(&args.scene) {
+        Some(mut builder) => {
+            let mut report = LoadReport::default();
+            if let Some(overrides) = &overrides {
+                overrides.apply(&mut builder, &mut report)?;
+            }
+            Ok((builder.build()?, report))
+        }
+        None if Path::new(&args.scene).extension().is_none() => {
+            let names: Vec<&str> = photon_scene::builtin_names().iter().map(|(name, _)| *name).collect();
+            Err(Fault::input(format!(
+                "{}: no built-in scene has that name (there are {}), and it has no ending that tells a file's format",
+                args.scene,
+                names.join(", ")
+            )))
+        }
+        None => Ok(photon_scene::load(Path::new(&args.scene), overrides.as_ref())?),
+    }
+}
+
+fn start(args: &Args, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
+    match args.backend {
+        BackendName::Vulkan => {
+            return Err(Fault::input("--backend vulkan: this build has no Vulkan backend; use --backend cpu"));
+        }
+        BackendName::Auto => eprintln!("backend: cpu, since this build has no other"),
+        BackendName::Cpu => {}
+    }
+    let cpu = match args.threads {
+        Some(threads) => Cpu::with_threads(threads)?,
+        None => Cpu::new()?,
+    };
+    Ok(Box::new(Pipeline::new(cpu, &scene.view(), view, settings.clone())?))
+}
+
+fn passes(args: &Args, renderer: &mut dyn Render, stop: &AtomicBool) -> Result<Outcome, Fault> {
+    let count = args.passes.unwrap_or(if args.time.is_some() { u32::MAX - 1 } else { PASSES });
+    let budget = Budget { first: 0, passes: count, time: args.time.map(Duration::from_secs_f64) };
+    let terminal = std::io::stderr().is_terminal();
+    // With only a time to go by, the bar shows that.
+    let by_time = args.passes.is_none() && args.time.is_some();
+    let length = if by_time { args.time.unwrap_or_default() as u64 } else { u64::from(count) };
+    let bar = if terminal { indicatif::ProgressBar::new(length) } else { indicatif::ProgressBar::hidden() };
+    let style = "{wide_bar} {msg} {elapsed} / {duration}";
+    if let Ok(style) = indicatif::ProgressStyle::with_template(style) {
+        bar.set_style(style);
+    }
+    let begun = Instant::now();
+    let mut observer = |event: &Event<'_>| {
+        if let Event::PassDone(pass) = event {
+            bar.set_position(if by_time { begun.elapsed().as_secs() } else { u64::from(pass.index) + 1 });
+            bar.set_message(format!("pass {}", pass.index + 1));
+            let next = pass.index + 1;
+            if !terminal && (next.is_power_of_two() || next == count) {
+                eprintln!("pass {next}, {:.1} s", begun.elapsed().as_secs_f64());
+            }
+        }
+        if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let outcome = render(renderer, budget, &mut observer);
+    bar.finish_and_clear();
+    Ok(outcome?)
+}
+
+fn save(args: &Args, path: &Path, film: &Film, renderer: &dyn Render, told: &Told<'_>) -> Result<(), Fault> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return png_file::write(path, film, args.tonemap, args.exposure);
+    }
+    let facts = renderer.facts();
+    let seconds: Vec<String> = photon_core::Stage::ALL
+        .into_iter()
+        .map(|stage| format!("{} {:.3}", stage.name(), told.outcome.seconds.get(stage)))
+        .collect();
+    let attributes = [
+        ("photon:scene", args.scene.clone()),
+        ("photon:seed", args.seed.to_string()),
+        ("photon:passes", film.passes.to_string()),
+        ("photon:photons_per_pass", args.photons.to_string()),
+        ("photon:settings", format!("{:?}", told.settings)),
+        ("photon:backend", facts.backend.to_owned()),
+        ("photon:device", facts.device),
+        ("photon:seconds", format!("total {:.3}, {}", told.seconds_total, seconds.join(", "))),
+        ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
+    ];
+    exr_file::write(path, film, &attributes.map(|(name, value)| (name.to_owned(), value)))
+}

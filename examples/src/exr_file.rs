@@ -1,0 +1,51 @@
+//! Pictures to work with: linear, layered, and telling how they were made.
+
+use std::path::Path;
+
+use exr::prelude::*;
+use photon_core::{Film, Layer as Part};
+
+use crate::fault::Fault;
+use crate::png_file::partial;
+
+/// Writes one part of f32 channels: `R G B`, which is the sum of `emission.*`, `direct.*`,
+/// `caustic.*` and `indirect.*`, then `depth.Z`, `N.*`, `albedo.*` and `error.Y`, the standard error
+/// of the mean; and `attributes`. The file appears whole or not at all.
+///
+/// # Errors
+/// [`Fault::Failure`] if the file cannot be written.
+pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::result::Result<(), Fault> {
+    let mut channels: Vec<(String, Vec<f32>)> = Vec::new();
+    let mut triple = |names: [String; 3], values: Vec<[f32; 3]>| {
+        for (axis, name) in names.into_iter().enumerate() {
+            channels.push((name, values.iter().map(|v| v[axis]).collect()));
+        }
+    };
+    triple(["R", "G", "B"].map(str::to_owned), film.beauty());
+    for part in Part::ALL {
+        triple(["R", "G", "B"].map(|c| format!("{}.{c}", part.name())), film.layer(part));
+    }
+    triple(["N.X", "N.Y", "N.Z"].map(str::to_owned), film.normal());
+    triple(["albedo.R", "albedo.G", "albedo.B"].map(str::to_owned), film.albedo());
+    channels.push(("depth.Z".to_owned(), film.depth()));
+    channels.push(("error.Y".to_owned(), film.standard_error()));
+
+    let size = (film.width as usize, film.height as usize);
+    let list: SmallVec<[AnyChannel<FlatSamples>; 4]> = channels
+        .into_iter()
+        .map(|(name, samples)| AnyChannel::new(Text::new_or_panic(&name), FlatSamples::F32(samples)))
+        .collect();
+    let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
+    let mut layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(list));
+    layer.attributes.software_name = Text::new_or_none(concat!("photon-examples ", env!("CARGO_PKG_VERSION")));
+    for (name, value) in attributes {
+        if let (Some(name), Some(value)) = (Text::new_or_none(name), Text::new_or_none(value)) {
+            layer.attributes.other.insert(name, attribute::AttributeValue::Text(value));
+        }
+    }
+    let partial = partial(path);
+    let written = Image::from_layer(layer).write().to_file(&partial).map_err(|why| why.to_string());
+    written
+        .and_then(|()| std::fs::rename(&partial, path).map_err(|why| why.to_string()))
+        .map_err(|why| Fault::writing(path, why))
+}

@@ -1,0 +1,68 @@
+//! How a program fails: in one line that names the culprit, with a code that says whose fault it is.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Why a program ends early.
+#[derive(Debug, thiserror::Error)]
+pub enum Fault {
+    /// The user's: a wrong option or a wrong file. Code 2.
+    #[error("{0}")]
+    Input(String),
+    /// Anything else. Code 1.
+    #[error("{0}")]
+    Failure(String),
+}
+
+impl Fault {
+    /// The user's.
+    pub fn input(message: impl ToString) -> Self {
+        Self::Input(message.to_string())
+    }
+
+    /// Somebody else's.
+    pub fn failure(message: impl ToString) -> Self {
+        Self::Failure(message.to_string())
+    }
+
+    /// A file that could not be written.
+    pub fn writing(path: &Path, why: impl ToString) -> Self {
+        Self::Failure(format!("{}: cannot be written: {}", path.display(), why.to_string()))
+    }
+}
+
+impl From<photon_core::Error> for Fault {
+    fn from(error: photon_core::Error) -> Self {
+        use photon_core::Error as E;
+        let mut text = error.to_string();
+        let mut cause = std::error::Error::source(&error);
+        while let Some(deeper) = cause {
+            text = format!("{text}: {deeper}");
+            cause = deeper.source();
+        }
+        match error {
+            E::InvalidSetting { .. } | E::InvalidInput { .. } | E::NoLight | E::NoReceiver | E::OutOfMemory { .. } => {
+                Self::Input(text)
+            }
+            _ => Self::Failure(text),
+        }
+    }
+}
+
+impl From<photon_scene::SceneError> for Fault {
+    fn from(error: photon_scene::SceneError) -> Self {
+        Self::input(error)
+    }
+}
+
+/// Runs `program`; on a fault, says so on stderr and gives its code.
+#[expect(clippy::print_stderr, reason = "a program's last words")]
+pub fn run(program: impl FnOnce() -> Result<(), Fault>) -> ExitCode {
+    match program() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            eprintln!("error: {fault}");
+            ExitCode::from(if matches!(fault, Fault::Input(_)) { 2 } else { 1 })
+        }
+    }
+}

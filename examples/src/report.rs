@@ -1,0 +1,102 @@
+//! What a render did, as JSON.
+
+use photon_core::{FluxSum, Outcome, Render, Settings, Stage};
+use photon_scene::LoadReport;
+use serde_json::{Value, json};
+
+/// Everything that the report takes besides the renderer itself.
+#[derive(Debug)]
+pub struct Told<'a> {
+    /// What was asked for.
+    pub scene: &'a str,
+    /// Pixels.
+    pub size: (u32, u32),
+    /// What was set.
+    pub settings: &'a Settings,
+    /// What passes did.
+    pub outcome: &'a Outcome,
+    /// What the loader did.
+    pub load: &'a LoadReport,
+    /// What the scene warns of.
+    pub warnings: &'a [String],
+    /// Seconds that loading took.
+    pub seconds_load: f64,
+    /// Seconds from start to finished film.
+    pub seconds_total: f64,
+}
+
+/// The report.
+#[must_use]
+pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
+    let facts = renderer.facts();
+    let (required, outcome) = (facts.required, told.outcome);
+    let tally = &outcome.tally;
+    let seconds = |stage: Stage| outcome.seconds.get(stage);
+    // In fractions of the scene's power.
+    let flux = |sum: &FluxSum| sum.value().map(|f| f / (outcome.paths.max(1)) as f64);
+    let tracing = seconds(Stage::Emit) + seconds(Stage::Trace);
+    let last = outcome.last.as_ref();
+    json!({
+        "scene": told.scene,
+        "size": [told.size.0, told.size.1],
+        "backend": facts.backend,
+        "device": facts.device,
+        "requirements": {
+            "features": required.features.names().collect::<Vec<_>>(),
+            "shadow_rays": required.shadow_rays,
+            "final_gather": required.final_gather,
+        },
+        "maps": {
+            "direct": required.direct_map,
+            "caustic": required.caustic_map,
+            "global": required.global_map,
+        },
+        "radius_of_last_pass": {
+            "direct": last.and_then(|pass| pass.radius_direct),
+            "caustic": last.and_then(|pass| pass.radius_caustic),
+            "global": last.and_then(|pass| pass.radius_global),
+        },
+        "passes": outcome.passes,
+        "cancelled": outcome.cancelled,
+        "paths": outcome.paths,
+        "counters": {
+            "emitted": tally.emitted,
+            "absorbed": tally.absorbed,
+            "escaped": tally.escaped,
+            "truncated": tally.truncated,
+            "dropped": tally.dropped,
+            "surfaces": tally.surfaces,
+            "stored": {
+                "direct": tally.stored_direct,
+                "caustic": tally.stored_caustic,
+                "global": tally.stored_global,
+            },
+            "balance": tally.balances(),
+        },
+        "flux": {
+            "emitted": flux(&tally.flux_emitted),
+            "absorbed": flux(&tally.flux_absorbed),
+            "escaped": flux(&tally.flux_escaped),
+            "truncated": flux(&tally.flux_truncated),
+            "dropped": flux(&tally.flux_dropped),
+        },
+        "bytes": facts.memory.iter().cloned().map(|(label, bytes)| (label, Value::from(bytes))).collect::<serde_json::Map<_, _>>(),
+        "seconds": {
+            "load": told.seconds_load,
+            "bvh": facts.setup.get(Stage::Prepare),
+            "pilot": Stage::ALL.iter().map(|&stage| facts.setup.get(stage)).sum::<f64>() - facts.setup.get(Stage::Prepare),
+            "emit+trace": tracing,
+            "build": seconds(Stage::Build),
+            "eye": seconds(Stage::Eye),
+            "direct": seconds(Stage::Direct),
+            "estimate": seconds(Stage::Estimate),
+            "gather": seconds(Stage::Gather),
+            "film": seconds(Stage::Film),
+            "total": told.seconds_total,
+        },
+        "photons_per_second": if tracing > 0.0 { tally.emitted as f64 / tracing } else { 0.0 },
+        "settings": format!("{:?}", told.settings),
+        "report": told.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "warnings": told.warnings,
+    })
+}

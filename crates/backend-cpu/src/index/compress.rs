@@ -4,7 +4,7 @@
 //! say how far; plain loops do the rest, and the same from the start where there are no such vectors.
 
 use crate::index::lanes::{Collected, Distances, Distributed};
-use crate::index::layout::Item;
+use crate::index::points::Item;
 use crate::index::rank::Key;
 use bytemuck::cast;
 use std::arch::x86_64::*;

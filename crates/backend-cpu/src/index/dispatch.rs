@@ -7,7 +7,7 @@ use crate::index::lanes::{Baseline, Lanes};
 use crate::index::{
     compress,
     lanes::{Collected, Distances, Distributed},
-    layout::Item,
+    points::Item,
     rank::Key,
 };
 

@@ -6,7 +6,8 @@
 //! above that of a point in it, nor below it from its farthest: pruning by boxes loses nothing and
 //! needs no tolerance.
 
-use crate::index::layout::{Block, Item, Node, WIDTH};
+use crate::index::layout::{Block, Node, WIDTH};
+use crate::index::points::Item;
 use crate::index::rank::{Key, key};
 use photon_core::glam::Vec4;
 

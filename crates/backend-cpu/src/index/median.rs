@@ -17,7 +17,8 @@
 //! Four levels of splits make one node of sixteen children.
 
 use crate::index::dispatch::Isa;
-use crate::index::layout::{Bounds, Item, WIDTH};
+use crate::index::layout::WIDTH;
+use crate::index::points::{Bounds, Item};
 use crate::index::select::{Scratch, split};
 
 /// Segments longer than this are split in two tasks.

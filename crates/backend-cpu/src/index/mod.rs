@@ -3,6 +3,7 @@
 //! Every answer is exact, the same set in the same order as by brute force, for any input; the kinds of
 //! index differ in the time that they take.
 
+mod accept;
 #[cfg(target_arch = "x86_64")]
 mod compress;
 mod dispatch;
@@ -11,6 +12,7 @@ mod layout;
 mod median;
 mod morton;
 mod nearest;
+mod points;
 mod radix;
 mod range;
 mod rank;
@@ -24,7 +26,8 @@ pub use nearest::{Neighbour, Neighbours};
 pub use photon_core::IndexKind;
 
 use dispatch::Isa;
-use layout::{Block, Extra, Item, Node, Tree};
+use layout::{Block, Extra, Node, Tree};
+use points::Item;
 use rayon::prelude::*;
 
 /// Why no index could be built.
@@ -71,18 +74,18 @@ impl PointIndex {
         if points.len() >= u32::MAX as usize {
             return Err(IndexError::TooMany { count: points.len() });
         }
-        let bounds = layout::checked_bounds(points)?;
+        let bounds = points::checked_bounds(points)?;
         let blocks = points.len().div_ceil(layout::WIDTH);
         let tree = match kind {
             IndexKind::Median => {
-                let mut items = layout::items(points);
+                let mut items = points::items(points);
                 median::arrange(&mut items, isa);
-                layout::lay_out(layout::order(&items), |slot, _| items[slot], layout::regular_nodes(blocks))
+                layout::lay_out(points::order(&items), |slot, _| items[slot], layout::regular_nodes(blocks))
             }
             IndexKind::Vvh => {
-                let mut items = layout::items(points);
+                let mut items = points::items(points);
                 let nodes = vvh::arrange(&mut items, isa);
-                layout::lay_out(layout::order(&items), |slot, _| items[slot], nodes)
+                layout::lay_out(points::order(&items), |slot, _| items[slot], nodes)
             }
             IndexKind::Morton => {
                 let order = morton::order(points, &bounds, isa);
@@ -181,12 +184,12 @@ impl PointIndex {
         accept: impl FnMut(u32) -> bool,
         out: &mut Neighbours,
     ) {
-        self.isa.run(nearest::Nearest { tree: &self.tree, query, k, max_r2, accept: nearest::If(accept), out });
+        self.isa.run(nearest::Nearest { tree: &self.tree, query, k, max_r2, accept: accept::If(accept), out });
     }
 
     /// [`Self::nearest`] of all points, a little quicker than with an `accept` that is always true.
     pub fn nearest_of_all(&self, query: [f32; 3], k: usize, max_r2: f32, out: &mut Neighbours) {
-        self.isa.run(nearest::Nearest { tree: &self.tree, query, k, max_r2, accept: nearest::All, out });
+        self.isa.run(nearest::Nearest { tree: &self.tree, query, k, max_r2, accept: accept::All, out });
     }
 
     /// [`Self::nearest`] of every query, without a filter, in parallel: row by row the ids, nearest first,

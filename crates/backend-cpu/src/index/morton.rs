@@ -13,7 +13,8 @@
 
 use crate::index::dispatch::{Isa, Search};
 use crate::index::lanes::Lanes;
-use crate::index::layout::{Bounds, WIDTH};
+use crate::index::layout::WIDTH;
+use crate::index::points::Bounds;
 use crate::index::radix::{self, Keyed};
 use rayon::prelude::*;
 

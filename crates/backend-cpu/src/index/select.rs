@@ -7,7 +7,7 @@
 
 use crate::index::dispatch::{Isa, Search};
 use crate::index::lanes::{Collected, Distributed, Lanes};
-use crate::index::layout::Item;
+use crate::index::points::Item;
 
 /// Up to this many, all are compared with all; with vectors of sixteen, up to twice as many.
 const COMPARED: usize = 64;

@@ -8,8 +8,9 @@
 //! their points: empty rims never need a split of their own.
 
 use crate::index::dispatch::Isa;
-use crate::index::layout::{Bounds, Item, LEAF, Node, WIDTH};
+use crate::index::layout::{LEAF, Node, WIDTH};
 use crate::index::median::left_size;
+use crate::index::points::{Bounds, Item};
 use crate::index::select::{Scratch, split};
 
 /// Slabs across a voxel, between which the planes lie.

@@ -13,13 +13,13 @@ const WHITE: [f64; 3] = [0.73, 0.73, 0.71];
 const RED: [f64; 3] = [0.63, 0.065, 0.05];
 const GREEN: [f64; 3] = [0.14, 0.45, 0.09];
 /// Colour of a warm lamp, brightest channel 1.
-const WARM: [f64; 3] = [1.0, 0.8, 0.55];
+const WARM: [f64; 3] = [1.0, 0.87, 0.70];
 /// The lamp hangs so far below the ceiling.
 const GAP: f64 = 0.02;
 
-/// Five walls, the front left open; a lamp of `width` by `depth` in the middle of the ceiling, of
-/// that radiance in its brightest channel; and the camera in front.
-pub(super) fn room(width: f64, depth: f64, radiance: f64) -> SceneBuilder {
+/// Five walls, the front left open; a lamp below the ceiling about `[x, z]`, of that width, depth and
+/// radiance in its brightest channel; and the camera in front.
+pub(super) fn room([x, z]: [f64; 2], [width, depth]: [f64; 2], radiance: f64) -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let white = scene.material(MaterialDesc::lambert("white", WHITE));
     let red = scene.material(MaterialDesc::lambert("red", RED));
@@ -33,19 +33,20 @@ pub(super) fn room(width: f64, depth: f64, radiance: f64) -> SceneBuilder {
     scene.quad("left wall", [[-h, 0., h], [-h, 0., -h], [-h, top, -h], [-h, top, h]], red);
     scene.quad("right wall", [[h, 0., -h], [h, 0., h], [h, top, h], [h, top, -h]], green);
 
-    let (w, d, y) = (width / 2.0, depth / 2.0, top - GAP);
-    scene.quad("lamp", [[-w, y, -d], [w, y, -d], [w, y, d], [-w, y, d]], lamp);
+    let y = top - GAP;
+    let ([x0, x1], [z0, z1]) = ([x - width / 2.0, x + width / 2.0], [z - depth / 2.0, z + depth / 2.0]);
+    scene.quad("lamp", [[x0, y, z0], [x1, y, z0], [x1, y, z1], [x0, y, z1]], lamp);
 
     // So far that the open front just fills a square picture.
     let distance = 8.0;
-    let fov = 2.0 * (1.02 * h / distance).atan();
+    let fov = 2.0 * (0.998 * h / distance).atan();
     scene.camera("front", CameraDesc::look_at([0., h, h + distance], [0., h, 0.], [0., 1., 0.], fov));
     scene
 }
 
 /// The classical arrangement: a tall block behind, a cube in front.
 pub(super) fn cornell() -> SceneBuilder {
-    let mut scene = room(1.3, 1.05, 17.0);
+    let mut scene = room([0.0, 0.0], [1.3, 1.05], 32.0);
     let block = scene.material(MaterialDesc::lambert("blocks", WHITE));
     let (a, b) = (0.825, 1.65);
     let tall = cuboid([-a, 0., -a], [a, 2.0 * b, a]);

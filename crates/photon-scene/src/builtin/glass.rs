@@ -12,9 +12,9 @@ const RADIUS: f64 = 1.0;
 
 /// A mirror ball behind on the left, a glass ball in front on the right.
 pub(super) fn cornell_glass() -> SceneBuilder {
-    // A small lamp, since a caustic is as sharp as the light that casts it; as much flux as the
-    // diffuse box has.
-    let mut scene = cornell::room(0.7, 0.7, 47.0);
+    // A small lamp, since a caustic is as sharp as the light that casts it, with as much flux as that
+    // of the diffuse box; away from the glass, so that the caustic is not hidden under the ball.
+    let mut scene = cornell::room([-0.9, -0.8], [0.7, 0.7], 89.0);
     let mirror = scene.material(MaterialDesc::mirror("mirror", [0.95; 3]));
     let glass = scene.material(MaterialDesc::glass("glass", 1.5));
     add(&mut scene, "mirror ball", icosphere(SUBDIVISION, [-1.15, RADIUS, -1.05], RADIUS), mirror);

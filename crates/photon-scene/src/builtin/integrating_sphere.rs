@@ -26,9 +26,9 @@ pub struct IntegratingSphere {
 }
 
 impl Default for IntegratingSphere {
-    /// One metre, 80 %, 100 W well off the centre, 20 480 triangles.
+    /// One metre, 80 %, π W well off the centre, 20 480 triangles: the indirect irradiance is 1 W/m².
     fn default() -> Self {
-        Self { radius: 1.0, albedo: 0.8, light: [0.3, 0.4, -0.2], power: 100.0, subdivision: 5 }
+        Self { radius: 1.0, albedo: 0.8, light: [0.3, 0.4, -0.2], power: PI, subdivision: 5 }
     }
 }
 
@@ -64,14 +64,16 @@ mod tests {
 
     #[test]
     fn area_power_and_answer_are_those_of_the_sphere() {
-        let sphere = IntegratingSphere { radius: 2.0, ..IntegratingSphere::default() };
+        let sphere = IntegratingSphere { radius: 2.0, power: 100.0, ..IntegratingSphere::default() };
         let builder = sphere.builder();
         let mesh = &builder.meshes[0];
         let area = area(&(mesh.positions.clone(), mesh.triangles.clone()));
         assert!((area / (16.0 * PI) - 1.0).abs() < 1e-12, "{area}");
         let power = builder.build().expect("valid").units().power;
         assert!((power / 100.0 - 1.0).abs() < 1e-6, "{power}");
-        let answer = IntegratingSphere::default().indirect_irradiance();
+        let answer = IntegratingSphere { power: 100.0, ..IntegratingSphere::default() }.indirect_irradiance();
         assert!((answer - 31.830_989).abs() < 1e-6, "{answer}");
+        let answer = IntegratingSphere::default().indirect_irradiance();
+        assert!((answer - 1.0).abs() < 1e-12, "{answer}");
     }
 }

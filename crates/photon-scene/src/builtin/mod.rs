@@ -26,7 +26,7 @@ const NAMES: [(&str, &str); 8] = [
     ("pool", "the floor of a swimming pool in the sun, under waves"),
     ("two-rooms", "a dark room, lit through a door that stands ajar"),
     ("furnace", "inside a glowing sphere that looks the same everywhere: radiosity 2"),
-    ("integrating-sphere", "inside a diffuse sphere: indirect irradiance 31.831 everywhere"),
+    ("integrating-sphere", "inside a diffuse sphere: indirect irradiance 1 everywhere"),
     ("plates", "two endless plates, by way of four mirrors: radiosities 5/3 and 4/3"),
 ];
 

@@ -8,10 +8,11 @@ use crate::shapes::{disc, tube};
 /// Radius of the inner wall.
 const INNER: f64 = 1.0;
 const OUTER: f64 = 1.06;
-/// A light at height H above the rim casts the whole caustic from the ring's wall at height H/4:
-/// there a ray has gone three parts of its way to the caustic. The wall reaches beyond that.
+/// A light at height H casts the whole caustic from the ring's wall at height H/4: there a ray has
+/// gone three parts of its way to the caustic. From H/2 on, reflections reach across the ring, so
+/// that the edge of what the wall reflects does not show inside.
 const RING: f64 = 0.62;
-const LIGHT: f64 = 1.8;
+const LIGHT: f64 = 1.24;
 /// The envelope is a curve only if facets are narrower than what the picture resolves.
 const SEGMENTS: u32 = 8192;
 
@@ -24,22 +25,22 @@ pub(super) fn ring() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let table = scene.material(MaterialDesc::lambert("table", [0.62, 0.58, 0.54]));
     let gold = scene.material(MaterialDesc::mirror("gold", [0.95, 0.78, 0.42]));
-    let panel = scene.material(MaterialDesc::emissive("panel", [0.0; 3], [0.5, 0.65, 0.9]));
+    let panel = scene.material(MaterialDesc::emissive("panel", [0.0; 3], [0.20, 0.25, 0.33]));
 
     add(&mut scene, "table", disc([0., 0., 0.], [0., 1., 0.], 4.5, 128), table);
     // Its lower rim is let into the table, so that no light creeps under it.
     add(&mut scene, "ring", tube([0., -0.01, 0.], INNER, OUTER, RING + 0.01, SEGMENTS), gold);
-    // Dim and far, to give the shadows and the metal something to show.
-    scene.quad("panel", [[-2., 3.5, -4.], [2., 3.5, -4.], [2., 5., -2.5], [-2., 5., -2.5]], panel);
+    // Dim and far: something for the shadows, and for the metal to show.
+    scene.quad("panel", [[-5., 5., -7.5], [3., 5., -7.5], [3., 5., -1.], [-5., 5., -1.]], panel);
     scene.light(
         "spot",
         LightDesc::Spot {
             position: [INNER, LIGHT, 0.],
             // Along the bisector of what it has to light: the table beyond, and the ring.
-            direction: [-0.75, -LIGHT, 0.],
-            intensity: [22., 21., 19.],
-            inner_angle: 0.75,
-            outer_angle: 1.0,
+            direction: [-1., -LIGHT, 0.],
+            intensity: [7., 6.7, 6.1],
+            inner_angle: 0.8,
+            outer_angle: 1.05,
         },
     );
     scene.camera("above", CameraDesc::look_at([0.6, 3.3, 2.6], [-0.05, 0.15, 0.08], [0., 1., 0.], 0.62));
@@ -52,7 +53,7 @@ mod tests {
 
     #[test]
     fn the_wall_is_high_enough_for_the_whole_caustic() {
-        assert!(RING > LIGHT / 4.0);
+        assert!(RING >= LIGHT / 2.0);
     }
 
     /// Rays from the light, reflected in the mathematical cylinder near the plane of symmetry, cross

@@ -9,7 +9,7 @@ use crate::shapes::{cuboid, cylinder, icosphere, rotate_y, translate};
 const HALF: f64 = 2.4;
 const HEIGHT: f64 = 2.7;
 /// From the back wall of the lit room to the wall behind the camera.
-const BACK: f64 = -3.6;
+const BACK: f64 = -2.6;
 const FRONT: f64 = 4.4;
 /// The wall between the rooms reaches from −WALL to 0.
 const WALL: f64 = 0.16;
@@ -17,20 +17,20 @@ const WALL: f64 = 0.16;
 const DOOR: [f64; 2] = [0.1, 1.1];
 const LINTEL: f64 = 2.1;
 /// How far the door stands open, radians.
-const AJAR: f64 = 0.62;
+const AJAR: f64 = 0.72;
 
 /// Two closed rooms; the lamp is in the far one, the camera in the near one.
 pub(super) fn two_rooms() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let wall = scene.material(MaterialDesc::lambert("wall", [0.76, 0.74, 0.70]));
-    let lit = scene.material(MaterialDesc::lambert("far wall", [0.80, 0.70, 0.55]));
+    let lit = scene.material(MaterialDesc::lambert("far wall", [0.80, 0.76, 0.68]));
     let floor = scene.material(MaterialDesc::lambert("floor", [0.52, 0.38, 0.27]));
     let door = scene.material(MaterialDesc::lambert("door", [0.24, 0.36, 0.48]));
     let table = scene.material(MaterialDesc::lambert("table", [0.66, 0.62, 0.58]));
     let clay = scene.material(MaterialDesc::lambert("clay", [0.70, 0.34, 0.20]));
     let mirror = scene.material(MaterialDesc::mirror("mirror", [0.92; 3]));
     let glass = scene.material(MaterialDesc::glass("glass", 1.5));
-    let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [260., 225., 175.]));
+    let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [60., 53., 43.]));
 
     let (h, top, mid) = (HALF, HEIGHT, -WALL / 2.0);
     scene.quad("floor", [[-h, 0., FRONT], [h, 0., FRONT], [h, 0., BACK], [-h, 0., BACK]], floor);
@@ -59,9 +59,10 @@ pub(super) fn two_rooms() -> SceneBuilder {
     add(&mut scene, "mirror ball", icosphere(6, on_table(-0.70, 1.10, 0.19), 0.19), mirror);
     add(&mut scene, "glass ball", icosphere(6, on_table(-0.52, 1.58, 0.16), 0.16), glass);
 
-    // Behind the right part of the wall, so that the doorway lets its light fall slantwise.
-    let y = top - 0.02;
-    scene.quad("lamp", [[0.3, y, -2.9], [1.5, y, -2.9], [1.5, y, -1.9], [0.3, y, -1.9]], lamp);
+    // Upright like a window, right of what the camera sees through the doorway: from there it shines
+    // past the door on the table, and a good part of its photons finds the way.
+    let z = BACK + 0.02;
+    scene.quad("lamp", [[1.1, 0.9, z], [2.1, 0.9, z], [2.1, 2.3, z], [1.1, 2.3, z]], lamp);
     scene.camera("dark room", CameraDesc::look_at([-0.35, 1.45, 4.25], [-0.15, 1.08, 0.], [0., 1., 0.], 0.80));
     scene
 }

@@ -1,6 +1,6 @@
 //! Solids with flat sides, and moving them about.
 
-use super::{Shape, flip, grid, join};
+use super::{Shape, grid};
 
 /// The box between two corners; needs `low < high` on every axis.
 #[must_use]
@@ -51,16 +51,12 @@ pub fn height_field(
     height: impl Fn(f64, f64) -> f64,
 ) -> Shape {
     let [nx, nz] = cells.map(|count| count.max(1));
-    let plane = |level| [[low[0], level, low[1]], [low[0], level, high[1]], [high[0], level, high[1]], [high[0], level, low[1]]];
-    // Columns run along z, as the first side of the quadrilateral does. Bottom and top are cut alike,
-    // since their rims must match.
-    let mut top = grid(plane(bottom), nz, nx);
-    for at in &mut top.0 {
+    let [[x0, z0], [x1, z1]] = [low, high];
+    // Columns run along z, as the first side of the quadrilateral does.
+    let (mut positions, mut triangles) = grid([[x0, 0., z0], [x0, 0., z1], [x1, 0., z1], [x1, 0., z0]], nz, nx);
+    for at in &mut positions {
         at[1] = height(at[0], at[2]);
     }
-    let base = flip(grid(plane(bottom), nz, nx));
-    let above = base.0.len() as u32;
-    let mut solid = join([base, top]);
     // The rim, counter-clockwise as seen from above.
     let at = |x: u32, z: u32| x * (nz + 1) + z;
     let rim: Vec<u32> = (0..nz)
@@ -69,12 +65,18 @@ pub fn height_field(
         .chain((0..nz).map(|z| at(nx, nz - z)))
         .chain((0..nx).map(|x| at(nx - x, 0)))
         .collect();
-    for (step, &a) in rim.iter().enumerate() {
-        let b = rim[(step + 1) % rim.len()];
-        solid.1.push([a, b, b + above]);
-        solid.1.push([a, b + above, a + above]);
+    // The bottom is a fan about its middle: it needs no more corners than the rim has.
+    let middle = positions.len() as u32;
+    positions.push([(x0 + x1) / 2.0, bottom, (z0 + z1) / 2.0]);
+    positions.extend(rim.iter().map(|&vertex| positions[vertex as usize]).map(|[x, _, z]| [x, bottom, z]).collect::<Vec<_>>());
+    for (step, &a) in (0..).zip(&rim) {
+        let next = (step + 1) % rim.len() as u32;
+        let [below, below_next] = [middle + 1 + step, middle + 1 + next];
+        triangles.push([below, below_next, rim[next as usize]]);
+        triangles.push([below, rim[next as usize], a]);
+        triangles.push([middle, below_next, below]);
     }
-    solid
+    (positions, triangles)
 }
 
 /// Moves a shape.

@@ -14,11 +14,11 @@ const RADIUS: f64 = 1.0;
 pub(super) fn cornell_glass() -> SceneBuilder {
     // A small lamp, since a caustic is as sharp as the light that casts it, with as much flux as that
     // of the diffuse box; away from the glass, so that the caustic is not hidden under the ball.
-    let mut scene = cornell::room([-0.9, -0.8], [0.7, 0.7], 89.0);
+    let mut scene = cornell::room([-1.2, -0.5], [0.6, 0.6], 110.0);
     let mirror = scene.material(MaterialDesc::mirror("mirror", [0.95; 3]));
     let glass = scene.material(MaterialDesc::glass("glass", 1.5));
-    add(&mut scene, "mirror ball", icosphere(SUBDIVISION, [-1.15, RADIUS, -1.05], RADIUS), mirror);
+    add(&mut scene, "mirror ball", icosphere(SUBDIVISION, [-1.25, RADIUS, -1.15], RADIUS), mirror);
     // A hair above the floor: where they touched, it would be undecided which one a ray meets.
-    add(&mut scene, "glass ball", icosphere(SUBDIVISION, [1.1, RADIUS + 0.002, 0.85], RADIUS), glass);
+    add(&mut scene, "glass ball", icosphere(SUBDIVISION, [1.0, RADIUS + 0.002, 0.7], RADIUS), glass);
     scene
 }

@@ -23,7 +23,9 @@ pub fn plates(floor: f64, ceiling: f64, exitance: f64) -> SceneBuilder {
     scene.quad("floor", [[-h, 0., h], [h, 0., h], [h, 0., -h], [-h, 0., -h]], below);
     scene.quad("ceiling", [[-h, top, -h], [h, top, -h], [h, top, h], [-h, top, h]], above);
     let [a, b, c, d] = [[-h, h], [h, h], [h, -h], [-h, -h]];
-    for (name, [from, to]) in [("back mirror", [d, c]), ("right mirror", [c, b]), ("front mirror", [b, a]), ("left mirror", [a, d])] {
+    for (name, [from, to]) in
+        [("back mirror", [d, c]), ("right mirror", [c, b]), ("front mirror", [b, a]), ("left mirror", [a, d])]
+    {
         let [p, q, r, s] = [(from, 0.0), (to, 0.0), (to, top), (from, top)].map(|([x, z], y)| [x, y, z]);
         scene.quad(name, [p, q, r, s], mirror);
     }

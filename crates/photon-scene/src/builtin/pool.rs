@@ -56,7 +56,9 @@ pub(super) fn pool() -> SceneBuilder {
     let [a, b, c, d] = [[-h, h], [h, h], [h, -h], [-h, -h]];
     let floor = [a, b, c, d].map(|[x, z]| [x, -DEPTH, z]);
     tile(&mut scene, "floor", floor, tiles);
-    for (name, [from, to]) in [("far wall", [d, c]), ("right wall", [c, b]), ("near wall", [b, a]), ("left wall", [a, d])] {
+    for (name, [from, to]) in
+        [("far wall", [d, c]), ("right wall", [c, b]), ("near wall", [b, a]), ("left wall", [a, d])]
+    {
         let [low, high] = [-DEPTH, 0.0].map(|y| [from, to].map(|[x, z]| [x, y, z]));
         tile(&mut scene, name, [low[0], low[1], high[1], high[0]], tiles);
     }
@@ -120,7 +122,8 @@ mod tests {
     fn waves_are_gentle_and_well_resolved() {
         let steepest: f64 = WAVES.iter().map(|([kx, kz], amplitude, _)| kx.hypot(*kz) * amplitude).sum();
         assert!(steepest < 0.45, "{steepest}");
-        let shortest = WAVES.iter().map(|([kx, kz], ..)| std::f64::consts::TAU / kx.hypot(*kz)).fold(f64::MAX, f64::min);
+        let shortest =
+            WAVES.iter().map(|([kx, kz], ..)| std::f64::consts::TAU / kx.hypot(*kz)).fold(f64::MAX, f64::min);
         let cells = shortest / (2.0 * (HALF + 0.1) / f64::from(CELLS));
         assert!(cells > 40.0, "{cells} cells in the shortest wave");
     }
@@ -135,7 +138,8 @@ mod tests {
     #[test]
     fn tiles_fill_the_floor() {
         let scene = pool().build().expect("valid");
-        let floor = scene.view().facets.iter().enumerate().filter(|(i, _)| scene.mesh_of_triangle(*i as u32) == "floor");
+        let floor =
+            scene.view().facets.iter().enumerate().filter(|(i, _)| scene.mesh_of_triangle(*i as u32) == "floor");
         assert_eq!(floor.count(), 2 * 16 * 16);
     }
 }

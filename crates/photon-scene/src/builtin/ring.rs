@@ -25,7 +25,7 @@ pub(super) fn ring() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let table = scene.material(MaterialDesc::lambert("table", [0.62, 0.58, 0.54]));
     let gold = scene.material(MaterialDesc::mirror("gold", [0.95, 0.78, 0.42]));
-    let panel = scene.material(MaterialDesc::emissive("panel", [0.0; 3], [0.20, 0.25, 0.33]));
+    let panel = scene.material(MaterialDesc::emissive("panel", [0.0; 3], [0.36, 0.42, 0.50]));
 
     add(&mut scene, "table", disc([0., 0., 0.], [0., 1., 0.], 4.5, 128), table);
     // Its lower rim is let into the table, so that no light creeps under it.
@@ -37,10 +37,10 @@ pub(super) fn ring() -> SceneBuilder {
         LightDesc::Spot {
             position: [INNER, LIGHT, 0.],
             // Along the bisector of what it has to light: the table beyond, and the ring.
-            direction: [-1., -LIGHT, 0.],
-            intensity: [7., 6.7, 6.1],
-            inner_angle: 0.8,
-            outer_angle: 1.05,
+            direction: [-0.8, -LIGHT, 0.],
+            intensity: [7.5, 7.2, 6.6],
+            inner_angle: 0.9,
+            outer_angle: 1.35,
         },
     );
     scene.camera("above", CameraDesc::look_at([0.6, 3.3, 2.6], [-0.05, 0.15, 0.08], [0., 1., 0.], 0.62));
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn the_wall_is_high_enough_for_the_whole_caustic() {
-        assert!(RING >= LIGHT / 2.0);
+        const { assert!(RING >= LIGHT / 2.0) }
     }
 
     /// Rays from the light, reflected in the mathematical cylinder near the plane of symmetry, cross

@@ -24,13 +24,13 @@ pub(super) fn two_rooms() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let wall = scene.material(MaterialDesc::lambert("wall", [0.76, 0.74, 0.70]));
     let lit = scene.material(MaterialDesc::lambert("far wall", [0.80, 0.76, 0.68]));
-    let floor = scene.material(MaterialDesc::lambert("floor", [0.52, 0.38, 0.27]));
+    let floor = scene.material(MaterialDesc::lambert("floor", [0.50, 0.41, 0.33]));
     let door = scene.material(MaterialDesc::lambert("door", [0.24, 0.36, 0.48]));
     let table = scene.material(MaterialDesc::lambert("table", [0.66, 0.62, 0.58]));
     let clay = scene.material(MaterialDesc::lambert("clay", [0.70, 0.34, 0.20]));
     let mirror = scene.material(MaterialDesc::mirror("mirror", [0.92; 3]));
     let glass = scene.material(MaterialDesc::glass("glass", 1.5));
-    let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [60., 53., 43.]));
+    let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [90., 83., 72.]));
 
     let (h, top, mid) = (HALF, HEIGHT, -WALL / 2.0);
     scene.quad("floor", [[-h, 0., FRONT], [h, 0., FRONT], [h, 0., BACK], [-h, 0., BACK]], floor);

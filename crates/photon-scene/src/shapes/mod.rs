@@ -108,13 +108,23 @@ mod tests {
             ("tube", tube(at, 1.0, 1.5, 0.5, 512), 5.0 * PI, 0.625 * PI, 0, 1e-3),
             ("torus", torus(at, 2.0, 0.5, 256, 128), 4.0 * PI * PI, PI * PI, 0, 1e-3),
             ("height field", height_field([0., 0.], [2., 3.], [4, 5], -1.0, |_, _| 1.0), 32.0, 12.0, 2, 1e-14),
-            ("prism", prism(&[[0., 0.], [0., 2.], [1., 2.], [1., 1.], [2., 1.], [2., 0.]], 3, 0., 1.), 14., 3., 2, 1e-14),
+            (
+                "prism",
+                prism(&[[0., 0.], [0., 2.], [1., 2.], [1., 1.], [2., 1.], [2., 0.]], 3, 0., 1.),
+                14.,
+                3.,
+                2,
+                1e-14,
+            ),
         ];
         for (name, shape, expected_area, expected_volume, characteristic, tolerance) in cases {
             assert_closed(name, &shape);
             let (area, volume) = (area(&shape), volume(&shape));
             assert!((area / expected_area - 1.0).abs() < tolerance, "{name}: area {area}, not {expected_area}");
-            assert!((volume / expected_volume - 1.0).abs() < tolerance, "{name}: volume {volume}, not {expected_volume}");
+            assert!(
+                (volume / expected_volume - 1.0).abs() < tolerance,
+                "{name}: volume {volume}, not {expected_volume}"
+            );
             assert_eq!(euler(&shape), characteristic, "{name}");
             let flipped = super::volume(&flip(shape));
             assert!((flipped + volume).abs() <= 1e-12 * volume, "{name}: flipped, {flipped}");

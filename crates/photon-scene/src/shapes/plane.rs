@@ -27,8 +27,7 @@ pub fn grid(corners: [[f64; 3]; 4], columns: u32, rows: u32) -> Shape {
     let at = |column, row| row * (columns + 1) + column;
     let triangles = (0..rows).flat_map(|row| {
         (0..columns).flat_map(move |column| {
-            let [a, b, c, d] =
-                [at(column, row), at(column + 1, row), at(column + 1, row + 1), at(column, row + 1)];
+            let [a, b, c, d] = [at(column, row), at(column + 1, row), at(column + 1, row + 1), at(column, row + 1)];
             [[a, b, c], [a, c, d]]
         })
     });

@@ -68,7 +68,9 @@ pub fn height_field(
     // The bottom is a fan about its middle: it needs no more corners than the rim has.
     let middle = positions.len() as u32;
     positions.push([(x0 + x1) / 2.0, bottom, (z0 + z1) / 2.0]);
-    positions.extend(rim.iter().map(|&vertex| positions[vertex as usize]).map(|[x, _, z]| [x, bottom, z]).collect::<Vec<_>>());
+    positions.extend(
+        rim.iter().map(|&vertex| positions[vertex as usize]).map(|[x, _, z]| [x, bottom, z]).collect::<Vec<_>>(),
+    );
     for (step, &a) in (0..).zip(&rim) {
         let next = (step + 1) % rim.len() as u32;
         let [below, below_next] = [middle + 1 + step, middle + 1 + next];

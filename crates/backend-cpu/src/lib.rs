@@ -21,3 +21,8 @@ pub use cpu::{Cpu, CpuBuffer};
 pub use film::CpuFilm;
 pub use map::CpuMap;
 pub use scene::CpuScene;
+
+/// The README's example, compiled and run as a test of documentation; no part of the library.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

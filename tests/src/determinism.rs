@@ -1,0 +1,118 @@
+//! The same seed gives the same bits, however the work is shared out.
+
+use photon_core::{Backend, Budget, Error, Indirect, Pipeline, Render, Requirements, Settings, Sharing, View, render};
+use photon_scene::Scene;
+
+use crate::harness::{TestBackend, film, trace};
+
+fn scene() -> Scene {
+    photon_scene::builtin("cornell-glass").unwrap().build().unwrap()
+}
+
+fn settings() -> Settings {
+    Settings { photons: 6000, indirect: Indirect::Gather, gather_rays: 2, seed: 3, ..Settings::default() }
+}
+
+/// Photons, in order, and tallies: one thread or seven, static or dynamic, one batch or many.
+pub fn photons_do_not_depend_on_sharing<T: TestBackend>() {
+    let scene = scene();
+    let of =
+        |threads, sharing, batches: &[u32]| trace::<T>(threads, &scene, &Settings { sharing, ..settings() }, batches);
+    let expected = of(1, Sharing::Static, &[9000]);
+    assert!(expected.0.iter().all(|photons| !photons.is_empty()));
+    for (threads, sharing, batches) in [
+        (1, Sharing::Dynamic, vec![9000]),
+        (2, Sharing::Static, vec![9000]),
+        (3, Sharing::Dynamic, vec![9000]),
+        (7, Sharing::Static, vec![1, 4095, 4904]),
+        (7, Sharing::Dynamic, vec![5000, 4000]),
+    ] {
+        assert!(of(threads, sharing, &batches) == expected, "{threads} {sharing:?} {batches:?}");
+    }
+}
+
+/// Whole pictures on one, two, three and seven threads.
+pub fn pictures_do_not_depend_on_threads<T: TestBackend>() {
+    let scene = scene();
+    let picture = |threads: usize| {
+        let view = View { camera: scene.camera(None, 24, 24).unwrap(), width: 24, height: 24 };
+        let mut renderer = Pipeline::new(T::make(threads), &scene.view(), view, settings()).unwrap();
+        render(&mut renderer, Budget::passes(2), &mut ()).unwrap();
+        renderer.film().unwrap().pixels
+    };
+    let expected = picture(1);
+    for threads in [2, 3, 7] {
+        assert!(picture(threads) == expected, "{threads}");
+    }
+}
+
+/// To model more than the scene requires changes no bit, and less is an error.
+pub fn wider_requirements_change_nothing<T: TestBackend>() {
+    for name in ["cornell", "ring", "cornell-glass"] {
+        let scene = photon_scene::builtin(name).unwrap().build().unwrap();
+        let settings = Settings { photons: 5000, ..Settings::default() };
+        let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+        let derived = Requirements::of(&scene.view(), &settings);
+        let picture = |required| {
+            let on = T::make(2);
+            let mut renderer = Pipeline::with_requirements(on, &scene.view(), view, settings.clone(), required)?;
+            render(&mut renderer, Budget::passes(2), &mut ())?;
+            Ok::<_, Error>((renderer.film()?.pixels, renderer.facts().memory))
+        };
+        let (least, memory) = picture(derived).unwrap();
+        let (most, _) = picture(Requirements::everything(&settings)).unwrap();
+        assert!(least == most, "{name}");
+        let caustic = memory.iter().any(|(label, _)| label.contains("caustic"));
+        assert_eq!(caustic, derived.caustic_map, "{name}: {memory:?}");
+        let less = Requirements { features: photon_core::Features::NONE, ..derived };
+        assert!(matches!(picture(less), Err(Error::MissingFeatures { .. })), "{name}");
+    }
+}
+
+/// Passes depend on their index alone: two films of two passes each, merged, are one of four, but
+/// for the rounding of sums in f64.
+pub fn passes_merge<T: TestBackend>() {
+    let scene = scene();
+    let of = |first: u32, passes: u32| {
+        let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+        let mut renderer = Pipeline::new(T::make(2), &scene.view(), view, settings()).unwrap();
+        render(&mut renderer, Budget { first, passes, time: None }, &mut ()).unwrap();
+        renderer.film().unwrap()
+    };
+    let whole = of(0, 4);
+    let mut merged = of(2, 2);
+    merged.merge(&of(0, 2)).unwrap();
+    assert_eq!(merged.passes, 4);
+    for (a, b) in whole.pixels.iter().zip(&merged.pixels) {
+        for (a, b) in a.layers.iter().flatten().zip(b.layers.iter().flatten()) {
+            assert!((a - b).abs() <= 1e-12 * a.abs(), "{a} {b}");
+        }
+    }
+    assert!(of(1, 1).pixels != of(0, 1).pixels);
+}
+
+/// S31: a buffer that is too small says what it needs; one that may grow gives the same picture as
+/// one that was large enough.
+pub fn s31_full_photon_buffers<T: TestBackend>() {
+    let scene = scene();
+    let expected = film::<T>(&scene, &settings(), 1, 16);
+    let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+    let with = |capacity| {
+        let limited = Settings { photon_capacity: Some(capacity), ..settings() };
+        let mut renderer = Pipeline::new(T::make(2), &scene.view(), view, limited)?;
+        render(&mut renderer, Budget::passes(1), &mut ())?;
+        renderer.film()
+    };
+    match with(100) {
+        Err(Error::CapacityExceeded { needed, capacity, .. }) => {
+            assert_eq!(capacity, 100);
+            assert!(needed > 100);
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(with(100_000).unwrap().pixels == expected.pixels);
+    // And of a buffer itself: what does not fit is counted, and asking for all of it is an error.
+    let mut on = T::make(1);
+    let buffer = on.upload::<u32>("words", &[1, 2, 3]).unwrap();
+    assert_eq!(on.fill(&buffer).unwrap().length, 3);
+}

@@ -1,0 +1,171 @@
+//! B: direct light.
+
+use photon_core::{Direct, Indirect, Layer, Settings};
+use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, shapes};
+use std::f64::consts::PI;
+
+use crate::harness::{TestBackend, film, look_at_point, trace, watts};
+use crate::stats::assert_agrees;
+
+const ALBEDO: f64 = 0.5;
+
+/// A floor of 8 by 8 at height 0 with something above it.
+fn floor() -> SceneBuilder {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(MaterialDesc::lambert("grey", [ALBEDO; 3]));
+    let (positions, triangles) = shapes::quad([[-4.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, -4.0], [-4.0, 0.0, -4.0]]);
+    builder.mesh("floor", positions, triangles, grey);
+    builder
+}
+
+/// Irradiance at a point of the floor by shadow rays, and its standard error: `√Σs²/n` over pixels,
+/// which draw numbers of their own.
+fn irradiance<T: TestBackend>(mut builder: SceneBuilder, x: f64, shadow_rays: u32) -> (f64, f64) {
+    look_at_point(&mut builder, [x, 0.0, 0.0], [0.0, 1.0, 0.0], 1e-3, 1e-6);
+    let scene = builder.build().unwrap();
+    let settings =
+        Settings { indirect: Indirect::None, caustics: false, shadow_rays, photons: 1, ..Settings::default() };
+    let film = film::<T>(&scene, &settings, 16, 8);
+    let pixels = film.layer(Layer::Direct);
+    let n = pixels.len() as f64;
+    let factor = PI / ALBEDO;
+    let mean = pixels.iter().map(|p| f64::from(p[0])).sum::<f64>() / n;
+    let error = film.standard_error().iter().map(|&e| f64::from(e).powi(2)).sum::<f64>().sqrt() / n;
+    (mean * factor, error * factor)
+}
+
+fn with_lamp(name: &str, (positions, triangles): shapes::Shape, radiance: f64) -> SceneBuilder {
+    let mut builder = floor();
+    let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [radiance; 3]));
+    builder.mesh(name, positions, triangles, lamp);
+    builder
+}
+
+/// B1: `E = Φ cos θ/(4π d²)`; no randomness is left but the pixel's own position, within 1e-6.
+pub fn b1_point_light<T: TestBackend>() {
+    for (position, truth) in [([0.0, 2.0, 0.0], 1.989_436_8), ([3.0_f64.sqrt(), 1.0, 0.0], 0.994_718_4)] {
+        let mut builder = floor();
+        builder.light("lamp", LightDesc::Point { position, intensity: [100.0 / (4.0 * PI); 3] });
+        let (found, _) = irradiance::<T>(builder, 0.0, 1);
+        assert_agrees("point light", found, truth, 0.0, 2e-5 * truth);
+    }
+}
+
+/// B2: the share of photons that pass a disc is binomial: error `√(p(1−p)/N)`.
+pub fn b2_flux_through_a_disc<T: TestBackend>() {
+    let mut builder = floor();
+    builder.light("lamp", LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [100.0 / (4.0 * PI); 3] });
+    let scene = builder.build().unwrap();
+    let n = 400_000;
+    let settings = Settings { max_bounces: 1, ..Settings::default() };
+    let ([direct, ..], tally) = trace::<T>(2, &scene, &settings, &[n]);
+    let inside = direct.iter().filter(|photon| {
+        let [x, _, z] = scene.units().point_to_user(photon.position);
+        x * x + z * z <= 1.0
+    });
+    let p = 0.146_446_61;
+    let found = inside.count() as f64 / f64::from(n);
+    assert_agrees("disc", found, p, (p * (1.0 - p) / f64::from(n)).sqrt(), 0.0);
+    assert_eq!(tally.emitted, u64::from(n));
+    assert!((scene.units().power - 100.0).abs() < 1e-4);
+}
+
+/// B3: a Lambertian disc. Its 512 segments lack `1 − sin(2π/n)/(2π/n)` = 2.5e-5 of the area.
+pub fn b3_lambertian_disc<T: TestBackend>() {
+    for (x, truth) in [(0.0, 1.570_796_3), (1.0, 0.868_314_9), (2.0, 0.165_833_4)] {
+        let lamp = shapes::disc([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], 1.0, 512);
+        let closed = PI / 2.0 * (1.0 - (x * x + 1.0 - 1.0) / ((x * x + 2.0_f64).powi(2) - 4.0 * x * x).sqrt());
+        let (found, error) = irradiance::<T>(with_lamp("disc", lamp, 1.0), x, 64);
+        assert_agrees("disc", found, closed, error, 1e-4 * closed);
+        if x < 2.0 {
+            assert!((closed - truth).abs() < 1e-6, "{closed}");
+        }
+    }
+}
+
+/// B4: a rectangle, `E = π L F`.
+pub fn b4_rectangle<T: TestBackend>() {
+    for (low, high, factor) in [
+        ([0.0, 0.0], [1.0, 1.0], 0.138_531_6),
+        ([-1.0, -1.0], [1.0, 1.0], 0.554_126_4),
+        ([-0.5, -0.5], [0.5, 0.5], 0.239_456_5),
+    ] {
+        let at = |x: f64, z: f64| [x, 1.0, z];
+        let lamp = shapes::quad([at(low[0], low[1]), at(high[0], low[1]), at(high[0], high[1]), at(low[0], high[1])]);
+        let (found, error) = irradiance::<T>(with_lamp("lamp", lamp, 1.0), 0.0, 64);
+        assert_agrees("rectangle", found, PI * factor, error, 1e-5);
+    }
+}
+
+/// B5: form factors, as the share of a Lambertian emitter's photons that a black receiver takes.
+pub fn b5_form_factors<T: TestBackend>() {
+    let h = 0.5;
+    let square = |y: f64, up: bool| {
+        let corners = [[-h, y, h], [h, y, h], [h, y, -h], [-h, y, -h]];
+        let shape = shapes::quad(corners);
+        if up { shape } else { shapes::flip(shape) }
+    };
+    let wall = shapes::quad([[-h, 0.0, -h], [h, 0.0, -h], [h, 1.0, -h], [-h, 1.0, -h]]);
+    let disc = |y, up: f64| shapes::disc([0.0, y, 0.0], [0.0, up, 0.0], 1.0, 512);
+    for (emitter, receiver, factor) in [
+        (square(0.0, true), square(1.0, false), 0.199_824_9),
+        (square(0.0, true), wall, 0.200_043_8),
+        (disc(0.0, 1.0), disc(1.0, -1.0), 0.381_966_0),
+    ] {
+        let mut builder = SceneBuilder::new();
+        let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]));
+        let black = builder.material(MaterialDesc::lambert("black", [0.0; 3]));
+        builder.mesh("emitter", emitter.0, emitter.1, lamp);
+        builder.mesh("receiver", receiver.0, receiver.1, black);
+        let scene = builder.build().unwrap();
+        let n = 400_000;
+        let (_, tally) = trace::<T>(2, &scene, &Settings::default(), &[n]);
+        let found = tally.absorbed as f64 / f64::from(n);
+        assert_agrees("form factor", found, factor, (factor * (1.0 - factor) / f64::from(n)).sqrt(), 5e-5);
+    }
+}
+
+/// B8: the power of emitters.
+pub fn b8_power_of_emitters<T: TestBackend>() {
+    let area =
+        with_lamp("lamp", shapes::quad([[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]]), 1.0);
+    let mut spot = floor();
+    let angle = 30.0_f64.to_radians();
+    spot.light(
+        "spot",
+        LightDesc::Spot {
+            position: [0.0, 1.0, 0.0],
+            direction: [0.0, -1.0, 0.0],
+            intensity: [1.0; 3],
+            inner_angle: angle,
+            outer_angle: angle,
+        },
+    );
+    for (builder, power) in [(area, PI), (spot, 0.841_787_2)] {
+        let scene = builder.build().unwrap();
+        assert!((scene.units().power / power - 1.0).abs() < 1e-6, "{}", scene.units().power);
+        let (_, tally) = trace::<T>(2, &scene, &Settings::default(), &[20_000]);
+        // Flux is kept in units of 2^-40 of the power.
+        assert!((watts(&scene, &tally, &tally.flux_emitted) / power - 1.0).abs() < 1e-5);
+    }
+}
+
+/// Photons and shadow rays are two estimates of one thing: their direct layers agree.
+pub fn direct_light_by_photons_agrees<T: TestBackend>() {
+    let mut builder =
+        with_lamp("lamp", shapes::quad([[-1.0, 2.0, -1.0], [1.0, 2.0, -1.0], [1.0, 2.0, 1.0], [-1.0, 2.0, 1.0]]), 1.0);
+    look_at_point(&mut builder, [0.5, 0.0, 0.2], [0.0, 1.0, 0.0], 0.5, 0.2);
+    let scene = builder.build().unwrap();
+    let base = Settings { indirect: Indirect::None, caustics: false, photons: 100_000, ..Settings::default() };
+    let nee = crate::harness::per_pass::<T>(&scene, &base, 8, 8);
+    let photons = crate::harness::per_pass::<T>(
+        &scene,
+        &Settings { direct: Direct::Photons, seed: 9, alpha: 1.0, ..base },
+        24,
+        8,
+    );
+    let error = (crate::stats::standard_error(&nee).powi(2) + crate::stats::standard_error(&photons).powi(2)).sqrt();
+    let (a, b) = (crate::stats::moments(&nee).0, crate::stats::moments(&photons).0);
+    // Curvature of the field within the derived radius: below 2 parts in a thousand here.
+    assert_agrees("photons", b, a, error, 2e-3 * a);
+}

@@ -1,0 +1,168 @@
+//! What the suite asks of a backend, and ways to ask it.
+
+use photon_core::random::{Domain, Sampler, unit_f32};
+use photon_core::{
+    Batch, Deposits, Estimate, Film, Gather, IndexKind, Pass, Photon, PhotonRay, Pipeline, Query, RandomKind, Render,
+    Requirements, Settings, Tally, TransportBackend, View, octahedral,
+};
+use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
+
+/// A backend under test.
+pub trait TestBackend {
+    /// Its type.
+    type On: TransportBackend;
+    /// A fresh one; `threads` where that means something.
+    fn make(threads: usize) -> Self::On;
+}
+
+/// A stream of uniform numbers, as fixed as its seed.
+#[derive(Debug)]
+pub struct Uniform {
+    sampler: Sampler,
+    block: u32,
+    words: [u32; 4],
+    left: usize,
+}
+
+impl Uniform {
+    /// The stream of that number.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        let sampler = Sampler::new(RandomKind::Counter, seed, 0, Domain::Gather, 0);
+        Self { sampler, block: 0, words: [0; 4], left: 0 }
+    }
+
+    /// The next, in `[0, 1)`.
+    pub fn draw(&mut self) -> f64 {
+        if self.left == 0 {
+            self.words = self.sampler.words(self.block);
+            self.block += 1;
+            self.left = 4;
+        }
+        self.left -= 1;
+        f64::from(self.words[self.left]) / 4_294_967_296.0
+    }
+}
+
+/// A photon of unit power that came straight down onto the plane z = 0.
+#[must_use]
+pub fn photon_at(position: [f32; 3]) -> Photon {
+    let up = octahedral::pack(photon_core::glam::Vec3::Z);
+    Photon { position, direction: up, power: [1.0; 3], normal: up }
+}
+
+/// A query on the plane z = 0.
+#[must_use]
+pub fn query_at(position: [f32; 3], radius: f32) -> Query {
+    Query { position, radius, normal: [0.0, 0.0, 1.0], weight: [1.0; 3], ..Query::default() }
+}
+
+/// What a map of `photons` says about `queries`.
+pub fn estimate<T: TestBackend>(
+    kind: IndexKind,
+    photons: &[Photon],
+    queries: &[Query],
+    gather: &Gather,
+) -> Vec<Estimate> {
+    use photon_core::Backend;
+    let mut on = T::make(2);
+    let mut stages = on.map_stages(kind).unwrap();
+    let photons = on.upload("photons", photons).unwrap();
+    let queries_there = on.upload("queries", queries).unwrap();
+    let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
+    let map = stages.builder.build(&mut on, photons).unwrap();
+    stages.estimator.estimate(&mut on, &map, &queries_there, gather, &mut estimates).unwrap();
+    let mut found = Vec::new();
+    on.download(&estimates, &mut found).unwrap();
+    found
+}
+
+/// Photons of the direct, caustic and global map, normalised space, and what became of all.
+pub fn trace<T: TestBackend>(
+    threads: usize,
+    scene: &Scene,
+    settings: &Settings,
+    batches: &[u32],
+) -> ([Vec<Photon>; 3], Tally) {
+    use photon_core::Backend;
+    let mut on = T::make(threads);
+    let view = scene.view();
+    let required =
+        Requirements { direct_map: true, caustic_map: true, global_map: true, ..Requirements::of(&view, settings) };
+    let prepared = on.prepare(&view, &required).unwrap();
+    let mut stages = on.stages(&required, settings).unwrap();
+    let pass = Pass { seed: settings.seed, index: 0, random: settings.random };
+    let total: u32 = batches.iter().sum();
+    let capacity = u64::from(total) * u64::from(settings.max_bounces.min(256)) + 1;
+    let mut rays = on.alloc::<PhotonRay>("rays", u64::from(total)).unwrap();
+    let mut buffers = ["direct", "caustic", "global"].map(|label| on.alloc::<Photon>(label, capacity).unwrap());
+    let mut first = 0;
+    for &count in batches {
+        let batch = Batch { pass, paths: first..first + count };
+        stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
+        let [direct, caustic, global] = &mut buffers;
+        let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
+        stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
+        first += count;
+    }
+    let tally = stages.tracer.take_tally(&mut on).unwrap();
+    let photons = buffers.map(|buffer| {
+        let mut out = Vec::new();
+        on.download(&buffer, &mut out).unwrap();
+        out
+    });
+    (photons, tally)
+}
+
+/// What one stored sum of flux is per path and in watts, mean of RGB.
+#[must_use]
+pub fn watts(scene: &Scene, tally: &Tally, sum: &photon_core::FluxSum) -> f64 {
+    sum.value().iter().sum::<f64>() / 3.0 / tally.emitted as f64 * scene.units().power
+}
+
+/// A picture of `size × size` pixels by the scene's first camera.
+pub fn film<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32, size: u32) -> Film {
+    let mut renderer = renderer::<T>(scene, settings, size);
+    for pass in 0..passes {
+        renderer.pass(pass, &mut ()).unwrap();
+    }
+    renderer.film().unwrap()
+}
+
+/// A renderer for it.
+pub fn renderer<T: TestBackend>(scene: &Scene, settings: &Settings, size: u32) -> Pipeline<T::On> {
+    let view = View { camera: scene.camera(None, size, size).unwrap(), width: size, height: size };
+    Pipeline::new(T::make(2), &scene.view(), view, settings.clone()).unwrap()
+}
+
+/// Mean over the pixels of each pass by itself, mean of RGB: passes are independent, pixels of one
+/// pass are not.
+pub fn per_pass<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32, size: u32) -> Vec<f64> {
+    let mut renderer = renderer::<T>(scene, settings, size);
+    let mut before = 0.0;
+    (0..passes)
+        .map(|pass| {
+            renderer.pass(pass, &mut ()).unwrap();
+            let beauty = renderer.film().unwrap().beauty();
+            let mean = beauty.iter().flatten().map(|&c| f64::from(c)).sum::<f64>() / (3 * beauty.len()) as f64;
+            let sum = mean * f64::from(pass + 1);
+            sum - std::mem::replace(&mut before, sum)
+        })
+        .collect()
+}
+
+/// A camera that looks straight at a small square of half side `half` about `point`, from `away`
+/// along `normal`.
+pub fn look_at_point(builder: &mut SceneBuilder, point: [f64; 3], normal: [f64; 3], away: f64, half: f64) {
+    let position = std::array::from_fn(|axis| point[axis] + away * normal[axis]);
+    let direction = normal.map(|n| -n);
+    let up = if normal[1].abs() > 0.9 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
+    let projection = Projection::Orthographic { half_height: half };
+    builder.camera("point", CameraDesc { position, direction, up, projection });
+}
+
+/// Uniform in `[0, 1)` as kernels draw it.
+#[must_use]
+pub fn unit(word: u32) -> f32 {
+    unit_f32(word)
+}

@@ -7,6 +7,7 @@
 //! Before anything is timed, every contestant's distances are compared with the first one's. Times are
 //! medians over the rounds; as each round runs all contestants one after the other, a slower or
 //! busier machine slows them alike.
+#![expect(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use backend_cpu::index::{IndexKind, Neighbours, PointIndex};
 use kiddo::leaf_strategies::{FlatVec, VecOfArenas};
@@ -221,7 +222,8 @@ fn workload(name: &str, points: &[[f32; 3]], queries: &[[f32; 3]], rounds: usize
             black_box(sum);
             (low, high) = (low.min(count), high.max(count));
         });
-        assert_eq!(low, high, "all find equally many within the radius");
+        // Rivals may fuse operations, and so see a point on the rim otherwise.
+        assert!(high - low <= high / 1_000_000, "between {low} and {high} found within the radius");
         report(&format!("radius, {:.0} inside", low as f64 / queries.len() as f64), &names, &times, queries.len());
     }
 }

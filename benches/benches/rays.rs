@@ -63,7 +63,13 @@ fn rays(count: u32) -> Vec<Ray> {
             let (origin, normal) = if path % 2 == 0 {
                 let m = outward.abs().max_element();
                 let wall = outward / m * 0.499_99;
-                let axis = if outward.x.abs() == m { Vec3::X } else if outward.y.abs() == m { Vec3::Y } else { Vec3::Z };
+                let axis = if outward.x.abs() == m {
+                    Vec3::X
+                } else if outward.y.abs() == m {
+                    Vec3::Y
+                } else {
+                    Vec3::Z
+                };
                 (wall, -axis * outward.dot(axis).signum())
             } else {
                 (outward * 0.28, outward)
@@ -80,8 +86,7 @@ fn median(mut times: Vec<Duration>) -> f64 {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let quick = std::env::args().any(|argument| argument == "--test");
-    let (rounds, count, sizes) =
-        if quick { (1, 1000, vec![1000]) } else { (9, 200_000, vec![100_000, 1_000_000]) };
+    let (rounds, count, sizes) = if quick { (1, 1000, vec![1000]) } else { (9, 200_000, vec![100_000, 1_000_000]) };
     for size in sizes {
         let (positions, triangles) = scene(size);
         let rays = rays(count);
@@ -96,7 +101,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let ours = Accel::build(&positions, &triangles)?;
         let build_ours = start.elapsed();
         println!("\n{} triangles, {count} rays; our build {build_ours:.2?}", triangles.len());
-        for (preset, parameters) in [("medium", BvhBuildParams::medium_build()), ("very slow", BvhBuildParams::very_slow_build())] {
+        for (preset, parameters) in
+            [("medium", BvhBuildParams::medium_build()), ("very slow", BvhBuildParams::very_slow_build())]
+        {
             let (mut two, mut eight) = (Duration::default(), Duration::default());
             let bvh2 = build_bvh2_from_tris(&theirs, parameters, &mut two);
             let cwbvh = build_cwbvh_from_tris(&theirs, parameters, &mut eight);

@@ -5,9 +5,7 @@
 #![expect(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use backend_cpu::Cpu;
-use photon_core::{
-    Budget, Indirect, Pipeline, Settings, Sharing, Stage, StageTimings, View, render,
-};
+use photon_core::{Budget, Indirect, Pipeline, Settings, Sharing, Stage, StageTimings, View, render};
 
 const ROUNDS: usize = 7;
 

@@ -49,17 +49,8 @@ fn lamp(uri: &str) -> String {
 }
 
 fn square() -> Vec<u8> {
-    let corners = [
-        [-1_f32, 0., -1.],
-        [1., 0., -1.],
-        [1., 0., 1.],
-        [-1., 0., 1.],
-    ];
-    let mut bytes: Vec<u8> = corners
-        .iter()
-        .flatten()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
+    let corners = [[-1_f32, 0., -1.], [1., 0., -1.], [1., 0., 1.], [-1., 0., 1.]];
+    let mut bytes: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
     bytes.extend([0, 1, 2, 0, 2, 3]);
     bytes
 }
@@ -76,19 +67,9 @@ fn a_lamp_has_the_power_of_its_area() {
     let scene = build(&folder.write("lamp.gltf", lamp("square.bin")));
     // π · radiance · area, for a lamp that shines from one side.
     let expected = std::f64::consts::PI * 5.0 * 4.0;
-    assert!(
-        (scene.units().power / expected - 1.0).abs() < 1e-12,
-        "{:?}",
-        scene.units()
-    );
+    assert!((scene.units().power / expected - 1.0).abs() < 1e-12, "{:?}", scene.units());
     assert_eq!(scene.view().lights.len(), 2);
-    assert!(
-        scene
-            .view()
-            .facets
-            .iter()
-            .all(|facet| facet.normal == [0., -1., 0.])
-    );
+    assert!(scene.view().facets.iter().all(|facet| facet.normal == [0., -1., 0.]));
     assert_eq!(scene.units().center, [0., 3., 0.]);
     assert_eq!(scene.camera_names().collect::<Vec<_>>(), ["below"]);
     assert_eq!(scene.mesh_of_triangle(0), "lamp");
@@ -100,12 +81,9 @@ fn a_lamp_has_the_power_of_its_area() {
 fn names_may_be_escaped_or_not_and_lie_in_folders() {
     let folder = Folder::new("names");
     fs::create_dir_all(folder.0.join("data")).unwrap();
-    for (file, uri) in [
-        ("a b.bin", "a%20b.bin"),
-        ("a b.bin", "a b.bin"),
-        ("100%.bin", "100%.bin"),
-        ("data/c.bin", "data/c.bin"),
-    ] {
+    for (file, uri) in
+        [("a b.bin", "a%20b.bin"), ("a b.bin", "a b.bin"), ("100%.bin", "100%.bin"), ("data/c.bin", "data/c.bin")]
+    {
         folder.write(file, square());
         let scene = build(&folder.write("lamp.gltf", lamp(uri)));
         assert_eq!(scene.view().triangles.len(), 2, "{uri}");
@@ -116,30 +94,18 @@ fn names_may_be_escaped_or_not_and_lie_in_folders() {
 fn missing_and_cut_files_are_named() {
     let folder = Folder::new("missing");
     let error = load_gltf(&folder.0.join("none.gltf")).unwrap_err();
-    assert!(
-        matches!(&error, SceneError::Read { path, .. } if path.ends_with("none.gltf")),
-        "{error}"
-    );
+    assert!(matches!(&error, SceneError::Read { path, .. } if path.ends_with("none.gltf")), "{error}");
     assert!(matches!(load_gltf(&folder.0), Err(SceneError::Read { .. })));
 
     let path = folder.write("lamp.gltf", lamp("square.bin"));
     let error = load_gltf(&path).unwrap_err().to_string();
-    assert!(
-        error.contains("lamp.gltf") && error.contains("buffer 0") && error.contains("square.bin"),
-        "{error}"
-    );
+    assert!(error.contains("lamp.gltf") && error.contains("buffer 0") && error.contains("square.bin"), "{error}");
 
     folder.write("square.bin", &square()[..40]);
     let error = load_gltf(&path).unwrap_err().to_string();
-    assert!(
-        error.contains("needs 54 bytes") && error.contains("square.bin has 40"),
-        "{error}"
-    );
+    assert!(error.contains("needs 54 bytes") && error.contains("square.bin has 40"), "{error}");
 
     let path = folder.write("cut.gltf", &lamp("square.bin")[..200]);
     let error = load_gltf(&path).unwrap_err();
-    assert!(
-        matches!(error, SceneError::Content { line: Some(_), .. }),
-        "{error}"
-    );
+    assert!(matches!(error, SceneError::Content { line: Some(_), .. }), "{error}");
 }

@@ -86,13 +86,7 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
         let node = &root.nodes[placed.node];
         let part = nodes::node_label(&root, placed.node);
         if let Some(mesh) = node.mesh {
-            meshes.add(
-                placed.node,
-                mesh.value(),
-                &placed.transform,
-                &mut builder,
-                &mut report,
-            )?;
+            meshes.add(placed.node, mesh.value(), &placed.transform, &mut builder, &mut report)?;
             if node.skin.is_some() {
                 report.left_out(&part, "its skin; the mesh is rendered without its bones");
             }
@@ -101,19 +95,9 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
             let (camera, names) = (camera.value(), &mut camera_names);
             punctual::add_camera(&root, &part, camera, &placed.transform, names, &mut builder)?;
         }
-        let lights = node
-            .extensions
-            .as_ref()
-            .and_then(|all| all.khr_lights_punctual.as_ref());
+        let lights = node.extensions.as_ref().and_then(|all| all.khr_lights_punctual.as_ref());
         if let Some(light) = lights.map(|holder| holder.light.value()) {
-            punctual::add_light(
-                &root,
-                &part,
-                light,
-                &placed.transform,
-                &mut builder,
-                &mut report,
-            )?;
+            punctual::add_light(&root, &part, light, &placed.transform, &mut builder, &mut report)?;
         }
     }
     meshes.census.report(&mut report);
@@ -125,23 +109,13 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
 fn report_rest(root: &Root, report: &mut LoadReport) {
     if root.scenes.len() > 1 {
         let index = root.scene.map_or(0, |scene| scene.value());
-        let name = root
-            .scenes
-            .get(index)
-            .and_then(|scene| scene.name.as_deref());
-        let text = format!(
-            "has {} scenes; {} is rendered",
-            root.scenes.len(),
-            label("scene", index, name)
-        );
+        let name = root.scenes.get(index).and_then(|scene| scene.name.as_deref());
+        let text = format!("has {} scenes; {} is rendered", root.scenes.len(), label("scene", index, name));
         report.note("the file", text);
     }
     match root.animations.len() {
         0 => {}
-        count => report.left_out(
-            "the file",
-            format!("its {count} animations; it is rendered at rest"),
-        ),
+        count => report.left_out("the file", format!("its {count} animations; it is rendered at rest")),
     }
 }
 

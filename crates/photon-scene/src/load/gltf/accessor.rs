@@ -37,24 +37,18 @@ impl<'a> Accessors<'a> {
 
     /// Vectors of three numbers, of any component type, on behalf of `user`.
     pub(super) fn vectors(&self, index: usize, user: &str) -> Result<Vec<[f64; 3]>, Fault> {
-        self.read(index, user, Type::Vec3, &[], |elements, at| {
-            std::array::from_fn(|axis| elements.number(at, axis))
-        })
+        self.read(index, user, Type::Vec3, &[], |elements, at| std::array::from_fn(|axis| elements.number(at, axis)))
     }
 
     /// Vertex indices, of any unsigned type, on behalf of `user`.
     pub(super) fn indices(&self, index: usize, user: &str) -> Result<Vec<u32>, Fault> {
         let unsigned = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
-        self.read(index, user, Type::Scalar, &unsigned, |elements, at| {
-            elements.unsigned(at)
-        })
+        self.read(index, user, Type::Scalar, &unsigned, |elements, at| elements.unsigned(at))
     }
 
     fn find(&self, index: usize, user: &str) -> Result<&'a Accessor, Fault> {
         let accessors = &self.root.accessors;
-        accessors
-            .get(index)
-            .ok_or_else(|| Fault::dangling(user, "accessor", index, accessors.len()))
+        accessors.get(index).ok_or_else(|| Fault::dangling(user, "accessor", index, accessors.len()))
     }
 
     /// Reads all elements with `take`; an empty `allowed` admits every component type.
@@ -70,13 +64,9 @@ impl<'a> Accessors<'a> {
         let part = label("accessor", index, accessor.name.as_deref());
         let wrong = |why: String| Fault::new(&part, why, AGAIN);
         let component = match accessor.component_type {
-            Checked::Valid(component) if allowed.is_empty() || allowed.contains(&component.0) => {
-                component.0
-            }
+            Checked::Valid(component) if allowed.is_empty() || allowed.contains(&component.0) => component.0,
             _ => {
-                return Err(wrong(format!(
-                    "has a component type that {user} cannot use"
-                )));
+                return Err(wrong(format!("has a component type that {user} cannot use")));
             }
         };
         match accessor.type_ {
@@ -92,22 +82,13 @@ impl<'a> Accessors<'a> {
                 let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
                 let stride = self.stride(view.value(), size, &part)?;
                 let bytes = self.span(view.value(), offset, count, stride, size, &part)?;
-                let elements = Elements {
-                    bytes,
-                    stride,
-                    component,
-                    normalized,
-                };
+                let elements = Elements { bytes, stride, component, normalized };
                 (0..count as usize).map(|at| take(&elements, at)).collect()
             }
             None if count <= MAX_ZEROS => vec![T::default(); count as usize],
             None => {
                 let why = format!("has {count} elements but no data");
-                return Err(Fault::new(
-                    part,
-                    why,
-                    "export the file again, without compression",
-                ));
+                return Err(Fault::new(part, why, "export the file again, without compression"));
             }
         };
 
@@ -119,33 +100,14 @@ impl<'a> Accessors<'a> {
             let (entries, width) = (sparse.count.0, kind.0.size());
             let view = indices.buffer_view.value();
             let bytes = self.span(view, indices.byte_offset.0, entries, width, width, &part)?;
-            let places = Elements {
-                bytes,
-                stride: width,
-                component: kind.0,
-                normalized: false,
-            };
+            let places = Elements { bytes, stride: width, component: kind.0, normalized: false };
             let view = sparse.values.buffer_view.value();
-            let bytes = self.span(
-                view,
-                sparse.values.byte_offset.0,
-                entries,
-                size,
-                size,
-                &part,
-            )?;
-            let elements = Elements {
-                bytes,
-                stride: size,
-                component,
-                normalized,
-            };
+            let bytes = self.span(view, sparse.values.byte_offset.0, entries, size, size, &part)?;
+            let elements = Elements { bytes, stride: size, component, normalized };
             for entry in 0..entries as usize {
                 let place = places.unsigned(entry);
                 let value = values.get_mut(place as usize).ok_or_else(|| {
-                    wrong(format!(
-                        "replaces element {place} (sparse entry {entry}), but has only {count}"
-                    ))
+                    wrong(format!("replaces element {place} (sparse entry {entry}), but has only {count}"))
                 })?;
                 *value = take(&elements, entry);
             }
@@ -155,18 +117,10 @@ impl<'a> Accessors<'a> {
 
     /// Distance in bytes between elements of `size` bytes in a view.
     fn stride(&self, view: usize, size: usize, part: &str) -> Result<usize, Fault> {
-        match self
-            .root
-            .buffer_views
-            .get(view)
-            .and_then(|view| view.byte_stride)
-        {
+        match self.root.buffer_views.get(view).and_then(|view| view.byte_stride) {
             Some(stride) if stride.0 < size => Err(Fault::new(
                 part,
-                format!(
-                    "has elements of {size} bytes, but buffer view {view} puts them {} apart",
-                    stride.0
-                ),
+                format!("has elements of {size} bytes, but buffer view {view} puts them {} apart", stride.0),
                 AGAIN,
             )),
             Some(stride) => Ok(stride.0),
@@ -215,30 +169,14 @@ impl Elements<'_> {
     /// One component; normalised integers as the glTF 2.0 specification says in section 3.11.
     fn number(&self, at: usize, axis: usize) -> f64 {
         let (value, full) = match self.component {
-            ComponentType::I8 => (
-                f64::from(i8::from_le_bytes(self.component(at, axis))),
-                127.0,
-            ),
-            ComponentType::U8 => (
-                f64::from(u8::from_le_bytes(self.component(at, axis))),
-                255.0,
-            ),
-            ComponentType::I16 => (
-                f64::from(i16::from_le_bytes(self.component(at, axis))),
-                32767.0,
-            ),
-            ComponentType::U16 => (
-                f64::from(u16::from_le_bytes(self.component(at, axis))),
-                65535.0,
-            ),
+            ComponentType::I8 => (f64::from(i8::from_le_bytes(self.component(at, axis))), 127.0),
+            ComponentType::U8 => (f64::from(u8::from_le_bytes(self.component(at, axis))), 255.0),
+            ComponentType::I16 => (f64::from(i16::from_le_bytes(self.component(at, axis))), 32767.0),
+            ComponentType::U16 => (f64::from(u16::from_le_bytes(self.component(at, axis))), 65535.0),
             ComponentType::U32 => (f64::from(u32::from_le_bytes(self.component(at, axis))), 1.0),
             ComponentType::F32 => (f64::from(f32::from_le_bytes(self.component(at, axis))), 1.0),
         };
-        if self.normalized {
-            (value / full).max(-1.0)
-        } else {
-            value
-        }
+        if self.normalized { (value / full).max(-1.0) } else { value }
     }
 
     /// One unsigned integer.

@@ -21,12 +21,7 @@ impl<'a> Buffers<'a> {
     /// Those of `root`, whose files lie in `folder` and whose GLB chunk is `bin`.
     pub(super) fn new(root: &'a Root, folder: &'a Path, bin: Option<&'a [u8]>) -> Self {
         let loaded = root.buffers.iter().map(|_| OnceCell::new()).collect();
-        Self {
-            root,
-            folder,
-            bin,
-            loaded,
-        }
+        Self { root, folder, bin, loaded }
     }
 
     /// Where the files of the scene lie.
@@ -37,9 +32,7 @@ impl<'a> Buffers<'a> {
     /// The bytes of a buffer view, on behalf of `user`.
     pub(super) fn view(&self, index: usize, user: &str) -> Result<&[u8], Fault> {
         let views = &self.root.buffer_views;
-        let view = views
-            .get(index)
-            .ok_or_else(|| Fault::dangling(user, "buffer view", index, views.len()))?;
+        let view = views.get(index).ok_or_else(|| Fault::dangling(user, "buffer view", index, views.len()))?;
         let part = label("buffer view", index, view.name.as_deref());
         let buffer = self.buffer(view.buffer.value(), &part)?;
         let offset = view.byte_offset.map_or(0, |offset| offset.0);
@@ -95,11 +88,7 @@ impl<'a> Buffers<'a> {
                 Some(_) => "its data URI".to_owned(),
                 None => "the GLB chunk".to_owned(),
             };
-            return Err(Fault::new(
-                part,
-                format!("needs {needed} bytes, but {place} has {}", bytes.len()),
-                COPY_AGAIN,
-            ));
+            return Err(Fault::new(part, format!("needs {needed} bytes, but {place} has {}", bytes.len()), COPY_AGAIN));
         }
         Ok(bytes)
     }

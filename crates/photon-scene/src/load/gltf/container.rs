@@ -13,11 +13,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<(Root, Option<&[u8]>), Fault> {
     if bytes.is_empty() {
         return Err(Fault::new("the file", "is empty", COPY_AGAIN));
     }
-    let (json, bin) = if bytes.starts_with(MAGIC) {
-        split_glb(bytes)?
-    } else {
-        (bytes, None)
-    };
+    let (json, bin) = if bytes.starts_with(MAGIC) { split_glb(bytes)? } else { (bytes, None) };
     let root = parse(json)?;
     check_version(&root)?;
     Ok((root, bin))
@@ -34,10 +30,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
         return Err(header(why, COPY_AGAIN));
     };
     if version != 2 {
-        return Err(header(
-            format!("says version {version}"),
-            "export the file as glTF 2.0",
-        ));
+        return Err(header(format!("says version {version}"), "export the file as glTF 2.0"));
     }
     let Some(body) = bytes.get(..length as usize) else {
         let why = format!("promises {length} bytes, but the file has {}", bytes.len());
@@ -45,11 +38,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     };
     let (kind, json, mut rest) = split_chunk(body.get(12..).unwrap_or_default())?;
     if kind != JSON_CHUNK {
-        return Err(Fault::new(
-            "the first GLB chunk",
-            format!("is of type {kind:02x?}, but must be JSON"),
-            AGAIN,
-        ));
+        return Err(Fault::new("the first GLB chunk", format!("is of type {kind:02x?}, but must be JSON"), AGAIN));
     }
     while !rest.is_empty() {
         let (kind, data, after) = split_chunk(rest)?;
@@ -67,20 +56,12 @@ type Chunk<'a> = (&'a [u8], &'a [u8], &'a [u8]);
 /// Splits off the chunk at the front of `bytes`.
 fn split_chunk(bytes: &[u8]) -> Result<Chunk<'_>, Fault> {
     let broken = |why: String| Fault::new("a GLB chunk", why, COPY_AGAIN);
-    let (Some(length), Some(kind), Some(contents)) =
-        (read_u32(bytes, 0), bytes.get(4..8), bytes.get(8..))
-    else {
-        return Err(broken(format!(
-            "needs a header of 8 bytes, but {} are left",
-            bytes.len()
-        )));
+    let (Some(length), Some(kind), Some(contents)) = (read_u32(bytes, 0), bytes.get(4..8), bytes.get(8..)) else {
+        return Err(broken(format!("needs a header of 8 bytes, but {} are left", bytes.len())));
     };
     match contents.split_at_checked(length as usize) {
         Some((data, rest)) => Ok((kind, data, rest)),
-        None => Err(broken(format!(
-            "promises {length} bytes, but {} are left",
-            contents.len()
-        ))),
+        None => Err(broken(format!("promises {length} bytes, but {} are left", contents.len()))),
     }
 }
 
@@ -96,33 +77,19 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
     let mut value: Value = deserialize::from_slice(json)
         .map_err(|error| Fault::new("the JSON", error.to_string(), MEND).at_line(error.line()))?;
     if let Some(place) = find_oversized_index(&value, "") {
-        return Err(Fault::new(
-            place.trim_start_matches('/'),
-            "is above 4294967295, which no index can be",
-            AGAIN,
-        ));
+        return Err(Fault::new(place.trim_start_matches('/'), "is above 4294967295, which no index can be", AGAIN));
     }
     Root::from_slice(json).or_else(|error| {
         // The parser asks for some things that the specification leaves out freely.
         fill_in_optional(&mut value);
         let text = serialize::to_vec(&value).unwrap_or_default();
         Root::from_slice(&text).map_err(|remaining| {
-            let message = |error: &gltf::json::Error| {
-                error
-                    .to_string()
-                    .split(" at line ")
-                    .next()
-                    .unwrap_or_default()
-                    .to_owned()
-            };
+            let message =
+                |error: &gltf::json::Error| error.to_string().split(" at line ").next().unwrap_or_default().to_owned();
             // Line numbers are the user's only if the original text fails for the same reason.
             let is_same = message(&error) == message(&remaining);
             let fault = Fault::new(blame(&value), message(&remaining), MEND);
-            if is_same {
-                fault.at_line(error.line())
-            } else {
-                fault
-            }
+            if is_same { fault.at_line(error.line()) } else { fault }
         })
     })
 }
@@ -140,9 +107,7 @@ fn blame(document: &Value) -> String {
             continue;
         }
         let items = part.as_array().map_or(&[][..], Vec::as_slice);
-        let culprit = items
-            .iter()
-            .position(|item| !is_readable(key, &Value::Array(vec![item.clone()])));
+        let culprit = items.iter().position(|item| !is_readable(key, &Value::Array(vec![item.clone()])));
         return match culprit {
             Some(number) => format!("number {number} of {key}"),
             None => key.clone(),
@@ -174,23 +139,19 @@ fn find_oversized_index(value: &Value, key: &str) -> Option<String> {
     ];
     match value {
         Value::Number(number) => {
-            let oversized = number
-                .as_u64()
-                .is_some_and(|number| number > u64::from(u32::MAX));
+            let oversized = number.as_u64().is_some_and(|number| number > u64::from(u32::MAX));
             (oversized && HOLD_INDICES.contains(&key)).then(String::new)
         }
-        Value::Array(items) => items.iter().enumerate().find_map(|(position, item)| {
-            find_oversized_index(item, key).map(|rest| format!("/{position}{rest}"))
-        }),
+        Value::Array(items) => items
+            .iter()
+            .enumerate()
+            .find_map(|(position, item)| find_oversized_index(item, key).map(|rest| format!("/{position}{rest}"))),
         Value::Object(fields) => {
-            fields
-                .iter()
-                .filter(|(name, _)| *name != "extras")
-                .find_map(|(name, field)| {
-                    // The names within `attributes` are those of vertex attributes.
-                    let key = if key == "attributes" { key } else { name };
-                    find_oversized_index(field, key).map(|rest| format!("/{name}{rest}"))
-                })
+            fields.iter().filter(|(name, _)| *name != "extras").find_map(|(name, field)| {
+                // The names within `attributes` are those of vertex attributes.
+                let key = if key == "attributes" { key } else { name };
+                find_oversized_index(field, key).map(|rest| format!("/{name}{rest}"))
+            })
         }
         _ => None,
     }
@@ -204,36 +165,19 @@ fn fill_in_optional(value: &mut Value) {
         }
     }
     let scenes = value.get_mut("scenes").and_then(Value::as_array_mut);
-    for scene in scenes
-        .into_iter()
-        .flatten()
-        .filter_map(Value::as_object_mut)
-    {
-        scene
-            .entry("nodes")
-            .or_insert_with(|| Value::Array(Vec::new()));
+    for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
     }
 }
 
 /// An animation without channels: it still counts in the report.
 fn empty_animation() -> Value {
     let nothing = || Value::Array(Vec::new());
-    Value::Object(
-        [
-            ("channels".to_owned(), nothing()),
-            ("samplers".to_owned(), nothing()),
-        ]
-        .into_iter()
-        .collect(),
-    )
+    Value::Object([("channels".to_owned(), nothing()), ("samplers".to_owned(), nothing())].into_iter().collect())
 }
 
 fn check_version(root: &Root) -> Result<(), Fault> {
-    let version = root
-        .asset
-        .min_version
-        .as_deref()
-        .unwrap_or(&root.asset.version);
+    let version = root.asset.min_version.as_deref().unwrap_or(&root.asset.version);
     // Later 2.x files are made to be readable by readers of 2.0, unless `minVersion` says otherwise.
     let readable = match root.asset.min_version.as_deref() {
         Some(minimum) => minimum == "2.0",
@@ -242,9 +186,5 @@ fn check_version(root: &Root) -> Result<(), Fault> {
     if readable {
         return Ok(());
     }
-    Err(Fault::new(
-        "asset",
-        format!("is of version {version}"),
-        "export the file as glTF 2.0",
-    ))
+    Err(Fault::new("asset", format!("is of version {version}"), "export the file as glTF 2.0"))
 }

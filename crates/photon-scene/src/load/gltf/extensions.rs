@@ -29,9 +29,7 @@ const HARMLESS: &[&str] = &["KHR_xmp", "KHR_xmp_json_ld"];
 fn mend(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" => "export the file without Draco mesh compression",
-        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "export the file without meshopt compression"
-        }
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => "export the file without meshopt compression",
         "EXT_mesh_gpu_instancing" => "make the instances real before the export",
         _ => "export the file without it",
     }
@@ -51,15 +49,9 @@ pub(super) fn check(root: &Root, report: &mut LoadReport) -> Result<(), Fault> {
     }
     for name in root.extensions_used.iter().map(String::as_str) {
         if name == "KHR_materials_variants" {
-            report.note(
-                "the file",
-                "has material variants; the default ones are rendered",
-            );
+            report.note("the file", "has material variants; the default ones are rendered");
         } else if !KNOWN.contains(&name) && !HARMLESS.contains(&name) && !is_of_material(name) {
-            report.left_out(
-                "the file",
-                format!("the extension {name} is not supported; {}", mend(name)),
-            );
+            report.left_out("the file", format!("the extension {name} is not supported; {}", mend(name)));
         }
     }
     Ok(())

@@ -22,17 +22,9 @@ pub(super) struct Fault {
 }
 
 impl Fault {
-    pub(super) fn new(
-        part: impl AsRef<str>,
-        why: impl AsRef<str>,
-        mend: impl Into<String>,
-    ) -> Self {
+    pub(super) fn new(part: impl AsRef<str>, why: impl AsRef<str>, mend: impl Into<String>) -> Self {
         let what = format!("{}: {}", part.as_ref(), why.as_ref());
-        Self {
-            what,
-            mend: mend.into(),
-            line: None,
-        }
+        Self { what, mend: mend.into(), line: None }
     }
 
     /// A reference to something that the file does not have.
@@ -42,30 +34,18 @@ impl Fault {
             1 => format!("the only {kind} is number 0"),
             _ => format!("the last {kind} is number {}", len - 1),
         };
-        Self::new(
-            part,
-            format!("refers to {kind} {index}, but {there}"),
-            AGAIN,
-        )
+        Self::new(part, format!("refers to {kind} {index}, but {there}"), AGAIN)
     }
 
     /// The same, known to be at a line of the JSON text.
     pub(super) fn at_line(self, line: usize) -> Self {
-        Self {
-            line: (line > 0).then_some(line as u64),
-            ..self
-        }
+        Self { line: (line > 0).then_some(line as u64), ..self }
     }
 
     /// With the name of the file.
     pub(super) fn in_file(self, path: &Path) -> SceneError {
         let Self { what, mend, line } = self;
-        SceneError::Content {
-            path: path.to_owned(),
-            line,
-            what,
-            mend,
-        }
+        SceneError::Content { path: path.to_owned(), line, what, mend }
     }
 }
 

@@ -20,11 +20,7 @@ const SOME_METAL: f64 = 0.01;
 const DARKEST: f64 = 1e-6;
 
 /// Extensions of materials that are taken over, or reported in a way of their own.
-const KNOWN: &[&str] = &[
-    "KHR_materials_specular",
-    "KHR_materials_unlit",
-    "KHR_materials_pbrSpecularGlossiness",
-];
+const KNOWN: &[&str] = &["KHR_materials_specular", "KHR_materials_unlit", "KHR_materials_pbrSpecularGlossiness"];
 
 /// Describes one material; what is not taken over goes into the report.
 pub(super) fn describe(
@@ -56,10 +52,7 @@ fn surface(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
         return see_through(of, subject, report);
     }
     if of.coverage < 1.0 {
-        let text = format!(
-            "is {:.0} % opaque; it is rendered as opaque",
-            of.coverage * 100.0
-        );
+        let text = format!("is {:.0} % opaque; it is rendered as opaque", of.coverage * 100.0);
         report.approximated(subject, text);
     }
     if of.metallic >= 0.5 {
@@ -71,34 +64,22 @@ fn surface(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.transmission > 0.0 {
         report.approximated(
             subject,
-            format!(
-                "transmits {:.0} % of the light; it is rendered as opaque",
-                of.transmission * 100.0
-            ),
+            format!("transmits {:.0} % of the light; it is rendered as opaque", of.transmission * 100.0),
         );
     }
     if of.ior == 0.0 && of.roughness <= SMOOTH {
-        report.approximated(
-            subject,
-            "has the refractive index 0, which reflects all light; it is rendered as a mirror",
-        );
-        return Surface::Mirror {
-            reflectance: of.specular.map(|part| part.clamp(0.0, 1.0)),
-        };
+        report
+            .approximated(subject, "has the refractive index 0, which reflects all light; it is rendered as a mirror");
+        return Surface::Mirror { reflectance: of.specular.map(|part| part.clamp(0.0, 1.0)) };
     }
     if of.metallic > SOME_METAL {
-        let text = format!(
-            "is {:.0} % metal; it is rendered as a diffuse surface",
-            of.metallic * 100.0
-        );
+        let text = format!("is {:.0} % metal; it is rendered as a diffuse surface", of.metallic * 100.0);
         report.approximated(subject, text);
     }
     if of.ior != 1.0 && of.specular != [0.0; 3] {
         let roughness = of.roughness;
         if roughness < GLOSSY {
-            let text = format!(
-                "its gloss (roughness {roughness:.2}) is left out; it is rendered as a diffuse surface"
-            );
+            let text = format!("its gloss (roughness {roughness:.2}) is left out; it is rendered as a diffuse surface");
             report.approximated(subject, text);
         } else {
             let text = format!("its faint reflection (roughness {roughness:.2}) is not modelled");
@@ -122,53 +103,33 @@ fn metal(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
         return Surface::Lambert { albedo: of.base };
     }
     if of.metallic < 1.0 || of.roughness > 0.0 {
-        let text = format!(
-            "a metal ({metallic:.0} %) of roughness {roughness:.2} is rendered as a perfect mirror"
-        );
+        let text = format!("a metal ({metallic:.0} %) of roughness {roughness:.2} is rendered as a perfect mirror");
         report.approximated(subject, text);
     }
-    Surface::Mirror {
-        reflectance: of.base,
-    }
+    Surface::Mirror { reflectance: of.base }
 }
 
 /// Something that transmits: a solid if it has a volume, else a sheet.
 fn glass(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.ior == 0.0 {
-        report.approximated(
-            subject,
-            "has the refractive index 0, which reflects all light; it is rendered as a mirror",
-        );
-        return Surface::Mirror {
-            reflectance: [1.0; 3],
-        };
+        report
+            .approximated(subject, "has the refractive index 0, which reflects all light; it is rendered as a mirror");
+        return Surface::Mirror { reflectance: [1.0; 3] };
     }
     if of.transmission < 1.0 {
-        let text = format!(
-            "transmits {:.0} % of the light; it is rendered as clear",
-            of.transmission * 100.0
-        );
+        let text = format!("transmits {:.0} % of the light; it is rendered as clear", of.transmission * 100.0);
         report.approximated(subject, text);
     }
     if of.metallic > SOME_METAL {
-        let text = format!(
-            "is {:.0} % metal; it is rendered as clear",
-            of.metallic * 100.0
-        );
+        let text = format!("is {:.0} % metal; it is rendered as clear", of.metallic * 100.0);
         report.approximated(subject, text);
     }
     if of.roughness > 0.0 {
-        let text = format!(
-            "transmits with roughness {:.2}; it is rendered as smooth",
-            of.roughness
-        );
+        let text = format!("transmits with roughness {:.2}; it is rendered as smooth", of.roughness);
         report.approximated(subject, text);
     }
     if of.specular != [1.0; 3] {
-        report.left_out(
-            subject,
-            "its specular factor; it reflects by its refractive index",
-        );
+        report.left_out(subject, "its specular factor; it reflects by its refractive index");
     }
     if !of.is_solid {
         if of.attenuation_distance.is_finite() {
@@ -177,16 +138,9 @@ fn glass(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
                 "its attenuation, since without thickness it is a sheet; give it a thicknessFactor above 0",
             );
         }
-        return Surface::Thin {
-            ior: of.ior,
-            tint: of.base,
-        };
+        return Surface::Thin { ior: of.ior, tint: of.base };
     }
-    Surface::Dielectric {
-        ior: of.ior,
-        absorption: absorption(of, subject, report),
-        tint: of.base,
-    }
+    Surface::Dielectric { ior: of.ior, absorption: absorption(of, subject, report), tint: of.base }
 }
 
 /// Beer–Lambert: what is left after the distance d is exp(−σ d), so that σ = −ln(colour) / d
@@ -194,10 +148,7 @@ fn glass(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
 fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 3] {
     let distance = of.attenuation_distance;
     if distance <= 0.0 {
-        report.left_out(
-            subject,
-            "its attenuation distance of 0, which must be above 0; nothing is absorbed",
-        );
+        report.left_out(subject, "its attenuation distance of 0, which must be above 0; nothing is absorbed");
         return [0.0; 3];
     }
     if distance.is_finite() && of.attenuation_color.iter().any(|&color| color < DARKEST) {
@@ -205,8 +156,7 @@ fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 
         report.approximated(subject, text);
     }
     // The clamp also keeps −ln(1) from becoming −0.
-    of.attenuation_color
-        .map(|color| (-color.max(DARKEST).ln() / distance).max(0.0))
+    of.attenuation_color.map(|color| (-color.max(DARKEST).ln() / distance).max(0.0))
 }
 
 /// A surface of which less than half is there: a sheet that colours what passes.
@@ -214,39 +164,24 @@ fn see_through(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surfa
     if of.coverage <= 0.0 {
         report.note(subject, "is invisible: its alpha is 0");
         // A refractive index of 1 reflects nothing.
-        return Surface::Thin {
-            ior: 1.0,
-            tint: [1.0; 3],
-        };
+        return Surface::Thin { ior: 1.0, tint: [1.0; 3] };
     }
-    let text = format!(
-        "is {:.0} % opaque; it is rendered as a thin clear sheet",
-        of.coverage * 100.0
-    );
+    let text = format!("is {:.0} % opaque; it is rendered as a thin clear sheet", of.coverage * 100.0);
     report.approximated(subject, text);
     let ior = if of.ior > 0.0 { of.ior } else { 1.5 };
-    Surface::Thin {
-        ior,
-        tint: of.base.map(|color| 1.0 - of.coverage + of.coverage * color),
-    }
+    Surface::Thin { ior, tint: of.base.map(|color| 1.0 - of.coverage + of.coverage * color) }
 }
 
 /// What has no counterpart at all.
 fn report_rest(material: &Material, subject: &str, report: &mut LoadReport) {
     if material.normal_texture.is_some() {
-        report.left_out(
-            subject,
-            "its normal map; the surface is as flat as its triangles",
-        );
+        report.left_out(subject, "its normal map; the surface is as flat as its triangles");
     }
     // Occlusion maps stand in for the very light transport that is computed here.
     if material.occlusion_texture.is_some() {
         report.note(subject, "its occlusion map is not needed");
     }
-    let others = material
-        .extensions
-        .iter()
-        .flat_map(|extensions| extensions.others.keys());
+    let others = material.extensions.iter().flat_map(|extensions| extensions.others.keys());
     for name in others.filter(|name| !KNOWN.contains(&name.as_str())) {
         report.left_out(subject, format!("its {name}, which is not modelled"));
     }

@@ -45,23 +45,17 @@ impl Meshes<'_> {
     ) -> Result<(), Fault> {
         let meshes = &self.root.meshes;
         let node_name = self.root.nodes[node].name.as_deref();
-        let found = meshes.get(mesh).ok_or_else(|| {
-            Fault::dangling(&label("node", node, node_name), "mesh", mesh, meshes.len())
-        })?;
+        let found = meshes
+            .get(mesh)
+            .ok_or_else(|| Fault::dangling(&label("node", node, node_name), "mesh", mesh, meshes.len()))?;
         let mesh_name = found.name.as_deref().filter(|name| !name.is_empty());
         let name = match node_name.filter(|name| !name.is_empty()).or(mesh_name) {
             Some(name) => name.to_owned(),
             None => name_or_number("mesh", mesh, None),
         };
         // Nodes are scaled to nothing in order to hide them.
-        if [transform.x_axis, transform.y_axis, transform.z_axis]
-            .iter()
-            .all(|x| x.truncate() == DVec3::ZERO)
-        {
-            report.note(
-                format!("mesh '{name}'"),
-                "is scaled to nothing, and so not there",
-            );
+        if [transform.x_axis, transform.y_axis, transform.z_axis].iter().all(|x| x.truncate() == DVec3::ZERO) {
+            report.note(format!("mesh '{name}'"), "is scaled to nothing, and so not there");
             return Ok(());
         }
         for (number, source) in found.primitives.iter().enumerate() {
@@ -70,11 +64,8 @@ impl Meshes<'_> {
                 report.left_out(part, "consists of points or lines, which have no surface");
                 continue;
             }
-            self.census.elements = self.census.elements.saturating_add(primitive::size(
-                &self.accessors,
-                source,
-                &part,
-            )?);
+            self.census.elements =
+                self.census.elements.saturating_add(primitive::size(&self.accessors, source, &part)?);
             if self.census.elements > MAX_ELEMENTS {
                 return Err(Fault::new(
                     part,
@@ -84,9 +75,10 @@ impl Meshes<'_> {
             }
             let material = match source.material {
                 None => self.default_material(builder),
-                Some(material) => *self.materials.get(material.value()).ok_or_else(|| {
-                    Fault::dangling(&part, "material", material.value(), self.materials.len())
-                })?,
+                Some(material) => *self
+                    .materials
+                    .get(material.value())
+                    .ok_or_else(|| Fault::dangling(&part, "material", material.value(), self.materials.len()))?,
             };
             let read = primitive::read(&self.accessors, source, &part)?;
             if read.stray > 0 {
@@ -94,21 +86,16 @@ impl Meshes<'_> {
                 report.left_out(part, text);
             }
             self.census.smooth_triangles += read.smooth;
-            self.census.colored +=
-                u64::from(primitive::attribute(source, Semantic::Colors(0)).is_some());
+            self.census.colored += u64::from(primitive::attribute(source, Semantic::Colors(0)).is_some());
             self.census.morphed += u64::from(source.targets.iter().flatten().next().is_some());
 
             let mut triangles = read.triangles;
             if is_mirrored(transform) {
                 // A mirrored mesh keeps its front (glTF 2.0 specification, section 3.7.4).
-                triangles
-                    .iter_mut()
-                    .for_each(|triangle| triangle.swap(1, 2));
+                triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
             }
             let positions = read.positions.into_iter().map(DVec3::from);
-            let positions = positions
-                .map(|at| transform.transform_point3(at).to_array())
-                .collect();
+            let positions = positions.map(|at| transform.transform_point3(at).to_array()).collect();
             let name = match found.primitives.len() {
                 1 => name.clone(),
                 _ => format!("{name} primitive {number}"),
@@ -121,9 +108,7 @@ impl Meshes<'_> {
     /// The grey that surfaces without a material are given, as by the other loaders.
     fn default_material(&mut self, builder: &mut SceneBuilder) -> MaterialId {
         self.census.without_material += 1;
-        *self
-            .default_material
-            .get_or_insert_with(|| builder.material(default_material()))
+        *self.default_material.get_or_insert_with(|| builder.material(default_material()))
     }
 }
 
@@ -138,13 +123,7 @@ fn is_mirrored(transform: &DMat4) -> bool {
 impl Census {
     /// Says it.
     pub(super) fn report(&self, report: &mut LoadReport) {
-        let Self {
-            smooth_triangles,
-            colored,
-            morphed,
-            without_material,
-            ..
-        } = self;
+        let Self { smooth_triangles, colored, morphed, without_material, .. } = self;
         if *smooth_triangles > 0 {
             report.approximated(
                 "the file",
@@ -155,16 +134,10 @@ impl Census {
             );
         }
         if *colored > 0 {
-            report.left_out(
-                "the file",
-                format!("the vertex colours of {colored} meshes"),
-            );
+            report.left_out("the file", format!("the vertex colours of {colored} meshes"));
         }
         if *morphed > 0 {
-            report.left_out(
-                "the file",
-                format!("the morph targets of {morphed} meshes; the base shape is rendered"),
-            );
+            report.left_out("the file", format!("the morph targets of {morphed} meshes; the base shape is rendered"));
         }
         if *without_material > 0 {
             report.approximated(

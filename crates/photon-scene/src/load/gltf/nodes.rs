@@ -16,11 +16,7 @@ pub(super) struct Placed {
 
 /// What messages call a node.
 pub(super) fn node_label(root: &Root, index: usize) -> String {
-    label(
-        "node",
-        index,
-        root.nodes.get(index).and_then(|node| node.name.as_deref()),
-    )
+    label("node", index, root.nodes.get(index).and_then(|node| node.name.as_deref()))
 }
 
 /// The nodes of the scene, parents before children, siblings in order.
@@ -30,11 +26,8 @@ pub(super) fn place(root: &Root) -> Result<Vec<Placed>, Fault> {
 
     let mut placed = Vec::new();
     let mut seen = vec![false; root.nodes.len()];
-    let mut pending: Vec<(usize, DMat4)> = roots(root, &parents)?
-        .into_iter()
-        .rev()
-        .map(|node| (node, DMat4::IDENTITY))
-        .collect();
+    let mut pending: Vec<(usize, DMat4)> =
+        roots(root, &parents)?.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
     while let Some((node, above)) = pending.pop() {
         if std::mem::replace(&mut seen[node], true) {
             return Err(Fault::new(
@@ -51,11 +44,7 @@ pub(super) fn place(root: &Root) -> Result<Vec<Placed>, Fault> {
                 "give it and its parents translations, rotations and scales of sensible size",
             ));
         }
-        pending.extend(
-            children(&root.nodes[node])
-                .rev()
-                .map(|child| (child, transform)),
-        );
+        pending.extend(children(&root.nodes[node]).rev().map(|child| (child, transform)));
         placed.push(Placed { node, transform });
     }
     Ok(placed)
@@ -65,10 +54,7 @@ pub(super) fn place(root: &Root) -> Result<Vec<Placed>, Fault> {
 /// without a parent.
 fn roots(root: &Root, parents: &[Option<usize>]) -> Result<Vec<usize>, Fault> {
     if root.scenes.is_empty() && root.scene.is_none() {
-        let orphans = parents
-            .iter()
-            .enumerate()
-            .filter(|(_, parent)| parent.is_none());
+        let orphans = parents.iter().enumerate().filter(|(_, parent)| parent.is_none());
         return Ok(orphans.map(|(node, _)| node).collect());
     }
     let index = root.scene.map_or(0, |scene| scene.value());
@@ -98,12 +84,7 @@ fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
         for child in children(node) {
             let Some(parent) = parents.get_mut(child) else {
                 let count = root.nodes.len();
-                return Err(Fault::dangling(
-                    &node_label(root, index),
-                    "node",
-                    child,
-                    count,
-                ));
+                return Err(Fault::dangling(&node_label(root, index), "node", child, count));
             };
             if let Some(other) = parent.replace(index) {
                 let (one, two) = (node_label(root, other), node_label(root, index));
@@ -121,9 +102,7 @@ fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
 /// With one parent each, a node that no orphan leads to hangs below a cycle or is in it.
 fn refuse_cycles(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
     let mut reached = vec![false; parents.len()];
-    let mut pending: Vec<usize> = (0..parents.len())
-        .filter(|&node| parents[node].is_none())
-        .collect();
+    let mut pending: Vec<usize> = (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
     while let Some(node) = pending.pop() {
         reached[node] = true;
         pending.extend(children(&root.nodes[node]));
@@ -143,16 +122,11 @@ fn local(node: &Node, part: &str) -> Result<DMat4, Fault> {
     if let Some(matrix) = node.matrix {
         let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
         if matrix.row(3) != DVec4::W {
-            return Err(Fault::new(
-                part,
-                "has a matrix whose last row is not 0 0 0 1",
-                AGAIN,
-            ));
+            return Err(Fault::new(part, "has a matrix whose last row is not 0 0 0 1", AGAIN));
         }
         return Ok(matrix);
     }
-    let vector =
-        |value: Option<[f32; 3]>, default| value.map_or(default, |v| DVec3::from(v.map(f64::from)));
+    let vector = |value: Option<[f32; 3]>, default| value.map_or(default, |v| DVec3::from(v.map(f64::from)));
     let rotation = match node.rotation {
         None => DQuat::IDENTITY,
         Some(rotation) => {
@@ -160,10 +134,7 @@ fn local(node: &Node, part: &str) -> Result<DMat4, Fault> {
             if rotation.length() == 0.0 || !rotation.is_finite() {
                 return Err(Fault::new(
                     part,
-                    format!(
-                        "has the rotation {:?}, which is no quaternion",
-                        rotation.to_array()
-                    ),
+                    format!("has the rotation {:?}, which is no quaternion", rotation.to_array()),
                     AGAIN,
                 ));
             }

@@ -45,12 +45,7 @@ pub(super) fn read(
 ) -> Result<Parameters, Fault> {
     let material = &root.materials[index];
     let part = label("material", index, material.name.as_deref());
-    let mut means = Means {
-        textures,
-        part: &part,
-        subject,
-        report,
-    };
+    let mut means = Means { textures, part: &part, subject, report };
 
     let used = |info: &Info| info.index.value();
     let none = extension::Material::default();
@@ -63,9 +58,7 @@ pub(super) fn read(
     if let Some(old) = extensions.others.get("KHR_materials_pbrSpecularGlossiness") {
         // Of this retired extension only the diffuse part has a counterpart.
         factor = numbers(old, "diffuseFactor").unwrap_or([1.0; 4]);
-        let index = old
-            .get("diffuseTexture")
-            .and_then(|info| info.get("index")?.as_u64());
+        let index = old.get("diffuseTexture").and_then(|info| info.get("index")?.as_u64());
         base_texture = index.map(|index| index as usize);
         (metallic, roughness) = (0.0, 1.0);
         means.report.approximated(
@@ -90,63 +83,37 @@ pub(super) fn read(
             f64::from(transmission.transmission_factor.0) * mean.map_or(1.0, |mean| mean.plain[0])
         }
     };
-    let strength = extensions
-        .emissive_strength
-        .as_ref()
-        .map_or(1.0, |e| f64::from(e.emissive_strength.0));
-    let emissive = material
-        .emissive_factor
-        .0
-        .map(|factor| f64::from(factor) * strength);
+    let strength = extensions.emissive_strength.as_ref().map_or(1.0, |e| f64::from(e.emissive_strength.0));
+    let emissive = material.emissive_factor.0.map(|factor| f64::from(factor) * strength);
     let is_dark = emissive == [0.0; 3];
-    let texture = material
-        .emissive_texture
-        .as_ref()
-        .map(used)
-        .filter(|_| !is_dark);
+    let texture = material.emissive_texture.as_ref().map(used).filter(|_| !is_dark);
     let glow = means.get(texture, "emission", |mean| triple(mean.color))?;
 
     let alpha = factor[3] * base.map_or(1.0, |mean| mean.alpha);
     let is_masked = matches!(material.alpha_mode, Checked::Valid(AlphaMode::Mask));
     if is_masked && base.is_some_and(|mean| mean.alpha < 1.0) {
-        means
-            .report
-            .left_out(subject, "its alpha mask; it is rendered as opaque");
+        means.report.left_out(subject, "its alpha mask; it is rendered as opaque");
     }
     let volume = extensions.volume.as_ref();
     let specular = extensions.others.get("KHR_materials_specular");
-    let scale = specular
-        .and_then(|s| numbers(s, "specularFactor"))
-        .map_or(1.0, |[scale]| scale);
-    let color = specular
-        .and_then(|s| numbers(s, "specularColorFactor"))
-        .unwrap_or([1.0; 3]);
+    let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
+    let color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
     Ok(Parameters {
-        base: times(
-            [factor[0], factor[1], factor[2]],
-            base.map(|mean| mean.color),
-        ),
+        base: times([factor[0], factor[1], factor[2]], base.map(|mean| mean.color)),
         coverage: match material.alpha_mode {
             Checked::Valid(AlphaMode::Opaque) => 1.0,
             Checked::Valid(AlphaMode::Blend) => alpha,
             Checked::Valid(AlphaMode::Mask) => {
                 let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
                 // A texture puts some of the surface there in any case.
-                if base.is_some() || alpha >= f64::from(cutoff) {
-                    1.0
-                } else {
-                    0.0
-                }
+                if base.is_some() || alpha >= f64::from(cutoff) { 1.0 } else { 0.0 }
             }
             Checked::Invalid => return Err(Fault::new(part, "has an unknown alphaMode", AGAIN)),
         },
         metallic,
         roughness,
         transmission,
-        ior: extensions
-            .ior
-            .as_ref()
-            .map_or(1.5, |ior| f64::from(ior.ior.0)),
+        ior: extensions.ior.as_ref().map_or(1.5, |ior| f64::from(ior.ior.0)),
         specular: color.map(|color| color * scale),
         is_solid: volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0),
         attenuation_color: volume.map_or([1.0; 3], |v| v.attenuation_color.0.map(f64::from)),

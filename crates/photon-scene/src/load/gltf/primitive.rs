@@ -29,18 +29,11 @@ pub(super) fn is_surface(primitive: &Primitive, part: &str) -> Result<bool, Faul
 
 /// Index of the accessor that holds an attribute.
 pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
-    primitive
-        .attributes
-        .get(&Checked::Valid(semantic))
-        .map(|accessor| accessor.value())
+    primitive.attributes.get(&Checked::Valid(semantic)).map(|accessor| accessor.value())
 }
 
 /// A bound on its vertices and triangles together, without reading them.
-pub(super) fn size(
-    accessors: &Accessors<'_>,
-    primitive: &Primitive,
-    part: &str,
-) -> Result<u64, Fault> {
+pub(super) fn size(accessors: &Accessors<'_>, primitive: &Primitive, part: &str) -> Result<u64, Fault> {
     let count = |accessor: Option<usize>| match accessor {
         Some(accessor) => accessors.count(accessor, part),
         None => Ok(0),
@@ -50,19 +43,12 @@ pub(super) fn size(
 }
 
 /// Reads a primitive for which [`is_surface`] holds.
-pub(super) fn read(
-    accessors: &Accessors<'_>,
-    primitive: &Primitive,
-    part: &str,
-) -> Result<Triangles, Fault> {
+pub(super) fn read(accessors: &Accessors<'_>, primitive: &Primitive, part: &str) -> Result<Triangles, Fault> {
     let Some(positions) = attribute(primitive, Semantic::Positions) else {
         return Ok(Triangles::default());
     };
     let positions = accessors.vectors(positions, part)?;
-    if let Some(vertex) = positions
-        .iter()
-        .position(|p| p.iter().any(|x| !x.is_finite()))
-    {
+    if let Some(vertex) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
         return Err(Fault::new(
             part,
             format!("vertex {vertex} is at {:?}", positions[vertex]),
@@ -70,11 +56,7 @@ pub(super) fn read(
         ));
     }
     let Ok(vertices) = u32::try_from(positions.len()) else {
-        return Err(Fault::new(
-            part,
-            "has more vertices than 32 bits can number",
-            "split it",
-        ));
+        return Err(Fault::new(part, "has more vertices than 32 bits can number", "split it"));
     };
 
     let order = match primitive.indices {
@@ -101,18 +83,10 @@ pub(super) fn read(
         None => 0,
         Some(normals) => {
             let normals = accessors.vectors(normals, part)?;
-            triangles
-                .iter()
-                .filter(|triangle| is_bent(&positions, &normals, **triangle))
-                .count()
+            triangles.iter().filter(|triangle| is_bent(&positions, &normals, **triangle)).count()
         }
     };
-    Ok(Triangles {
-        positions,
-        triangles,
-        smooth: smooth as u64,
-        stray,
-    })
+    Ok(Triangles { positions, triangles, smooth: smooth as u64, stray })
 }
 
 /// Triangles from a list, a strip or a fan (glTF 2.0 specification, section 3.7.2.1), and how many
@@ -131,13 +105,7 @@ fn assemble(order: &[u32], mode: Checked<Mode>) -> (Vec<[u32; 3]>, usize) {
         }
         Checked::Valid(Mode::TriangleFan) => {
             let triangles = order.iter().skip(1).zip(order.iter().skip(2));
-            (
-                triangles
-                    .map(|(&a, &b)| [a, b, order[0]])
-                    .filter(is_meant)
-                    .collect(),
-                0,
-            )
+            (triangles.map(|(&a, &b)| [a, b, order[0]]).filter(is_meant).collect(), 0)
         }
         _ => {
             let (triples, rest) = order.as_chunks::<3>();
@@ -154,9 +122,7 @@ fn is_bent(positions: &[[f64; 3]], normals: &[[f64; 3]], triangle: [u32; 3]) -> 
     triangle.iter().any(|&vertex| {
         normals.get(vertex as usize).is_some_and(|&normal| {
             let normal = glam::DVec3::from(normal).normalize_or_zero();
-            facet != glam::DVec3::ZERO
-                && normal != glam::DVec3::ZERO
-                && facet.dot(normal) < COSINE_OF_A_DEGREE
+            facet != glam::DVec3::ZERO && normal != glam::DVec3::ZERO && facet.dot(normal) < COSINE_OF_A_DEGREE
         })
     })
 }

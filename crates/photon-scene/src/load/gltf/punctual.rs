@@ -23,57 +23,32 @@ pub(super) fn add_light(
     report: &mut LoadReport,
 ) -> Result<(), Fault> {
     let lights: &[Light] = root.as_ref();
-    let found = lights
-        .get(light)
-        .ok_or_else(|| Fault::dangling(node, "light", light, lights.len()))?;
+    let found = lights.get(light).ok_or_else(|| Fault::dangling(node, "light", light, lights.len()))?;
     let part = label("light", light, found.name.as_deref());
     let Checked::Valid(kind) = found.type_ else {
-        return Err(Fault::new(
-            part,
-            "is of an unknown type",
-            "make it point, spot or directional",
-        ));
+        return Err(Fault::new(part, "is of an unknown type", "make it point, spot or directional"));
     };
     // Candela are W/sr here, and lux are W/m²: radiometric, without the 683 lumens of a watt.
-    let strength = found
-        .color
-        .map(|color| f64::from(color) * f64::from(found.intensity));
+    let strength = found.color.map(|color| f64::from(color) * f64::from(found.intensity));
     let position = transform.w_axis.truncate().to_array();
     let desc = match kind {
-        Type::Point => LightDesc::Point {
-            position,
-            intensity: strength,
-        },
-        Type::Directional => LightDesc::Directional {
-            direction: axis(transform, DVec3::NEG_Z, node)?,
-            irradiance: strength,
-        },
+        Type::Point => LightDesc::Point { position, intensity: strength },
+        Type::Directional => {
+            LightDesc::Directional { direction: axis(transform, DVec3::NEG_Z, node)?, irradiance: strength }
+        }
         Type::Spot => {
             if found.spot.is_none() {
                 report.approximated(&part, "has no cone; one of 45 degrees is assumed");
             }
             let spot = found.spot.as_ref();
-            let (inner_angle, outer_angle) = spot.map_or((0.0, FRAC_PI_4), |spot| {
-                (
-                    f64::from(spot.inner_cone_angle),
-                    half_turn(spot.outer_cone_angle),
-                )
-            });
+            let (inner_angle, outer_angle) = spot
+                .map_or((0.0, FRAC_PI_4), |spot| (f64::from(spot.inner_cone_angle), half_turn(spot.outer_cone_angle)));
             let direction = axis(transform, DVec3::NEG_Z, node)?;
-            LightDesc::Spot {
-                position,
-                direction,
-                intensity: strength,
-                inner_angle,
-                outer_angle,
-            }
+            LightDesc::Spot { position, direction, intensity: strength, inner_angle, outer_angle }
         }
     };
     if found.range.is_some() && kind != Type::Directional {
-        report.left_out(
-            &part,
-            "its range; light falls off with the squared distance only",
-        );
+        report.left_out(&part, "its range; light falls off with the squared distance only");
     }
     builder.light(name_or_number("light", light, found.name.as_deref()), desc);
     Ok(())
@@ -81,11 +56,7 @@ pub(super) fn add_light(
 
 /// π/2 rounded to f32 lies above π/2, and is meant as it.
 fn half_turn(angle: f32) -> f64 {
-    if angle == std::f32::consts::FRAC_PI_2 {
-        FRAC_PI_2
-    } else {
-        f64::from(angle)
-    }
+    if angle == std::f32::consts::FRAC_PI_2 { FRAC_PI_2 } else { f64::from(angle) }
 }
 
 /// Adds the camera that `node` holds. It looks along −Z, up is +Y; no scale changes its picture.
@@ -98,19 +69,13 @@ pub(super) fn add_camera(
     builder: &mut SceneBuilder,
 ) -> Result<(), Fault> {
     let cameras = &root.cameras;
-    let found = cameras
-        .get(camera)
-        .ok_or_else(|| Fault::dangling(node, "camera", camera, cameras.len()))?;
+    let found = cameras.get(camera).ok_or_else(|| Fault::dangling(node, "camera", camera, cameras.len()))?;
     let projection = match (found.type_, &found.perspective, &found.orthographic) {
         (Checked::Valid(CameraType::Perspective), Some(perspective), _) => {
-            Projection::Perspective {
-                vertical_fov: f64::from(perspective.yfov),
-            }
+            Projection::Perspective { vertical_fov: f64::from(perspective.yfov) }
         }
         (Checked::Valid(CameraType::Orthographic), _, Some(orthographic)) => {
-            Projection::Orthographic {
-                half_height: f64::from(orthographic.ymag),
-            }
+            Projection::Orthographic { half_height: f64::from(orthographic.ymag) }
         }
         _ => {
             return Err(Fault::new(
@@ -128,11 +93,7 @@ pub(super) fn add_camera(
     };
     // Two nodes may hold the same camera, and two cameras may have the same name.
     let name = name_or_number("camera", camera, found.name.as_deref());
-    let name = if names.contains(&name) {
-        format!("{name} at {node}")
-    } else {
-        name
-    };
+    let name = if names.contains(&name) { format!("{name} at {node}") } else { name };
     names.push(name.clone());
     builder.camera(name, desc);
     Ok(())
@@ -140,15 +101,11 @@ pub(super) fn add_camera(
 
 /// A direction of the node's own space in that of the scene.
 fn axis(transform: &DMat4, own: DVec3, node: &str) -> Result<[f64; 3], Fault> {
-    transform
-        .transform_vector3(own)
-        .try_normalize()
-        .map(DVec3::into)
-        .ok_or_else(|| {
-            Fault::new(
-                node,
-                "is scaled to nothing, so that its light or camera points nowhere",
-                "give it and its parents a scale other than 0",
-            )
-        })
+    transform.transform_vector3(own).try_normalize().map(DVec3::into).ok_or_else(|| {
+        Fault::new(
+            node,
+            "is scaled to nothing, so that its light or camera points nowhere",
+            "give it and its parents a scale other than 0",
+        )
+    })
 }

@@ -35,25 +35,17 @@ pub(super) struct Textures<'a> {
 impl<'a> Textures<'a> {
     pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>) -> Self {
         let means = root.images.iter().map(|_| OnceCell::new()).collect();
-        Self {
-            root,
-            buffers,
-            means,
-        }
+        Self { root, buffers, means }
     }
 
     /// What messages call a texture: its own name, or that of its image.
     pub(super) fn name(&self, texture: usize) -> String {
         let found = self.root.textures.get(texture);
         let image = found.and_then(|texture| self.root.images.get(texture.source.value()));
-        let name = found
-            .and_then(|texture| texture.name.as_deref())
-            .or_else(|| {
-                let uri = image.and_then(|image| image.uri.as_deref());
-                image
-                    .and_then(|image| image.name.as_deref())
-                    .or(uri.filter(|uri| !uri.starts_with("data:")))
-            });
+        let name = found.and_then(|texture| texture.name.as_deref()).or_else(|| {
+            let uri = image.and_then(|image| image.uri.as_deref());
+            image.and_then(|image| image.name.as_deref()).or(uri.filter(|uri| !uri.starts_with("data:")))
+        });
         label("texture", texture, name)
     }
 
@@ -65,17 +57,16 @@ impl<'a> Textures<'a> {
     /// A reference to a texture or an image that the file does not have.
     pub(super) fn mean(&self, texture: usize, user: &str) -> Result<Result<Mean, String>, Fault> {
         let textures = &self.root.textures;
-        let found = textures
-            .get(texture)
-            .ok_or_else(|| Fault::dangling(user, "texture", texture, textures.len()))?;
+        let found = textures.get(texture).ok_or_else(|| Fault::dangling(user, "texture", texture, textures.len()))?;
         let image = found.source.value();
         // The parser's mark for a texture whose image is in an extension.
         if image == u32::MAX as usize {
             return Ok(Err("its image is of a kind that cannot be read".to_owned()));
         }
-        let cell = self.means.get(image).ok_or_else(|| {
-            Fault::dangling(&self.name(texture), "image", image, self.means.len())
-        })?;
+        let cell = self
+            .means
+            .get(image)
+            .ok_or_else(|| Fault::dangling(&self.name(texture), "image", image, self.means.len()))?;
         Ok(cell.get_or_init(|| self.decode(image)).clone())
     }
 
@@ -83,8 +74,8 @@ impl<'a> Textures<'a> {
         let image = &self.root.images[index];
         match (&image.uri, image.buffer_view) {
             (Some(uri), _) => {
-                let bytes = uri::read(uri, self.buffers.folder())
-                    .map_err(|(why, mend)| format!("its image {why}; {mend}"))?;
+                let bytes =
+                    uri::read(uri, self.buffers.folder()).map_err(|(why, mend)| format!("its image {why}; {mend}"))?;
                 mean_of_png(&bytes)
             }
             (None, Some(view)) => {
@@ -98,18 +89,10 @@ impl<'a> Textures<'a> {
 
 fn mean_of_png(bytes: &[u8]) -> Result<Mean, String> {
     if !bytes.starts_with(b"\x89PNG") {
-        let kind = if bytes.starts_with(b"\xff\xd8") {
-            "a JPEG"
-        } else {
-            "not a PNG"
-        };
-        return Err(format!(
-            "its image is {kind}, and only PNG is read; convert it"
-        ));
+        let kind = if bytes.starts_with(b"\xff\xd8") { "a JPEG" } else { "not a PNG" };
+        return Err(format!("its image is {kind}, and only PNG is read; convert it"));
     }
-    count_values(bytes)
-        .map(|counts| mean(&counts))
-        .map_err(|error| format!("its image cannot be decoded: {error}"))
+    count_values(bytes).map(|counts| mean(&counts)).map_err(|error| format!("its image cannot be decoded: {error}"))
 }
 
 /// How often each value occurs, for red, green, blue and alpha. Whole numbers, so that the mean
@@ -146,101 +129,57 @@ fn count_values(bytes: &[u8]) -> Result<Counts, png::DecodingError> {
 fn mean(counts: &Counts) -> Mean {
     let of = |channel: usize, curve: fn(f64) -> f64| {
         let pixels: u64 = counts[channel].iter().sum();
-        let sum: f64 = counts[channel]
-            .iter()
-            .enumerate()
-            .map(|(value, &count)| curve(value as f64 / 255.0) * count as f64)
-            .sum();
+        let sum: f64 =
+            counts[channel].iter().enumerate().map(|(value, &count)| curve(value as f64 / 255.0) * count as f64).sum();
         sum / pixels.max(1) as f64
     };
     Mean {
         color: std::array::from_fn(|channel| of(channel, srgb_to_linear)),
         plain: std::array::from_fn(|channel| of(channel, |value| value)),
         alpha: of(3, |value| value),
-        is_uniform: counts
-            .iter()
-            .all(|channel| channel.iter().filter(|&&count| count > 0).count() <= 1),
+        is_uniform: counts.iter().all(|channel| channel.iter().filter(|&&count| count > 0).count() <= 1),
     }
 }
 
 /// Undoes the sRGB curve (IEC 61966-2-1).
 fn srgb_to_linear(value: f64) -> f64 {
-    if value <= 0.04045 {
-        value / 12.92
-    } else {
-        ((value + 0.055) / 1.055).powf(2.4)
-    }
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn png(
-        color: png::ColorType,
-        depth: png::BitDepth,
-        width: u32,
-        height: u32,
-        data: &[u8],
-    ) -> Vec<u8> {
+    fn png(color: png::ColorType, depth: png::BitDepth, width: u32, height: u32, data: &[u8]) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, width, height);
         encoder.set_color(color);
         encoder.set_depth(depth);
-        encoder
-            .write_header()
-            .unwrap()
-            .write_image_data(data)
-            .unwrap();
+        encoder.write_header().unwrap().write_image_data(data).unwrap();
         bytes
     }
 
     #[test]
     fn the_mean_is_taken_of_linear_colours() {
-        let half_black = png(
-            png::ColorType::Rgba,
-            png::BitDepth::Eight,
-            2,
-            1,
-            &[255, 0, 188, 255, 0, 0, 188, 0],
-        );
+        let half_black = png(png::ColorType::Rgba, png::BitDepth::Eight, 2, 1, &[255, 0, 188, 255, 0, 0, 188, 0]);
         let mean = mean_of_png(&half_black).unwrap();
         // 188/255 is the sRGB code next to half the light.
-        assert!(
-            (mean.color[0] - 0.5).abs() < 1e-12 && mean.color[1] == 0.0,
-            "{mean:?}"
-        );
+        assert!((mean.color[0] - 0.5).abs() < 1e-12 && mean.color[1] == 0.0, "{mean:?}");
         assert!((mean.color[2] - 0.5).abs() < 0.005, "{mean:?}");
         assert!((mean.plain[2] - 188.0 / 255.0).abs() < 1e-12 && (mean.alpha - 0.5).abs() < 1e-12);
     }
 
     #[test]
     fn grey_and_16_bits_are_read() {
-        let grey = png(
-            png::ColorType::Grayscale,
-            png::BitDepth::Sixteen,
-            1,
-            1,
-            &[0x80, 0x80],
-        );
+        let grey = png(png::ColorType::Grayscale, png::BitDepth::Sixteen, 1, 1, &[0x80, 0x80]);
         let mean = mean_of_png(&grey).unwrap();
-        assert!(
-            mean.plain
-                .iter()
-                .all(|value| (value - 128.0 / 255.0).abs() < 1e-12)
-        );
+        assert!(mean.plain.iter().all(|value| (value - 128.0 / 255.0).abs() < 1e-12));
         assert_eq!(mean.alpha, 1.0);
     }
 
     #[test]
     fn other_images_and_cut_ones_are_refused() {
-        let whole = png(
-            png::ColorType::Grayscale,
-            png::BitDepth::Eight,
-            8,
-            8,
-            &[7; 64],
-        );
+        let whole = png(png::ColorType::Grayscale, png::BitDepth::Eight, 8, 8, &[7; 64]);
         assert!(mean_of_png(&whole).is_ok());
         for length in 0..whole.len() - 16 {
             assert!(mean_of_png(&whole[..length]).is_err(), "{length}");

@@ -29,28 +29,15 @@ pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'stati
         let why = format!("is in the file {uri}, which is not there");
         return Err((why, "put it where the scene expects it, or export a .glb"));
     }
-    fs::read(&path).map_err(|error| {
-        (
-            format!("is in the file {uri}, which cannot be read: {error}"),
-            "check that it may be read",
-        )
-    })
+    fs::read(&path)
+        .map_err(|error| (format!("is in the file {uri}, which cannot be read: {error}"), "check that it may be read"))
 }
 
 /// What comes after `data:` (RFC 2397).
 fn read_data(data: &str) -> Result<Vec<u8>, (String, &'static str)> {
-    let damaged = || {
-        (
-            "has a data URI that is cut off or damaged".to_owned(),
-            AGAIN,
-        )
-    };
+    let damaged = || ("has a data URI that is cut off or damaged".to_owned(), AGAIN);
     let (kind, payload) = data.split_once(',').ok_or_else(damaged)?;
-    let bytes = if kind.ends_with(";base64") {
-        base64_decode(payload)
-    } else {
-        percent_decode(payload)
-    };
+    let bytes = if kind.ends_with(";base64") { base64_decode(payload) } else { percent_decode(payload) };
     bytes.ok_or_else(damaged)
 }
 
@@ -108,19 +95,10 @@ mod tests {
 
     #[test]
     fn base64_follows_the_examples_of_rfc_4648() {
-        for (text, bytes) in [
-            ("", ""),
-            ("Zg==", "f"),
-            ("Zm8=", "fo"),
-            ("Zm9v", "foo"),
-            ("Zm9vYg==", "foob"),
-            ("Zm9vYmE", "fooba"),
-        ] {
-            assert_eq!(
-                base64_decode(text).as_deref(),
-                Some(bytes.as_bytes()),
-                "{text}"
-            );
+        for (text, bytes) in
+            [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYg==", "foob"), ("Zm9vYmE", "fooba")]
+        {
+            assert_eq!(base64_decode(text).as_deref(), Some(bytes.as_bytes()), "{text}");
         }
         assert_eq!(base64_decode("/+8A"), Some(vec![0xff, 0xef, 0]));
         assert_eq!(base64_decode("Zm9vY"), None);
@@ -129,10 +107,7 @@ mod tests {
 
     #[test]
     fn escapes_are_undone_or_refused() {
-        assert_eq!(
-            percent_decode("a%20b%C3%a9").as_deref(),
-            Some("a bé".as_bytes())
-        );
+        assert_eq!(percent_decode("a%20b%C3%a9").as_deref(), Some("a bé".as_bytes()));
         for broken in ["%", "%4", "%zz"] {
             assert_eq!(percent_decode(broken), None, "{broken}");
         }

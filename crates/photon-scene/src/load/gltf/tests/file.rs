@@ -59,18 +59,11 @@ impl File {
     /// With other bytes in its only buffer.
     pub(super) fn data(self, bytes: &[u8]) -> Self {
         let (length, uri) = (bytes.len(), data_uri("application/octet-stream", bytes));
-        self.with(
-            "buffers",
-            format!(r#"[{{"byteLength": {length}, "uri": "{uri}"}}]"#),
-        )
+        self.with("buffers", format!(r#"[{{"byteLength": {length}, "uri": "{uri}"}}]"#))
     }
 
     pub(super) fn json(&self) -> String {
-        let parts: Vec<String> = self
-            .0
-            .iter()
-            .map(|(key, json)| format!("\"{key}\": {json}"))
-            .collect();
+        let parts: Vec<String> = self.0.iter().map(|(key, json)| format!("\"{key}\": {json}")).collect();
         format!("{{{}}}", parts.join(",\n"))
     }
 
@@ -97,19 +90,14 @@ impl File {
 }
 
 pub(super) fn floats(values: &[f32]) -> Vec<u8> {
-    values
-        .iter()
-        .flat_map(|value| value.to_le_bytes())
-        .collect()
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
 pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = format!("data:{kind};base64,");
     for group in bytes.chunks(3) {
-        let bits = (0..3).fold(0, |bits, at| {
-            bits << 8 | u32::from(*group.get(at).unwrap_or(&0))
-        });
+        let bits = (0..3).fold(0, |bits, at| bits << 8 | u32::from(*group.get(at).unwrap_or(&0)));
         for digit in 0..4 {
             let used = digit <= group.len();
             let sextet = DIGITS[(bits >> (18 - 6 * digit) & 63) as usize];
@@ -141,18 +129,11 @@ pub(super) fn png(pixels: &[[u8; 4]]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, pixels.len() as u32, 1);
     encoder.set_color(png::ColorType::Rgba);
-    encoder
-        .write_header()
-        .unwrap()
-        .write_image_data(pixels.as_flattened())
-        .unwrap();
+    encoder.write_header().unwrap().write_image_data(pixels.as_flattened()).unwrap();
     bytes
 }
 
 /// Whether a line of the report has both words.
 pub(super) fn says(report: &LoadReport, subject: &str, text: &str) -> bool {
-    report
-        .lines
-        .iter()
-        .any(|line| line.subject.contains(subject) && line.text.contains(text))
+    report.lines.iter().any(|line| line.subject.contains(subject) && line.text.contains(text))
 }

@@ -43,18 +43,11 @@ fn a_file_cut_anywhere_is_refused() {
     let whole = glb(&file.json(), &bin);
     assert!(survive(&whole));
     for length in 0..whole.len() {
-        assert!(
-            assemble(&whole[..length], Path::new(HERE)).is_err(),
-            "{length} of {}",
-            whole.len()
-        );
+        assert!(assemble(&whole[..length], Path::new(HERE)).is_err(), "{length} of {}", whole.len());
     }
     let json = File::new().json();
     for length in 0..json.len() {
-        assert!(
-            assemble(&json.as_bytes()[..length], Path::new(HERE)).is_err(),
-            "{length}"
-        );
+        assert!(assemble(&json.as_bytes()[..length], Path::new(HERE)).is_err(), "{length}");
     }
 }
 
@@ -81,14 +74,8 @@ fn no_changed_number_brings_it_down() {
     let is_digit = |byte: u8| byte.is_ascii_digit();
     let mut at = 0;
     let mut tried = 0;
-    while let Some(start) = json[at..]
-        .find(|c: char| c.is_ascii_digit())
-        .map(|found| at + found)
-    {
-        let end = json[start..]
-            .bytes()
-            .position(|byte| !is_digit(byte))
-            .map_or(json.len(), |len| start + len);
+    while let Some(start) = json[at..].find(|c: char| c.is_ascii_digit()).map(|found| at + found) {
+        let end = json[start..].bytes().position(|byte| !is_digit(byte)).map_or(json.len(), |len| start + len);
         for hostile in [
             "0",
             "1",
@@ -108,10 +95,7 @@ fn no_changed_number_brings_it_down() {
             "[]",
             "{}",
         ] {
-            survive(&glb(
-                &[&json[..start], hostile, &json[end..]].concat(),
-                &bin,
-            ));
+            survive(&glb(&[&json[..start], hostile, &json[end..]].concat(), &bin));
             tried += 1;
         }
         at = end;

@@ -13,14 +13,8 @@ fn only_mesh(file: &File) -> Mesh {
 /// Largest difference of any coordinate.
 fn distance(mesh: &Mesh, expected: &[[f64; 3]]) -> f64 {
     assert_eq!(mesh.positions.len(), expected.len());
-    let pairs = mesh
-        .positions
-        .as_flattened()
-        .iter()
-        .zip(expected.as_flattened());
-    pairs
-        .map(|(found, expected)| (found - expected).abs())
-        .fold(0.0, f64::max)
+    let pairs = mesh.positions.as_flattened().iter().zip(expected.as_flattened());
+    pairs.map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max)
 }
 
 #[test]
@@ -29,9 +23,7 @@ fn the_plain_triangle_is_read_as_it_is() {
     assert_eq!(mesh.positions, [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]]);
     assert_eq!(mesh.triangles, [[0, 1, 2]]);
     assert_eq!(mesh.name, "tri");
-    let (_, report) = File::new()
-        .material(r#""pbrMetallicRoughness": {"metallicFactor": 0}"#)
-        .load();
+    let (_, report) = File::new().material(r#""pbrMetallicRoughness": {"metallicFactor": 0}"#).load();
     assert!(report.is_exact(), "{report}");
 }
 
@@ -39,9 +31,7 @@ fn the_plain_triangle_is_read_as_it_is() {
 fn a_glb_holds_its_buffer() {
     let mut bin = floats(&[0., 0., 0., 2., 0., 0., 0., 2., 0.]);
     bin.extend([0, 0, 1, 0, 2, 0]);
-    let json = File::new()
-        .with("buffers", r#"[{"byteLength": 42}]"#)
-        .json();
+    let json = File::new().with("buffers", r#"[{"byteLength": 42}]"#).json();
     let (builder, _) = super::super::assemble(&glb(&json, &bin), ".".as_ref()).unwrap();
     assert_eq!(builder.meshes[0].positions[1], [2., 0., 0.]);
     // Trailing bytes, and chunks of other types, are skipped.
@@ -62,20 +52,15 @@ fn transforms_are_chained_from_the_root() {
         ),
     );
     let mesh = only_mesh(&file);
-    assert!(
-        distance(&mesh, &[[5., 0., 10.], [5., 2., 10.], [3., 0., 10.]]) < 1e-12,
-        "{mesh:?}"
-    );
+    assert!(distance(&mesh, &[[5., 0., 10.], [5., 2., 10.], [3., 0., 10.]]) < 1e-12, "{mesh:?}");
     assert_eq!(mesh.name, "child");
 }
 
 #[test]
 fn mirrored_meshes_keep_their_front() {
-    for (scale, expected) in [
-        ("[-1, 1, 1]", [0, 2, 1]),
-        ("[-1, -1, 1]", [0, 1, 2]),
-        ("[1e-30, -1e-30, 1e-30]", [0, 2, 1]),
-    ] {
+    for (scale, expected) in
+        [("[-1, 1, 1]", [0, 2, 1]), ("[-1, -1, 1]", [0, 1, 2]), ("[1e-30, -1e-30, 1e-30]", [0, 2, 1])]
+    {
         let file = File::new().with("nodes", format!(r#"[{{"mesh": 0, "scale": {scale}}}]"#));
         assert_eq!(only_mesh(&file).triangles, [expected], "{scale}");
     }
@@ -87,11 +72,7 @@ fn a_mesh_is_added_once_for_each_node_and_not_where_it_is_scaled_to_nothing() {
         .with("nodes", r#"[{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b", "translation": [0, 0, 1]}, {"mesh": 0, "name": "c", "scale": [0, 0, 0]}]"#)
         .with("scenes", r#"[{"nodes": [0, 1, 2]}]"#);
     let (builder, report) = file.load();
-    let names: Vec<&str> = builder
-        .meshes
-        .iter()
-        .map(|mesh| mesh.name.as_str())
-        .collect();
+    let names: Vec<&str> = builder.meshes.iter().map(|mesh| mesh.name.as_str()).collect();
     assert_eq!(names, ["a", "b"]);
     assert!(says(&report, "'c'", "scaled to nothing"));
 }
@@ -107,23 +88,14 @@ fn the_default_scene_else_the_first_else_all_roots() {
     assert!(says(&chosen.load().1, "file", "second"));
     assert_eq!(file.without("scenes").load().0.meshes.len(), 2);
     // Nothing obliges a scene to have nodes.
-    assert!(
-        File::new()
-            .with("scenes", "[{}]")
-            .load()
-            .0
-            .meshes
-            .is_empty()
-    );
+    assert!(File::new().with("scenes", "[{}]").load().0.meshes.is_empty());
 }
 
 #[test]
 fn indices_may_be_of_any_unsigned_type_or_none() {
-    for (kind, bytes) in [
-        (5121, vec![2, 0, 1]),
-        (5123, vec![2, 0, 0, 0, 1, 0]),
-        (5125, vec![2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]),
-    ] {
+    for (kind, bytes) in
+        [(5121, vec![2, 0, 1]), (5123, vec![2, 0, 0, 0, 1, 0]), (5125, vec![2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0])]
+    {
         let mut data = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
         data.extend(&bytes);
         let file = File::new()
@@ -132,10 +104,7 @@ fn indices_may_be_of_any_unsigned_type_or_none() {
             .with("accessors", format!(r#"[{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}, {{"bufferView": 1, "componentType": {kind}, "count": 3, "type": "SCALAR"}}]"#));
         assert_eq!(only_mesh(&file).triangles, [[2, 0, 1]], "{kind}");
     }
-    let bare = File::new().with(
-        "meshes",
-        r#"[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]"#,
-    );
+    let bare = File::new().with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]"#);
     assert_eq!(only_mesh(&bare).triangles, [[0, 1, 2]]);
 }
 
@@ -147,10 +116,7 @@ fn views_may_be_interleaved() {
         .with("bufferViews", r#"[{"buffer": 0, "byteLength": 48, "byteStride": 16}]"#)
         .with("accessors", r#"[{"bufferView": 0, "byteOffset": 4, "componentType": 5126, "count": 3, "type": "VEC3"}]"#)
         .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]"#);
-    assert_eq!(
-        only_mesh(&file).positions,
-        [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]]
-    );
+    assert_eq!(only_mesh(&file).positions, [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]]);
 }
 
 #[test]
@@ -165,10 +131,7 @@ fn sparse_accessors_replace_elements_or_zeros() {
             .with("accessors", format!(r#"[{{{base} "componentType": 5126, "count": 3, "type": "VEC3",
                 "sparse": {{"count": 1, "indices": {{"bufferView": 2, "componentType": 5121}}, "values": {{"bufferView": 1}}}}}}]"#))
             .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]"#);
-        assert_eq!(
-            only_mesh(&file).positions,
-            [[0., 0., 0.], [second, 0., 0.], [0., 7., 0.]]
-        );
+        assert_eq!(only_mesh(&file).positions, [[0., 0., 0.], [second, 0., 0.], [0., 7., 0.]]);
     }
 }
 
@@ -186,10 +149,7 @@ fn quantised_positions_are_read() {
             .with("accessors", format!(r#"[{{"bufferView": 0, "componentType": 5122, "normalized": {normalized}, "count": 3, "type": "VEC3"}}]"#))
             .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]"#);
         let [x, y] = expected;
-        assert_eq!(
-            only_mesh(&file).positions,
-            [[0., 0., 0.], [x, 0., 0.], [0., y, 0.]]
-        );
+        assert_eq!(only_mesh(&file).positions, [[0., 0., 0.], [x, 0., 0.], [0., y, 0.]]);
     }
 }
 
@@ -205,22 +165,13 @@ fn points_and_lines_are_reported_and_stray_vertices_too() {
         assert!(builder.meshes.is_empty() && says(&report, "mesh 0 'm' primitive 0", "no surface"));
     }
     for mode in 4..7 {
-        assert_eq!(
-            only_mesh(&File::new().with("meshes", mesh(mode)))
-                .triangles
-                .len(),
-            1,
-            "{mode}"
-        );
+        assert_eq!(only_mesh(&File::new().with("meshes", mesh(mode))).triangles.len(), 1, "{mode}");
     }
-    let file = File::new().with("meshes", mesh(4)).with(
-        "accessors",
-        r#"[{"bufferView": 0, "componentType": 5126, "count": 2, "type": "VEC3"}]"#,
-    );
+    let file = File::new()
+        .with("meshes", mesh(4))
+        .with("accessors", r#"[{"bufferView": 0, "componentType": 5126, "count": 2, "type": "VEC3"}]"#);
     let (builder, report) = file.load();
-    assert!(
-        builder.meshes[0].triangles.is_empty() && says(&report, "mesh 0", "2 vertices at its end")
-    );
+    assert!(builder.meshes[0].triangles.is_empty() && says(&report, "mesh 0", "2 vertices at its end"));
 }
 
 #[test]
@@ -234,10 +185,7 @@ fn what_meshes_lose_is_said_once() {
         .with("meshes", mesh(r#""NORMAL": 0, "COLOR_0": 0"#))
         .with("nodes", r#"[{"mesh": 0, "skin": 0}]"#)
         .with("skins", r#"[{"joints": [0]}]"#)
-        .with(
-            "animations",
-            r#"[{"channels": [{"sampler": 0, "target": {"path": "pointer"}}], "samplers": []}]"#,
-        )
+        .with("animations", r#"[{"channels": [{"sampler": 0, "target": {"path": "pointer"}}], "samplers": []}]"#)
         .with("extensionsUsed", r#"["EXT_mesh_gpu_instancing"]"#);
     let (builder, report) = file.load();
     for (subject, text) in [
@@ -251,25 +199,14 @@ fn what_meshes_lose_is_said_once() {
     ] {
         assert!(says(&report, subject, text), "{text}: {report}");
     }
-    assert!(
-        builder
-            .materials
-            .iter()
-            .any(|material| material.name == "default")
-    );
+    assert!(builder.materials.iter().any(|material| material.name == "default"));
     // Normals that agree with the facet lose nothing.
-    let mut data = floats(&[
-        0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 1., 0., 0., 1.,
-    ]);
+    let mut data = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 1., 0., 0., 1.]);
     let flat = File::new()
         .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "material": 0}]}]"#)
         .with("bufferViews", r#"[{"buffer": 0, "byteLength": 72}]"#)
         .with("accessors", r#"[{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}, {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC3"}]"#);
-    assert!(!says(
-        &flat.clone().data(&data).load().1,
-        "file",
-        "smoothed"
-    ));
+    assert!(!says(&flat.clone().data(&data).load().1, "file", "smoothed"));
     data[36..48].copy_from_slice(&floats(&[0.1, 0.0, 1.0]));
     assert!(says(&flat.data(&data).load().1, "file", "smoothed"));
 }

@@ -11,10 +11,7 @@ fn read(json: &str) -> (MaterialDesc, LoadReport) {
 
 #[track_caller]
 fn close(found: [f64; 3], expected: [f64; 3]) {
-    let far = found
-        .iter()
-        .zip(expected)
-        .any(|(found, expected)| (found - expected).abs() > 1e-6);
+    let far = found.iter().zip(expected).any(|(found, expected)| (found - expected).abs() > 1e-6);
     assert!(!far, "{found:?} instead of {expected:?}");
 }
 
@@ -24,30 +21,19 @@ fn textured(material: &str, pixels: &[[u8; 4]]) -> File {
     File::new()
         .material(material)
         .with("textures", r#"[{"source": 0}]"#)
-        .with(
-            "images",
-            format!(r#"[{{"uri": "{uri}", "name": "tiles"}}]"#),
-        )
+        .with("images", format!(r#"[{{"uri": "{uri}", "name": "tiles"}}]"#))
 }
 
 #[test]
 fn a_dull_insulator_is_diffuse() {
-    let (material, report) = read(
-        r#""pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1], "metallicFactor": 0}"#,
-    );
-    assert_eq!(material, MaterialDesc::lambert("it", [0.25, 0.5, 0.75]));
-    assert!(
-        report.is_exact() && says(&report, "material 'it'", "faint reflection"),
-        "{report}"
-    );
-    // A glossy one is not.
     let (material, report) =
-        read(r#""pbrMetallicRoughness": {"roughnessFactor": 0.2, "metallicFactor": 0}"#);
+        read(r#""pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1], "metallicFactor": 0}"#);
+    assert_eq!(material, MaterialDesc::lambert("it", [0.25, 0.5, 0.75]));
+    assert!(report.is_exact() && says(&report, "material 'it'", "faint reflection"), "{report}");
+    // A glossy one is not.
+    let (material, report) = read(r#""pbrMetallicRoughness": {"roughnessFactor": 0.2, "metallicFactor": 0}"#);
     assert!(matches!(material.surface, Surface::Lambert { .. }));
-    assert!(
-        !report.is_exact() && says(&report, "material 'it'", "roughness 0.20"),
-        "{report}"
-    );
+    assert!(!report.is_exact() && says(&report, "material 'it'", "roughness 0.20"), "{report}");
 }
 
 #[test]
@@ -61,36 +47,18 @@ fn a_smooth_metal_is_a_mirror() {
     assert_eq!(mirror, MaterialDesc::mirror("it", [1.0, 0.5, 0.25]));
     assert!(report.lines.is_empty(), "{report}");
     let (mirror, report) = metal(0.1, 0.5);
-    assert_eq!(
-        mirror.surface,
-        Surface::Mirror {
-            reflectance: [1.0, 0.5, 0.25]
-        }
-    );
+    assert_eq!(mirror.surface, Surface::Mirror { reflectance: [1.0, 0.5, 0.25] });
     assert!(says(&report, "it", "perfect mirror"));
     let (rough, report) = metal(0.5, 1.0);
-    assert_eq!(
-        rough.surface,
-        Surface::Lambert {
-            albedo: [1.0, 0.5, 0.25]
-        }
-    );
-    assert!(says(
-        &report,
-        "it",
-        "roughness 0.50 is rendered as a diffuse"
-    ));
+    assert_eq!(rough.surface, Surface::Lambert { albedo: [1.0, 0.5, 0.25] });
+    assert!(says(&report, "it", "roughness 0.50 is rendered as a diffuse"));
     let (some, report) = metal(1.0, 0.25);
-    assert_eq!(
-        some.surface,
-        Surface::Lambert {
-            albedo: [1.0, 0.5, 0.25]
-        }
-    );
+    assert_eq!(some.surface, Surface::Lambert { albedo: [1.0, 0.5, 0.25] });
     assert!(says(&report, "it", "25 % metal"));
 }
 
-const CLEAR: &str = r#""pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0, "baseColorFactor": [1, 0.5, 1, 1]}"#;
+const CLEAR: &str =
+    r#""pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0, "baseColorFactor": [1, 0.5, 1, 1]}"#;
 
 fn glass(extensions: &str) -> (MaterialDesc, LoadReport) {
     read(&format!(
@@ -101,25 +69,11 @@ fn glass(extensions: &str) -> (MaterialDesc, LoadReport) {
 #[test]
 fn transmission_is_a_sheet_without_a_volume_and_a_solid_with_one() {
     let (sheet, report) = glass("");
-    assert_eq!(
-        sheet.surface,
-        Surface::Thin {
-            ior: 1.5,
-            tint: [1.0, 0.5, 1.0]
-        }
-    );
+    assert_eq!(sheet.surface, Surface::Thin { ior: 1.5, tint: [1.0, 0.5, 1.0] });
     assert!(report.lines.is_empty(), "{report}");
-    let (solid, report) = glass(
-        r#", "KHR_materials_volume": {"thicknessFactor": 0.1}, "KHR_materials_ior": {"ior": 1.25}"#,
-    );
-    assert_eq!(
-        solid.surface,
-        Surface::Dielectric {
-            ior: 1.25,
-            absorption: [0.0; 3],
-            tint: [1.0, 0.5, 1.0]
-        }
-    );
+    let (solid, report) =
+        glass(r#", "KHR_materials_volume": {"thicknessFactor": 0.1}, "KHR_materials_ior": {"ior": 1.25}"#);
+    assert_eq!(solid.surface, Surface::Dielectric { ior: 1.25, absorption: [0.0; 3], tint: [1.0, 0.5, 1.0] });
     assert!(report.lines.is_empty(), "{report}");
     let (sheet, report) = glass(r#", "KHR_materials_volume": {"attenuationDistance": 2}"#);
     assert!(matches!(sheet.surface, Surface::Thin { .. }));
@@ -131,32 +85,19 @@ fn absorption_leaves_the_attenuation_colour_after_its_distance() {
     let (solid, report) = glass(
         r#", "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 4, "attenuationColor": [1, 0.5, 0.125]}"#,
     );
-    let Surface::Dielectric { absorption, .. } = solid.surface else {
-        panic!("{solid:?}")
-    };
-    close(
-        absorption.map(|sigma| (-sigma * 4.0).exp()),
-        [1.0, 0.5, 0.125],
-    );
+    let Surface::Dielectric { absorption, .. } = solid.surface else { panic!("{solid:?}") };
+    close(absorption.map(|sigma| (-sigma * 4.0).exp()), [1.0, 0.5, 0.125]);
     assert!(report.lines.is_empty() && absorption[0].is_sign_positive());
     let (solid, report) = glass(
         r#", "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0, 1, 1]}"#,
     );
-    let Surface::Dielectric { absorption, .. } = solid.surface else {
-        panic!("{solid:?}")
-    };
+    let Surface::Dielectric { absorption, .. } = solid.surface else { panic!("{solid:?}") };
     close(absorption, [1e6_f64.ln() / 2.0, 0.0, 0.0]);
     assert!(says(&report, "it", "millionth"));
     let (solid, report) = glass(
         r#", "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 0, "attenuationColor": [0, 1, 1]}"#,
     );
-    assert!(matches!(
-        solid.surface,
-        Surface::Dielectric {
-            absorption: [0.0, 0.0, 0.0],
-            ..
-        }
-    ));
+    assert!(matches!(solid.surface, Surface::Dielectric { absorption: [0.0, 0.0, 0.0], .. }));
     assert!(says(&report, "it", "attenuation distance of 0"));
 }
 
@@ -179,22 +120,12 @@ fn glass_that_is_not_quite_clear_is_reported() {
 #[test]
 fn the_index_0_reflects_everything() {
     let (mirror, report) = glass(r#", "KHR_materials_ior": {"ior": 0}"#);
-    assert_eq!(
-        mirror.surface,
-        Surface::Mirror {
-            reflectance: [1.0; 3]
-        }
-    );
+    assert_eq!(mirror.surface, Surface::Mirror { reflectance: [1.0; 3] });
     assert!(says(&report, "it", "index 0"));
     let json = format!(
         r#"{CLEAR}, "extensions": {{"KHR_materials_ior": {{"ior": 0}}, "KHR_materials_specular": {{"specularFactor": 0.5, "specularColorFactor": [1, 1, 0.5]}}}}"#
     );
-    assert_eq!(
-        read(&json).0.surface,
-        Surface::Mirror {
-            reflectance: [0.5, 0.5, 0.25]
-        }
-    );
+    assert_eq!(read(&json).0.surface, Surface::Mirror { reflectance: [0.5, 0.5, 0.25] });
 }
 
 #[test]
@@ -202,10 +133,7 @@ fn nits_are_radiance() {
     let (lamp, _) = read(
         r#""emissiveFactor": [1, 0.5, 0], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}"#,
     );
-    assert_eq!(
-        (lamp.emission, lamp.emits_both_sides),
-        ([8.0, 4.0, 0.0], false)
-    );
+    assert_eq!((lamp.emission, lamp.emits_both_sides), ([8.0, 4.0, 0.0], false));
     let (lamp, _) = read(r#""emissiveFactor": [1, 1, 1], "doubleSided": true"#);
     assert_eq!((lamp.emission, lamp.emits_both_sides), ([1.0; 3], true));
 }
@@ -218,36 +146,16 @@ fn alpha_below_one_half_lets_light_through() {
         ))
     };
     let (sheet, report) = blend(0.25, "BLEND");
-    assert_eq!(
-        sheet.surface,
-        Surface::Thin {
-            ior: 1.5,
-            tint: [0.875; 3]
-        }
-    );
+    assert_eq!(sheet.surface, Surface::Thin { ior: 1.5, tint: [0.875; 3] });
     assert!(says(&report, "it", "25 % opaque"));
     let (sheet, report) = blend(0.0, "BLEND");
-    assert_eq!(
-        sheet.surface,
-        Surface::Thin {
-            ior: 1.0,
-            tint: [1.0; 3]
-        }
-    );
+    assert_eq!(sheet.surface, Surface::Thin { ior: 1.0, tint: [1.0; 3] });
     assert!(report.is_exact() && says(&report, "it", "invisible"));
     let (opaque, report) = blend(0.75, "BLEND");
-    assert!(
-        matches!(opaque.surface, Surface::Lambert { .. }) && says(&report, "it", "75 % opaque")
-    );
+    assert!(matches!(opaque.surface, Surface::Lambert { .. }) && says(&report, "it", "75 % opaque"));
     // A mask is all or nothing, and an opaque material has no use for alpha.
-    assert!(matches!(
-        blend(0.25, "MASK").0.surface,
-        Surface::Thin { ior: 1.0, .. }
-    ));
-    assert!(matches!(
-        blend(0.75, "MASK").0.surface,
-        Surface::Lambert { .. }
-    ));
+    assert!(matches!(blend(0.25, "MASK").0.surface, Surface::Thin { ior: 1.0, .. }));
+    assert!(matches!(blend(0.75, "MASK").0.surface, Surface::Lambert { .. }));
     assert!(blend(0.25, "OPAQUE").1.is_exact());
 }
 
@@ -257,12 +165,7 @@ fn textures_become_their_mean() {
     let json = r#""pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0.5, 0.5, 0.5, 1], "baseColorTexture": {"index": 0}}"#;
     let file = textured(json, &[[255, 0, 0, 255], [0, 0, 255, 255]]);
     let (builder, report) = file.load();
-    assert_eq!(
-        builder.materials[0].surface,
-        Surface::Lambert {
-            albedo: [0.25, 0.0, 0.25]
-        }
-    );
+    assert_eq!(builder.materials[0].surface, Surface::Lambert { albedo: [0.25, 0.0, 0.25] });
     assert!(
         says(
             &report,
@@ -273,12 +176,7 @@ fn textures_become_their_mean() {
     );
     // One colour all over loses nothing.
     let (builder, report) = textured(json, &[[255, 0, 255, 255]; 3]).load();
-    assert_eq!(
-        builder.materials[0].surface,
-        Surface::Lambert {
-            albedo: [0.5, 0.0, 0.5]
-        }
-    );
+    assert_eq!(builder.materials[0].surface, Surface::Lambert { albedo: [0.5, 0.0, 0.5] });
     assert!(report.is_exact(), "{report}");
 }
 
@@ -287,29 +185,21 @@ fn other_textures_are_read_in_their_channels() {
     // Roughness is green, metal is blue: a mirror.
     let json = r#""pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}}"#;
     let (builder, _) = textured(json, &[[99, 0, 255, 255]]).load();
-    assert!(matches!(
-        builder.materials[0].surface,
-        Surface::Mirror { .. }
-    ));
+    assert!(matches!(builder.materials[0].surface, Surface::Mirror { .. }));
     let json = r#""emissiveFactor": [2, 2, 2], "emissiveTexture": {"index": 0}"#;
     let (builder, _) = textured(json, &[[255, 0, 0, 255], [0, 0, 0, 255]]).load();
     assert_eq!(builder.materials[0].emission, [1.0, 0.0, 0.0]);
     let json = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": {"index": 0}}}"#;
     let (builder, _) = textured(json, &[[0, 255, 255, 255]]).load();
-    assert!(matches!(
-        builder.materials[0].surface,
-        Surface::Lambert { .. }
-    ));
+    assert!(matches!(builder.materials[0].surface, Surface::Lambert { .. }));
     // Alpha of the base colour's texture.
-    let json = r#""alphaMode": "BLEND", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}"#;
+    let json =
+        r#""alphaMode": "BLEND", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}"#;
     let (builder, _) = textured(json, &[[255, 255, 255, 0], [255, 255, 255, 204]]).load();
     assert!(matches!(builder.materials[0].surface, Surface::Thin { .. }));
     let json = &json.replace("BLEND", "MASK");
     let (builder, report) = textured(json, &[[255, 255, 255, 0], [255, 255, 255, 204]]).load();
-    assert!(matches!(
-        builder.materials[0].surface,
-        Surface::Lambert { .. }
-    ));
+    assert!(matches!(builder.materials[0].surface, Surface::Lambert { .. }));
     assert!(says(&report, "it", "alpha mask"));
 }
 
@@ -317,50 +207,21 @@ fn other_textures_are_read_in_their_channels() {
 fn pictures_that_cannot_be_read_leave_the_factor() {
     let json = r#""pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0.5, 0.5, 0.5, 1], "baseColorTexture": {"index": 0}}"#;
     let file = textured(json, &[[1, 2, 3, 4]]);
-    let jpeg = format!(
-        r#"[{{"uri": "{}"}}]"#,
-        data_uri("image/jpeg", b"\xff\xd8\xff\xe0")
-    );
+    let jpeg = format!(r#"[{{"uri": "{}"}}]"#, data_uri("image/jpeg", b"\xff\xd8\xff\xe0"));
     for (file, text) in [
         (file.clone().with("images", jpeg), "JPEG"),
-        (
-            file.clone()
-                .with("images", r#"[{"uri": "no-such-file.png"}]"#),
-            "not there",
-        ),
+        (file.clone().with("images", r#"[{"uri": "no-such-file.png"}]"#), "not there"),
         (file.clone().with("images", r#"[{}]"#), "no data"),
-        (
-            file.clone().with("images", r#"[{"bufferView": 77}]"#),
-            "buffer view 77",
-        ),
-        (
-            file.clone().with(
-                "textures",
-                r#"[{"extensions": {"EXT_texture_webp": {"source": 0}}}]"#,
-            ),
-            "cannot be read",
-        ),
-        (
-            file.clone()
-                .with("images", r#"[{"bufferView": 0, "mimeType": "image/png"}]"#),
-            "not a PNG",
-        ),
+        (file.clone().with("images", r#"[{"bufferView": 77}]"#), "buffer view 77"),
+        (file.clone().with("textures", r#"[{"extensions": {"EXT_texture_webp": {"source": 0}}}]"#), "cannot be read"),
+        (file.clone().with("images", r#"[{"bufferView": 0, "mimeType": "image/png"}]"#), "not a PNG"),
     ] {
         let (builder, report) = file.load();
-        assert_eq!(
-            builder.materials[0].surface,
-            Surface::Lambert { albedo: [0.5; 3] }
-        );
-        assert!(
-            !report.is_exact() && says(&report, "it", text),
-            "{text}: {report}"
-        );
+        assert_eq!(builder.materials[0].surface, Surface::Lambert { albedo: [0.5; 3] });
+        assert!(!report.is_exact() && says(&report, "it", text), "{text}: {report}");
     }
     let error = file.clone().with("textures", "[]").error();
-    assert!(
-        error.contains("material 0 'it'") && error.contains("texture 0"),
-        "{error}"
-    );
+    assert!(error.contains("material 0 'it'") && error.contains("texture 0"), "{error}");
     let error = file.with("images", "[]").error();
     assert!(error.contains("image 0"), "{error}");
 }
@@ -370,43 +231,23 @@ fn what_has_no_counterpart_is_named() {
     let (_, report) = read(
         r#""extensions": {"KHR_materials_clearcoat": {}, "KHR_materials_dispersion": {"dispersion": 1}}, "normalTexture": {"index": 0}, "occlusionTexture": {"index": 0}"#,
     );
-    for text in [
-        "KHR_materials_clearcoat",
-        "KHR_materials_dispersion",
-        "normal map",
-        "occlusion",
-    ] {
+    for text in ["KHR_materials_clearcoat", "KHR_materials_dispersion", "normal map", "occlusion"] {
         assert!(says(&report, "material 'it'", text), "{text}: {report}");
     }
     let (unlit, report) = read(r#""extensions": {"KHR_materials_unlit": {}}"#);
     assert!(matches!(unlit.surface, Surface::Lambert { .. }) && says(&report, "it", "unlit"));
-    let (old, report) = read(
-        r#""extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.5, 0.25, 0, 1]}}"#,
-    );
-    assert_eq!(
-        old.surface,
-        Surface::Lambert {
-            albedo: [0.5, 0.25, 0.0]
-        }
-    );
+    let (old, report) =
+        read(r#""extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.5, 0.25, 0, 1]}}"#);
+    assert_eq!(old.surface, Surface::Lambert { albedo: [0.5, 0.25, 0.0] });
     assert!(says(&report, "it", "specular-glossiness"));
 }
 
 #[test]
 fn bad_materials_are_named() {
     for (json, words) in [
-        (
-            r#""pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [2, 0, 0, 1]}"#,
-            ["material 'it'", "2.0"],
-        ),
-        (
-            r#""emissiveFactor": [-1, 0, 0]"#,
-            ["material 'it'", "emission"],
-        ),
-        (
-            r#""emissiveFactor": [1e39, 0, 0]"#,
-            ["material 'it'", "inf"],
-        ),
+        (r#""pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [2, 0, 0, 1]}"#, ["material 'it'", "2.0"]),
+        (r#""emissiveFactor": [-1, 0, 0]"#, ["material 'it'", "emission"]),
+        (r#""emissiveFactor": [1e39, 0, 0]"#, ["material 'it'", "inf"]),
         (r#""alphaMode": "FOG""#, ["material 0 'it'", "alphaMode"]),
         (
             r#""extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": -1}}, "pbrMetallicRoughness": {"metallicFactor": 0}"#,

@@ -10,7 +10,7 @@ use crate::tonemap::ToneMap;
 
 /// Passes where neither `--passes` nor `--time` says otherwise: a finished picture of the default
 /// scene, well within a minute on two cores.
-pub const PASSES: u32 = 48;
+pub const PASSES: u32 = 32;
 
 /// Renders a scene by photon mapping.
 #[derive(Debug, Parser)]
@@ -40,7 +40,7 @@ pub struct Args {
     /// Paths emitted per pass; `k` and `M` are understood.
     #[arg(long, value_name = "N", default_value = "200k", value_parser = count)]
     pub photons: u32,
-    /// Passes [default: 48, or as many as --time allows].
+    /// Passes [default: 32, or as many as --time allows].
     #[arg(long, value_name = "N")]
     pub passes: Option<u32>,
     /// Seconds after which no new pass is begun.

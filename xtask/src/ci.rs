@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use crate::{duplicates, licences, msrv, shell, tidy};
+use crate::{duplicates, licences, msrv, shaders, shell, tidy};
 
 /// Something that passes or fails.
 #[derive(Clone, Copy, Debug)]
@@ -15,18 +15,26 @@ pub(crate) struct Step {
 
 /// In this order: what fails fastest comes first; the tests come last, so that the closing line of
 /// their runner ends the output.
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     Step { name: "fmt", what: "formatting", run: fmt },
     Step { name: "tidy", what: "rules for the files themselves", run: tidy::step },
     Step { name: "duplicates", what: "glam and ash in one version each", run: duplicates::step },
     Step { name: "licences", what: "licences of the dependencies", run: licences::step },
     Step { name: "msrv", what: "the oldest compiler promised", run: msrv::step },
+    Step {
+        name: "shaders-fresh",
+        what: "committed SPIR-V is what the GLSL compiles to, and valid",
+        run: shaders::fresh,
+    },
     Step { name: "clippy", what: "lints, warnings are errors", run: clippy },
     Step { name: "features", what: "the libraries without their optional parts", run: features },
     Step { name: "doc", what: "documentation, warnings are errors", run: doc },
     Step { name: "doctest", what: "examples in the documentation", run: doctest },
     Step { name: "test", what: "all other tests", run: test },
 ];
+
+/// Writes instead of checking, so that it is not part of `ci`.
+const SHADERS: Step = Step { name: "shaders", what: "compile the GLSL, write the SPIR-V", run: shaders::write };
 
 /// The steps by their names, in the order given; `ci` stands for all.
 ///
@@ -41,6 +49,8 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
     for name in names {
         if name == "ci" {
             chosen.extend(STEPS);
+        } else if name == SHADERS.name {
+            chosen.push(SHADERS);
         } else {
             let known = STEPS.iter().find(|step| step.name == name);
             chosen.push(*known.ok_or_else(|| format!("no step is named {name:?}"))?);
@@ -51,9 +61,9 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
 
 /// How the program is called.
 pub(crate) fn usage() -> String {
-    let mut text = "usage: cargo xtask STEP...\n\n  ci          all of the following, in this order\n".to_owned();
-    for step in STEPS {
-        let _ = writeln!(text, "  {:<11} {}", step.name, step.what);
+    let mut text = "usage: cargo xtask STEP...\n\n  ci            all of the following, in this order\n".to_owned();
+    for step in STEPS.iter().chain([&SHADERS]) {
+        let _ = writeln!(text, "  {:<13} {}", step.name, step.what);
     }
     text
 }
@@ -68,7 +78,7 @@ pub(crate) fn run(steps: &[Step]) -> bool {
         let result = (step.run)();
         let seconds = start.elapsed().as_secs_f64();
         let verdict = if result.is_ok() { "ok" } else { "FAILED" };
-        let _ = writeln!(table, "  {:<11} {seconds:>7.1} s  {verdict}", step.name);
+        let _ = writeln!(table, "  {:<13} {seconds:>7.1} s  {verdict}", step.name);
         if let Err(message) = result {
             passed = false;
             eprintln!("error: {}: {message}", step.name);
@@ -94,7 +104,7 @@ fn clippy() -> Result<(), String> {
 
 fn features() -> Result<(), String> {
     // One call each: cargo unites the features of packages that it builds together.
-    for package in ["photon-core", "photon-scene", "backend-cpu"] {
+    for package in ["photon-core", "photon-scene", "backend-cpu", "backend-vulkan"] {
         let command = ["cargo", "clippy", "--locked", "--no-default-features", "-p", package, "--", "-D", "warnings"];
         shell::run(&command, &[])?;
     }
@@ -109,11 +119,24 @@ fn doc() -> Result<(), String> {
 // than everything else.
 
 fn doctest() -> Result<(), String> {
-    shell::run(&["cargo", "test", "--doc", "--workspace", "--exclude", "photon-benches", "--locked"], &[])
+    shell::run(
+        &[
+            "cargo",
+            "test",
+            "--doc",
+            "--workspace",
+            "--exclude",
+            "photon-benches",
+            "--exclude",
+            "xtask-shaders",
+            "--locked",
+        ],
+        &[],
+    )
 }
 
 fn test() -> Result<(), String> {
-    let selection = ["--workspace", "--exclude", "photon-benches", "--locked"];
+    let selection = ["--workspace", "--exclude", "photon-benches", "--exclude", "xtask-shaders", "--locked"];
     if shell::present(&["cargo", "nextest", "--version"]) {
         return shell::run(&[&["cargo", "nextest", "run"], selection.as_slice()].concat(), &[]);
     }

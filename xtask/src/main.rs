@@ -6,6 +6,7 @@ mod duplicates;
 mod graph;
 mod licences;
 mod msrv;
+mod shaders;
 mod shell;
 mod tidy;
 

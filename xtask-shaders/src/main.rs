@@ -1,0 +1,54 @@
+//! Compiles `shaders-glsl/**/*.comp` to `crates/backend-vulkan/spirv/*.spv`.
+//!
+//! `cargo xtask shaders` calls it and writes; with `--check` it only compares. A shader that does not
+//! compile is named, the others are compiled all the same.
+#![forbid(unsafe_code)]
+
+mod compile;
+mod sources;
+mod write;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let check = std::env::args().skip(1).any(|argument| argument == "--check");
+    // Read at run time: a target folder that was moved must not point back at the old checkout.
+    let root = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| ".".into(), |dir| Path::new(&dir).join(".."));
+    match run(&root, check) {
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(failed) => {
+            eprintln!("error: {failed} of the shaders failed");
+            ExitCode::FAILURE
+        }
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Returns how many shaders failed.
+fn run(root: &Path, check: bool) -> Result<usize, String> {
+    let kernels = sources::kernels(&root.join("shaders-glsl"))?;
+    let mut modules = Vec::new();
+    let mut failed = 0;
+    for kernel in &kernels {
+        match compile::compile(kernel, &root.join("shaders-glsl/include")) {
+            Ok(words) => modules.push((kernel, words)),
+            Err(message) => {
+                eprintln!("{}:\n{message}", kernel.path.display());
+                failed += 1;
+            }
+        }
+    }
+    let output = root.join("crates/backend-vulkan");
+    // One that fails now keeps its older module, so that its user can go on with the rest.
+    let known = |kernel: &&sources::Kernel| {
+        modules.iter().any(|(done, _)| done.name == kernel.name)
+            || output.join(format!("spirv/{}.spv", kernel.name)).exists()
+    };
+    let names: Vec<&str> = kernels.iter().filter(known).map(|kernel| kernel.name.as_str()).collect();
+    let files = write::files(&modules, &names);
+    if check { Ok(failed + write::compare(&output, &files)) } else { write::write(&output, &files).map(|()| failed) }
+}

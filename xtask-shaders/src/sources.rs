@@ -1,0 +1,56 @@
+//! Which kernels there are.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A kernel's source.
+#[derive(Debug)]
+pub(crate) struct Kernel {
+    /// The file.
+    pub(crate) path: PathBuf,
+    /// Folder and stem, joined by `_`: the name of the module.
+    pub(crate) name: String,
+    /// Its text.
+    pub(crate) text: String,
+}
+
+/// All kernels below `folder`, by name.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(crate) fn kernels(folder: &Path) -> Result<Vec<Kernel>, String> {
+    let mut found = Vec::new();
+    for entry in entries(folder)? {
+        if !entry.is_dir() || entry.ends_with("include") {
+            continue;
+        }
+        let group = stem(&entry);
+        for path in entries(&entry)? {
+            if path.extension().is_some_and(|extension| extension == "comp") {
+                let text = read(&path)?;
+                found.push(Kernel { name: format!("{group}_{}", stem(&path)), path, text });
+            }
+        }
+    }
+    found.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(found)
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// It cannot be read.
+pub(crate) fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let listing = fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    listing
+        .map(|entry| entry.map(|entry| entry.path()).map_err(|error| format!("{}: {error}", folder.display())))
+        .collect()
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}

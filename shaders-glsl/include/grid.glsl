@@ -2,8 +2,8 @@
 #ifndef GRID_GLSL
 #define GRID_GLSL
 
-uint workgroup() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
-
-uint thread() { return workgroup() * gl_WorkGroupSize.x + gl_LocalInvocationID.x; }
+// Macros, since the size of the workgroup may be declared after this is included.
+#define workgroup() (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x)
+#define thread() (workgroup() * gl_WorkGroupSize.x + gl_LocalInvocationID.x)
 
 #endif

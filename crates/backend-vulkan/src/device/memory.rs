@@ -1,0 +1,130 @@
+//! Buffers, reached by address, freed when nothing uses them any more.
+
+use std::sync::{Arc, PoisonError};
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use photon_core::{Error, Result};
+
+use super::fault::during;
+use super::instance::Device;
+
+/// A buffer.
+#[derive(Debug)]
+pub(crate) struct Memory {
+    device: Arc<Device>,
+    buffer: vk::Buffer,
+    /// `None` if it is a host's.
+    allocation: Option<Allocation>,
+    offset: u64,
+    bytes: u64,
+    address: u64,
+}
+
+const USES: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
+    vk::BufferUsageFlags::STORAGE_BUFFER.as_raw()
+        | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS.as_raw()
+        | vk::BufferUsageFlags::INDIRECT_BUFFER.as_raw()
+        | vk::BufferUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::BufferUsageFlags::TRANSFER_DST.as_raw(),
+);
+
+impl Memory {
+    /// A new one of at least 4 bytes.
+    pub(crate) fn new(device: &Arc<Device>, label: &str, bytes: u64, location: MemoryLocation) -> Result<Self> {
+        // A length that no device has would wrap in the driver.
+        let out = || Error::OutOfMemory { label: leak_free(label), bytes };
+        if bytes > device.limits.max_allocation {
+            return Err(out());
+        }
+        let size = bytes.max(4).next_multiple_of(16);
+        let info = vk::BufferCreateInfo::default().size(size).usage(USES).sharing_mode(vk::SharingMode::EXCLUSIVE);
+        // SAFETY: the device is alive.
+        let buffer = unsafe { device.raw.create_buffer(&info, None) }.map_err(|_| out())?;
+        // SAFETY: the buffer was just made.
+        let requirements = unsafe { device.raw.get_buffer_memory_requirements(buffer) };
+        let allocation =
+            device.allocator.lock().unwrap_or_else(PoisonError::into_inner).as_mut().ok_or(Error::DeviceLost).and_then(
+                |allocator| {
+                    let desc = AllocationCreateDesc {
+                        name: label,
+                        requirements,
+                        location,
+                        linear: true,
+                        allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+                    };
+                    allocator.allocate(&desc).map_err(|_| out())
+                },
+            );
+        let allocation = match allocation {
+            Ok(allocation) => allocation,
+            Err(error) => {
+                // SAFETY: nothing has used it.
+                unsafe { device.raw.destroy_buffer(buffer, None) };
+                return Err(error);
+            }
+        };
+        // SAFETY: the memory is large enough and of a type that the requirements allow.
+        unsafe { device.raw.bind_buffer_memory(buffer, allocation.memory(), allocation.offset()) }
+            .map_err(during("binding memory"))?;
+        device.name(buffer, label);
+        let address = address(device, buffer);
+        Ok(Self { device: device.clone(), buffer, allocation: Some(allocation), offset: 0, bytes: size, address })
+    }
+
+    /// A stretch of a host's buffer.
+    ///
+    /// # Safety
+    /// The buffer belongs to the same device, has the usages `SHADER_DEVICE_ADDRESS`, `TRANSFER_SRC`
+    /// and `TRANSFER_DST`, holds `offset + bytes` bytes, and outlives this.
+    pub(crate) unsafe fn foreign(device: &Arc<Device>, buffer: vk::Buffer, offset: u64, bytes: u64) -> Self {
+        let address = address(device, buffer) + offset;
+        Self { device: device.clone(), buffer, allocation: None, offset, bytes, address }
+    }
+
+    /// Where kernels find it.
+    pub(crate) fn address(&self) -> u64 {
+        self.address
+    }
+
+    /// How large it is.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    pub(crate) fn buffer(&self) -> vk::Buffer {
+        self.buffer
+    }
+
+    /// Where it begins in its buffer.
+    pub(crate) fn offset(&self) -> u64 {
+        self.offset
+    }
+
+    /// What the host sees of it, if it does.
+    pub(crate) fn mapped(&mut self) -> Option<&mut [u8]> {
+        self.allocation.as_mut().and_then(Allocation::mapped_slice_mut)
+    }
+}
+
+fn address(device: &Device, buffer: vk::Buffer) -> u64 {
+    let info = vk::BufferDeviceAddressInfo::default().buffer(buffer);
+    // SAFETY: the buffer is bound and was made for this use.
+    unsafe { device.raw.get_buffer_device_address(&info) }
+}
+
+/// The labels of errors are static; those of buffers are few.
+fn leak_free(label: &str) -> &'static str {
+    const KNOWN: [&str; 6] =
+        ["photons: direct", "photons: caustic", "photons: global", "queries", "estimates", "photon rays"];
+    KNOWN.into_iter().find(|known| *known == label).unwrap_or("a buffer of the Vulkan backend")
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        if let Some(allocation) = self.allocation.take() {
+            self.device.graveyard.lock().unwrap_or_else(PoisonError::into_inner).push((self.buffer, allocation));
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! Vulkan itself: instance and device, memory, pipelines, and the one recorder of commands.
+
+mod choose;
+mod fault;
+mod instance;
+mod memory;
+mod module;
+mod pipelines;
+mod profile;
+mod queue;
+mod recorder;
+#[cfg(test)]
+mod tests;
+
+pub use choose::{Candidate, devices};
+pub(crate) use fault::Fault;
+pub(crate) use instance::Device;
+pub use instance::{Limits, Options, RawDevice};
+pub(crate) use memory::Memory;
+pub(crate) use module::Module;
+pub(crate) use pipelines::{Kernel, Pipelines};
+pub(crate) use profile::Profile;
+pub(crate) use recorder::{Groups, Recorder};

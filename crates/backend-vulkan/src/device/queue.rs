@@ -1,0 +1,106 @@
+//! Command buffers in flight, in order, on one queue.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use ash::vk;
+use photon_core::Result;
+
+use super::fault::during;
+use super::instance::Device;
+
+/// Submissions that may be under way at a time.
+const FLYING: usize = 4;
+
+/// Command buffers and the semaphore that counts those that are done.
+#[derive(Debug)]
+pub(crate) struct Queue {
+    device: Arc<Device>,
+    pool: vk::CommandPool,
+    done: vk::Semaphore,
+    /// Value that the last submission will set.
+    submitted: u64,
+    idle: Vec<vk::CommandBuffer>,
+    flying: VecDeque<(u64, vk::CommandBuffer)>,
+}
+
+impl Queue {
+    pub(crate) fn new(device: &Arc<Device>) -> Result<Self> {
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(device.family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER | vk::CommandPoolCreateFlags::TRANSIENT);
+        // SAFETY: the device is alive, here and below.
+        let pool = unsafe { device.raw.create_command_pool(&info, None) }.map_err(during("a command pool"))?;
+        let mut kind = vk::SemaphoreTypeCreateInfo::default().semaphore_type(vk::SemaphoreType::TIMELINE);
+        let info = vk::SemaphoreCreateInfo::default().push_next(&mut kind);
+        // SAFETY: as above.
+        let done = unsafe { device.raw.create_semaphore(&info, None) }.map_err(during("a semaphore"))?;
+        Ok(Self { device: device.clone(), pool, done, submitted: 0, idle: Vec::new(), flying: VecDeque::new() })
+    }
+
+    /// A command buffer, open.
+    pub(crate) fn open(&mut self) -> Result<vk::CommandBuffer> {
+        while self.flying.len() >= FLYING {
+            let value = self.flying[0].0;
+            self.wait_for(value)?;
+        }
+        let commands = match self.idle.pop() {
+            Some(commands) => commands,
+            None => {
+                let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
+                // SAFETY: the pool is alive.
+                unsafe { self.device.raw.allocate_command_buffers(&info) }.map_err(during("a command buffer"))?[0]
+            }
+        };
+        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: it is not in flight; beginning resets it.
+        unsafe { self.device.raw.begin_command_buffer(commands, &info) }.map_err(during("recording"))?;
+        Ok(commands)
+    }
+
+    /// Sends it off.
+    pub(crate) fn submit(&mut self, commands: vk::CommandBuffer) -> Result<()> {
+        // SAFETY: it is open.
+        unsafe { self.device.raw.end_command_buffer(commands) }.map_err(during("recording"))?;
+        let value = self.submitted + 1;
+        let (buffers, semaphores, values) = ([commands], [self.done], [value]);
+        let mut timeline = vk::TimelineSemaphoreSubmitInfo::default().signal_semaphore_values(&values);
+        let info = [vk::SubmitInfo::default()
+            .command_buffers(&buffers)
+            .signal_semaphores(&semaphores)
+            .push_next(&mut timeline)];
+        // SAFETY: one thread submits: whoever holds the backend.
+        unsafe { self.device.raw.queue_submit(self.device.queue, &info, vk::Fence::null()) }
+            .map_err(during("submitting"))?;
+        self.submitted = value;
+        self.flying.push_back((value, commands));
+        Ok(())
+    }
+
+    /// Waits until all that was submitted is done.
+    pub(crate) fn wait(&mut self) -> Result<()> {
+        self.wait_for(self.submitted)
+    }
+
+    fn wait_for(&mut self, value: u64) -> Result<()> {
+        let (semaphores, values) = ([self.done], [value]);
+        let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&values);
+        // SAFETY: the semaphore is alive.
+        unsafe { self.device.raw.wait_semaphores(&info, u64::MAX) }.map_err(during("waiting for the device"))?;
+        while self.flying.front().is_some_and(|(flying, _)| *flying <= value) {
+            self.idle.extend(self.flying.pop_front().map(|(_, commands)| commands));
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Queue {
+    fn drop(&mut self) {
+        // SAFETY: after the wait nothing is in flight; a lost device has nothing in flight either.
+        unsafe {
+            let _ = self.device.raw.device_wait_idle();
+            self.device.raw.destroy_semaphore(self.done, None);
+            self.device.raw.destroy_command_pool(self.pool, None);
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The one place where commands are recorded, and where barriers are placed.
+//!
+//! Every command waits for those before it, by one barrier over all memory: kernels follow each
+//! other within microseconds, and nobody has to remember who wrote what. Commands that do not touch
+//! each other's memory are grouped by [`Recorder::ordered`].
+
+use std::sync::Arc;
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use photon_core::Result;
+
+use super::instance::Device;
+use super::memory::Memory;
+use super::pipelines::Kernel;
+use super::queue::Queue;
+
+/// Commands after which they are sent off, so that the device starts while the host goes on.
+const PILE: u32 = 256;
+/// Bytes of the host's memory that downloads go through at a time.
+const READ_BACK: u64 = 32 << 20;
+/// Up to here, data travel in the command buffer itself.
+const INLINE: usize = 32 << 10;
+
+/// Records commands, submits them, and waits for them.
+#[derive(Debug)]
+pub(crate) struct Recorder {
+    device: Arc<Device>,
+    queue: Queue,
+    open: Option<vk::CommandBuffer>,
+    recorded: u32,
+    ordered: bool,
+    read_back: Option<Memory>,
+}
+
+impl Recorder {
+    pub(crate) fn new(device: &Arc<Device>) -> Result<Self> {
+        let queue = Queue::new(device)?;
+        Ok(Self { device: device.clone(), queue, open: None, recorded: 0, ordered: true, read_back: None })
+    }
+
+    /// The open command buffer, with a barrier against all that came before.
+    pub(crate) fn commands(&mut self) -> Result<vk::CommandBuffer> {
+        if self.recorded >= PILE && self.ordered {
+            self.submit()?;
+        }
+        let commands = match self.open {
+            Some(commands) => commands,
+            None => {
+                let commands = self.queue.open()?;
+                self.open = Some(commands);
+                self.barrier(commands);
+                self.recorded += 1;
+                return Ok(commands);
+            }
+        };
+        if self.ordered {
+            self.barrier(commands);
+        }
+        self.recorded += 1;
+        Ok(commands)
+    }
+
+    fn barrier(&self, commands: vk::CommandBuffer) {
+        let stages = vk::PipelineStageFlags::COMPUTE_SHADER | vk::PipelineStageFlags::TRANSFER;
+        let after = stages | vk::PipelineStageFlags::DRAW_INDIRECT | vk::PipelineStageFlags::HOST;
+        let writes = vk::AccessFlags::SHADER_WRITE | vk::AccessFlags::TRANSFER_WRITE;
+        let reads = vk::AccessFlags::SHADER_READ
+            | vk::AccessFlags::TRANSFER_READ
+            | vk::AccessFlags::INDIRECT_COMMAND_READ
+            | vk::AccessFlags::HOST_READ;
+        let all = [vk::MemoryBarrier::default().src_access_mask(writes).dst_access_mask(reads | writes)];
+        // SAFETY: the command buffer is open.
+        unsafe {
+            self.device.raw.cmd_pipeline_barrier(commands, stages, after, vk::DependencyFlags::empty(), &all, &[], &[]);
+        }
+    }
+
+    /// Whether commands wait for each other from here on; the next one does in any case.
+    pub(crate) fn set_ordered(&mut self, ordered: bool) -> Result<()> {
+        if self.ordered && !ordered {
+            // The first of the group waits for what came before it.
+            let commands = self.commands()?;
+            debug_assert_eq!(self.open, Some(commands));
+        }
+        self.ordered = ordered;
+        Ok(())
+    }
+
+    pub(crate) fn dispatch(
+        &mut self,
+        layout: vk::PipelineLayout,
+        kernel: &Kernel,
+        push: &[u8],
+        groups: Groups<'_>,
+    ) -> Result<()> {
+        let commands = self.commands()?;
+        let device = &self.device.raw;
+        // SAFETY: the pipeline and the layout are alive; push constants fit the range of 128 bytes,
+        // which `Vulkan::dispatch` checks.
+        unsafe {
+            device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, kernel.pipeline);
+            device.cmd_push_constants(commands, layout, vk::ShaderStageFlags::COMPUTE, 0, push);
+            match groups {
+                Groups::Flat(count) => {
+                    let rows = count.div_ceil(32_768);
+                    device.cmd_dispatch(commands, count.div_ceil(rows.max(1)) as u32, rows as u32, 1);
+                }
+                Groups::Indirect(memory, offset) => {
+                    device.cmd_dispatch_indirect(commands, memory.buffer(), memory.offset() + offset);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn fill(&mut self, to: &Memory, offset: u64, bytes: u64, word: u32) -> Result<()> {
+        if bytes == 0 {
+            return Ok(());
+        }
+        let commands = self.commands()?;
+        // SAFETY: the stretch lies within the buffer, which `Vulkan::fill` checks.
+        unsafe { self.device.raw.cmd_fill_buffer(commands, to.buffer(), to.offset() + offset, bytes, word) };
+        Ok(())
+    }
+
+    pub(crate) fn copy(&mut self, from: (&Memory, u64), to: (&Memory, u64), bytes: u64) -> Result<()> {
+        if bytes == 0 {
+            return Ok(());
+        }
+        let region =
+            [vk::BufferCopy { src_offset: from.0.offset() + from.1, dst_offset: to.0.offset() + to.1, size: bytes }];
+        let commands = self.commands()?;
+        // SAFETY: both stretches lie within their buffers, which `Vulkan::copy` checks.
+        unsafe { self.device.raw.cmd_copy_buffer(commands, from.0.buffer(), to.0.buffer(), &region) };
+        Ok(())
+    }
+
+    /// In order with the rest, by way of a copy of the data.
+    pub(crate) fn write(&mut self, to: &Memory, offset: u64, data: &[u8]) -> Result<()> {
+        if data.is_empty() {
+            return Ok(());
+        }
+        if data.len() <= INLINE && data.len().is_multiple_of(4) {
+            let commands = self.commands()?;
+            // SAFETY: within the buffer, a multiple of 4, at most 64 KiB.
+            unsafe { self.device.raw.cmd_update_buffer(commands, to.buffer(), to.offset() + offset, data) };
+            return Ok(());
+        }
+        let mut staging = Memory::new(&self.device, "upload", data.len() as u64, MemoryLocation::CpuToGpu)?;
+        match staging.mapped() {
+            Some(mapped) => mapped[..data.len()].copy_from_slice(data),
+            None => return Err(super::Fault::Other("memory for uploads is not visible".to_owned()).into()),
+        }
+        // Dropped here, freed when the device is done with it.
+        self.copy((&staging, 0), (to, offset), data.len() as u64)
+    }
+
+    /// Sends all off, waits, and copies.
+    pub(crate) fn read(&mut self, from: &Memory, offset: u64, to: &mut [u8]) -> Result<()> {
+        for (part, to) in to.chunks_mut(READ_BACK as usize).enumerate() {
+            let bytes = to.len() as u64;
+            let mut through = match self.read_back.take() {
+                Some(memory) if memory.bytes() >= bytes => memory,
+                _ => {
+                    let size = if bytes <= 65_536 { 65_536 } else { READ_BACK };
+                    Memory::new(&self.device, "download", size, MemoryLocation::GpuToCpu)?
+                }
+            };
+            self.copy((from, offset + part as u64 * READ_BACK), (&through, 0), bytes)?;
+            let commands = self.commands()?;
+            debug_assert_eq!(self.open, Some(commands));
+            self.wait()?;
+            match through.mapped() {
+                Some(mapped) => to.copy_from_slice(&mapped[..to.len()]),
+                None => return Err(super::Fault::Other("memory for downloads is not visible".to_owned()).into()),
+            }
+            self.read_back = Some(through);
+        }
+        Ok(())
+    }
+
+    /// Sends off what was recorded.
+    pub(crate) fn submit(&mut self) -> Result<()> {
+        self.recorded = 0;
+        match self.open.take() {
+            Some(commands) => self.queue.submit(commands),
+            None => Ok(()),
+        }
+    }
+
+    /// Sends off what was recorded and waits until all is done.
+    pub(crate) fn wait(&mut self) -> Result<()> {
+        self.submit()?;
+        self.queue.wait()?;
+        self.device.bury();
+        Ok(())
+    }
+
+    /// Throws away what was recorded and not submitted.
+    #[cfg(test)]
+    pub(crate) fn forget(&mut self) {
+        self.open = None;
+    }
+
+    /// A timestamp when everything before it is done.
+    pub(crate) fn stamp(&mut self, pool: vk::QueryPool, index: u32) -> Result<()> {
+        let commands = self.commands()?;
+        // SAFETY: the query was reset by the host and the pool is alive.
+        unsafe {
+            self.device.raw.cmd_write_timestamp(commands, vk::PipelineStageFlags::BOTTOM_OF_PIPE, pool, index);
+        }
+        Ok(())
+    }
+
+    /// Begins (with a name) or ends a group of commands, for debuggers.
+    pub(crate) fn label(&mut self, name: Option<&str>) -> Result<()> {
+        if self.device.debug.is_none() {
+            return Ok(());
+        }
+        let commands = self.commands()?;
+        if let Some(debug) = &self.device.debug {
+            let name = name.map(|name| std::ffi::CString::new(name).unwrap_or_default());
+            let name = name.unwrap_or_else(|| c"-".to_owned());
+            let info = vk::DebugUtilsLabelEXT::default().label_name(&name);
+            // SAFETY: the command buffer is open and the name ends.
+            unsafe { debug.cmd_insert_debug_utils_label(commands, &info) };
+        }
+        Ok(())
+    }
+}
+
+/// How many workgroups.
+pub(crate) enum Groups<'a> {
+    /// So many, laid out in rows of at most 32 768.
+    Flat(u64),
+    /// What three words at an offset say.
+    Indirect(&'a Memory, u64),
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        // What was recorded and not submitted was for nobody; buffers it names are freed with the
+        // device, which waits first.
+        self.open = None;
+        if let Err(error) = self.queue.wait() {
+            log::error!("{error}");
+        }
+    }
+}

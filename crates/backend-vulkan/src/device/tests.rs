@@ -1,0 +1,110 @@
+//! The device layer by itself.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Backend, Error, Photon, Stage};
+
+use crate::{Vulkan, shaders};
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct CopyPush {
+    from: u64,
+    to: u64,
+    count: u32,
+    plus: u32,
+}
+
+/// Long chains of commands, every one of which needs the one before it.
+#[test]
+fn commands_wait_for_each_other() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    const COUNT: u32 = 100_000;
+    let ping = on.memory("ping", u64::from(COUNT) * 4).unwrap();
+    let pong = on.memory("pong", u64::from(COUNT) * 4).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+    on.fill(&ping, 0, u64::from(COUNT) * 4, 7).unwrap();
+    for turn in 0..600 {
+        let (from, to) = if turn % 2 == 0 { (&ping, &pong) } else { (&pong, &ping) };
+        let push = CopyPush { from: from.address(), to: to.address(), count: COUNT, plus: 1 };
+        on.dispatch(&kernel, &push, u64::from(COUNT.div_ceil(64))).unwrap();
+    }
+    let mut words = vec![0_u32; COUNT as usize];
+    on.read(&ping, 0, bytemuck::cast_slice_mut(&mut words)).unwrap();
+    assert!(words.iter().all(|&word| word == 607));
+}
+
+/// More than one transfer's worth, to an odd number of bytes.
+#[test]
+fn what_is_uploaded_comes_back() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let photon = |i: u32| Photon { position: [i as f32, 0.5, -1.0], direction: i, ..Photon::default() };
+    for count in [0_u32, 1, 1000, 1_500_000] {
+        let photons: Vec<Photon> = (0..count).map(photon).collect();
+        let there = on.upload("photons", &photons).unwrap();
+        let mut back = vec![photon(9)];
+        on.download(&there, &mut back).unwrap();
+        assert_eq!(back, photons);
+    }
+    let mut bytes = [0_u8; 7];
+    let memory = on.memory("odd", 7).unwrap();
+    on.write(&memory, 0, b"sevenly").unwrap();
+    on.read(&memory, 0, &mut bytes).unwrap();
+    assert_eq!(&bytes, b"sevenly");
+}
+
+#[test]
+fn a_buffer_larger_than_any_allocation_is_an_error() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    assert!(matches!(
+        on.alloc::<Photon>("photons: global", 1 << 40),
+        Err(Error::OutOfMemory { label: "photons: global", .. })
+    ));
+}
+
+/// Buffers dropped while commands that use them wait.
+#[test]
+fn dropped_memory_lives_until_it_is_done_with() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let kernel = on.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+    let last = on.memory("last", 4096).unwrap();
+    for turn in 0..40 {
+        let first = on.memory("first", 4096).unwrap();
+        on.fill(&first, 0, 4096, turn).unwrap();
+        on.dispatch(&kernel, &CopyPush { from: first.address(), to: last.address(), count: 1024, plus: 0 }, 16)
+            .unwrap();
+    }
+    let mut words = [0_u32; 1024];
+    on.read(&last, 0, bytemuck::cast_slice_mut(&mut words)).unwrap();
+    assert!(words.iter().all(|&word| word == 39));
+}
+
+#[test]
+fn stages_are_timed() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let memory = on.memory("some", 64 << 20).unwrap();
+    for _ in 0..600 {
+        on.mark(Some(Stage::Build));
+        on.fill(&memory, 0, 4096, 1).unwrap();
+        on.mark(Some(Stage::Film));
+    }
+    on.mark(Some(Stage::Estimate));
+    on.fill(&memory, 0, 64 << 20, 1).unwrap();
+    on.mark(None);
+    let timings = on.timings().unwrap();
+    assert!(timings.get(Stage::Estimate) > 0.0 && timings.get(Stage::Build) > 0.0);
+    assert!(timings.get(Stage::Trace) <= 0.0);
+    assert!(on.timings().unwrap().get(Stage::Estimate) <= 0.0);
+}
+
+/// The layer is awake: it objects to what is wrong, and a watched device does not forgive it.
+#[test]
+fn validation_sees_what_is_wrong() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let memory = on.memory("some", 64).unwrap();
+    // Past the end of the buffer, by way of the recorder, which does not check.
+    on.recorder.fill(&memory, 0, 1 << 20, 0).unwrap();
+    on.recorder.forget();
+    assert!(!on.validation_messages().is_empty());
+    let drop_it = std::panic::catch_unwind(std::panic::AssertUnwindSafe(move || drop(on)));
+    assert!(drop_it.is_err());
+}

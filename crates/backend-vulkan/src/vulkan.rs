@@ -1,0 +1,222 @@
+//! The backend: a device, and what is being recorded for it.
+
+use std::sync::Arc;
+
+use bytemuck::Pod;
+use gpu_allocator::MemoryLocation;
+use photon_core::{Error, Result};
+
+use crate::device::{
+    Device, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
+};
+
+/// Renders on a GPU.
+///
+/// Calls record work and return; [`photon_core::Backend::download`], `fill` and `timings` submit it
+/// and wait.
+#[derive(Debug)]
+pub struct Vulkan {
+    // Dropped in this order: what is in flight ends before pipelines go, the device goes last.
+    pub(crate) recorder: Recorder,
+    pub(crate) profile: Profile,
+    pipelines: Pipelines,
+    pub(crate) device: Arc<Device>,
+    pub(crate) memory: Vec<(String, u64)>,
+    pub(crate) fault: Option<Error>,
+    watched: bool,
+}
+
+impl Vulkan {
+    /// On the most capable device, or the one that `PHOTON_VK_DEVICE` names by its number or a part
+    /// of its name.
+    ///
+    /// # Errors
+    /// [`Error::Backend`] if there is no loader or no driver; [`Error::NoDevice`] if no device
+    /// suits, with what each lacks.
+    pub fn new() -> Result<Self> {
+        Self::with_options(&Options { disk_cache: true, ..Options::default() })
+    }
+
+    /// As the options say.
+    ///
+    /// # Errors
+    /// As [`Vulkan::new`], and [`Error::Backend`] if validation is asked for and not installed.
+    pub fn with_options(options: &Options) -> Result<Self> {
+        Self::over(Device::open(options)?, options.disk_cache)
+    }
+
+    /// On a device that a host opened; the host keeps it, and waits for it or for this to be
+    /// dropped before it destroys it.
+    ///
+    /// # Errors
+    /// [`Error::Backend`].
+    ///
+    /// # Safety
+    /// The handles are valid, belong together, outlive this and every buffer made from it, and the
+    /// device was created with the features that [`RawDevice`] names. Nobody else uses the queue
+    /// while a method of this runs.
+    pub unsafe fn from_raw(raw: RawDevice) -> Result<Self> {
+        // SAFETY: as the caller promises.
+        Self::over(unsafe { Device::borrow(raw) }?, false)
+    }
+
+    fn over(device: Arc<Device>, disk_cache: bool) -> Result<Self> {
+        Ok(Self {
+            recorder: Recorder::new(&device)?,
+            profile: Profile::new(&device)?,
+            pipelines: Pipelines::new(&device, disk_cache)?,
+            device,
+            memory: Vec::new(),
+            fault: None,
+            watched: false,
+        })
+    }
+
+    /// For tests: with validation on, so that dropping it panics if the layer has said anything.
+    /// `None`, said on standard error, where there is no Vulkan, unless `PHOTON_REQUIRE_VULKAN` is
+    /// set.
+    #[doc(hidden)]
+    #[must_use]
+    #[expect(clippy::panic, reason = "a test that needs Vulkan fails where Vulkan is required")]
+    pub fn for_tests() -> Option<Self> {
+        let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
+        match Self::with_options(&Options { validation: true, ..Options::default() }) {
+            Ok(mut on) => {
+                on.watched = true;
+                Some(on)
+            }
+            Err(error) if required => panic!("Vulkan is required here: {}", chain(&error)),
+            Err(error) => {
+                eprintln!("skipped: no Vulkan: {}", chain(&error));
+                None
+            }
+        }
+    }
+
+    /// What the device can do.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.device.limits
+    }
+
+    /// What the validation layer has said, if it was asked to look on.
+    #[must_use]
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.device.messages()
+    }
+
+    /// A buffer in the device's memory, its content undefined.
+    pub(crate) fn memory(&mut self, label: &str, bytes: u64) -> Result<Memory> {
+        Memory::new(&self.device, label, bytes, MemoryLocation::GpuOnly)
+    }
+
+    /// The kernel of a module: `constants[i]` is specialization constant i, 0 the features, 1 the
+    /// workgroup size.
+    pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<Kernel> {
+        self.pipelines.kernel(module, constants)
+    }
+
+    /// Runs so many workgroups of a kernel.
+    pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &Kernel, push: &P, workgroups: u64) -> Result<()> {
+        if workgroups == 0 {
+            return Ok(());
+        }
+        if workgroups > 32_768 * 32_768 {
+            return Err(Fault::Other(format!("{}: {workgroups} workgroups are too many", kernel.name)).into());
+        }
+        let push = bytemuck::bytes_of(push);
+        assert!(push.len() <= 128, "{}: {} bytes of push constants", kernel.name, push.len());
+        self.recorder.dispatch(self.pipelines.layout, kernel, push, Groups::Flat(workgroups))
+    }
+
+    /// Runs as many as three words of `args` at `offset` say.
+    pub(crate) fn dispatch_indirect<P: Pod>(
+        &mut self,
+        kernel: &Kernel,
+        push: &P,
+        args: &Memory,
+        offset: u64,
+    ) -> Result<()> {
+        check(args, offset, 12);
+        let push = bytemuck::bytes_of(push);
+        assert!(push.len() <= 128, "{}: {} bytes of push constants", kernel.name, push.len());
+        self.recorder.dispatch(self.pipelines.layout, kernel, push, Groups::Indirect(args, offset))
+    }
+
+    /// Sets every word of a stretch; offset and length are multiples of 4.
+    pub(crate) fn fill(&mut self, to: &Memory, offset: u64, bytes: u64, word: u32) -> Result<()> {
+        check(to, offset, bytes);
+        self.recorder.fill(to, offset, bytes, word)
+    }
+
+    /// Copies a stretch.
+    pub(crate) fn copy(
+        &mut self,
+        from: &Memory,
+        from_offset: u64,
+        to: &Memory,
+        to_offset: u64,
+        bytes: u64,
+    ) -> Result<()> {
+        check(from, from_offset, bytes);
+        check(to, to_offset, bytes);
+        self.recorder.copy((from, from_offset), (to, to_offset), bytes)
+    }
+
+    /// Writes data, in order with everything else that is recorded.
+    pub(crate) fn write(&mut self, to: &Memory, offset: u64, data: &[u8]) -> Result<()> {
+        check(to, offset, data.len() as u64);
+        self.recorder.write(to, offset, data)
+    }
+
+    /// Reads data back: submits everything and waits.
+    pub(crate) fn read(&mut self, from: &Memory, offset: u64, to: &mut [u8]) -> Result<()> {
+        check(from, offset, to.len() as u64);
+        self.recorder.read(from, offset, to)
+    }
+
+    /// What `f` records does not wait for each other: it touches memory that the others do not.
+    pub(crate) fn unordered(&mut self, f: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        self.recorder.set_ordered(false)?;
+        let result = f(self);
+        self.recorder.set_ordered(true)?;
+        result
+    }
+
+    /// Submits everything and waits.
+    pub(crate) fn finish(&mut self) -> Result<()> {
+        self.recorder.wait()
+    }
+
+    /// Notes what is allocated, for reports.
+    pub(crate) fn note_memory(&mut self, label: &str, bytes: u64) {
+        match self.memory.iter_mut().find(|(known, _)| known == label) {
+            Some((_, known)) => *known = bytes,
+            None => self.memory.push((label.to_owned(), bytes)),
+        }
+    }
+}
+
+/// Only our own code passes offsets; one that is wrong would be the device's memory overwritten.
+fn check(memory: &Memory, offset: u64, bytes: u64) {
+    let end = offset.checked_add(bytes);
+    assert!(end.is_some_and(|end| end <= memory.bytes()), "{offset} + {bytes} in a buffer of {}", memory.bytes());
+}
+
+/// An error and what caused it, in one line.
+fn chain(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(Some(error), |error| error.source());
+    causes.map(ToString::to_string).collect::<Vec<_>>().join(": ")
+}
+
+impl Drop for Vulkan {
+    fn drop(&mut self) {
+        if let Err(error) = self.finish() {
+            log::error!("{error}");
+        }
+        if self.watched && !std::thread::panicking() {
+            let messages = self.validation_messages();
+            assert!(messages.is_empty(), "the validation layer said:\n{}", messages.join("\n"));
+        }
+    }
+}

@@ -13,6 +13,10 @@ pub trait TestBackend {
     type On: TransportBackend;
     /// A fresh one; `threads` where that means something.
     fn make(threads: usize) -> Self::On;
+    /// Whether it is there; says so on standard error if not.
+    fn available() -> bool {
+        true
+    }
 }
 
 /// A stream of uniform numbers, as fixed as its seed.

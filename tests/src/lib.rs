@@ -9,6 +9,7 @@
 pub mod determinism;
 pub mod dielectrics;
 pub mod direct;
+pub mod equivalence;
 pub mod estimators;
 pub mod harness;
 pub mod interreflection;
@@ -25,7 +26,9 @@ macro_rules! suite {
             use super::*;
             $(#[test]
             fn $name() {
-                $crate::$module::$name::<$backend>();
+                if <$backend as $crate::harness::TestBackend>::available() {
+                    $crate::$module::$name::<$backend>();
+                }
             })+
         })+
     };

@@ -74,15 +74,16 @@ impl Vulkan {
 
     /// For tests: with validation on, so that dropping it panics if the layer has said anything.
     /// `None`, said on standard error, where there is no Vulkan, unless `PHOTON_REQUIRE_VULKAN` is
-    /// set.
+    /// set. `PHOTON_VALIDATION=0` goes without the layer, for a machine that has a GPU and not it.
     #[doc(hidden)]
     #[must_use]
     #[expect(clippy::panic, reason = "a test that needs Vulkan fails where Vulkan is required")]
     pub fn for_tests() -> Option<Self> {
         let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
-        match Self::with_options(&Options { validation: true, ..Options::default() }) {
+        let validation = std::env::var_os("PHOTON_VALIDATION").is_none_or(|value| value != "0");
+        match Self::with_options(&Options { validation, ..Options::default() }) {
             Ok(mut on) => {
-                on.watched = true;
+                on.watched = validation;
                 Some(on)
             }
             Err(error) if required => panic!("Vulkan is required here: {}", chain(&error)),
@@ -103,6 +104,12 @@ impl Vulkan {
     #[must_use]
     pub fn validation_messages(&self) -> Vec<String> {
         self.device.messages()
+    }
+
+    /// Whether the validation layer looks on.
+    #[cfg(test)]
+    pub(crate) fn is_watched(&self) -> bool {
+        self.watched
     }
 
     /// A buffer in the device's memory, its content undefined.

@@ -137,12 +137,29 @@ fn doctest() -> Result<(), String> {
 
 fn test() -> Result<(), String> {
     let selection = ["--workspace", "--exclude", "photon-benches", "--exclude", "xtask-shaders", "--locked"];
+    let vulkan = vulkan_is_here();
     if shell::present(&["cargo", "nextest", "--version"]) {
-        return shell::run(&[&["cargo", "nextest", "run"], selection.as_slice()].concat(), &[]);
+        let without = ["-E", "not (package(backend-vulkan) or binary(vulkan) or binary(equivalence))"];
+        let without: &[&str] = if vulkan { &[] } else { &without };
+        return shell::run(&[&["cargo", "nextest", "run"], selection.as_slice(), without].concat(), &[]);
     }
     eprintln!("cargo-nextest is not installed: cargo test runs the same tests");
     let targets = ["--lib", "--bins", "--tests", "--no-fail-fast"];
     shell::run(&[&["cargo", "test"], selection.as_slice(), &targets].concat(), &[])
+}
+
+/// Whether tests of Vulkan can run. If not, and nobody requires it, they are skipped: nextest counts
+/// them as such, and under `cargo test` each says so.
+fn vulkan_is_here() -> bool {
+    let devices = ["cargo", "run", "--quiet", "--locked", "-p", "backend-vulkan", "--example", "devices"];
+    let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
+    let here = shell::run(&devices, &[]).is_ok();
+    if !here && !required {
+        eprintln!(
+            "SKIPPED: no Vulkan here, so the tests of backend-vulkan are not run (the lines above say what it lacks)"
+        );
+    }
+    here || required
 }
 
 #[cfg(test)]

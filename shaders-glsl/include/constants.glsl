@@ -1,0 +1,73 @@
+// Numbers that Rust and GLSL share. Written by `cargo xtask constants`.
+#ifndef CONSTANTS_GLSL
+#define CONSTANTS_GLSL
+
+// Material::kind.
+const uint MATERIAL_LAMBERT = 0u;
+const uint MATERIAL_MIRROR = 1u;
+const uint MATERIAL_DIELECTRIC = 2u;
+const uint MATERIAL_THIN = 3u;
+
+// Material::flags.
+const uint MATERIAL_EMITS_BOTH_SIDES = 1u;
+
+// Light::kind.
+const uint LIGHT_TRIANGLE = 0u;
+const uint LIGHT_POINT = 1u;
+const uint LIGHT_SPOT = 2u;
+const uint LIGHT_DIRECTIONAL = 3u;
+
+// Light::flags.
+const uint LIGHT_BOTH_SIDES = 1u;
+
+// Camera::kind.
+const uint CAMERA_PERSPECTIVE = 0u;
+const uint CAMERA_ORTHOGRAPHIC = 1u;
+
+// Estimate::flags.
+const uint ESTIMATE_SINGULAR = 1u;
+
+// Bits of Features: specialization constant 0.
+const uint FEATURE_DIFFUSE = 1u;
+const uint FEATURE_MIRROR = 2u;
+const uint FEATURE_DIELECTRIC = 4u;
+const uint FEATURE_THIN = 8u;
+const uint FEATURE_ABSORPTION = 16u;
+const uint FEATURE_AREA_LIGHTS = 32u;
+const uint FEATURE_POINT_LIGHTS = 64u;
+const uint FEATURE_SPOT_LIGHTS = 128u;
+const uint FEATURE_DIRECTIONAL_LIGHTS = 256u;
+const uint FEATURE_SPECULAR = 14u;
+const uint FEATURE_ALL = 511u;
+
+// RandomKind.
+const uint RANDOM_COUNTER = 0u;
+const uint RANDOM_LCG = 1u;
+
+// random::Domain.
+const uint DOMAIN_PHOTON = 0u;
+const uint DOMAIN_EYE = 1u;
+const uint DOMAIN_SHADOW = 2u;
+const uint DOMAIN_GATHER = 3u;
+
+// Blocks of dimensions.
+const uint BLOCK_LIGHT = 0u;
+const uint BLOCK_START = 1u;
+const uint BLOCK_SURFACES = 2u;
+
+// Kernel::number.
+const uint KERNEL_CONSTANT = 0u;
+const uint KERNEL_EPANECHNIKOV = 1u;
+const uint KERNEL_CONE = 2u;
+const uint KERNEL_BIWEIGHT = 3u;
+
+// Layer.
+const uint LAYER_EMISSION = 0u;
+const uint LAYER_DIRECT = 1u;
+const uint LAYER_CAUSTIC = 2u;
+const uint LAYER_INDIRECT = 3u;
+
+// Camera paths that one pixel of one pass may end in.
+const uint QUERIES_PER_PIXEL = 4u;
+
+#endif

@@ -1,0 +1,90 @@
+// The records of photon-core's layout.rs, member by member: offsets are checked against the SPIR-V.
+// `Photons p` is the address of an array; its element i is `p[i].at`.
+#ifndef LAYOUT_GLSL
+#define LAYOUT_GLSL
+
+struct Photon {
+    vec3 position;
+    uint direction;
+    vec3 power;
+    uint normal;
+};
+
+struct PhotonRay {
+    vec3 origin;
+    uint path;
+    vec3 direction;
+    uint light;
+    vec3 power;
+    uint reserved;
+};
+
+struct Query {
+    vec3 position;
+    float radius;
+    vec3 normal;
+    uint pixel;
+    vec3 weight;
+    uint material;
+    uint outgoing;
+    uint path;
+    uint reserved[2];
+};
+
+struct Estimate {
+    vec3 flux;
+    float radius_squared;
+    uint photons;
+    uint flags;
+    uint reserved[2];
+};
+
+struct Facet {
+    vec3 normal;
+    uint material;
+};
+
+struct Material {
+    vec3 albedo;
+    uint kind;
+    vec3 emission;
+    uint flags;
+    vec3 absorption;
+    float ior;
+};
+
+struct Light {
+    vec3 position;
+    uint kind;
+    vec3 direction;
+    uint primitive;
+    vec3 power;
+    float cos_inner;
+    float cos_outer;
+    float radius;
+    float area;
+    uint flags;
+};
+
+struct Camera {
+    vec3 origin;
+    uint kind;
+    vec3 forward;
+    uint reserved;
+    vec3 right;
+    uint reserved2;
+    vec3 up;
+    uint reserved3;
+};
+
+// Every record is a multiple of 16 bytes long, and every buffer begins at a multiple of 16.
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Photons { Photon at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PhotonRays { PhotonRay at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Queries { Query at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Estimates { Estimate at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Facets { Facet at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Materials { Material at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Lights { Light at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Cameras { Camera at; };
+
+#endif

@@ -1,0 +1,107 @@
+// Twin of photon-core's math.rs, and the arithmetic that the other twins share.
+//
+// `precise` keeps a multiplication and an addition two roundings, as in Rust; `dot` and `cross` of the
+// language may be fused whatever is said, hence ours.
+#ifndef MATH_GLSL
+#define MATH_GLSL
+
+// The magnitude of `magnitude` with the sign of `sign`, that of -0 included.
+float copysign(float magnitude, float sign) {
+    return uintBitsToFloat((floatBitsToUint(magnitude) & 0x7FFFFFFFu) | (floatBitsToUint(sign) & 0x80000000u));
+}
+
+// By the bits: a driver may take it that no number is infinite or NaN.
+bool is_finite(float x) {
+    return (floatBitsToUint(x) & 0x7F800000u) != 0x7F800000u;
+}
+
+bool is_nan(float x) {
+    return (floatBitsToUint(x) & 0x7FFFFFFFu) > 0x7F800000u;
+}
+
+// Above 0, and neither infinite nor NaN.
+bool is_positive_finite(float x) {
+    return floatBitsToUint(x) - 1u < 0x7F7FFFFFu;
+}
+
+float dot3(vec3 a, vec3 b) {
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
+}
+
+vec3 cross3(vec3 a, vec3 b) {
+    precise vec3 product = vec3(a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y);
+    return product;
+}
+
+// glam's: the fallback for what has no direction.
+vec3 normalize_or(vec3 v, vec3 fallback) {
+    float square = dot3(v, v);
+    if (!is_positive_finite(square)) return fallback;
+    precise float reciprocal = 1.0 / sqrt(square);
+    precise vec3 unit = v * reciprocal;
+    return unit;
+}
+
+// (sin 2πt, cos 2πt) for t in [0, 1).
+vec2 sin_cos_turns(float t) {
+    precise float turns = t * 4.0 + 0.5;
+    uint quarter = uint(turns);
+    precise float r = t - float(quarter) * 0.25;
+    precise float s = r * r;
+    precise float sine = r * (6.2831855 + s * (-41.3417 + s * (81.6052 + s * (-76.69787 + s * 41.47289))));
+    precise float cosine = 1.0 + s * (-19.739208 + s * (64.939316 + s * (-85.44285 + s * 59.22029)));
+    switch (quarter & 3u) {
+        case 0u: return vec2(sine, cosine);
+        case 1u: return vec2(cosine, -sine);
+        case 2u: return vec2(-sine, -cosine);
+        default: return vec2(-cosine, sine);
+    }
+}
+
+// exp(-tau) for tau >= 0; 0 from 87 on, and for NaN.
+float exp_neg(float tau) {
+    if (tau >= 87.0 || !is_finite(tau)) return 0.0;
+    precise float scaled = -tau * 1.44269504 - 0.5;
+    int whole = int(scaled);
+    float w = float(whole);
+    precise float rest = (-tau - w * 0.6933594) + w * 2.1219444e-4;
+    precise float f = rest * 1.44269504;
+    precise float p = 1.0
+        + f * (0.693147181
+            + f * (0.2402265
+                + f * (0.05550327 + f * (0.009618026 + f * (0.0013400432 + f * 0.00015469732)))));
+    precise float power = p * uintBitsToFloat(uint(127 + whole) << 23);
+    return power;
+}
+
+// ln x for normal positive x.
+float math_ln(float x) {
+    uint bits = floatBitsToUint(x);
+    int exponent = int(bits - 0x3F3504F3u) >> 23;
+    precise float m = uintBitsToFloat(bits - (uint(exponent) << 23)) - 1.0;
+    precise float q = 0.3333333
+        + m * (-0.25000297
+            + m * (0.2000147
+                + m * (-0.16642248
+                    + m * (0.14202174 + m * (-0.12972239 + m * (0.12712308 + m * -0.08101559))))));
+    float e = float(exponent);
+    precise float sum = (m - 0.5 * m * m + m * m * m * q + e * 1.4286068e-6) + e * 0.69314575;
+    return sum;
+}
+
+// Cube root of `x` >= 0, normal or 0.
+float cube_root(float x) {
+    uint bits = floatBitsToUint(x);
+    if (bits - 0x00800000u >= 0x7F000000u) return 0.0;
+    precise float r = uintBitsToFloat(0x54A23400u - bits / 3u);
+    for (uint i = 0u; i < 3u; ++i) {
+        precise float next = r + r * ((1.0 - x * r * r * r) * 0.33333333);
+        r = next;
+    }
+    precise float y = x * r * r;
+    precise float root = y + (x - y * y * y) * (r * r * 0.33333333);
+    return root;
+}
+
+#endif

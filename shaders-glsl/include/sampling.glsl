@@ -1,0 +1,82 @@
+// Twin of photon-core's sampling.rs: from uniform numbers to points and directions.
+#ifndef SAMPLING_GLSL
+#define SAMPLING_GLSL
+
+#include "math.glsl"
+
+// Two unit vectors that complete `n` to a right-handed orthonormal basis.
+void sampling_basis(vec3 n, out vec3 tangent, out vec3 bitangent) {
+    float side = copysign(1.0, n.z);
+    precise float a = -1.0 / (side + n.z);
+    precise float b = n.x * n.y * a;
+    precise vec3 t = vec3(1.0 + side * n.x * n.x * a, side * b, -side * n.x);
+    precise vec3 s = vec3(b, side + n.y * n.y * a, -n.y);
+    tangent = t;
+    bitangent = s;
+}
+
+// The direction at angle acos `cos_theta` from `axis` and `turns` around it.
+vec3 sampling_about(vec3 axis, float cos_theta, float turns) {
+    precise float square = max(1.0 - cos_theta * cos_theta, 0.0);
+    float sin_theta = sqrt(square);
+    vec2 sin_cos = sin_cos_turns(turns);
+    vec3 tangent, bitangent;
+    sampling_basis(axis, tangent, bitangent);
+    precise vec3 sum = tangent * (sin_theta * sin_cos.y) + bitangent * (sin_theta * sin_cos.x) + axis * cos_theta;
+    return normalize_or(sum, axis);
+}
+
+// A direction about `n` with density cos θ/π; never in the plane itself.
+vec3 cosine_hemisphere(vec3 n, float u, float v) {
+    return sampling_about(n, sqrt(1.0 - u), v);
+}
+
+// A direction with density 1/4π.
+vec3 uniform_sphere(float u, float v) {
+    precise float cos_theta = 1.0 - 2.0 * u;
+    return sampling_about(vec3(0.0, 0.0, 1.0), cos_theta, v);
+}
+
+// Weights of the second and third vertex for a uniform point of a triangle.
+vec2 sampling_triangle(float u, float v) {
+    float root = sqrt(u);
+    precise vec2 weights = vec2(root * (1.0 - v), root * v);
+    return weights;
+}
+
+// A uniform point of the unit disc.
+vec2 sampling_disc(float u, float v) {
+    vec2 sin_cos = sin_cos_turns(v);
+    precise vec2 point = sqrt(u) * sin_cos.yx;
+    return point;
+}
+
+// Share of a spot's power within its inner cone.
+float spot_core_share(float cos_inner, float cos_outer) {
+    precise float core = 1.0 - cos_inner;
+    precise float share = core / (core + (cos_inner - cos_outer) / 3.0);
+    return share;
+}
+
+// A spot's intensity relative to that on its axis.
+float spot_falloff(float cos_theta, float cos_inner, float cos_outer) {
+    if (cos_theta >= cos_inner) return 1.0;
+    if (cos_theta <= cos_outer) return 0.0;
+    precise float x = (cos_theta - cos_outer) / (cos_inner - cos_outer);
+    precise float square = x * x;
+    return square;
+}
+
+// Cosine from the axis of a spot, with density in proportion to its intensity.
+float spot_cosine(float cos_inner, float cos_outer, float u) {
+    float share = spot_core_share(cos_inner, cos_outer);
+    if (u < share) {
+        precise float inside = 1.0 - (u / share) * (1.0 - cos_inner);
+        return inside;
+    }
+    precise float height = (u - share) / (1.0 - share);
+    precise float between = cos_outer + cube_root(height) * (cos_inner - cos_outer);
+    return between;
+}
+
+#endif

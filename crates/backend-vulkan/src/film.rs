@@ -1,0 +1,288 @@
+//! The picture in progress, on the device.
+//!
+//! The present pass is kept in f32 apart from the sums over finished passes, which are in two floats
+//! each: f64 and float atomics are not asked of a device. A layer is allocated when something is
+//! first added to it.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Error, Estimate, Film, FilmPixel, Layer, Query, Result, Units, check_size};
+
+use crate::buffer::VulkanBuffer;
+use crate::device::Memory;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Invocations per workgroup; the work is bound by memory.
+const GROUP: u32 = 128;
+/// Pixels that are brought home at a time.
+const BLOCK: usize = 1 << 18;
+
+/// Sums over finished passes, and the pass in progress apart from them.
+#[derive(Debug)]
+pub struct VulkanFilm {
+    width: u32,
+    height: u32,
+    units: Units,
+    passes: u32,
+    layers: [Option<Plane>; Layer::ALL.len()],
+    first_pass: Memory,
+    first_sum: Memory,
+    /// Scratch: one vector per query, for stages that find their values one by one.
+    values: Option<Memory>,
+}
+
+/// One layer.
+#[derive(Debug)]
+struct Plane {
+    /// Radiance of the present pass, three floats a pixel.
+    pass: Memory,
+    /// Sums over finished passes, three pairs of floats a pixel.
+    sum: Memory,
+}
+
+/// What the film remembers of the first surfaces seen, twin of `FirstSum`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct FirstSum {
+    normal: [f32; 3],
+    depth: f32,
+    normal_low: [f32; 3],
+    depth_low: f32,
+    albedo: [f32; 3],
+    square: f32,
+    albedo_low: [f32; 3],
+    square_low: f32,
+    hits: u32,
+}
+
+/// Bytes per pixel of `FirstPass`.
+const FIRST_PASS: u64 = 32;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct FoldPush {
+    queries: u64,
+    query_count: u64,
+    estimates: u64,
+    values: u64,
+    found_count: u64,
+    pass: u64,
+    pixels: u32,
+    scale: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct EndPush {
+    passes: [u64; 4],
+    sums: [u64; 4],
+    first_pass: u64,
+    first_sum: u64,
+    pixels: u32,
+    padding: u32,
+}
+
+/// What a fold reads, constant 2 of its kernel.
+const FROM_ESTIMATES: u32 = 0;
+const FROM_VALUES: u32 = 1;
+
+impl VulkanFilm {
+    /// An empty one.
+    pub(crate) fn new(on: &mut Vulkan, width: u32, height: u32, units: Units) -> Result<Self> {
+        check_size(width, height)?;
+        let pixels = u64::from(width) * u64::from(height);
+        let first_pass = zeroed(on, pixels * FIRST_PASS)?;
+        let first_sum = zeroed(on, pixels * size_of::<FirstSum>() as u64)?;
+        let film =
+            Self { width, height, units, passes: 0, layers: [const { None }; 4], first_pass, first_sum, values: None };
+        film.note(on);
+        Ok(film)
+    }
+
+    /// How many there are.
+    pub(crate) fn pixels(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    /// Where the camera notes the first surface of each pixel.
+    pub(crate) fn first_address(&self) -> u64 {
+        self.first_pass.address()
+    }
+
+    /// Where the present pass of a layer is, three floats a pixel, allocated if need be.
+    pub(crate) fn layer_address(&mut self, on: &mut Vulkan, layer: Layer) -> Result<u64> {
+        if let Some(plane) = &self.layers[layer as usize] {
+            return Ok(plane.pass.address());
+        }
+        let plane = Plane { pass: zeroed(on, self.pixels() * 12)?, sum: zeroed(on, self.pixels() * 24)? };
+        let address = plane.pass.address();
+        self.layers[layer as usize] = Some(plane);
+        self.note(on);
+        Ok(address)
+    }
+
+    /// Scratch of three floats for each of `count` queries.
+    pub(crate) fn values_address(&mut self, on: &mut Vulkan, count: u64) -> Result<u64> {
+        if let Some(values) = self.values.as_ref().filter(|values| values.bytes() >= count * 12) {
+            return Ok(values.address());
+        }
+        self.values = None;
+        let values = on.memory("film", count * 12).map_err(label)?;
+        let address = values.address();
+        self.values = Some(values);
+        self.note(on);
+        Ok(address)
+    }
+
+    /// Sets the scratch of the first `count` queries to 0.
+    pub(crate) fn clear_values(&mut self, on: &mut Vulkan, count: u64) -> Result<()> {
+        self.values_address(on, count)?;
+        match &self.values {
+            Some(values) => on.fill(values, 0, count * 12, 0),
+            None => Ok(()),
+        }
+    }
+
+    fn note(&self, on: &mut Vulkan) {
+        let planes = self.layers.iter().flatten().map(|plane| plane.pass.bytes() + plane.sum.bytes());
+        let scratch = self.values.as_ref().map_or(0, Memory::bytes);
+        on.note_memory("film", planes.sum::<u64>() + scratch + self.first_pass.bytes() + self.first_sum.bytes());
+    }
+}
+
+/// Adds `weight × irradiance` of each estimate to `layer` of its query's pixel. The queries of a
+/// pixel stand together; they are added in their order.
+pub(crate) fn fold(
+    on: &mut Vulkan,
+    film: &mut VulkanFilm,
+    layer: Layer,
+    queries: &VulkanBuffer<Query>,
+    estimates: &VulkanBuffer<Estimate>,
+    paths: u64,
+) -> Result<()> {
+    if paths == 0 {
+        return Ok(());
+    }
+    let push = FoldPush {
+        queries: queries.data_address(),
+        query_count: queries.count_address(),
+        estimates: estimates.data_address(),
+        values: 0,
+        found_count: estimates.count_address(),
+        pass: film.layer_address(on, layer)?,
+        pixels: film.pixels() as u32,
+        scale: (1.0 / (std::f64::consts::PI * paths as f64)) as f32,
+    };
+    let length = on.length(queries)?;
+    dispatch(on, FROM_ESTIMATES, &push, length)
+}
+
+/// Adds `weight × value` of each query to `layer` of its pixel; the values are the film's scratch.
+pub(crate) fn fold_values(
+    on: &mut Vulkan,
+    film: &mut VulkanFilm,
+    layer: Layer,
+    queries: &VulkanBuffer<Query>,
+) -> Result<()> {
+    let push = FoldPush {
+        queries: queries.data_address(),
+        query_count: queries.count_address(),
+        estimates: 0,
+        values: film.values_address(on, queries.capacity())?,
+        found_count: queries.count_address(),
+        pass: film.layer_address(on, layer)?,
+        pixels: film.pixels() as u32,
+        scale: 1.0,
+    };
+    // How many there are need not be known here yet.
+    dispatch(on, FROM_VALUES, &push, queries.capacity())
+}
+
+fn dispatch(on: &mut Vulkan, from: u32, push: &FoldPush, queries: u64) -> Result<()> {
+    let kernel = on.kernel(&shaders::FILM_FOLD, &[0, GROUP, from])?;
+    on.dispatch(&kernel, push, queries.div_ceil(u64::from(GROUP)))
+}
+
+/// Adds the present pass to the sums and begins the next.
+pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
+    let address = |memory: fn(&Plane) -> &Memory| {
+        std::array::from_fn(|i| film.layers[i].as_ref().map_or(0, |plane| memory(plane).address()))
+    };
+    let push = EndPush {
+        passes: address(|plane| &plane.pass),
+        sums: address(|plane| &plane.sum),
+        first_pass: film.first_pass.address(),
+        first_sum: film.first_sum.address(),
+        pixels: film.pixels() as u32,
+        padding: 0,
+    };
+    let present = (0..4).filter(|&i| film.layers[i].is_some()).fold(0, |bits, i| bits | 1 << i);
+    let kernel = on.kernel(&shaders::FILM_END, &[0, GROUP, present])?;
+    on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))?;
+    film.passes += 1;
+    Ok(())
+}
+
+/// Forgets the present pass.
+pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
+    for plane in film.layers.iter().flatten() {
+        on.fill(&plane.pass, 0, plane.pass.bytes(), 0)?;
+    }
+    on.fill(&film.first_pass, 0, film.first_pass.bytes(), 0)
+}
+
+/// Brings the sums home.
+pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
+    let mut picture = Film::new(film.width, film.height, film.units)?;
+    picture.passes = film.passes;
+    let mut firsts = vec![FirstSum::default(); BLOCK.min(picture.pixels.len())];
+    let mut planes = vec![[[0.0_f32; 3]; 2]; firsts.len()];
+    for (block, pixels) in picture.pixels.chunks_mut(BLOCK).enumerate() {
+        let start = (block * BLOCK) as u64;
+        let firsts = &mut firsts[..pixels.len()];
+        on.read(&film.first_sum, start * size_of::<FirstSum>() as u64, bytemuck::cast_slice_mut(firsts))?;
+        for (pixel, first) in pixels.iter_mut().zip(firsts) {
+            *pixel = first.pixel();
+        }
+        for (index, plane) in film.layers.iter().enumerate() {
+            let Some(plane) = plane else { continue };
+            let planes = &mut planes[..pixels.len()];
+            on.read(&plane.sum, start * 24, bytemuck::cast_slice_mut(planes))?;
+            for (pixel, [high, low]) in pixels.iter_mut().zip(planes) {
+                pixel.layers[index] = both(*high, *low);
+            }
+        }
+    }
+    Ok(picture)
+}
+
+impl FirstSum {
+    fn pixel(&self) -> FilmPixel {
+        FilmPixel {
+            // The device squares the sum of the channels, not their mean.
+            square: (f64::from(self.square) + f64::from(self.square_low)) / 9.0,
+            normal: both(self.normal, self.normal_low),
+            albedo: both(self.albedo, self.albedo_low),
+            depth: f64::from(self.depth) + f64::from(self.depth_low),
+            hits: u64::from(self.hits),
+            ..FilmPixel::default()
+        }
+    }
+}
+
+fn both(high: [f32; 3], low: [f32; 3]) -> [f64; 3] {
+    std::array::from_fn(|c| f64::from(high[c]) + f64::from(low[c]))
+}
+
+fn zeroed(on: &mut Vulkan, bytes: u64) -> Result<Memory> {
+    let memory = on.memory("film", bytes).map_err(label)?;
+    on.fill(&memory, 0, memory.bytes(), 0)?;
+    Ok(memory)
+}
+
+fn label(error: Error) -> Error {
+    match error {
+        Error::OutOfMemory { bytes, .. } => Error::OutOfMemory { label: "film", bytes },
+        other => other,
+    }
+}

@@ -1,0 +1,54 @@
+// Adds what was found at each query, times the query's weight, to the present pass of its pixel.
+// The queries of a pixel stand together; the invocation of the first adds them all, in their order.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+// What is read: 0 estimates of photon maps, 1 vectors.
+layout(constant_id = 2) const uint FROM = 0;
+
+#include "film.glsl"
+#include "grid.glsl"
+#include "layout.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Values { vec3 at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
+
+layout(push_constant, scalar) uniform Push {
+    Queries queries;
+    Count query_count;
+    // One of the two.
+    Estimates estimates;
+    Values values;
+    Count found_count;
+    LayerPass pass;
+    uint pixels;
+    // 1 over π times the paths, for estimates.
+    float scale;
+} push;
+
+vec3 value(uint i) {
+    if (FROM == 1) return push.values[i].at;
+    Estimates estimates = push.estimates + i;
+    if (estimates.at.photons == 0) return vec3(0.0);
+    return estimates.at.flux * (push.scale / estimates.at.radius_squared);
+}
+
+void main() {
+    uint i = thread();
+    uint count = min(push.query_count.needed, push.query_count.capacity);
+    count = min(count, min(push.found_count.needed, push.found_count.capacity));
+    if (i >= count) return;
+    uint pixel = push.queries[i].at.pixel;
+    if (pixel >= push.pixels || (i > 0 && push.queries[i - 1].at.pixel == pixel)) return;
+    LayerPass pass = push.pass + pixel;
+    precise vec3 sum = pass.radiance;
+    do {
+        sum += push.queries[i].at.weight * value(i);
+        i++;
+    } while (i < count && push.queries[i].at.pixel == pixel);
+    pass.radiance = sum;
+}

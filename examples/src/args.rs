@@ -25,6 +25,9 @@ pub struct Args {
     /// List the built-in scenes.
     #[arg(long)]
     pub list: bool,
+    /// List the devices that Vulkan offers, and what each lacks.
+    #[arg(long)]
+    pub devices: bool,
     /// Lights, materials and cameras that the file lacks (see docs/overrides.md).
     #[arg(long, value_name = "FILE.toml")]
     pub overrides: Option<PathBuf>,
@@ -120,9 +123,9 @@ macro_rules! names {
 }
 
 names!(/// Backends.
-    BackendName { /// The best that is usable.
+    BackendName { /// A GPU if there is a suitable one, else the processor's cores.
         Auto, /// The processor's cores.
-        Cpu, /// A GPU.
+        Cpu, /// What Vulkan offers; PHOTON_VK_DEVICE names one of several.
         Vulkan });
 names!(/// Estimators.
     EstimatorName { /// All photons within a radius that shrinks.

@@ -34,12 +34,7 @@ impl Fault {
 impl From<photon_core::Error> for Fault {
     fn from(error: photon_core::Error) -> Self {
         use photon_core::Error as E;
-        let mut text = error.to_string();
-        let mut cause = std::error::Error::source(&error);
-        while let Some(deeper) = cause {
-            text = format!("{text}: {deeper}");
-            cause = deeper.source();
-        }
+        let text = chain(&error);
         match error {
             E::InvalidSetting { .. } | E::InvalidInput { .. } | E::NoLight | E::NoReceiver | E::OutOfMemory { .. } => {
                 Self::Input(text)
@@ -53,6 +48,13 @@ impl From<photon_scene::SceneError> for Fault {
     fn from(error: photon_scene::SceneError) -> Self {
         Self::input(error)
     }
+}
+
+/// An error and what caused it, in one line.
+#[must_use]
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(Some(error), |error| error.source());
+    causes.map(ToString::to_string).collect::<Vec<_>>().join(": ")
 }
 
 /// Runs `program`; on a fault, says so on stderr and gives its code.

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod args;
+pub mod backend;
 pub mod difference;
 pub mod exr_file;
 pub mod fault;

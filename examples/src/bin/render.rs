@@ -9,10 +9,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use backend_cpu::Cpu;
 use clap::Parser;
-use photon_core::{Budget, Event, Film, Outcome, Pipeline, Render, Settings, View, render};
-use photon_examples::args::{Args, BackendName, PASSES};
+use photon_core::{Budget, Event, Film, Outcome, Pipeline, Render, Settings, TransportBackend, View, render};
+use photon_examples::args::{Args, PASSES};
+use photon_examples::backend::{self, Chosen};
 use photon_examples::fault::{self, Fault};
 use photon_examples::report::{self, Told};
 use photon_examples::{exr_file, png_file};
@@ -26,6 +26,12 @@ fn work(args: &Args) -> Result<(), Fault> {
     if args.list {
         for (name, description) in photon_scene::builtin_names() {
             println!("{name:<20} {description}");
+        }
+        return Ok(());
+    }
+    if args.devices {
+        for line in backend::list()? {
+            println!("{line}");
         }
         return Ok(());
     }
@@ -132,18 +138,19 @@ fn load(args: &Args) -> Result<(Scene, LoadReport), Fault> {
 }
 
 fn start(args: &Args, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
-    match args.backend {
-        BackendName::Vulkan => {
-            return Err(Fault::input("--backend vulkan: this build has no Vulkan backend; use --backend cpu"));
-        }
-        BackendName::Auto => eprintln!("backend: cpu, since this build has no other"),
-        BackendName::Cpu => {}
+    match backend::open(args.backend, args.threads)? {
+        Chosen::Cpu(on) => pipeline(on, scene, view, settings),
+        Chosen::Vulkan(_) => Err(Fault::input("--backend vulkan: cannot trace a scene yet; use --backend cpu")),
     }
-    let cpu = match args.threads {
-        Some(threads) => Cpu::with_threads(threads)?,
-        None => Cpu::new()?,
-    };
-    Ok(Box::new(Pipeline::new(cpu, &scene.view(), view, settings.clone())?))
+}
+
+fn pipeline<B: TransportBackend>(
+    on: B,
+    scene: &Scene,
+    view: View,
+    settings: &Settings,
+) -> Result<Box<dyn Render>, Fault> {
+    Ok(Box::new(Pipeline::new(on, &scene.view(), view, settings.clone())?))
 }
 
 fn passes(args: &Args, renderer: &mut dyn Render, stop: &AtomicBool) -> Result<Outcome, Fault> {

@@ -1,0 +1,84 @@
+//! How programs choose where to work, and what they say where there is no Vulkan.
+#![expect(clippy::unwrap_used, reason = "test code")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+/// `render` with one variable of the environment set.
+fn render(arguments: &[&str], variable: (&str, &Path)) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_render"));
+    command.args(arguments).env_remove("PHOTON_VK_DEVICE").env(variable.0, variable.1).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// What takes Vulkan from a program: a variable, its value, and what the error must speak of.
+#[cfg(target_os = "linux")]
+fn obstacles(folder: &Path) -> Vec<(&'static str, PathBuf, &'static str)> {
+    // A file of that name which is no library: the dynamic linker stops there.
+    std::fs::write(folder.join("libvulkan.so.1"), "").unwrap();
+    std::fs::write(folder.join("libvulkan.so"), "").unwrap();
+    let mut all = vec![("LD_LIBRARY_PATH", folder.to_owned(), "loader")];
+    // What follows needs a loader, and the last a driver.
+    match backend_vulkan::devices() {
+        Err(error) => eprintln!("skipped: no Vulkan: {error}"),
+        Ok(_) => {
+            all.push(("VK_ICD_FILENAMES", folder.join("no.json"), "driver"));
+            all.push(("PHOTON_VK_DEVICE", PathBuf::from("no such card"), "no such card"));
+        }
+    }
+    all
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn vulkan_that_is_not_there_is_an_error_with_its_mend() {
+    let folder = folder("no-vulkan");
+    for (variable, value, culprit) in obstacles(&folder) {
+        let output = render(&["cornell", "--backend", "vulkan"], (variable, &value));
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{variable}: {text}");
+        assert!(text.contains(culprit) && text.contains("CPU backend") | text.contains("--backend cpu"), "{text}");
+        assert_eq!(text.lines().filter(|line| line.starts_with("error")).count(), 1, "{text}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn auto_goes_on_without_vulkan_and_says_so() {
+    let folder = folder("auto");
+    let picture = folder.join("a.png");
+    for (variable, value, _) in obstacles(&folder) {
+        let small = ["--size", "8x8", "--photons", "500", "--passes", "1", "-o", picture.to_str().unwrap()];
+        let arguments: Vec<&str> = std::iter::once("cornell").chain(small).collect();
+        let output = render(&arguments, (variable, &value));
+        let text = stderr(&output);
+        assert!(output.status.success(), "{variable}: {text}");
+        assert!(text.lines().any(|line| line.starts_with("backend: cpu, since ")), "{variable}: {text}");
+    }
+}
+
+#[test]
+fn devices_are_listed_with_what_they_lack() {
+    let known = match backend_vulkan::devices() {
+        Ok(known) => known,
+        Err(error) => return eprintln!("skipped: no Vulkan: {error}"),
+    };
+    let output = Command::new(env!("CARGO_BIN_EXE_render")).arg("--devices").output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(text.lines().count(), known.len());
+    for (line, device) in text.lines().zip(&known) {
+        assert!(line.contains(&device.name) && line.contains(device.kind), "{line}");
+        assert_eq!(line.ends_with("suitable"), device.lacks.is_empty(), "{line}");
+    }
+}

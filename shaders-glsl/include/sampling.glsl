@@ -28,7 +28,8 @@ vec3 sampling_about(vec3 axis, float cos_theta, float turns) {
 
 // A direction about `n` with density cos θ/π; never in the plane itself.
 vec3 cosine_hemisphere(vec3 n, float u, float v) {
-    return sampling_about(n, sqrt(1.0 - u), v);
+    precise float square = 1.0 - u;
+    return sampling_about(n, sqrt(square), v);
 }
 
 // A direction with density 1/4π.

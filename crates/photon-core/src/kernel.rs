@@ -34,6 +34,23 @@ impl Kernel {
         }
     }
 
+    /// The number under which shaders know it: its place in the declaration.
+    #[must_use]
+    pub fn number(self) -> u32 {
+        match self {
+            Self::Constant => 0,
+            Self::Epanechnikov => 1,
+            Self::Cone { .. } => 2,
+            Self::Biweight => 3,
+        }
+    }
+
+    /// The cone's slope; 1 for the others, which have none.
+    #[must_use]
+    pub fn slope(self) -> f32 {
+        if let Self::Cone { slope } = self { slope } else { 1.0 }
+    }
+
     /// The name under which programs know it.
     #[must_use]
     pub fn name(self) -> &'static str {

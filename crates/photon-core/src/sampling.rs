@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::math::sin_cos_turns;
+use crate::math::{cube_root, sin_cos_turns};
 
 /// Two unit vectors that complete `n` to a right-handed orthonormal basis (Duff, Burgess,
 /// Christensen, Hery, Kensler, Liani and Villemin 2017, listing 3).
@@ -96,7 +96,7 @@ pub fn spot_cosine(cos_inner: f32, cos_outer: f32, u: f32) -> f32 {
         1.0 - (u / share) * (1.0 - cos_inner)
     } else {
         // ∫ x² = x³/3 inverted, x rising from the outer cone to the inner one.
-        let x = ((u - share) / (1.0 - share)).cbrt();
+        let x = cube_root((u - share) / (1.0 - share));
         cos_outer + x * (cos_inner - cos_outer)
     }
 }

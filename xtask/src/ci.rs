@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use crate::{duplicates, licences, msrv, shaders, shell, tidy};
+use crate::{constants, duplicates, licences, msrv, shaders, shell, tidy};
 
 /// Something that passes or fails.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +33,11 @@ const STEPS: [Step; 11] = [
     Step { name: "test", what: "all other tests", run: test },
 ];
 
-/// Writes instead of checking, so that it is not part of `ci`.
-const SHADERS: Step = Step { name: "shaders", what: "compile the GLSL, write the SPIR-V", run: shaders::write };
+/// These write instead of checking, so that they are not part of `ci`.
+const WRITERS: [Step; 2] = [
+    Step { name: "constants", what: "write the numbers that GLSL shares with Rust", run: constants::write },
+    Step { name: "shaders", what: "the same, then compile the GLSL, write the SPIR-V", run: shaders::write },
+];
 
 /// The steps by their names, in the order given; `ci` stands for all.
 ///
@@ -49,10 +52,8 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
     for name in names {
         if name == "ci" {
             chosen.extend(STEPS);
-        } else if name == SHADERS.name {
-            chosen.push(SHADERS);
         } else {
-            let known = STEPS.iter().find(|step| step.name == name);
+            let known = STEPS.iter().chain(&WRITERS).find(|step| step.name == name);
             chosen.push(*known.ok_or_else(|| format!("no step is named {name:?}"))?);
         }
     }
@@ -62,7 +63,7 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
 /// How the program is called.
 pub(crate) fn usage() -> String {
     let mut text = "usage: cargo xtask STEP...\n\n  ci            all of the following, in this order\n".to_owned();
-    for step in STEPS.iter().chain([&SHADERS]) {
+    for step in STEPS.iter().chain(&WRITERS) {
         let _ = writeln!(text, "  {:<13} {}", step.name, step.what);
     }
     text

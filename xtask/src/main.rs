@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod ci;
+mod constants;
 mod duplicates;
 mod graph;
 mod licences;

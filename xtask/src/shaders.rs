@@ -2,17 +2,19 @@
 
 use std::fs;
 
-use crate::shell;
+use crate::{constants, shell};
 
 const COMPILE: [&str; 7] = ["cargo", "run", "--quiet", "--locked", "--release", "-p", "xtask-shaders"];
 
 /// Compiles and writes.
 pub(crate) fn write() -> Result<(), String> {
+    constants::write()?;
     shell::run(&COMPILE, &[])
 }
 
 /// Compiles, compares with what is committed, and has the validator look at it.
 pub(crate) fn fresh() -> Result<(), String> {
+    constants::fresh()?;
     shell::run(&[&COMPILE, ["--", "--check"].as_slice()].concat(), &[])?;
     shell::run(&["cargo", "test", "--quiet", "--locked", "--release", "-p", "xtask-shaders"], &[])?;
     let folder = shell::root().join("crates/backend-vulkan/spirv");

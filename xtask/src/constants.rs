@@ -1,0 +1,156 @@
+//! Numbers that Rust and GLSL share: `shaders-glsl/include/constants.glsl`, written from Rust.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain};
+use photon_core::{Camera, Estimate, Features, Kernel, Layer, Light, Material, QUERIES_PER_PIXEL, RandomKind};
+
+use crate::shell;
+
+/// What the numbers belong to, and each with its name.
+type Group = (&'static str, Vec<(&'static str, u32)>);
+
+/// All that is shared.
+fn groups() -> Vec<Group> {
+    vec![
+        (
+            "Material::kind.",
+            vec![
+                ("MATERIAL_LAMBERT", Material::LAMBERT),
+                ("MATERIAL_MIRROR", Material::MIRROR),
+                ("MATERIAL_DIELECTRIC", Material::DIELECTRIC),
+                ("MATERIAL_THIN", Material::THIN),
+            ],
+        ),
+        ("Material::flags.", vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES)]),
+        (
+            "Light::kind.",
+            vec![
+                ("LIGHT_TRIANGLE", Light::TRIANGLE),
+                ("LIGHT_POINT", Light::POINT),
+                ("LIGHT_SPOT", Light::SPOT),
+                ("LIGHT_DIRECTIONAL", Light::DIRECTIONAL),
+            ],
+        ),
+        ("Light::flags.", vec![("LIGHT_BOTH_SIDES", Light::BOTH_SIDES)]),
+        (
+            "Camera::kind.",
+            vec![("CAMERA_PERSPECTIVE", Camera::PERSPECTIVE), ("CAMERA_ORTHOGRAPHIC", Camera::ORTHOGRAPHIC)],
+        ),
+        ("Estimate::flags.", vec![("ESTIMATE_SINGULAR", Estimate::SINGULAR)]),
+        (
+            "Bits of Features: specialization constant 0.",
+            vec![
+                ("FEATURE_DIFFUSE", Features::DIFFUSE.bits()),
+                ("FEATURE_MIRROR", Features::MIRROR.bits()),
+                ("FEATURE_DIELECTRIC", Features::DIELECTRIC.bits()),
+                ("FEATURE_THIN", Features::THIN.bits()),
+                ("FEATURE_ABSORPTION", Features::ABSORPTION.bits()),
+                ("FEATURE_AREA_LIGHTS", Features::AREA_LIGHTS.bits()),
+                ("FEATURE_POINT_LIGHTS", Features::POINT_LIGHTS.bits()),
+                ("FEATURE_SPOT_LIGHTS", Features::SPOT_LIGHTS.bits()),
+                ("FEATURE_DIRECTIONAL_LIGHTS", Features::DIRECTIONAL_LIGHTS.bits()),
+                ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
+                ("FEATURE_ALL", Features::ALL.bits()),
+            ],
+        ),
+        ("RandomKind.", vec![("RANDOM_COUNTER", RandomKind::Counter as u32), ("RANDOM_LCG", RandomKind::Lcg as u32)]),
+        (
+            "random::Domain.",
+            vec![
+                ("DOMAIN_PHOTON", Domain::Photon as u32),
+                ("DOMAIN_EYE", Domain::Eye as u32),
+                ("DOMAIN_SHADOW", Domain::Shadow as u32),
+                ("DOMAIN_GATHER", Domain::Gather as u32),
+            ],
+        ),
+        (
+            "Blocks of dimensions.",
+            vec![("BLOCK_LIGHT", BLOCK_LIGHT), ("BLOCK_START", BLOCK_START), ("BLOCK_SURFACES", BLOCK_SURFACES)],
+        ),
+        (
+            "Kernel::number.",
+            vec![
+                ("KERNEL_CONSTANT", Kernel::Constant.number()),
+                ("KERNEL_EPANECHNIKOV", Kernel::Epanechnikov.number()),
+                ("KERNEL_CONE", Kernel::Cone { slope: 1.0 }.number()),
+                ("KERNEL_BIWEIGHT", Kernel::Biweight.number()),
+            ],
+        ),
+        (
+            "Layer.",
+            vec![
+                ("LAYER_EMISSION", Layer::Emission as u32),
+                ("LAYER_DIRECT", Layer::Direct as u32),
+                ("LAYER_CAUSTIC", Layer::Caustic as u32),
+                ("LAYER_INDIRECT", Layer::Indirect as u32),
+            ],
+        ),
+        ("Camera paths that one pixel of one pass may end in.", vec![("QUERIES_PER_PIXEL", QUERIES_PER_PIXEL)]),
+    ]
+}
+
+/// The file's text.
+fn text() -> String {
+    let mut text = "// Numbers that Rust and GLSL share. Written by `cargo xtask constants`.\n\
+                    #ifndef CONSTANTS_GLSL\n#define CONSTANTS_GLSL\n"
+        .to_owned();
+    for (what, numbers) in groups() {
+        let _ = writeln!(text, "\n// {what}");
+        for (name, number) in numbers {
+            let _ = writeln!(text, "const uint {name} = {number}u;");
+        }
+    }
+    text.push_str("\n#endif\n");
+    text
+}
+
+fn file() -> PathBuf {
+    shell::root().join("shaders-glsl/include/constants.glsl")
+}
+
+/// Writes the file, if it says anything else.
+pub(crate) fn write() -> Result<(), String> {
+    let path = file();
+    if compare(&path).is_ok() {
+        return Ok(());
+    }
+    eprintln!("wrote {}", path.display());
+    fs::write(&path, text()).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// Fails if the file is not what would be written.
+pub(crate) fn fresh() -> Result<(), String> {
+    compare(&file())
+}
+
+fn compare(path: &Path) -> Result<(), String> {
+    let old = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    if old == text() {
+        return Ok(());
+    }
+    Err(format!("{} is stale: run `cargo xtask constants`, then `cargo xtask shaders`", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_file_is_fresh() {
+        fresh().unwrap();
+    }
+
+    #[test]
+    fn a_doctored_file_is_stale() {
+        let path = std::env::temp_dir().join(format!("photon-constants-{}.glsl", std::process::id()));
+        fs::write(&path, text()).unwrap();
+        assert!(compare(&path).is_ok());
+        fs::write(&path, text().replace("LIGHT_SPOT = 2u", "LIGHT_SPOT = 3u")).unwrap();
+        assert!(compare(&path).unwrap_err().contains("stale"));
+        fs::remove_file(&path).unwrap();
+        assert!(compare(&path).is_err());
+    }
+}

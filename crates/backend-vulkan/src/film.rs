@@ -12,6 +12,9 @@ use crate::device::Memory;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
+#[cfg(test)]
+mod tests;
+
 /// Invocations per workgroup; the work is bound by memory.
 const GROUP: u32 = 128;
 /// Pixels that are brought home at a time.

@@ -9,6 +9,7 @@
 mod backend;
 mod buffer;
 mod device;
+mod film;
 mod map;
 mod shaders;
 mod vulkan;
@@ -16,5 +17,6 @@ mod vulkan;
 pub use ash;
 pub use buffer::VulkanBuffer;
 pub use device::{Candidate, Limits, Options, RawDevice, devices};
+pub use film::VulkanFilm;
 pub use map::VulkanMap;
 pub use vulkan::Vulkan;

@@ -1,0 +1,109 @@
+//! A renderer with a Vulkan device of its own lends it to the photon map, with photons and queries
+//! that its own kernel wrote there. Neither ever leaves the card; only the answers are read.
+//!
+//! The photons lie evenly on a square, so that the answer is known: the irradiance is their flux over
+//! the area of the square.
+#![expect(clippy::print_stdout, reason = "a program's output")]
+
+mod host;
+
+use std::process::ExitCode;
+
+use backend_vulkan::{Vulkan, VulkanBuffer};
+use clap::Parser;
+use host::{Host, Push};
+use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Photon, Query, Rule};
+use photon_examples::args::IndexName;
+use photon_examples::fault::{self, Fault};
+
+/// Photon map over another renderer's device and photons.
+#[derive(Debug, Parser)]
+#[command(name = "host_device", version, about)]
+struct Args {
+    /// Photons that the host strews.
+    #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u32).range(10_000..=1 << 26))]
+    photons: u32,
+    /// How photons are arranged.
+    #[arg(long, value_enum, default_value_t = IndexName::Morton)]
+    index: IndexName,
+}
+
+/// Watts on the square, its side in normalised space, and queries along a side.
+const FLUX: f32 = 3.0;
+const SIDE: f32 = 0.5;
+const QUERIES: u32 = 64;
+const RADIUS: f32 = 0.01;
+
+fn main() -> ExitCode {
+    fault::run(|| work(&Args::parse()))
+}
+
+fn work(args: &Args) -> Result<(), Fault> {
+    let mut host = Host::new()?;
+    let queries = u64::from(QUERIES * QUERIES);
+    let (photon_buffer, photon_address) = host.buffer(u64::from(args.photons) * size_of::<Photon>() as u64)?;
+    let (query_buffer, query_address) = host.buffer(queries * size_of::<Query>() as u64)?;
+    host.run(&Push {
+        photons: photon_address,
+        queries: query_address,
+        photon_count: args.photons,
+        query_side: QUERIES,
+        // Each carries all the flux; it is divided by their number at the end, as paths are.
+        power: FLUX,
+        side: SIDE,
+        radius: RADIUS,
+        reserved: 0,
+    })?;
+
+    let estimates = {
+        // SAFETY: the host's handles belong together and outlive this block, its device has the
+        // features that are asked for, and the host does not use the queue meanwhile.
+        let mut on = unsafe { Vulkan::from_raw(host.device.clone()) }?;
+        // SAFETY: the host's buffers have the usages and the flag that are asked for, hold so many
+        // records, outlive this block, and the kernel that writes them was submitted to the same queue,
+        // with a barrier at its end.
+        let (photons, there) = unsafe {
+            let photons = VulkanBuffer::<Photon>::from_raw(&mut on, photon_buffer, 0, u64::from(args.photons))?;
+            (photons, VulkanBuffer::<Query>::from_raw(&mut on, query_buffer, 0, queries)?)
+        };
+        let kind = match args.index {
+            IndexName::Median => IndexKind::Median,
+            IndexName::Vvh => IndexKind::Vvh,
+            IndexName::Morton => IndexKind::Morton,
+        };
+        let mut stages = on.map_stages(kind)?;
+        let map = stages.builder.build(&mut on, photons)?;
+        let mut answers = on.alloc::<Estimate>("estimates", queries)?;
+        let gather = Gather { rule: Rule::Radius, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: 0.7 };
+        stages.estimator.estimate(&mut on, &map, &there, &gather, &mut answers)?;
+        let mut found = Vec::new();
+        on.download(&answers, &mut found)?;
+        println!("{}: {} photons, {} queries", on.device(), args.photons, found.len());
+        found
+    };
+    check(&estimates, u64::from(args.photons))
+}
+
+/// Holds the answers against the closed form, within what chance allows.
+fn check(estimates: &[Estimate], photons: u64) -> Result<(), Fault> {
+    let truth = f64::from(FLUX) / f64::from(SIDE * SIDE);
+    let relative: Vec<f64> = estimates.iter().map(|e| e.irradiance(photons)[0] / truth - 1.0).collect();
+    let mean = relative.iter().sum::<f64>() / relative.len() as f64;
+    let worst = relative.iter().fold(0.0_f64, |worst, r| worst.max(r.abs()));
+    // A disc holds n photons or so, with a standard deviation of √n.
+    let in_disc = photons as f64 * std::f64::consts::PI * f64::from(RADIUS * RADIUS) / f64::from(SIDE * SIDE);
+    // Discs overlap, so that together they know no more than all photons of the square between them do.
+    let error = 1.2 / (photons as f64).sqrt();
+    println!(
+        "irradiance {:.4} W/m² where {truth:.4} is right: off by {:+.3} %, standard error {:.3} %; worst query {:.1} %",
+        truth * (1.0 + mean),
+        100.0 * mean,
+        100.0 * error,
+        100.0 * worst
+    );
+    // 4.5 standard errors for the mean; 6 for the worst of 4096 that depend on each other.
+    if estimates.len() != (QUERIES * QUERIES) as usize || mean.abs() > 4.5 * error || worst > 6.0 / in_disc.sqrt() {
+        return Err(Fault::failure("the answer is not the closed form's"));
+    }
+    Ok(())
+}

@@ -1,0 +1,79 @@
+// A host's own kernel (see the program `host_device`): photons strewn evenly over a square, and a grid of
+// queries on it, in the records of photon_core, written where the host keeps them.
+#version 460
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+layout(local_size_x = 128) in;
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer Photons {
+    vec3 position;
+    uint direction;
+    vec3 power;
+    uint normal;
+};
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer Queries {
+    vec3 position;
+    float radius;
+    vec3 normal;
+    uint pixel;
+    vec3 weight;
+    uint material;
+    uint outgoing;
+    uint path;
+    uint reserved[2];
+};
+
+layout(push_constant, scalar) uniform Push {
+    Photons photons;
+    Queries queries;
+    uint photon_count;
+    uint query_side;
+    float power;
+    float side;
+    float radius;
+} push;
+
+// Straight up, packed: the middle of the unfolded octahedron.
+const uint UP = 0u;
+
+// A permutation of 32 bits with good avalanche (O'Neill 2014, PCG-RXS-M-XS).
+uint scramble(uint x) {
+    x = x * 747796405u + 2891336453u;
+    x = ((x >> ((x >> 28) + 4u)) ^ x) * 277803737u;
+    return (x >> 22) ^ x;
+}
+
+float unit(uint word) {
+    return float(word >> 8) * (1.0 / 16777216.0);
+}
+
+void main() {
+    uint i = gl_GlobalInvocationID.x;
+    if (i < push.photon_count) {
+        uint first = scramble(i);
+        vec2 at = (vec2(unit(first), unit(scramble(first ^ 0x9E3779B9u))) - 0.5) * push.side;
+        Photons photon = push.photons[i];
+        photon.position = vec3(at, 0.0);
+        photon.direction = UP;
+        photon.power = vec3(push.power);
+        photon.normal = UP;
+    }
+    if (i < push.query_side * push.query_side) {
+        // A border as wide as the radius stays free, so that no disc reaches over the edge.
+        vec2 cell = (vec2(i % push.query_side, i / push.query_side) + 0.5) / float(push.query_side) - 0.5;
+        Queries query = push.queries[i];
+        query.position = vec3(cell * (push.side - 2.0 * push.radius), 0.0);
+        query.radius = push.radius;
+        query.normal = vec3(0.0, 0.0, 1.0);
+        query.pixel = i;
+        query.weight = vec3(1.0);
+        query.material = 0u;
+        query.outgoing = UP;
+        query.path = i;
+        query.reserved[0] = 0u;
+        query.reserved[1] = 0u;
+    }
+}

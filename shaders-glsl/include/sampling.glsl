@@ -15,10 +15,7 @@ void sampling_basis(vec3 n, out vec3 tangent, out vec3 bitangent) {
     bitangent = s;
 }
 
-// The direction at angle acos `cos_theta` from `axis` and `turns` around it.
-vec3 sampling_about(vec3 axis, float cos_theta, float turns) {
-    precise float square = max(1.0 - cos_theta * cos_theta, 0.0);
-    float sin_theta = sqrt(square);
+vec3 sampling_around(vec3 axis, float sin_theta, float cos_theta, float turns) {
     vec2 sin_cos = sin_cos_turns(turns);
     vec3 tangent, bitangent;
     sampling_basis(axis, tangent, bitangent);
@@ -26,16 +23,23 @@ vec3 sampling_about(vec3 axis, float cos_theta, float turns) {
     return normalize_or(sum, axis);
 }
 
+// The direction at angle acos `cos_theta` from `axis` and `turns` around it.
+vec3 sampling_about(vec3 axis, float cos_theta, float turns) {
+    precise float square = (1.0 - cos_theta) * (1.0 + cos_theta);
+    return sampling_around(axis, sqrt(max(square, 0.0)), cos_theta, turns);
+}
+
 // A direction about `n` with density cos θ/π; never in the plane itself.
 vec3 cosine_hemisphere(vec3 n, float u, float v) {
     precise float square = 1.0 - u;
-    return sampling_about(n, sqrt(square), v);
+    return sampling_around(n, sqrt(u), sqrt(square), v);
 }
 
 // A direction with density 1/4π.
 vec3 uniform_sphere(float u, float v) {
+    precise float square = u * (1.0 - u);
     precise float cos_theta = 1.0 - 2.0 * u;
-    return sampling_about(vec3(0.0, 0.0, 1.0), cos_theta, v);
+    return sampling_around(vec3(0.0, 0.0, 1.0), 2.0 * sqrt(square), cos_theta, v);
 }
 
 // Weights of the second and third vertex for a uniform point of a triangle.
@@ -52,13 +56,6 @@ vec2 sampling_disc(float u, float v) {
     return point;
 }
 
-// Share of a spot's power within its inner cone.
-float spot_core_share(float cos_inner, float cos_outer) {
-    precise float core = 1.0 - cos_inner;
-    precise float share = core / (core + (cos_inner - cos_outer) / 3.0);
-    return share;
-}
-
 // A spot's intensity relative to that on its axis.
 float spot_falloff(float cos_theta, float cos_inner, float cos_outer) {
     if (cos_theta >= cos_inner) return 1.0;
@@ -68,15 +65,23 @@ float spot_falloff(float cos_theta, float cos_inner, float cos_outer) {
     return square;
 }
 
+// Solid angle that the falloff integrates to, in single precision.
+float spot_solid_angle(float cos_inner, float cos_outer) {
+    precise float angle = 6.2831853 * ((1.0 - cos_inner) + (cos_inner - cos_outer) * 0.33333333);
+    return angle;
+}
+
 // Cosine from the axis of a spot, with density in proportion to its intensity.
 float spot_cosine(float cos_inner, float cos_outer, float u) {
-    float share = spot_core_share(cos_inner, cos_outer);
-    if (u < share) {
-        precise float inside = 1.0 - (u / share) * (1.0 - cos_inner);
+    precise float core = 1.0 - cos_inner;
+    precise float rim = (cos_inner - cos_outer) * 0.33333333;
+    precise float depth = u * (core + rim);
+    if (depth < core) {
+        precise float inside = 1.0 - depth;
         return inside;
     }
-    precise float height = (u - share) / (1.0 - share);
-    precise float between = cos_outer + cube_root(height) * (cos_inner - cos_outer);
+    precise float cube = (1.0 - u) * ((core + rim) / rim);
+    precise float between = cos_outer + min(cube_root(cube), 1.0) * (cos_inner - cos_outer);
     return between;
 }
 

@@ -19,22 +19,27 @@ pub fn basis(n: Vec3) -> (Vec3, Vec3) {
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere(n: Vec3, u: f32, v: f32) -> Vec3 {
-    // sqrt(1 - u) > 0 since u < 1: never in the plane itself.
-    about(n, (1.0 - u).sqrt(), v)
+    // sqrt(1 - u) > 0 since u < 1: never in the plane itself. The sine from u, not from the cosine,
+    // whose rounding would be all of it near the pole.
+    around(n, u.sqrt(), (1.0 - u).sqrt(), v)
 }
 
 /// A direction with density 1/4π.
 #[inline]
 #[must_use]
 pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
-    about(Vec3::Z, 1.0 - 2.0 * u, v)
+    around(Vec3::Z, 2.0 * (u * (1.0 - u)).sqrt(), 1.0 - 2.0 * u, v)
 }
 
 /// The direction at angle acos `cos_theta` from `axis` and `turns` around it.
 #[inline]
 #[must_use]
 pub fn about(axis: Vec3, cos_theta: f32, turns: f32) -> Vec3 {
-    let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
+    let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).max(0.0).sqrt();
+    around(axis, sin_theta, cos_theta, turns)
+}
+
+fn around(axis: Vec3, sin_theta: f32, cos_theta: f32, turns: f32) -> Vec3 {
     let (sin, cos) = sin_cos_turns(turns);
     let (tangent, bitangent) = basis(axis);
     (tangent * (sin_theta * cos) + bitangent * (sin_theta * sin) + axis * cos_theta).normalize_or(axis)
@@ -55,14 +60,6 @@ pub fn disc(u: f32, v: f32) -> (f32, f32) {
     let r = u.sqrt();
     let (sin, cos) = sin_cos_turns(v);
     (r * cos, r * sin)
-}
-
-/// Share of a spot's power that it sends within its inner cone; the rest falls off between the
-/// cones.
-#[must_use]
-pub fn spot_core_share(cos_inner: f32, cos_outer: f32) -> f32 {
-    let core = 1.0 - cos_inner;
-    core / (core + (cos_inner - cos_outer) / 3.0)
 }
 
 /// A spot's intensity at `cos_theta` from its axis, relative to that on the axis: glTF's
@@ -87,16 +84,22 @@ pub fn spot_solid_angle(cos_inner: f32, cos_outer: f32) -> f64 {
     std::f64::consts::TAU * ((1.0 - inner) + (inner - outer) / 3.0)
 }
 
-/// Cosine from the axis of a spot, with density in proportion to its intensity.
+/// Cosine from the axis of a spot, with density in proportion to its intensity; 1 for `u` = 0,
+/// falling from there.
 #[inline]
 #[must_use]
 pub fn spot_cosine(cos_inner: f32, cos_outer: f32, u: f32) -> f32 {
-    let share = spot_core_share(cos_inner, cos_outer);
-    if u < share {
-        1.0 - (u / share) * (1.0 - cos_inner)
+    // Power over 2π and the intensity on the axis: within the inner cone, and between the cones.
+    let core = 1.0 - cos_inner;
+    let rim = (cos_inner - cos_outer) * (1.0 / 3.0);
+    let depth = u * (core + rim);
+    // Always so without a rim, since u < 1.
+    if depth < core {
+        1.0 - depth
     } else {
-        // ∫ x² = x³/3 inverted, x rising from the outer cone to the inner one.
-        let x = cube_root((u - share) / (1.0 - share));
+        // ∫ x² = x³/3 inverted, x rising from the outer cone to the inner one. From 1 - u, which is
+        // exact: the root is steep at 0.
+        let x = cube_root((1.0 - u) * ((core + rim) / rim)).min(1.0);
         cos_outer + x * (cos_inner - cos_outer)
     }
 }
@@ -128,6 +131,17 @@ mod tests {
         }
     }
 
+    /// The sine of the smallest angles: the whole of what is random there.
+    #[test]
+    fn directions_near_the_pole_are_not_coarse() {
+        for i in 1..1000 {
+            let u = i as f32 / 16_777_216.0;
+            for direction in [cosine_hemisphere(Vec3::Z, u, 0.0), uniform_sphere(u * 0.25, 0.0)] {
+                assert!((f64::from(direction.x) / f64::from(u).sqrt() - 1.0).abs() < 1e-6 + f64::from(u), "{u}: {direction}");
+            }
+        }
+    }
+
     #[test]
     fn spot_cosines_follow_the_intensity() {
         let (inner, outer) = (0.9_f32, 0.7_f32);
@@ -147,6 +161,11 @@ mod tests {
         // B8: a hard cone of 30°.
         let c = 30.0_f32.to_radians().cos();
         assert!((spot_solid_angle(c, c) - 0.841_787_2).abs() < 1e-6);
-        assert_eq!(spot_core_share(c, c), 1.0);
+        for u in [0.0, 0.5, 1.0 - 1.0 / 16_777_216.0] {
+            assert!((c..=1.0).contains(&spot_cosine(c, c, u)));
+        }
+        // All of it between the cones: the density is zero at the outer one.
+        assert_eq!(spot_cosine(1.0, 0.5, 0.0), 1.0);
+        assert!((spot_cosine(1.0, 0.5, 0.875) - 0.75).abs() < 1e-6);
     }
 }

@@ -11,6 +11,7 @@ mod buffer;
 mod device;
 mod film;
 mod map;
+mod scan;
 mod shaders;
 mod vulkan;
 

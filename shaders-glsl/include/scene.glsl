@@ -1,0 +1,135 @@
+// Twin of backend-cpu's scene.rs: the tables of a scene, and what shading needs of a hit.
+//
+// A kernel gets one address, that of a SceneRef; all else is found from there.
+#ifndef SCENE_GLSL
+#define SCENE_GLSL
+
+#include "constants.glsl"
+#include "layout.glsl"
+#include "math.glsl"
+#include "offset.glsl"
+
+// Index of the material that a path is inside of, when it is in none.
+const uint VACUUM = 0xFFFFFFFFu;
+
+struct Ray {
+    vec3 origin;
+    vec3 direction;
+    // Hits farther than this do not count.
+    float t_max;
+};
+
+const float NO_LIMIT = 3.4028235e38;
+
+// Eight children, their boxes in steps of a power of two from a corner; see intersect.glsl.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WideNodes {
+    uvec4 words[5];
+};
+
+// A triangle, as the tree orders them: three vertices, and its index in the last word of the first.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Corners {
+    vec4 a;
+    vec4 b;
+    vec4 c;
+};
+
+// What a light's record leaves out: its power over the probability that it is picked, that
+// probability, and the corners of its triangle.
+struct Emission {
+    vec3 carried;
+    float probability;
+    vec3 a;
+    vec3 b;
+    vec3 c;
+    vec3 normal;
+};
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Emissions { Emission at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightStarts { uint at; };
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
+    WideNodes nodes;
+    Corners corners;
+    Facets facets;
+    Materials materials;
+    Lights lights;
+    LightStarts light_starts;
+    Emissions emissions;
+    uint triangles;
+    uint light_count;
+    uint material_count;
+    uint reserved;
+};
+
+#include "intersect.glsl"
+
+// Where a ray meets the scene.
+struct Surface {
+    float t;
+    vec3 point;
+    // On the side that the ray came from.
+    vec3 normal;
+    // Between that normal and the way back, at least 0.
+    float cosine;
+    // Whether that is the front.
+    bool front;
+    uint material;
+};
+
+// The nearest surface, with all that shading needs.
+bool surface(SceneRef scene, Ray ray, out Surface found) {
+    Hit hit;
+    if (!nearest(scene, ray, hit)) return false;
+    Facet facet = scene.facets[hit.primitive].at;
+    Corners corners = scene.corners[hit.slot];
+    float cosine = -dot3(ray.direction, facet.normal);
+    bool front = cosine > 0.0;
+    found.t = hit.t;
+    found.point = barycentric(corners.a.xyz, corners.b.xyz, corners.c.xyz, hit.u, hit.v);
+    found.normal = front ? facet.normal : -facet.normal;
+    found.cosine = abs(cosine);
+    found.front = front;
+    found.material = facet.material;
+    return true;
+}
+
+// A ray that goes on from here on the side that it came from.
+Ray surface_leave(Surface at, vec3 direction) {
+    return Ray(off_surface(at.point, at.normal), direction, NO_LIMIT);
+}
+
+// A ray that goes on beyond.
+Ray surface_pass(Surface at, vec3 direction) {
+    return Ray(off_surface(at.point, -at.normal), direction, NO_LIMIT);
+}
+
+// Share of each channel that is left after the stretch that ended on `at`: Beer and Lambert's law
+// inside solids. A back side of glass says itself that the stretch was inside; for other surfaces it
+// is what the path last entered.
+vec3 transmittance(SceneRef scene, Surface at, uint medium) {
+    uint inside = !at.front && scene.materials[at.material].at.kind == MATERIAL_DIELECTRIC ? at.material : medium;
+    if (inside >= scene.material_count) return vec3(1.0);
+    precise vec3 depth = scene.materials[inside].at.absorption * at.t;
+    return vec3(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));
+}
+
+// The solid that a path is in once it has passed `at`.
+uint entered(Material material, Surface at, uint medium) {
+    if (material.kind != MATERIAL_DIELECTRIC) return medium;
+    return at.front ? at.material : VACUUM;
+}
+
+// The light whose share of the range of a random word holds `random`.
+uint pick_light(SceneRef scene, uint random) {
+    uint low = 0u;
+    uint high = scene.light_count;
+    // The first start is 0, so that `low` is right all along.
+    while (high - low > 1u) {
+        uint middle = low + (high - low) / 2u;
+        if (scene.light_starts[middle].at <= random) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+#endif

@@ -1,0 +1,160 @@
+//! The errors that the paper's formulas have, predicted and seen, beside those of the defaults.
+
+use photon_core::glam::Vec3;
+use photon_core::random::{Domain, Sampler, unit_f32};
+use photon_core::{
+    Backend, Estimate, Gather, IndexKind, Kernel, Photon, Query, RandomKind, Result, Rule, octahedral, sampling,
+};
+
+/// One error.
+#[derive(Debug)]
+pub(crate) struct Bias {
+    pub(crate) what: &'static str,
+    /// Ratio to the truth, or a correlation.
+    pub(crate) predicted: f64,
+    /// What the paper's formula gives, and its standard error.
+    pub(crate) paper: (f64, f64),
+    /// What the default gives, and its standard error.
+    pub(crate) ours: (f64, f64),
+    /// What the default should give.
+    pub(crate) truth: f64,
+}
+
+impl Bias {
+    /// Whether both are where they should be, within 4.5 standard errors.
+    pub(crate) fn is_as_predicted(&self) -> bool {
+        let near = |(seen, error): (f64, f64), wanted: f64| (seen - wanted).abs() <= 4.5 * error;
+        near(self.paper, self.predicted) && near(self.ours, self.truth)
+    }
+}
+
+/// Photons on the square that is looked at.
+const PHOTONS: u32 = 100_000;
+/// Queries along a side, and how far from the edges they stay; the square's side is 1.
+const SIDE: u32 = 16;
+const MARGIN: f32 = 0.1;
+/// Independent fields of photons.
+const FIELDS: u32 = 4;
+
+/// All of them, on one backend.
+pub(crate) fn all<B: Backend>(on: &mut B) -> Result<Vec<Bias>> {
+    let paper = |max, threshold| Rule::Paper { max, threshold, factor: 1.0 };
+    // Radius of a disc that holds so many on average.
+    let radius = |mean: f64| (mean / (f64::from(PHOTONS) * std::f64::consts::PI)).sqrt() as f32;
+    let mut found = Vec::new();
+    let mut compare = |what, predicted, slanted, rules: [Rule; 2], radius| -> Result<()> {
+        let [paper, ours] = rules.map(|rule| ratio(on, rule, slanted, radius));
+        found.push(Bias { what, predicted, paper: paper?, ours: ours?, truth: 1.0 });
+        Ok(())
+    };
+    let wide = radius(100.0);
+    compare("extra cosine under even light: 2/3", 2.0 / 3.0, true, [paper(100_000, 0), Rule::Radius], wide)?;
+    let ten = [paper(10, 0), Rule::Nearest { k: 10 }];
+    compare("k/(π r²) with r to the k-th, k = 10: k/(k−1)", 10.0 / 9.0, false, ten, radius(100.0))?;
+    let two_hundred = [paper(200, 0), Rule::Nearest { k: 200 }];
+    compare("the same, k = 200", 200.0 / 199.0, false, two_hundred, radius(800.0))?;
+    compare("fewer than 8 give 0, mean 8", too_few(8, 8.0), false, [paper(100_000, 8), Rule::Radius], radius(8.0))?;
+    let correlations = [RandomKind::Lcg, RandomKind::Counter].map(correlation);
+    let [paper, ours] = correlations;
+    found.push(Bias {
+        what: "correlation of the first numbers of neighbouring threads (LCG)",
+        predicted: {
+            // Neighbours stay as far apart as one step takes them, a/2³¹ of the period; the correlation
+            // of an even number with itself so far on is 1 − 6c(1 − c).
+            let apart = 1_103_515_245.0 / f64::from(1_u32 << 31);
+            1.0 - 6.0 * apart * (1.0 - apart)
+        },
+        paper,
+        ours,
+        truth: 0.0,
+    });
+    Ok(found)
+}
+
+/// What is left of the mean when a Poisson number below `threshold` counts as none:
+/// `E[X; X ≥ t] / E[X] = P(X ≥ t − 1)`.
+fn too_few(threshold: u32, mean: f64) -> f64 {
+    let mut term = (-mean).exp();
+    let mut below = 0.0;
+    for n in 0..threshold - 1 {
+        below += term;
+        term *= mean / f64::from(n + 1);
+    }
+    1.0 - below
+}
+
+/// Irradiance over the truth, mean and standard error, in fields of even density; of light from all
+/// sides alike if `slanted`, else from straight above.
+fn ratio<B: Backend>(on: &mut B, rule: Rule, slanted: bool, radius: f32) -> Result<(f64, f64)> {
+    let query = |i: u32| {
+        let at = |n: u32| MARGIN + (1.0 - 2.0 * MARGIN) * (n as f32 + 0.5) / SIDE as f32;
+        let position = [at(i % SIDE), at(i / SIDE), 0.0];
+        Query { position, radius, normal: [0.0, 0.0, 1.0], weight: [1.0; 3], ..Query::default() }
+    };
+    let queries: Vec<Query> = (0..SIDE * SIDE).map(query).collect();
+    let gather = Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: 0.7 };
+    let mut stages = on.map_stages(IndexKind::Median)?;
+    let queries = on.upload("queries", &queries)?;
+    let mut estimates = on.alloc::<Estimate>("estimates", u64::from(SIDE * SIDE))?;
+    let mut values = Vec::new();
+    for field in 0..FIELDS {
+        let photons = on.upload("photons", &photons(field, slanted))?;
+        let map = stages.builder.build(on, photons)?;
+        stages.estimator.estimate(on, &map, &queries, &gather, &mut estimates)?;
+        let mut found = Vec::new();
+        on.download(&estimates, &mut found)?;
+        values.extend(found.iter().map(|e| e.irradiance(u64::from(PHOTONS))[0]));
+    }
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    Ok((mean, (variance / n).sqrt()))
+}
+
+/// Unit power, strewn over the unit square.
+fn photons(field: u32, slanted: bool) -> Vec<Photon> {
+    let up = octahedral::pack(Vec3::Z);
+    (0..PHOTONS)
+        .map(|i| {
+            let mut sampler = Sampler::new(RandomKind::Counter, 2010, field, Domain::Photon, i);
+            let [x, y, u, v] = sampler.words(0).map(unit_f32);
+            // Lambert: as many photons land from each direction as its cosine says.
+            let towards = if slanted { sampling::cosine_hemisphere(Vec3::Z, u, v) } else { Vec3::Z };
+            Photon { position: [x, y, 0.0], direction: octahedral::pack(towards), power: [1.0; 3], normal: up }
+        })
+        .collect()
+}
+
+/// Correlation between the first numbers of neighbouring paths, and the standard error that it would
+/// have if they were independent.
+fn correlation(kind: RandomKind) -> (f64, f64) {
+    const PATHS: u32 = 1 << 20;
+    let first = |path| f64::from(unit_f32(Sampler::new(kind, 0, 0, Domain::Photon, path).words(0)[0]));
+    // The mean and the variance of even numbers between 0 and 1 are known.
+    let sum: f64 = (0..PATHS).map(|path| (first(path) - 0.5) * (first(path + 1) - 0.5)).sum();
+    let n = f64::from(PATHS);
+    (sum / n * 12.0, 1.0 / n.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_formulas_err_as_predicted_and_the_defaults_do_not() {
+        let mut cpu = backend_cpu::Cpu::new().unwrap();
+        for bias in all(&mut cpu).unwrap() {
+            assert!(bias.is_as_predicted(), "{bias:?}");
+            // A comparison that cannot tell the two apart proves nothing.
+            let mistaken = Bias { predicted: bias.truth, truth: bias.predicted, ..bias };
+            let weak = mistaken.what.contains("200");
+            assert!(weak || !mistaken.is_as_predicted(), "{mistaken:?}");
+        }
+    }
+
+    #[test]
+    fn the_threshold_takes_what_the_paper_says() {
+        assert!((too_few(8, 8.0) - 0.687).abs() < 1e-3);
+        assert_eq!(too_few(1, 3.0), 1.0);
+    }
+}

@@ -1,0 +1,189 @@
+//! What is rendered: the paper's grid in both of its readings, and a larger one of our own.
+
+use photon_core::{Gather, IndexKind, Kernel, RandomKind, Rule, Settings, Sharing};
+
+/// The paper's seconds: caustic photons, global, on its CPU, on its GPU (Lin and Wang 2010, table of
+/// results; Pentium 4 530 and GeForce 8600 GT).
+pub(crate) const FIGURES: [(u32, u32, f64, f64); 7] = [
+    (0, 0, 1.03, 0.532),
+    (20_000, 200, 18.34, 1.82),
+    (20_000, 1000, 39.53, 3.75),
+    (50_000, 200, 18.87, 1.98),
+    (50_000, 1000, 40.11, 3.93),
+    (100_000, 200, 19.55, 2.23),
+    (100_000, 1000, 41.29, 4.16),
+];
+
+/// Photons of an estimate where the paper gives no number.
+pub(crate) const MAX: u32 = 200;
+/// Photons of the global map where "global" is read as the size of a gather.
+const GLOBAL_MAP: u32 = 100_000;
+
+/// What the paper's column "global" counts. It does not say, and its times grow as those of a gather
+/// would: by the same 20 seconds from 200 to 1000, however many caustic photons there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reading {
+    /// Photons in the global map.
+    Photons,
+    /// Photons of an estimate.
+    Gather,
+}
+
+impl Reading {
+    pub(crate) const ALL: [Self; 2] = [Self::Photons, Self::Gather];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Photons => "photons",
+            Self::Gather => "gather",
+        }
+    }
+
+    /// In words.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Photons => "the photons in the global map; 200 of them at most in an estimate",
+            Self::Gather => "the most photons in an estimate; the global map holds 100 000",
+        }
+    }
+}
+
+/// One map: how many photons, and how they become light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MapPlan {
+    /// Photons wanted in it.
+    pub(crate) photons: u32,
+    /// How it is read.
+    pub(crate) rule: Rule,
+    /// Photons that a typical place is to find within the radius.
+    pub(crate) neighbours: u32,
+}
+
+/// One picture to be timed.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Plan {
+    /// `pictures`, `photons`, `gather` or `large`.
+    pub(crate) table: &'static str,
+    /// What it is called in its table.
+    pub(crate) name: String,
+    /// The map of photons that came by mirrors and glass alone.
+    pub(crate) caustic: Option<MapPlan>,
+    /// The map of photons that were scattered before.
+    pub(crate) global: Option<MapPlan>,
+    /// One emission fills both maps, as many photons landing in the caustic one as do.
+    pub(crate) together: bool,
+    pub(crate) settings: Settings,
+}
+
+fn paper_rule(max: u32) -> Rule {
+    Rule::Paper { max, threshold: 8, factor: 1.0 }
+}
+
+fn paper_settings() -> Settings {
+    Settings { shadow_rays: 4, ..Settings::paper() }
+}
+
+impl Plan {
+    /// A cell of the paper's table.
+    pub(crate) fn cell(reading: Reading, caustic: u32, global: u32) -> Self {
+        let map = |photons: u32, max: u32| {
+            // Where a map holds little more than a gather takes, a gather is to be local all the same.
+            let neighbours = max.min(photons / 8).max(8);
+            (photons > 0).then_some(MapPlan { photons, rule: paper_rule(max), neighbours })
+        };
+        let global = match reading {
+            Reading::Photons => map(global, MAX),
+            Reading::Gather if global == 0 => None,
+            Reading::Gather => map(GLOBAL_MAP, global),
+        };
+        Self {
+            table: reading.name(),
+            name: String::new(),
+            caustic: map(caustic, MAX),
+            global,
+            together: false,
+            settings: paper_settings(),
+        }
+    }
+
+    /// The paper's three pictures, and one by our defaults with as many photons. The name is that of
+    /// the file.
+    pub(crate) fn pictures() -> Vec<Self> {
+        let picture = |name: &str, plan: Self| Self { table: "pictures", name: name.to_owned(), ..plan };
+        let both = Self::cell(Reading::Gather, 100_000, 1000);
+        let global = Self { caustic: None, ..both.clone() };
+        let map = |photons, neighbours| Some(MapPlan { photons, rule: Rule::Radius, neighbours });
+        let defaults = Self {
+            caustic: map(100_000, 50),
+            global: map(GLOBAL_MAP, 200),
+            settings: Settings { shadow_rays: 4, ..Settings::default() },
+            ..both.clone()
+        };
+        vec![
+            picture("no-photons", Self::cell(Reading::Gather, 0, 0)),
+            picture("global", global),
+            picture("global-caustic", both),
+            picture("defaults", defaults),
+        ]
+    }
+
+    /// Our own grid: the paper's way with so many photons in the global map, one habit at a time
+    /// exchanged, and at last all of them.
+    pub(crate) fn large(photons: u32) -> Vec<Self> {
+        let paper = paper_settings();
+        let variants = [
+            ("the paper's way", paper.clone()),
+            ("dynamic sharing", Settings { sharing: Sharing::Dynamic, ..paper.clone() }),
+            ("VVH kd-tree", Settings { index: IndexKind::Vvh, ..paper.clone() }),
+            ("Morton order", Settings { index: IndexKind::Morton, ..paper.clone() }),
+            ("counter-based numbers", Settings { random: RandomKind::Counter, ..paper }),
+            ("our defaults", Settings { shadow_rays: 4, ..Settings::default() }),
+        ];
+        let plan = |(name, settings): (&str, Settings)| {
+            let ours = settings == Settings { shadow_rays: 4, ..Settings::default() };
+            let map = |neighbours| {
+                let rule = if ours { Rule::Radius } else { paper_rule(MAX) };
+                Some(MapPlan { photons, rule, neighbours: if ours { neighbours } else { MAX } })
+            };
+            // What a default picture finds: see `photon_core`'s pipeline.
+            let (caustic, global) = (map(12), map(64));
+            Self { table: "large", name: name.to_owned(), caustic, global, together: true, settings }
+        };
+        variants.into_iter().map(plan).collect()
+    }
+
+    /// How a map is read, within a radius in normalised space.
+    pub(crate) fn gather(&self, map: &MapPlan, radius: f32) -> Gather {
+        let kernel = if map.rule == Rule::Radius { self.settings.kernel } else { Kernel::Constant };
+        // The paper has no test of normals but that of its equation (2).
+        let min_normal_cosine = if map.rule == Rule::Radius { self.settings.min_normal_cosine } else { -1.0 };
+        Gather { rule: map.rule, kernel, radius_scale: radius, min_normal_cosine }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readings_differ_in_what_global_counts() {
+        let photons = Plan::cell(Reading::Photons, 20_000, 1000);
+        let gather = Plan::cell(Reading::Gather, 20_000, 1000);
+        assert_eq!(photons.caustic, gather.caustic);
+        assert_eq!(photons.global.unwrap().photons, 1000);
+        assert_eq!(gather.global.unwrap().rule, paper_rule(1000));
+        assert!(Plan::cell(Reading::Gather, 0, 0).global.is_none());
+    }
+
+    #[test]
+    fn each_variant_exchanges_one_habit() {
+        let all = Plan::large(1000);
+        let base = &all[0].settings;
+        for other in &all[1..5] {
+            let s = &other.settings;
+            let differ = [s.sharing != base.sharing, s.index != base.index, s.random != base.random];
+            assert_eq!(differ.iter().filter(|&&d| d).count(), 1, "{}", other.name);
+        }
+        assert_eq!(all[5].global.unwrap().rule, Rule::Radius);
+    }
+}

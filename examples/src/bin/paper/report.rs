@@ -1,0 +1,162 @@
+//! What was measured, as tables beside the paper's own figures.
+
+use std::fmt::Write as _;
+
+use photon_core::Stage;
+
+use crate::biases::Bias;
+use crate::plan::{FIGURES, Plan, Reading};
+use crate::studio::Measured;
+use crate::table::{Table, csv_heading, csv_row, seconds, times};
+
+/// What one backend gave.
+#[derive(Debug)]
+pub(crate) struct Results {
+    pub(crate) backend: &'static str,
+    pub(crate) device: String,
+    pub(crate) cells: Vec<(Plan, Measured)>,
+    pub(crate) biases: Vec<Bias>,
+    /// Cells for which there was no time.
+    pub(crate) left_out: u32,
+}
+
+impl Results {
+    pub(crate) fn new(backend: &'static str, device: String) -> Self {
+        Self { backend, device, cells: Vec::new(), biases: Vec::new(), left_out: 0 }
+    }
+
+    fn cell(&self, plan: &Plan) -> Option<&Measured> {
+        self.cells.iter().find(|(other, _)| other == plan).map(|(_, measured)| measured)
+    }
+}
+
+/// All backends.
+#[derive(Debug, Default)]
+pub(crate) struct Report {
+    all: Vec<Results>,
+}
+
+impl Report {
+    pub(crate) fn add(&mut self, results: Results) {
+        self.all.push(results);
+    }
+
+    /// Every cell, with its seconds per stage.
+    pub(crate) fn csv(&self) -> String {
+        let rows = self.all.iter().flat_map(|results| {
+            results.cells.iter().map(|(plan, measured)| csv_row(results.backend, &results.device, plan, measured))
+        });
+        std::iter::once(csv_heading()).chain(rows).collect()
+    }
+
+    /// The paper's grid in both readings.
+    pub(crate) fn grid(&self) -> String {
+        let mut headings = vec!["caustic / \"global\"", "paper's CPU", "paper's GPU", "ratio"];
+        for results in &self.all {
+            headings.extend([results.backend, "faster than the paper's"]);
+        }
+        if self.all.len() == 2 {
+            headings.push("ratio");
+        }
+        let mut text = String::new();
+        for reading in Reading::ALL {
+            let _ = writeln!(text, "\"Global\" read as {}:\n", reading.words());
+            let mut table = Table::new(&headings);
+            for (caustic, global, cpu, gpu) in FIGURES {
+                let mut row = vec![format!("{caustic} / {global}"), seconds(cpu), seconds(gpu), times(cpu / gpu)];
+                let plan = Plan::cell(reading, caustic, global);
+                let found: Vec<_> = self.all.iter().map(|results| (results, results.cell(&plan))).collect();
+                for (results, measured) in &found {
+                    // Each beside its own kind.
+                    let papers = if results.backend == "cpu" { cpu } else { gpu };
+                    row.push(measured.map_or("-".to_owned(), |m| seconds(m.wall)));
+                    row.push(measured.map_or("-".to_owned(), |m| times(papers / m.wall)));
+                }
+                if let [(_, Some(one)), (_, Some(other))] = found.as_slice() {
+                    row.push(times(one.wall / other.wall));
+                }
+                table.row(row);
+            }
+            let _ = writeln!(text, "{}", table.text());
+        }
+        text
+    }
+
+    /// Our own grid: stage by stage, what each habit of the paper's costs.
+    fn large(&self) -> String {
+        let stages = [Stage::Emit, Stage::Trace, Stage::Build, Stage::Eye, Stage::Direct, Stage::Estimate, Stage::Film];
+        let mut headings = vec!["photons, way", "caustic", "global", "together"];
+        headings.extend(stages.map(Stage::name));
+        let mut text = String::new();
+        for results in &self.all {
+            let mut table = Table::new(&headings);
+            let rows = results.cells.iter().filter(|(plan, _)| plan.table == "large");
+            let mut any = false;
+            for (plan, measured) in rows {
+                any = true;
+                let wanted = plan.global.map_or(0, |map| map.photons);
+                let [caustic, global] = measured.stored.map(|n| n.to_string());
+                let mut row = vec![format!("{wanted}, {}", plan.name), caustic, global, seconds(measured.wall)];
+                row.extend(stages.map(|stage| seconds(measured.stages.get(stage))));
+                table.row(row);
+            }
+            if any {
+                let _ = writeln!(text, "{} ({}):\n\n{}", results.backend, results.device, table.text());
+            }
+        }
+        text
+    }
+
+    /// The paper's errors.
+    fn biases(&self) -> String {
+        let mut text = String::new();
+        for results in &self.all {
+            let mut table = Table::new(&["error", "predicted", "paper's way", "defaults", "as predicted"]);
+            for bias in &results.biases {
+                let with_error = |(value, error): (f64, f64)| format!("{value:.4} ± {error:.4}");
+                table.row(vec![
+                    bias.what.to_owned(),
+                    format!("{:.4}", bias.predicted),
+                    with_error(bias.paper),
+                    with_error(bias.ours),
+                    if bias.is_as_predicted() { "yes" } else { "no" }.to_owned(),
+                ]);
+            }
+            let _ = writeln!(text, "{}:\n\n{}", results.backend, table.text());
+        }
+        text
+    }
+
+    /// Mean radiance of the pictures' layers: where the paper's picture is darker than it should be.
+    fn pictures(&self) -> String {
+        let mut table = Table::new(&["picture", "emission", "direct", "caustic", "indirect", "time"]);
+        for results in &self.all {
+            for (plan, measured) in results.cells.iter().filter(|(plan, _)| plan.table == "pictures") {
+                let mut row = vec![format!("{}-{}.png", plan.name, results.backend)];
+                row.extend(measured.layers.map(|mean| format!("{mean:.5}")));
+                row.push(seconds(measured.wall));
+                table.row(row);
+            }
+        }
+        table.text()
+    }
+
+    /// Everything, for a document.
+    pub(crate) fn markdown(&self) -> String {
+        let mut text = String::new();
+        for results in &self.all {
+            let _ = writeln!(text, "- {}: {}", results.backend, results.device);
+            if results.left_out > 0 {
+                let _ = writeln!(text, "  ({} cells left out for want of time: see `--time`)", results.left_out);
+            }
+        }
+        let _ = writeln!(text, "\n### Pictures, mean radiance by layer in W/(m²·sr)\n\n{}", self.pictures());
+        let _ = writeln!(text, "### Errors of the paper's formulas\n\n{}", self.biases());
+        let large = self.large();
+        if !large.is_empty() {
+            let _ = writeln!(text, "### Larger maps\n\n{large}");
+        }
+        let _ = write!(text, "### The paper's table\n\n{}", self.grid());
+        text
+    }
+}

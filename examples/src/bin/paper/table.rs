@@ -1,0 +1,123 @@
+//! Tables that read well as text and as Markdown, and the same rows for other programs.
+
+use std::fmt::Write as _;
+
+use photon_core::{Settings, Stage};
+
+use crate::plan::Plan;
+use crate::studio::Measured;
+
+/// A table of words.
+#[derive(Debug, Default)]
+pub(crate) struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// One with these headings.
+    pub(crate) fn new(headings: &[&str]) -> Self {
+        Self { rows: vec![headings.iter().map(|&heading| heading.to_owned()).collect()] }
+    }
+
+    pub(crate) fn row(&mut self, cells: Vec<String>) {
+        self.rows.push(cells);
+    }
+
+    /// As Markdown, columns aligned: the first to the left, numbers to the right.
+    pub(crate) fn text(&self) -> String {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let wide = |column: usize| {
+            let cells = self.rows.iter().filter_map(|row| row.get(column));
+            cells.map(|cell| cell.chars().count()).max().unwrap_or(0).max(3)
+        };
+        let widths: Vec<usize> = (0..columns).map(wide).collect();
+        let mut text = String::new();
+        for (index, row) in self.rows.iter().enumerate() {
+            for (column, width) in widths.iter().enumerate() {
+                let cell = row.get(column).map_or("", String::as_str);
+                let _ = if column == 0 { write!(text, "| {cell:<width$} ") } else { write!(text, "| {cell:>width$} ") };
+            }
+            text.push_str("|\n");
+            if index == 0 {
+                for (column, width) in widths.iter().enumerate() {
+                    let dashes = "-".repeat(width + 1);
+                    let _ = if column == 0 { write!(text, "|{dashes}-") } else { write!(text, "|{dashes}:") };
+                }
+                text.push_str("|\n");
+            }
+        }
+        text
+    }
+}
+
+/// Seconds in three digits: `1.23 s`, `45.6 ms`, `789 µs`.
+pub(crate) fn seconds(value: f64) -> String {
+    let (scaled, unit) = match value {
+        v if v >= 1.0 => (v, "s"),
+        v if v >= 1e-3 => (v * 1e3, "ms"),
+        v => (v * 1e6, "µs"),
+    };
+    format!("{} {unit}", digits(scaled))
+}
+
+/// A ratio in three digits.
+pub(crate) fn times(value: f64) -> String {
+    format!("{}×", digits(value))
+}
+
+fn digits(value: f64) -> String {
+    let places = match value {
+        v if v >= 99.95 => 0,
+        v if v >= 9.995 => 1,
+        _ => 2,
+    };
+    format!("{value:.places$}")
+}
+
+/// The heading of the file of rows.
+pub(crate) fn csv_heading() -> String {
+    let stages: Vec<&str> = Stage::ALL.iter().map(|stage| stage.name()).collect();
+    format!(
+        "backend,device,table,name,caustic_wanted,global_wanted,caustic_stored,global_stored,paths,index,sharing,random,wall_s,stages_s,{}\n",
+        stages.join(",")
+    )
+}
+
+/// One row of it.
+pub(crate) fn csv_row(backend: &str, device: &str, plan: &Plan, measured: &Measured) -> String {
+    let wanted = |map: Option<crate::plan::MapPlan>| map.map_or(0, |map| map.photons);
+    let Settings { index, sharing, random, .. } = plan.settings;
+    let stages: Vec<String> = Stage::ALL.iter().map(|&stage| format!("{:.9}", measured.stages.get(stage))).collect();
+    format!(
+        "{backend},\"{}\",{},{},{},{},{},{},{},{index:?},{sharing:?},{random:?},{:.9},{:.9},{}\n",
+        device.replace('"', "'"),
+        plan.table,
+        plan.name,
+        wanted(plan.caustic),
+        wanted(plan.global),
+        measured.stored[0],
+        measured.stored[1],
+        measured.paths,
+        measured.wall,
+        measured.work(),
+        stages.join(",")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        assert_eq!([seconds(1.234), seconds(0.0456), seconds(7.89e-4)], ["1.23 s", "45.6 ms", "789 µs"]);
+        assert_eq!([times(0.5), times(12.345), times(1234.0)], ["0.50×", "12.3×", "1234×"]);
+    }
+
+    #[test]
+    fn columns_are_aligned() {
+        let mut table = Table::new(&["a", "long"]);
+        table.row(vec!["word".to_owned(), "1".to_owned()]);
+        assert_eq!(table.text(), "| a    | long |\n|------|-----:|\n| word |    1 |\n");
+    }
+}

@@ -11,6 +11,8 @@ mod buffer;
 mod device;
 mod film;
 mod map;
+#[cfg(test)]
+mod probe;
 mod scan;
 mod shaders;
 mod vulkan;

@@ -1,0 +1,139 @@
+//! The records in the committed SPIR-V against those of Rust.
+
+use std::mem::offset_of;
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Camera, Element, Estimate, Facet, Light, Material, Photon, PhotonRay, Query};
+
+use super::spirv::{Member, Shape, structs};
+use crate::{Vulkan, shaders};
+
+/// What Rust says of a record: name, size, members.
+type Record = (&'static str, usize, Vec<Member>);
+
+/// The shape of a member's type, asked by way of how to get at it.
+trait Shaped {
+    const SHAPE: Shape;
+}
+impl Shaped for u32 {
+    const SHAPE: Shape = (false, 4);
+}
+impl Shaped for f32 {
+    const SHAPE: Shape = (true, 4);
+}
+impl<T: Shaped, const N: usize> Shaped for [T; N] {
+    const SHAPE: Shape = (T::SHAPE.0, T::SHAPE.1 * N as u32);
+}
+
+fn shape<R, T: Shaped>(_: fn(&R) -> &T) -> Shape {
+    T::SHAPE
+}
+
+macro_rules! record {
+    ($record:ident: $($member:ident)+) => {
+        ($record::GLSL_NAME, size_of::<$record>(), vec![$(Member {
+            name: stringify!($member).to_owned(),
+            offset: offset_of!($record, $member) as u32,
+            shape: shape(|record: &$record| &record.$member),
+        }),+])
+    };
+}
+
+fn records() -> Vec<Record> {
+    vec![
+        record!(Photon: position direction power normal),
+        record!(PhotonRay: origin path direction light power reserved),
+        record!(Query: position radius normal pixel weight material outgoing path reserved),
+        record!(Estimate: flux radius_squared photons flags reserved),
+        record!(Facet: normal material),
+        record!(Material: albedo kind emission flags absorption ior),
+        record!(Light: position kind direction primitive power cos_inner cos_outer radius area flags),
+        record!(Camera: origin kind forward reserved right reserved2 up reserved3),
+    ]
+}
+
+/// How many of the records a module has, each of which lies as in Rust.
+fn check(words: &[u32], records: &[Record]) -> Result<usize, String> {
+    let mut seen = 0;
+    for (name, members) in structs(words)? {
+        let Some((_, _, expected)) = records.iter().find(|(known, ..)| *known == name) else { continue };
+        if members != *expected {
+            return Err(format!("{name} lies otherwise in SPIR-V:\n{members:?}\nthan in Rust:\n{expected:?}"));
+        }
+        seen += 1;
+    }
+    Ok(seen)
+}
+
+/// Every struct that has a record's name, in every module.
+#[test]
+fn records_lie_in_spirv_as_in_rust() {
+    let records = records();
+    for (name, size, members) in &records {
+        // Nothing is left out above: records have no padding.
+        let sum: u32 = members.iter().map(|member| member.shape.1).sum();
+        assert_eq!(sum as usize, *size, "{name}");
+    }
+    for module in shaders::ALL {
+        check(&module.words(), &records).unwrap_or_else(|message| panic!("{}: {message}", module.name));
+    }
+    assert_eq!(check(&shaders::PROBE_LAYOUT.words(), &records).unwrap(), records.len());
+}
+
+/// One offset, one name or one type changed in the module is found.
+#[test]
+fn a_doctored_module_fails() {
+    let words = shaders::PROBE_LAYOUT.words();
+    let records = records();
+    let offset_16 = |window: &[u32]| window[0] == (5 << 16 | 72) && window[3] == 35 && window[4] == 16;
+    // The last one: the first is that of the push constants.
+    let at = words.windows(5).rposition(offset_16).unwrap();
+    let mut doctored = words.clone();
+    doctored[at + 4] = 20;
+    assert!(check(&doctored, &records).unwrap_err().contains("otherwise"));
+
+    let text = u32::from_le_bytes(*b"powe");
+    let at = words.iter().position(|&word| word == text).unwrap();
+    doctored.clone_from(&words);
+    doctored[at] = u32::from_le_bytes(*b"towe");
+    assert!(check(&doctored, &records).is_err());
+
+    let mut fewer = records.clone();
+    fewer[0].2[1].shape.0 = true;
+    assert!(check(&words, &fewer).is_err());
+
+    assert!(check(&words[1..], &records).is_err());
+    doctored.clone_from(&words);
+    doctored.push(9 << 16 | 5);
+    assert!(check(&doctored, &records).unwrap_err().contains("9 words"));
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    from: u64,
+    to: u64,
+    count: u32,
+    padding: u32,
+}
+
+/// Arrays of each record, copied whole by the device: every byte arrives, at the right stride.
+#[test]
+fn arrays_of_records_are_copied_whole() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    const COUNT: u32 = 100;
+    for (number, (name, size, _)) in records().into_iter().enumerate() {
+        // Words that are ordinary floats, so that none may be taken for a NaN.
+        let sent: Vec<u32> = (0..COUNT * size as u32 / 4).map(|i| 0x3F00_0000 + i).collect();
+        let from = on.memory("from", sent.len() as u64 * 4).unwrap();
+        let to = on.memory("to", from.bytes()).unwrap();
+        on.write(&from, 0, bytemuck::cast_slice(&sent)).unwrap();
+        on.fill(&to, 0, to.bytes(), 0).unwrap();
+        let kernel = on.kernel(&shaders::PROBE_LAYOUT, &[0, 64, number as u32]).unwrap();
+        let push = Push { from: from.address(), to: to.address(), count: COUNT, padding: 0 };
+        on.dispatch(&kernel, &push, u64::from(COUNT.div_ceil(64))).unwrap();
+        let mut arrived = vec![0_u32; sent.len()];
+        on.read(&to, 0, bytemuck::cast_slice_mut(&mut arrived)).unwrap();
+        assert_eq!(arrived, sent, "{name}");
+    }
+}

@@ -1,0 +1,76 @@
+//! Each function of the GLSL library, over a table of inputs, against its Rust twin.
+//!
+//! The bounds stand in [`table`], once for each function, and in `docs/shaders.md`.
+
+mod compare;
+mod draw;
+mod layout;
+mod spirv;
+mod table;
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::Result;
+
+use crate::Vulkan;
+use crate::device::Module;
+
+/// The inputs of one call: words, or the bits of floats.
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct Input([u32; 12]);
+
+/// The outputs of one call; zeros after the last.
+type Output = [u32; 8];
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    inputs: u64,
+    outputs: u64,
+    count: u32,
+    padding: u32,
+}
+
+/// What function number `function` of a probe makes of the inputs.
+fn run(on: &mut Vulkan, module: &'static Module, function: u32, inputs: &[Input]) -> Result<Vec<Output>> {
+    let from = on.memory("inputs", size_of_val(inputs) as u64)?;
+    let to = on.memory("outputs", (inputs.len() * size_of::<Output>()) as u64)?;
+    on.write(&from, 0, bytemuck::cast_slice(inputs))?;
+    on.fill(&to, 0, to.bytes(), u32::MAX)?;
+    let kernel = on.kernel(module, &[0, 64, function])?;
+    let count = inputs.len() as u32;
+    let push = Push { inputs: from.address(), outputs: to.address(), count, padding: 0 };
+    on.dispatch(&kernel, &push, u64::from(count.div_ceil(64)))?;
+    let mut outputs = vec![[0; 8]; inputs.len()];
+    on.read(&to, 0, bytemuck::cast_slice_mut(&mut outputs))?;
+    Ok(outputs)
+}
+
+/// Every row of the table; all that fail are named.
+#[test]
+fn every_function_is_within_its_bound_of_its_twin() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let mut failures = Vec::new();
+    for row in table::rows() {
+        let inputs = draw::inputs(row.draw);
+        let outputs = run(&mut on, row.module, row.function, &inputs).unwrap();
+        match compare::worst(&row, &inputs, &outputs) {
+            Ok(worst) => eprintln!("{:<24} {:>9.3e} of {:?}", row.name, worst, row.bound),
+            Err(message) => failures.push(message),
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// A twin that fuses one multiplication and addition is found out.
+#[test]
+fn a_function_that_rounds_otherwise_fails() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let mut row = table::rows().into_iter().find(|row| row.name == "barycentric").unwrap();
+    let inputs = draw::inputs(row.draw);
+    let outputs = run(&mut on, row.module, row.function, &inputs).unwrap();
+    compare::worst(&row, &inputs, &outputs).unwrap();
+    row.twin = table::fused_barycentric;
+    let message = compare::worst(&row, &inputs, &outputs).unwrap_err();
+    assert!(message.starts_with("barycentric"), "{message}");
+}

@@ -1,0 +1,93 @@
+//! As much of SPIR-V as it takes to see how a struct lies in memory.
+
+use std::collections::BTreeMap;
+
+/// What a member is made of: `true` for floats, and its size in bytes.
+pub(super) type Shape = (bool, u32);
+
+/// A member of a struct in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Member {
+    pub(super) name: String,
+    pub(super) offset: u32,
+    pub(super) shape: Shape,
+}
+
+const HEADER: usize = 5;
+const OP_NAME: u32 = 5;
+const OP_MEMBER_NAME: u32 = 6;
+const OP_TYPE_INT: u32 = 21;
+const OP_TYPE_FLOAT: u32 = 22;
+const OP_TYPE_VECTOR: u32 = 23;
+const OP_TYPE_ARRAY: u32 = 28;
+const OP_TYPE_STRUCT: u32 = 30;
+const OP_CONSTANT: u32 = 43;
+const OP_MEMBER_DECORATE: u32 = 72;
+const DECORATION_OFFSET: u32 = 35;
+
+/// The structs of a module that lie in memory, by their names; one name may stand for several.
+///
+/// # Errors
+/// What is not SPIR-V.
+pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, String> {
+    if words.len() < HEADER || words[0] != 0x0723_0203 {
+        return Err("not a SPIR-V module".to_owned());
+    }
+    let mut names = BTreeMap::new();
+    let mut member_names = BTreeMap::new();
+    let mut offsets = BTreeMap::new();
+    let mut shapes: BTreeMap<u32, Shape> = BTreeMap::new();
+    let mut constants = BTreeMap::new();
+    let mut found = Vec::new();
+    let mut rest = &words[HEADER..];
+    while let Some(&first) = rest.first() {
+        let length = (first >> 16) as usize;
+        if length == 0 || length > rest.len() {
+            return Err(format!("an instruction of {length} words where {} are left", rest.len()));
+        }
+        let operands = &rest[1..length];
+        rest = &rest[length..];
+        // Names and decorations stand before types, types before their users.
+        match (first & 0xFFFF, operands) {
+            (OP_NAME, [id, text @ ..]) => _ = names.insert(*id, string(text)),
+            (OP_MEMBER_NAME, [id, member, text @ ..]) => _ = member_names.insert((*id, *member), string(text)),
+            (OP_MEMBER_DECORATE, [id, member, DECORATION_OFFSET, offset]) => {
+                _ = offsets.insert((*id, *member), *offset)
+            }
+            (OP_TYPE_INT, [id, bits, _]) => _ = shapes.insert(*id, (false, bits / 8)),
+            (OP_TYPE_FLOAT, [id, bits, ..]) => _ = shapes.insert(*id, (true, bits / 8)),
+            (OP_CONSTANT, [_, id, value]) => _ = constants.insert(*id, *value),
+            (OP_TYPE_VECTOR, [id, of, count]) => {
+                if let Some(&(float, bytes)) = shapes.get(of) {
+                    shapes.insert(*id, (float, bytes * count));
+                }
+            }
+            (OP_TYPE_ARRAY, [id, of, count]) => {
+                if let (Some(&(float, bytes)), Some(count)) = (shapes.get(of), constants.get(count)) {
+                    shapes.insert(*id, (float, bytes * count));
+                }
+            }
+            (OP_TYPE_STRUCT, [id, types @ ..]) => {
+                // A member that is itself a struct has no shape: of no concern here.
+                let members = types.iter().zip(0..).map(|(of, member)| {
+                    Some(Member {
+                        name: member_names.get(&(*id, member))?.clone(),
+                        offset: *offsets.get(&(*id, member))?,
+                        shape: *shapes.get(of)?,
+                    })
+                });
+                if let (Some(members), Some(name)) = (members.collect(), names.get(id)) {
+                    found.push((name.clone(), members));
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(found)
+}
+
+/// Text as it lies in words, up to its zero.
+fn string(words: &[u32]) -> String {
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|&byte| byte != 0).collect();
+    String::from_utf8_lossy(&bytes).into_owned()
+}

@@ -1,0 +1,351 @@
+//! The functions, their twins, and the bound of each: the one place where it is stated.
+
+use photon_core::glam::Vec3;
+use photon_core::random::{Domain, Sampler, lcg, philox4x32, unit_f32};
+use photon_core::{Kernel, RandomKind, bsdf, math, octahedral, offset, sampling};
+
+use super::compare::Bound;
+use super::draw::{Draw, LAST, input};
+use super::{Input, Output};
+use crate::device::Module;
+use crate::shaders;
+
+/// One function.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    pub(super) name: &'static str,
+    pub(super) module: &'static Module,
+    /// Specialization constant 2 of the module.
+    pub(super) function: u32,
+    pub(super) bound: Bound,
+    pub(super) draw: fn(&mut Draw) -> Input,
+    pub(super) twin: fn(&Input) -> Output,
+}
+
+/// Everything in `shaders-glsl/include` that photon-core has a twin of.
+pub(super) fn rows() -> Vec<Row> {
+    let row = |name, module, function, bound, draw, twin| Row { name, module, function, bound, draw, twin };
+    [math_rows(row), random_rows(row), direction_rows(row), surface_rows(row)].concat()
+}
+
+type Twin = fn(&Input) -> Output;
+type Draws = fn(&mut Draw) -> Input;
+type Make = fn(&'static str, &'static Module, u32, Bound, Draws, Twin) -> Row;
+
+fn math_rows(row: Make) -> Vec<Row> {
+    let module = &shaders::PROBE_MATH;
+    vec![
+        row(
+            "copysign",
+            module,
+            0,
+            Bound::Words,
+            |d| input([d.any(), d.any(), 0.0, 0.0], Z, Z),
+            |i| output([i.float(0).copysign(i.float(1))]),
+        ),
+        row(
+            "is_finite, is_nan",
+            module,
+            1,
+            Bound::Words,
+            |d| input([d.any(), 0.0, 0.0, 0.0], Z, Z),
+            |i| {
+                let x = i.float(0);
+                words([x.is_finite().into(), x.is_nan().into(), (x.is_finite() && x > 0.0).into()])
+            },
+        ),
+        row(
+            "cross3, dot3",
+            module,
+            2,
+            Bound::Bits,
+            |d| input(four(finite(d)), four(finite(d)), Z),
+            |i| {
+                let (a, b) = (i.vector(0), i.vector(4));
+                let cross = a.cross(b);
+                output([cross.x, cross.y, cross.z, a.dot(b)])
+            },
+        ),
+        row(
+            "normalize_or",
+            module,
+            3,
+            Bound::Within(4e-7),
+            |d| input(four(vector(d)), four(d.direction()), Z),
+            |i| vector_output(i.vector(0).normalize_or(i.vector(4))),
+        ),
+        row(
+            "sin_cos_turns",
+            module,
+            4,
+            Bound::Bits,
+            |d| input([d.unit(), 0.0, 0.0, 0.0], Z, Z),
+            |i| {
+                let (sin, cos) = math::sin_cos_turns(i.float(0));
+                output([sin, cos])
+            },
+        ),
+        row("exp_neg", module, 5, Bound::Bits, exponent, |i| output([math::exp_neg(i.float(0))])),
+        row(
+            "math_ln",
+            module,
+            6,
+            Bound::Bits,
+            |d| input([normal(d), 0.0, 0.0, 0.0], Z, Z),
+            |i| output([math::ln(i.float(0))]),
+        ),
+        row("cube_root", module, 7, Bound::Bits, root, |i| output([math::cube_root(i.float(0))])),
+    ]
+}
+
+fn random_rows(row: Make) -> Vec<Row> {
+    let module = &shaders::PROBE_RANDOM;
+    vec![
+        row("philox4x32", module, 0, Bound::Words, any_words, |i| {
+            let [a, b, c, d, e, f, ..] = i.0;
+            words(philox4x32([a, b, c, d], [e, f]))
+        }),
+        row("lcg, unit_f32", module, 1, Bound::Words, any_words, |i| words([lcg(i.0[0]), unit_f32(i.0[0]).to_bits()])),
+        row("sampler_words", module, 2, Bound::Words, sampler, |i| {
+            let [kind, low, high, pass, domain, path, first, second, ..] = i.0;
+            let kind = if kind == 0 { RandomKind::Counter } else { RandomKind::Lcg };
+            let domain = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather][domain as usize];
+            let seed = u64::from(high) << 32 | u64::from(low);
+            let mut sampler = Sampler::new(kind, seed, pass, domain, path);
+            let (first, second) = (sampler.words(first), sampler.words(second));
+            words([first, second].concat().try_into().unwrap_or([0; 8]))
+        }),
+    ]
+}
+
+fn direction_rows(row: Make) -> Vec<Row> {
+    let (packing, module) = (&shaders::PROBE_OCTAHEDRAL, &shaders::PROBE_SAMPLING);
+    let pair: Draws = |d| input([d.unit(), d.unit(), 0.0, 0.0], Z, Z);
+    let spot: Draws = |d| {
+        let inner = if d.now_and_then() { d.pick(&[1.0, 0.0, -0.5, 1.0 - LAST]) } else { d.between(-1.0, 1.0) };
+        let outer = if d.now_and_then() { d.pick(&[inner, -1.0, inner - 1e-6]) } else { d.between(-1.0, inner) };
+        input([d.unit(), inner, outer.max(-1.0), 0.0], Z, Z)
+    };
+    vec![
+        // A division: the nearest step of 2⁻¹⁵ is another one at most.
+        row(
+            "octahedral_pack",
+            packing,
+            0,
+            Bound::Step,
+            |d| input(four(vector(d)), Z, Z),
+            |i| words([octahedral::pack(i.vector(0))]),
+        ),
+        row("octahedral_unpack", packing, 1, Bound::Within(4e-7), packed, |i| {
+            vector_output(octahedral::unpack(i.0[0]))
+        }),
+        row(
+            "sampling_basis",
+            module,
+            0,
+            Bound::Within(4e-7),
+            |d| input(four(d.direction()), Z, Z),
+            |i| {
+                let (t, b) = sampling::basis(i.vector(0));
+                output([t.x, t.y, t.z, 0.0, b.x, b.y, b.z])
+            },
+        ),
+        // Near the pole a cosine says little about the sine, but both sides get the same one.
+        row("sampling_about", module, 1, Bound::Within(1e-6), about, |i| {
+            vector_output(sampling::about(i.vector(0), i.float(4), i.float(5)))
+        }),
+        row("cosine_hemisphere", module, 2, Bound::Within(1e-6), about, |i| {
+            vector_output(sampling::cosine_hemisphere(i.vector(0), i.float(4), i.float(5)))
+        }),
+        row("uniform_sphere", module, 3, Bound::Within(1e-6), pair, |i| {
+            vector_output(sampling::uniform_sphere(i.float(0), i.float(1)))
+        }),
+        row("sampling_triangle", module, 4, Bound::Relative(4e-7), pair, |i| {
+            let (b, c) = sampling::triangle(i.float(0), i.float(1));
+            output([b, c])
+        }),
+        row("sampling_disc", module, 5, Bound::Relative(4e-7), pair, |i| {
+            let (x, y) = sampling::disc(i.float(0), i.float(1));
+            output([x, y])
+        }),
+        row("spot_falloff", module, 6, Bound::Relative(8e-7), spot, |i| {
+            output([sampling::spot_falloff(i.float(0), i.float(1), i.float(2))])
+        }),
+        // Double precision in Rust.
+        row("spot_solid_angle", module, 7, Bound::Relative(4e-7), spot, |i| {
+            output([sampling::spot_solid_angle(i.float(1), i.float(2)) as f32])
+        }),
+        row("spot_cosine", module, 8, Bound::Within(1e-6), spot, |i| {
+            output([sampling::spot_cosine(i.float(1), i.float(2), i.float(0))])
+        }),
+    ]
+}
+
+fn surface_rows(row: Make) -> Vec<Row> {
+    let (module, points, kernels) = (&shaders::PROBE_BSDF, &shaders::PROBE_OFFSET, &shaders::PROBE_KERNEL);
+    vec![
+        row("fresnel", module, 0, Bound::Within(2e-6), fresnel, |i| {
+            let f = bsdf::fresnel(i.float(0), i.float(1));
+            output([f.reflectance, f.cos_transmitted])
+        }),
+        row(
+            "sheet_reflectance",
+            module,
+            1,
+            Bound::Relative(4e-7),
+            |d| input([d.unit(), 0.0, 0.0, 0.0], Z, Z),
+            |i| output([bsdf::sheet_reflectance(i.float(0))]),
+        ),
+        row("bsdf_reflect", module, 2, Bound::Within(6e-7), meeting, |i| {
+            vector_output(bsdf::reflect(i.vector(0), i.vector(4)))
+        }),
+        // Into a thin medium two vectors of length 1/eta nearly cancel.
+        row(
+            "bsdf_refract",
+            module,
+            3,
+            Bound::Conditioned(1e-6, |i| f64::from(i.float(8)).recip().max(1.0)),
+            meeting,
+            |i| vector_output(bsdf::refract(i.vector(0), i.vector(4), i.float(8), i.float(9))),
+        ),
+        row("barycentric", points, 0, Bound::Bits, corners, |i| {
+            let vertices = [i.vector(0), i.vector(4), i.vector(8)];
+            vector_output(offset::barycentric(vertices, i.float(3), i.float(7)))
+        }),
+        row(
+            "off_surface",
+            points,
+            1,
+            Bound::Bits,
+            |d| input(four(d.point()), four(d.direction()), Z),
+            |i| vector_output(offset::off_surface(i.vector(0), i.vector(4))),
+        ),
+        // Bits but for the cone, which has a root and a division, and may be 0 at its foot.
+        row("kernel_weight", kernels, 0, Bound::Bits, |d| kernel(d, &[0, 1, 3]), weight),
+        row("kernel_weight, cone", kernels, 0, Bound::Within(2e-6), |d| kernel(d, &[2]), weight),
+    ]
+}
+
+/// What [`offset::barycentric`] would be with one rounding less.
+pub(super) fn fused_barycentric(i: &Input) -> Output {
+    let [a, b, c] = [i.vector(0), i.vector(4), i.vector(8)];
+    let (u, v) = (i.float(3), i.float(7));
+    let axis = |a: f32, b: f32, c: f32| v.mul_add(c, a * (1.0 - u - v) + b * u);
+    vector_output(Vec3::new(axis(a.x, b.x, c.x), axis(a.y, b.y, c.y), axis(a.z, b.z, c.z)))
+}
+
+const Z: [f32; 4] = [0.0; 4];
+
+fn four(v: Vec3) -> [f32; 4] {
+    [v.x, v.y, v.z, 0.0]
+}
+
+/// Any length, none and too much of it among them.
+fn vector(d: &mut Draw) -> Vec3 {
+    if d.now_and_then() {
+        let scale = d.pick(&[0.0, -0.0, 1e-10, 1e10, f32::INFINITY, f32::NAN]);
+        return d.direction() * scale;
+    }
+    let scale = d.pick(&[1.0, 1.0, 0.01, 30.0]);
+    d.direction() * scale
+}
+
+/// Not NaN, whose bits are nobody's business.
+fn finite(d: &mut Draw) -> Vec3 {
+    let scale = d.pick(&[1.0, 1e-3, 1e-10, 1e10]);
+    d.direction() * scale
+}
+
+fn normal(d: &mut Draw) -> f32 {
+    let beside_one = [1.0 - LAST, 1.0, f32::from_bits(0x3F80_0001), 0.5, std::f32::consts::FRAC_1_SQRT_2, f32::MAX];
+    if d.now_and_then() { d.pick(&beside_one) } else { d.magnitude(-126, 127) }
+}
+
+fn root(d: &mut Draw) -> Input {
+    let x = if d.now_and_then() { d.pick(&[0.0, -0.0, 1e-40, f32::INFINITY, f32::NAN, 1.0, 8.0]) } else { normal(d) };
+    input([x, 0.0, 0.0, 0.0], Z, Z)
+}
+
+fn exponent(d: &mut Draw) -> Input {
+    let below = f32::from_bits(87.0_f32.to_bits() - 1);
+    let special = [0.0, -0.0, 1e-40, 1e-7, below, 87.0, 1e4, f32::INFINITY, f32::NAN];
+    let x = if d.now_and_then() { d.pick(&special) } else { d.magnitude(-20, 7) };
+    input([x, 0.0, 0.0, 0.0], Z, Z)
+}
+
+fn any_words(d: &mut Draw) -> Input {
+    Input(std::array::from_fn(|_| if d.now_and_then() { d.pick(&[0, 1, u32::MAX]) } else { d.word() }))
+}
+
+fn sampler(d: &mut Draw) -> Input {
+    let mut input = any_words(d);
+    input.0[0] = d.pick(&[0, 1]);
+    input.0[4] = d.pick(&[0, 1, 2, 3]);
+    input
+}
+
+/// Words that unit vectors are packed to, and those that none is.
+fn packed(d: &mut Draw) -> Input {
+    let word = if d.now_and_then() { d.word() } else { octahedral::pack(d.direction()) };
+    Input([word, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0])
+}
+
+fn about(d: &mut Draw) -> Input {
+    input(four(d.direction()), [d.unit(), d.unit(), 0.0, 0.0], Z)
+}
+
+fn eta(d: &mut Draw) -> f32 {
+    let special = [1.0, 1.0 - LAST, 1.000_000_1, 1e-6, 1e-3, 1e3, 1e6, 1e18];
+    if d.now_and_then() { d.pick(&special) } else { d.between(0.4, 2.5) }
+}
+
+fn fresnel(d: &mut Draw) -> Input {
+    let eta = eta(d);
+    // The critical angle, and grazing.
+    let critical = (1.0 - eta * eta).max(0.0).sqrt();
+    let cosine = if d.now_and_then() { d.pick(&[0.0, 1e-30, 1e-4, critical, 1.0, 1.000_000_1]) } else { d.unit() };
+    input([cosine, eta, 0.0, 0.0], Z, Z)
+}
+
+/// A direction, a normal that faces it, an index, and the cosine that goes with them.
+fn meeting(d: &mut Draw) -> Input {
+    let (direction, normal) = (d.direction(), d.direction());
+    let normal = if direction.dot(normal) > 0.0 { -normal } else { normal };
+    let eta = eta(d);
+    let cosine = bsdf::fresnel(-direction.dot(normal), eta).cos_transmitted;
+    input(four(direction), four(normal), [eta, cosine, 0.0, 0.0])
+}
+
+fn corners(d: &mut Draw) -> Input {
+    let [a, b, c] = [d.point(), d.point(), d.point()];
+    let (u, v) = (d.unit(), d.unit());
+    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    input([a.x, a.y, a.z, u], [b.x, b.y, b.z, v], four(c))
+}
+
+fn kernel(d: &mut Draw, kinds: &[u32]) -> Input {
+    let u = if d.now_and_then() { 1.0 } else { d.unit() };
+    let mut input = input([0.0, d.pick(&[1.0, 1.1, 2.0, 1e6]), u, 0.0], Z, Z);
+    input.0[0] = d.pick(kinds);
+    input
+}
+
+fn weight(i: &Input) -> Output {
+    let slope = i.float(1);
+    let kernel = [Kernel::Constant, Kernel::Epanechnikov, Kernel::Cone { slope }, Kernel::Biweight][i.0[0] as usize];
+    output([kernel.weight(i.float(2))])
+}
+
+fn words<const N: usize>(words: [u32; N]) -> Output {
+    let mut output = [0; 8];
+    output[..N].copy_from_slice(&words);
+    output
+}
+
+fn output<const N: usize>(floats: [f32; N]) -> Output {
+    words(floats.map(f32::to_bits))
+}
+
+fn vector_output(v: Vec3) -> Output {
+    output([v.x, v.y, v.z])
+}

@@ -1,0 +1,15 @@
+// Calls what is in kernel.glsl.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+layout(local_size_x_id = 1) in;
+
+#include "probe.glsl"
+#include "kernel.glsl"
+
+Output probe(vec4 a, vec4 b, vec4 c, Input words) {
+    return floats(vec4(kernel_weight(words.a.x, a.y, a.z), 0.0, 0.0, 0.0), vec4(0.0));
+}

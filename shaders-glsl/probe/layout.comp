@@ -1,0 +1,36 @@
+// Copies an array of one kind of record, as wholes: its offsets and its stride are those of the type.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+
+#include "grid.glsl"
+#include "layout.glsl"
+
+layout(local_size_x_id = 1) in;
+layout(constant_id = 2) const uint RECORD = 0u;
+
+layout(push_constant, scalar) uniform Push {
+    uint64_t from;
+    uint64_t to;
+    uint count;
+} push;
+
+#define COPY(TABLE) TABLE(push.to)[i].at = TABLE(push.from)[i].at
+
+void main() {
+    uint i = thread();
+    if (i >= push.count) return;
+    switch (RECORD) {
+        case 0u: COPY(Photons); break;
+        case 1u: COPY(PhotonRays); break;
+        case 2u: COPY(Queries); break;
+        case 3u: COPY(Estimates); break;
+        case 4u: COPY(Facets); break;
+        case 5u: COPY(Materials); break;
+        case 6u: COPY(Lights); break;
+        default: COPY(Cameras); break;
+    }
+}

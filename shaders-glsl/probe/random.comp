@@ -1,0 +1,23 @@
+// Calls what is in random.glsl.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+layout(local_size_x_id = 1) in;
+
+#include "probe.glsl"
+#include "random.glsl"
+
+Output probe(vec4 a, vec4 b, vec4 c, Input words) {
+    switch (FUNCTION) {
+        case 0u: return Output(philox4x32(words.a, words.b.xy), uvec4(0u));
+        case 1u: return Output(uvec4(lcg(words.a.x), floatBitsToUint(unit_f32(words.a.x)), 0u, 0u), uvec4(0u));
+        default: {
+            Sampler s = sampler_new(words.a.x, words.a.yz, words.a.w, words.b.x, words.b.y);
+            uvec4 first = sampler_words(s, words.b.z);
+            return Output(first, sampler_words(s, words.b.w));
+        }
+    }
+}

@@ -127,13 +127,23 @@ impl Report {
         text
     }
 
-    /// Mean radiance of the pictures' layers: where the paper's picture is darker than it should be.
+    /// Mean radiance of the pictures' layers, and of the two that the maps give beside what the
+    /// defaults make of as many photons.
     fn pictures(&self) -> String {
-        let mut table = Table::new(&["picture", "emission", "direct", "caustic", "indirect", "time"]);
+        let headings = ["picture", "emission", "direct", "caustic", "of defaults", "indirect", "of defaults", "time"];
+        let mut table = Table::new(&headings);
         for results in &self.all {
-            for (plan, measured) in results.cells.iter().filter(|(plan, _)| plan.table == "pictures") {
+            let pictures = || results.cells.iter().filter(|(plan, _)| plan.table == "pictures");
+            let defaults = pictures().find(|(plan, _)| plan.name == "defaults").map(|(_, measured)| measured);
+            for (plan, measured) in pictures() {
                 let mut row = vec![format!("{}-{}.png", plan.name, results.backend)];
-                row.extend(measured.layers.map(|mean| format!("{mean:.5}")));
+                for (layer, &mean) in measured.layers.iter().enumerate() {
+                    row.push(format!("{mean:.5}"));
+                    if layer >= 2 {
+                        let whole = defaults.map(|measured| measured.layers[layer]).filter(|&whole| whole > 0.0);
+                        row.push(whole.map_or("-".to_owned(), |whole| format!("{:.3}", mean / whole)));
+                    }
+                }
                 row.push(seconds(measured.wall));
                 table.row(row);
             }

@@ -1,0 +1,72 @@
+//! Direct light by next-event estimation.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{DirectLight, Layer, Pass, Query, Result};
+
+use crate::buffer::VulkanBuffer;
+use crate::film::{self, VulkanFilm};
+use crate::scene::VulkanScene;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Invocations per workgroup.
+const GROUP: u32 = 128;
+/// Shadow rays per dispatch, so that none runs for seconds.
+const RAYS: u64 = 1 << 25;
+/// Up to so many lights are weighed for each query.
+const FEW: u32 = 16;
+
+/// Shadow rays to points on the lights.
+#[derive(Debug)]
+pub(crate) struct VulkanDirect;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    scene: u64,
+    queries: u64,
+    count: u64,
+    values: u64,
+    seed: u64,
+    pass: u32,
+    rays: u32,
+    start: u32,
+    padding: u32,
+}
+
+impl DirectLight<Vulkan> for VulkanDirect {
+    fn light(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        pass: Pass,
+        queries: &VulkanBuffer<Query>,
+        shadow_rays: u32,
+        film: &mut VulkanFilm,
+    ) -> Result<()> {
+        let lights = scene.light_count();
+        let weighed = if (2..=FEW).contains(&lights) { lights } else { 0 };
+        let kernel = on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed])?;
+        // How many there are need not be known here yet: as many as fit.
+        let capacity = queries.capacity();
+        let stretch = (RAYS / u64::from(shadow_rays.max(1))).max(u64::from(GROUP));
+        let mut start = 0;
+        while start < capacity {
+            let push = Push {
+                scene: scene.address(),
+                queries: queries.data_address(),
+                count: queries.count_address(),
+                values: film.values_address(on, capacity)?,
+                seed: pass.seed,
+                pass: pass.index,
+                rays: shadow_rays,
+                start: start as u32,
+                padding: 0,
+            };
+            let count = stretch.min(capacity - start).div_ceil(u64::from(GROUP)) * u64::from(GROUP);
+            on.dispatch(&kernel, &push, count / u64::from(GROUP))?;
+            start += count;
+        }
+        film::fold_values(on, film, Layer::Direct, queries)
+    }
+}

@@ -1,0 +1,128 @@
+//! Indirect light by final gathering (Jensen 1996).
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Estimate, FinalGather, Layer, Maps, Pass, Query, RadianceEstimator, Result};
+
+use crate::buffer::VulkanBuffer;
+use crate::film::{self, VulkanFilm};
+use crate::scene::VulkanScene;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Invocations per workgroup.
+const GROUP: u32 = 128;
+/// Rays under way at a time: 96 MiB of landings and estimates.
+const RAYS: u32 = 1 << 20;
+
+/// Rays from the queries to where the maps are read. Where they land they are queries like any
+/// other, which the estimator answers.
+pub(crate) struct VulkanGather {
+    max_bounces: u32,
+    estimator: Box<dyn RadianceEstimator<Vulkan>>,
+    landed: Option<(VulkanBuffer<Query>, VulkanBuffer<Estimate>)>,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GatherPush {
+    scene: u64,
+    queries: u64,
+    landings: u64,
+    seed: u64,
+    pass: u32,
+    rays: u32,
+    start_ray: u32,
+    count_rays: u32,
+    start_query: u32,
+    count_queries: u32,
+    max_bounces: u32,
+    padding: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GatheredPush {
+    landings: u64,
+    estimates: u64,
+    values: u64,
+    count_rays: u32,
+    start_query: u32,
+    count_queries: u32,
+    scale: f32,
+}
+
+impl VulkanGather {
+    /// For paths of so many surfaces at most; `estimator` reads the maps.
+    pub(crate) fn new(max_bounces: u32, estimator: Box<dyn RadianceEstimator<Vulkan>>) -> Self {
+        Self { max_bounces, estimator, landed: None }
+    }
+}
+
+impl FinalGather<Vulkan> for VulkanGather {
+    fn gather(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        maps: &Maps<'_, Vulkan>,
+        pass: Pass,
+        queries: &VulkanBuffer<Query>,
+        rays: u32,
+        film: &mut VulkanFilm,
+    ) -> Result<()> {
+        let length = on.length(queries)?;
+        let (rays, paths) = (rays.max(1), maps.paths.max(1));
+        if length == 0 || maps.paths == 0 {
+            return Ok(());
+        }
+        let room = u64::from(RAYS).min(length * u64::from(rays));
+        let (mut landings, mut estimates) = match self.landed.take() {
+            Some(landed) if landed.0.capacity() >= room => landed,
+            _ => (VulkanBuffer::new(on, "gather rays", room)?, VulkanBuffer::new(on, "gather estimates", room)?),
+        };
+        film.clear_values(on, queries.capacity())?;
+        let values = film.values_address(on, queries.capacity())?;
+        let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP])?;
+        let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP])?;
+        // Whole queries at a time, unless one alone has too many rays.
+        let per_query = rays.min(RAYS);
+        let per_stretch = u64::from(RAYS / per_query);
+        for start_query in (0..length).step_by(per_stretch as usize) {
+            let count_queries = per_stretch.min(length - start_query) as u32;
+            for start_ray in (0..rays).step_by(per_query as usize) {
+                let count_rays = per_query.min(rays - start_ray);
+                let count = u64::from(count_queries) * u64::from(count_rays);
+                let push = GatherPush {
+                    scene: scene.address(),
+                    queries: queries.data_address(),
+                    landings: landings.data_address(),
+                    seed: pass.seed,
+                    pass: pass.index,
+                    rays,
+                    start_ray,
+                    count_rays,
+                    start_query: start_query as u32,
+                    count_queries,
+                    max_bounces: self.max_bounces,
+                    padding: 0,
+                };
+                on.dispatch(&follow, &push, count.div_ceil(u64::from(GROUP)))?;
+                on.set_length(&mut landings, count)?;
+                let push = GatheredPush {
+                    landings: landings.data_address(),
+                    estimates: estimates.data_address(),
+                    values,
+                    count_rays,
+                    start_query: start_query as u32,
+                    count_queries,
+                    scale: (1.0 / (std::f64::consts::PI * paths as f64 * f64::from(rays))) as f32,
+                };
+                for (map, gather) in [&maps.direct, &maps.caustic, &maps.global].into_iter().flatten() {
+                    self.estimator.estimate(on, map, &landings, gather, &mut estimates)?;
+                    on.dispatch(&add, &push, u64::from(count_queries.div_ceil(GROUP)))?;
+                }
+            }
+        }
+        self.landed = Some((landings, estimates));
+        film::fold_values(on, film, Layer::Indirect, queries)
+    }
+}

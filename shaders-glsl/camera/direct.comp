@@ -1,0 +1,126 @@
+// Direct light by next-event estimation: mean irradiance over the shadow rays of each query. Twin of
+// backend-cpu's direct.rs: the same random numbers.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+layout(constant_id = 0) const uint FEATURES = 511;
+// Lights that are weighed for each query; 0 if power alone decides.
+layout(constant_id = 2) const uint WEIGHED = 0;
+
+#include "constants.glsl"
+#include "grid.glsl"
+#include "layout.glsl"
+#include "math.glsl"
+#include "offset.glsl"
+#include "random.glsl"
+#include "sampling.glsl"
+#include "scene.glsl"
+#include "choice.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
+
+layout(push_constant, scalar) uniform Push {
+    SceneRef scene;
+    Queries queries;
+    Count count;
+    Values values;
+    uvec2 seed;
+    uint pass;
+    uint rays;
+    // The first query of this dispatch.
+    uint start;
+} push;
+
+// The whole part of (ray · 2³² + random) / rays, for ray < rays: one stratum of the lights each.
+uint stratum(uint ray, uint rays, uint random) {
+    if (rays == 1) return random;
+    if (rays < 65536) {
+        // 2³² = whole · rays + rest.
+        uint whole = 0xFFFFFFFFu / rays;
+        uint rest = 0xFFFFFFFFu % rays + 1;
+        return ray * whole + random / rays + (ray * rest + random % rays) / rays;
+    }
+    // Bit by bit; what is carried stays below rays.
+    uint quotient = 0;
+    uint carried = ray;
+    for (int bit = 31; bit >= 0; bit--) {
+        bool over = carried >> 31 != 0;
+        carried = carried << 1 | (random >> bit & 1);
+        if (over || carried >= rays) {
+            carried -= rays;
+            quotient |= 1u << bit;
+        }
+    }
+    return quotient;
+}
+
+// Unoccluded irradiance from one point of a light over the density of that point, and the ray that
+// must be free. False if the light is on the other side.
+bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 value, out Ray ray) {
+    Light light = push.scene.lights[index].at;
+    vec3 from = off_surface(position, normal);
+    if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0 && light.kind == LIGHT_DIRECTIONAL) {
+        float cosine = -dot3(normal, light.direction);
+        value = light.power * (cosine / (3.14159265 * light.radius * light.radius));
+        ray = Ray(from, -light.direction, NO_LIMIT);
+        return cosine > 0.0;
+    }
+    vec3 to = light.position;
+    vec3 front = vec3(0.0);
+    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE) {
+        vec2 weights = sampling_triangle(unit_f32(words.y), unit_f32(words.z));
+        Emission lamp = push.scene.emissions[index].at;
+        vec3 point = barycentric(lamp.a, lamp.b, lamp.c, weights.x, weights.y);
+        front = lamp.normal;
+        if ((light.flags & LIGHT_BOTH_SIDES) != 0 && words.w >> 31 == 1) front = -front;
+        to = off_surface(point, front);
+    }
+    vec3 gap = to - from;
+    float square = dot3(gap, gap);
+    float far = sqrt(square);
+    vec3 direction = gap / far;
+    float cosine = dot3(normal, direction);
+    ray = Ray(from, direction, far);
+    value = vec3(0.0);
+    if (!(cosine > 0.0)) return false;
+    // Radiant intensity towards the query.
+    vec3 intensity;
+    if ((FEATURES & FEATURE_POINT_LIGHTS) != 0 && light.kind == LIGHT_POINT) {
+        intensity = light.power * 0.0795774715;
+    } else if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0 && light.kind == LIGHT_SPOT) {
+        float falloff = spot_falloff(-dot3(direction, light.direction), light.cos_inner, light.cos_outer);
+        intensity = light.power * (falloff / spot_solid_angle(light.cos_inner, light.cos_outer));
+    } else {
+        // All its power, as if it left this point with the cosine of Lambert.
+        intensity = light.power * max(-dot3(direction, front) * 0.318309886, 0.0);
+    }
+    value = intensity * (cosine / square);
+    return intensity != vec3(0.0);
+}
+
+void main() {
+    uint i = push.start + thread();
+    if (i >= min(push.count.needed, push.count.capacity)) return;
+    vec3 position = push.queries[i].at.position;
+    vec3 normal = push.queries[i].at.normal;
+    uint key = push.queries[i].at.path;
+    Choices choices = choices_at(push.scene, WEIGHED, position, normal);
+    vec3 sum = vec3(0.0);
+    for (uint k = 0; k < push.rays; k++) {
+        uvec4 words = philox4x32(uvec4(key, k, push.pass, DOMAIN_SHADOW), push.seed);
+        float share;
+        uint index = choices_pick(push.scene, choices, stratum(k, push.rays, words.x), share);
+        vec3 value;
+        Ray ray;
+        if (sample_light(index, position, normal, words, value, ray)
+            && !occluded(push.scene, ray)) {
+            sum += value / share;
+        }
+    }
+    push.values[i].at = sum / float(push.rays);
+}

@@ -1,0 +1,179 @@
+// Follows the camera path of each pixel through mirrors and glass to diffuse surfaces. Twin of
+// backend-cpu's eye.rs: the same random numbers, the same order of a pixel's queries.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+layout(constant_id = 0) const uint FEATURES = 511;
+// How often a path splits at glass; it may then end in 2 to that power of queries.
+layout(constant_id = 2) const uint MAX_SPLITS = 2;
+// Numbers of random numbers that a pixel has to itself, in powers of two.
+layout(constant_id = 3) const uint PATHS_LOG2 = 2;
+
+#include "bsdf.glsl"
+#include "constants.glsl"
+#include "film.glsl"
+#include "grid.glsl"
+#include "layout.glsl"
+#include "octahedral.glsl"
+#include "random.glsl"
+#include "scene.glsl"
+#include "boundary.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
+
+layout(push_constant, scalar) uniform Push {
+    SceneRef scene;
+    Cameras camera;
+    FirstPass first;
+    LayerPass emission;
+    // 2 to the power of MAX_SPLITS places for each pixel, and how many of them are taken.
+    Queries found;
+    Words counts;
+    uvec2 seed;
+    uint pass;
+    uint width;
+    uint height;
+    // The pixels of this dispatch.
+    uint start;
+    uint count;
+    uint max_bounces;
+} push;
+
+// A camera path under way.
+struct Path {
+    Ray ray;
+    vec3 weight;
+    uint medium;
+    uint surfaces;
+    uint splits;
+    // Which of the pixel's paths this is; a key of random numbers.
+    uint branch;
+};
+
+uvec4 words(uint pixel, uint branch, uint block) {
+    return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, DOMAIN_EYE), push.seed);
+}
+
+// The ray through a point of the picture, both coordinates in [-1, 1].
+Ray camera_ray(float x, float y) {
+    Camera camera = push.camera.at;
+    precise vec3 offset = camera.right * x + camera.up * y;
+    if (camera.kind == CAMERA_ORTHOGRAPHIC) {
+        precise vec3 origin = camera.origin + offset;
+        return Ray(origin, camera.forward, NO_LIMIT);
+    }
+    precise vec3 towards = camera.forward + offset;
+    return Ray(camera.origin, normalize_or(towards, camera.forward), NO_LIMIT);
+}
+
+// Where the path goes on from `at`, and the other path in `other` if it splits there.
+bool go_on(inout Path path, out Path other, uint pixel, Surface at, Material material) {
+    bool split = false;
+    if ((FEATURES & FEATURE_MIRROR) != 0 && material.kind == MATERIAL_MIRROR) {
+        path.weight *= material.albedo;
+        path.ray = surface_leave(at, bsdf_reflect(path.ray.direction, at.normal));
+    } else if ((FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0) {
+        vec3 beyond;
+        float reflectance = boundary(material, at, path.ray.direction, beyond);
+        Ray reflected = surface_leave(at, bsdf_reflect(path.ray.direction, at.normal));
+        split = reflectance > 0.0 && reflectance < 1.0 && path.splits < MAX_SPLITS;
+        bool reflects = false;
+        if (split) {
+            other = path;
+            other.ray = reflected;
+            precise vec3 share = path.weight * reflectance;
+            other.weight = share;
+            other.branch |= 1u << path.splits;
+            other.splits++;
+        } else {
+            uvec4 choice = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
+            reflects = unit_f32(choice.x) < reflectance;
+        }
+        if (reflects) {
+            path.ray = reflected;
+        } else {
+            path.weight *= material.albedo;
+            path.ray = surface_pass(at, beyond);
+            path.medium = entered(material, at, path.medium);
+            if (split) {
+                precise vec3 rest = path.weight * (1.0 - reflectance);
+                path.weight = rest;
+                path.splits++;
+            }
+        }
+    }
+    return split;
+}
+
+void main() {
+    uint local = thread();
+    if (local >= push.count) return;
+    uint pixel = push.start + local;
+    uint x = pixel % push.width;
+    uint y = pixel / push.width;
+    uvec4 jitter = words(pixel, 0, BLOCK_START);
+    precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
+    precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
+    Path path = Path(camera_ray(across, -down), vec3(1.0), VACUUM, 0, 0, 0);
+
+    // No path splits more than twice, so that no more than two wait.
+    Path waiting[2];
+    uint waits = 0;
+    uint found = 0;
+    vec3 emission = vec3(0.0);
+    bool alive = true;
+    while (alive) {
+        Surface at;
+        alive = surface(push.scene, path.ray, at);
+        if (alive) {
+            Material material = push.scene.materials[at.material].at;
+            if (path.surfaces == 0) {
+                FirstPass first = push.first + pixel;
+                first.normal = at.normal;
+                first.depth = at.t;
+                first.albedo = material.albedo;
+                first.hits = 1;
+            }
+            if ((FEATURES & FEATURE_ABSORPTION) != 0) {
+                path.weight *= transmittance(push.scene, at, path.medium);
+            }
+            if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && material.emission != vec3(0.0)
+                && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
+                emission += path.weight * material.emission;
+            }
+            if (material.kind == MATERIAL_LAMBERT) {
+                precise vec3 weight = path.weight * material.albedo * 0.318309886;
+                if (weight != vec3(0.0)) {
+                    uint key = (pixel << PATHS_LOG2) + path.branch;
+                    push.found[(local << MAX_SPLITS) + found].at = Query(
+                        at.point, 1.0, at.normal, pixel, weight, at.material,
+                        octahedral_pack(-path.ray.direction), key, uint[2](0u, 0u));
+                    found++;
+                }
+                alive = false;
+            } else {
+                path.surfaces++;
+                alive = path.surfaces < push.max_bounces;
+                Path other;
+                if (alive && go_on(path, other, pixel, at, material)) {
+                    waiting[waits] = other;
+                    waits++;
+                }
+            }
+        }
+        if (!alive && waits > 0) {
+            waits--;
+            path = waiting[waits];
+            alive = true;
+        }
+    }
+    push.counts[local].at = found;
+    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && emission != vec3(0.0)) {
+        LayerPass layer = push.emission + pixel;
+        layer.radiance += emission;
+    }
+}

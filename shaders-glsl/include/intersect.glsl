@@ -13,8 +13,8 @@ struct Hit {
     uint primitive;
     float u;
     float v;
-    // Its number in the tree.
-    uint triangle;
+    // Where the tree has the triangle: the index of its corners.
+    uint slot;
 };
 
 // Deepest tree that the host gives us; each level leaves at most one group of nodes waiting.
@@ -92,8 +92,8 @@ float edge_again(vec2 from, vec2 to) {
 
 // Replaces `best` if the triangle is nearer, or as near and of lower index. Both sides count; edges
 // and vertices belong to every triangle that has them.
-void test_triangle(SceneRef scene, uint triangle, Sheared s, inout Hit best) {
-    Corners corners = scene.corners[triangle];
+void test_triangle(SceneRef scene, uint slot, Sheared s, inout Hit best) {
+    Corners corners = scene.corners[slot];
     vec4 first = corners.a;
     vec4 second = corners.b;
     vec4 third = corners.c;
@@ -120,7 +120,7 @@ void test_triangle(SceneRef scene, uint triangle, Sheared s, inout Hit best) {
     uint primitive = floatBitsToUint(first.w);
     if (t >= 0.0 && (t < best.t || t == best.t && primitive < best.primitive)) {
         precise vec2 weights = vec2(v, w) / determinant;
-        best = Hit(t, primitive, weights.x, weights.y, triangle);
+        best = Hit(t, primitive, weights.x, weights.y, slot);
     }
 }
 
@@ -146,7 +146,7 @@ uint test_boxes(uint meta4, uint octant4, uvec3 near4, uvec3 far4, vec3 stride, 
 
 // Whether anything is hit; the nearest hit, unless `shadow` lets the first do.
 bool walk(SceneRef scene, Ray ray, const bool shadow, out Hit best) {
-    best = Hit(min(ray.t_max, RAY_ENDLESS), NO_PRIMITIVE, 0.0, 0.0, 0u);
+    best = Hit(min(ray.t_max, NO_LIMIT), NO_PRIMITIVE, 0.0, 0.0, 0u);
     Sheared s;
     if (scene.triangles == 0u || !sheared(ray, s)) return false;
     bvec3 negative = lessThan(ray.direction, vec3(0.0));

@@ -1,0 +1,55 @@
+// How many photons lie within a radius of each query.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+layout(local_size_x_id = 1) in;
+
+#include "math.glsl"
+#include "search_map.glsl"
+#include "search_distance.glsl"
+
+shared uvec4 staged[TILES * TILE_POINTS];
+
+vec3 at;
+uint limit, found;
+
+void stage(uint mode, uint place, uint slot) {
+    staged[place] = push.positions[slot].at;
+}
+
+void visit(uint mode, uvec2 firsts) {
+    uint places = gl_SubgroupID * TILE_POINTS;
+    for (uint j = 0; j < TILE_POINTS; j++) {
+        float d2 = point_distance(at, uintBitsToFloat(staged[places + j].xyz));
+        found += floatBitsToUint(d2) < limit ? 1 : 0;
+    }
+}
+
+#define SEARCH_COUNT
+#include "search_walk.glsl"
+
+void main() {
+    uvec2 own = own_queries();
+    for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
+        uint index = tile + gl_SubgroupInvocationID;
+        bool asked = index < own.y;
+        limit = 0;
+        found = 0;
+        at = vec3(0.0);
+        if (asked) {
+            at = push.queries[index].at.position;
+            precise float most = push.radius * push.radius;
+            bool a_number = !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z) && !is_nan(most);
+            if (push.points > 0 && a_number) limit = floatBitsToUint(most) + 1;
+        }
+        if (subgroupAny(limit > 0)) walk(0);
+        if (asked && index < push.capacity) Words(push.results)[index].at = found;
+    }
+}

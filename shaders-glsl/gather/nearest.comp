@@ -1,0 +1,154 @@
+// The k nearest photons, exactly, ties by lower id: estimates from them, or their ids. Twin of
+// backend-cpu's estimate.rs, `Rule::Nearest` and `Rule::Paper`, and of its index/nearest.rs.
+//
+// No list of k is kept: bins tell between which distances the k-th lies, and a second walk adds up what
+// is nearer and holds the few points in between one by one.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+layout(local_size_x_id = 1) in;
+
+// What to make of them: estimates, estimates as in the paper, or rows of (bits of d², id).
+layout(constant_id = 6) const uint MODE = 0;
+const uint DENSITY = 0, PAPER = 1, ROWS = 2;
+layout(constant_id = 4) const uint KERNEL = 0;
+// Whether a normal, or in the paper's mode a direction, decides what counts.
+layout(constant_id = 5) const uint FILTER = 1;
+
+#include "kernel.glsl"
+#include "octahedral.glsl"
+#include "search_map.glsl"
+#include "search_distance.glsl"
+#include "search_sum.glsl"
+
+// The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.
+const float LEAST = 1.0 / (1048576.0 * 1048576.0);
+
+// Positions; then normals or directions, and powers or ids.
+shared uvec4 staged[TILES * TILE_POINTS];
+shared vec3 axes[TILES * TILE_POINTS];
+shared uvec3 goods[TILES * TILE_POINTS];
+
+vec3 at, normal;
+uint limit, accepted;
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Rows { uvec2 key; };
+
+#define SEARCH_NEAREST
+#include "search_histogram.glsl"
+#include "search_guess.glsl"
+#include "search_rank.glsl"
+#include "search_moments.glsl"
+
+void stage(uint mode, uint place, uint slot) {
+    uvec4 point = push.positions[slot].at;
+    staged[place] = point;
+    if (MODE == ROWS) {
+        if (mode == COLLECT) goods[place].x = push.ids[slot].at;
+        return;
+    }
+    if (mode == COLLECT || MODE == PAPER) {
+        uvec4 power = push.power[slot].at;
+        goods[place] = power.xyz;
+        if (MODE == PAPER) axes[place] = octahedral_unpack(power.w);
+    }
+    if (MODE == DENSITY && FILTER != 0) axes[place] = octahedral_unpack(point.w);
+}
+
+bool accepts(uint place) {
+    if (FILTER == 0) return true;
+    float cosine = dot3(axes[place], normal);
+    return MODE == PAPER ? cosine > 0.0 : cosine >= push.min_cosine;
+}
+
+void visit(uint mode, uvec2 firsts) {
+    uint places = gl_SubgroupID * TILE_POINTS;
+    for (uint part = 0; part < TILE_POINTS; part += WIDTH) {
+        uint first = part == 0 ? firsts.x : firsts.y;
+        for (uint j = 0; j < WIDTH; j++) {
+            uint place = places + part + j;
+            float d2 = point_distance(at, uintBitsToFloat(staged[place].xyz));
+            uint bits = floatBitsToUint(d2);
+            if (bits < limit && accepts(place)) {
+                accepted++;
+                if (mode == WIDEN) rank_widen(d2);
+                else if (mode < COLLECT) rank_narrow(bits, first + j);
+                else collect(place, bits, d2, first + j);
+            }
+        }
+        if (mode == COLLECT && MODE != ROWS) moments_leaf_end();
+    }
+}
+
+#include "search_walk.glsl"
+
+// What is known about this query before the tree is looked at.
+void ask(uint index, Hint hint) {
+    at = push.queries[index].at.position;
+    normal = push.queries[index].at.normal;
+    precise float radius = MODE == ROWS ? push.radius : push.queries[index].at.radius * push.radius;
+    precise float most = radius * radius;
+    phase = DONE;
+    highest = floatBitsToUint(most);
+    range_set(DONE, highest + 1, highest);
+    if (push.k == 0 || push.points == 0 || is_nan(most) || is_nan(at.x) || is_nan(at.y) || is_nan(at.z)) return;
+    base = box_distance(at, uintBitsToFloat(push.nodes[0].low.xyz), uintBitsToFloat(push.nodes[0].high.xyz));
+    if (floatBitsToUint(base) > highest) return;
+    if (push.points < push.k) {
+        rank_few();
+        return;
+    }
+    phase = WIDEN;
+    float guess = guess_from(hint, at, push.k);
+    if (!(guess >= 0.0)) guess = guess_from_nodes(at, push.k);
+    squared_radius = max(guess, base);
+    if (floatBitsToUint(squared_radius) > highest) squared_radius = most;
+}
+
+void main() {
+    uvec2 own = own_queries();
+    if (MODE != ROWS && gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
+        push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
+    }
+    Hint hint = Hint(vec3(0.0), -1.0, false);
+    for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
+        uint place = tile + gl_SubgroupInvocationID;
+        bool asked = place < own.y;
+        uint index = asked && ORDERED != 0 ? push.order[place].at : place;
+        at = vec3(0.0);
+        normal = vec3(0.0);
+        accepted = 0;
+        highest = 0;
+        moments_begin(index);
+        range_set(DONE, 1, 0);
+        if (asked) ask(index, hint);
+        for (uint round = 0;; round++) {
+            uint mode = subgroupMin(phase);
+            if (mode == DONE) break;
+            bool busy = phase == mode;
+            limit = 0;
+            if (busy && mode < COLLECT) rank_begin();
+            if (busy && mode == COLLECT) {
+                limit = high_bits + 1;
+                moments_begin(index);
+            }
+            walk(mode);
+            if (busy && mode < COLLECT) rank_end(round);
+            if (busy && mode == COLLECT) rank_collected(sure, open);
+        }
+        bool full = sure + open >= push.k && push.k > 0;
+        float reach = asked ? finish(full) : 0.0;
+        if (asked && MODE != ROWS && index < push.capacity) {
+            Estimates(push.results)[index].at = estimate(full, reach);
+        }
+        bool steady = full && hint.squared_radius >= 0.0 && reach < 2.0 * hint.squared_radius && hint.squared_radius < 2.0 * reach;
+        hint = Hint(at, full ? reach : -1.0, steady);
+    }
+}

@@ -1,0 +1,76 @@
+// Sorts rows of keys (bits of d², id), nearest first, and writes their ids: one workgroup to a row, by
+// Batcher's bitonic network (1968), in shared memory where a row fits.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+#include "grid.glsl"
+
+// Keys that fit in shared memory: a power of two.
+layout(constant_id = 2) const uint ROOM = 512;
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Rows { uvec2 key; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Ids { uint at; };
+
+layout(push_constant, scalar) uniform Push {
+    Rows rows;
+    Ids ids;
+    uint count;
+    uint k;
+    // The power of two that k fits in.
+    uint room;
+} push;
+
+shared uvec2 keys[ROOM];
+
+bool greater(uvec2 a, uvec2 b) {
+    return a.x > b.x || (a.x == b.x && a.y > b.y);
+}
+
+void main() {
+    uint local = gl_LocalInvocationIndex;
+    uint row = workgroup();
+    // The same for the whole workgroup.
+    if (row >= push.count) return;
+    Rows own = push.rows + row * push.k;
+    bool in_shared = push.room <= ROOM;
+    if (in_shared) {
+        for (uint i = local; i < push.room; i += gl_WorkGroupSize.x) {
+            keys[i] = i < push.k ? own[i].key : uvec2(0xFFFFFFFFu);
+        }
+    }
+    barrier();
+    for (uint size = 2; size <= push.room; size <<= 1) {
+        for (uint stride = size >> 1; stride > 0; stride >>= 1) {
+            for (uint pair = local; pair < push.room / 2; pair += gl_WorkGroupSize.x) {
+                uint low = 2 * pair - (pair & (stride - 1));
+                // The first step of a size meets mirrored, so that all go upwards, and whatever is past
+                // the end may be thought of as greater than all.
+                uint base = low & ~(size - 1);
+                bool mirror = stride == size >> 1;
+                uint high = mirror ? base + size - 1 - (low - base) : low + stride;
+                if (in_shared) {
+                    uvec2 a = keys[low], b = keys[high];
+                    if (greater(a, b)) {
+                        keys[low] = b;
+                        keys[high] = a;
+                    }
+                } else if (high < push.k) {
+                    uvec2 a = own[low].key, b = own[high].key;
+                    if (greater(a, b)) {
+                        own[low].key = b;
+                        own[high].key = a;
+                    }
+                }
+            }
+            if (!in_shared) memoryBarrierBuffer();
+            barrier();
+        }
+    }
+    for (uint i = local; i < push.k; i += gl_WorkGroupSize.x) {
+        push.ids[row * push.k + i].at = in_shared ? keys[i].y : own[i].key.y;
+    }
+}

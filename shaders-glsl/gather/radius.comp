@@ -1,0 +1,98 @@
+// Estimates from all photons within a radius. Twin of backend-cpu's estimate.rs, `Rule::Radius`.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+layout(local_size_x_id = 1) in;
+
+#include "kernel.glsl"
+#include "octahedral.glsl"
+#include "search_map.glsl"
+#include "search_distance.glsl"
+#include "search_sum.glsl"
+
+layout(constant_id = 4) const uint KERNEL = 0;
+// Whether normals are compared.
+layout(constant_id = 5) const uint FILTER = 1;
+
+// The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.
+const float LEAST = 1.0 / (1048576.0 * 1048576.0);
+
+// Positions with packed normals, normals, powers.
+shared uvec4 staged[TILES * TILE_POINTS];
+shared vec3 normals[TILES * TILE_POINTS];
+shared vec3 powers[TILES * TILE_POINTS];
+
+vec3 at, normal;
+uint limit;
+float scale;
+Sum flux;
+uint photons;
+
+void stage(uint mode, uint place, uint slot) {
+    uvec4 point = push.positions[slot].at;
+    staged[place] = point;
+    powers[place] = uintBitsToFloat(push.power[slot].at.xyz);
+    if (FILTER != 0) normals[place] = octahedral_unpack(point.w);
+}
+
+void visit(uint mode, uvec2 firsts) {
+    uint places = gl_SubgroupID * TILE_POINTS;
+    for (uint part = 0; part < TILE_POINTS; part += WIDTH) {
+        vec3 sum = vec3(0.0);
+        for (uint j = 0; j < WIDTH; j++) {
+            uint place = places + part + j;
+            float d2 = point_distance(at, uintBitsToFloat(staged[place].xyz));
+            if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)) {
+                sum += powers[place] * kernel_weight(KERNEL, push.parameter, min(d2 * scale, 1.0));
+                photons++;
+            }
+        }
+        sum_add(flux, sum);
+    }
+}
+
+#include "search_walk.glsl"
+
+void main() {
+    uvec2 own = own_queries();
+    if (gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
+        push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
+    }
+    for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
+        uint place = tile + gl_SubgroupInvocationID;
+        bool asked = place < own.y;
+        uint index = asked && ORDERED != 0 ? push.order[place].at : place;
+        precise float squared_radius = 0.0;
+        limit = 0;
+        at = vec3(0.0);
+        normal = vec3(0.0);
+        if (asked) {
+            at = push.queries[index].at.position;
+            normal = push.queries[index].at.normal;
+            precise float radius = push.queries[index].at.radius * push.radius;
+            squared_radius = radius * radius;
+            if (push.points > 0 && !is_nan(squared_radius) && !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z)) {
+                limit = floatBitsToUint(squared_radius) + 1;
+                // Too far from all of them.
+                vec3 low = uintBitsToFloat(push.nodes[0].low.xyz), high = uintBitsToFloat(push.nodes[0].high.xyz);
+                if (floatBitsToUint(box_distance(at, low, high)) >= limit) limit = 0;
+            }
+        }
+        float divisor = squared_radius >= LEAST ? squared_radius : LEAST;
+        scale = 1.0 / divisor;
+        flux = NOTHING;
+        photons = 0;
+        walk(0);
+        if (asked && index < push.capacity) {
+            Estimates(push.results)[index].at = Estimate(
+                flux.total - flux.excess, divisor, photons, squared_radius < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+        }
+    }
+}

@@ -1,0 +1,54 @@
+// Counts by rank, one set of bins for each invocation: column by column in shared memory, so that
+// nobody meets anybody else's, and packed in pairs unless k is too large for 16 bits.
+#ifndef SEARCH_HISTOGRAM_GLSL
+#define SEARCH_HISTOGRAM_GLSL
+
+// Whether a bin has 32 bits.
+layout(constant_id = 7) const uint WIDE = 0;
+
+// Words of shared memory for each invocation.
+const uint COLUMN = 32;
+const uint BINS = WIDE != 0 ? 32 : 64;
+// Log2 of that.
+const uint BINS_LOG2 = WIDE != 0 ? 5 : 6;
+// A bin counts no further.
+const uint FULL = WIDE != 0 ? 0xFFFFFFFFu : 0xFFFFu;
+
+shared uint columns[COLUMN * gl_WorkGroupSize.x];
+
+uint column_at(uint row) {
+    return (gl_SubgroupID * COLUMN + row) * gl_SubgroupSize + gl_SubgroupInvocationID;
+}
+
+void bins_clear() {
+    for (uint row = 0; row < COLUMN; row++) columns[column_at(row)] = 0;
+}
+
+uint bin_count(uint bin) {
+    if (WIDE != 0) return columns[column_at(bin)];
+    return columns[column_at(bin >> 1)] >> ((bin & 1u) * 16u) & 0xFFFFu;
+}
+
+// One more; how many there are then.
+uint bin_add(uint bin) {
+    if (WIDE != 0) {
+        uint counted = columns[column_at(bin)];
+        counted += counted < FULL ? 1u : 0u;
+        columns[column_at(bin)] = counted;
+        return counted;
+    }
+    uint shift = (bin & 1u) * 16u;
+    uint word = columns[column_at(bin >> 1)];
+    uint counted = word >> shift & 0xFFFFu;
+    if (counted == FULL) return counted;
+    columns[column_at(bin >> 1)] = word + (1u << shift);
+    return counted + 1u;
+}
+
+// By how much the numbers of a range are shifted for its bins to hold it.
+uint bins_shift(uint range) {
+    int top = findMSB(range);
+    return top < int(BINS_LOG2) ? 0u : uint(top) + 1u - BINS_LOG2;
+}
+
+#endif

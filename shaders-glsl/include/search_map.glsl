@@ -1,0 +1,76 @@
+// A photon map as searches see it, what they are asked, and how queries are shared out.
+//
+// A tile is as many queries as a subgroup has invocations, one to each; the subgroup walks the tree
+// once for all of them. The numbers of a point are the bits of floats, since a slot's fourth is none.
+#ifndef SEARCH_MAP_GLSL
+#define SEARCH_MAP_GLSL
+
+#include "grid.glsl"
+#include "layout.glsl"
+
+// Subgroups of a workgroup that have shared memory; any more stand idle.
+layout(constant_id = 2) const uint TILES = 4;
+
+// Bit of a node's count: it is a leaf, and the rest counts points.
+const uint LEAF = 0x80000000u;
+// Points in a leaf at most, and children of a node.
+const uint WIDTH = 16;
+// Levels of a tree at most: backend-cpu's MAX_DEPTH.
+const uint LEVELS = 64;
+// Points of two leaves.
+const uint TILE_POINTS = 32;
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BoxNodes {
+    // Lower corner, first child or slot.
+    uvec4 low;
+    // Upper corner, count.
+    uvec4 high;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Slots { uvec4 at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
+
+layout(push_constant, scalar) uniform Push {
+    BoxNodes nodes;
+    Words totals;
+    Slots positions;
+    Slots power;
+    Words ids;
+    Queries queries;
+    Words query_count;
+    // Estimates, rows of keys, or words: as the kernel says.
+    uvec2 results;
+    Words result_count;
+    // Number of each query in the order in which they are taken.
+    Words order;
+    // Points in the map.
+    uint points;
+    // Queries of this dispatch begin here, end there, and so many are a workgroup's.
+    uint first;
+    uint end;
+    uint span;
+    uint k;
+    // Of k-NN rows and counts: the radius; otherwise a factor on each query's.
+    float radius;
+    float min_cosine;
+    // The cone's slope, or the paper's factor.
+    float parameter;
+    uint threshold;
+    // Results that fit.
+    uint capacity;
+} push;
+
+// Whether queries are taken in the order of `push.order`.
+layout(constant_id = 3) const uint ORDERED = 0;
+
+// The tiles of this subgroup: queries from x on, before y.
+uvec2 own_queries() {
+    uint tiles = min(gl_NumSubgroups, TILES);
+    uint end = min(min(push.end, push.query_count[0].at), push.query_count[1].at);
+    if (gl_SubgroupID >= tiles || push.first + workgroup() * push.span >= end) return uvec2(0);
+    uint begin = push.first + workgroup() * push.span;
+    end = min(end, begin + push.span);
+    uint share = (push.span + tiles * gl_SubgroupSize - 1) / (tiles * gl_SubgroupSize) * gl_SubgroupSize;
+    return uvec2(min(end, begin + gl_SubgroupID * share), min(end, begin + gl_SubgroupID * share + share));
+}
+
+#endif

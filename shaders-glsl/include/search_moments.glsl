@@ -1,0 +1,135 @@
+// Sums over the k nearest, for weights that depend on how far the k-th lies, which is known last.
+//
+// Every kernel is a polynomial in the distance: powers are summed times 1, u and u², or the root of
+// u for the cone, with u = d² over the end of the range that the k-th lies in.
+#ifndef SEARCH_MOMENTS_GLSL
+#define SEARCH_MOMENTS_GLSL
+
+// Points nearer than the range, and in it: these are kept as (bits of d², slot) where the bins were.
+uint sure, open;
+// Of a leaf, and of all.
+vec3 part0, part1, part2;
+Sum sum0, sum1, sum2;
+float per_high;
+// The row that ids go to.
+uint row;
+
+void moments_begin(uint index) {
+    sure = 0;
+    open = 0;
+    part0 = part1 = part2 = vec3(0.0);
+    sum0 = sum1 = sum2 = NOTHING;
+    float high = uintBitsToFloat(high_bits);
+    per_high = high > 1.0e-30 && high < 1.0e30 ? 1.0 / high : 0.0;
+    row = index - push.first;
+}
+
+void moments_add(vec3 power, float d2) {
+    part0 += power;
+    float u = d2 * per_high;
+    if (KERNEL == KERNEL_EPANECHNIKOV || KERNEL == KERNEL_BIWEIGHT) part1 += power * u;
+    if (KERNEL == KERNEL_CONE) part1 += power * sqrt(u);
+    if (KERNEL == KERNEL_BIWEIGHT) part2 += power * (u * u);
+}
+
+void moments_leaf_end() {
+    sum_add(sum0, part0);
+    if (KERNEL != KERNEL_CONSTANT) sum_add(sum1, part1);
+    if (KERNEL == KERNEL_BIWEIGHT) sum_add(sum2, part2);
+    part0 = part1 = part2 = vec3(0.0);
+}
+
+// Row by row; what is beyond k is a misplaced edge's, and collected again.
+void row_add(uint number, uint bits, uint id) {
+    if (number < push.k) Rows(push.results)[row * push.k + number].key = uvec2(bits, id);
+}
+
+void collect(uint place, uint bits, float d2, uint slot) {
+    bool near = bits < low_bits;
+    if (!near && (low_id != 0 || high_id != 0xFFFFFFFFu)) {
+        uint id = push.ids[slot].at;
+        near = id < low_id;
+        if (id > high_id) return;
+    }
+    if (near) {
+        if (MODE == ROWS) {
+            row_add(sure, bits, goods[place].x);
+        } else {
+            vec3 power = uintBitsToFloat(goods[place]);
+            if (MODE == PAPER) power *= dot3(axes[place], normal) * push.parameter;
+            moments_add(power, d2);
+        }
+        sure++;
+    } else {
+        if (open < STASH) {
+            columns[column_at(2 * open)] = bits;
+            columns[column_at(2 * open + 1)] = slot;
+        }
+        open++;
+    }
+}
+
+// Adds those of the open points that count; the squared distance of the k-th if there is one.
+float finish(bool full) {
+    uint reach = highest;
+    uint kept = MODE == DENSITY ? push.k - 1 : push.k;
+    uint rows = sure;
+    for (uint e = 0; full && e < open; e++) {
+        uint bits = columns[column_at(2 * e)];
+        uint slot = columns[column_at(2 * e + 1)];
+        uint rank = sure;
+        for (uint f = 0; f < open; f++) {
+            uint other = columns[column_at(2 * f)];
+            bool before = other < bits;
+            if (other == bits && f != e) {
+                before = push.ids[columns[column_at(2 * f + 1)]].at < push.ids[slot].at;
+            }
+            rank += before ? 1 : 0;
+        }
+        if (rank == push.k - 1) reach = bits;
+        if (rank >= kept) continue;
+        if (MODE == ROWS) {
+            row_add(rows, bits, push.ids[slot].at);
+            rows++;
+            continue;
+        }
+        uvec4 power = push.power[slot].at;
+        float weight = MODE == PAPER ? dot3(octahedral_unpack(power.w), normal) * push.parameter : 1.0;
+        moments_add(uintBitsToFloat(power.xyz) * weight, uintBitsToFloat(bits));
+    }
+    if (MODE == ROWS) {
+        for (uint number = rows; number < push.k; number++) row_add(number, 0xFFFFFFFFu, 0xFFFFFFFFu);
+    } else {
+        moments_leaf_end();
+    }
+    return uintBitsToFloat(reach);
+}
+
+Estimate estimate(bool full, float reach) {
+    uint photons = full ? push.k : sure;
+    if (MODE == PAPER && photons < push.threshold) {
+        photons = 0;
+        sum0 = NOTHING;
+        reach = uintBitsToFloat(highest);
+    }
+    float divisor = reach >= LEAST ? reach : LEAST;
+    float ratio = per_high > 0.0 ? uintBitsToFloat(high_bits) / divisor : 0.0;
+    vec3 flux = sum0.total - sum0.excess;
+    if (MODE == DENSITY && KERNEL != KERNEL_CONSTANT) {
+        vec3 first = sum1.total - sum1.excess;
+        if (KERNEL == KERNEL_EPANECHNIKOV) flux = 2.0 * (flux - ratio * first);
+        if (KERNEL == KERNEL_CONE) {
+            float slope = push.parameter;
+            flux = (slope / (slope - 0.6666667)) * (flux - sqrt(ratio) / slope * first);
+        }
+        if (KERNEL == KERNEL_BIWEIGHT) {
+            vec3 second = sum2.total - sum2.excess;
+            flux = 3.0 * (flux - 2.0 * ratio * first + ratio * ratio * second);
+        }
+        // Weights are not negative; what is left of nearly nothing may be.
+        flux = max(flux, vec3(0.0));
+    }
+    return Estimate(flux, divisor, photons, reach < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+}
+
+#endif

@@ -29,4 +29,4 @@ pub use error::SceneError;
 pub use load::{Overrides, load, load_gltf, load_obj, load_ply};
 pub use report::{LoadReport, ReportKind, ReportLine};
 pub use scene::Scene;
-pub use wide::{Accel, AccelError, BruteForce};
+pub use wide::{Accel, AccelError, Binary, BinaryTree, BruteForce};

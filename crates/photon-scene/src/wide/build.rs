@@ -8,9 +8,6 @@ use super::node::{Binary, binary};
 
 /// So many primitives with one and the same box make obvhs build a list instead of a tree.
 const TWINS: usize = 64;
-/// Primitives per leaf: one packet.
-const LEAF: usize = super::triangle::LANES;
-
 /// A padded box, as obvhs takes it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Padded {
@@ -48,11 +45,12 @@ fn obvhs_vec(v: [f32; 3]) -> glam::Vec3A {
 }
 
 /// A binary tree over `boxes`, its root first, and the order of primitives that its leaves refer to.
-pub(crate) fn tree(boxes: &[Padded]) -> (Vec<Binary>, Vec<u32>) {
-    if boxes.len() <= LEAF || has_twins(boxes) {
-        return balanced(boxes);
+/// At most `leaf` primitives stand in a leaf.
+pub(crate) fn tree(boxes: &[Padded], leaf: usize) -> (Vec<Binary>, Vec<u32>) {
+    if boxes.len() <= leaf || has_twins(boxes) {
+        return balanced(boxes, leaf);
     }
-    let parameters = BvhBuildParams { max_prims_per_leaf: LEAF as u32, ..BvhBuildParams::medium_build() };
+    let parameters = BvhBuildParams { max_prims_per_leaf: leaf as u32, ..BvhBuildParams::medium_build() };
     let built = build_bvh2(boxes, parameters, &mut std::time::Duration::default());
     (binary(&built), built.primitive_indices)
 }
@@ -71,7 +69,7 @@ fn has_twins(boxes: &[Padded]) -> bool {
 }
 
 /// Split at the median of the widest axis: never deeper than the logarithm of the count.
-pub(crate) fn balanced(boxes: &[Padded]) -> (Vec<Binary>, Vec<u32>) {
+pub(crate) fn balanced(boxes: &[Padded], leaf: usize) -> (Vec<Binary>, Vec<u32>) {
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let blank = Binary { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3], first: 0, count: 0 };
     let mut nodes = vec![blank];
@@ -84,7 +82,7 @@ pub(crate) fn balanced(boxes: &[Padded]) -> (Vec<Binary>, Vec<u32>) {
                 node.high[axis] = node.high[axis].max(boxes[id as usize].high[axis]);
             }
         }
-        if to - from <= LEAF {
+        if to - from <= leaf {
             node.first = from as u32;
             node.count = (to - from) as u32;
         } else {

@@ -11,6 +11,8 @@ mod triangle;
 
 use photon_core::{Hit, Ray, RayCaster};
 
+pub use node::Binary;
+
 use node::Node;
 use triangle::Packet;
 
@@ -60,22 +62,69 @@ impl Accel {
     /// # Errors
     /// [`AccelError`] names the triangle or the vertex.
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, AccelError> {
-        check(positions, triangles)?;
+        let boxes = padded(positions, triangles)?;
         let corners = |id: u32| triangles[id as usize].map(|vertex| positions[vertex as usize]);
-        let boxes: Vec<_> = (0..triangles.len() as u32).map(|id| build::Padded::around(corners(id))).collect();
         if boxes.is_empty() {
             return Ok(Self { nodes: Vec::new(), packets: Vec::new() });
         }
-        let (binary, order) = build::tree(&boxes);
+        let (binary, order) = build::tree(&boxes, triangle::LANES);
         let (nodes, packets, depth) = node::widen(&binary, &order, &corners);
         if depth <= traverse::MAX_DEPTH {
             return Ok(Self { nodes, packets });
         }
         // A tree too deep for the stack of a traversal; a median split never is.
-        let (binary, order) = build::balanced(&boxes);
+        let (binary, order) = build::balanced(&boxes, triangle::LANES);
         let (nodes, packets, _) = node::widen(&binary, &order, &corners);
         Ok(Self { nodes, packets })
     }
+}
+
+/// A binary tree over padded boxes about triangles, for those who arrange it in their own way.
+#[derive(Debug)]
+pub struct BinaryTree {
+    /// The root first; none where there are no triangles.
+    pub nodes: Vec<Binary>,
+    /// Indices of triangles, in the order that leaves refer to.
+    pub order: Vec<u32>,
+}
+
+impl BinaryTree {
+    /// The tree with the least expected cost that obvhs finds, with up to `leaf` ≥ 1 triangles in a
+    /// leaf. It may be deep.
+    ///
+    /// # Errors
+    /// As [`Accel::build`].
+    pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf: usize) -> Result<Self, AccelError> {
+        Self::by(build::tree, positions, triangles, leaf)
+    }
+
+    /// Split at medians: never deeper than the logarithm of the count, rounded up, and 1.
+    ///
+    /// # Errors
+    /// As [`Accel::build`].
+    pub fn balanced(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf: usize) -> Result<Self, AccelError> {
+        Self::by(build::balanced, positions, triangles, leaf)
+    }
+
+    fn by(
+        build: fn(&[build::Padded], usize) -> (Vec<Binary>, Vec<u32>),
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        leaf: usize,
+    ) -> Result<Self, AccelError> {
+        let boxes = padded(positions, triangles)?;
+        if boxes.is_empty() {
+            return Ok(Self { nodes: Vec::new(), order: Vec::new() });
+        }
+        let (nodes, order) = build(&boxes, leaf.max(1));
+        Ok(Self { nodes, order })
+    }
+}
+
+fn padded(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Vec<build::Padded>, AccelError> {
+    check(positions, triangles)?;
+    let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
+    Ok(triangles.iter().map(|triangle| build::Padded::around(corners(triangle))).collect())
 }
 
 fn check(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), AccelError> {

@@ -39,15 +39,17 @@ impl Node {
     };
 }
 
-/// A binary tree as both builders make it.
+/// A node of a binary tree, as both builders make it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Binary {
-    pub(crate) low: [f32; 3],
-    pub(crate) high: [f32; 3],
+pub struct Binary {
+    /// Lower corner of its box.
+    pub low: [f32; 3],
+    /// Upper corner.
+    pub high: [f32; 3],
     /// Leaf: first of its primitives. Otherwise the first of two children, side by side.
-    pub(crate) first: u32,
+    pub first: u32,
     /// Primitives; 0 for an inner node.
-    pub(crate) count: u32,
+    pub count: u32,
 }
 
 pub(crate) fn binary(tree: &Bvh2) -> Vec<Binary> {

@@ -93,6 +93,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         film: &mut VulkanFilm,
         queries: &mut VulkanBuffer<Query>,
     ) -> Result<()> {
+        film.check_size(view.width, view.height)?;
         let features = scene.features();
         let splits = if splits(features) { SPLITS } else { 0 };
         let pixels = view.width * view.height;

@@ -107,6 +107,18 @@ impl VulkanFilm {
         u64::from(self.width) * u64::from(self.height)
     }
 
+    /// Checks that a picture of this size is what the film is for.
+    pub(crate) fn check_size(&self, width: u32, height: u32) -> Result<()> {
+        if (width, height) == (self.width, self.height) {
+            return Ok(());
+        }
+        Err(Error::InvalidSetting {
+            name: "size",
+            value: format!("{width}x{height}"),
+            mend: "must be the size of the film that the picture goes to",
+        })
+    }
+
     /// Where the camera notes the first surface of each pixel.
     pub(crate) fn first_address(&self) -> u64 {
         self.first_pass.address()

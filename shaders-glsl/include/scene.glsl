@@ -110,7 +110,7 @@ Ray surface_pass(Surface at, vec3 direction) {
 vec3 transmittance(SceneRef scene, Surface at, uint medium) {
     uint inside = !at.front && scene.materials[at.material].at.kind == MATERIAL_DIELECTRIC ? at.material : medium;
     if (inside >= scene.material_count) return vec3(1.0);
-    precise vec3 depth = scene.materials[inside].at.absorption * at.t;
+    vec3 depth = scene.materials[inside].at.absorption * at.t;
     return vec3(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));
 }
 

@@ -85,7 +85,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, Material mat
         if (split) {
             other = path;
             other.ray = reflected;
-            precise vec3 share = path.weight * reflectance;
+            vec3 share = path.weight * reflectance;
             other.weight = share;
             other.branch |= 1u << path.splits;
             other.splits++;
@@ -100,7 +100,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, Material mat
             path.ray = surface_pass(at, beyond);
             path.medium = entered(material, at, path.medium);
             if (split) {
-                precise vec3 rest = path.weight * (1.0 - reflectance);
+                vec3 rest = path.weight * (1.0 - reflectance);
                 path.weight = rest;
                 path.splits++;
             }
@@ -146,7 +146,7 @@ void main() {
                 emission += path.weight * material.emission;
             }
             if (material.kind == MATERIAL_LAMBERT) {
-                precise vec3 weight = path.weight * material.albedo * 0.318309886;
+                vec3 weight = path.weight * material.albedo * 0.318309886;
                 if (weight != vec3(0.0)) {
                     uint key = (pixel << PATHS_LOG2) + path.branch;
                     push.found[(local << MAX_SPLITS) + found].at = Query(

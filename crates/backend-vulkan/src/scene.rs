@@ -1,0 +1,214 @@
+//! A scene on the device: its tables, and the tree that rays are sent through.
+
+use std::time::Instant;
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Error, Features, Requirements, Result, SceneView, Settings, light_probability};
+
+use crate::device::Memory;
+use crate::vulkan::Vulkan;
+use crate::wide::WideTree;
+
+/// Triangles that are brought to the device at a time.
+const BLOCK: usize = 1 << 20;
+
+/// A scene, ready to be traced.
+#[derive(Debug)]
+pub struct VulkanScene {
+    /// One `Record`, the way to all else.
+    record: Memory,
+    /// What it points to.
+    _tables: Vec<Memory>,
+    features: Features,
+    light_count: u32,
+    /// Labels and bytes of the tables.
+    bytes: Vec<(&'static str, u64)>,
+    /// Seconds that the tree took to build, on the processor.
+    pub build_seconds: f64,
+}
+
+/// `SceneRef` of scene.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Record {
+    nodes: u64,
+    corners: u64,
+    facets: u64,
+    materials: u64,
+    lights: u64,
+    light_starts: u64,
+    emissions: u64,
+    triangles: u32,
+    light_count: u32,
+    material_count: u32,
+    reserved: u32,
+}
+
+/// `Emission` of scene.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Emission {
+    carried: [f32; 3],
+    probability: f32,
+    corners: [[f32; 3]; 3],
+    normal: [f32; 3],
+}
+
+impl VulkanScene {
+    /// # Errors
+    /// [`Error::MissingFeatures`], [`Error::InvalidInput`] names the triangle, [`Error::Backend`] what
+    /// kept the tree from being built, [`Error::OutOfMemory`].
+    pub(crate) fn new(on: &mut Vulkan, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
+        required.check(Requirements::of(view, &Settings::default()).features)?;
+        check(view)?;
+        let start = Instant::now();
+        let tree = WideTree::build(view.positions, view.triangles)
+            .map_err(|source| Error::Backend { backend: "vulkan: building the BVH", source: Box::new(source) })?;
+        let build_seconds = start.elapsed().as_secs_f64();
+        let mut upload = Upload { on, tables: Vec::new(), bytes: Vec::new() };
+        let nodes = upload.table("BVH nodes", &tree.nodes)?;
+        let corners = upload.by_triangle("triangles", &tree.order, |id| corners(view, id))?;
+        let facets = upload.by_triangle("facets", &tree.order, |id| view.facets[id as usize])?;
+        let emissions: Vec<Emission> = (0..view.lights.len()).map(|index| emission(view, index)).collect();
+        let record = Record {
+            nodes,
+            corners,
+            facets,
+            materials: upload.table("materials", view.materials)?,
+            lights: upload.table("lights", view.lights)?,
+            light_starts: upload.table("lights", view.light_starts)?,
+            emissions: upload.table("lights", &emissions)?,
+            triangles: view.triangles.len() as u32,
+            light_count: view.lights.len() as u32,
+            material_count: view.materials.len() as u32,
+            reserved: 0,
+        };
+        upload.table("scene", &[record])?;
+        let Upload { mut tables, bytes, .. } = upload;
+        let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
+        let light_count = view.lights.len() as u32;
+        Ok(Self { record, _tables: tables, features: required.features, light_count, bytes, build_seconds })
+    }
+
+    /// The address of the record that kernels take.
+    pub(crate) fn address(&self) -> u64 {
+        self.record.address()
+    }
+
+    /// What kernels must model.
+    pub(crate) fn features(&self) -> Features {
+        self.features
+    }
+
+    /// How many lights there are.
+    pub(crate) fn light_count(&self) -> u32 {
+        self.light_count
+    }
+
+    /// Labels and bytes of all that it holds on the device.
+    pub(crate) fn bytes(&self) -> &[(&'static str, u64)] {
+        &self.bytes
+    }
+}
+
+/// Indices that kernels would follow without looking.
+fn check(view: &SceneView<'_>) -> Result<()> {
+    let invalid = |what, index: usize, why| Err(Error::InvalidInput { what, index: index as u64, why });
+    let (vertices, materials) = (view.positions.len(), view.materials.len());
+    for (index, triangle) in view.triangles.iter().enumerate() {
+        if triangle.iter().any(|&vertex| vertex as usize >= vertices) {
+            let why = format!("{triangle:?} names a vertex that is not among the {vertices}");
+            return invalid("triangle", index, why);
+        }
+    }
+    if view.facets.len() != view.triangles.len() {
+        let why = format!("there are {} of them for {} triangles", view.facets.len(), view.triangles.len());
+        return invalid("facet", view.facets.len(), why);
+    }
+    if let Some(index) = view.facets.iter().position(|facet| facet.material as usize >= materials) {
+        let why = format!("material {} is not among the {materials}", view.facets[index].material);
+        return invalid("facet", index, why);
+    }
+    let shines = |light: &photon_core::Light| light.kind == photon_core::Light::TRIANGLE;
+    let lost = |light: &photon_core::Light| shines(light) && light.primitive as usize >= view.triangles.len();
+    if let Some(index) = view.lights.iter().position(lost) {
+        let why = format!("triangle {} is not there", view.lights[index].primitive);
+        return invalid("light", index, why);
+    }
+    if view.light_starts.len() != view.lights.len() {
+        let why = format!("there are {} shares for {} lights", view.light_starts.len(), view.lights.len());
+        return invalid("light", view.lights.len(), why);
+    }
+    Ok(())
+}
+
+/// Three vertices; beside the first, the index of the triangle.
+fn corners(view: &SceneView<'_>, id: u32) -> [[f32; 4]; 3] {
+    let [a, b, c] = view.triangles[id as usize].map(|vertex| view.positions[vertex as usize]);
+    let with = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
+    [with(a, f32::from_bits(id)), with(b, 0.0), with(c, 0.0)]
+}
+
+/// What a path from a light carries, and where it starts if the light is a triangle.
+fn emission(view: &SceneView<'_>, index: usize) -> Emission {
+    let light = &view.lights[index];
+    let share = light_probability(view.light_starts, index);
+    let area = light.kind == photon_core::Light::TRIANGLE;
+    let (corners, normal) = if area {
+        let primitive = light.primitive as usize;
+        let corners = view.triangles[primitive].map(|vertex| view.positions[vertex as usize]);
+        (corners, view.facets[primitive].normal)
+    } else {
+        ([[0.0; 3]; 3], [0.0; 3])
+    };
+    let carried = light.power.map(|power| (f64::from(power) / share) as f32);
+    Emission { carried, probability: share as f32, corners, normal }
+}
+
+/// Tables on their way to the device.
+struct Upload<'a> {
+    on: &'a mut Vulkan,
+    tables: Vec<Memory>,
+    bytes: Vec<(&'static str, u64)>,
+}
+
+impl Upload<'_> {
+    /// The address of a table of `length` elements, to be written.
+    fn room<T>(&mut self, label: &'static str, length: usize) -> Result<u64> {
+        let bytes = (length * size_of::<T>()) as u64;
+        let memory = self.on.memory(label, bytes).map_err(|error| match error {
+            Error::OutOfMemory { bytes, .. } => Error::OutOfMemory { label, bytes },
+            other => other,
+        })?;
+        let address = memory.address();
+        self.bytes.push((label, memory.bytes()));
+        self.tables.push(memory);
+        Ok(address)
+    }
+
+    fn write<T: Pod>(&mut self, first: usize, part: &[T]) -> Result<()> {
+        let Some(memory) = self.tables.last() else { return Ok(()) };
+        self.on.write(memory, (first * size_of::<T>()) as u64, bytemuck::cast_slice(part))
+    }
+
+    fn table<T: Pod>(&mut self, label: &'static str, table: &[T]) -> Result<u64> {
+        let address = self.room::<T>(label, table.len())?;
+        for (block, part) in table.chunks(BLOCK).enumerate() {
+            self.write(block * BLOCK, part)?;
+        }
+        Ok(address)
+    }
+
+    /// A table with an entry for each triangle, in the order of the tree.
+    fn by_triangle<T: Pod>(&mut self, label: &'static str, order: &[u32], entry: impl Fn(u32) -> T) -> Result<u64> {
+        let address = self.room::<T>(label, order.len())?;
+        for (block, ids) in order.chunks(BLOCK).enumerate() {
+            let part: Vec<T> = ids.iter().map(|&id| entry(id)).collect();
+            self.write(block * BLOCK, &part)?;
+        }
+        Ok(address)
+    }
+}
+
+#[cfg(test)]
+mod tests;

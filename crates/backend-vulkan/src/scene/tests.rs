@@ -1,0 +1,250 @@
+//! Hits on the device against those of photon-scene's caster.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::glam::Vec3;
+use photon_core::random::{philox4x32, unit_f32};
+use photon_core::{Facet, Hit, Material, Ray, RayCaster, Requirements, SceneView, Settings, Units, sampling};
+use photon_scene::{Accel, BruteForce};
+
+use super::VulkanScene;
+use crate::{Vulkan, shaders};
+
+type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    scene: u64,
+    lines: u64,
+    hits: u64,
+    count: u64,
+}
+
+/// Numbers in [0, 1), four at a time.
+fn numbers(index: u32, block: u32) -> [f32; 4] {
+    philox4x32([index, block, 0, 0], [5, 7]).map(unit_f32)
+}
+
+/// Brings triangles to the device, all of one material.
+fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
+    let facets = vec![Facet { normal: [0.0, 0.0, 1.0], material: 0 }; triangles.len()];
+    let materials = [Material { albedo: [0.5; 3], ..Material::default() }];
+    let view = SceneView {
+        positions,
+        triangles,
+        facets: &facets,
+        materials: &materials,
+        lights: &[],
+        light_starts: &[],
+        radius: 1.0,
+        units: Units::default(),
+    };
+    VulkanScene::new(on, &view, &Requirements::everything(&Settings::default())).unwrap()
+}
+
+/// What the device finds: the nearest hits, and whether anything is hit.
+fn cast(on: &mut Vulkan, scene: &VulkanScene, rays: &[Ray]) -> (Vec<Option<Hit>>, Vec<bool>) {
+    let lines: Vec<[f32; 8]> = rays
+        .iter()
+        .map(|ray| {
+            let ([x, y, z], [u, v, w]) = (ray.origin.to_array(), ray.direction.to_array());
+            [x, y, z, ray.t_max, u, v, w, 0.0]
+        })
+        .collect();
+    let there = on.memory("rays", 32 * rays.len() as u64).unwrap();
+    on.write(&there, 0, bytemuck::cast_slice(&lines)).unwrap();
+    let hits = on.memory("hits", 16 * rays.len() as u64).unwrap();
+    let mut run = |shadow: u32| {
+        let kernel = on.kernel(&shaders::RAYS_NEAREST, &[0, 64, shadow]).unwrap();
+        let push =
+            Push { scene: scene.address(), lines: there.address(), hits: hits.address(), count: rays.len() as u64 };
+        on.dispatch(&kernel, &push, rays.len().div_ceil(64) as u64).unwrap();
+        let mut words = vec![[0_u32; 4]; rays.len()];
+        on.read(&hits, 0, bytemuck::cast_slice_mut(&mut words)).unwrap();
+        words
+    };
+    let hit = |[t, primitive, u, v]: [u32; 4]| {
+        let float = f32::from_bits;
+        (primitive != u32::MAX).then_some(Hit { t: float(t), primitive, u: float(u), v: float(v) })
+    };
+    (run(0).into_iter().map(hit).collect(), run(1).into_iter().map(|words| words[1] == 0).collect())
+}
+
+/// Rounding of division alone may tell hits apart: 2.5 units in the last place each for the shear's
+/// two quotients and the distance's, and what cancels in the edge functions on top.
+const TOLERANCE: f32 = 1e-5;
+
+/// Whether two answers are the same but for rounding.
+fn agrees(found: Option<Hit>, expected: Option<Hit>) -> bool {
+    match (found, expected) {
+        (None, None) => true,
+        (Some(a), Some(b)) => (a.t - b.t).abs() <= TOLERANCE * b.t.max(0.1),
+        _ => false,
+    }
+}
+
+fn soup(count: u32) -> Mesh {
+    let mut positions = Vec::new();
+    for i in 0..count {
+        let [x, y, z, _] = numbers(i, 0);
+        for corner in 1..4 {
+            let [a, b, c, _] = numbers(i, corner);
+            positions.push([x - 0.5 + 0.1 * (a - 0.5), y - 0.5 + 0.1 * (b - 0.5), z - 0.5 + 0.1 * (c - 0.5)]);
+        }
+    }
+    (positions, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+}
+
+/// A sphere of radius 0.4, closed, of `rings` rings of twice as many segments.
+pub(crate) fn sphere(rings: u32) -> Mesh {
+    let segments = 2 * rings;
+    let mut positions = vec![[0.0, 0.0, 0.4]];
+    for ring in 1..rings {
+        for segment in 0..segments {
+            let theta = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
+            let phi = std::f64::consts::TAU * f64::from(segment) / f64::from(segments);
+            let at = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
+            positions.push(at.map(|c| (0.4 * c) as f32));
+        }
+    }
+    positions.push([0.0, 0.0, -0.4]);
+    let last = positions.len() as u32 - 1;
+    let at = |ring: u32, segment: u32| 1 + (ring - 1) * segments + segment % segments;
+    let mut triangles = Vec::new();
+    for segment in 0..segments {
+        triangles.push([0, at(1, segment), at(1, segment + 1)]);
+        triangles.push([last, at(rings - 1, segment + 1), at(rings - 1, segment)]);
+        for ring in 1..rings - 1 {
+            let (a, b) = (at(ring, segment), at(ring, segment + 1));
+            let (c, d) = (at(ring + 1, segment), at(ring + 1, segment + 1));
+            triangles.extend([[a, c, b], [b, c, d]]);
+        }
+    }
+    (positions, triangles)
+}
+
+/// Some run along the axes, some aim at vertices, some have an end.
+fn rays_through((positions, _): &Mesh, count: u32) -> Vec<Ray> {
+    (0..count)
+        .map(|i| {
+            let [x, y, z, end] = numbers(i, 8);
+            let origin = Vec3::new(x, y, z) - 0.5;
+            let [a, b, ..] = numbers(i, 9);
+            let direction = match i % 5 {
+                0 => [Vec3::X, -Vec3::Y, Vec3::Z][i as usize / 5 % 3],
+                1 => (Vec3::from(positions[i as usize % positions.len()]) - origin).normalize_or(Vec3::X),
+                _ => sampling::uniform_sphere(a, b),
+            };
+            Ray { origin, direction, t_max: if i % 7 == 0 { end } else { f32::INFINITY } }
+        })
+        .collect()
+}
+
+#[test]
+fn hits_agree_with_those_of_the_processor() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    for mesh in [soup(1), soup(3), soup(5), soup(700), soup(20_000), sphere(16)] {
+        let brute = BruteForce::build(&mesh.0, &mesh.1).unwrap();
+        let accel = Accel::build(&mesh.0, &mesh.1).unwrap();
+        let caster: &dyn RayCaster = if mesh.1.len() > 1000 { &accel } else { &brute };
+        let scene = prepare(&mut on, &mesh);
+        let rays = rays_through(&mesh, 20_000);
+        let (hits, shadows) = cast(&mut on, &scene, &rays);
+        let (mut apart, mut other, mut count) = (0, 0, 0);
+        for ((ray, &hit), &shadow) in rays.iter().zip(&hits).zip(&shadows) {
+            let expected = caster.nearest(ray);
+            apart += u32::from(!agrees(hit, expected));
+            other += u32::from(hit.map(|h| h.primitive) != expected.map(|h| h.primitive));
+            count += u32::from(hit.is_some());
+            assert_eq!(shadow, hit.is_some(), "{ray:?}: {hit:?}, and shadow {shadow}");
+        }
+        println!("{} triangles: {count} hits, {apart} apart, {other} of another triangle", mesh.1.len());
+        assert!(count > 10, "{} triangles: {count} hits", mesh.1.len());
+        // Rays along an edge of a triangle that is alone may pass it on either side.
+        assert!(apart <= 2, "{} triangles: {apart} rays apart", mesh.1.len());
+        // A fifth of the rays aim at vertices, where several triangles are hit at once.
+        assert!(other <= count / 5, "{} triangles: {other} others of {count}", mesh.1.len());
+    }
+}
+
+#[test]
+fn what_differs_is_noticed() {
+    let hit = |t, primitive| Some(Hit { t, primitive, u: 0.2, v: 0.2 });
+    assert!(agrees(hit(0.5, 1), hit(0.5, 1)) && agrees(None, None));
+    assert!(!agrees(hit(0.5, 1), hit(0.5001, 1)));
+    assert!(!agrees(None, hit(0.5, 1)) && !agrees(hit(0.5, 1), None));
+}
+
+/// No ray from inside a closed surface escapes, wherever it is aimed.
+#[test]
+fn no_cracks_at_edges_and_vertices() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let mesh = sphere(48);
+    let scene = prepare(&mut on, &mesh);
+    let rays: Vec<Ray> = (0..400_000_u32)
+        .map(|i| {
+            let [x, y, z, along] = numbers(i, 0);
+            let origin = (Vec3::new(x, y, z) - 0.5) * 0.4;
+            let [a, b, c] = mesh.1[i as usize % mesh.1.len()].map(|vertex| Vec3::from(mesh.0[vertex as usize]));
+            let target = match i % 3 {
+                0 => a,
+                1 => a + (b - a) * along,
+                _ => c + (a - c) * along,
+            };
+            Ray { origin, direction: (target - origin).normalize(), t_max: f32::INFINITY }
+        })
+        .collect();
+    let (hits, shadows) = cast(&mut on, &scene, &rays);
+    let lost: Vec<_> = rays.iter().zip(&hits).filter(|(_, hit)| hit.is_none()).collect();
+    assert!(lost.is_empty(), "{} lost, as {:?}", lost.len(), lost[0]);
+    assert!(shadows.iter().all(|&shadow| shadow));
+}
+
+#[test]
+fn rays_along_the_axes_hit_faces_up_to_their_edges() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let positions = vec![[-0.5, -0.5, 0.5], [0.5, -0.5, 0.5], [0.5, 0.5, 0.5], [-0.5, 0.5, 0.5]];
+    let scene = prepare(&mut on, &(positions, vec![[0, 1, 2], [0, 2, 3]]));
+    let mut rays = Vec::new();
+    for x in [-0.5, -0.5 + 1.2e-7, 0.0, 0.5 - 1.2e-7, 0.5_f32] {
+        for y in [-0.5, 0.3, 0.5_f32] {
+            for z in [-0.5, -9.0, -1e4_f32] {
+                rays.push(Ray { origin: Vec3::new(x, y, z), direction: Vec3::Z, t_max: f32::INFINITY });
+            }
+        }
+    }
+    rays.push(Ray { origin: Vec3::new(0.500_001, 0.0, 0.0), direction: Vec3::Z, t_max: f32::INFINITY });
+    let (mut hits, _) = cast(&mut on, &scene, &rays);
+    assert_eq!(hits.pop().unwrap(), None);
+    assert!(hits.iter().all(Option::is_some), "{hits:?}");
+}
+
+#[test]
+fn limits_twins_and_nonsense() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let ray = |origin, direction, t_max| Ray { origin, direction, t_max };
+    // No triangle at all; and as many as one likes in one place, of which the first wins.
+    let empty = prepare(&mut on, &(vec![], vec![]));
+    assert_eq!(cast(&mut on, &empty, &[ray(Vec3::ZERO, Vec3::X, 1.0)]).0, [None]);
+    let positions = vec![[-0.1, -0.1, 0.0], [0.1, -0.1, 0.0], [0.0, 0.1, 0.0]];
+    let twins = prepare(&mut on, &(positions, vec![[0, 1, 2]; 10_000]));
+    let (hits, _) = cast(&mut on, &twins, &[ray(Vec3::new(0.0, 0.0, -1.0), Vec3::Z, f32::INFINITY)]);
+    assert_eq!(hits[0].map(|hit| hit.primitive), Some(0));
+    let ball = prepare(&mut on, &sphere(8));
+    let (hits, _) = cast(&mut on, &ball, &[ray(Vec3::ZERO, Vec3::X, f32::INFINITY)]);
+    let hit = hits[0].unwrap();
+    let nonsense = [
+        ray(Vec3::ZERO, Vec3::X, 0.3),
+        ray(Vec3::ZERO, Vec3::ZERO, 1.0),
+        ray(Vec3::ZERO, Vec3::NAN, 1.0),
+        ray(Vec3::NAN, Vec3::X, 1.0),
+        ray(Vec3::ZERO, Vec3::X, f32::NAN),
+        ray(Vec3::ZERO, Vec3::X, -1.0),
+        ray(Vec3::ZERO, Vec3::X * f32::INFINITY, 1.0),
+        // A hit at exactly t_max counts.
+        ray(Vec3::ZERO, Vec3::X, hit.t),
+    ];
+    let (mut hits, mut shadows) = cast(&mut on, &ball, &nonsense);
+    assert!(hits.pop().unwrap().is_some() && shadows.pop().unwrap());
+    assert!(hits.iter().all(Option::is_none) && !shadows.contains(&true), "{hits:?}");
+}

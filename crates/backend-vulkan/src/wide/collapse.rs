@@ -1,0 +1,133 @@
+//! Which nodes of the binary tree stay, and which triangles share a leaf: the wide tree of least
+//! expected cost, by dynamic programming (Ylitie, Karras and Laine 2017, section 4.1).
+
+use photon_scene::{Binary, BinaryTree};
+
+/// What testing a triangle costs, against a node of eight boxes.
+const TRIANGLE: f32 = 0.3;
+/// A node has two subtrees, which share eight places; each gets one to seven.
+const MOST: usize = 7;
+/// As few places as the entry before it; or, in the first entry, a leaf.
+const NONE: u8 = u8::MAX;
+
+/// For each binary node, how it is best replaced by a forest of 1, of up to 2, … up to 7 trees: how
+/// many of them come from its first child.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    /// Entry 0: the first child's places of eight, where the node is a tree by itself.
+    firsts: Vec<[u8; MOST]>,
+}
+
+impl Plan {
+    /// For leaves of up to `leaf` triangles.
+    pub(crate) fn of(nodes: &[Binary], leaf: u32) -> Self {
+        let mut firsts = vec![[NONE; MOST]; nodes.len()];
+        let mut costs = vec![[0.0_f32; MOST]; nodes.len()];
+        let mut counts = vec![0_u32; nodes.len()];
+        for &index in parents_first(nodes).iter().rev() {
+            let index = index as usize;
+            let node = &nodes[index];
+            let area = area(node);
+            if node.count > 0 {
+                counts[index] = node.count;
+                costs[index] = [area * node.count as f32 * TRIANGLE; MOST];
+                continue;
+            }
+            let (a, b) = (node.first as usize, node.first as usize + 1);
+            counts[index] = counts[a] + counts[b];
+            // Of `places`, the best share for the first child.
+            let best = |places: usize| {
+                (1..places)
+                    .filter(|&first| first <= MOST && places - first <= MOST)
+                    .map(|first| (first as u8, costs[a][first - 1] + costs[b][places - first - 1]))
+                    .fold((NONE, f32::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
+            };
+            let (first, below) = best(MOST + 1);
+            let mut own = [below + area; MOST];
+            let mut shares = [NONE; MOST];
+            shares[0] = first;
+            let as_leaf = area * counts[index] as f32 * TRIANGLE;
+            if counts[index] <= leaf && as_leaf < own[0] {
+                own[0] = as_leaf;
+                shares[0] = NONE;
+            }
+            for places in 2..=MOST {
+                let (first, cost) = best(places);
+                if cost < own[places - 2] {
+                    (shares[places - 1], own[places - 1]) = (first, cost);
+                } else {
+                    own[places - 1] = own[places - 2];
+                }
+            }
+            (firsts[index], costs[index]) = (shares, own);
+        }
+        Self { firsts }
+    }
+
+    /// Whether a child of a wide node is a leaf.
+    pub(crate) fn is_leaf(&self, index: u32) -> bool {
+        self.firsts[index as usize][0] == NONE
+    }
+
+    /// The up to eight children of the wide node that stands for `root`.
+    pub(crate) fn children(&self, nodes: &[Binary], root: u32) -> Vec<u32> {
+        if self.is_leaf(root) {
+            // Only where the whole tree is one leaf.
+            return vec![root];
+        }
+        let first = self.firsts[root as usize][0];
+        let below = nodes[root as usize].first;
+        let mut children = Vec::with_capacity(MOST + 1);
+        self.forest(nodes, below, first, &mut children);
+        self.forest(nodes, below + 1, MOST as u8 + 1 - first, &mut children);
+        children
+    }
+
+    /// Up to `places` trees in place of one; never deeper than there are places.
+    fn forest(&self, nodes: &[Binary], index: u32, mut places: u8, to: &mut Vec<u32>) {
+        let shares = &self.firsts[index as usize];
+        while places > 1 && shares[places as usize - 1] == NONE {
+            places -= 1;
+        }
+        if places == 1 {
+            to.push(index);
+            return;
+        }
+        let first = shares[places as usize - 1];
+        let below = nodes[index as usize].first;
+        self.forest(nodes, below, first, to);
+        self.forest(nodes, below + 1, places - first, to);
+    }
+
+    /// Appends the triangles of a leaf.
+    pub(crate) fn triangles(&self, tree: &BinaryTree, leaf: u32, to: &mut Vec<u32>) {
+        let mut open = vec![leaf];
+        while let Some(index) = open.pop() {
+            let node = &tree.nodes[index as usize];
+            if node.count == 0 {
+                open.extend([node.first + 1, node.first]);
+            } else {
+                to.extend_from_slice(&tree.order[node.first as usize..(node.first + node.count) as usize]);
+            }
+        }
+    }
+}
+
+/// All nodes, each before those below it. A tree may be deep: no recursion.
+fn parents_first(nodes: &[Binary]) -> Vec<u32> {
+    let mut order = Vec::with_capacity(nodes.len());
+    let mut open = vec![0_u32];
+    while let Some(index) = open.pop() {
+        order.push(index);
+        let node = &nodes[index as usize];
+        if node.count == 0 {
+            open.extend([node.first + 1, node.first]);
+        }
+    }
+    order
+}
+
+fn area(node: &Binary) -> f32 {
+    let [x, y, z]: [f32; 3] = std::array::from_fn(|axis| node.high[axis] - node.low[axis]);
+    x * y + y * z + z * x
+}

@@ -4,6 +4,7 @@
 //! compile is named, the others are compiled all the same.
 #![forbid(unsafe_code)]
 
+mod apart;
 mod compile;
 mod sources;
 mod write;
@@ -13,6 +14,9 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let check = std::env::args().skip(1).any(|argument| argument == "--check");
+    if let Some(kernel) = apart::asked_for() {
+        return apart::answer(&kernel);
+    }
     // Read at run time: a target folder that was moved must not point back at the old checkout.
     let root = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| ".".into(), |dir| Path::new(&dir).join(".."));
     match run(&root, check) {
@@ -34,7 +38,7 @@ fn run(root: &Path, check: bool) -> Result<usize, String> {
     let mut modules = Vec::new();
     let mut failed = 0;
     for kernel in &kernels {
-        match compile::compile(kernel, &root.join("shaders-glsl/include")) {
+        match apart::compile(kernel, &root.join("shaders-glsl/include")) {
             Ok(words) => modules.push((kernel, words)),
             Err(message) => {
                 eprintln!("{}:\n{message}", kernel.path.display());

@@ -1,0 +1,105 @@
+//! Times whole passes by stage: milliseconds of the device, medians, and passes per second by the
+//! clock on the wall.
+//!
+//! `pass_bench [SCENE] [--size WxH] [--photons N] [--passes N] [--gather RAYS] [--knn K] [--small]`;
+//! without arguments `cornell-glass` at 1920x1080 with 1 M photon paths a pass.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program's output")]
+
+use std::error::Error;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use backend_vulkan::Vulkan;
+use photon_core::{Estimator, Indirect, PassEnd, PassReport, Pipeline, Render, Settings, Stage, View};
+
+struct Job {
+    scene: String,
+    width: u32,
+    height: u32,
+    passes: u32,
+    settings: Settings,
+}
+
+fn main() -> ExitCode {
+    match parse(std::env::args().skip(1)).and_then(|job| run(&job)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Job, Box<dyn Error>> {
+    let mut job = Job {
+        scene: "cornell-glass".to_owned(),
+        width: 1920,
+        height: 1080,
+        passes: 20,
+        settings: Settings { photons: 1_000_000, ..Settings::default() },
+    };
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
+        match argument.as_str() {
+            "--size" => {
+                let size = value()?;
+                let (width, height) = size.split_once('x').ok_or("a size is WxH")?;
+                (job.width, job.height) = (width.parse()?, height.parse()?);
+            }
+            "--photons" => job.settings.photons = value()?.parse()?,
+            "--passes" => job.passes = value()?.parse::<u32>()?.max(1),
+            "--gather" => {
+                job.settings.indirect = Indirect::Gather;
+                job.settings.gather_rays = value()?.parse()?;
+            }
+            "--knn" => job.settings.estimator = Estimator::Knn { k: value()?.parse()?, max_radius: None },
+            "--small" => {
+                (job.width, job.height, job.passes) = (160, 90, 3);
+                job.settings.photons = 20_000;
+            }
+            name if !name.starts_with('-') => name.clone_into(&mut job.scene),
+            other => return Err(format!("no option is named {other}").into()),
+        }
+    }
+    Ok(job)
+}
+
+fn run(job: &Job) -> Result<(), Box<dyn Error>> {
+    let scene = photon_scene::builtin(&job.scene).ok_or(format!("no scene is named {}", job.scene))?.build()?;
+    let camera = scene.camera(None, job.width, job.height)?;
+    let view = View { camera, width: job.width, height: job.height };
+    let mut pipeline = Pipeline::new(Vulkan::new()?, &scene.view(), view, job.settings.clone())?;
+    println!("{}", pipeline.facts().device);
+    println!("{} {}x{}, {} paths a pass", job.scene, job.width, job.height, job.settings.photons);
+    // The first pass grows buffers and compiles kernels.
+    pipeline.pass(0, &mut ())?;
+    let mut reports: Vec<PassReport> = Vec::new();
+    let start = Instant::now();
+    for index in 1..=job.passes {
+        if let PassEnd::Done(report) | PassEnd::Last(report) = pipeline.pass(index, &mut ())? {
+            reports.push(report);
+        }
+    }
+    pipeline.film()?;
+    let seconds = start.elapsed().as_secs_f64();
+    let median = |of: &dyn Fn(&PassReport) -> f64| {
+        let mut values: Vec<f64> = reports.iter().map(of).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    for stage in Stage::ALL {
+        let ms = median(&|report| report.seconds.get(stage)) * 1e3;
+        if ms > 0.0 {
+            println!("{:<9} {ms:>9.3} ms", stage.name());
+        }
+    }
+    let device = median(&|report| Stage::ALL.iter().map(|&stage| report.seconds.get(stage)).sum());
+    println!("{:<9} {:>9.3} ms, {:.1} passes/s", "device", device * 1e3, 1.0 / device);
+    let wall = seconds / f64::from(job.passes);
+    println!("{:<9} {:>9.3} ms, {:.1} passes/s, with one film read", "wall", wall * 1e3, 1.0 / wall);
+    println!("queries   {:>9.0}", median(&|report| report.queries as f64));
+    for (label, bytes) in pipeline.facts().memory {
+        println!("  {label:<20} {:>9.1} MiB", bytes as f64 / 1_048_576.0);
+    }
+    Ok(())
+}

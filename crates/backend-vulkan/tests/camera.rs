@@ -1,0 +1,258 @@
+//! What the camera sees, direct light and final gathering, against the CPU with the same random
+//! numbers: nearly every path is the same path, and the picture that they give the same picture.
+
+use backend_cpu::Cpu;
+use backend_vulkan::Vulkan;
+use photon_core::glam::Vec3;
+use photon_core::{
+    Backend, Batch, Deposits, Film, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, Photon, PhotonRay, Query,
+    RandomKind, Requirements, Rule, Settings, TransportBackend, View,
+};
+use photon_scene::{Scene, builtin};
+
+const SCENES: [&str; 4] = ["cornell", "cornell-glass", "ring", "pool"];
+const SIZE: u32 = 64;
+
+fn settings() -> Settings {
+    Settings { seed: 17, indirect: Indirect::Gather, shadow_rays: 3, ..Settings::default() }
+}
+
+fn pass(index: u32) -> Pass {
+    Pass { seed: 17, index, random: RandomKind::Counter }
+}
+
+fn scene(name: &str) -> Scene {
+    builtin(name).unwrap().build().unwrap()
+}
+
+fn view(scene: &Scene, width: u32, height: u32) -> View {
+    View { camera: scene.camera(None, width, height).unwrap(), width, height }
+}
+
+/// Queries of the passes, and the film with what the camera alone puts there.
+fn look<B: TransportBackend>(on: &mut B, scene: &Scene, passes: &[u32], settings: &Settings) -> (Vec<Query>, Film) {
+    let (scene_view, view) = (scene.view(), view(scene, SIZE, SIZE));
+    let required = Requirements::of(&scene_view, settings);
+    let mut film = on.film(&scene_view, view.width, view.height).unwrap();
+    let prepared = on.prepare(&scene_view, &required).unwrap();
+    let mut stages = on.stages(&required, settings).unwrap();
+    let mut queries = on.alloc("queries", u64::from(view.width * view.height) * 4).unwrap();
+    let mut all = Vec::new();
+    for &index in passes {
+        stages.eye.trace_eye(on, &prepared, &view, pass(index), &mut film, &mut queries).unwrap();
+        on.end_pass(&mut film).unwrap();
+        let mut found = Vec::new();
+        on.download(&queries, &mut found).unwrap();
+        all.extend(found);
+    }
+    (all, on.read_film(&film).unwrap())
+}
+
+fn near(a: [f32; 3], b: [f32; 3], bound: f32) -> bool {
+    Vec3::from(a).distance(Vec3::from(b)) <= bound
+}
+
+/// The same query but for rounding.
+fn same(a: &Query, b: &Query) -> bool {
+    (a.pixel, a.path, a.material, a.radius) == (b.pixel, b.path, b.material, b.radius)
+        && near(a.position, b.position, 1e-4)
+        && near(a.normal, b.normal, 1e-4)
+        && near(a.weight, b.weight, 1e-3 * Vec3::from(a.weight).length())
+}
+
+/// Share of queries that both have. Both lists are in order of path within a pass.
+fn share(a: &[Query], b: &[Query]) -> f64 {
+    let mut b = b.iter().map(|query| (query.path, query)).collect::<Vec<_>>();
+    b.sort_by_key(|&(path, _)| path);
+    let matched = a.iter().filter(|query| {
+        let from = b.partition_point(|&(path, _)| path < query.path);
+        b[from..].iter().take_while(|&&(path, _)| path == query.path).any(|(_, other)| same(query, other))
+    });
+    matched.count() as f64 / a.len().max(b.len()).max(1) as f64
+}
+
+/// Largest relative difference of the pixels of one layer's channels but for a share of them, and
+/// that of the totals.
+fn apart(a: &Film, b: &Film, layer: Layer, but_for: f64) -> (f64, f64) {
+    let values = |film: &Film| -> Vec<f64> {
+        film.pixels.iter().flat_map(|pixel| pixel.layers[layer as usize]).collect()
+    };
+    let (a, b) = (values(a), values(b));
+    let relative = |a: f64, b: f64| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
+    let mut differences: Vec<f64> = a.iter().zip(&b).map(|(&a, &b)| relative(a, b)).collect();
+    differences.sort_unstable_by(f64::total_cmp);
+    let kept = ((1.0 - but_for) * differences.len() as f64) as usize;
+    (differences[kept - 1], relative(a.iter().sum(), b.iter().sum()))
+}
+
+/// Queries in order of pixel, and nearly all the same; the lights and first surfaces seen too.
+#[test]
+fn camera_paths_are_the_same_paths() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let mut cpu = Cpu::with_threads(2).unwrap();
+    for name in SCENES.into_iter().chain(["two-rooms", "plates"]) {
+        let scene = scene(name);
+        let (a, film_a) = look(&mut cpu, &scene, &[3], &settings());
+        let (b, film_b) = look(&mut gpu, &scene, &[3], &settings());
+        assert!(a.len() > 1000 && b.is_sorted_by_key(|query| query.pixel), "{name}: {}", a.len());
+        let found = share(&a, &b);
+        let bits = a.iter().zip(&b).filter(|(a, b)| a == b).count() as f64 / a.len() as f64;
+        let (worst, total) = apart(&film_a, &film_b, Layer::Emission, 0.005);
+        eprintln!(
+            "{name}: {} and {} queries, {found:.5} match, {bits:.4} to the bit; emission off by {worst:e}, {total:e}",
+            a.len(),
+            b.len()
+        );
+        assert!(found >= 0.998, "{name}: {found}");
+        assert!(worst < 1e-3 && total < 1e-3, "{name}: {worst} {total}");
+        let first = |film: &Film| (film.depth(), film.normal(), film.albedo());
+        let ((depth_a, normal_a, albedo_a), (depth_b, normal_b, albedo_b)) = (first(&film_a), first(&film_b));
+        let matched = (0..depth_a.len()).filter(|&i| {
+            (depth_a[i] == depth_b[i] || (depth_a[i] - depth_b[i]).abs() <= 1e-4 * depth_a[i])
+                && near(normal_a[i], normal_b[i], 1e-4)
+                && near(albedo_a[i], albedo_b[i], 1e-6)
+        });
+        let matched = matched.count() as f64 / depth_a.len() as f64;
+        assert!(matched >= 0.999, "{name}: {matched}");
+        // Another pass has other paths.
+        let (other, _) = look(&mut gpu, &scene, &[4], &settings());
+        assert!(share(&a, &other) < 0.05, "{name}");
+    }
+}
+
+/// The same bits twice, and for a buffer that is too small all that fits, with the number needed.
+#[test]
+fn queries_are_the_same_twice_and_overflow_is_counted() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let scene = scene("cornell-glass");
+    let (first, film) = look(&mut gpu, &scene, &[0, 1], &settings());
+    let again = look(&mut gpu, &scene, &[0, 1], &settings());
+    assert!(again == (first, film));
+    let (once, _) = look(&mut gpu, &scene, &[0], &settings());
+    let (scene_view, view) = (scene.view(), view(&scene, SIZE, SIZE));
+    let required = Requirements::of(&scene_view, &settings());
+    let mut film = gpu.film(&scene_view, SIZE, SIZE).unwrap();
+    let prepared = gpu.prepare(&scene_view, &required).unwrap();
+    let mut stages = gpu.stages(&required, &settings()).unwrap();
+    let mut queries = gpu.alloc::<Query>("queries", 100).unwrap();
+    stages.eye.trace_eye(&mut gpu, &prepared, &view, pass(0), &mut film, &mut queries).unwrap();
+    let fill = gpu.fill(&queries).unwrap();
+    assert_eq!((fill.length, fill.needed, fill.capacity), (100, once.len() as u64, 100));
+}
+
+/// Direct light at given queries.
+fn light<B: TransportBackend>(on: &mut B, scene: &Scene, queries: &[Query], rays: u32, index: u32) -> Film {
+    let scene_view = scene.view();
+    let required = Requirements::of(&scene_view, &settings());
+    let mut film = on.film(&scene_view, SIZE, SIZE).unwrap();
+    let prepared = on.prepare(&scene_view, &required).unwrap();
+    let mut stages = on.stages(&required, &settings()).unwrap();
+    let queries = on.upload("queries", queries).unwrap();
+    let stage = stages.direct.as_mut().unwrap();
+    stage.light(on, &prepared, pass(index), &queries, rays, &mut film).unwrap();
+    on.end_pass(&mut film).unwrap();
+    on.read_film(&film).unwrap()
+}
+
+/// The same points of the same lights: pixels agree to rounding but where a shadow's edge or a light
+/// was missed by as little.
+#[test]
+fn direct_light_is_the_same_light() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let mut cpu = Cpu::with_threads(2).unwrap();
+    for name in SCENES.into_iter().chain(["two-rooms", "plates"]) {
+        let scene = scene(name);
+        let (queries, _) = look(&mut cpu, &scene, &[1], &settings());
+        for rays in [1, 3] {
+            let a = light(&mut cpu, &scene, &queries, rays, 1);
+            let b = light(&mut gpu, &scene, &queries, rays, 1);
+            let (worst, total) = apart(&a, &b, Layer::Direct, 0.005);
+            eprintln!("{name}, {rays} rays, {} lights: {worst:e}, total {total:e}", scene.view().lights.len());
+            assert!(worst < 1e-3 && total < 1e-3, "{name}, {rays} rays: {worst} {total}");
+            assert_eq!(b, light(&mut gpu, &scene, &queries, rays, 1));
+            // Other random numbers are seen, where there is anything to choose.
+            let other = light(&mut gpu, &scene, &queries, rays, 2);
+            let shadows = ["cornell", "cornell-glass"].contains(&name);
+            assert!(!shadows || apart(&a, &other, Layer::Direct, 0.005).0 > 0.01, "{name}");
+        }
+    }
+}
+
+/// Photons of the CPU, for both to gather from.
+fn photons(scene: &Scene, paths: u32) -> [Vec<Photon>; 3] {
+    let mut on = Cpu::with_threads(2).unwrap();
+    let scene_view = scene.view();
+    let required = Requirements::everything(&settings());
+    let prepared = on.prepare(&scene_view, &required).unwrap();
+    let mut stages = on.stages(&required, &settings()).unwrap();
+    let mut rays = on.alloc::<PhotonRay>("rays", u64::from(paths)).unwrap();
+    let mut buffers = ["direct", "caustic", "global"].map(|label| on.alloc::<Photon>(label, 1 << 22).unwrap());
+    let batch = Batch { pass: pass(0), paths: 0..paths };
+    stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
+    let [direct, caustic, global] = &mut buffers;
+    let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
+    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
+    buffers.map(|buffer| buffer.as_slice().to_vec())
+}
+
+const PATHS: u32 = 5000;
+
+/// What final gathering finds at given queries in maps of given photons.
+fn gather<B: TransportBackend>(
+    on: &mut B,
+    scene: &Scene,
+    photons: &[Vec<Photon>; 3],
+    queries: &[Query],
+    rule: Rule,
+    rays: u32,
+) -> Film {
+    let scene_view = scene.view();
+    let settings = Settings { index: IndexKind::Morton, ..settings() };
+    let required = Requirements::everything(&settings);
+    let mut film = on.film(&scene_view, SIZE, SIZE).unwrap();
+    let prepared = on.prepare(&scene_view, &required).unwrap();
+    let mut stages = on.stages(&required, &settings).unwrap();
+    let queries = on.upload("queries", queries).unwrap();
+    let built = photons.each_ref().map(|photons| {
+        if photons.is_empty() {
+            return None;
+        }
+        let there = on.upload("photons", photons).unwrap();
+        Some(stages.map.builder.build(on, there).unwrap())
+    });
+    let how = Gather { rule, kernel: Kernel::Epanechnikov, radius_scale: 0.05, min_normal_cosine: 0.7 };
+    let [direct, caustic, global] = &built;
+    let maps = Maps {
+        direct: direct.as_ref().map(|map| (map, how)),
+        caustic: caustic.as_ref().map(|map| (map, how)),
+        global: global.as_ref().map(|map| (map, how)),
+        paths: u64::from(PATHS),
+    };
+    let stage = stages.gather.as_mut().unwrap();
+    stage.gather(on, &prepared, &maps, pass(2), &queries, rays, &mut film).unwrap();
+    on.end_pass(&mut film).unwrap();
+    on.read_film(&film).unwrap()
+}
+
+/// The same rays into the same maps.
+#[test]
+fn final_gathering_finds_the_same() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let mut cpu = Cpu::with_threads(2).unwrap();
+    for name in ["cornell", "cornell-glass"] {
+        let scene = scene(name);
+        let photons = photons(&scene, PATHS);
+        let (queries, _) = look(&mut cpu, &scene, &[2], &settings());
+        for (rule, rays) in [(Rule::Radius, 5), (Rule::Nearest { k: 20 }, 3)] {
+            let a = gather(&mut cpu, &scene, &photons, &queries, rule, rays);
+            let b = gather(&mut gpu, &scene, &photons, &queries, rule, rays);
+            let (worst, total) = apart(&a, &b, Layer::Indirect, 0.02);
+            eprintln!("{name}, {rule:?}, {rays} rays: {worst:e}, total {total:e}");
+            assert!(worst < 1e-2 && total < 1e-3, "{name}, {rule:?}: {worst} {total}");
+            assert_eq!(b, gather(&mut gpu, &scene, &photons, &queries, rule, rays));
+            // Other rays are seen.
+            let other = gather(&mut gpu, &scene, &photons, &queries, rule, rays + 1);
+            assert!(apart(&a, &other, Layer::Indirect, 0.02).0 > 0.02, "{name}, {rule:?}");
+        }
+    }
+}

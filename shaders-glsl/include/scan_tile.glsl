@@ -5,8 +5,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 #include "group_scan.glsl"
-
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint word; };
+#include "words.glsl"
 
 const uint SCAN_ITEMS = 16;
 

@@ -1,0 +1,1 @@
+//! Photon maps, built on the device.

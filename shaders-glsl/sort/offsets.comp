@@ -1,0 +1,30 @@
+// Radix sort, second of three kernels a digit: one workgroup to each digit sums its counts in the
+// tiles before each.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+layout(local_size_x_id = 1) in;
+
+#include "grid.glsl"
+#include "scan_tile.glsl"
+
+layout(push_constant, scalar) uniform Push {
+    Words counts;
+    // By digit.
+    Words totals;
+    uint tiles;
+} push;
+
+void main() {
+    uint digit = workgroup();
+    if (digit >= 256) return;
+    Words own = push.counts + digit * push.tiles;
+    uint carry = 0;
+    for (uint base = 0; base < push.tiles; base += gl_WorkGroupSize.x * SCAN_ITEMS) {
+        carry += scan_tile(own, own, base, push.tiles, carry);
+    }
+    if (group_rank() == 0) push.totals[digit].word = carry;
+}

@@ -1,0 +1,119 @@
+// Radix sort, third of three kernels a digit: brings every tile into order and writes it where it goes.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+layout(local_size_x_id = 1) in;
+// Words to a key.
+layout(constant_id = 2) const uint KEY_WORDS = 1;
+
+#include "grid.glsl"
+#include "words.glsl"
+#include "sort_tile.glsl"
+
+layout(push_constant, scalar) uniform Push {
+    Words keys;
+    Words values;
+    Words sorted_keys;
+    Words sorted_values;
+    // By digit, then by tile: in tiles before.
+    Words counts;
+    // By digit.
+    Words totals;
+    uint count;
+    uint tiles;
+    // The digit's lowest bit.
+    uint shift;
+    // Bit 0: values are the numbers of the elements, there is nothing to read. Bit 1: nobody wants the
+    // keys any more.
+    uint flags;
+} push;
+
+// Where the keys of every digit begin: adds that to `sort_offset`.
+void add_starts(uint tile) {
+    uint share = max(SORT_DIGITS / gl_WorkGroupSize.x, 1);
+    uint first = group_rank() * share;
+    uint sum = 0;
+    if (first < SORT_DIGITS) {
+        for (uint digit = first; digit < first + share; digit++) sum += push.totals[digit].word;
+    }
+    uint all;
+    uint start = group_exclusive(sum, all);
+    if (first < SORT_DIGITS) {
+        for (uint digit = first; digit < first + share; digit++) {
+            sort_offset[digit] += start + push.counts[digit * push.tiles + tile].word;
+            start += push.totals[digit].word;
+        }
+    }
+    barrier();
+}
+
+void main() {
+    uint tile = workgroup();
+    if (tile >= push.tiles) return;
+    uint base = tile * SORT_TILE;
+    uint size = min(push.count - base, SORT_TILE);
+    uint first = sort_first();
+    uint word = push.shift / 32;
+    uint bit = push.shift % 32;
+
+    uint keys[SORT_ITEMS];
+    uint places[SORT_ITEMS];
+    {
+        uint digits[SORT_ITEMS];
+        [[unroll]] for (uint i = 0; i < SORT_ITEMS; i++) {
+            uint at = first + i * gl_SubgroupSize;
+            bool valid = at < size;
+            keys[i] = valid ? push.keys[(base + at) * KEY_WORDS + word].word : 0;
+            digits[i] = valid ? keys[i] >> bit & 255 : SORT_DIGITS;
+        }
+        sort_rank(digits, places);
+        sort_places();
+        [[unroll]] for (uint i = 0; i < SORT_ITEMS; i++) {
+            if (digits[i] < SORT_DIGITS) {
+                places[i] += sort_counts[gl_SubgroupID * SORT_DIGITS + digits[i]];
+                sort_staged[places[i]] = keys[i];
+            }
+        }
+    }
+    // Has barriers.
+    add_starts(tile);
+
+    // From here on an invocation has every gl_WorkGroupSize.x-th element of the sorted tile.
+    uint to[SORT_ITEMS];
+    bool with_keys = (push.flags & 2) == 0;
+    [[unroll]] for (uint i = 0; i < SORT_ITEMS; i++) {
+        uint at = group_rank() + i * gl_WorkGroupSize.x;
+        if (at < size) {
+            uint key = sort_staged[at];
+            to[i] = sort_offset[key >> bit & 255] + at;
+            if (with_keys) push.sorted_keys[to[i] * KEY_WORDS + word].word = key;
+        }
+    }
+    if (KEY_WORDS == 2 && with_keys) {
+        uint other = 1 - word;
+        barrier();
+        [[unroll]] for (uint i = 0; i < SORT_ITEMS; i++) {
+            uint at = first + i * gl_SubgroupSize;
+            if (at < size) sort_staged[places[i]] = push.keys[(base + at) * KEY_WORDS + other].word;
+        }
+        barrier();
+        [[unroll]] for (uint i = 0; i < SORT_ITEMS; i++) {
+            uint at = group_rank() + i * gl_WorkGroupSize.x;
+            if (at < size) push.sorted_keys[to[i] * KEY_WORDS + other].word = sort_staged[at];
+        }
+    }
+    bool numbers = (push.flags & 1) != 0;
+    barrier();
+    [[unroll]] for (uint i = 0; i < SORT_ITEMS; i++) {
+        uint at = first + i * gl_SubgroupSize;
+        if (at < size) sort_staged[places[i]] = numbers ? base + at : push.values[base + at].word;
+    }
+    barrier();
+    [[unroll]] for (uint i = 0; i < SORT_ITEMS; i++) {
+        uint at = group_rank() + i * gl_WorkGroupSize.x;
+        if (at < size) push.sorted_values[to[i]].word = sort_staged[at];
+    }
+}

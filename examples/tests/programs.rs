@@ -204,8 +204,9 @@ fn map_only_finds_what_brute_force_finds() {
         (folder.join("p.npy"), folder.join("q.npy"), folder.join("out.npy"), folder.join("out.json"));
     save(&p, &photons);
     save(&q, &queries);
-    let run = |arguments: &[&str]| {
+    let run = |backend: &str, arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_map_only"));
+        command.args(["--backend", backend]);
         command
             .arg("--photons")
             .arg(&p)
@@ -218,6 +219,7 @@ fn map_only_finds_what_brute_force_finds() {
         let output = command.args(arguments).output().unwrap();
         assert!(output.status.success(), "{output:?}");
         let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        assert_eq!(report["backend"], backend);
         assert!(report["seconds_build"].is_number() && report["seconds_query"].is_number());
         load(&out)
     };
@@ -234,27 +236,40 @@ fn map_only_finds_what_brute_force_finds() {
         all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         all
     };
-    for index in ["median", "vvh", "morton"] {
+    let all = ["cpu", "vulkan"].into_iter().filter(|&backend| backend == "cpu" || has_vulkan());
+    let cases = all.flat_map(|backend| ["median", "vvh", "morton"].map(|index| (backend, index)));
+    for (backend, index) in cases {
         for (k, reach) in [(10, f32::INFINITY), (10, 0.3), (300, f32::INFINITY)] {
             let (k_text, reach_text) = (k.to_string(), reach.to_string());
             let mut arguments = vec!["--k", &k_text, "--index", index];
             if reach.is_finite() {
                 arguments.extend(["--max-radius", &reach_text]);
             }
-            let (header, found) = run(&arguments);
+            let (header, found) = run(backend, &arguments);
             assert!(header.contains("<u4") && header.contains(&format!("({}, {k})", queries.len())), "{header}");
             for (query, row) in queries.iter().zip(found.chunks(k)) {
                 let mut expected: Vec<u32> = sorted(query, reach).into_iter().map(|(_, id)| id).take(k).collect();
                 expected.resize(k, u32::MAX);
-                assert_eq!(row, expected, "{index} {k} {reach}");
+                assert_eq!(row, expected, "{backend} {index} {k} {reach}");
             }
         }
-        let (header, counts) = run(&["--radius", "0.4", "--index", index]);
+        let (header, counts) = run(backend, &["--radius", "0.4", "--index", index]);
         assert!(header.contains("(20,)"), "{header}");
         for (query, count) in queries.iter().zip(counts) {
             assert_eq!(count as usize, sorted(query, 0.4).len());
         }
     }
+}
+
+/// Whether some device will do; says so if not.
+fn has_vulkan() -> bool {
+    let there = backend_vulkan::devices().is_ok_and(|found| found.iter().any(|device| device.lacks.is_empty()));
+    if !there {
+        let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
+        assert!(!required, "Vulkan is required here");
+        eprintln!("skipped: no Vulkan");
+    }
+    there
 }
 
 #[test]

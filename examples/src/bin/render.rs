@@ -140,7 +140,7 @@ fn load(args: &Args) -> Result<(Scene, LoadReport), Fault> {
 fn start(args: &Args, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
     match backend::open(args.backend, args.threads)? {
         Chosen::Cpu(on) => pipeline(on, scene, view, settings),
-        Chosen::Vulkan(_) => Err(Fault::input("--backend vulkan: cannot trace a scene yet; use --backend cpu")),
+        Chosen::Vulkan(on) => pipeline(*on, scene, view, settings),
     }
 }
 

@@ -96,7 +96,7 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     if all || args.backend.contains(&Where::Vulkan) {
         match backend::vulkan() {
-            Ok(_) => eprintln!("without Vulkan: it cannot trace a scene yet"),
+            Ok(on) => report.add(measure(args, &scene, view, on, &mut calibration)?),
             Err(why) if all => eprintln!("without Vulkan: {why}"),
             Err(why) => return Err(why),
         }

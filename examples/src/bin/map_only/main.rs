@@ -1,16 +1,18 @@
 //! The photon map by itself, as another renderer would use it: own photons, own queries.
 #![expect(clippy::print_stderr, reason = "what it did goes to stderr")]
 
+mod search;
+
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Instant;
 
-use backend_cpu::index::PointIndex;
 use clap::Parser;
 use photon_core::IndexKind;
 use photon_examples::args::{BackendName, IndexName};
+use photon_examples::backend::{self, Chosen};
 use photon_examples::fault::{self, Fault};
 use photon_examples::npy;
+use search::{Found, Wanted};
 
 /// Finds the photons nearest to each query, or counts those within a radius.
 #[derive(Debug, Parser)]
@@ -35,7 +37,7 @@ struct Args {
     #[arg(long, value_enum, default_value_t = IndexName::Morton)]
     index: IndexName,
     /// Where to search.
-    #[arg(long, value_enum, default_value_t = BackendName::Cpu)]
+    #[arg(long, value_enum, default_value_t = BackendName::Auto)]
     backend: BackendName,
     /// Threads [default: all cores].
     #[arg(long, value_name = "N")]
@@ -54,22 +56,16 @@ fn main() -> ExitCode {
 }
 
 fn work(args: &Args) -> Result<(), Fault> {
-    if args.backend == BackendName::Vulkan {
-        return Err(Fault::input("--backend vulkan: this build has no Vulkan backend; use --backend cpu"));
-    }
     let reach = |name: &str, radius: Option<f32>| match radius {
         Some(r) if !(r > 0.0 && r.is_finite()) => {
             Err(Fault::input(format!("{name} is {r}, but must be above 0 and finite")))
         }
         _ => Ok(radius),
     };
-    let radius = reach("--radius", args.radius)?;
+    reach("--radius", args.radius)?;
     let max_radius = reach("--max-radius", args.max_radius)?.unwrap_or(f32::INFINITY);
     if args.k == Some(0) {
         return Err(Fault::input("--k is 0, but at least 1 is needed"));
-    }
-    if args.threads == Some(0) {
-        return Err(Fault::input("--threads is 0, but at least 1 is needed"));
     }
     let photons = npy::read_points(&args.photons)?;
     let queries = npy::read_points(&args.queries)?;
@@ -82,41 +78,36 @@ fn work(args: &Args) -> Result<(), Fault> {
         Some(k) => k as usize,
         None => 1,
     };
-    let cells = queries.len().checked_mul(width).filter(|&cells| cells <= 1 << 33);
-    let cells = cells.ok_or_else(|| Fault::input(format!("--k {width} for {} queries is too much", queries.len())))?;
-    let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(threads) = args.threads {
-        pool = pool.num_threads(threads);
+    if queries.len().checked_mul(width).is_none_or(|cells| cells > 1 << 33) {
+        return Err(Fault::input(format!("--k {width} for {} queries is too much", queries.len())));
     }
-    let pool = pool.build().map_err(Fault::failure)?;
-
-    let begun = Instant::now();
-    let built = pool.install(|| PointIndex::build(&photons, kind));
-    let index = built.map_err(|why| Fault::input(format!("{}: {why}", args.photons.display())))?;
-    let seconds_build = begun.elapsed().as_secs_f64();
-    let mut found = vec![0_u32; cells];
-    let begun = Instant::now();
-    pool.install(|| match radius {
-        Some(radius) => index.count_within_many(&queries, radius * radius, &mut found),
-        None => index.nearest_many(&queries, width, max_radius * max_radius, &mut found),
-    });
-    let seconds_query = begun.elapsed().as_secs_f64();
+    let wanted = match (args.k, args.radius) {
+        (Some(k), _) => Wanted::Nearest { k, max_radius },
+        (None, radius) => Wanted::Count { radius: radius.unwrap_or(0.0) },
+    };
+    let (file, threads) = (&args.photons, args.threads);
+    let found = match backend::open(args.backend, threads)? {
+        Chosen::Cpu(_) => search::on_cpu(threads, file, &photons, &queries, kind, wanted)?,
+        Chosen::Vulkan(on) => search::on_vulkan(*on, file, &photons, &queries, kind, wanted)?,
+    };
+    let Found { seconds_build, seconds_query, .. } = found;
 
     if let Some(path) = &args.neighbours {
-        npy::write_u32(path, &found, args.k.map(|k| k as usize))?;
+        npy::write_u32(path, &found.words, args.k.map(|k| k as usize))?;
     }
     let rate = queries.len() as f64 / seconds_query.max(1e-12);
     if let Some(path) = &args.json {
         let report = serde_json::json!({
-            "backend": "cpu",
-            "threads": pool.current_num_threads(),
+            "backend": found.backend,
+            "device": found.device,
+            "threads": found.threads,
             "index": format!("{kind:?}").to_lowercase(),
             "photons": photons.len(),
             "queries": queries.len(),
             "k": args.k,
             "max_radius": args.max_radius,
             "radius": args.radius,
-            "bytes": index.bytes(),
+            "bytes": found.bytes,
             "seconds_build": seconds_build,
             "seconds_query": seconds_query,
             "queries_per_second": rate,

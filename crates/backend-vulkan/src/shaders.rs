@@ -5,6 +5,15 @@ use crate::device::Module;
 pub(crate) static CAMERA_COMPACT: Module =
     Module { name: "camera_compact", bytes: include_bytes!("../spirv/camera_compact.spv") };
 
+pub(crate) static CAMERA_DIRECT: Module =
+    Module { name: "camera_direct", bytes: include_bytes!("../spirv/camera_direct.spv") };
+
+pub(crate) static CAMERA_EYE: Module =
+    Module { name: "camera_eye", bytes: include_bytes!("../spirv/camera_eye.spv") };
+
+pub(crate) static CAMERA_GATHER: Module =
+    Module { name: "camera_gather", bytes: include_bytes!("../spirv/camera_gather.spv") };
+
 pub(crate) static CAMERA_GATHERED: Module =
     Module { name: "camera_gathered", bytes: include_bytes!("../spirv/camera_gathered.spv") };
 
@@ -19,6 +28,36 @@ pub(crate) static FILM_END: Module =
 
 pub(crate) static FILM_FOLD: Module =
     Module { name: "film_fold", bytes: include_bytes!("../spirv/film_fold.spv") };
+
+pub(crate) static GATHER_COUNT: Module =
+    Module { name: "gather_count", bytes: include_bytes!("../spirv/gather_count.spv") };
+
+pub(crate) static GATHER_NEAREST: Module =
+    Module { name: "gather_nearest", bytes: include_bytes!("../spirv/gather_nearest.spv") };
+
+pub(crate) static GATHER_ORDER: Module =
+    Module { name: "gather_order", bytes: include_bytes!("../spirv/gather_order.spv") };
+
+pub(crate) static GATHER_RADIUS: Module =
+    Module { name: "gather_radius", bytes: include_bytes!("../spirv/gather_radius.spv") };
+
+pub(crate) static GATHER_SAMPLE: Module =
+    Module { name: "gather_sample", bytes: include_bytes!("../spirv/gather_sample.spv") };
+
+pub(crate) static PHOTONS_ADVANCE: Module =
+    Module { name: "photons_advance", bytes: include_bytes!("../spirv/photons_advance.spv") };
+
+pub(crate) static PHOTONS_EMIT: Module =
+    Module { name: "photons_emit", bytes: include_bytes!("../spirv/photons_emit.spv") };
+
+pub(crate) static PHOTONS_SCATTER: Module =
+    Module { name: "photons_scatter", bytes: include_bytes!("../spirv/photons_scatter.spv") };
+
+pub(crate) static PHOTONS_TALLY: Module =
+    Module { name: "photons_tally", bytes: include_bytes!("../spirv/photons_tally.spv") };
+
+pub(crate) static PHOTONS_TRACE: Module =
+    Module { name: "photons_trace", bytes: include_bytes!("../spirv/photons_trace.spv") };
 
 pub(crate) static PROBE_BSDF: Module =
     Module { name: "probe_bsdf", bytes: include_bytes!("../spirv/probe_bsdf.spv") };
@@ -44,6 +83,9 @@ pub(crate) static PROBE_RANDOM: Module =
 pub(crate) static PROBE_SAMPLING: Module =
     Module { name: "probe_sampling", bytes: include_bytes!("../spirv/probe_sampling.spv") };
 
+pub(crate) static PROBE_TRIANGLE: Module =
+    Module { name: "probe_triangle", bytes: include_bytes!("../spirv/probe_triangle.spv") };
+
 pub(crate) static RAYS_NEAREST: Module =
     Module { name: "rays_nearest", bytes: include_bytes!("../spirv/rays_nearest.spv") };
 
@@ -56,14 +98,36 @@ pub(crate) static SCAN_SUMS: Module =
 pub(crate) static SCAN_TILES: Module =
     Module { name: "scan_tiles", bytes: include_bytes!("../spirv/scan_tiles.spv") };
 
+pub(crate) static SORT_COUNT: Module =
+    Module { name: "sort_count", bytes: include_bytes!("../spirv/sort_count.spv") };
+
+pub(crate) static SORT_OFFSETS: Module =
+    Module { name: "sort_offsets", bytes: include_bytes!("../spirv/sort_offsets.spv") };
+
+pub(crate) static SORT_SCATTER: Module =
+    Module { name: "sort_scatter", bytes: include_bytes!("../spirv/sort_scatter.spv") };
+
 /// All of them.
-pub(crate) static ALL: [&Module; 18] = [
+pub(crate) static ALL: [&Module; 35] = [
     &CAMERA_COMPACT,
+    &CAMERA_DIRECT,
+    &CAMERA_EYE,
+    &CAMERA_GATHER,
     &CAMERA_GATHERED,
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_END,
     &FILM_FOLD,
+    &GATHER_COUNT,
+    &GATHER_NEAREST,
+    &GATHER_ORDER,
+    &GATHER_RADIUS,
+    &GATHER_SAMPLE,
+    &PHOTONS_ADVANCE,
+    &PHOTONS_EMIT,
+    &PHOTONS_SCATTER,
+    &PHOTONS_TALLY,
+    &PHOTONS_TRACE,
     &PROBE_BSDF,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,
@@ -72,8 +136,12 @@ pub(crate) static ALL: [&Module; 18] = [
     &PROBE_OFFSET,
     &PROBE_RANDOM,
     &PROBE_SAMPLING,
+    &PROBE_TRIANGLE,
     &RAYS_NEAREST,
     &SCAN_ALONE,
     &SCAN_SUMS,
     &SCAN_TILES,
+    &SORT_COUNT,
+    &SORT_OFFSETS,
+    &SORT_SCATTER,
 ];

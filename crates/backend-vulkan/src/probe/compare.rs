@@ -1,5 +1,7 @@
 //! How far outputs are apart, and how far they may be.
 
+use std::fmt;
+
 use super::table::Row;
 use super::{Input, Output};
 
@@ -14,10 +16,23 @@ pub(super) enum Bound {
     Within(f64),
     /// Floats: so far apart, as a share of the twin's.
     Relative(f64),
-    /// Floats: so far apart, times a condition number of the input.
-    Conditioned(f64, fn(&Input) -> f64),
+    /// Floats: so far apart, times a condition number of the input, which has a name.
+    Conditioned(f64, &'static str, fn(&Input) -> f64),
     /// Two packed 16-bit numbers: one step apart.
     Step,
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Words => write!(f, "the same"),
+            Self::Bits => write!(f, "the same bits"),
+            Self::Within(most) => write!(f, "{most:e}"),
+            Self::Relative(most) => write!(f, "{most:e} of the value"),
+            Self::Conditioned(most, by, _) => write!(f, "{most:e} times {by}"),
+            Self::Step => write!(f, "one step"),
+        }
+    }
 }
 
 /// The worst distance as a share of the bound; integers and bits give 0.
@@ -41,7 +56,7 @@ pub(super) fn worst(row: &Row, inputs: &[Input], outputs: &[Output]) -> Result<f
         Some((input, output, twin)) if worst > 1.0 => {
             let floats = |words: &[u32]| words.iter().map(|&word| f32::from_bits(word)).collect::<Vec<_>>();
             Err(format!(
-                "{}: {worst:.3} times the bound {:?}\n  input  {:x?} {:?}\n  GLSL   {output:x?} {:?}\n  Rust   {twin:x?} {:?}",
+                "{}: {worst:.3} times the bound, {}\n  input  {:x?} {:?}\n  GLSL   {output:x?} {:?}\n  Rust   {twin:x?} {:?}",
                 row.name,
                 row.bound,
                 input.0,
@@ -74,7 +89,7 @@ fn share(bound: Bound, input: &Input, ours: u32, theirs: u32) -> f64 {
         }
         Bound::Within(most) => apart(most),
         Bound::Relative(most) => apart(most * b.abs()),
-        Bound::Conditioned(most, condition) => apart(most * condition(input)),
+        Bound::Conditioned(most, _, condition) => apart(most * condition(input)),
         Bound::Step => {
             let near = |shift: u32| ((ours >> shift) as u16 as i16).abs_diff((theirs >> shift) as u16 as i16) <= 1;
             verdict(near(0) && near(16))
@@ -94,7 +109,7 @@ mod tests {
         assert!(at(Bound::Bits, 1.0, next) > 1.0);
         assert!(at(Bound::Bits, 0.0, -0.0) <= 1.0 && at(Bound::Bits, 1e-40, 0.0) <= 1.0);
         assert!(at(Bound::Bits, f32::NAN, 0.0) > 1.0);
-        for bound in [Bound::Within(1e-6), Bound::Relative(1e-6), Bound::Conditioned(1e-7, |_| 10.0)] {
+        for bound in [Bound::Within(1e-6), Bound::Relative(1e-6), Bound::Conditioned(1e-7, "ten", |_| 10.0)] {
             assert!(at(bound, 1.0, next) <= 1.0 && at(bound, 1.0, 1.000_01) > 1.0);
             assert!(at(bound, f32::INFINITY, 1.0) > 1.0 && at(bound, 1.0, f32::NAN) > 1.0);
         }

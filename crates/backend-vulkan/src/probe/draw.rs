@@ -15,18 +15,29 @@ pub(super) const LAST: f32 = 1.0 / 16_777_216.0;
 #[derive(Debug)]
 pub(super) struct Draw {
     index: u32,
+    stream: u32,
     next: u32,
 }
 
 /// A table of inputs, always the same.
 pub(super) fn inputs(draw: fn(&mut Draw) -> Input) -> Vec<Input> {
-    (0..COUNT).map(|index| draw(&mut Draw { index, next: 0 })).collect()
+    (0..COUNT).map(|index| draw(&mut Draw::of(index, 0))).collect()
 }
 
 impl Draw {
+    /// The numbers of one of several streams.
+    pub(super) fn of(index: u32, stream: u32) -> Self {
+        Self { index, stream, next: 0 }
+    }
+
+    /// Which input this is.
+    pub(super) fn index(&self) -> u32 {
+        self.index
+    }
+
     pub(super) fn word(&mut self) -> u32 {
         self.next += 1;
-        philox4x32([self.index, self.next, 0, 0], [0x5EED, 0])[0]
+        philox4x32([self.index, self.next, self.stream, 0], [0x5EED, 0])[0]
     }
 
     /// One of a few.

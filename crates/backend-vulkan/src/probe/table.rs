@@ -204,7 +204,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
             "bsdf_refract",
             module,
             3,
-            Bound::Conditioned(1e-6, |i| f64::from(i.float(8)).recip().max(1.0)),
+            Bound::Conditioned(1e-6, "max(1, 1/eta)", |i| f64::from(i.float(8)).recip().max(1.0)),
             meeting,
             |i| vector_output(bsdf::refract(i.vector(0), i.vector(4), i.float(8), i.float(9))),
         ),
@@ -342,7 +342,7 @@ fn words<const N: usize>(words: [u32; N]) -> Output {
     output
 }
 
-fn output<const N: usize>(floats: [f32; N]) -> Output {
+pub(super) fn output<const N: usize>(floats: [f32; N]) -> Output {
     words(floats.map(f32::to_bits))
 }
 

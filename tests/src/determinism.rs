@@ -46,6 +46,24 @@ pub fn pictures_do_not_depend_on_threads<T: TestBackend>() {
     }
 }
 
+/// Whole pictures, radii of the pilot included, in batches of a few hundred paths, in one that is
+/// larger than all, and in the usual ones.
+pub fn pictures_do_not_depend_on_batches<T: TestBackend>() {
+    let scene = scene();
+    let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+    let of = |renderer: Result<Pipeline<T::On>, Error>| {
+        let mut renderer = renderer.unwrap();
+        render(&mut renderer, Budget::passes(2), &mut ()).unwrap();
+        renderer.film().unwrap().pixels
+    };
+    let expected = of(Pipeline::new(T::make(2), &scene.view(), view, settings()));
+    let within = |batch| Pipeline::in_batches(T::make(2), &scene.view(), view, settings(), batch);
+    for batch in [777, 6000, u32::MAX] {
+        assert!(of(within(batch)) == expected, "batches of {batch}");
+    }
+    assert!(matches!(within(0), Err(Error::InvalidSetting { name: "batch", .. })));
+}
+
 /// To model more than the scene requires changes no bit, and less is an error.
 pub fn wider_requirements_change_nothing<T: TestBackend>() {
     for name in ["cornell", "ring", "cornell-glass"] {

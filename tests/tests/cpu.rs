@@ -37,7 +37,7 @@ photon_tests::suite! {
         s20_ends_of_the_unit_interval, s27_neighbour_sets_are_exact, s29_nothing_to_render, s30_least_of_everything,
     }
     determinism::{
-        photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, wider_requirements_change_nothing,
-        passes_merge, s31_full_photon_buffers,
+        photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,
+        wider_requirements_change_nothing, passes_merge, s31_full_photon_buffers,
     }
 }

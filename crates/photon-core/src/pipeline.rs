@@ -40,6 +40,7 @@ pub struct Pipeline<B: TransportBackend> {
     film: B::Film,
     radii: Radii,
     passes: u32,
+    batch: u32,
     setup: StageTimings,
     rays: B::Buffer<PhotonRay>,
     photons: [Photons<B>; 3],
@@ -80,12 +81,42 @@ impl<B: TransportBackend> Pipeline<B> {
     /// # Errors
     /// Likewise.
     pub fn with_stages(
-        mut on: B,
+        on: B,
         scene: &SceneView<'_>,
         view: View,
         settings: Settings,
         required: Requirements,
         stages: Stages<B>,
+    ) -> Result<Self> {
+        Self::assemble(on, scene, view, settings, (required, stages), BATCH)
+    }
+
+    /// As [`Pipeline::new`], with so many paths to a batch: the same picture, by which tests see
+    /// that batches do not show. Not for users: memory and launches are sized for the usual one.
+    ///
+    /// # Errors
+    /// Likewise, and [`Error::InvalidSetting`] for batches of none.
+    #[doc(hidden)]
+    pub fn in_batches(mut on: B, scene: &SceneView<'_>, view: View, settings: Settings, batch: u32) -> Result<Self> {
+        if batch == 0 {
+            return Err(Error::InvalidSetting {
+                name: "batch",
+                value: batch.to_string(),
+                mend: "at least 1 path is needed",
+            });
+        }
+        let required = Requirements::of(scene, &settings);
+        let stages = on.stages(&required, &settings)?;
+        Self::assemble(on, scene, view, settings, (required, stages), batch)
+    }
+
+    fn assemble(
+        mut on: B,
+        scene: &SceneView<'_>,
+        view: View,
+        settings: Settings,
+        (required, stages): (Requirements, Stages<B>),
+        batch: u32,
     ) -> Result<Self> {
         settings.validate()?;
         check_scene(scene)?;
@@ -94,7 +125,7 @@ impl<B: TransportBackend> Pipeline<B> {
         on.mark(Some(Stage::Prepare));
         let prepared = on.prepare(scene, &required)?;
         on.mark(None);
-        let rays = on.alloc("photon rays", u64::from(BATCH.min(settings.photons.max(PILOT_PATHS))))?;
+        let rays = on.alloc("photon rays", u64::from(batch.min(settings.photons.max(PILOT_PATHS))))?;
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
@@ -113,6 +144,7 @@ impl<B: TransportBackend> Pipeline<B> {
             view,
             film,
             passes: 0,
+            batch,
             setup: StageTimings::default(),
             rays,
             queries,
@@ -173,7 +205,7 @@ impl<B: TransportBackend> Pipeline<B> {
             }
             let mut traced = 0;
             while traced < paths {
-                let end = traced.saturating_add(BATCH).min(paths);
+                let end = traced.saturating_add(self.batch).min(paths);
                 let batch = Batch { pass, paths: traced..end };
                 self.on.mark(Some(Stage::Emit));
                 self.stages.emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;

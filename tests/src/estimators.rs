@@ -16,7 +16,8 @@ const KERNELS: [Kernel; 5] = [
 ];
 
 /// A Poisson process of `density` on the unit square about the origin: arrivals along x, uniform y.
-fn poisson(density: f64, seed: u64) -> Vec<Photon> {
+#[must_use]
+pub fn poisson(density: f64, seed: u64) -> Vec<Photon> {
     let mut uniform = Uniform::new(seed);
     let mut photons = Vec::new();
     let mut x = 0.0;

@@ -5,6 +5,7 @@ mod mtl;
 mod obj;
 mod overrides;
 mod ply;
+mod polygon;
 mod schema;
 
 use crate::describe::MaterialDesc;

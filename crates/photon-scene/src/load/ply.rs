@@ -1,16 +1,18 @@
 //! PLY: a mesh without materials.
 
+use super::polygon::{concave, fan_covers};
 use super::{default_material, read, stem};
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;
 use crate::report::LoadReport;
+use glam::DVec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 use std::path::Path;
 
 /// Reads the vertices and polygons of a PLY file, ASCII or binary of either byte order.
 ///
-/// Polygons become fans of triangles, and strips of triangles are resolved. The mesh is named after
+/// Polygons become fans of triangles, the report says where those stick out, and strips of triangles are resolved. The mesh is named after
 /// the file.
 ///
 /// # Errors
@@ -51,6 +53,7 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let positions: Vec<[f64; 3]> = vertices.iter().map(|vertex| vertex.position).collect();
 
     let mut triangles = Vec::new();
+    let mut uncovered = Vec::new();
     let count = positions.len();
     let corner = |what: &str, number: usize, index: i64| {
         u32::try_from(index).ok().filter(|&index| (index as usize) < count).ok_or_else(|| {
@@ -64,6 +67,13 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
         if corners.len() < 3 {
             let what = format!("face {number} has {} corners", corners.len());
             return Err(fault(None, what, "it needs at least three, in a list called vertex_indices"));
+        }
+        if corners.len() > 3 {
+            let places: Vec<DVec3> =
+                corners.iter().map(|&index| DVec3::from_array(positions[index as usize])).collect();
+            if !fan_covers(&places) {
+                uncovered.push(number);
+            }
         }
         triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
     }
@@ -95,6 +105,9 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     }
     if properties("vertex").is_some_and(|known| known.contains_key("nx")) {
         report.approximated(&subject, "its vertex normals are not used; it is rendered as flat as its triangles");
+    }
+    if let Some(first) = uncovered.first() {
+        report.approximated(&subject, concave(uncovered.len(), &format!("is face {first}")));
     }
     if triangles.is_empty() {
         report.note(&subject, "it has no faces; points alone are not rendered");

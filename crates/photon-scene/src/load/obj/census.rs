@@ -1,5 +1,6 @@
 //! What an OBJ file has that is not rendered as it stands, counted.
 
+use crate::load::polygon::{concave, fan_covers};
 use crate::report::LoadReport;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -19,11 +20,11 @@ impl Census {
         let places: Option<Vec<DVec3>> =
             corners.iter().map(|&index| positions.get(index as usize).map(|&at| DVec3::from_array(at))).collect();
         let Some(places) = places else { return };
-        let fan = |next: usize| (places[next] - places[0]).cross(places[next + 1] - places[0]);
-        let whole: DVec3 = (1..places.len() - 1).map(fan).sum();
-        if (1..places.len() - 1).any(|next| fan(next).dot(whole) < 0.0) {
+        if !fan_covers(&places) {
             self.concave.push(line);
         }
+        let fan = |next: usize| (places[next] - places[0]).cross(places[next + 1] - places[0]);
+        let whole: DVec3 = (1..places.len() - 1).map(fan).sum();
         let facet = whole.normalize_or_zero();
         // Less than that, some 2.5 degrees, is what files round their normals to.
         self.smoothed += usize::from(normals.iter().any(|normal| normal.dot(facet).abs() < 0.999));
@@ -41,14 +42,7 @@ impl Census {
             );
         }
         if let Some(line) = self.concave.first() {
-            report.approximated(
-                "the file",
-                format!(
-                    "{} polygons are not convex, the first in line {line}; each is cut into a fan of triangles, which \
-                     may stick out; triangulate them where the file is made",
-                    self.concave.len()
-                ),
-            );
+            report.approximated("the file", concave(self.concave.len(), &format!("in line {line}")));
         }
         if self.colored > 0 {
             report.left_out(

@@ -18,7 +18,7 @@ pub(crate) fn resolve(
         return Err(SceneError::PictureSize { width, height });
     }
     let forward = unit(desc.direction);
-    let right = forward.cross(unit(desc.up)).normalize();
+    let right = forward.cross(unit(desc.up)).normalize_or_zero();
     let up = right.cross(forward);
     let (kind, half_height) = match desc.projection {
         Projection::Perspective { vertical_fov } => (Camera::PERSPECTIVE, (0.5 * vertical_fov).tan()),

@@ -169,5 +169,5 @@ pub(crate) fn unit(vector: [f64; 3]) -> DVec3 {
     let vector = DVec3::from_array(vector);
     // The square of an extreme component would leave the range, the quotient by the largest one
     // does not.
-    (vector / vector.abs().max_element()).normalize()
+    (vector / vector.abs().max_element()).normalize_or_zero()
 }

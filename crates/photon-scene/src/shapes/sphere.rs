@@ -20,7 +20,7 @@ pub fn icosphere(subdivision: u32, center: [f64; 3], radius: f64) -> Shape {
             let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
                 // The neighbour on the other side of the edge finds the same vertex.
                 *middles.entry((from.min(to), from.max(to))).or_insert_with(|| {
-                    points.push((points[from as usize] + points[to as usize]).normalize());
+                    points.push((points[from as usize] + points[to as usize]).normalize_or_zero());
                     points.len() as u32 - 1
                 })
             });
@@ -58,7 +58,7 @@ fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
             }
         }
     }
-    (points.into_iter().map(DVec3::normalize).collect(), triangles)
+    (points.into_iter().map(DVec3::normalize_or_zero).collect(), triangles)
 }
 
 /// A sphere of `segments` meridians (at least 3) and `rings` bands (at least 2), inscribed, with

@@ -95,13 +95,14 @@ pub(crate) fn estimate_at(
     let accept = |slot: u32| map.arrived(slot).normal.dot(normal) >= gather.min_normal_cosine;
     match gather.rule {
         Rule::Radius => {
-            let mut sum = Sum::new(radius_squared);
+            let sum = Sum::new(radius_squared);
             let scale = 1.0 / sum.radius_squared;
-            map.index().within(position, radius_squared, |slot, d2| {
-                if accept(slot) {
-                    let weight = gather.kernel.weight((d2 * scale).min(1.0));
-                    sum.add(map.arrived(slot).power, weight);
+            let sum = map.index().fold_within(position, radius_squared, sum, |sum, slot, d2| {
+                if !accept(slot) {
+                    return sum;
                 }
+                let weight = gather.kernel.weight((d2 * scale).min(1.0));
+                sum.and(map.arrived(slot).power, weight)
             });
             sum.finish()
         }
@@ -118,7 +119,7 @@ pub(crate) fn estimate_at(
             let scale = 1.0 / sum.radius_squared;
             for neighbour in kept {
                 let weight = gather.kernel.weight((neighbour.d2 * scale).min(1.0));
-                sum.add(map.arrived(neighbour.slot).power, weight);
+                sum = sum.and(map.arrived(neighbour.slot).power, weight);
             }
             sum.photons = nearest.len() as u32;
             sum.finish()
@@ -136,7 +137,7 @@ pub(crate) fn estimate_at(
             };
             let mut sum = Sum::new(reach);
             for neighbour in nearest {
-                sum.add(map.arrived(neighbour.slot).power, cosine(neighbour.slot) * factor);
+                sum = sum.and(map.arrived(neighbour.slot).power, cosine(neighbour.slot) * factor);
             }
             sum.finish()
         }
@@ -162,12 +163,14 @@ impl Sum {
         }
     }
 
+    /// With one photon more. By value, for it to stay in registers.
     #[inline]
-    fn add(&mut self, power: Vec3, weight: f32) {
+    fn and(mut self, power: Vec3, weight: f32) -> Self {
         for (sum, p) in self.flux.iter_mut().zip(power.to_array()) {
             *sum += f64::from(p) * f64::from(weight);
         }
         self.photons += 1;
+        self
     }
 
     fn finish(self) -> Estimate {

@@ -5,6 +5,7 @@
 mod compare;
 mod draw;
 mod layout;
+mod rules;
 mod spirv;
 mod table;
 mod triangle;

@@ -25,19 +25,14 @@ const OP_CONSTANT: u32 = 43;
 const OP_MEMBER_DECORATE: u32 = 72;
 const DECORATION_OFFSET: u32 = 35;
 
-/// The structs of a module that lie in memory, by their names; one name may stand for several.
+/// The instructions of a module: number of the operation, and its operands.
 ///
 /// # Errors
 /// What is not SPIR-V.
-pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, String> {
+pub(super) fn instructions(words: &[u32]) -> Result<Vec<(u32, &[u32])>, String> {
     if words.len() < HEADER || words[0] != 0x0723_0203 {
         return Err("not a SPIR-V module".to_owned());
     }
-    let mut names = BTreeMap::new();
-    let mut member_names = BTreeMap::new();
-    let mut offsets = BTreeMap::new();
-    let mut shapes: BTreeMap<u32, Shape> = BTreeMap::new();
-    let mut constants = BTreeMap::new();
     let mut found = Vec::new();
     let mut rest = &words[HEADER..];
     while let Some(&first) = rest.first() {
@@ -45,10 +40,26 @@ pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, Strin
         if length == 0 || length > rest.len() {
             return Err(format!("an instruction of {length} words where {} are left", rest.len()));
         }
-        let operands = &rest[1..length];
+        found.push((first & 0xFFFF, &rest[1..length]));
         rest = &rest[length..];
+    }
+    Ok(found)
+}
+
+/// The structs of a module that lie in memory, by their names; one name may stand for several.
+///
+/// # Errors
+/// What is not SPIR-V.
+pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, String> {
+    let mut names = BTreeMap::new();
+    let mut member_names = BTreeMap::new();
+    let mut offsets = BTreeMap::new();
+    let mut shapes: BTreeMap<u32, Shape> = BTreeMap::new();
+    let mut constants = BTreeMap::new();
+    let mut found = Vec::new();
+    for (operation, operands) in instructions(words)? {
         // Names and decorations stand before types, types before their users.
-        match (first & 0xFFFF, operands) {
+        match (operation, operands) {
             (OP_NAME, [id, text @ ..]) => _ = names.insert(*id, string(text)),
             (OP_MEMBER_NAME, [id, member, text @ ..]) => _ = member_names.insert((*id, *member), string(text)),
             (OP_MEMBER_DECORATE, [id, member, DECORATION_OFFSET, offset]) => {

@@ -1,0 +1,60 @@
+//! What every committed module keeps to, so that it runs wherever the baseline is met.
+
+use super::spirv::instructions;
+use crate::shaders;
+
+const OP_CAPABILITY: u32 = 17;
+const OP_DECORATE: u32 = 71;
+const DECORATION_SPEC_ID: u32 = 1;
+
+/// What a module may ask of a device; `device/choose.rs` refuses one that has less.
+const CAPABILITIES: [(u32, &str); 9] = [
+    (1, "Shader"),
+    (11, "Int64"),
+    (61, "GroupNonUniform"),
+    (62, "GroupNonUniformVote"),
+    (63, "GroupNonUniformArithmetic"),
+    (64, "GroupNonUniformBallot"),
+    (65, "GroupNonUniformShuffle"),
+    (66, "GroupNonUniformShuffleRelative"),
+    (5347, "PhysicalStorageBufferAddresses"),
+];
+
+/// The first rule that a module breaks.
+fn check(words: &[u32]) -> Result<(), String> {
+    let instructions = instructions(words)?;
+    for (operation, operands) in &instructions {
+        if *operation == OP_CAPABILITY && !CAPABILITIES.iter().any(|(number, _)| operands == &[*number]) {
+            return Err(format!("asks for capability {operands:?}, which the baseline does not have"));
+        }
+    }
+    let sized = |(operation, operands): &(u32, &[u32])| {
+        *operation == OP_DECORATE && operands.get(1..) == Some(&[DECORATION_SPEC_ID, 1])
+    };
+    if !instructions.iter().any(sized) {
+        return Err("its workgroup's size is not specialization constant 1".to_owned());
+    }
+    Ok(())
+}
+
+#[test]
+fn every_module_keeps_the_rules() {
+    // The example's kernel is a host's, which runs it without us.
+    for module in shaders::ALL.iter().filter(|module| !module.name.starts_with("example_")) {
+        check(&module.words()).unwrap_or_else(|message| panic!("{}: {message}", module.name));
+    }
+}
+
+#[test]
+fn modules_that_break_them_are_found() {
+    let good = shaders::DEVICE_COPY.words();
+    // Float64, between the header and the rest.
+    let mut doubles = good.clone();
+    doubles.splice(5..5, [2 << 16 | OP_CAPABILITY, 10]);
+    assert!(check(&doubles).unwrap_err().contains("[10]"));
+    let mut fixed = good.clone();
+    let at =
+        good.windows(4).position(|w| w[0] == (4 << 16 | OP_DECORATE) && w[2..] == [DECORATION_SPEC_ID, 1]).unwrap();
+    fixed[at + 3] = 3;
+    assert!(check(&fixed).unwrap_err().contains("workgroup"));
+}

@@ -82,27 +82,26 @@ impl Report {
         text
     }
 
-    /// Our own grid: stage by stage, what each habit of the paper's costs.
-    fn large(&self) -> String {
+    /// The pictures and our own grid, stage by stage: what each habit of the paper's costs.
+    fn by_stage(&self) -> String {
         let stages = [Stage::Emit, Stage::Trace, Stage::Build, Stage::Eye, Stage::Direct, Stage::Estimate, Stage::Film];
-        let mut headings = vec!["photons, way", "caustic", "global", "together"];
+        let mut headings = vec!["way", "caustic", "global", "paths", "together"];
         headings.extend(stages.map(Stage::name));
         let mut text = String::new();
         for results in &self.all {
             let mut table = Table::new(&headings);
-            let rows = results.cells.iter().filter(|(plan, _)| plan.table == "large");
-            let mut any = false;
-            for (plan, measured) in rows {
-                any = true;
-                let wanted = plan.global.map_or(0, |map| map.photons);
+            for (plan, measured) in &results.cells {
+                let title = match plan.table {
+                    "large" => format!("{}, {}", plan.global.map_or(0, |map| map.photons), plan.name),
+                    "pictures" => format!("picture: {}", plan.name),
+                    _ => continue,
+                };
                 let [caustic, global] = measured.stored.map(|n| n.to_string());
-                let mut row = vec![format!("{wanted}, {}", plan.name), caustic, global, seconds(measured.wall)];
+                let mut row = vec![title, caustic, global, measured.paths.to_string(), seconds(measured.wall)];
                 row.extend(stages.map(|stage| seconds(measured.stages.get(stage))));
                 table.row(row);
             }
-            if any {
-                let _ = writeln!(text, "{} ({}):\n\n{}", results.backend, results.device, table.text());
-            }
+            let _ = writeln!(text, "{}:\n\n{}", results.backend, table.text());
         }
         text
     }
@@ -162,10 +161,7 @@ impl Report {
         }
         let _ = writeln!(text, "\n### Pictures, mean radiance by layer in W/(m²·sr)\n\n{}", self.pictures());
         let _ = writeln!(text, "### Errors of the paper's formulas\n\n{}", self.biases());
-        let large = self.large();
-        if !large.is_empty() {
-            let _ = writeln!(text, "### Larger maps\n\n{large}");
-        }
+        let _ = writeln!(text, "### Stage by stage\n\n{}", self.by_stage());
         let _ = write!(text, "### The paper's table\n\n{}", self.grid());
         text
     }

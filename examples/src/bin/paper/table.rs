@@ -50,8 +50,11 @@ impl Table {
     }
 }
 
-/// Seconds in three digits: `1.23 s`, `45.6 ms`, `789 µs`.
+/// Seconds in three digits: `1.23 s`, `45.6 ms`, `789 µs`; a dash for none at all.
 pub(crate) fn seconds(value: f64) -> String {
+    if value <= 0.0 {
+        return "-".to_owned();
+    }
     let (scaled, unit) = match value {
         v if v >= 1.0 => (v, "s"),
         v if v >= 1e-3 => (v * 1e3, "ms"),

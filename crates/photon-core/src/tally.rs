@@ -40,6 +40,13 @@ impl FixedFlux {
 }
 
 impl FluxSum {
+    /// A sum in units of 2⁻⁴⁰ of the scene's total power: what a backend that sums in integers of its
+    /// own brings home.
+    #[must_use]
+    pub fn from_units(units: [i128; 3]) -> Self {
+        Self(units)
+    }
+
     /// Adds one path's.
     #[inline]
     pub fn add(&mut self, flux: FixedFlux) {

@@ -1,0 +1,351 @@
+//! Photons are followed through the scene, and stored in order.
+//!
+//! A stretch of paths at a time, in rounds of so many surfaces: invocations store what they have to
+//! wherever there is room, and count for every path; prefix sums of the counts then say where each
+//! photon goes. Rounds bound how long a dispatch runs. Some drivers end loops silently that are too
+//! long: lavapipe (of Mesa 22) after 65 535 turns in all, which is what the two numbers below mind.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Batch, Deposits, Features, Photon, PhotonRay, Result, Settings, Sharing, Tally, Tracer};
+
+use super::ends::{WORDS, tally};
+use super::random_number;
+use crate::buffer::VulkanBuffer;
+use crate::device::{Kernel, Memory};
+use crate::scan::Scan;
+use crate::scene::VulkanScene;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+const GROUP: u32 = 128;
+/// Surfaces that a path is followed for in one round, and paths that an invocation takes at most.
+const SURFACES: u32 = 16;
+const QUOTA: u64 = 4;
+/// Rounds between two looks at whether anything is still under way.
+const LOOK: u32 = 4;
+/// Invocations that share the paths of a stretch.
+const THREADS: u64 = 1 << 17;
+/// Photons that are stored before they are put in order: 160 MiB with their owners.
+const PLACES: u64 = 1 << 22;
+/// Fewest and most paths of a stretch; the most bounds how long one dispatch runs.
+const SHORTEST: u64 = 1 << 15;
+const LONGEST: u64 = 1 << 20;
+
+/// Follows photons.
+#[derive(Debug)]
+pub(crate) struct VulkanTracer {
+    sharing: Sharing,
+    max_bounces: u32,
+    features: Features,
+    scan: Scan,
+    room: Option<Room>,
+    /// Words of the tally, and how many paths they are about.
+    sums: Memory,
+    emitted: u64,
+}
+
+/// Memory for one stretch.
+#[derive(Debug)]
+struct Room {
+    paths: u64,
+    places: u64,
+    photons: Memory,
+    owners: Memory,
+    stored: Memory,
+    endings: Memory,
+    states: Memory,
+    /// Numbers of paths under way, twice.
+    waiting: Memory,
+    /// Next free place; three words of photons per map; then two words for each of two rounds.
+    cursors: Memory,
+    stretch: Memory,
+}
+
+/// Bytes within `Room::cursors`.
+const PLACE: u64 = 0;
+const TOTALS: u64 = 4;
+const ROUNDS: u64 = 16;
+const CURSORS: u64 = 32;
+
+/// `Stretch` of trace.comp.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Stretch {
+    scene: u64,
+    rays: u64,
+    photons: u64,
+    owners: u64,
+    stored: u64,
+    endings: u64,
+    states: u64,
+    place: u64,
+    seed: [u32; 2],
+    pass: u32,
+    first: u32,
+    count: u32,
+    places: u32,
+    max_bounces: u32,
+    reserved: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct TracePush {
+    stretch: u64,
+    now: u64,
+    then: u64,
+    waiting: u64,
+    left: u64,
+    quota: u32,
+    surfaces: u32,
+    begins: u32,
+    pad: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct TallyPush {
+    rays: u64,
+    endings: u64,
+    stored: u64,
+    sums: u64,
+    first: u32,
+    count: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct ScatterPush {
+    photons: u64,
+    owners: u64,
+    offsets: u64,
+    cursors: u64,
+    to: [u64; 3],
+    fills: [u64; 3],
+    count: u32,
+    places: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct AdvancePush {
+    totals: u64,
+    needed: [u64; 3],
+}
+
+impl VulkanTracer {
+    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, features: Features) -> Result<Self> {
+        let sums = on.memory("tally", 4 * WORDS as u64)?;
+        on.fill(&sums, 0, 4 * WORDS as u64, 0)?;
+        Ok(Self {
+            sharing: settings.sharing,
+            max_bounces: settings.max_bounces,
+            features,
+            scan: Scan::new(on)?,
+            room: None,
+            sums,
+            emitted: 0,
+        })
+    }
+
+    /// Memory for stretches of `paths` paths and `places` photons.
+    fn room(&mut self, on: &mut Vulkan, paths: u64, places: u64) -> Result<()> {
+        if self.room.as_ref().is_some_and(|room| room.paths >= paths && room.places >= places) {
+            return Ok(());
+        }
+        self.room = None;
+        let room = Room {
+            paths,
+            places,
+            photons: on.memory("photons in no order", places * size_of::<Photon>() as u64)?,
+            owners: on.memory("owners of photons", places * 8)?,
+            stored: on.memory("photons per path", paths * 3 * 4)?,
+            endings: on.memory("ends of paths", paths * 16)?,
+            states: on.memory("paths under way", if self.max_bounces > SURFACES { paths * 64 } else { 0 })?,
+            waiting: on.memory("paths under way", if self.max_bounces > SURFACES { paths * 8 } else { 0 })?,
+            cursors: on.memory("cursors", CURSORS)?,
+            stretch: on.memory("stretch", size_of::<Stretch>() as u64)?,
+        };
+        let long = if self.max_bounces > SURFACES { 72 } else { 0 };
+        on.note_memory("tracing", places * 40 + paths * (28 + long));
+        self.room = Some(room);
+        Ok(())
+    }
+}
+
+impl Tracer<Vulkan> for VulkanTracer {
+    fn trace(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        batch: &Batch,
+        rays: &VulkanBuffer<PhotonRay>,
+        mut deposits: Deposits<'_, Vulkan>,
+    ) -> Result<()> {
+        let count = on.length(rays)?;
+        let bounces = u64::from(self.max_bounces);
+        let paths = (PLACES / bounces).clamp(SHORTEST, LONGEST).min(count);
+        let mut first = 0;
+        while first < count {
+            let stretch = paths.min(count - first);
+            let places = PLACES.min(stretch * bounces);
+            self.room(on, stretch, places)?;
+            self.stretch(on, scene, batch, rays, &mut deposits, first, stretch)?;
+            first += stretch;
+        }
+        self.emitted += count;
+        for target in [deposits.direct, deposits.caustic, deposits.global].into_iter().flatten() {
+            target.touch();
+        }
+        Ok(())
+    }
+
+    fn take_tally(&mut self, on: &mut Vulkan) -> Result<Tally> {
+        let mut words = [0_u32; WORDS];
+        on.read(&self.sums, 0, bytemuck::cast_slice_mut(&mut words))?;
+        on.fill(&self.sums, 0, 4 * WORDS as u64, 0)?;
+        Ok(tally(&words, std::mem::take(&mut self.emitted)))
+    }
+}
+
+impl VulkanTracer {
+    #[expect(clippy::too_many_arguments, reason = "a part of `trace`, with what it was called with")]
+    fn stretch(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        batch: &Batch,
+        rays: &VulkanBuffer<PhotonRay>,
+        deposits: &mut Deposits<'_, Vulkan>,
+        first: u64,
+        count: u64,
+    ) -> Result<()> {
+        let targets = [deposits.direct.as_deref(), deposits.caustic.as_deref(), deposits.global.as_deref()];
+        let wanted = targets.iter().enumerate().map(|(map, target)| u32::from(target.is_some()) << map).sum::<u32>();
+        let pass = batch.pass;
+        let dynamic = self.sharing == Sharing::Dynamic;
+        let trace = on.kernel(
+            &shaders::PHOTONS_TRACE,
+            &[self.features.bits(), GROUP, random_number(pass.random), wanted, u32::from(dynamic)],
+        )?;
+        loop {
+            let Some(room) = &self.room else { return Ok(()) };
+            on.fill(&room.cursors, 0, CURSORS, 0)?;
+            let stretch = Stretch {
+                scene: scene.address(),
+                rays: rays.data_address(),
+                photons: room.photons.address(),
+                owners: room.owners.address(),
+                stored: room.stored.address(),
+                endings: room.endings.address(),
+                states: room.states.address(),
+                place: room.cursors.address() + PLACE,
+                seed: [pass.seed as u32, (pass.seed >> 32) as u32],
+                pass: pass.index,
+                first: first as u32,
+                count: count as u32,
+                places: room.places as u32,
+                max_bounces: self.max_bounces,
+                reserved: 0,
+            };
+            on.write(&room.stretch, 0, bytemuck::bytes_of(&stretch))?;
+            self.rounds(on, room, &trace, count)?;
+            if wanted == 0 || count * u64::from(self.max_bounces) <= room.places {
+                break;
+            }
+            // Only here can there have been more photons than places, and only then is it asked.
+            let mut stored = [0_u32];
+            on.read(&room.cursors, PLACE, bytemuck::bytes_of_mut(&mut stored))?;
+            if u64::from(stored[0]) <= room.places {
+                break;
+            }
+            let places = u64::from(stored[0]) + u64::from(stored[0]) / 8;
+            self.room(on, count, places)?;
+        }
+        self.arrange(on, rays, targets, wanted, first, count)
+    }
+
+    /// Follows the paths of a stretch to their ends, so many surfaces at a time.
+    fn rounds(&self, on: &mut Vulkan, room: &Room, trace: &Kernel, count: u64) -> Result<()> {
+        // As many as fit the device, but enough for every path.
+        let threads = THREADS.max(count.div_ceil(QUOTA)).min(count).next_multiple_of(u64::from(GROUP));
+        // A counter leaves it open who takes how many; twice the quota is never short.
+        let quota = count.div_ceil(threads) as u32 * if self.sharing == Sharing::Dynamic { 2 } else { 1 };
+        let round = |number: u32| room.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
+        let list = |number: u32| room.waiting.address() + u64::from(number % 2) * room.paths * 4;
+        for number in 0..self.max_bounces.div_ceil(SURFACES) {
+            if number > 0 {
+                // What the next round will count is what the last one counted.
+                on.fill(&room.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
+            }
+            let push = TracePush {
+                stretch: room.stretch.address(),
+                now: round(number),
+                then: round(number + 1),
+                waiting: list(number),
+                left: list(number + 1),
+                quota,
+                surfaces: SURFACES,
+                begins: u32::from(number == 0),
+                pad: 0,
+            };
+            on.dispatch(trace, &push, threads / u64::from(GROUP))?;
+            if number % LOOK == LOOK - 1 {
+                let mut left = [0_u32];
+                let offset = ROUNDS + u64::from((number + 1) % 2) * 8 + 4;
+                on.read(&room.cursors, offset, bytemuck::bytes_of_mut(&mut left))?;
+                if left[0] == 0 {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Sums how paths ended, and brings what they stored to where it belongs.
+    fn arrange(
+        &mut self,
+        on: &mut Vulkan,
+        rays: &VulkanBuffer<PhotonRay>,
+        targets: [Option<&VulkanBuffer<Photon>>; 3],
+        wanted: u32,
+        first: u64,
+        count: u64,
+    ) -> Result<()> {
+        let Some(room) = &self.room else { return Ok(()) };
+        let push = TallyPush {
+            rays: rays.data_address(),
+            endings: room.endings.address(),
+            stored: room.stored.address(),
+            sums: self.sums.address(),
+            first: first as u32,
+            count: count as u32,
+        };
+        let sum = on.kernel(&shaders::PHOTONS_TALLY, &[0, GROUP, 0, wanted])?;
+        on.dispatch(&sum, &push, count.div_ceil(u64::from(GROUP) * 16).min(512))?;
+        if wanted == 0 {
+            return Ok(());
+        }
+        for map in (0..3).filter(|map| wanted >> map & 1 == 1) {
+            let part = room.stored.address() + map * count * 4;
+            self.scan.exclusive(on, part, part, count, room.cursors.address() + TOTALS + map * 4)?;
+        }
+        let address = |of: fn(&VulkanBuffer<Photon>) -> u64| targets.map(|target| target.map_or(0, of));
+        let push = ScatterPush {
+            photons: room.photons.address(),
+            owners: room.owners.address(),
+            offsets: room.stored.address(),
+            cursors: room.cursors.address(),
+            to: address(VulkanBuffer::data_address),
+            fills: address(VulkanBuffer::count_address),
+            count: count as u32,
+            places: room.places as u32,
+        };
+        let scatter = on.kernel(&shaders::PHOTONS_SCATTER, &[0, 256])?;
+        on.dispatch(&scatter, &push, room.places.div_ceil(256).min(2048))?;
+        let push =
+            AdvancePush { totals: room.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };
+        let advance = on.kernel(&shaders::PHOTONS_ADVANCE, &[0, 32, 0, wanted])?;
+        on.dispatch(&advance, &push, 1)
+    }
+}

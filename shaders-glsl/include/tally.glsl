@@ -1,0 +1,20 @@
+// How paths ended. Twin of photon-core's tally.rs, in which the host sums.
+#ifndef TALLY_GLSL
+#define TALLY_GLSL
+
+const uint FATE_ABSORBED = 0u;
+const uint FATE_ESCAPED = 1u;
+const uint FATE_TRUNCATED = 2u;
+const uint FATE_DROPPED = 3u;
+const uint FATE_NONE = 4u;
+
+struct Ending {
+    // What the path carried at its end.
+    vec3 power;
+    // Fate in the upper four bits, surfaces met in the others.
+    uint fate_surfaces;
+};
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Endings { Ending at; };
+
+#endif

@@ -1,0 +1,45 @@
+// Brings photons, stored in whatever order, into that of their paths and bounces.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+layout(local_size_x_id = 1) in;
+
+#include "grid.glsl"
+#include "layout.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Owners { uvec2 at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Offsets { uint at; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Cursors { uint place; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Fill {
+    uint needed;
+    uint capacity;
+};
+
+layout(push_constant, scalar) uniform Push {
+    Photons photons;
+    Owners owners;
+    // Three arrays of `count` words: photons of each map before those of each path.
+    Offsets offsets;
+    Cursors cursors;
+    Photons to[3];
+    Fill fills[3];
+    uint count;
+    uint places;
+} push;
+
+void main() {
+    uint stored = min(push.cursors.place, push.places);
+    uint threads = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
+    for (uint i = thread(); i < stored; i += threads) {
+        uvec2 owner = push.owners[i].at;
+        uint map = owner.y & 3u;
+        Fill fill = map == 0u ? push.fills[0] : map == 1u ? push.fills[1] : push.fills[2];
+        Photons to = map == 0u ? push.to[0] : map == 1u ? push.to[1] : push.to[2];
+        uint place = fill.needed + push.offsets[map * push.count + owner.x].at + (owner.y >> 2);
+        // What does not fit is counted all the same, and the pass done again.
+        if (place < fill.capacity) to[place].at = push.photons[i].at;
+    }
+}

@@ -1,0 +1,271 @@
+// Photons are followed through the scene: twin of backend-cpu's trace.rs.
+//
+// One dispatch follows paths for so many surfaces; what is under way then is kept, and the next one
+// goes on with it, closed up. Nothing runs for long, however long paths may be. An invocation takes
+// paths by its quota, or one after the other from a counter that all share. What it stores goes to
+// the next free place, with the path and how many the path had stored before, by which it is put in
+// order afterwards.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+
+layout(local_size_x_id = 1) in;
+layout(constant_id = 0) const uint FEATURES = 511;
+layout(constant_id = 2) const uint RANDOM = 0;
+// Bits: which maps are kept.
+layout(constant_id = 3) const uint WANTED = 7;
+layout(constant_id = 4) const bool DYNAMIC = true;
+
+#include "grid.glsl"
+#include "boundary.glsl"
+#include "octahedral.glsl"
+#include "random.glsl"
+#include "sampling.glsl"
+#include "scene.glsl"
+#include "tally.glsl"
+
+// Path, and ordinal << 2 | map.
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Owners { uvec2 at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counts { uint at; };
+// Next free place for a photon; next path to be taken in this dispatch; paths that it was given, and
+// those that it leaves to the next one.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Place { uint place; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Round {
+    uint taken;
+    uint given;
+};
+
+// A path under way, between two dispatches.
+struct State {
+    vec3 origin;
+    uint bounce;
+    vec3 direction;
+    uint medium;
+    vec3 power;
+    uint specular_only;
+    uvec3 stored;
+    uint numbers;
+};
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer States { State at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Waiting { uint at; };
+
+// What one stretch of paths works on, the same for all its dispatches.
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Stretch {
+    SceneRef scene;
+    PhotonRays rays;
+    Photons photons;
+    Owners owners;
+    // Three arrays of `count` words: photons that each path stored in each map.
+    Counts stored;
+    Endings endings;
+    States states;
+    Place place;
+    uvec2 seed;
+    uint pass;
+    // Index of the first ray of this stretch.
+    uint first;
+    uint count;
+    uint places;
+    uint max_bounces;
+    uint reserved;
+};
+
+layout(push_constant, scalar) uniform Push {
+    Stretch stretch;
+    // This dispatch's and the next one's.
+    Round now;
+    Round then;
+    Waiting waiting;
+    Waiting left;
+    // Paths that one invocation takes at most, and surfaces that it follows each for.
+    uint quota;
+    uint surfaces;
+    uint begins;
+} push;
+
+// More power than this on one path is a sign of broken numbers.
+const float TOO_MUCH = 1048576.0;
+
+const bool GLASS = (FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0u;
+const bool MIRRORS = (FEATURES & FEATURE_MIRROR) != 0u;
+const bool ABSORPTION = (FEATURES & FEATURE_ABSORPTION) != 0u;
+
+bool is_finite3(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+
+float greatest(vec3 v) { return max(max(v.x, v.y), v.z); }
+
+// Russian roulette that keeps the brightest channel; false if the photon is absorbed.
+bool survive(inout vec3 power, Material material, float choice) {
+    precise vec3 next = power * material.albedo;
+    precise float chance = greatest(next) / greatest(power);
+    // 0/0 is not below anything.
+    if (!(choice < chance) || is_nan(chance)) return false;
+    precise vec3 left = next / chance;
+    power = left;
+    return true;
+}
+
+// The next path that this invocation follows, as a number among those given; `given` when there is
+// none left for it.
+uint next_path(inout uint turn, uint given) {
+    if (turn >= push.quota) return given;
+    uint threads = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
+    uint number = DYNAMIC ? atomicAdd(push.now.taken, 1u) : turn * threads + thread();
+    ++turn;
+    return min(number, given);
+}
+
+// A path under way.
+struct Path {
+    uint index;
+    uint left;
+    Sampler numbers;
+    Ray ray;
+    vec3 power;
+    uint bounce;
+    uint medium;
+    bool specular_only;
+    uvec3 stored;
+};
+
+Path begin(uint number) {
+    Path path;
+    path.index = push.begins != 0u ? number : push.waiting[number].at;
+    path.left = push.surfaces;
+    PhotonRay start = push.stretch.rays[push.stretch.first + path.index].at;
+    path.numbers = sampler_new(RANDOM, push.stretch.seed, push.stretch.pass, DOMAIN_PHOTON, start.path);
+    if (push.begins != 0u) {
+        if (RANDOM == RANDOM_LCG) {
+            // The sequence goes on where emission left it.
+            sampler_words(path.numbers, 0u);
+            sampler_words(path.numbers, 0u);
+        }
+        path.ray = Ray(start.origin, start.direction, NO_LIMIT);
+        path.power = start.power;
+        path.bounce = 0u;
+        path.medium = VACUUM;
+        path.specular_only = true;
+        path.stored = uvec3(0u);
+        return path;
+    }
+    State state = push.stretch.states[path.index].at;
+    path.numbers.state = state.numbers;
+    path.ray = Ray(state.origin, state.direction, NO_LIMIT);
+    path.power = state.power;
+    path.bounce = state.bounce;
+    path.medium = state.medium;
+    path.specular_only = state.specular_only != 0u;
+    path.stored = state.stored;
+    return path;
+}
+
+void keep(Path path) {
+    State state;
+    state.origin = path.ray.origin;
+    state.bounce = path.bounce;
+    state.direction = path.ray.direction;
+    state.medium = path.medium;
+    state.power = path.power;
+    state.specular_only = path.specular_only ? 1u : 0u;
+    state.stored = path.stored;
+    state.numbers = path.numbers.state;
+    push.stretch.states[path.index].at = state;
+    push.left[atomicAdd(push.then.given, 1u)].at = path.index;
+}
+
+void store(inout Path path, Surface at) {
+    uint map = !path.specular_only ? 2u : path.bounce > 0u ? 1u : 0u;
+    if ((WANTED >> map & 1u) == 0u) return;
+    uint ordinal = map == 2u ? path.stored.z : map == 1u ? path.stored.y : path.stored.x;
+    uint place = atomicAdd(push.stretch.place.place, 1u);
+    if (place < push.stretch.places) {
+        Photon photon;
+        photon.position = at.point;
+        photon.direction = octahedral_pack(-path.ray.direction);
+        photon.power = path.power;
+        photon.normal = octahedral_pack(at.normal);
+        push.stretch.photons[place].at = photon;
+        push.stretch.owners[place].at = uvec2(path.index, ordinal << 2 | map);
+    }
+    path.stored += uvec3(map == 0u, map == 1u, map == 2u);
+}
+
+// One surface; how the path ended there, or FATE_NONE.
+uint step_path(inout Path path) {
+    bool sane = is_finite3(path.ray.origin) && is_finite3(path.ray.direction) && is_finite3(path.power)
+        && greatest(abs(path.power)) <= TOO_MUCH;
+    if (!sane) return FATE_DROPPED;
+    Surface at;
+    if (!surface(push.stretch.scene, path.ray, at)) return FATE_ESCAPED;
+    Material material = push.stretch.scene.materials[at.material].at;
+    if (ABSORPTION) {
+        precise vec3 left = path.power * transmittance(push.stretch.scene, at, path.medium);
+        path.power = left;
+    }
+    uvec4 words = sampler_words(path.numbers, BLOCK_SURFACES + path.bounce);
+    float choice = unit_f32(words.x);
+    vec3 onward = path.ray.direction;
+    bool passes = false;
+    bool absorbed = false;
+    if (GLASS && (material.kind == MATERIAL_DIELECTRIC || material.kind == MATERIAL_THIN)) {
+        vec3 beyond;
+        if (choice < boundary(material, at, path.ray.direction, beyond)) {
+            onward = bsdf_reflect(path.ray.direction, at.normal);
+        } else {
+            precise vec3 tinted = path.power * material.albedo;
+            path.power = tinted;
+            path.medium = entered(material, at, path.medium);
+            onward = beyond;
+            passes = true;
+        }
+    } else {
+        bool mirror = MIRRORS && material.kind == MATERIAL_MIRROR;
+        if (!mirror && material.albedo != vec3(0.0)) store(path, at);
+        absorbed = !survive(path.power, material, choice);
+        if (mirror) {
+            onward = bsdf_reflect(path.ray.direction, at.normal);
+        } else {
+            path.specular_only = false;
+            onward = cosine_hemisphere(at.normal, unit_f32(words.y), unit_f32(words.z));
+        }
+    }
+    ++path.bounce;
+    if (absorbed) return FATE_ABSORBED;
+    path.ray = Ray(off_surface(at.point, passes ? -at.normal : at.normal), onward, NO_LIMIT);
+    return path.bounce >= push.stretch.max_bounces ? FATE_TRUNCATED : FATE_NONE;
+}
+
+void finish(Path path, uint fate) {
+    uint count = push.stretch.count;
+    if ((WANTED & 1u) != 0u) push.stretch.stored[path.index].at = path.stored.x;
+    if ((WANTED & 2u) != 0u) push.stretch.stored[count + path.index].at = path.stored.y;
+    if ((WANTED & 4u) != 0u) push.stretch.stored[2u * count + path.index].at = path.stored.z;
+    Ending ending;
+    ending.power = path.power;
+    ending.fate_surfaces = fate << 28 | min(path.bounce, 0x0FFFFFFFu);
+    push.stretch.endings[path.index].at = ending;
+}
+
+void main() {
+    uint given = push.begins != 0u ? push.stretch.count : push.now.given;
+    uint turn = 0u;
+    uint number = next_path(turn, given);
+    if (number >= given) return;
+    Path path = begin(number);
+    // One loop for surfaces and paths: an invocation whose path has ended goes on with the next one
+    // while its neighbours are still under way.
+    while (true) {
+        uint fate = step_path(path);
+        --path.left;
+        if (fate == FATE_NONE && path.left > 0u) continue;
+        if (fate == FATE_NONE) keep(path);
+        else finish(path, fate);
+        number = next_path(turn, given);
+        if (number >= given) break;
+        path = begin(number);
+    }
+}

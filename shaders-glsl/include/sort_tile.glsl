@@ -1,11 +1,11 @@
-// A tile of a stable radix sort: eight subgroups, 16 keys to an invocation, digits of eight bits.
+// A tile of a stable radix sort: up to eight subgroups, 16 keys to an invocation, digits of eight bits.
 //
 // Every subgroup owns a contiguous share of the tile and goes through it in order, a row of one key
 // to an invocation at a time. Those with equal digits in a row find each other by ballots, digit bit
 // by digit bit; so ranks are stable whatever the size of the subgroups (Merrill and Grimshaw 2011,
 // "High performance and scalable radix sorting", rank digits in shared memory instead).
 //
-// To be included after the workgroup's size is declared, which is eight subgroups.
+// To be included after the workgroup's size is declared.
 #ifndef SORT_TILE_GLSL
 #define SORT_TILE_GLSL
 

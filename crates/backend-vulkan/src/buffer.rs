@@ -52,6 +52,11 @@ impl<T> VulkanBuffer<T> {
     pub(crate) fn touch(&mut self) {
         self.known.set(None);
     }
+
+    /// The device has been told how many there are.
+    pub(crate) fn is_now(&mut self, length: u64) {
+        self.known.set(Some(length));
+    }
 }
 
 impl<T: Element> VulkanBuffer<T> {

@@ -9,17 +9,31 @@
 mod backend;
 mod buffer;
 mod device;
+mod direct;
+mod estimate;
+mod eye;
 mod film;
+mod final_gather;
+mod index;
 mod map;
+mod photons;
 #[cfg(test)]
 mod probe;
+mod rays;
 mod scan;
+mod scene;
 mod shaders;
+mod sort;
+mod transport;
 mod vulkan;
+mod wide;
 
 pub use ash;
 pub use buffer::VulkanBuffer;
 pub use device::{Candidate, Limits, Options, RawDevice, devices};
 pub use film::VulkanFilm;
 pub use map::VulkanMap;
+#[doc(hidden)]
+pub use rays::RayPlan;
+pub use scene::VulkanScene;
 pub use vulkan::Vulkan;

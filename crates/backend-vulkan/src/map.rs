@@ -1,15 +1,17 @@
 //! Photons arranged for search, on the device.
 
-use photon_core::{IndexKind, Photon};
+use photon_core::{Error, IndexKind, Photon, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
+use crate::vulkan::Vulkan;
 
 /// A photon map.
 #[derive(Debug)]
 pub struct VulkanMap {
     pub(crate) kind: IndexKind,
-    /// In the order in which they were stored.
+    /// In the order in which they were stored. Where its count stands, words 2 and 3 are the
+    /// complements of the numbers of the first photon whose power, and position, is not finite, or 0.
     pub(crate) photons: VulkanBuffer<Photon>,
     /// Photons in the map.
     pub(crate) length: u32,
@@ -24,6 +26,40 @@ pub struct VulkanMap {
     pub(crate) nodes: Memory,
     /// A word per node: photons below it.
     pub(crate) totals: Memory,
-    /// Nodes.
+    /// Nodes; of a [`IndexKind::Vvh`] map as many as there may be at most.
     pub(crate) node_count: u32,
+}
+
+impl VulkanMap {
+    /// How the photons are arranged.
+    #[must_use]
+    pub fn kind(&self) -> IndexKind {
+        self.kind
+    }
+
+    /// Photons in the map.
+    #[must_use]
+    pub fn length(&self) -> u32 {
+        self.length
+    }
+
+    /// Whether the map was built from finite photons: submits everything and waits. Building does not
+    /// wait to find that out; a map of others is as safe to ask, but its answers mean nothing.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] names the first photon that is not finite.
+    pub(crate) fn check(&self, on: &mut Vulkan) -> Result<()> {
+        let mut words = [0_u32; 2];
+        on.read(&self.photons.count, 8, bytemuck::cast_slice_mut(&mut words))?;
+        let (word, name) = if words[0] != 0 { (words[0], "power") } else { (words[1], "position") };
+        if word == 0 {
+            return Ok(());
+        }
+        let index = u64::from(!word);
+        let mut photon: Photon = bytemuck::Zeroable::zeroed();
+        let size = size_of::<Photon>() as u64;
+        on.read(&self.photons.data, index * size, bytemuck::bytes_of_mut(&mut photon))?;
+        let value = if words[0] != 0 { photon.power } else { photon.position };
+        Err(Error::InvalidInput { what: "photon", index, why: format!("{name} {value:?} is not finite") })
+    }
 }

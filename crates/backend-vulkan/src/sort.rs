@@ -81,13 +81,14 @@ struct ScatterPush {
     flags: u32,
 }
 
-/// The workgroup that sorts tiles: eight subgroups.
+/// The workgroup that sorts tiles: at most eight subgroups and 256 invocations, for the sake of shared
+/// memory.
 ///
 /// # Errors
 /// The device's workgroups are smaller.
 pub(crate) fn workgroup(on: &Vulkan) -> Result<u32> {
     let limits = on.limits();
-    let size = SUBGROUPS * limits.subgroup_size;
+    let size = (SUBGROUPS * limits.subgroup_size).min(256);
     if size > limits.max_workgroup {
         let why = format!("{}: workgroups of {size} invocations, which sorting needs, are not to be had", limits.name);
         return Err(Fault::Other(why).into());
@@ -264,15 +265,8 @@ mod tests {
         on.write(&memory[2], 0, bytemuck::cast_slice(&values)).unwrap();
         let [a, b, c, d] = [0, 1, 2, 3].map(|i: usize| memory[i].address());
         let count = u64::from(n);
-        let pairs = Pairs {
-            keys: [a, b],
-            values: [c, d],
-            count,
-            words: 1,
-            bits: 32,
-            numbered: false,
-            forget_keys: true,
-        };
+        let pairs =
+            Pairs { keys: [a, b], values: [c, d], count, words: 1, bits: 32, numbered: false, forget_keys: true };
         let at = sort.pairs(&mut on, &pairs).unwrap();
         let mut found = values.clone();
         on.read(&memory[2 + at], 0, bytemuck::cast_slice_mut(&mut found)).unwrap();

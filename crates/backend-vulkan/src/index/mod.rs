@@ -1,1 +1,83 @@
-//! Photon maps, built on the device.
+//! Photon maps, built on the device: the same slots in the same order as those of the CPU's index of
+//! the same kind, bit for bit.
+
+mod bounds;
+mod morton;
+mod regular;
+mod room;
+#[cfg(test)]
+mod tests;
+
+use photon_core::{IndexKind, KdTreeBuilder, Photon, Result};
+
+use crate::buffer::VulkanBuffer;
+use crate::map::VulkanMap;
+use crate::vulkan::Vulkan;
+use morton::Morton;
+use regular::Regular;
+use room::Room;
+
+/// Points to a leaf, children of a node.
+const WIDTH: u64 = 16;
+
+/// Builds photon maps.
+#[derive(Debug)]
+pub(crate) struct VulkanBuilder {
+    kind: IndexKind,
+    arrange: Arrange,
+    regular: Regular,
+    /// Of maps that came back.
+    spare: Vec<Room>,
+}
+
+#[derive(Debug)]
+enum Arrange {
+    Morton(Box<Morton>),
+}
+
+impl VulkanBuilder {
+    /// # Errors
+    /// What the device raises.
+    pub(crate) fn new(on: &mut Vulkan, kind: IndexKind) -> Result<Self> {
+        let arrange = Arrange::Morton(Box::new(Morton::new(on)?));
+        Ok(Self { kind, arrange, regular: Regular::new(on)?, spare: Vec::new() })
+    }
+}
+
+impl KdTreeBuilder<Vulkan> for VulkanBuilder {
+    fn build(&mut self, on: &mut Vulkan, photons: VulkanBuffer<Photon>) -> Result<VulkanMap> {
+        let length = on.length(&photons)?;
+        let nodes = Regular::nodes(length);
+        // Emptied as soon as the length is known, since whoever gives the map back cannot tell the device.
+        let words = [0, photons.capacity().min(u64::from(u32::MAX)) as u32, 0, 0];
+        on.write(&photons.count, 0, bytemuck::cast_slice(&words))?;
+        let mut room = self.spare.pop().map_or_else(|| Room::new(on), Ok)?;
+        room.grow(on, length, nodes)?;
+        let order = match &mut self.arrange {
+            Arrange::Morton(morton) => morton.order(on, &photons, length)?,
+        };
+        self.regular.arrange(on, &photons, length, order, &room)?;
+        let bytes = room.bytes() + photons.data.bytes();
+        on.note_memory(&format!("map of {}", photons.label()), bytes);
+        let Room { positions, power, ids, nodes: of_nodes, totals } = room;
+        Ok(VulkanMap {
+            kind: self.kind,
+            photons,
+            length: length as u32,
+            positions,
+            power,
+            ids,
+            nodes: of_nodes,
+            totals,
+            node_count: nodes as u32,
+        })
+    }
+
+    fn reclaim(&mut self, map: VulkanMap) -> VulkanBuffer<Photon> {
+        let VulkanMap { mut photons, positions, power, ids, nodes, totals, .. } = map;
+        self.spare.push(Room { positions, power, ids, nodes, totals });
+        // As `build` has told the device.
+        photons.is_now(0);
+        photons
+    }
+}

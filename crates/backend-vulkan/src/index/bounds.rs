@@ -1,0 +1,54 @@
+//! The box around all photons, and whether they are finite.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Photon, Result};
+
+use crate::buffer::VulkanBuffer;
+use crate::device::{Kernel, Memory};
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Workgroups that go through all photons together.
+const GROUPS: u64 = 1024;
+const WORKGROUP: u32 = 256;
+
+/// Finds the box.
+#[derive(Debug)]
+pub(crate) struct BoundsOf {
+    kernel: Kernel,
+    /// The twin of `MapState`.
+    pub(crate) state: Memory,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct BoundsPush {
+    photons: u64,
+    state: u64,
+    told: u64,
+    count: u32,
+    stride: u32,
+}
+
+impl BoundsOf {
+    pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
+        let size = WORKGROUP.min(on.limits().max_workgroup);
+        Ok(Self { kernel: on.kernel(&shaders::INDEX_BOUNDS, &[0, size])?, state: on.memory("map: box", 32)? })
+    }
+
+    /// Leaves the box in `state`, and tells in the photons' count which are not finite.
+    pub(crate) fn find(&self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<()> {
+        let none = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0, 0];
+        on.write(&self.state, 0, bytemuck::cast_slice(&none))?;
+        let size = u64::from(self.kernel.workgroup);
+        let groups = length.div_ceil(size).min(GROUPS);
+        let push = BoundsPush {
+            photons: photons.data_address(),
+            state: self.state.address(),
+            told: photons.count_address(),
+            count: length as u32,
+            stride: (groups * size) as u32,
+        };
+        on.dispatch(&self.kernel, &push, groups)
+    }
+}

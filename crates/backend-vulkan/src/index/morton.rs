@@ -1,0 +1,128 @@
+//! The order of Morton codes; `backend-cpu` documents it. Codes of 63 bits are sorted by their digits.
+//! Photons that share a code, more than a leaf of them, are arranged by finer grids, round by round:
+//! where there are none, as nearly always, the rounds are dispatches of nothing.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Photon, Result};
+
+use super::WIDTH;
+use super::bounds::BoundsOf;
+use super::room::grow;
+use crate::buffer::VulkanBuffer;
+use crate::device::{Kernel, Memory};
+use crate::shaders;
+use crate::sort::{self, Pairs, Sort};
+use crate::vulkan::Vulkan;
+
+const WORKGROUP: u32 = 256;
+/// The extent of what is left shrinks at least 2²⁰-fold a round, and `f32` spans 2²⁷⁷.
+const ROUNDS: u64 = 14;
+/// Bytes of a `Round`.
+const ROUND: u64 = 16;
+
+/// Finds the order.
+#[derive(Debug)]
+pub(crate) struct Morton {
+    bounds: BoundsOf,
+    codes: Kernel,
+    long_runs: Kernel,
+    refine: Kernel,
+    sort: Sort,
+    keys: [Memory; 2],
+    ids: [Memory; 2],
+    rounds: Memory,
+    runs: [Memory; 2],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct CodesPush {
+    photons: u64,
+    state: u64,
+    codes: u64,
+    count: u32,
+    pad: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct LongRunsPush {
+    codes: u64,
+    round: u64,
+    runs: u64,
+    count: u32,
+    pad: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct RefinePush {
+    photons: u64,
+    ids: u64,
+    other_ids: u64,
+    codes: u64,
+    other_codes: u64,
+    round: u64,
+    runs: u64,
+    next_round: u64,
+    next_runs: u64,
+}
+
+impl Morton {
+    pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
+        let size = WORKGROUP.min(on.limits().max_workgroup);
+        let tile = sort::workgroup(on)?;
+        let two = |on: &mut Vulkan, label| -> Result<[Memory; 2]> { Ok([on.memory(label, 16)?, on.memory(label, 16)?]) };
+        Ok(Self {
+            bounds: BoundsOf::new(on)?,
+            codes: on.kernel(&shaders::INDEX_CODES, &[0, size])?,
+            long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, &[0, size])?,
+            refine: on.kernel(&shaders::INDEX_REFINE, &[0, tile])?,
+            sort: Sort::new(on)?,
+            keys: two(on, "map: codes")?,
+            ids: two(on, "map: order")?,
+            rounds: on.memory("map: rounds", ROUND * (ROUNDS + 1))?,
+            runs: two(on, "map: runs")?,
+        })
+    }
+
+    /// The address of the photons' numbers in the order of their slots.
+    pub(crate) fn order(&mut self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<u64> {
+        for at in 0..2 {
+            grow(on, &mut self.keys[at], "map: codes", 8 * length)?;
+            grow(on, &mut self.ids[at], "map: order", 4 * length)?;
+            grow(on, &mut self.runs[at], "map: runs", 8 * (length / (WIDTH + 1) + 1))?;
+        }
+        self.bounds.find(on, photons, length)?;
+        let keys = [0, 1].map(|at: usize| self.keys[at].address());
+        let values = [0, 1].map(|at: usize| self.ids[at].address());
+        let (data, count) = (photons.data_address(), length as u32);
+        let groups = |kernel: &Kernel| length.div_ceil(u64::from(kernel.workgroup));
+        let push = CodesPush { photons: data, state: self.bounds.state.address(), codes: keys[0], count, pad: 0 };
+        on.dispatch(&self.codes, &push, groups(&self.codes))?;
+        let pairs = Pairs { keys, values, count: length, words: 2, bits: 63, numbered: true, forget_keys: false };
+        let at = self.sort.pairs(on, &pairs)?;
+
+        let none = [[0_u32, 1, 1, 0]; ROUNDS as usize + 1];
+        on.write(&self.rounds, 0, bytemuck::cast_slice(&none))?;
+        let round = |number: u64| self.rounds.address() + ROUND * number;
+        let runs = |number: u64| self.runs[(number % 2) as usize].address();
+        let push = LongRunsPush { codes: keys[at], round: round(0), runs: runs(0), count, pad: 0 };
+        on.dispatch(&self.long_runs, &push, groups(&self.long_runs))?;
+        for number in 0..ROUNDS {
+            let push = RefinePush {
+                photons: data,
+                ids: values[at],
+                other_ids: values[1 - at],
+                codes: keys[at],
+                other_codes: keys[1 - at],
+                round: round(number),
+                runs: runs(number),
+                next_round: round(number + 1),
+                next_runs: runs(number + 1),
+            };
+            on.dispatch_indirect(&self.refine, &push, &self.rounds, ROUND * number)?;
+        }
+        Ok(values[at])
+    }
+}

@@ -1,0 +1,122 @@
+//! Slots and regular trees: sixteen consecutive slots to a leaf, sixteen consecutive nodes to a node,
+//! level upon level, each level contiguous, the root first.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Photon, Result};
+
+use super::WIDTH;
+use super::room::Room;
+use crate::buffer::VulkanBuffer;
+use crate::device::Kernel;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+const WORKGROUP: u32 = 256;
+
+/// Brings photons into their slots and puts boxes around them.
+#[derive(Debug)]
+pub(crate) struct Regular {
+    arrange: Kernel,
+    parents: Kernel,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct ArrangePush {
+    photons: u64,
+    order: u64,
+    positions: u64,
+    power: u64,
+    ids: u64,
+    nodes: u64,
+    totals: u64,
+    count: u32,
+    pad: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct ParentsPush {
+    nodes: u64,
+    totals: u64,
+    first: u32,
+    count: u32,
+    first_below: u32,
+    count_below: u32,
+}
+
+impl Regular {
+    pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
+        let size = WORKGROUP.min(on.limits().max_workgroup);
+        Ok(Self {
+            arrange: on.kernel(&shaders::INDEX_ARRANGE, &[0, size])?,
+            parents: on.kernel(&shaders::INDEX_PARENTS, &[0, size])?,
+        })
+    }
+
+    /// Nodes per level, leaves first.
+    fn levels(photons: u64) -> Vec<u64> {
+        let mut levels = vec![photons.div_ceil(WIDTH)];
+        while let Some(&below) = levels.last().filter(|&&below| below > 1) {
+            levels.push(below.div_ceil(WIDTH));
+        }
+        levels
+    }
+
+    /// Nodes over so many photons.
+    pub(crate) fn nodes(photons: u64) -> u64 {
+        Self::levels(photons).iter().sum()
+    }
+
+    /// Fills the slots, in the order of the photons' numbers at address `order`, and the leaves, from
+    /// node `leaves` on.
+    pub(crate) fn slots(
+        &self,
+        on: &mut Vulkan,
+        photons: &VulkanBuffer<Photon>,
+        length: u64,
+        order: u64,
+        room: &Room,
+        leaves: u64,
+    ) -> Result<()> {
+        let push = ArrangePush {
+            photons: photons.data_address(),
+            order,
+            positions: room.positions.address(),
+            power: room.power.address(),
+            ids: room.ids.address(),
+            nodes: room.nodes.address() + 32 * leaves,
+            totals: room.totals.address() + 4 * leaves,
+            count: length as u32,
+            pad: 0,
+        };
+        on.dispatch(&self.arrange, &push, length.div_ceil(u64::from(self.arrange.workgroup)))
+    }
+
+    /// Fills the slots and all nodes.
+    pub(crate) fn arrange(
+        &self,
+        on: &mut Vulkan,
+        photons: &VulkanBuffer<Photon>,
+        length: u64,
+        order: u64,
+        room: &Room,
+    ) -> Result<()> {
+        let levels = Self::levels(length);
+        // Where a level begins: the levels above it come first.
+        let first = |level: usize| levels[level + 1..].iter().sum::<u64>() as u32;
+        self.slots(on, photons, length, order, room, u64::from(first(0)))?;
+        for level in 1..levels.len() {
+            let push = ParentsPush {
+                nodes: room.nodes.address(),
+                totals: room.totals.address(),
+                first: first(level),
+                count: levels[level] as u32,
+                first_below: first(level - 1),
+                count_below: levels[level - 1] as u32,
+            };
+            on.dispatch(&self.parents, &push, levels[level].div_ceil(u64::from(self.parents.workgroup)))?;
+        }
+        Ok(())
+    }
+}

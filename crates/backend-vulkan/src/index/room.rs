@@ -1,0 +1,55 @@
+//! Where maps lie, and memory that grows.
+
+use photon_core::Result;
+
+use crate::device::Memory;
+use crate::vulkan::Vulkan;
+
+/// The memory of a map; see [`crate::VulkanMap`].
+#[derive(Debug)]
+pub(crate) struct Room {
+    pub(crate) positions: Memory,
+    pub(crate) power: Memory,
+    pub(crate) ids: Memory,
+    pub(crate) nodes: Memory,
+    pub(crate) totals: Memory,
+}
+
+impl Room {
+    /// For no photons.
+    pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
+        Ok(Self {
+            positions: on.memory("map: positions", 16)?,
+            power: on.memory("map: power", 16)?,
+            ids: on.memory("map: ids", 16)?,
+            nodes: on.memory("map: nodes", 32)?,
+            totals: on.memory("map: totals", 16)?,
+        })
+    }
+
+    /// Makes room for so many photons and nodes.
+    pub(crate) fn grow(&mut self, on: &mut Vulkan, photons: u64, nodes: u64) -> Result<()> {
+        grow(on, &mut self.positions, "map: positions", 16 * photons)?;
+        grow(on, &mut self.power, "map: power", 16 * photons)?;
+        grow(on, &mut self.ids, "map: ids", 4 * photons)?;
+        grow(on, &mut self.nodes, "map: nodes", 32 * nodes)?;
+        grow(on, &mut self.totals, "map: totals", 4 * nodes)
+    }
+
+    /// All of it.
+    pub(crate) fn bytes(&self) -> u64 {
+        [&self.positions, &self.power, &self.ids, &self.nodes, &self.totals].iter().map(|memory| memory.bytes()).sum()
+    }
+}
+
+/// Makes a buffer large enough; what was in it is lost. An eighth more than asked for, as photons
+/// differ in number from pass to pass.
+pub(crate) fn grow(on: &mut Vulkan, memory: &mut Memory, label: &str, bytes: u64) -> Result<()> {
+    if memory.bytes() < bytes {
+        *memory = match on.memory(label, bytes + bytes / 8) {
+            Err(_) => on.memory(label, bytes)?,
+            larger => larger?,
+        };
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+// Brings photons into the order of their slots, and makes the leaves: sixteen slots each.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+#include "grid.glsl"
+#include "map_records.glsl"
+#include "words.glsl"
+
+layout(local_size_x_id = 1) in;
+
+layout(push_constant, scalar) uniform Push {
+    PhotonRows photons;
+    // Slot to photon.
+    Words order;
+    Rows positions;
+    Rows power;
+    Words ids;
+    // Where the leaves begin.
+    BoxNodes nodes;
+    Words totals;
+    uint count;
+} push;
+
+// Coordinates as ordered integers; a word between leaves, so that they lie in different banks.
+shared uint keys[3][gl_WorkGroupSize.x / 16 * 17];
+
+void main() {
+    uint slot = thread();
+    uint local = gl_LocalInvocationIndex;
+    if (slot < push.count) {
+        uint id = push.order[slot].word;
+        uvec3 position = photon_position(push.photons, id);
+        uvec4 carried = push.photons[id].carried;
+        push.positions[slot].row = uvec4(position, carried.w);
+        push.power[slot].row = uvec4(carried.xyz, push.photons[id].place.w);
+        push.ids[slot].word = id;
+        uvec3 key = ordered3(position);
+        for (uint axis = 0; axis < 3; axis++) keys[axis][local / 16 * 17 + local % 16] = key[axis];
+    }
+    barrier();
+    if (local * 16 >= gl_WorkGroupSize.x) return;
+    uint first = workgroup() * gl_WorkGroupSize.x + local * 16;
+    if (first >= push.count) return;
+    uint size = min(push.count - first, 16);
+    uvec3 low = uvec3(0xffffffffu);
+    uvec3 high = uvec3(0);
+    for (uint i = 0; i < size; i++) {
+        uint at = local * 17 + i;
+        uvec3 key = uvec3(keys[0][at], keys[1][at], keys[2][at]);
+        low = min(low, key);
+        high = max(high, key);
+    }
+    uint leaf = first / 16;
+    push.nodes[leaf].low = uvec4(from_ordered3(low), first);
+    push.nodes[leaf].high = uvec4(from_ordered3(high), size | MAP_LEAF);
+    push.totals[leaf].word = size;
+}

@@ -2,7 +2,8 @@
 //! directions from the walls of a room and from a bumpy sphere inside it.
 //!
 //! The binary tree is built with the same parameters for both; obvhs' eight-wide compressed tree
-//! (CWBVH), its fastest, is measured too. One thread; rounds in turn; medians.
+//! (CWBVH), its fastest, is measured too, and with `--features embree` Embree's robust mode, the
+//! watertight one. One thread; rounds in turn; medians.
 #![expect(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use std::hint::black_box;
@@ -13,6 +14,8 @@ use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::{Ray as TheirRay, RayHit};
 use obvhs::triangle::Triangle;
+#[cfg(feature = "embree")]
+use photon_benches::embree::Robust;
 use photon_core::glam::{Vec3, Vec3A};
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{RandomKind, Ray, RayCaster, sampling};
@@ -100,6 +103,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let start = Instant::now();
         let ours = Accel::build(&positions, &triangles)?;
         let build_ours = start.elapsed();
+        #[cfg(feature = "embree")]
+        let embree = {
+            let start = Instant::now();
+            let mesh = Robust::build(&positions, &triangles).ok_or("Embree builds nothing")?;
+            println!("\nEmbree, robust: build {:.2?}", start.elapsed());
+            mesh
+        };
         println!("\n{} triangles, {count} rays; our build {build_ours:.2?}", triangles.len());
         for (preset, parameters) in
             [("medium", BvhBuildParams::medium_build()), ("very slow", BvhBuildParams::very_slow_build())]
@@ -107,9 +117,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let (mut two, mut eight) = (Duration::default(), Duration::default());
             let bvh2 = build_bvh2_from_tris(&theirs, parameters, &mut two);
             let cwbvh = build_cwbvh_from_tris(&theirs, parameters, &mut eight);
-            let mut times: [Vec<Duration>; 3] = [Vec::new(), Vec::new(), Vec::new()];
+            let mut times: [Vec<Duration>; 4] = Default::default();
             let mut apart = 0_usize;
             for round in 0..rounds {
+                #[cfg(feature = "embree")]
+                {
+                    let start = Instant::now();
+                    for ray in &rays {
+                        black_box(embree.nearest(ray.origin.into(), ray.direction.into()));
+                    }
+                    times[3].push(start.elapsed());
+                }
                 let start = Instant::now();
                 for ray in &rays {
                     black_box(ours.nearest(ray));
@@ -139,13 +157,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     cwbvh.ray_traverse(ray, hit, |ray, id| theirs[cwbvh.primitive_indices[id] as usize].intersect(ray));
                 });
             }
-            let [a, b, c] = times.map(|times| f64::from(count) / median(times) / 1e6);
+            let rate = |times: &Vec<Duration>| f64::from(count) / median(times.clone()) / 1e6;
+            let [a, b, c] = [0, 1, 2].map(|slot| rate(&times[slot]));
             println!(
                 "  obvhs {preset:<9} (builds {two:.2?}, {eight:.2?}): ours {a:.2} M rays/s, BVH2 {b:.2} (ratio {:.2}), \
                  CWBVH {c:.2} (ratio {:.2}); {apart} rays differ",
                 a / b,
                 a / c
             );
+            #[cfg(feature = "embree")]
+            {
+                let theirs = rate(&times[3]);
+                let same = |ray: &&Ray| {
+                    let them = embree.nearest(ray.origin.into(), ray.direction.into());
+                    match (ours.nearest(ray), them) {
+                        (Some(ours), Some((t, _))) => (ours.t - t).abs() <= 1e-4 * ours.t.max(0.01),
+                        (ours, theirs) => ours.is_none() && theirs.is_none(),
+                    }
+                };
+                let apart = rays.len() - rays.iter().filter(same).count();
+                println!("  Embree, robust: {theirs:.2} M rays/s (ratio {:.2}); {apart} rays differ", a / theirs);
+            }
         }
     }
     Ok(())

@@ -144,74 +144,117 @@ uint test_boxes(uint meta4, uint octant4, uvec3 near4, uvec3 far4, vec3 stride, 
     return hits;
 }
 
-// Whether anything is hit; the nearest hit, unless `shadow` lets the first do.
-bool walk(SceneRef scene, Ray ray, const bool shadow, out Hit best) {
-    best = Hit(min(ray.t_max, NO_LIMIT), NO_PRIMITIVE, 0.0, 0.0, 0u);
-    Sheared s;
-    if (scene.triangles == 0u || !sheared(ray, s)) return false;
+// A ray on its way through the tree.
+struct Walk {
+    Sheared sheared;
+    vec3 inverse;
+    // Children stand in the slots of octants: counted from the ray's own, the nearest come first.
+    uint octant;
+    // Index of a node's first child; which children are to be visited, in the upper 8 bits in order of
+    // nearness; which are nodes, in the lower 8 by slot.
+    uvec2 group;
+    // Groups that wait, the last first.
+    uint waiting;
+    Hit best;
+};
+
+// The first groups that wait stand in shared memory, the rest where the compiler puts them.
+layout(constant_id = 10) const uint SHARED_GROUPS = 0u;
+shared uvec2 shared_groups[SHARED_GROUPS * gl_WorkGroupSize.x + 1u];
+uvec2 groups[TREE_DEPTH];
+
+void push_group(inout Walk walk) {
+    if (walk.waiting < SHARED_GROUPS) {
+        shared_groups[walk.waiting * gl_WorkGroupSize.x + gl_LocalInvocationID.x] = walk.group;
+    } else if (walk.waiting < TREE_DEPTH) {
+        groups[walk.waiting] = walk.group;
+    }
+    ++walk.waiting;
+}
+
+void pop_group(inout Walk walk) {
+    --walk.waiting;
+    if (walk.waiting < SHARED_GROUPS) {
+        walk.group = shared_groups[walk.waiting * gl_WorkGroupSize.x + gl_LocalInvocationID.x];
+    } else {
+        walk.group = groups[min(walk.waiting, TREE_DEPTH - 1u)];
+    }
+}
+
+// Puts a ray before the root. False if there is nothing that it can hit.
+bool walk_begin(SceneRef scene, Ray ray, out Walk walk) {
+    walk.best = Hit(min(ray.t_max, NO_LIMIT), NO_PRIMITIVE, 0.0, 0.0, 0u);
     bvec3 negative = lessThan(ray.direction, vec3(0.0));
     vec3 size = max(abs(ray.direction), vec3(LEAST_COMPONENT));
-    vec3 inverse = mix(1.0 / size, -1.0 / size, negative);
-    // Children stand in the slots of octants: counted from the ray's own, the nearest come first.
-    uint octant = (negative.x ? 0u : 4u) | (negative.y ? 0u : 2u) | (negative.z ? 0u : 1u);
-    uint octant4 = octant * 0x01010101u;
+    walk.inverse = mix(1.0 / size, -1.0 / size, negative);
+    walk.octant = (negative.x ? 0u : 4u) | (negative.y ? 0u : 2u) | (negative.z ? 0u : 1u);
+    // The root is alone in its group.
+    walk.group = uvec2(0u, 0x80000000u);
+    walk.waiting = 0u;
+    return sheared(ray, walk.sheared) && scene.triangles != 0u;
+}
 
-    // A group: index of a node's first child; which children are to be visited, in the upper 8 bits
-    // in order of nearness; which are nodes, in the lower 8 by slot. The root is alone in its own.
-    uvec2 stack[TREE_DEPTH];
-    uint top = 0u;
-    uvec2 group = uvec2(0u, 0x80000000u);
-    while (true) {
-        uint bit = uint(findMSB(group.y));
-        group.y &= ~(1u << bit);
-        uint slot = (bit - 24u) ^ octant;
-        uint index = group.x + uint(bitCount(group.y & ((1u << slot) - 1u)));
-        if (group.y > 0x00FFFFFFu && top < TREE_DEPTH) stack[top++] = group;
+// Visits a node and its triangles. False if that was the last; if `shadow` lets any hit do, the first
+// that is found ends it.
+bool walk_step(SceneRef scene, inout Walk walk, const bool shadow) {
+    uint bit = uint(findMSB(walk.group.y));
+    walk.group.y &= ~(1u << bit);
+    uint slot = (bit - 24u) ^ walk.octant;
+    uint index = walk.group.x + uint(bitCount(walk.group.y & ((1u << slot) - 1u)));
+    if (walk.group.y > 0x00FFFFFFu) push_group(walk);
 
-        WideNodes node = scene.nodes[index];
-        uvec4 head = node.words[0];
-        uvec4 first = node.words[1];
-        uvec4 low_xy = node.words[2];
-        uvec4 low_z_high_x = node.words[3];
-        uvec4 high_yz = node.words[4];
-        vec3 corner = uintBitsToFloat(head.xyz);
-        vec3 scale = uintBitsToFloat(uvec3(head.w & 0xFFu, head.w >> 8 & 0xFFu, head.w >> 16 & 0xFFu) << 23);
-        vec3 stride = scale * inverse;
-        vec3 start = (corner - ray.origin) * inverse;
-        uvec3 low = uvec3(low_xy.x, low_xy.z, low_z_high_x.x);
-        uvec3 high = uvec3(low_z_high_x.z, high_yz.x, high_yz.z);
-        uint hits =
-            test_boxes(first.z, octant4, mix(low, high, negative), mix(high, low, negative), stride, start, best.t);
-        low = uvec3(low_xy.y, low_xy.w, low_z_high_x.y);
-        high = uvec3(low_z_high_x.w, high_yz.y, high_yz.w);
-        hits |= test_boxes(first.w, octant4, mix(low, high, negative), mix(high, low, negative), stride, start, best.t);
+    WideNodes node = scene.nodes[index];
+    uvec4 head = node.words[0];
+    uvec4 first = node.words[1];
+    uvec4 low_xy = node.words[2];
+    uvec4 low_z_high_x = node.words[3];
+    uvec4 high_yz = node.words[4];
+    bvec3 negative = lessThan(walk.inverse, vec3(0.0));
+    uint octant4 = walk.octant * 0x01010101u;
+    vec3 scale = uintBitsToFloat(uvec3(head.w & 0xFFu, head.w >> 8 & 0xFFu, head.w >> 16 & 0xFFu) << 23);
+    vec3 stride = scale * walk.inverse;
+    vec3 start = (uintBitsToFloat(head.xyz) - walk.sheared.origin) * walk.inverse;
+    uvec3 low = uvec3(low_xy.x, low_xy.z, low_z_high_x.x);
+    uvec3 high = uvec3(low_z_high_x.z, high_yz.x, high_yz.z);
+    uvec3 near = mix(low, high, negative);
+    uvec3 far = mix(high, low, negative);
+    uint hits = test_boxes(first.z, octant4, near, far, stride, start, walk.best.t);
+    low = uvec3(low_xy.y, low_xy.w, low_z_high_x.y);
+    high = uvec3(low_z_high_x.w, high_yz.y, high_yz.w);
+    near = mix(low, high, negative);
+    far = mix(high, low, negative);
+    hits |= test_boxes(first.w, octant4, near, far, stride, start, walk.best.t);
 
-        uint triangles = hits & 0x00FFFFFFu;
-        while (triangles != 0u) {
-            uint lowest = uint(findLSB(triangles));
-            triangles &= triangles - 1u;
-            test_triangle(scene, first.y + lowest, s, best);
-            if (shadow && best.primitive != NO_PRIMITIVE) return true;
-        }
-        group = uvec2(first.x, (hits & 0xFF000000u) | head.w >> 24);
-        if (group.y <= 0x00FFFFFFu) {
-            if (top == 0u) break;
-            group = stack[--top];
-        }
+    uint triangles = hits & 0x00FFFFFFu;
+    while (triangles != 0u) {
+        uint lowest = uint(findLSB(triangles));
+        triangles &= triangles - 1u;
+        test_triangle(scene, first.y + lowest, walk.sheared, walk.best);
+        if (shadow && walk.best.primitive != NO_PRIMITIVE) return false;
     }
-    return best.primitive != NO_PRIMITIVE;
+    walk.group = uvec2(first.x, (hits & 0xFF000000u) | head.w >> 24);
+    if (walk.group.y > 0x00FFFFFFu) return true;
+    if (walk.waiting == 0u) return false;
+    pop_group(walk);
+    return true;
 }
 
 // The nearest hit up to `ray.t_max`, whichever side of the triangle it is on; of several at the same
 // distance, the one of lowest index.
 bool nearest(SceneRef scene, Ray ray, out Hit hit) {
-    return walk(scene, ray, false, hit);
+    Walk walk;
+    bool under_way = walk_begin(scene, ray, walk);
+    while (under_way) under_way = walk_step(scene, walk, false);
+    hit = walk.best;
+    return hit.primitive != NO_PRIMITIVE;
 }
 
 // Whether anything is hit up to `ray.t_max`.
 bool occluded(SceneRef scene, Ray ray) {
-    Hit hit;
-    return walk(scene, ray, true, hit);
+    Walk walk;
+    bool under_way = walk_begin(scene, ray, walk);
+    while (under_way) under_way = walk_step(scene, walk, true);
+    return walk.best.primitive != NO_PRIMITIVE;
 }
 
 #endif

@@ -1,17 +1,24 @@
-// The nearest hit of each ray of a list: for tests, and to measure the traversal by itself.
+// The nearest hit of each ray of a list, or whether there is one: for tests, and to measure how fast
+// rays go by themselves.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_vote : require
+
+layout(local_size_x_id = 1) in;
 
 #include "grid.glsl"
 #include "scene.glsl"
 
-layout(local_size_x_id = 1) in;
-
-// 0: the nearest hit; 1: whether there is one.
-layout(constant_id = 2) const uint SHADOW = 0u;
+// Whether any hit will do.
+layout(constant_id = 2) const bool SHADOW = false;
+// 0: a ray for each invocation. Otherwise invocations whose rays have ended get new ones as soon as
+// fewer than so many of a subgroup are under way.
+layout(constant_id = 3) const uint BUSY = 0u;
 
 struct Line {
     vec3 origin;
@@ -22,27 +29,67 @@ struct Line {
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Lines { Line at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer Hits { uvec4 at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counter { uint next; };
 
 layout(push_constant, scalar) uniform Push {
     SceneRef scene;
     Lines lines;
     Hits hits;
+    Counter counter;
     uint count;
+    // The most rays that an invocation takes. On a processor, where few invocations run at a time, the
+    // first ones would take all.
+    uint quota;
 } push;
 
-void main() {
-    uint index = thread();
-    if (index >= push.count) return;
+bool begin(uint index, out Walk walk) {
     Line line = push.lines[index].at;
-    Ray ray = Ray(line.origin, line.direction, line.t_max);
-    uvec4 found = uvec4(NO_PRIMITIVE);
-    if (SHADOW != 0u) {
-        if (occluded(push.scene, ray)) found.y = 0u;
-    } else {
-        Hit hit;
-        if (nearest(push.scene, ray, hit)) {
-            found = uvec4(floatBitsToUint(hit.t), hit.primitive, floatBitsToUint(hit.u), floatBitsToUint(hit.v));
+    return walk_begin(push.scene, Ray(line.origin, line.direction, line.t_max), walk);
+}
+
+void end(uint index, Hit hit) {
+    bool found = hit.primitive != NO_PRIMITIVE;
+    push.hits[index].at = uvec4(
+        found ? floatBitsToUint(hit.t) : NO_PRIMITIVE, hit.primitive, floatBitsToUint(hit.u), floatBitsToUint(hit.v));
+}
+
+// The next ray of every invocation that is here.
+uint take() {
+    uvec4 here = subgroupBallot(true);
+    uint first = 0u;
+    if (subgroupElect()) first = atomicAdd(push.counter.next, subgroupBallotBitCount(here));
+    return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(here);
+}
+
+void main() {
+    Walk walk;
+    if (BUSY == 0u) {
+        uint index = thread();
+        if (index >= push.count) return;
+        bool under_way = begin(index, walk);
+        while (under_way) under_way = walk_step(push.scene, walk, SHADOW);
+        end(index, walk.best);
+        return;
+    }
+    uint index = 0u;
+    bool under_way = false;
+    uint taken = 0u;
+    while (true) {
+        if (!under_way) {
+            if (taken == push.quota) break;
+            ++taken;
+            index = take();
+            if (index >= push.count) break;
+            under_way = begin(index, walk);
+            if (!under_way) end(index, walk.best);
+        }
+        while (under_way) {
+            under_way = walk_step(push.scene, walk, SHADOW);
+            if (!under_way) {
+                end(index, walk.best);
+            } else if (subgroupBallotBitCount(subgroupBallot(true)) < BUSY) {
+                break;
+            }
         }
     }
-    push.hits[index].at = found;
 }

@@ -1,24 +1,14 @@
 //! Hits on the device against those of photon-scene's caster.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
 use photon_core::random::{philox4x32, unit_f32};
 use photon_core::{Facet, Hit, Material, Ray, RayCaster, Requirements, SceneView, Settings, Units, sampling};
 use photon_scene::{Accel, BruteForce};
 
 use super::VulkanScene;
-use crate::{Vulkan, shaders};
+use crate::{RayPlan, Vulkan};
 
 type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    scene: u64,
-    lines: u64,
-    hits: u64,
-    count: u64,
-}
 
 /// Numbers in [0, 1), four at a time.
 fn numbers(index: u32, block: u32) -> [f32; 4] {
@@ -42,32 +32,22 @@ fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
     VulkanScene::new(on, &view, &Requirements::everything(&Settings::default())).unwrap()
 }
 
-/// What the device finds: the nearest hits, and whether anything is hit.
+/// What the device finds: the nearest hits, and whether anything is hit. However rays are shared out,
+/// the answers are the same.
 fn cast(on: &mut Vulkan, scene: &VulkanScene, rays: &[Ray]) -> (Vec<Option<Hit>>, Vec<bool>) {
-    let lines: Vec<[f32; 8]> = rays
-        .iter()
-        .map(|ray| {
-            let ([x, y, z], [u, v, w]) = (ray.origin.to_array(), ray.direction.to_array());
-            [x, y, z, ray.t_max, u, v, w, 0.0]
-        })
-        .collect();
-    let there = on.memory("rays", 32 * rays.len() as u64).unwrap();
-    on.write(&there, 0, bytemuck::cast_slice(&lines)).unwrap();
-    let hits = on.memory("hits", 16 * rays.len() as u64).unwrap();
-    let mut run = |shadow: u32| {
-        let kernel = on.kernel(&shaders::RAYS_NEAREST, &[0, 64, shadow]).unwrap();
-        let push =
-            Push { scene: scene.address(), lines: there.address(), hits: hits.address(), count: rays.len() as u64 };
-        on.dispatch(&kernel, &push, rays.len().div_ceil(64) as u64).unwrap();
-        let mut words = vec![[0_u32; 4]; rays.len()];
-        on.read(&hits, 0, bytemuck::cast_slice_mut(&mut words)).unwrap();
-        words
-    };
-    let hit = |[t, primitive, u, v]: [u32; 4]| {
-        let float = f32::from_bits;
-        (primitive != u32::MAX).then_some(Hit { t: float(t), primitive, u: float(u), v: float(v) })
-    };
-    (run(0).into_iter().map(hit).collect(), run(1).into_iter().map(|words| words[1] == 0).collect())
+    let hits = on.cast_rays(scene, rays).unwrap();
+    for (group, shared_groups, busy) in [(64, 4, 0), (32, 0, 5), (64, 32, 1000)] {
+        // Few, so that each has many rays; but lavapipe gives an invocation 65 535 turns of loops, and the
+        // first invocations would take all rays if they could.
+        let workgroups = 1 + rays.len() as u32 / 1000;
+        let plan = RayPlan { group, shared_groups, busy, workgroups };
+        let others = on.cast_rays_by(scene, rays, plan).unwrap();
+        let mut apart = rays.iter().zip(&hits).zip(&others).enumerate().filter(|(_, ((_, a), b))| a != b);
+        if let Some(one) = apart.next() {
+            panic!("{plan:?}: {} of {} rays apart, as {one:?}", apart.count() + 1, rays.len());
+        }
+    }
+    (hits, on.cast_shadow_rays(scene, rays).unwrap())
 }
 
 /// Rounding of division alone may tell hits apart: 2.5 units in the last place each for the shear's

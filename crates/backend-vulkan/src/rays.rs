@@ -1,0 +1,188 @@
+//! Rays of a caller's own.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Backend, Hit, Ray, Result, Stage};
+
+use crate::device::{Kernel, Memory};
+use crate::scene::VulkanScene;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// How a kernel goes about it. The answers are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayPlan {
+    /// Invocations per workgroup, a power of two.
+    pub group: u32,
+    /// Groups of nodes of each ray that wait in shared memory; the others wait wherever the compiler
+    /// puts them.
+    pub shared_groups: u32,
+    /// 0: each invocation has one ray. Otherwise invocations take ray after ray, new ones when fewer
+    /// than so many of a subgroup are under way.
+    pub busy: u32,
+    /// Workgroups, if `busy` is not 0.
+    pub workgroups: u32,
+}
+
+impl Default for RayPlan {
+    fn default() -> Self {
+        Self { group: 128, shared_groups: 0, busy: 0, workgroups: 2048 }
+    }
+}
+
+/// So many times the mean may an invocation take for itself.
+const MARGIN: u32 = 4;
+
+/// `Line` of nearest.comp.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Line {
+    origin: [f32; 3],
+    t_max: f32,
+    direction: [f32; 3],
+    reserved: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    scene: u64,
+    lines: u64,
+    hits: u64,
+    counter: u64,
+    count: u32,
+    quota: u32,
+}
+
+/// Rays on the device, and room for what they hit.
+struct Cast {
+    lines: Memory,
+    hits: Memory,
+    counter: Memory,
+    count: u32,
+}
+
+impl Cast {
+    fn new(on: &mut Vulkan, rays: &[Ray]) -> Result<Self> {
+        let count = u32::try_from(rays.len()).map_err(|_| photon_core::Error::InvalidInput {
+            what: "ray",
+            index: rays.len() as u64,
+            why: "more than 2^32 - 1 of them: cast them in parts".to_owned(),
+        })?;
+        let lines = on.memory("rays", 32 * u64::from(count))?;
+        const PART: usize = 1 << 20;
+        for (part, rays) in rays.chunks(PART).enumerate() {
+            let part_of: Vec<Line> = rays.iter().map(line).collect();
+            on.write(&lines, (part * PART * 32) as u64, bytemuck::cast_slice(&part_of))?;
+        }
+        let (hits, counter) = (on.memory("hits", 16 * u64::from(count))?, on.memory("next ray", 4)?);
+        Ok(Self { lines, hits, counter, count })
+    }
+
+    fn run(&self, on: &mut Vulkan, kernel: &Kernel, scene: &VulkanScene, plan: RayPlan) -> Result<()> {
+        let all = u64::from(self.count.div_ceil(plan.group));
+        let workgroups = if plan.busy == 0 { all } else { all.min(u64::from(plan.workgroups.max(1))) };
+        let push = Push {
+            scene: scene.address(),
+            lines: self.lines.address(),
+            hits: self.hits.address(),
+            counter: self.counter.address(),
+            count: self.count,
+            quota: MARGIN * (all.div_ceil(workgroups.max(1)) as u32),
+        };
+        if plan.busy != 0 {
+            on.fill(&self.counter, 0, 4, 0)?;
+        }
+        on.dispatch(kernel, &push, workgroups)
+    }
+
+    /// Four words for each ray: distance, triangle, weights; all ones in the second for none.
+    fn read(&self, on: &mut Vulkan) -> Result<Vec<[u32; 4]>> {
+        let mut words = vec![[0_u32; 4]; self.count as usize];
+        on.read(&self.hits, 0, bytemuck::cast_slice_mut(&mut words))?;
+        Ok(words)
+    }
+}
+
+fn line(ray: &Ray) -> Line {
+    Line { origin: ray.origin.into(), t_max: ray.t_max, direction: ray.direction.into(), reserved: 0 }
+}
+
+fn kernel(on: &mut Vulkan, shadow: bool, plan: RayPlan) -> Result<Kernel> {
+    let mut constants = [0; 11];
+    constants[1] = plan.group;
+    constants[2] = u32::from(shadow);
+    constants[3] = plan.busy;
+    constants[10] = plan.shared_groups;
+    on.kernel(&shaders::RAYS_NEAREST, &constants)
+}
+
+impl Vulkan {
+    /// The nearest hit of each ray, whichever side of the triangle it is on; of several at the same
+    /// distance, the one with the lowest index. As [`photon_core::RayCaster::nearest`].
+    ///
+    /// # Errors
+    /// [`photon_core::Error::OutOfMemory`], [`photon_core::Error::InvalidInput`] for more rays than
+    /// 2³² − 1.
+    pub fn cast_rays(&mut self, scene: &VulkanScene, rays: &[Ray]) -> Result<Vec<Option<Hit>>> {
+        self.cast_rays_by(scene, rays, RayPlan::default())
+    }
+
+    /// The same in another way.
+    ///
+    /// # Errors
+    /// Likewise.
+    #[doc(hidden)]
+    pub fn cast_rays_by(&mut self, scene: &VulkanScene, rays: &[Ray], plan: RayPlan) -> Result<Vec<Option<Hit>>> {
+        let cast = Cast::new(self, rays)?;
+        let kernel = kernel(self, false, plan)?;
+        cast.run(self, &kernel, scene, plan)?;
+        let float = f32::from_bits;
+        let hit = |[t, primitive, u, v]: [u32; 4]| {
+            (primitive != u32::MAX).then_some(Hit { t: float(t), primitive, u: float(u), v: float(v) })
+        };
+        Ok(cast.read(self)?.into_iter().map(hit).collect())
+    }
+
+    /// Whether each ray hits anything. As [`photon_core::RayCaster::occluded`].
+    ///
+    /// # Errors
+    /// As [`Vulkan::cast_rays`].
+    pub fn cast_shadow_rays(&mut self, scene: &VulkanScene, rays: &[Ray]) -> Result<Vec<bool>> {
+        let plan = RayPlan::default();
+        let cast = Cast::new(self, rays)?;
+        let kernel = kernel(self, true, plan)?;
+        cast.run(self, &kernel, scene, plan)?;
+        Ok(cast.read(self)?.into_iter().map(|[_, primitive, ..]| primitive != u32::MAX).collect())
+    }
+
+    /// Seconds of the device for nearest hits of all rays, as often as there are rounds, by each plan.
+    ///
+    /// # Errors
+    /// As [`Vulkan::cast_rays`].
+    #[doc(hidden)]
+    pub fn time_rays(
+        &mut self,
+        scene: &VulkanScene,
+        rays: &[Ray],
+        plans: &[RayPlan],
+        rounds: u32,
+    ) -> Result<Vec<Vec<f64>>> {
+        let cast = Cast::new(self, rays)?;
+        let mut seconds = vec![Vec::new(); plans.len()];
+        let kernels = plans.iter().map(|&plan| kernel(self, false, plan)).collect::<Result<Vec<_>>>()?;
+        // One round more, which warms up and does not count.
+        for round in 0..=rounds {
+            for ((&plan, kernel), seconds) in plans.iter().zip(&kernels).zip(&mut seconds) {
+                self.timings()?;
+                self.mark(Some(Stage::Trace));
+                cast.run(self, kernel, scene, plan)?;
+                self.mark(None);
+                let took = self.timings()?.get(Stage::Trace);
+                if round > 0 {
+                    seconds.push(took);
+                }
+            }
+        }
+        Ok(seconds)
+    }
+}

@@ -126,9 +126,8 @@ pub(crate) fn slots(nodes: &[Binary], root: u32, children: &[u32]) -> [Option<u3
     while !open.is_empty() {
         let free = (0..WIDTH).filter(|&slot| slots[slot].is_none());
         let pairs = free.flat_map(|slot| open.iter().map(move |&child| (slot, child)));
-        let cheapest = pairs.min_by(|&(s, c), &(t, d)| {
-            costs[c][s].total_cmp(&costs[d][t]).then(c.cmp(&d)).then(s.cmp(&t))
-        });
+        let cheapest =
+            pairs.min_by(|&(s, c), &(t, d)| costs[c][s].total_cmp(&costs[d][t]).then(c.cmp(&d)).then(s.cmp(&t)));
         let Some((slot, child)) = cheapest else { break };
         slots[slot] = Some(children[child]);
         open.retain(|&other| other != child);

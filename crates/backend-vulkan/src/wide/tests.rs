@@ -44,8 +44,7 @@ fn check(tree: &WideTree, (positions, triangles): &Mesh) -> Result<(), String> {
                 seen[id] += 1;
                 for vertex in triangles[id] {
                     let at = positions[vertex as usize].map(f64::from);
-                    let inside =
-                        |(low, high): &([f64; 3], [f64; 3])| (0..3).all(|a| low[a] < at[a] && at[a] < high[a]);
+                    let inside = |(low, high): &([f64; 3], [f64; 3])| (0..3).all(|a| low[a] < at[a] && at[a] < high[a]);
                     if let Some(out) = around.iter().find(|bounds| !inside(bounds)) {
                         return Err(format!("triangle {id}: {at:?} lies outside {out:?}"));
                     }

@@ -81,7 +81,7 @@ fn digits(value: f64) -> String {
 pub(crate) fn csv_heading() -> String {
     let stages: Vec<&str> = Stage::ALL.iter().map(|stage| stage.name()).collect();
     format!(
-        "backend,device,table,name,caustic_wanted,global_wanted,caustic_stored,global_stored,paths,index,sharing,random,wall_s,stages_s,{}\n",
+        "backend,device,table,name,caustic_wanted,global_wanted,caustic_stored,global_stored,paths,index,sharing,random,wall_s,stages_s,{},emission_mean,direct_mean,caustic_mean,indirect_mean\n",
         stages.join(",")
     )
 }
@@ -92,7 +92,7 @@ pub(crate) fn csv_row(backend: &str, device: &str, plan: &Plan, measured: &Measu
     let Settings { index, sharing, random, .. } = plan.settings;
     let stages: Vec<String> = Stage::ALL.iter().map(|&stage| format!("{:.9}", measured.stages.get(stage))).collect();
     format!(
-        "{backend},\"{}\",{},{},{},{},{},{},{},{index:?},{sharing:?},{random:?},{:.9},{:.9},{}\n",
+        "{backend},\"{}\",{},{},{},{},{},{},{},{index:?},{sharing:?},{random:?},{:.9},{:.9},{},{}\n",
         device.replace('"', "'"),
         plan.table,
         plan.name,
@@ -103,7 +103,8 @@ pub(crate) fn csv_row(backend: &str, device: &str, plan: &Plan, measured: &Measu
         measured.paths,
         measured.wall,
         measured.work(),
-        stages.join(",")
+        stages.join(","),
+        measured.layers.map(|mean| format!("{mean:.6}")).join(",")
     )
 }
 

@@ -2,6 +2,8 @@
 //! the same kind, bit for bit.
 
 mod bounds;
+mod lists;
+mod median;
 mod morton;
 mod regular;
 mod room;
@@ -13,6 +15,7 @@ use photon_core::{IndexKind, KdTreeBuilder, Photon, Result};
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
+use median::Median;
 use morton::Morton;
 use regular::Regular;
 use room::Room;
@@ -32,6 +35,7 @@ pub(crate) struct VulkanBuilder {
 
 #[derive(Debug)]
 enum Arrange {
+    Median(Box<Median>),
     Morton(Box<Morton>),
 }
 
@@ -39,7 +43,10 @@ impl VulkanBuilder {
     /// # Errors
     /// What the device raises.
     pub(crate) fn new(on: &mut Vulkan, kind: IndexKind) -> Result<Self> {
-        let arrange = Arrange::Morton(Box::new(Morton::new(on)?));
+        let arrange = match kind {
+            IndexKind::Median => Arrange::Median(Box::new(Median::new(on)?)),
+            _ => Arrange::Morton(Box::new(Morton::new(on)?)),
+        };
         Ok(Self { kind, arrange, regular: Regular::new(on)?, spare: Vec::new() })
     }
 }
@@ -54,6 +61,7 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
         let mut room = self.spare.pop().map_or_else(|| Room::new(on), Ok)?;
         room.grow(on, length, nodes)?;
         let order = match &mut self.arrange {
+            Arrange::Median(median) => median.order(on, &photons, length)?,
             Arrange::Morton(morton) => morton.order(on, &photons, length)?,
         };
         self.regular.arrange(on, &photons, length, order, &room)?;

@@ -50,6 +50,11 @@ fn morton_order_is_that_of_the_cpu() {
 }
 
 #[test]
+fn median_order_is_that_of_the_cpu() {
+    like_the_cpu(IndexKind::Median);
+}
+
+#[test]
 fn photons_that_are_not_finite_are_named() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let mut good = photons(&vec![[0.5; 3]; 3000]);
@@ -83,7 +88,7 @@ fn photons_that_are_not_finite_are_named() {
     }
 }
 
-const KINDS: [IndexKind; 1] = [IndexKind::Morton];
+const KINDS: [IndexKind; 2] = [IndexKind::Morton, IndexKind::Median];
 
 #[test]
 fn a_wrong_map_is_noticed() {

@@ -1,0 +1,86 @@
+//! Photons' numbers in order of x, of y and of z: what kd-trees are built from.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Photon, Result};
+
+use super::room::grow;
+use crate::buffer::VulkanBuffer;
+use crate::device::{Kernel, Memory};
+use crate::shaders;
+use crate::sort::{Pairs, Sort};
+use crate::vulkan::Vulkan;
+
+/// As in the shaders: photons to a tile of a list, and to a segment that one workgroup splits to the end.
+pub(super) const TILE: u64 = 2048;
+pub(super) const SHORT: u64 = 1024;
+/// Invocations that the kernels over lists have.
+pub(super) const WORKGROUP: u32 = 256;
+
+/// The lists, twice.
+#[derive(Debug)]
+pub(crate) struct Lists {
+    keys_of: Kernel,
+    sort: Sort,
+    /// Of one axis; then places of photons.
+    pub(super) keys: [Memory; 2],
+    pub(super) lists: [Memory; 2],
+    /// Which of the two is the one.
+    pub(super) at: usize,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct KeysPush {
+    photons: u64,
+    keys: u64,
+    count: u32,
+    axis: u32,
+}
+
+impl Lists {
+    pub(super) fn new(on: &mut Vulkan) -> Result<Self> {
+        Ok(Self {
+            keys_of: on.kernel(&shaders::INDEX_KEYS, &[0, WORKGROUP])?,
+            sort: Sort::new(on)?,
+            keys: [on.memory("map: keys", 16)?, on.memory("map: keys", 16)?],
+            lists: [on.memory("map: lists", 16)?, on.memory("map: lists", 16)?],
+            at: 0,
+        })
+    }
+
+    /// Sorts the photons along each axis, and makes room for `count` lists of them.
+    pub(super) fn fill(
+        &mut self,
+        on: &mut Vulkan,
+        photons: &VulkanBuffer<Photon>,
+        length: u64,
+        count: u64,
+    ) -> Result<()> {
+        for at in 0..2 {
+            grow(on, &mut self.keys[at], "map: keys", 4 * length)?;
+            grow(on, &mut self.lists[at], "map: lists", 4 * count * length)?;
+        }
+        let keys = [0, 1].map(|at: usize| self.keys[at].address());
+        self.at = 0;
+        for axis in 0..3 {
+            let push =
+                KeysPush { photons: photons.data_address(), keys: keys[0], count: length as u32, axis: axis as u32 };
+            on.dispatch(&self.keys_of, &push, length.div_ceil(u64::from(WORKGROUP)))?;
+            let values = [0, 1].map(|at: usize| self.lists[at].address() + 4 * length * axis);
+            let pairs = Pairs { keys, values, count: length, words: 1, bits: 32, numbered: true, forget_keys: true };
+            let at = self.sort.pairs(on, &pairs)?;
+            debug_assert_eq!(at, 0, "four digits are an even number of passes");
+        }
+        Ok(())
+    }
+
+    /// The lists.
+    pub(super) fn address(&self) -> u64 {
+        self.lists[self.at].address()
+    }
+
+    /// Room for as many.
+    pub(super) fn other(&self) -> u64 {
+        self.lists[1 - self.at].address()
+    }
+}

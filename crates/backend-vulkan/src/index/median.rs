@@ -1,0 +1,120 @@
+//! The left-balanced kd-tree; `backend-cpu` documents the order. Level by level, all segments at once,
+//! from lists of the photons that are sorted along every axis; segments of 1024 photons are split to
+//! the end by one workgroup each.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Photon, Result};
+
+use super::WIDTH;
+use super::bounds::BoundsOf;
+use super::lists::{Lists, SHORT, TILE, WORKGROUP};
+use super::room::grow;
+use crate::buffer::VulkanBuffer;
+use crate::device::{Kernel, Memory};
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Finds the order.
+#[derive(Debug)]
+pub(crate) struct Median {
+    bounds: BoundsOf,
+    lists: Lists,
+    sides: Kernel,
+    count: Kernel,
+    part: Kernel,
+    finish: Kernel,
+    /// A bit per photon.
+    right: Memory,
+    counts: Memory,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct SidesPush {
+    photons: u64,
+    lists: u64,
+    right: u64,
+    count: u32,
+    size: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct CountPush {
+    lists: u64,
+    right: u64,
+    counts: u64,
+    count: u32,
+    tiles: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct PartPush {
+    lists: u64,
+    parted: u64,
+    counts: u64,
+    count: u32,
+    tiles: u32,
+    size: u32,
+    pad: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct FinishPush {
+    photons: u64,
+    lists: u64,
+    places: u64,
+    order: u64,
+    count: u32,
+    pad: u32,
+}
+
+impl Median {
+    pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
+        let constants = [0, WORKGROUP];
+        Ok(Self {
+            bounds: BoundsOf::new(on)?,
+            lists: Lists::new(on)?,
+            sides: on.kernel(&shaders::INDEX_MEDIAN_SIDES, &constants)?,
+            count: on.kernel(&shaders::INDEX_MEDIAN_COUNT, &constants)?,
+            part: on.kernel(&shaders::INDEX_MEDIAN_PART, &constants)?,
+            finish: on.kernel(&shaders::INDEX_MEDIAN_FINISH, &constants)?,
+            right: on.memory("map: sides", 16)?,
+            counts: on.memory("map: counts", 16)?,
+        })
+    }
+
+    /// The address of the photons' numbers in the order of their slots.
+    pub(crate) fn order(&mut self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<u64> {
+        let tiles = length.div_ceil(TILE);
+        let sides_bytes = 4 * length.div_ceil(32);
+        grow(on, &mut self.right, "map: sides", sides_bytes)?;
+        grow(on, &mut self.counts, "map: counts", 4 * 3 * tiles)?;
+        self.bounds.find(on, photons, length)?;
+        self.lists.fill(on, photons, length, 3)?;
+
+        let (data, count) = (photons.data_address(), length as u32);
+        let (right, counts, tiles_word) = (self.right.address(), self.counts.address(), tiles as u32);
+        // Of a segment of more than 16·2^j photons, so many are its left part: the size of a level.
+        let mut size = length.next_power_of_two().max(WIDTH);
+        while size > SHORT {
+            let lists = self.lists.address();
+            let size_word = size as u32;
+            on.fill(&self.right, 0, sides_bytes, 0)?;
+            on.dispatch(&self.sides, &SidesPush { photons: data, lists, right, count, size: size_word }, tiles)?;
+            on.dispatch(&self.count, &CountPush { lists, right, counts, count, tiles: tiles_word }, 3 * tiles)?;
+            let parted = self.lists.other();
+            let push = PartPush { lists, parted, counts, count, tiles: tiles_word, size: size_word, pad: 0 };
+            on.dispatch(&self.part, &push, 3 * tiles)?;
+            self.lists.at = 1 - self.lists.at;
+            size /= 2;
+        }
+        let order = self.lists.other();
+        let places = self.lists.keys[0].address();
+        let push = FinishPush { photons: data, lists: self.lists.address(), places, order, count, pad: 0 };
+        on.dispatch(&self.finish, &push, length.div_ceil(SHORT))?;
+        Ok(order)
+    }
+}

@@ -1,0 +1,24 @@
+// One coordinate of every photon, as an ordered integer.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+#include "grid.glsl"
+#include "map_records.glsl"
+#include "words.glsl"
+
+layout(local_size_x_id = 1) in;
+
+layout(push_constant, scalar) uniform Push {
+    PhotonRows photons;
+    Words keys;
+    uint count;
+    uint axis;
+} push;
+
+void main() {
+    uint i = thread();
+    if (i < push.count) push.keys[i].word = ordered(photon_position(push.photons, i)[push.axis]);
+}

@@ -19,6 +19,7 @@ layout(constant_id = 2) const uint WEIGHED = 0;
 #include "random.glsl"
 #include "sampling.glsl"
 #include "scene.glsl"
+#include "two_float.glsl"
 #include "choice.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at; };
@@ -32,8 +33,10 @@ layout(push_constant, scalar) uniform Push {
     uvec2 seed;
     uint pass;
     uint rays;
-    // The first query of this dispatch.
+    // The first query of this dispatch, and which rays of each.
     uint start;
+    uint start_ray;
+    uint end_ray;
 } push;
 
 // The whole part of (ray · 2³² + random) / rays, for ray < rays: one stratum of the lights each.
@@ -111,7 +114,8 @@ void main() {
     uint key = push.queries[i].at.path;
     Choices choices = choices_at(push.scene, WEIGHED, position, normal);
     vec3 sum = vec3(0.0);
-    for (uint k = 0; k < push.rays; k++) {
+    vec3 low = vec3(0.0);
+    for (uint k = push.start_ray; k < push.end_ray; k++) {
         uvec4 words = philox4x32(uvec4(key, k, push.pass, DOMAIN_SHADOW), push.seed);
         float share;
         uint index = choices_pick(push.scene, choices, stratum(k, push.rays, words.x), share);
@@ -119,8 +123,9 @@ void main() {
         Ray ray;
         if (sample_light(index, position, normal, words, value, ray)
             && !occluded(push.scene, ray)) {
-            sum += value / share;
+            two_add(sum, low, value / share);
         }
     }
-    push.values[i].at = sum / float(push.rays);
+    vec3 before = push.start_ray == 0 ? vec3(0.0) : push.values[i].at;
+    push.values[i].at = before + sum / float(push.rays);
 }

@@ -8,6 +8,7 @@ layout(local_size_x_id = 1) in;
 
 #include "grid.glsl"
 #include "layout.glsl"
+#include "two_float.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at; };
 
@@ -26,12 +27,13 @@ void main() {
     uint local = thread();
     if (local >= push.count_queries) return;
     Values value = push.values + (push.start_query + local);
-    precise vec3 sum = value.at;
+    vec3 sum = value.at;
+    vec3 low = vec3(0.0);
     for (uint ray = 0; ray < push.count_rays; ray++) {
         uint i = local * push.count_rays + ray;
         if (push.estimates[i].at.photons == 0) continue;
         float density = push.scale / push.estimates[i].at.radius_squared;
-        sum += push.landings[i].at.weight * (push.estimates[i].at.flux * density);
+        two_add(sum, low, push.landings[i].at.weight * (push.estimates[i].at.flux * density));
     }
     value.at = sum;
 }

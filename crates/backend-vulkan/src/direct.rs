@@ -13,6 +13,9 @@ use crate::vulkan::Vulkan;
 const GROUP: u32 = 128;
 /// Shadow rays per dispatch, so that none runs for seconds.
 const RAYS: u64 = 1 << 25;
+/// Shadow rays of one query per dispatch. Mesa's software device leaves a kernel after 65 535 rounds of
+/// all its loops together, those of the tree included.
+const ROUNDS: u32 = 256;
 /// Up to so many lights are weighed for each query.
 const FEW: u32 = 16;
 
@@ -31,6 +34,8 @@ struct Push {
     pass: u32,
     rays: u32,
     start: u32,
+    start_ray: u32,
+    end_ray: u32,
     padding: u32,
 }
 
@@ -44,28 +49,34 @@ impl DirectLight<Vulkan> for VulkanDirect {
         shadow_rays: u32,
         film: &mut VulkanFilm,
     ) -> Result<()> {
+        if shadow_rays == 0 {
+            return Ok(());
+        }
         let lights = scene.light_count();
         let weighed = if (2..=FEW).contains(&lights) { lights } else { 0 };
         let kernel = on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed])?;
         // How many there are need not be known here yet: as many as fit.
         let capacity = queries.capacity();
-        let stretch = (RAYS / u64::from(shadow_rays.max(1))).max(u64::from(GROUP));
-        let mut start = 0;
-        while start < capacity {
-            let push = Push {
-                scene: scene.address(),
-                queries: queries.data_address(),
-                count: queries.count_address(),
-                values: film.values_address(on, capacity)?,
-                seed: pass.seed,
-                pass: pass.index,
-                rays: shadow_rays,
-                start: start as u32,
-                padding: 0,
-            };
-            let count = stretch.min(capacity - start).div_ceil(u64::from(GROUP)) * u64::from(GROUP);
-            on.dispatch(&kernel, &push, count / u64::from(GROUP))?;
-            start += count;
+        let rounds = shadow_rays.min(ROUNDS);
+        let stretch = (RAYS / u64::from(rounds)).next_multiple_of(u64::from(GROUP));
+        let values = film.values_address(on, capacity)?;
+        for start in (0..capacity).step_by(stretch as usize) {
+            for start_ray in (0..shadow_rays).step_by(rounds as usize) {
+                let push = Push {
+                    scene: scene.address(),
+                    queries: queries.data_address(),
+                    count: queries.count_address(),
+                    values,
+                    seed: pass.seed,
+                    pass: pass.index,
+                    rays: shadow_rays,
+                    start: start as u32,
+                    start_ray,
+                    end_ray: start_ray.saturating_add(rounds).min(shadow_rays),
+                    padding: 0,
+                };
+                on.dispatch(&kernel, &push, stretch.min(capacity - start).div_ceil(u64::from(GROUP)))?;
+            }
         }
         film::fold_values(on, film, Layer::Direct, queries)
     }

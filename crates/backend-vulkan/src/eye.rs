@@ -106,11 +106,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let Some(places) = &self.places else { return Ok(()) };
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
         on.fill(&places.before, 0, 4, 0)?;
-        let emission = if features.contains(Features::AREA_LIGHTS) {
-            film.layer_address(on, Layer::Emission)?
-        } else {
-            0
-        };
+        let emission =
+            if features.contains(Features::AREA_LIGHTS) { film.layer_address(on, Layer::Emission)? } else { 0 };
         let look = on.kernel(&shaders::CAMERA_EYE, &[features.bits(), GROUP, splits, SPLITS])?;
         let compact = on.kernel(&shaders::CAMERA_COMPACT, &[0, GROUP, splits])?;
         for number in 0..stretches {

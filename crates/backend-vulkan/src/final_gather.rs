@@ -13,6 +13,8 @@ use crate::vulkan::Vulkan;
 const GROUP: u32 = 128;
 /// Rays under way at a time: 96 MiB of landings and estimates.
 const RAYS: u32 = 1 << 20;
+/// Rays of one query at a time. Mesa's software device leaves a kernel after 65 535 rounds of its loops.
+const ROUNDS: u32 = 1 << 14;
 
 /// Rays from the queries to where the maps are read. Where they land they are queries like any
 /// other, which the estimator answers.
@@ -84,7 +86,7 @@ impl FinalGather<Vulkan> for VulkanGather {
         let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP])?;
         let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP])?;
         // Whole queries at a time, unless one alone has too many rays.
-        let per_query = rays.min(RAYS);
+        let per_query = rays.min(ROUNDS);
         let per_stretch = u64::from(RAYS / per_query);
         for start_query in (0..length).step_by(per_stretch as usize) {
             let count_queries = per_stretch.min(length - start_query) as u32;

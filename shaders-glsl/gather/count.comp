@@ -24,11 +24,15 @@ void stage(uint mode, uint place, uint slot) {
     staged[place] = push.positions[slot].at;
 }
 
+void add(uint place) {
+    float d2 = point_distance(at, uintBitsToFloat(staged[place].xyz));
+    found += floatBitsToUint(d2) < limit ? 1 : 0;
+}
+
 void visit(uint mode, uvec2 firsts) {
-    uint places = gl_SubgroupID * TILE_POINTS;
-    for (uint j = 0; j < TILE_POINTS; j++) {
-        float d2 = point_distance(at, uintBitsToFloat(staged[places + j].xyz));
-        found += floatBitsToUint(d2) < limit ? 1 : 0;
+    uint end = (gl_SubgroupID + 1) * TILE_POINTS;
+    for (uint place = end - TILE_POINTS; place < end; place += 8) {
+        EIGHT(add, place);
     }
 }
 

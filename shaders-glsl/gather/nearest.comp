@@ -68,22 +68,43 @@ bool accepts(uint place) {
     return MODE == PAPER ? cosine > 0.0 : cosine >= push.min_cosine;
 }
 
+// The bits of the squared distance to a staged point; all ones if it is not to be looked at.
+uint look(uint place) {
+    uint bits = floatBitsToUint(point_distance(at, uintBitsToFloat(staged[place].xyz)));
+    return bits < limit && accepts(place) ? bits : 0xFFFFFFFFu;
+}
+
+void widen(uint place) {
+    uint bits = look(place);
+    if (bits != 0xFFFFFFFFu) rank_widen(uintBitsToFloat(bits));
+}
+
+void narrow(uint place, uint slots) {
+    uint bits = look(place);
+    if (bits != 0xFFFFFFFFu) rank_narrow(bits, slots + place);
+}
+
+void take(uint place, uint slots) {
+    uint bits = look(place);
+    if (bits != 0xFFFFFFFFu) collect(place, bits, slots + place);
+}
+
+#define NARROW_AT(place) narrow(place, slots)
+#define TAKE_AT(place) take(place, slots)
+
 void visit(uint mode, uvec2 firsts) {
-    uint places = gl_SubgroupID * TILE_POINTS;
-    for (uint part = 0; part < TILE_POINTS; part += WIDTH) {
-        uint first = part == 0 ? firsts.x : firsts.y;
-        for (uint j = 0; j < WIDTH; j++) {
-            uint place = places + part + j;
-            float d2 = point_distance(at, uintBitsToFloat(staged[place].xyz));
-            uint bits = floatBitsToUint(d2);
-            if (bits < limit && accepts(place)) {
-                accepted++;
-                if (mode == WIDEN) rank_widen(d2);
-                else if (mode < COLLECT) rank_narrow(bits, first + j);
-                else collect(place, bits, d2, first + j);
-            }
+    uint begin = gl_SubgroupID * TILE_POINTS;
+    for (uint part = 0; part < TILE_POINTS; part += 8) {
+        // What is added to a place to make it a slot.
+        uint slots = part < WIDTH ? firsts.x - begin : firsts.y - begin - WIDTH;
+        if (mode == WIDEN) {
+            EIGHT(widen, begin + part);
+        } else if (mode == COLLECT) {
+            EIGHT(TAKE_AT, begin + part);
+            if (MODE != ROWS) moments_part_end();
+        } else {
+            EIGHT(NARROW_AT, begin + part);
         }
-        if (mode == COLLECT && MODE != ROWS) moments_leaf_end();
     }
 }
 

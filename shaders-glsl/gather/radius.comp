@@ -42,18 +42,21 @@ void stage(uint mode, uint place, uint slot) {
     if (FILTER != 0) normals[place] = octahedral_unpack(point.w);
 }
 
+void add(uint place, inout vec3 sum) {
+    float d2 = point_distance(at, uintBitsToFloat(staged[place].xyz));
+    if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)) {
+        sum += powers[place] * kernel_weight(KERNEL, push.parameter, min(d2 * scale, 1.0));
+        photons++;
+    }
+}
+
+#define ADD(place) add(place, sum)
+
 void visit(uint mode, uvec2 firsts) {
-    uint places = gl_SubgroupID * TILE_POINTS;
-    for (uint part = 0; part < TILE_POINTS; part += WIDTH) {
+    uint end = (gl_SubgroupID + 1) * TILE_POINTS;
+    for (uint place = end - TILE_POINTS; place < end; place += 8) {
         vec3 sum = vec3(0.0);
-        for (uint j = 0; j < WIDTH; j++) {
-            uint place = places + part + j;
-            float d2 = point_distance(at, uintBitsToFloat(staged[place].xyz));
-            if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)) {
-                sum += powers[place] * kernel_weight(KERNEL, push.parameter, min(d2 * scale, 1.0));
-                photons++;
-            }
-        }
+        EIGHT(ADD, place);
         sum_add(flux, sum);
     }
 }

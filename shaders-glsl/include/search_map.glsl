@@ -20,6 +20,13 @@ const uint LEVELS = 64;
 // Points of two leaves.
 const uint TILE_POINTS = 32;
 
+// Calls f(p) for eight places from `place` on. Written out, since a loop's turn costs as much as a point;
+// and a device in software, Mesa's llvmpipe, ends every loop of an invocation that has made 65 535
+// turns in all of its loops together.
+#define EIGHT(f, place) \
+    f((place)); f((place) + 1); f((place) + 2); f((place) + 3); \
+    f((place) + 4); f((place) + 5); f((place) + 6); f((place) + 7)
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BoxNodes {
     // Lower corner, first child or slot.
     uvec4 low;

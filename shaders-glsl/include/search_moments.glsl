@@ -7,7 +7,7 @@
 
 // Points nearer than the range, and in it: these are kept as (bits of d², slot) where the bins were.
 uint sure, open;
-// Of a leaf, and of all.
+// Of a few points, and of all.
 vec3 part0, part1, part2;
 Sum sum0, sum1, sum2;
 float per_high;
@@ -32,7 +32,7 @@ void moments_add(vec3 power, float d2) {
     if (KERNEL == KERNEL_BIWEIGHT) part2 += power * (u * u);
 }
 
-void moments_leaf_end() {
+void moments_part_end() {
     sum_add(sum0, part0);
     if (KERNEL != KERNEL_CONSTANT) sum_add(sum1, part1);
     if (KERNEL == KERNEL_BIWEIGHT) sum_add(sum2, part2);
@@ -44,7 +44,8 @@ void row_add(uint number, uint bits, uint id) {
     if (number < push.k) Rows(push.results)[row * push.k + number].key = uvec2(bits, id);
 }
 
-void collect(uint place, uint bits, float d2, uint slot) {
+void collect(uint place, uint bits, uint slot) {
+    accepted++;
     bool near = bits < low_bits;
     if (!near && (low_id != 0 || high_id != 0xFFFFFFFFu)) {
         uint id = push.ids[slot].at;
@@ -57,7 +58,7 @@ void collect(uint place, uint bits, float d2, uint slot) {
         } else {
             vec3 power = uintBitsToFloat(goods[place]);
             if (MODE == PAPER) power *= dot3(axes[place], normal) * push.parameter;
-            moments_add(power, d2);
+            moments_add(power, uintBitsToFloat(bits));
         }
         sure++;
     } else {
@@ -100,7 +101,7 @@ float finish(bool full) {
     if (MODE == ROWS) {
         for (uint number = rows; number < push.k; number++) row_add(number, 0xFFFFFFFFu, 0xFFFFFFFFu);
     } else {
-        moments_leaf_end();
+        moments_part_end();
     }
     return uintBitsToFloat(reach);
 }

@@ -79,6 +79,7 @@ void rank_begin() {
 
 // Counts a point within the limit. WIDEN.
 void rank_widen(float d2) {
+    accepted++;
     uint bin = per_width > 0.0 ? min(uint(max(d2 - base, 0.0) * per_width), BINS - 1) : 0;
     if (bin > top) return;
     uint counted = bin_add(bin);
@@ -98,6 +99,7 @@ void rank_widen(float d2) {
 
 // Counts a point within the limit. NARROW and SETTLE.
 void rank_narrow(uint bits, uint slot) {
+    accepted++;
     if (bits < low_bits) {
         below++;
     } else if (phase == NARROW) {

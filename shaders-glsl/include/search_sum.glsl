@@ -1,5 +1,5 @@
-// Sums over photons that hold where a million of them add up: a leaf's photons are added plainly,
-// leaves with what rounding lost carried along (Kahan 1965).
+// Sums over photons that hold where a million of them add up: eight photons are added plainly,
+// eights with what rounding lost carried along (Kahan 1965).
 #ifndef SEARCH_SUM_GLSL
 #define SEARCH_SUM_GLSL
 

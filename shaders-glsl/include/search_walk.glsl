@@ -45,16 +45,18 @@ void walk(uint mode) {
 #ifdef SEARCH_NEAREST
     // Equal points that are being taken one leaf's worth at a time.
     uint same_first = 0, same_left = 0, same_start = 0, paused = 0;
+    // Where, from which slot on, and how many of them were accepted in nodes before that one.
     vec3 same_at = vec3(0.0);
+    uint same_last = 0xFFFFFFFFu, same_taken = 0;
 #endif
     bool more = true;
     while (more) {
-        bool flush = false;
+        bool flush = false, same_ends = false;
         uvec2 leaf = uvec2(0);
 #ifdef SEARCH_NEAREST
         if (same_left > 0) {
             // Equal points stand in order of id: after k of them no other can be among the nearest.
-            if (accepted - same_start >= push.k && limit > 0) {
+            if (same_taken + accepted - same_start >= push.k && limit > 0) {
                 paused = limit;
                 limit = 0;
             }
@@ -66,7 +68,8 @@ void walk(uint mode) {
                 same_left = 0;
             }
             // The last of them are looked at before anything else adds to what was accepted.
-            flush = same_left == 0;
+            same_ends = same_left == 0;
+            flush = same_ends;
         } else
 #endif
         if (mask == 0) {
@@ -113,11 +116,14 @@ void walk(uint mode) {
 #ifdef SEARCH_NEAREST
                 else if (same) {
                     same_left = push.totals[number].at;
-                    same_at = box_low;
                     same_start = accepted;
                     uint below = node_low.w;
                     while ((push.nodes[below].high.w & LEAF) == 0) below = push.nodes[below].low.w;
                     same_first = push.nodes[below].low.w;
+                    // Those of nodes before, at the same place, are before these.
+                    if (!(same_at == box_low && same_first > same_last)) same_taken = 0;
+                    same_at = box_low;
+                    same_last = same_first;
                 }
 #endif
                 else if (enter) {
@@ -145,7 +151,9 @@ void walk(uint mode) {
                         nearest = min(nearest, subgroupMin(key));
                     }
                     // The nearest child first, as what it holds may save the others.
-                    if (mask != 0) next = nearest & 15u;
+                    next = nearest & 15u;
+                    // Of infinite balls, nothing is the middle.
+                    if ((mask >> next & 1u) == 0) next = WIDTH;
                 }
             }
         }
@@ -172,8 +180,9 @@ void walk(uint mode) {
             counts = uvec2(0);
         }
 #ifdef SEARCH_NEAREST
-        if (flush && same_left == 0 && paused > 0) {
-            limit = paused;
+        if (same_ends) {
+            same_taken += accepted - same_start;
+            if (paused > 0) limit = paused;
             paused = 0;
         }
 #endif

@@ -1,0 +1,109 @@
+//! Irradiance from the photons near a point, on the device. Twin of backend-cpu's estimate.rs.
+//!
+//! A subgroup answers as many queries at a time as it has invocations, and walks the tree once for all
+//! of them: `shaders-glsl/include/search_walk.glsl`. Queries that lie near each other share what they
+//! read.
+
+mod neighbours;
+mod search;
+#[cfg(test)]
+mod tests;
+
+use photon_core::{Backend, Error, Estimate, Gather, Kernel, Query, RadianceEstimator, Result, Rule};
+
+use crate::buffer::VulkanBuffer;
+use crate::map::VulkanMap;
+use crate::vulkan::Vulkan;
+use search::{Mode, Question, Search};
+
+/// The least squared radius that an estimate divides by: (2⁻²⁰ of the scene)².
+const LEAST: f32 = 1.0 / (1_048_576.0 * 1_048_576.0);
+
+/// Asks photon maps.
+#[derive(Debug, Default)]
+pub(crate) struct VulkanEstimator {
+    search: Search,
+}
+
+impl RadianceEstimator<Vulkan> for VulkanEstimator {
+    fn estimate(
+        &mut self,
+        on: &mut Vulkan,
+        map: &VulkanMap,
+        queries: &VulkanBuffer<Query>,
+        gather: &Gather,
+        estimates: &mut VulkanBuffer<Estimate>,
+    ) -> Result<()> {
+        let mut question = Question {
+            mode: Mode::Radius,
+            kernel: gather.kernel,
+            filter: gather.min_normal_cosine > -1.0,
+            k: 0,
+            radius: gather.radius_scale,
+            min_cosine: gather.min_normal_cosine,
+            parameter: gather.kernel.slope(),
+            threshold: 0,
+        };
+        match gather.rule {
+            Rule::Radius => {}
+            Rule::Nearest { k } => {
+                question.mode = Mode::Nearest;
+                question.k = k;
+            }
+            Rule::Paper { max, threshold, factor } => {
+                question.mode = Mode::Paper;
+                question.kernel = Kernel::Constant;
+                question.filter = true;
+                question.k = max;
+                question.parameter = factor;
+                question.threshold = threshold;
+            }
+        }
+        let (address, capacity) = (estimates.data_address(), estimates.capacity());
+        let result = (address, estimates.count_address(), capacity);
+        self.search.ask(on, map, queries, 0..queries.capacity(), &question, result)?;
+        estimates.touch();
+        Ok(())
+    }
+
+    fn typical_radius(
+        &mut self,
+        on: &mut Vulkan,
+        map: &VulkanMap,
+        neighbours: u32,
+        min_normal_cosine: f32,
+    ) -> Result<Option<f32>> {
+        const SAMPLE: u32 = 1024;
+        // No photon is asked to look farther than a quarter of the scene.
+        const LIMIT: f32 = 0.25;
+        if map.length <= neighbours {
+            return Ok(None);
+        }
+        let count = map.length.min(SAMPLE);
+        let mut queries = VulkanBuffer::<Query>::new(on, "queries", u64::from(count))?;
+        search::sample(on, map, &queries, count, LIMIT)?;
+        on.set_length(&mut queries, u64::from(count))?;
+        let mut estimates = VulkanBuffer::<Estimate>::new(on, "estimates", u64::from(count))?;
+        // The photon itself is the nearest.
+        let k = neighbours + 1;
+        let gather =
+            Gather { rule: Rule::Nearest { k }, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine };
+        self.estimate(on, map, &queries, &gather, &mut estimates)?;
+        let mut found = Vec::new();
+        on.download(&estimates, &mut found)?;
+        let mut found: Vec<f32> = found.iter().filter(|e| e.photons == k).map(|e| e.radius_squared).collect();
+        if found.len() * 2 < count as usize {
+            return Ok(None);
+        }
+        found.sort_unstable_by(f32::total_cmp);
+        Ok(Some(found[found.len() / 2].max(LEAST).sqrt()))
+    }
+}
+
+/// A number that a caller passes and that is compared with distances.
+fn check_radius(name: &'static str, radius: f32) -> Result<()> {
+    if radius >= 0.0 {
+        return Ok(());
+    }
+    Err(Error::InvalidSetting { name, value: radius.to_string(), mend: "must be at least 0" })
+}

@@ -1,0 +1,128 @@
+//! Searches for those who have photon maps and nothing else of the pipeline.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Backend, Kernel, Query, Result};
+
+use super::check_radius;
+use super::search::{Mode, Question, Search};
+use crate::buffer::VulkanBuffer;
+use crate::map::VulkanMap;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Bytes of rows that are sorted at a time.
+const ROWS: u64 = 256 << 20;
+
+/// Keys that are sorted in shared memory at most: 16 KiB.
+const ROOM: u32 = 2048;
+
+/// The push constants of `gather/order.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct OrderPush {
+    rows: u64,
+    ids: u64,
+    count: u32,
+    k: u32,
+    room: u32,
+    reserved: u32,
+}
+
+impl Vulkan {
+    /// The `k` nearest photons of every query within `max_radius`, which may be infinite, whatever their
+    /// normals: row by row their numbers in the order in which they were stored, nearest first, ties by
+    /// lower number, then `u32::MAX` where there are fewer. Only positions of the queries are looked at.
+    ///
+    /// Distances are compared as `(dx·dx + dy·dy) + dz·dz` and `max_radius·max_radius` in `f32`: rows are
+    /// those of `backend_cpu::index::PointIndex::nearest_many`.
+    ///
+    /// # Errors
+    /// [`photon_core::Error::InvalidSetting`] for a radius below 0 or NaN,
+    /// [`photon_core::Error::OutOfMemory`], what [`photon_core::Backend::fill`] raises.
+    pub fn nearest(
+        &mut self,
+        map: &VulkanMap,
+        queries: &VulkanBuffer<Query>,
+        k: u32,
+        max_radius: f32,
+    ) -> Result<VulkanBuffer<u32>> {
+        check_radius("max_radius", max_radius)?;
+        let count = self.fill_of(queries)?;
+        let mut ids = VulkanBuffer::<u32>::new(self, "neighbours", count.saturating_mul(u64::from(k)))?;
+        if count > 0 && k > 0 {
+            // The number of a key within a portion is a word.
+            let portion = (ROWS / (8 * u64::from(k))).clamp(1, count);
+            let rows = self.memory("rows", portion * u64::from(k) * 8)?;
+            let room = k.checked_next_power_of_two().unwrap_or(1 << 31).max(32);
+            let in_shared = room.min(ROOM);
+            let threads = (in_shared / 2).clamp(32, 256).min(self.limits().max_workgroup);
+            let sort = self.kernel(&shaders::GATHER_ORDER, &[0, threads, in_shared])?;
+            let mut search = Search::default();
+            let mut first = 0;
+            while first < count {
+                let end = count.min(first + portion);
+                let question = question(Mode::Rows, k, max_radius);
+                search.ask(self, map, queries, first..end, &question, (rows.address(), 0, 0))?;
+                let push = OrderPush {
+                    rows: rows.address(),
+                    ids: ids.data_address() + first * u64::from(k) * 4,
+                    count: (end - first) as u32,
+                    k,
+                    room,
+                    reserved: 0,
+                };
+                self.dispatch(&sort, &push, end - first)?;
+                first = end;
+            }
+        }
+        self.set_length(&mut ids, count * u64::from(k))?;
+        Ok(ids)
+    }
+
+    /// How many photons lie within `radius` of each query, rim included, whatever their normals.
+    ///
+    /// # Errors
+    /// As [`Vulkan::nearest`].
+    pub fn count_within(
+        &mut self,
+        map: &VulkanMap,
+        queries: &VulkanBuffer<Query>,
+        radius: f32,
+    ) -> Result<VulkanBuffer<u32>> {
+        check_radius("radius", radius)?;
+        let count = self.fill_of(queries)?;
+        let mut counts = VulkanBuffer::<u32>::new(self, "counts", count)?;
+        if count > 0 {
+            let question = question(Mode::Count, 0, radius);
+            Search::default().ask(self, map, queries, 0..count, &question, (counts.data_address(), 0, count))?;
+        }
+        self.set_length(&mut counts, count)?;
+        Ok(counts)
+    }
+
+    /// Queries at points, for [`Vulkan::nearest`] and [`Vulkan::count_within`].
+    ///
+    /// # Errors
+    /// [`photon_core::Error::OutOfMemory`].
+    pub fn queries_at(&mut self, points: &[[f32; 3]]) -> Result<VulkanBuffer<Query>> {
+        let queries: Vec<Query> = points.iter().map(|&position| Query { position, ..Query::default() }).collect();
+        self.upload("queries", &queries)
+    }
+
+    fn fill_of(&mut self, queries: &VulkanBuffer<Query>) -> Result<u64> {
+        Ok(Backend::fill(self, queries)?.length)
+    }
+}
+
+fn question(mode: Mode, k: u32, radius: f32) -> Question {
+    Question {
+        mode,
+        kernel: Kernel::Constant,
+        filter: false,
+        k,
+        radius,
+        min_cosine: -1.0,
+        parameter: 1.0,
+        threshold: 0,
+    }
+}

@@ -1,0 +1,198 @@
+//! Dispatching searches: what the kernels of `shaders-glsl/gather` are asked, and in which portions.
+
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Kernel, Query, Result};
+
+use crate::buffer::VulkanBuffer;
+use crate::map::VulkanMap;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Subgroups of a workgroup: what shared memory is reserved for.
+const TILES: u32 = 4;
+
+/// Queries of a dispatch at most, so that none runs for seconds even where every query finds a large
+/// part of a million photons.
+const PORTION: u64 = 1 << 19;
+
+/// Subgroups that keep the largest devices busy; with more queries than these answer at once, each takes
+/// several tiles in sequence, and learns from one about the next.
+const BUSY: u64 = 1 << 14;
+
+/// Bins of 16 bits serve up to here.
+const NARROW_BINS: u32 = 60_000;
+
+/// What a kernel makes of the photons found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// An estimate from all within a radius.
+    Radius,
+    /// An estimate from the k nearest.
+    Nearest,
+    /// The same as in the paper.
+    Paper,
+    /// Rows of the k nearest, not in order.
+    Rows,
+    /// How many there are within a radius.
+    Count,
+}
+
+/// What is asked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Question {
+    pub(super) mode: Mode,
+    pub(super) kernel: Kernel,
+    /// Whether photons are turned away for their normal or direction.
+    pub(super) filter: bool,
+    pub(super) k: u32,
+    /// Rows and counts: the radius. Otherwise a factor on every query's.
+    pub(super) radius: f32,
+    pub(super) min_cosine: f32,
+    /// The cone's slope, or the paper's factor.
+    pub(super) parameter: f32,
+    pub(super) threshold: u32,
+}
+
+/// The push constants of `search_map.glsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Push {
+    nodes: u64,
+    totals: u64,
+    positions: u64,
+    power: u64,
+    ids: u64,
+    queries: u64,
+    query_count: u64,
+    results: u64,
+    result_count: u64,
+    order: u64,
+    points: u32,
+    first: u32,
+    end: u32,
+    span: u32,
+    k: u32,
+    radius: f32,
+    min_cosine: f32,
+    parameter: f32,
+    threshold: u32,
+    capacity: u32,
+}
+
+/// The push constants of `gather/sample.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct SamplePush {
+    photons: u64,
+    queries: u64,
+    points: u32,
+    count: u32,
+    radius: f32,
+    reserved: u32,
+}
+
+/// Asks maps.
+#[derive(Debug)]
+pub(super) struct Search {
+    /// Up to which k bins have 16 bits.
+    pub(super) narrow_bins: u32,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self { narrow_bins: NARROW_BINS }
+    }
+}
+
+impl Search {
+    /// Asks at those of the queries in `range`; `results` are the addresses of what is written and of
+    /// its count, and how many fit. Results stand where their queries do, rows from the range's start on.
+    pub(super) fn ask(
+        &mut self,
+        on: &mut Vulkan,
+        map: &VulkanMap,
+        queries: &VulkanBuffer<Query>,
+        range: Range<u64>,
+        question: &Question,
+        (results, result_count, capacity): (u64, u64, u64),
+    ) -> Result<()> {
+        let subgroup = u64::from(on.limits().subgroup_size.max(1));
+        let workgroup = (TILES * subgroup as u32).min(on.limits().max_workgroup);
+        let kernel = match question.mode {
+            Mode::Radius => {
+                let constants = [0, workgroup, TILES, 0, question.kernel.number(), u32::from(question.filter)];
+                on.kernel(&shaders::GATHER_RADIUS, &constants)?
+            }
+            Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0])?,
+            Mode::Nearest | Mode::Paper | Mode::Rows => {
+                let mode = question.mode as u32 - Mode::Nearest as u32;
+                let (filter, wide) = (u32::from(question.filter), u32::from(question.k > self.narrow_bins));
+                let constants = [0, workgroup, TILES, 0, question.kernel.number(), filter, mode, wide];
+                on.kernel(&shaders::GATHER_NEAREST, &constants)?
+            }
+        };
+        // A device in software, whose subgroups are small, ends long loops: one tile each.
+        let most = if subgroup < 16 { 1 } else { 8 };
+        let tiles = ((range.end - range.start) / (subgroup * BUSY)).clamp(1, most);
+        let span = u64::from(workgroup) * tiles;
+        // An empty map has nothing that could be asked.
+        let points = if map.node_count == 0 { 0 } else { map.length };
+        let mut push = Push {
+            nodes: map.nodes.address(),
+            totals: map.totals.address(),
+            positions: map.positions.address(),
+            power: map.power.address(),
+            ids: map.ids.address(),
+            queries: queries.data_address(),
+            query_count: queries.count_address(),
+            results,
+            result_count,
+            order: 0,
+            points,
+            first: 0,
+            end: 0,
+            span: span as u32,
+            k: question.k,
+            radius: question.radius,
+            min_cosine: question.min_cosine,
+            parameter: question.parameter,
+            threshold: question.threshold,
+            capacity: capacity.min(u64::from(u32::MAX)) as u32,
+        };
+        on.unordered(|on| {
+            let mut first = range.start;
+            loop {
+                let end = range.end.min(first + PORTION / span * span);
+                (push.first, push.end) = (first as u32, end as u32);
+                if question.mode == Mode::Rows {
+                    push.results = results + (first - range.start) * u64::from(question.k) * 8;
+                }
+                // Without any query there is still a count to be written.
+                on.dispatch(&kernel, &push, (end - first).div_ceil(span).max(1))?;
+                first = end;
+                if first >= range.end {
+                    return Ok(());
+                }
+            }
+        })
+    }
+}
+
+/// Fills `queries` with `count` photons' places, spread evenly over the order in which they were stored.
+pub(super) fn sample(
+    on: &mut Vulkan,
+    map: &VulkanMap,
+    queries: &VulkanBuffer<Query>,
+    count: u32,
+    radius: f32,
+) -> Result<()> {
+    let (photons, queries) = (map.photons.data_address(), queries.data_address());
+    let kernel = on.kernel(&shaders::GATHER_SAMPLE, &[0, 64])?;
+    on.dispatch(
+        &kernel,
+        &SamplePush { photons, queries, points: map.length, count, radius, reserved: 0 },
+        u64::from(count.div_ceil(64)),
+    )
+}

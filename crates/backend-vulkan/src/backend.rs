@@ -1,8 +1,12 @@
 //! What every backend can do.
 
-use photon_core::{Backend, Element, Error, Fill, IndexKind, MapStages, Result, Stage, StageTimings};
+use photon_core::{
+    Backend, Element, Error, Fill, IndexKind, KdTreeBuilder, MapStages, Photon, Result, Stage, StageTimings,
+};
 
 use crate::buffer::VulkanBuffer;
+use crate::estimate::VulkanEstimator;
+use crate::index::VulkanBuilder;
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
 
@@ -26,6 +30,7 @@ impl Backend for Vulkan {
         let mut buffer = VulkanBuffer::new(self, label, data.len() as u64)?;
         self.write(&buffer.data, 0, bytemuck::cast_slice(data))?;
         self.set_length(&mut buffer, data.len() as u64)?;
+        buffer.foreign = true;
         Ok(buffer)
     }
 
@@ -50,8 +55,11 @@ impl Backend for Vulkan {
         self.set_length(buffer, 0)
     }
 
-    fn map_stages(&mut self, _index: IndexKind) -> Result<MapStages<Self>> {
-        Err(Error::Backend { backend: "vulkan: photon maps are being written", source: "not yet".into() })
+    fn map_stages(&mut self, index: IndexKind) -> Result<MapStages<Self>> {
+        Ok(MapStages {
+            builder: Box::new(CheckedBuilder(VulkanBuilder::new(self, index)?)),
+            estimator: Box::new(VulkanEstimator::default()),
+        })
     }
 
     fn mark(&mut self, stage: Option<Stage>) {
@@ -64,6 +72,25 @@ impl Backend for Vulkan {
         let timings = self.profile.take(&mut self.recorder)?;
         self.surface()?;
         Ok(timings)
+    }
+}
+
+/// Builds maps, and looks at what the caller brought: that costs a wait, which photons of our own
+/// tracer, finite all of them, are spared.
+struct CheckedBuilder(VulkanBuilder);
+
+impl KdTreeBuilder<Vulkan> for CheckedBuilder {
+    fn build(&mut self, on: &mut Vulkan, photons: VulkanBuffer<Photon>) -> Result<VulkanMap> {
+        let foreign = photons.foreign;
+        let map = self.0.build(on, photons)?;
+        if foreign {
+            map.check(on)?;
+        }
+        Ok(map)
+    }
+
+    fn reclaim(&mut self, map: VulkanMap) -> VulkanBuffer<Photon> {
+        self.0.reclaim(map)
     }
 }
 

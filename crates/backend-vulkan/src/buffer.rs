@@ -20,6 +20,8 @@ pub struct VulkanBuffer<T> {
     label: &'static str,
     /// `needed`, while the host knows it.
     known: Cell<Option<u64>>,
+    /// Whether its content came from the caller, and may be anything.
+    pub(crate) foreign: bool,
     kind: PhantomData<fn() -> T>,
 }
 
@@ -79,7 +81,8 @@ impl<T: Element> VulkanBuffer<T> {
 
     fn around(on: &mut Vulkan, data: Memory, label: &'static str, capacity: u64, length: u64) -> Result<Self> {
         let count = on.memory("count", 16)?;
-        let mut buffer = Self { data, count, capacity, label, known: Cell::new(None), kind: PhantomData };
+        let mut buffer =
+            Self { data, count, capacity, label, known: Cell::new(None), foreign: false, kind: PhantomData };
         on.set_length(&mut buffer, length)?;
         Ok(buffer)
     }
@@ -105,7 +108,9 @@ impl<T: Element> VulkanBuffer<T> {
         }
         // SAFETY: as the caller promises.
         let data = unsafe { Memory::foreign(&on.device, buffer, offset, length * size_of::<T>() as u64) };
-        Self::around(on, data, "a host's", length, length)
+        let mut buffer = Self::around(on, data, "a host's", length, length)?;
+        buffer.foreign = true;
+        Ok(buffer)
     }
 }
 

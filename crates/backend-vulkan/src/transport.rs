@@ -1,0 +1,71 @@
+//! Every stage of a pass.
+
+use photon_core::{
+    Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Stages, TransportBackend,
+};
+
+use crate::buffer::VulkanBuffer;
+use crate::direct::VulkanDirect;
+use crate::estimate::VulkanEstimator;
+use crate::eye::VulkanEye;
+use crate::film::{self, VulkanFilm};
+use crate::final_gather::VulkanGather;
+use crate::photons::{VulkanEmitter, VulkanTracer};
+use crate::scene::VulkanScene;
+use crate::vulkan::Vulkan;
+
+impl TransportBackend for Vulkan {
+    type Scene = VulkanScene;
+    type Film = VulkanFilm;
+
+    fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<VulkanScene> {
+        VulkanScene::new(self, scene, required)
+    }
+
+    fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {
+        Ok(Stages {
+            emitter: Box::new(VulkanEmitter),
+            tracer: Box::new(VulkanTracer::new(self, settings, required.features)?),
+            eye: Box::new(VulkanEye::new(self, settings.max_bounces)?),
+            direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
+            gather: if required.final_gather {
+                Some(Box::new(VulkanGather::new(settings.max_bounces, Box::new(VulkanEstimator::default()))))
+            } else {
+                None
+            },
+            map: self.map_stages(settings.index)?,
+        })
+    }
+
+    fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<VulkanFilm> {
+        VulkanFilm::new(self, width, height, scene.units)
+    }
+
+    fn fold(
+        &mut self,
+        film: &mut VulkanFilm,
+        layer: Layer,
+        queries: &VulkanBuffer<Query>,
+        estimates: &VulkanBuffer<Estimate>,
+        paths: u64,
+    ) -> Result<()> {
+        film::fold(self, film, layer, queries, estimates, paths)
+    }
+
+    fn end_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {
+        film::end_pass(self, film)
+    }
+
+    fn abandon_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {
+        film::abandon_pass(self, film)
+    }
+
+    fn read_film(&mut self, film: &VulkanFilm) -> Result<Film> {
+        film::read(self, film)
+    }
+
+    fn memory(&self, scene: &VulkanScene) -> Vec<(String, u64)> {
+        let tables = scene.bytes().iter().map(|&(label, bytes)| (label.to_owned(), bytes));
+        tables.chain(self.memory.iter().cloned()).collect()
+    }
+}

@@ -1,4 +1,4 @@
-// One coordinate of every photon, as an ordered integer.
+// One coordinate of every photon, as an ordered integer; or its number.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -15,10 +15,12 @@ layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
     Words keys;
     uint count;
+    // 3 for the number.
     uint axis;
 } push;
 
 void main() {
     uint i = thread();
-    if (i < push.count) push.keys[i].word = ordered(photon_position(push.photons, i)[push.axis]);
+    if (i >= push.count) return;
+    push.keys[i].word = push.axis < 3 ? ordered(photon_position(push.photons, i)[push.axis]) : i;
 }

@@ -32,7 +32,11 @@ pub use ash;
 pub use buffer::VulkanBuffer;
 pub use device::{Candidate, Limits, Options, RawDevice, devices};
 pub use film::VulkanFilm;
+#[doc(hidden)]
+pub use index::bench as index_bench;
 pub use map::VulkanMap;
+#[doc(hidden)]
+pub use photons::TracePlan;
 #[doc(hidden)]
 pub use rays::RayPlan;
 pub use scene::VulkanScene;

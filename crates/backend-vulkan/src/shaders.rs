@@ -29,6 +29,9 @@ pub(crate) static FILM_END: Module =
 pub(crate) static FILM_FOLD: Module =
     Module { name: "film_fold", bytes: include_bytes!("../spirv/film_fold.spv") };
 
+pub(crate) static GATHER_CODES: Module =
+    Module { name: "gather_codes", bytes: include_bytes!("../spirv/gather_codes.spv") };
+
 pub(crate) static GATHER_COUNT: Module =
     Module { name: "gather_count", bytes: include_bytes!("../spirv/gather_count.spv") };
 
@@ -43,6 +46,60 @@ pub(crate) static GATHER_RADIUS: Module =
 
 pub(crate) static GATHER_SAMPLE: Module =
     Module { name: "gather_sample", bytes: include_bytes!("../spirv/gather_sample.spv") };
+
+pub(crate) static INDEX_ARRANGE: Module =
+    Module { name: "index_arrange", bytes: include_bytes!("../spirv/index_arrange.spv") };
+
+pub(crate) static INDEX_BOUNDS: Module =
+    Module { name: "index_bounds", bytes: include_bytes!("../spirv/index_bounds.spv") };
+
+pub(crate) static INDEX_CODES: Module =
+    Module { name: "index_codes", bytes: include_bytes!("../spirv/index_codes.spv") };
+
+pub(crate) static INDEX_KEYS: Module =
+    Module { name: "index_keys", bytes: include_bytes!("../spirv/index_keys.spv") };
+
+pub(crate) static INDEX_LONG_RUNS: Module =
+    Module { name: "index_long_runs", bytes: include_bytes!("../spirv/index_long_runs.spv") };
+
+pub(crate) static INDEX_MEDIAN_COUNT: Module =
+    Module { name: "index_median_count", bytes: include_bytes!("../spirv/index_median_count.spv") };
+
+pub(crate) static INDEX_MEDIAN_FINISH: Module =
+    Module { name: "index_median_finish", bytes: include_bytes!("../spirv/index_median_finish.spv") };
+
+pub(crate) static INDEX_MEDIAN_PART: Module =
+    Module { name: "index_median_part", bytes: include_bytes!("../spirv/index_median_part.spv") };
+
+pub(crate) static INDEX_MEDIAN_SIDES: Module =
+    Module { name: "index_median_sides", bytes: include_bytes!("../spirv/index_median_sides.spv") };
+
+pub(crate) static INDEX_PARENTS: Module =
+    Module { name: "index_parents", bytes: include_bytes!("../spirv/index_parents.spv") };
+
+pub(crate) static INDEX_REFINE: Module =
+    Module { name: "index_refine", bytes: include_bytes!("../spirv/index_refine.spv") };
+
+pub(crate) static INDEX_VVH_BOXES: Module =
+    Module { name: "index_vvh_boxes", bytes: include_bytes!("../spirv/index_vvh_boxes.spv") };
+
+pub(crate) static INDEX_VVH_COLLAPSE: Module =
+    Module { name: "index_vvh_collapse", bytes: include_bytes!("../spirv/index_vvh_collapse.spv") };
+
+pub(crate) static INDEX_VVH_COUNT: Module =
+    Module { name: "index_vvh_count", bytes: include_bytes!("../spirv/index_vvh_count.spv") };
+
+pub(crate) static INDEX_VVH_FINISH: Module =
+    Module { name: "index_vvh_finish", bytes: include_bytes!("../spirv/index_vvh_finish.spv") };
+
+pub(crate) static INDEX_VVH_PART: Module =
+    Module { name: "index_vvh_part", bytes: include_bytes!("../spirv/index_vvh_part.spv") };
+
+pub(crate) static INDEX_VVH_PLAN: Module =
+    Module { name: "index_vvh_plan", bytes: include_bytes!("../spirv/index_vvh_plan.spv") };
+
+pub(crate) static INDEX_VVH_SIDES: Module =
+    Module { name: "index_vvh_sides", bytes: include_bytes!("../spirv/index_vvh_sides.spv") };
 
 pub(crate) static PHOTONS_ADVANCE: Module =
     Module { name: "photons_advance", bytes: include_bytes!("../spirv/photons_advance.spv") };
@@ -108,7 +165,7 @@ pub(crate) static SORT_SCATTER: Module =
     Module { name: "sort_scatter", bytes: include_bytes!("../spirv/sort_scatter.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 35] = [
+pub(crate) static ALL: [&Module; 54] = [
     &CAMERA_COMPACT,
     &CAMERA_DIRECT,
     &CAMERA_EYE,
@@ -118,11 +175,30 @@ pub(crate) static ALL: [&Module; 35] = [
     &EXAMPLE_PHOTONS,
     &FILM_END,
     &FILM_FOLD,
+    &GATHER_CODES,
     &GATHER_COUNT,
     &GATHER_NEAREST,
     &GATHER_ORDER,
     &GATHER_RADIUS,
     &GATHER_SAMPLE,
+    &INDEX_ARRANGE,
+    &INDEX_BOUNDS,
+    &INDEX_CODES,
+    &INDEX_KEYS,
+    &INDEX_LONG_RUNS,
+    &INDEX_MEDIAN_COUNT,
+    &INDEX_MEDIAN_FINISH,
+    &INDEX_MEDIAN_PART,
+    &INDEX_MEDIAN_SIDES,
+    &INDEX_PARENTS,
+    &INDEX_REFINE,
+    &INDEX_VVH_BOXES,
+    &INDEX_VVH_COLLAPSE,
+    &INDEX_VVH_COUNT,
+    &INDEX_VVH_FINISH,
+    &INDEX_VVH_PART,
+    &INDEX_VVH_PLAN,
+    &INDEX_VVH_SIDES,
     &PHOTONS_ADVANCE,
     &PHOTONS_EMIT,
     &PHOTONS_SCATTER,

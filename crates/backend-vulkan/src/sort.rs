@@ -106,7 +106,7 @@ impl Sort {
         };
         Ok(Self {
             count: both(on, &shaders::SORT_COUNT)?,
-            offsets: on.kernel(&shaders::SORT_OFFSETS, &[0, 256.min(on.limits().max_workgroup)])?,
+            offsets: on.kernel(&shaders::SORT_OFFSETS, &[0, size])?,
             scatter: both(on, &shaders::SORT_SCATTER)?,
             tile: u64::from(size) * ITEMS,
             scratch: on.memory("sort", 4096)?,

@@ -48,7 +48,7 @@ impl Lists {
         })
     }
 
-    /// Sorts the photons along each axis, and makes room for `count` lists of them.
+    /// Sorts the photons along each axis. Of four lists the last is in order of their numbers.
     pub(super) fn fill(
         &mut self,
         on: &mut Vulkan,
@@ -70,6 +70,11 @@ impl Lists {
             let pairs = Pairs { keys, values, count: length, words: 1, bits: 32, numbered: true, forget_keys: true };
             let at = self.sort.pairs(on, &pairs)?;
             debug_assert_eq!(at, 0, "four digits are an even number of passes");
+        }
+        if count == 4 {
+            let keys = self.lists[0].address() + 4 * length * 3;
+            let push = KeysPush { photons: photons.data_address(), keys, count: length as u32, axis: 3 };
+            on.dispatch(&self.keys_of, &push, length.div_ceil(u64::from(WORKGROUP)))?;
         }
         Ok(())
     }

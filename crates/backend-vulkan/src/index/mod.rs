@@ -1,12 +1,16 @@
 //! Photon maps, built on the device: the same slots in the same order as those of the CPU's index of
 //! the same kind, bit for bit.
 
+#[doc(hidden)]
+pub mod bench;
 mod bounds;
 mod lists;
 mod median;
 mod morton;
 mod regular;
 mod room;
+mod vvh;
+mod vvh_nodes;
 #[cfg(test)]
 mod tests;
 
@@ -19,6 +23,8 @@ use median::Median;
 use morton::Morton;
 use regular::Regular;
 use room::Room;
+use vvh::Vvh;
+use vvh_nodes::VvhNodes;
 
 /// Points to a leaf, children of a node.
 const WIDTH: u64 = 16;
@@ -37,6 +43,7 @@ pub(crate) struct VulkanBuilder {
 enum Arrange {
     Median(Box<Median>),
     Morton(Box<Morton>),
+    Vvh(Box<(Vvh, VvhNodes)>),
 }
 
 impl VulkanBuilder {
@@ -45,7 +52,8 @@ impl VulkanBuilder {
     pub(crate) fn new(on: &mut Vulkan, kind: IndexKind) -> Result<Self> {
         let arrange = match kind {
             IndexKind::Median => Arrange::Median(Box::new(Median::new(on)?)),
-            _ => Arrange::Morton(Box::new(Morton::new(on)?)),
+            IndexKind::Vvh => Arrange::Vvh(Box::new((Vvh::new(on)?, VvhNodes::new(on)?))),
+            IndexKind::Morton => Arrange::Morton(Box::new(Morton::new(on)?)),
         };
         Ok(Self { kind, arrange, regular: Regular::new(on)?, spare: Vec::new() })
     }
@@ -54,17 +62,32 @@ impl VulkanBuilder {
 impl KdTreeBuilder<Vulkan> for VulkanBuilder {
     fn build(&mut self, on: &mut Vulkan, photons: VulkanBuffer<Photon>) -> Result<VulkanMap> {
         let length = on.length(&photons)?;
-        let nodes = Regular::nodes(length);
+        let nodes = match self.kind {
+            IndexKind::Vvh => VvhNodes::nodes(length),
+            IndexKind::Median | IndexKind::Morton => Regular::nodes(length),
+        };
         // Emptied as soon as the length is known, since whoever gives the map back cannot tell the device.
         let words = [0, photons.capacity().min(u64::from(u32::MAX)) as u32, 0, 0];
         on.write(&photons.count, 0, bytemuck::cast_slice(&words))?;
         let mut room = self.spare.pop().map_or_else(|| Room::new(on), Ok)?;
         room.grow(on, length, nodes)?;
-        let order = match &mut self.arrange {
-            Arrange::Median(median) => median.order(on, &photons, length)?,
-            Arrange::Morton(morton) => morton.order(on, &photons, length)?,
-        };
-        self.regular.arrange(on, &photons, length, order, &room)?;
+        let regular = &self.regular;
+        match &mut self.arrange {
+            Arrange::Median(median) => {
+                let order = median.order(on, &photons, length)?;
+                regular.arrange(on, &photons, length, order, &room)?;
+            }
+            Arrange::Morton(morton) => {
+                let order = morton.order(on, &photons, length)?;
+                regular.arrange(on, &photons, length, order, &room)?;
+            }
+            Arrange::Vvh(both) => {
+                let (vvh, nodes) = &mut **both;
+                let order = vvh.order(on, &photons, length)?;
+                let splits = vvh.splits.address();
+                nodes.arrange(on, regular, &photons, length, order, splits, &room)?;
+            }
+        }
         let bytes = room.bytes() + photons.data.bytes();
         on.note_memory(&format!("map of {}", photons.label()), bytes);
         let Room { positions, power, ids, nodes: of_nodes, totals } = room;

@@ -72,7 +72,8 @@ impl Morton {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = WORKGROUP.min(on.limits().max_workgroup);
         let tile = sort::workgroup(on)?;
-        let two = |on: &mut Vulkan, label| -> Result<[Memory; 2]> { Ok([on.memory(label, 16)?, on.memory(label, 16)?]) };
+        let two =
+            |on: &mut Vulkan, label| -> Result<[Memory; 2]> { Ok([on.memory(label, 16)?, on.memory(label, 16)?]) };
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             codes: on.kernel(&shaders::INDEX_CODES, &[0, size])?,

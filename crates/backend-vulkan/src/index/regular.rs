@@ -68,8 +68,8 @@ impl Regular {
         Self::levels(photons).iter().sum()
     }
 
-    /// Fills the slots, in the order of the photons' numbers at address `order`, and the leaves, from
-    /// node `leaves` on.
+    /// Fills the slots, in the order of the photons' numbers at address `order`, and the leaves and their
+    /// totals, at the two addresses `leaves`.
     pub(crate) fn slots(
         &self,
         on: &mut Vulkan,
@@ -77,7 +77,7 @@ impl Regular {
         length: u64,
         order: u64,
         room: &Room,
-        leaves: u64,
+        leaves: [u64; 2],
     ) -> Result<()> {
         let push = ArrangePush {
             photons: photons.data_address(),
@@ -85,8 +85,8 @@ impl Regular {
             positions: room.positions.address(),
             power: room.power.address(),
             ids: room.ids.address(),
-            nodes: room.nodes.address() + 32 * leaves,
-            totals: room.totals.address() + 4 * leaves,
+            nodes: leaves[0],
+            totals: leaves[1],
             count: length as u32,
             pad: 0,
         };
@@ -105,7 +105,9 @@ impl Regular {
         let levels = Self::levels(length);
         // Where a level begins: the levels above it come first.
         let first = |level: usize| levels[level + 1..].iter().sum::<u64>() as u32;
-        self.slots(on, photons, length, order, room, u64::from(first(0)))?;
+        let leaves = u64::from(first(0));
+        let leaves = [room.nodes.address() + 32 * leaves, room.totals.address() + 4 * leaves];
+        self.slots(on, photons, length, order, room, leaves)?;
         for level in 1..levels.len() {
             let push = ParentsPush {
                 nodes: room.nodes.address(),

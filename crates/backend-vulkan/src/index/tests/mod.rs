@@ -55,6 +55,11 @@ fn median_order_is_that_of_the_cpu() {
 }
 
 #[test]
+fn vvh_order_is_that_of_the_cpu() {
+    like_the_cpu(IndexKind::Vvh);
+}
+
+#[test]
 fn photons_that_are_not_finite_are_named() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let mut good = photons(&vec![[0.5; 3]; 3000]);
@@ -88,7 +93,7 @@ fn photons_that_are_not_finite_are_named() {
     }
 }
 
-const KINDS: [IndexKind; 2] = [IndexKind::Morton, IndexKind::Median];
+const KINDS: [IndexKind; 3] = [IndexKind::Morton, IndexKind::Median, IndexKind::Vvh];
 
 #[test]
 fn a_wrong_map_is_noticed() {

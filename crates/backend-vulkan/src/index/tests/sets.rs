@@ -93,7 +93,9 @@ pub(super) fn point_sets() -> Vec<(String, Vec<[f32; 3]>)> {
     let mut far = many(7000, &mut Random::point);
     far[3000] = [1e9, 0.0, 0.0];
     sets.push(("one far away", far));
-    for n in [1, 2, 3, 15, 16, 17, 31, 32, 33, 255, 256, 257, 272, 511, 513, 1023, 1024, 1025, 2048, 2049, 4097, 100_000] {
+    for n in
+        [1, 2, 3, 15, 16, 17, 31, 32, 33, 255, 256, 257, 272, 511, 513, 1023, 1024, 1025, 2048, 2049, 4097, 100_000]
+    {
         sets.push(("so many", many(n, &mut Random::point)));
     }
     sets.into_iter().map(|(name, points)| (format!("{name}, {}", points.len()), points)).collect()

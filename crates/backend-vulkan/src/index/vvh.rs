@@ -1,0 +1,248 @@
+//! The kd-tree of the Voxel Volume Heuristic; `backend-cpu` documents where it splits. Level by level,
+//! from lists of the photons that are sorted along every axis, and one in order of their numbers, of
+//! which a sample is counted. How many segments a level has, the device alone knows: as many levels
+//! are recorded as there can be, most of them dispatches of nothing.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Photon, Result};
+
+use super::WIDTH;
+use super::bounds::BoundsOf;
+use super::lists::{Lists, SHORT, TILE, WORKGROUP};
+use super::room::grow;
+use crate::buffer::VulkanBuffer;
+use crate::device::{Kernel, Memory};
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Below this depth segments are halved; as in the shaders.
+const HEURISTIC_DEPTH: u64 = 24;
+/// A sample of 64 photons to a segment.
+const PLAN_WORKGROUP: u32 = 64;
+/// Bytes of a `VvhLevel`, a `VvhJobs`, a `VvhSegments`.
+const LEVEL: u64 = 16;
+const JOBS: u64 = 32;
+const SEGMENT: u64 = 32;
+
+/// Finds the order and the splits.
+#[derive(Debug)]
+pub(crate) struct Vvh {
+    bounds: BoundsOf,
+    lists: Lists,
+    plan: Kernel,
+    sides: Kernel,
+    count: Kernel,
+    part: Kernel,
+    finish: Kernel,
+    /// A level after the other; the last is that of short segments.
+    levels: Memory,
+    jobs: Memory,
+    segments: [Memory; 2],
+    shorts: Memory,
+    tiles: Memory,
+    /// A bit per photon.
+    right: Memory,
+    counts: Memory,
+    /// Blocks in the left part of every split, in preorder.
+    pub(super) splits: Memory,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct PlanPush {
+    photons: u64,
+    lists: u64,
+    level: u64,
+    segments: u64,
+    next_level: u64,
+    next_segments: u64,
+    jobs: u64,
+    tiles: u64,
+    short_level: u64,
+    shorts: u64,
+    splits: u64,
+    count: u32,
+    parity: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct SidesPush {
+    lists: u64,
+    segments: u64,
+    jobs: u64,
+    tiles: u64,
+    right: u64,
+    count: u32,
+    pad: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct CountPush {
+    lists: u64,
+    segments: u64,
+    jobs: u64,
+    tiles: u64,
+    right: u64,
+    counts: u64,
+    count: u32,
+    room: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct PartPush {
+    lists: u64,
+    parted: u64,
+    segments: u64,
+    jobs: u64,
+    tiles: u64,
+    counts: u64,
+    count: u32,
+    room: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct FinishPush {
+    photons: u64,
+    lists: u64,
+    other_lists: u64,
+    level: u64,
+    shorts: u64,
+    places: u64,
+    splits: u64,
+    order: u64,
+    count: u32,
+    pad: u32,
+}
+
+/// Levels that have segments longer than `SHORT`, at most.
+fn levels(length: u64) -> u64 {
+    let halvings = length.div_ceil(SHORT).next_power_of_two().ilog2();
+    if length > SHORT { HEURISTIC_DEPTH + u64::from(halvings) } else { 0 }
+}
+
+impl Vvh {
+    pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
+        let constants = [0, WORKGROUP];
+        let mut memory = |label| on.memory(label, 32);
+        let (levels, jobs, shorts, tiles) =
+            (memory("map: levels")?, memory("map: tiles")?, memory("map: segments")?, memory("map: tiles")?);
+        let segments = [memory("map: segments")?, memory("map: segments")?];
+        let (right, counts, splits) = (memory("map: sides")?, memory("map: counts")?, memory("map: splits")?);
+        Ok(Self {
+            bounds: BoundsOf::new(on)?,
+            lists: Lists::new(on)?,
+            plan: on.kernel(&shaders::INDEX_VVH_PLAN, &[0, PLAN_WORKGROUP])?,
+            sides: on.kernel(&shaders::INDEX_VVH_SIDES, &constants)?,
+            count: on.kernel(&shaders::INDEX_VVH_COUNT, &constants)?,
+            part: on.kernel(&shaders::INDEX_VVH_PART, &constants)?,
+            finish: on.kernel(&shaders::INDEX_VVH_FINISH, &constants)?,
+            levels,
+            jobs,
+            segments,
+            shorts,
+            tiles,
+            right,
+            counts,
+            splits,
+        })
+    }
+
+    /// Makes room, for so many tiles at once.
+    fn grow(&mut self, on: &mut Vulkan, length: u64, room: u64) -> Result<()> {
+        let levels = levels(length);
+        let segments = length.div_ceil(SHORT + 1);
+        grow(on, &mut self.levels, "map: levels", LEVEL * (levels + 2))?;
+        grow(on, &mut self.jobs, "map: tiles", JOBS * levels)?;
+        for memory in &mut self.segments {
+            grow(on, memory, "map: segments", SEGMENT * segments)?;
+        }
+        grow(on, &mut self.shorts, "map: segments", 16 * length.div_ceil(WIDTH))?;
+        grow(on, &mut self.tiles, "map: tiles", 8 * room)?;
+        grow(on, &mut self.right, "map: sides", 4 * length.div_ceil(32))?;
+        grow(on, &mut self.counts, "map: counts", 4 * 4 * room)?;
+        grow(on, &mut self.splits, "map: splits", 4 * length.div_ceil(WIDTH))
+    }
+
+    /// The address of the photons' numbers in the order of their slots; notes the splits.
+    pub(crate) fn order(&mut self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<u64> {
+        // Of every segment its last tile may be nearly empty.
+        let room = length / TILE + length.div_ceil(SHORT + 1) + 1;
+        self.grow(on, length, room)?;
+        self.bounds.find(on, photons, length)?;
+        self.lists.fill(on, photons, length, 4)?;
+
+        let count = levels(length);
+        let whole = length > SHORT;
+        let mut records = vec![[0_u32, 1, 1, 0]; count as usize + 2];
+        // Levels 0 to `count`, then the short segments.
+        records[if whole { 0 } else { count as usize + 1 }] = [1, 1, 1, 1];
+        on.write(&self.levels, 0, bytemuck::cast_slice(&records))?;
+        on.write(&self.jobs, 0, bytemuck::cast_slice(&vec![[0_u32, 1, 1, 0, 0, 4, 1, 0]; count as usize]))?;
+        let root = [0, length as u32, 0, 0];
+        on.write(if whole { &self.segments[0] } else { &self.shorts }, 0, bytemuck::bytes_of(&root))?;
+        for level in 0..count {
+            self.level(on, photons, length, level, room)?;
+        }
+        let order = self.lists.keys[1].address();
+        let push = FinishPush {
+            photons: photons.data_address(),
+            lists: self.lists.lists[0].address(),
+            other_lists: self.lists.lists[1].address(),
+            level: self.levels.address() + LEVEL * (count + 1),
+            shorts: self.shorts.address(),
+            places: self.lists.keys[0].address(),
+            splits: self.splits.address(),
+            order,
+            count: length as u32,
+            pad: 0,
+        };
+        on.dispatch_indirect(&self.finish, &push, &self.levels, LEVEL * (count + 1))?;
+        Ok(order)
+    }
+
+    /// Splits the segments of a level.
+    fn level(
+        &mut self,
+        on: &mut Vulkan,
+        photons: &VulkanBuffer<Photon>,
+        length: u64,
+        level: u64,
+        room: u64,
+    ) -> Result<()> {
+        let (lists, parted) = (self.lists.address(), self.lists.other());
+        let [segments, next_segments] = [level, level + 1].map(|level| self.segments[level as usize % 2].address());
+        let at = |level: u64| self.levels.address() + LEVEL * level;
+        let (jobs, tiles) = (self.jobs.address() + JOBS * level, self.tiles.address());
+        let (right, counts) = (self.right.address(), self.counts.address());
+        let (count, room) = (length as u32, room as u32);
+        let push = PlanPush {
+            photons: photons.data_address(),
+            lists,
+            level: at(level),
+            segments,
+            next_level: at(level + 1),
+            next_segments,
+            jobs,
+            tiles,
+            short_level: at(levels(length) + 1),
+            shorts: self.shorts.address(),
+            splits: self.splits.address(),
+            count,
+            parity: (1 - self.lists.at as u32) << 31,
+        };
+        on.dispatch_indirect(&self.plan, &push, &self.levels, LEVEL * level)?;
+        on.fill(&self.right, 0, 4 * length.div_ceil(32), 0)?;
+        let push = SidesPush { lists, segments, jobs, tiles, right, count, pad: 0 };
+        on.dispatch_indirect(&self.sides, &push, &self.jobs, JOBS * level)?;
+        let push = CountPush { lists, segments, jobs, tiles, right, counts, count, room };
+        on.dispatch_indirect(&self.count, &push, &self.jobs, JOBS * level + 16)?;
+        let push = PartPush { lists, parted, segments, jobs, tiles, counts, count, room };
+        on.dispatch_indirect(&self.part, &push, &self.jobs, JOBS * level + 16)?;
+        self.lists.at = 1 - self.lists.at;
+        Ok(())
+    }
+}

@@ -1,0 +1,120 @@
+//! The nodes of the VVH tree, from its splits: level by level down, and for the boxes up again.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Photon, Result};
+
+use super::WIDTH;
+use super::regular::Regular;
+use super::room::{Room, grow};
+use crate::buffer::VulkanBuffer;
+use crate::device::{Kernel, Memory};
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+const WORKGROUP: u32 = 64;
+/// Splits on top of each other: 24 by the heuristic, then halvings.
+const HEURISTIC_DEPTH: u64 = 24;
+/// Bytes of a `VvhDepth`, of a `VvhNodes`.
+const DEPTH: u64 = 32;
+const TODO: u64 = 32;
+
+/// Makes nodes.
+#[derive(Debug)]
+pub(crate) struct VvhNodes {
+    collapse: Kernel,
+    boxes: Kernel,
+    depths: Memory,
+    todo: Memory,
+    /// Leaves by block, and their totals.
+    leaves: Memory,
+    totals: Memory,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct CollapsePush {
+    depth: u64,
+    next_depth: u64,
+    todo: u64,
+    splits: u64,
+    leaves: u64,
+    nodes: u64,
+    totals: u64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct BoxesPush {
+    depth: u64,
+    todo: u64,
+    nodes: u64,
+    totals: u64,
+}
+
+impl VvhNodes {
+    pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
+        let constants = [0, WORKGROUP];
+        Ok(Self {
+            collapse: on.kernel(&shaders::INDEX_VVH_COLLAPSE, &constants)?,
+            boxes: on.kernel(&shaders::INDEX_VVH_BOXES, &constants)?,
+            depths: on.memory("map: levels", 32)?,
+            todo: on.memory("map: nodes to do", 32)?,
+            leaves: on.memory("map: leaves", 32)?,
+            totals: on.memory("map: totals", 32)?,
+        })
+    }
+
+    /// Nodes over so many photons, at most: a leaf to each block, and two children at least to each node.
+    pub(crate) fn nodes(photons: u64) -> u64 {
+        (2 * photons.div_ceil(WIDTH)).saturating_sub(1)
+    }
+
+    /// Fills the slots and all nodes.
+    pub(crate) fn arrange(
+        &mut self,
+        on: &mut Vulkan,
+        regular: &Regular,
+        photons: &VulkanBuffer<Photon>,
+        length: u64,
+        order: u64,
+        splits: u64,
+        room: &Room,
+    ) -> Result<()> {
+        let blocks = length.div_ceil(WIDTH);
+        if blocks == 0 {
+            return Ok(());
+        }
+        let levels = HEURISTIC_DEPTH + u64::from(blocks.next_power_of_two().ilog2()) + 1;
+        grow(on, &mut self.depths, "map: levels", DEPTH * (levels + 1))?;
+        grow(on, &mut self.todo, "map: nodes to do", TODO * blocks)?;
+        grow(on, &mut self.leaves, "map: leaves", 32 * blocks)?;
+        grow(on, &mut self.totals, "map: totals", 4 * blocks)?;
+        regular.slots(on, photons, length, order, room, [self.leaves.address(), self.totals.address()])?;
+
+        let mut depths = vec![[0_u32, 1, 1, 0, 0, 0, 0, 0]; levels as usize + 1];
+        depths[0] = [1, 1, 1, 1, 0, 0, 0, 0];
+        on.write(&self.depths, 0, bytemuck::cast_slice(&depths))?;
+        // Number, first block, blocks, splits, nodes below from.
+        let root = [0, 0, blocks as u32, 0, 1, 0, 0, 0];
+        on.write(&self.todo, 0, bytemuck::bytes_of(&root))?;
+        let (nodes, totals, todo) = (room.nodes.address(), room.totals.address(), self.todo.address());
+        let depth = |level: u64| self.depths.address() + DEPTH * level;
+        for level in 0..levels {
+            let push = CollapsePush {
+                depth: depth(level),
+                next_depth: depth(level + 1),
+                todo,
+                splits,
+                leaves: self.leaves.address(),
+                nodes,
+                totals,
+            };
+            on.dispatch_indirect(&self.collapse, &push, &self.depths, DEPTH * level)?;
+        }
+        for level in (0..levels).rev() {
+            let push = BoxesPush { depth: depth(level), todo, nodes, totals };
+            on.dispatch_indirect(&self.boxes, &push, &self.depths, DEPTH * level)?;
+        }
+        Ok(())
+    }
+}

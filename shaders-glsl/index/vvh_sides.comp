@@ -1,0 +1,36 @@
+// One level of the VVH tree, second of four: marks the photons that go right.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+#include "lists.glsl"
+#include "vvh_records.glsl"
+
+layout(local_size_x_id = 1) in;
+
+layout(push_constant, scalar) uniform Push {
+    Words lists;
+    VvhSegments segments;
+    VvhJobs jobs;
+    VvhTiles tiles;
+    // A bit per photon, all zero.
+    Words right;
+    uint count;
+} push;
+
+void main() {
+    for (uint job = gl_WorkGroupID.x; job < push.jobs.count; job += gl_NumWorkGroups.x) {
+        uint segment = push.tiles[job].segment;
+        uint first = push.segments[segment].first;
+        uint base = first + push.tiles[job].tile * LIST_TILE;
+        uint end = min(base + LIST_TILE, first + push.segments[segment].size);
+        uint begin = max(base, first + push.segments[segment].left);
+        Words list = push.lists + push.segments[segment].axis * push.count;
+        for (uint at = begin + gl_LocalInvocationIndex; at < end; at += gl_WorkGroupSize.x) {
+            uint photon = list[at].word;
+            atomicOr(push.right[photon / 32].word, 1u << photon % 32);
+        }
+    }
+}

@@ -5,6 +5,7 @@
 //! read.
 
 mod neighbours;
+mod order;
 mod search;
 #[cfg(test)]
 mod tests;
@@ -23,6 +24,16 @@ const LEAST: f32 = 1.0 / (1_048_576.0 * 1_048_576.0);
 #[derive(Debug, Default)]
 pub(crate) struct VulkanEstimator {
     search: Search,
+}
+
+impl Vulkan {
+    /// An estimator that takes queries in the order in which they stand, however many there are: what
+    /// sorting them gains is measured against it.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn estimator_without_sorting() -> Box<dyn RadianceEstimator<Self>> {
+        Box::new(VulkanEstimator { search: Search { worth_order: u64::MAX, ..Search::default() } })
+    }
 }
 
 impl RadianceEstimator<Vulkan> for VulkanEstimator {

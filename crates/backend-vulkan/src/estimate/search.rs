@@ -5,6 +5,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Kernel, Query, Result};
 
+use super::order::Order;
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
@@ -20,6 +21,10 @@ const PORTION: u64 = 1 << 19;
 /// Subgroups that keep the largest devices busy; with more queries than these answer at once, each takes
 /// several tiles in sequence, and learns from one about the next.
 const BUSY: u64 = 1 << 14;
+
+/// From so many on, queries are taken in an order of our own: sorting them costs less than what tiles of
+/// neighbours save, a picture's rows included.
+const WORTH_ORDER: u64 = 1 << 17;
 
 /// Bins of 16 bits serve up to here.
 const NARROW_BINS: u32 = 60_000;
@@ -98,11 +103,14 @@ struct SamplePush {
 pub(super) struct Search {
     /// Up to which k bins have 16 bits.
     pub(super) narrow_bins: u32,
+    /// From how many on queries are sorted.
+    pub(super) worth_order: u64,
+    pub(super) order: Option<Order>,
 }
 
 impl Default for Search {
     fn default() -> Self {
-        Self { narrow_bins: NARROW_BINS }
+        Self { narrow_bins: NARROW_BINS, worth_order: WORTH_ORDER, order: None }
     }
 }
 
@@ -120,16 +128,28 @@ impl Search {
     ) -> Result<()> {
         let subgroup = u64::from(on.limits().subgroup_size.max(1));
         let workgroup = (TILES * subgroup as u32).min(on.limits().max_workgroup);
+        // An empty map has nothing that could be asked.
+        let points = if map.node_count == 0 { 0 } else { map.length };
+        let estimates = matches!(question.mode, Mode::Radius | Mode::Nearest | Mode::Paper);
+        let mut order = 0;
+        if estimates && points > 0 && queries.capacity() >= self.worth_order {
+            let ordering = match &mut self.order {
+                Some(ordering) => ordering,
+                none => none.insert(Order::new(on)?),
+            };
+            order = ordering.of(on, map, queries)?;
+        }
+        let ordered = u32::from(order != 0);
         let kernel = match question.mode {
             Mode::Radius => {
-                let constants = [0, workgroup, TILES, 0, question.kernel.number(), u32::from(question.filter)];
+                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), u32::from(question.filter)];
                 on.kernel(&shaders::GATHER_RADIUS, &constants)?
             }
             Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0])?,
             Mode::Nearest | Mode::Paper | Mode::Rows => {
                 let mode = question.mode as u32 - Mode::Nearest as u32;
                 let (filter, wide) = (u32::from(question.filter), u32::from(question.k > self.narrow_bins));
-                let constants = [0, workgroup, TILES, 0, question.kernel.number(), filter, mode, wide];
+                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide];
                 on.kernel(&shaders::GATHER_NEAREST, &constants)?
             }
         };
@@ -137,8 +157,6 @@ impl Search {
         let most = if subgroup < 16 { 1 } else { 8 };
         let tiles = ((range.end - range.start) / (subgroup * BUSY)).clamp(1, most);
         let span = u64::from(workgroup) * tiles;
-        // An empty map has nothing that could be asked.
-        let points = if map.node_count == 0 { 0 } else { map.length };
         let mut push = Push {
             nodes: map.nodes.address(),
             totals: map.totals.address(),
@@ -149,7 +167,7 @@ impl Search {
             query_count: queries.count_address(),
             results,
             result_count,
-            order: 0,
+            order,
             points,
             first: 0,
             end: 0,

@@ -147,6 +147,31 @@ fn many_photons_add_up() {
     }
 }
 
+/// Taken in another order, queries get the same answers, and those that a buffer does not hold get none.
+#[test]
+fn sorted_queries_find_the_same() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let photons = photons(&walls(4000));
+    let map = map(&mut on, &photons, IndexKind::Morton);
+    let mut random = Random(12);
+    let mut places: Vec<_> = (0..500).map(|_| random.point()).collect();
+    places.extend(super::inputs::places(&walls(300)));
+    let queries = queries(&places, 0.3);
+    let mut there = on.upload("queries", &[queries.clone(), vec![Query::default(); 90]].concat()).unwrap();
+    on.set_length(&mut there, queries.len() as u64).unwrap();
+    for rule in [Rule::Radius, Rule::Nearest { k: 30 }] {
+        let gather = Gather { rule, kernel: Kernel::Epanechnikov, radius_scale: 0.5, min_normal_cosine: 0.5 };
+        let mut estimates = on.alloc("estimates", there.capacity()).unwrap();
+        let mut estimator = VulkanEstimator { search: Search { worth_order: 0, ..Search::default() } };
+        for _ in 0..2 {
+            estimator.estimate(&mut on, &map, &there, &gather, &mut estimates).unwrap();
+            let mut found = Vec::new();
+            on.download(&estimates, &mut found).unwrap();
+            assert_eq!(compare(&found, &on_cpu(&photons, &queries, &gather, IndexKind::Morton), 3.0), Ok(()));
+        }
+    }
+}
+
 /// Bins of 32 bits, which only a very large k needs.
 #[test]
 fn wide_bins_find_the_same() {
@@ -159,7 +184,7 @@ fn wide_bins_find_the_same() {
         let gather =
             Gather { rule: Rule::Nearest { k }, kernel: Kernel::Biweight, radius_scale: 1.0, min_normal_cosine: 0.5 };
         let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
-        let mut estimator = VulkanEstimator { search: Search { narrow_bins: 10 } };
+        let mut estimator = VulkanEstimator { search: Search { narrow_bins: 10, ..Search::default() } };
         estimator.estimate(&mut on, &map, &there, &gather, &mut estimates).unwrap();
         let mut found = Vec::new();
         on.download(&estimates, &mut found).unwrap();

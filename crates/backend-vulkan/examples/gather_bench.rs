@@ -1,0 +1,221 @@
+//! Queries a second of k-NN and radius searches, by the device's clock: medians of nine runs, with the
+//! least and the greatest milliseconds. `--small` for a software device; or numbers of photons.
+//!
+//! Photons lie evenly on five walls of a box ("walls"), or nine tenths of them in a disc of radius 0.05
+//! on the floor, with density 1/r ("caustic"). Queries lie on the floor and the back wall, one for each
+//! pixel of a picture: row by row, in blocks of 8 by 4 pixels, or shuffled.
+#![expect(clippy::print_stdout, reason = "a program's output")]
+
+use std::f32::consts::{PI, TAU};
+
+use backend_vulkan::{Vulkan, VulkanBuffer, VulkanMap};
+use photon_core::glam::Vec3;
+use photon_core::{
+    Backend, Estimate, Gather, IndexKind, Kernel, MapStages, Photon, Query, Result, Rule, Stage, octahedral,
+};
+
+const WARM: usize = 2;
+const RUNS: usize = 9;
+
+fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let small = arguments.iter().any(|argument| argument == "--small");
+    let mut sizes: Vec<usize> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
+    if sizes.is_empty() {
+        sizes = if small { vec![10_000] } else { vec![1_000_000, 10_000_000] };
+    }
+    let (width, height) = if small { (64, 36) } else { (1920, 1080) };
+    let mut on = Vulkan::new()?;
+    println!("{}, {}; {} queries", on.limits().name, on.limits().driver, width * height);
+    println!("{:<52} {:>9} {:>10} {:>9} {:>9} {:>9}", "work", "photons", "M/s", "median ms", "least", "greatest");
+    for count in sizes {
+        for (set, photons) in [("walls", walls(count)), ("caustic", caustic(count))] {
+            for kind in [IndexKind::Morton, IndexKind::Median, IndexKind::Vvh] {
+                run(&mut on, set, &photons, kind, width, height)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn run(on: &mut Vulkan, set: &str, photons: &[Photon], kind: IndexKind, width: usize, height: usize) -> Result<()> {
+    let mut stages = on.map_stages(kind)?;
+    let uploaded = on.upload("photons: global", photons)?;
+    let map = stages.builder.build(on, uploaded)?;
+    let radius = (50.0 / (PI * photons.len() as f32 / 5.0)).sqrt();
+    let rows = rows(width, height, radius);
+    let nearest = |k: u32, kernel: Kernel, min_normal_cosine: f32| Gather {
+        rule: Rule::Nearest { k },
+        kernel,
+        // Everything is within reach.
+        radius_scale: 10.0 / radius,
+        min_normal_cosine,
+    };
+    let within = Gather { rule: Rule::Radius, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0 };
+    let orders = if kind == IndexKind::Morton {
+        vec![("rows", rows.clone()), ("blocks", blocks(&rows, width)), ("shuffled", shuffled(&rows))]
+    } else {
+        vec![("rows", rows)]
+    };
+    for (order, queries) in orders {
+        let queries = on.upload("queries", &queries)?;
+        let mut work = vec![
+            ("k = 50", nearest(50, Kernel::Constant, -1.0)),
+            ("k = 200", nearest(200, Kernel::Constant, -1.0)),
+            ("k = 50, Epanechnikov, normals", nearest(50, Kernel::Epanechnikov, 0.5)),
+        ];
+        if set == "walls" {
+            work.push(("radius of 50", within));
+            work.push(("radius of 50, Epanechnikov, normals", Gather {
+                kernel: Kernel::Epanechnikov,
+                min_normal_cosine: 0.5,
+                ..within
+            }));
+        }
+        for (what, gather) in work {
+            estimates(on, &mut stages, &map, &queries, &gather, &format!("{set}, {kind:?}, {order}: {what}"))?;
+            if kind == IndexKind::Morton {
+                let plain = std::mem::replace(&mut stages.estimator, Vulkan::estimator_without_sorting());
+                let name = format!("{set}, {kind:?}, {order}, not sorted: {what}");
+                estimates(on, &mut stages, &map, &queries, &gather, &name)?;
+                stages.estimator = plain;
+            }
+        }
+        if kind == IndexKind::Morton && order == "rows" {
+            for k in [50, 200] {
+                let name = format!("{set}, {kind:?}, {order}: rows of {k} ids");
+                time(on, &name, map.length(), queries.capacity(), |on| on.nearest(&map, &queries, k, 10.0).map(drop))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Times estimates, and says how many photons they found on average.
+fn estimates(
+    on: &mut Vulkan,
+    stages: &mut MapStages<Vulkan>,
+    map: &VulkanMap,
+    queries: &VulkanBuffer<Query>,
+    gather: &Gather,
+    name: &str,
+) -> Result<()> {
+    let mut estimates = on.alloc::<Estimate>("estimates", queries.capacity())?;
+    stages.estimator.estimate(on, map, queries, gather, &mut estimates)?;
+    let mut found = Vec::new();
+    on.download(&estimates, &mut found)?;
+    let mean = found.iter().map(|estimate| f64::from(estimate.photons)).sum::<f64>() / found.len() as f64;
+    let name = format!("{name} ({mean:.0})");
+    time(on, &name, map.length(), queries.capacity(), |on| {
+        stages.estimator.estimate(on, map, queries, gather, &mut estimates)
+    })
+}
+
+fn time(
+    on: &mut Vulkan,
+    name: &str,
+    photons: u32,
+    queries: u64,
+    mut work: impl FnMut(&mut Vulkan) -> Result<()>,
+) -> Result<()> {
+    let mut all = Vec::new();
+    for turn in 0..WARM + RUNS {
+        let _ = on.timings()?;
+        on.mark(Some(Stage::Estimate));
+        work(on)?;
+        on.mark(None);
+        let seconds = on.timings()?.get(Stage::Estimate);
+        if turn >= WARM {
+            all.push(seconds * 1e3);
+        }
+    }
+    all.sort_unstable_by(f64::total_cmp);
+    let (least, median, greatest) = (all[0], all[all.len() / 2], all[all.len() - 1]);
+    let rate = queries as f64 / median / 1e3;
+    println!("{name:<52} {photons:>9} {rate:>10.1} {median:>9.3} {least:>9.3} {greatest:>9.3}");
+    Ok(())
+}
+
+/// SplitMix64 (Steele, Lea and Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn word(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    fn unit(&mut self) -> f32 {
+        (self.word() >> 40) as f32 * (1.0 / (1 << 24) as f32)
+    }
+}
+
+fn photon(position: [f32; 3], normal: Vec3) -> Photon {
+    let (normal, direction) = (octahedral::pack(normal), octahedral::pack(normal));
+    Photon { position, direction, power: [1.0; 3], normal }
+}
+
+fn on_a_wall(random: &mut Random) -> Photon {
+    let (u, v) = (random.unit(), random.unit());
+    match random.word() % 5 {
+        0 => photon([u, 0.0, v], Vec3::Y),
+        1 => photon([u, 1.0, v], -Vec3::Y),
+        2 => photon([0.0, u, v], Vec3::X),
+        3 => photon([1.0, u, v], -Vec3::X),
+        _ => photon([u, v, 0.0], Vec3::Z),
+    }
+}
+
+fn walls(count: usize) -> Vec<Photon> {
+    let mut random = Random(1);
+    (0..count).map(|_| on_a_wall(&mut random)).collect()
+}
+
+fn caustic(count: usize) -> Vec<Photon> {
+    let mut random = Random(2);
+    (0..count)
+        .map(|_| {
+            if random.unit() >= 0.9 {
+                return on_a_wall(&mut random);
+            }
+            let (r, angle) = (random.unit() * 0.05, random.unit() * TAU);
+            photon([0.3 + r * angle.cos(), 0.0, 0.7 + r * angle.sin()], Vec3::Y)
+        })
+        .collect()
+}
+
+/// The back wall in the upper half of a picture, the floor in the lower.
+fn rows(width: usize, height: usize, radius: f32) -> Vec<Query> {
+    let half = height / 2;
+    (0..width * height)
+        .map(|pixel| {
+            let (x, y) = (pixel % width, pixel / width);
+            let (u, v) = ((x as f32 + 0.5) / width as f32, ((y % half) as f32 + 0.5) / half as f32);
+            let (position, normal) =
+                if y < half { ([u, 1.0 - v, 0.0], Vec3::Z) } else { ([u, 0.0, v], Vec3::Y) };
+            Query { position, radius, normal: normal.to_array(), pixel: pixel as u32, ..Query::default() }
+        })
+        .collect()
+}
+
+/// The same in blocks of 8 by 4 pixels.
+fn blocks(rows: &[Query], width: usize) -> Vec<Query> {
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    order.sort_by_key(|&pixel| {
+        let (x, y) = (pixel % width, pixel / width);
+        (y / 4, x / 8, y % 4, x % 8)
+    });
+    order.iter().map(|&pixel| rows[pixel]).collect()
+}
+
+fn shuffled(rows: &[Query]) -> Vec<Query> {
+    let mut random = Random(3);
+    let mut all = rows.to_vec();
+    for at in (1..all.len()).rev() {
+        all.swap(at, (random.word() % (at as u64 + 1)) as usize);
+    }
+    all
+}

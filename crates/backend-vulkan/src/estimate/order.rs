@@ -1,0 +1,81 @@
+//! The order in which queries are taken: neighbours together, as tiles of them share what they read.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Query, Result};
+
+use crate::buffer::VulkanBuffer;
+use crate::device::Memory;
+use crate::map::VulkanMap;
+use crate::shaders;
+use crate::sort::{Pairs, Sort};
+use crate::vulkan::Vulkan;
+
+/// The push constants of `gather/codes.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct CodesPush {
+    nodes: u64,
+    queries: u64,
+    query_count: u64,
+    codes: u64,
+    count: u32,
+    reserved: u32,
+}
+
+/// Puts queries into Morton order, without moving them.
+#[derive(Debug)]
+pub(super) struct Order {
+    sort: Sort,
+    keys: [Memory; 2],
+    values: [Memory; 2],
+    room: u64,
+}
+
+impl Order {
+    /// # Errors
+    /// What the device raises.
+    pub(super) fn new(on: &mut Vulkan) -> Result<Self> {
+        Ok(Self {
+            sort: Sort::new(on)?,
+            keys: [on.memory("query codes", 4)?, on.memory("query codes", 4)?],
+            values: [on.memory("query order", 4)?, on.memory("query order", 4)?],
+            room: 0,
+        })
+    }
+
+    /// The address of the queries' numbers, neighbours in `map` together; as many as `queries` has room
+    /// for, of which those that it does not hold come last.
+    ///
+    /// # Errors
+    /// What the device raises.
+    pub(super) fn of(&mut self, on: &mut Vulkan, map: &VulkanMap, queries: &VulkanBuffer<Query>) -> Result<u64> {
+        let count = queries.capacity();
+        if count > self.room {
+            for memory in self.keys.iter_mut().chain(&mut self.values) {
+                *memory = on.memory("query order", count * 4)?;
+            }
+            self.room = count;
+        }
+        let push = CodesPush {
+            nodes: map.nodes.address(),
+            queries: queries.data_address(),
+            query_count: queries.count_address(),
+            codes: self.keys[0].address(),
+            count: count as u32,
+            reserved: 0,
+        };
+        let kernel = on.kernel(&shaders::GATHER_CODES, &[0, 128])?;
+        on.dispatch(&kernel, &push, count.div_ceil(128))?;
+        let pairs = Pairs {
+            keys: [self.keys[0].address(), self.keys[1].address()],
+            values: [self.values[0].address(), self.values[1].address()],
+            count,
+            words: 1,
+            bits: 24,
+            numbered: true,
+            forget_keys: true,
+        };
+        let at = self.sort.pairs(on, &pairs)?;
+        Ok(self.values[at].address())
+    }
+}

@@ -8,7 +8,7 @@ use photon_core::{
     Backend, Batch, Deposits, Film, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, Photon, PhotonRay, Query,
     RandomKind, Requirements, Rule, Settings, TransportBackend, View,
 };
-use photon_scene::{Scene, builtin};
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, builtin};
 
 const SCENES: [&str; 4] = ["cornell", "cornell-glass", "ring", "pool"];
 const SIZE: u32 = 64;
@@ -184,6 +184,59 @@ fn direct_light_is_the_same_light() {
             let shadows = ["cornell", "cornell-glass"].contains(&name);
             assert!(!shadows || apart(&a, &other, Layer::Direct, 0.005).0 > 0.01, "{name}");
         }
+    }
+}
+
+/// A floor and a ball of thin glass over it, under so many lights: by turns a point, a spot with and
+/// without a soft edge, a lamp that shines from both sides, and, once, the sun.
+fn lights(count: usize) -> Scene {
+    let mut scene = SceneBuilder::new();
+    let floor = scene.material(MaterialDesc::lambert("floor", [0.8, 0.7, 0.6]));
+    let sheet = scene.material(MaterialDesc::thin("sheet", 1.5));
+    let lamp = MaterialDesc::emissive("lamp", [0.5; 3], [8.0, 9.0, 10.0]);
+    let lamp = scene.material(MaterialDesc { emits_both_sides: true, ..lamp });
+    scene.quad("floor", [[-2., 0., 2.], [2., 0., 2.], [2., 0., -2.], [-2., 0., -2.]], floor);
+    scene.quad("sheet", [[-1., 0.3, 0.], [1., 0.3, 0.], [1., 1.2, -0.4], [-1., 1.2, -0.4]], sheet);
+    for i in 0..count {
+        let angle = i as f64 * 2.4;
+        let position = [1.5 * angle.cos(), 0.8 + 0.05 * i as f64, 1.5 * angle.sin()];
+        let [x, y, z] = position;
+        match i % 4 {
+            0 => scene.light("point", LightDesc::Point { position, intensity: [0.3, 0.2, 0.1] }),
+            3 if i > 3 => {
+                scene.quad("lamp", [[x, y, z], [x + 0.2, y, z], [x + 0.2, y + 0.2, z], [x, y + 0.2, z]], lamp)
+            }
+            3 => scene.light("sun", LightDesc::Directional { direction: [0.2, -1.0, 0.1], irradiance: [0.4; 3] }),
+            soft => scene.light(
+                "spot",
+                LightDesc::Spot {
+                    position,
+                    direction: [-x, -y, -z],
+                    intensity: [0.5; 3],
+                    inner_angle: 0.5,
+                    outer_angle: 0.5 + 0.2 * (soft - 1) as f64,
+                },
+            ),
+        }
+    }
+    scene.camera("above", CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8));
+    scene.build().unwrap()
+}
+
+/// Few lights are weighed at each query, many are chosen by power; the same ones by both.
+#[test]
+fn every_kind_of_light_is_chosen_alike() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let mut cpu = Cpu::with_threads(2).unwrap();
+    for count in [4, 9, 40] {
+        let scene = lights(count);
+        let (queries, _) = look(&mut cpu, &scene, &[1]);
+        let a = light(&mut cpu, &scene, &queries, 4, 1);
+        let b = light(&mut gpu, &scene, &queries, 4, 1);
+        let (worst, total) = apart(&a, &b, Layer::Direct, 0.002);
+        eprintln!("{} lights: {worst:e}, total {total:e}", scene.view().lights.len());
+        assert!(worst < 1e-4 && total < 1e-4, "{count}: {worst} {total}");
+        assert!(apart(&a, &light(&mut gpu, &scene, &queries, 4, 2), Layer::Direct, 0.01).0 > 0.05, "{count}");
     }
 }
 

@@ -8,19 +8,10 @@ vec3 barycentric(vec3 a, vec3 b, vec3 c, float u, float v) {
     return point;
 }
 
-float off_surface_axis(float p, float n) {
-    if (abs(p) < 1.0 / 32.0) {
-        precise float moved = p + (1.0 / 65536.0) * n;
-        return moved;
-    }
-    int steps = int(256.0 * n);
-    return intBitsToFloat(floatBitsToInt(p) + (p < 0.0 ? -steps : steps));
-}
-
 // Moves `point` off its surface to the side that `normal` points to.
 vec3 off_surface(vec3 point, vec3 normal) {
-    return vec3(
-        off_surface_axis(point.x, normal.x), off_surface_axis(point.y, normal.y), off_surface_axis(point.z, normal.z));
+    precise vec3 moved = point + normal * (1.0 / 131072.0);
+    return moved;
 }
 
 #endif

@@ -1,5 +1,6 @@
 //! The watertight ray-triangle test (Woop, Benthin and Wald 2013), four triangles at a time.
 
+use glam::{BVec4A, Vec4};
 use photon_core::Ray;
 
 /// Triangles per packet.
@@ -80,67 +81,67 @@ impl Sheared {
 
 /// What four tests found.
 pub(crate) struct Found {
-    /// Distance; NaN for a miss.
+    /// Lanes that the ray meets, as bits; the others' numbers mean nothing.
+    pub(crate) hits: u32,
+    /// Distance.
     pub(crate) t: [f32; LANES],
-    /// Weight of the second vertex.
-    pub(crate) u: [f32; LANES],
-    /// Weight of the third vertex.
-    pub(crate) v: [f32; LANES],
+    /// Edge functions, each the weight of the vertex across times their sum.
+    edges: [Vec4; 3],
+    determinant: Vec4,
 }
 
-/// Tests a packet. Both sides count; edges and vertices belong to every triangle that has them, so
-/// that no ray slips between two.
+impl Found {
+    /// Weights of the second and of the third vertex. Only of hits that win: two divisions saved.
+    #[inline(always)]
+    pub(crate) fn weights(&self, lane: usize) -> [f32; 2] {
+        let of = |v: Vec4| v.to_array()[lane % LANES];
+        [of(self.edges[1]) / of(self.determinant), of(self.edges[2]) / of(self.determinant)]
+    }
+}
+
+/// Tests a packet, for hits at `0 ≤ t ≤ far`. Both sides count; edges and vertices belong to every
+/// triangle that has them, so that no ray slips between two.
 ///
 /// Two triangles that share an edge compute the same two products for it, and their difference with
 /// opposite sign: rounding cannot put the ray outside of both. Where a difference vanishes it is
 /// computed anew in f64, whose products of f32 are exact. A twin without f64 may take the sign from
 /// the products' rounding errors instead.
 #[inline(always)]
-pub(crate) fn intersect(packet: &Packet, ray: &Sheared) -> Found {
+pub(crate) fn intersect(packet: &Packet, ray: &Sheared, far: f32) -> Found {
     let [kx, ky, kz] = ray.axes;
-    let [sx, sy, sz] = ray.shear;
-    let [ox, oy, oz] = [ray.origin[kx], ray.origin[ky], ray.origin[kz]];
-    let mut x = [[0.0_f32; LANES]; 3];
-    let mut y = [[0.0_f32; LANES]; 3];
-    let mut z = [[0.0_f32; LANES]; 3];
+    let [sx, sy, sz] = ray.shear.map(Vec4::splat);
+    let [ox, oy, oz] = [ray.origin[kx], ray.origin[ky], ray.origin[kz]].map(Vec4::splat);
+    let mut x = [Vec4::ZERO; 3];
+    let mut y = [Vec4::ZERO; 3];
+    let mut z = [Vec4::ZERO; 3];
     for (vertex, corner) in packet.vertices.iter().enumerate() {
-        for lane in 0..LANES {
-            let height = corner[kz][lane] - oz;
-            x[vertex][lane] = (corner[kx][lane] - ox) - sx * height;
-            y[vertex][lane] = (corner[ky][lane] - oy) - sy * height;
-            z[vertex][lane] = sz * height;
-        }
+        let of = |axis: usize| Vec4::from_array(corner[axis]);
+        let height = of(kz) - oz;
+        x[vertex] = (of(kx) - ox) - sx * height;
+        y[vertex] = (of(ky) - oy) - sy * height;
+        z[vertex] = sz * height;
     }
-    let mut e = [[0.0_f32; LANES]; 3];
-    let mut vanishes = false;
-    for edge in 0..3 {
-        let (b, c) = ((edge + 1) % 3, (edge + 2) % 3);
-        for lane in 0..LANES {
-            e[edge][lane] = x[c][lane] * y[b][lane] - y[c][lane] * x[b][lane];
-            vanishes |= e[edge][lane] == 0.0;
-        }
-    }
-    if vanishes {
+    let mut e = [x[2] * y[1] - y[2] * x[1], x[0] * y[2] - y[0] * x[2], x[1] * y[0] - y[1] * x[0]];
+    let zero = Vec4::ZERO;
+    let vanishes: BVec4A = e[0].cmpeq(zero) | e[1].cmpeq(zero) | e[2].cmpeq(zero);
+    if vanishes.any() {
         again(&x, &y, &mut e);
     }
-    let mut found = Found { t: [0.0; LANES], u: [0.0; LANES], v: [0.0; LANES] };
-    for lane in 0..LANES {
-        let (u, v, w) = (e[0][lane], e[1][lane], e[2][lane]);
-        let determinant = u + v + w;
-        let scaled = u * z[0][lane] + v * z[1][lane] + w * z[2][lane];
-        let inside = (u >= 0.0) & (v >= 0.0) & (w >= 0.0) | (u <= 0.0) & (v <= 0.0) & (w <= 0.0);
-        let t = scaled / determinant;
-        found.t[lane] = if inside & (determinant != 0.0) & (t >= 0.0) { t } else { f32::NAN };
-        found.u[lane] = v / determinant;
-        found.v[lane] = w / determinant;
-    }
-    found
+    let [u, v, w] = e;
+    let determinant = u + v + w;
+    let scaled = u * z[0] + v * z[1] + w * z[2];
+    let left = u.cmpge(zero) & v.cmpge(zero) & w.cmpge(zero);
+    let right = u.cmple(zero) & v.cmple(zero) & w.cmple(zero);
+    let t = scaled / determinant;
+    // A determinant of 0 makes infinity or NaN, which are no distances either.
+    let there = determinant.cmpne(zero) & t.cmpge(zero) & t.cmple(Vec4::splat(far));
+    Found { hits: ((left | right) & there).bitmask(), t: t.to_array(), edges: e, determinant }
 }
 
 /// The lanes in which an edge function vanished, in f64.
 #[cold]
 #[inline(never)]
-fn again(x: &[[f32; LANES]; 3], y: &[[f32; LANES]; 3], e: &mut [[f32; LANES]; 3]) {
+fn again(x: &[Vec4; 3], y: &[Vec4; 3], e: &mut [Vec4; 3]) {
     for lane in 0..LANES {
         if e.iter().all(|edge| edge[lane] != 0.0) {
             continue;

@@ -82,3 +82,40 @@ fn devices_are_listed_with_what_they_lack() {
         assert_eq!(line.ends_with("suitable"), device.lacks.is_empty(), "{line}");
     }
 }
+
+#[test]
+fn a_picture_is_the_same_on_either_backend() {
+    if !backend_vulkan::devices().is_ok_and(|found| found.iter().any(|device| device.lacks.is_empty())) {
+        let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
+        assert!(!required, "Vulkan is required here");
+        return eprintln!("skipped: no Vulkan");
+    }
+    let folder = folder("either");
+    let picture = |backend: &str| {
+        let (exr, json) = (folder.join(format!("{backend}.exr")), folder.join(format!("{backend}.json")));
+        let output = Command::new(env!("CARGO_BIN_EXE_render"))
+            .args(["cornell-glass", "--backend", backend, "--size", "24x24", "--photons", "5000", "--passes", "2"])
+            .args(["-o", exr.to_str().unwrap(), "--json", json.to_str().unwrap()])
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{output:?}");
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        assert_eq!(report["backend"], backend);
+        assert_eq!(report["counters"]["balance"], true);
+        use exr::prelude::*;
+        let image = read_first_flat_layer_from_file(&exr).unwrap();
+        let channels = image.layer_data.channel_data.list.into_iter();
+        let beauty = channels.filter(|channel| ["R", "G", "B"].contains(&channel.name.to_string().as_str()));
+        beauty.flat_map(|channel| channel.sample_data.values_as_f32().collect::<Vec<_>>()).collect::<Vec<f32>>()
+    };
+    let (cpu, vulkan) = (picture("cpu"), picture("vulkan"));
+    // Equal random numbers give equal paths, but for the few that rounding sends to another side of an
+    // edge: those move the mean of the absolute differences by far less than a hundredth.
+    let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
+    let apart: Vec<f32> = cpu.iter().zip(&vulkan).map(|(a, b)| (a - b).abs()).collect();
+    assert_eq!(cpu.len(), 3 * 24 * 24);
+    assert!(mean(&apart) < 0.01 * mean(&cpu), "{} of {}", mean(&apart), mean(&cpu));
+    // The comparison must be able to fail: a picture that is moved by some pixels does.
+    let shifted: Vec<f32> = cpu.iter().zip(cpu.iter().skip(3)).map(|(a, b)| (a - b).abs()).collect();
+    assert!(mean(&shifted) > 0.01 * mean(&cpu));
+}

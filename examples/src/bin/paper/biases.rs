@@ -142,8 +142,14 @@ mod tests {
 
     #[test]
     fn the_papers_formulas_err_as_predicted_and_the_defaults_do_not() {
-        let mut cpu = backend_cpu::Cpu::new().unwrap();
-        for bias in all(&mut cpu).unwrap() {
+        check(&mut backend_cpu::Cpu::new().unwrap());
+        if let Some(mut on) = backend_vulkan::Vulkan::for_tests() {
+            check(&mut on);
+        }
+    }
+
+    fn check<B: Backend>(on: &mut B) {
+        for bias in all(on).unwrap() {
             assert!(bias.is_as_predicted(), "{bias:?}");
             // A comparison that cannot tell the two apart proves nothing.
             let mistaken = Bias { predicted: bias.truth, truth: bias.predicted, ..bias };

@@ -1,5 +1,6 @@
 //! Device milliseconds of prefix sums, sorts and photon maps: medians of ten runs, with the least and
 //! the greatest. `--small` for a software device; or sizes, as numbers.
+#![expect(clippy::print_stdout, reason = "a program")]
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -242,7 +242,7 @@ mod tests {
             &|_| u64::MAX,
             &|i| i,
             &|i| n - i,
-            &|i| i % 2 << 63,
+            &|i| (i % 2) << 63,
             &|i| if i == n / 2 { 0 } else { 0xff << 24 },
             &|i| (i / 1000).wrapping_mul(0x0123_4567_89ab_cdef),
         ];

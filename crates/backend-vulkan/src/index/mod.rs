@@ -9,10 +9,10 @@ mod median;
 mod morton;
 mod regular;
 mod room;
-mod vvh;
-mod vvh_nodes;
 #[cfg(test)]
 mod tests;
+mod vvh;
+mod vvh_nodes;
 
 use photon_core::{IndexKind, KdTreeBuilder, Photon, Result};
 
@@ -21,7 +21,7 @@ use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
 use median::Median;
 use morton::Morton;
-use regular::Regular;
+use regular::{Ordered, Regular};
 use room::Room;
 use vvh::Vvh;
 use vvh_nodes::VvhNodes;
@@ -71,21 +71,17 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
         on.write(&photons.count, 0, bytemuck::cast_slice(&words))?;
         let mut room = self.spare.pop().map_or_else(|| Room::new(on), Ok)?;
         room.grow(on, length, nodes)?;
-        let regular = &self.regular;
+        let order = match &mut self.arrange {
+            Arrange::Median(median) => median.order(on, &photons, length)?,
+            Arrange::Morton(morton) => morton.order(on, &photons, length)?,
+            Arrange::Vvh(both) => both.0.order(on, &photons, length)?,
+        };
+        let ordered = Ordered { photons: &photons, length, order, room: &room };
         match &mut self.arrange {
-            Arrange::Median(median) => {
-                let order = median.order(on, &photons, length)?;
-                regular.arrange(on, &photons, length, order, &room)?;
-            }
-            Arrange::Morton(morton) => {
-                let order = morton.order(on, &photons, length)?;
-                regular.arrange(on, &photons, length, order, &room)?;
-            }
+            Arrange::Median(_) | Arrange::Morton(_) => self.regular.arrange(on, ordered)?,
             Arrange::Vvh(both) => {
                 let (vvh, nodes) = &mut **both;
-                let order = vvh.order(on, &photons, length)?;
-                let splits = vvh.splits.address();
-                nodes.arrange(on, regular, &photons, length, order, splits, &room)?;
+                nodes.arrange(on, &self.regular, ordered, vvh.splits.address())?;
             }
         }
         let bytes = room.bytes() + photons.data.bytes();

@@ -45,6 +45,17 @@ struct ParentsPush {
     count_below: u32,
 }
 
+/// What is brought into order, and where to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ordered<'a> {
+    pub(crate) photons: &'a VulkanBuffer<Photon>,
+    /// Of them.
+    pub(crate) length: u64,
+    /// The address of their numbers in the order of the slots.
+    pub(crate) order: u64,
+    pub(crate) room: &'a Room,
+}
+
 impl Regular {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = WORKGROUP.min(on.limits().max_workgroup);
@@ -68,17 +79,9 @@ impl Regular {
         Self::levels(photons).iter().sum()
     }
 
-    /// Fills the slots, in the order of the photons' numbers at address `order`, and the leaves and their
-    /// totals, at the two addresses `leaves`.
-    pub(crate) fn slots(
-        &self,
-        on: &mut Vulkan,
-        photons: &VulkanBuffer<Photon>,
-        length: u64,
-        order: u64,
-        room: &Room,
-        leaves: [u64; 2],
-    ) -> Result<()> {
+    /// Fills the slots, and the leaves and their totals, at the two addresses `leaves`.
+    pub(crate) fn slots(&self, on: &mut Vulkan, ordered: Ordered<'_>, leaves: [u64; 2]) -> Result<()> {
+        let Ordered { photons, length, order, room } = ordered;
         let push = ArrangePush {
             photons: photons.data_address(),
             order,
@@ -94,20 +97,14 @@ impl Regular {
     }
 
     /// Fills the slots and all nodes.
-    pub(crate) fn arrange(
-        &self,
-        on: &mut Vulkan,
-        photons: &VulkanBuffer<Photon>,
-        length: u64,
-        order: u64,
-        room: &Room,
-    ) -> Result<()> {
+    pub(crate) fn arrange(&self, on: &mut Vulkan, ordered: Ordered<'_>) -> Result<()> {
+        let Ordered { length, room, .. } = ordered;
         let levels = Self::levels(length);
         // Where a level begins: the levels above it come first.
         let first = |level: usize| levels[level + 1..].iter().sum::<u64>() as u32;
         let leaves = u64::from(first(0));
         let leaves = [room.nodes.address() + 32 * leaves, room.totals.address() + 4 * leaves];
-        self.slots(on, photons, length, order, room, leaves)?;
+        self.slots(on, ordered, leaves)?;
         for level in 1..levels.len() {
             let push = ParentsPush {
                 nodes: room.nodes.address(),

@@ -1,12 +1,11 @@
 //! The nodes of the VVH tree, from its splits: level by level down, and for the boxes up again.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result};
+use photon_core::Result;
 
 use super::WIDTH;
-use super::regular::Regular;
-use super::room::{Room, grow};
-use crate::buffer::VulkanBuffer;
+use super::regular::{Ordered, Regular};
+use super::room::grow;
 use crate::device::{Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
@@ -74,12 +73,10 @@ impl VvhNodes {
         &mut self,
         on: &mut Vulkan,
         regular: &Regular,
-        photons: &VulkanBuffer<Photon>,
-        length: u64,
-        order: u64,
+        ordered: Ordered<'_>,
         splits: u64,
-        room: &Room,
     ) -> Result<()> {
+        let Ordered { length, room, .. } = ordered;
         let blocks = length.div_ceil(WIDTH);
         if blocks == 0 {
             return Ok(());
@@ -89,7 +86,7 @@ impl VvhNodes {
         grow(on, &mut self.todo, "map: nodes to do", TODO * blocks)?;
         grow(on, &mut self.leaves, "map: leaves", 32 * blocks)?;
         grow(on, &mut self.totals, "map: totals", 4 * blocks)?;
-        regular.slots(on, photons, length, order, room, [self.leaves.address(), self.totals.address()])?;
+        regular.slots(on, ordered, [self.leaves.address(), self.totals.address()])?;
 
         let mut depths = vec![[0_u32, 1, 1, 0, 0, 0, 0, 0]; levels as usize + 1];
         depths[0] = [1, 1, 1, 1, 0, 0, 0, 0];

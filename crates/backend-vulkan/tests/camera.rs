@@ -1,6 +1,8 @@
 //! What the camera sees, direct light and final gathering, against the CPU with the same random
 //! numbers: nearly every path is the same path, and the picture that they give the same picture.
 
+#![expect(clippy::unwrap_used, reason = "test code")]
+
 use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
 use photon_core::glam::Vec3;

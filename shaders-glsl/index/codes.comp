@@ -1,4 +1,4 @@
-// The Morton code of every photon.
+// The Morton code of every photon: its lower words, twice, and its higher words.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -8,15 +8,17 @@
 #include "grid.glsl"
 #include "map_records.glsl"
 #include "morton.glsl"
+#include "words.glsl"
 
 layout(local_size_x_id = 1) in;
-
-layout(buffer_reference, scalar, buffer_reference_align = 8) writeonly buffer Codes { uvec2 code; };
 
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
     MapState state;
-    Codes codes;
+    // What is sorted first.
+    Words keys;
+    Words low;
+    Words high;
     uint count;
 } push;
 
@@ -25,5 +27,8 @@ void main() {
     if (i >= push.count) return;
     uvec3 low = from_ordered3(uvec3(push.state.low[0], push.state.low[1], push.state.low[2]));
     uvec3 high = from_ordered3(uvec3(push.state.high[0], push.state.high[1], push.state.high[2]));
-    push.codes[i].code = morton_code(grid_over(low, high), photon_position(push.photons, i));
+    uvec2 code = morton_code(grid_over(low, high), photon_position(push.photons, i));
+    push.keys[i].word = code.x;
+    push.low[i].word = code.x;
+    push.high[i].word = code.y;
 }

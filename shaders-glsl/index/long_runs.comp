@@ -7,34 +7,42 @@
 
 #include "grid.glsl"
 #include "runs.glsl"
+#include "words.glsl"
 
 layout(local_size_x_id = 1) in;
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Codes { uvec2 code; };
-
 layout(push_constant, scalar) uniform Push {
-    Codes codes;
+    // Slot to photon, and the higher words of the codes in that order.
+    Words order;
+    Words sorted_high;
+    // The lower words by photon.
+    Words low;
     Round round;
     Runs runs;
     uint count;
 } push;
 
+// Whether two slots have one code.
+bool same_code(uint a, uint b) {
+    return push.sorted_high[a].word == push.sorted_high[b].word
+        && push.low[push.order[a].word].word == push.low[push.order[b].word].word;
+}
+
 void main() {
     uint i = thread();
     if (i >= push.count || push.count - i <= 16) return;
-    uvec2 code = push.codes[i].code;
-    if (push.codes[i + 16].code != code || (i > 0 && push.codes[i - 1].code == code)) return;
+    if (!same_code(i, i + 16) || (i > 0 && same_code(i, i - 1))) return;
     // The first place with another code, by doubling, then by halving.
     uint inside = i + 16;
     uint step = 16;
-    while (push.count - inside > step && push.codes[inside + step].code == code) {
+    while (push.count - inside > step && same_code(i, inside + step)) {
         inside += step;
         step *= 2;
     }
     uint outside = push.count - inside > step ? inside + step : push.count;
     while (outside - inside > 1) {
         uint middle = inside + (outside - inside) / 2;
-        if (push.codes[middle].code == code) {
+        if (same_code(i, middle)) {
             inside = middle;
         } else {
             outside = middle;

@@ -1,4 +1,5 @@
-//! The order of Morton codes; `backend-cpu` documents it. Codes of 63 bits are sorted by their digits.
+//! The order of Morton codes; `backend-cpu` documents it. Codes of 63 bits are sorted by their lower
+//! words, then by their higher ones, which until then stay where they are.
 //! Photons that share a code, more than a leaf of them, are arranged by finer grids, round by round:
 //! where there are none, as nearly always, the rounds are dispatches of nothing.
 
@@ -25,10 +26,13 @@ const ROUND: u64 = 16;
 pub(crate) struct Morton {
     bounds: BoundsOf,
     codes: Kernel,
+    gather: Kernel,
     long_runs: Kernel,
     refine: Kernel,
     sort: Sort,
-    keys: [Memory; 2],
+    /// Room for two words to a photon, each: what is sorted, and both words of the codes.
+    keys: Memory,
+    words: Memory,
     ids: [Memory; 2],
     rounds: Memory,
     runs: [Memory; 2],
@@ -39,7 +43,19 @@ pub(crate) struct Morton {
 struct CodesPush {
     photons: u64,
     state: u64,
-    codes: u64,
+    keys: u64,
+    low: u64,
+    high: u64,
+    count: u32,
+    pad: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GatherPush {
+    words: u64,
+    order: u64,
+    gathered: u64,
     count: u32,
     pad: u32,
 }
@@ -47,7 +63,9 @@ struct CodesPush {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct LongRunsPush {
-    codes: u64,
+    order: u64,
+    sorted_high: u64,
+    low: u64,
     round: u64,
     runs: u64,
     count: u32,
@@ -77,10 +95,12 @@ impl Morton {
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             codes: on.kernel(&shaders::INDEX_CODES, &[0, size])?,
+            gather: on.kernel(&shaders::INDEX_GATHER, &[0, size])?,
             long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, &[0, size])?,
             refine: on.kernel(&shaders::INDEX_REFINE, &[0, tile])?,
             sort: Sort::new(on)?,
-            keys: two(on, "map: codes")?,
+            keys: on.memory("map: keys", 16)?,
+            words: on.memory("map: codes", 16)?,
             ids: two(on, "map: order")?,
             rounds: on.memory("map: rounds", ROUND * (ROUNDS + 1))?,
             runs: two(on, "map: runs")?,
@@ -89,34 +109,44 @@ impl Morton {
 
     /// The address of the photons' numbers in the order of their slots.
     pub(crate) fn order(&mut self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<u64> {
+        grow(on, &mut self.keys, "map: keys", 8 * length)?;
+        grow(on, &mut self.words, "map: codes", 8 * length)?;
         for at in 0..2 {
-            grow(on, &mut self.keys[at], "map: codes", 8 * length)?;
             grow(on, &mut self.ids[at], "map: order", 4 * length)?;
             grow(on, &mut self.runs[at], "map: runs", 8 * (length / (WIDTH + 1) + 1))?;
         }
         self.bounds.find(on, photons, length)?;
-        let keys = [0, 1].map(|at: usize| self.keys[at].address());
-        let values = [0, 1].map(|at: usize| self.ids[at].address());
+        let halves = |memory: &Memory| [memory.address(), memory.address() + 4 * length];
+        let (keys, [low, high]) = (halves(&self.keys), halves(&self.words));
+        let mut values = [0, 1].map(|at: usize| self.ids[at].address());
         let (data, count) = (photons.data_address(), length as u32);
         let groups = |kernel: &Kernel| length.div_ceil(u64::from(kernel.workgroup));
-        let push = CodesPush { photons: data, state: self.bounds.state.address(), codes: keys[0], count, pad: 0 };
+        let state = self.bounds.state.address();
+        let push = CodesPush { photons: data, state, keys: keys[0], low, high, count, pad: 0 };
         on.dispatch(&self.codes, &push, groups(&self.codes))?;
-        let pairs = Pairs { keys, values, count: length, words: 2, bits: 63, numbered: true, forget_keys: false };
+        let pairs = Pairs { keys, values, count: length, words: 1, bits: 32, numbered: true, forget_keys: true };
+        if self.sort.pairs(on, &pairs)? == 1 {
+            values.swap(0, 1);
+        }
+        let push = GatherPush { words: high, order: values[0], gathered: keys[0], count, pad: 0 };
+        on.dispatch(&self.gather, &push, groups(&self.gather))?;
+        let pairs = Pairs { values, bits: 31, numbered: false, forget_keys: false, ..pairs };
         let at = self.sort.pairs(on, &pairs)?;
+        let (order, sorted_high) = (values[at], keys[at]);
 
         let none = [[0_u32, 1, 1, 0]; ROUNDS as usize + 1];
         on.write(&self.rounds, 0, bytemuck::cast_slice(&none))?;
         let round = |number: u64| self.rounds.address() + ROUND * number;
         let runs = |number: u64| self.runs[(number % 2) as usize].address();
-        let push = LongRunsPush { codes: keys[at], round: round(0), runs: runs(0), count, pad: 0 };
+        let push = LongRunsPush { order, sorted_high, low, round: round(0), runs: runs(0), count, pad: 0 };
         on.dispatch(&self.long_runs, &push, groups(&self.long_runs))?;
         for number in 0..ROUNDS {
             let push = RefinePush {
                 photons: data,
-                ids: values[at],
+                ids: order,
                 other_ids: values[1 - at],
-                codes: keys[at],
-                other_codes: keys[1 - at],
+                codes: self.keys.address(),
+                other_codes: self.words.address(),
                 round: round(number),
                 runs: runs(number),
                 next_round: round(number + 1),
@@ -124,6 +154,6 @@ impl Morton {
             };
             on.dispatch_indirect(&self.refine, &push, &self.rounds, ROUND * number)?;
         }
-        Ok(values[at])
+        Ok(order)
     }
 }

@@ -13,8 +13,8 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Places for queries that stand side by side before they close ranks: 64 MiB.
-const PLACES: u32 = 1 << 20;
+/// Places for queries that stand side by side before they close ranks: 128 MiB.
+const PLACES: u32 = 1 << 21;
 /// Splits of a path where there is glass.
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 

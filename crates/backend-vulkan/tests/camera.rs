@@ -10,7 +10,7 @@ use photon_core::{
     Backend, Batch, Deposits, Film, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, Photon, PhotonRay, Query,
     RandomKind, Requirements, Rule, Settings, TransportBackend, View,
 };
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, builtin};
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, builtin};
 
 const SCENES: [&str; 4] = ["cornell", "cornell-glass", "ring", "pool"];
 const SIZE: u32 = 64;
@@ -33,16 +33,17 @@ fn view(scene: &Scene, width: u32, height: u32) -> View {
 
 /// Queries of the passes, and the film with what the camera alone puts there.
 fn look<B: TransportBackend>(on: &mut B, scene: &Scene, passes: &[u32]) -> (Vec<Query>, Film) {
-    look_with(on, scene, passes, Requirements::of(&scene.view(), &settings()))
+    look_with(on, scene, [SIZE; 2], passes, Requirements::of(&scene.view(), &settings()))
 }
 
 fn look_with<B: TransportBackend>(
     on: &mut B,
     scene: &Scene,
+    [width, height]: [u32; 2],
     passes: &[u32],
     required: Requirements,
 ) -> (Vec<Query>, Film) {
-    let (scene_view, view, settings) = (scene.view(), view(scene, SIZE, SIZE), settings());
+    let (scene_view, view, settings) = (scene.view(), view(scene, width, height), settings());
     let mut film = on.film(&scene_view, view.width, view.height).unwrap();
     let prepared = on.prepare(&scene_view, &required).unwrap();
     let mut stages = on.stages(&required, &settings).unwrap();
@@ -99,8 +100,8 @@ fn apart(a: &Film, b: &Film, layer: Layer, but_for: f64) -> (f64, f64) {
 fn camera_paths_are_the_same_paths() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
-    for name in ["two-rooms", "plates"].into_iter().chain(SCENES) {
-        let scene = scene(name);
+    for name in ["two-rooms", "plates", "orthographic"].into_iter().chain(SCENES) {
+        let scene = if name == "orthographic" { lights(9) } else { scene(name) };
         let (a, film_a) = look(&mut cpu, &scene, &[3]);
         let (b, film_b) = look(&mut gpu, &scene, &[3]);
         assert!(a.len() > 1000 && b.is_sorted_by_key(|query| query.pixel), "{name}: {}", a.len());
@@ -139,7 +140,7 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
     assert!(again == (first, film));
     let (once, seen) = look(&mut gpu, &scene, &[0]);
     // More than is called for changes no bit.
-    assert!(look_with(&mut gpu, &scene, &[0], Requirements::everything(&settings())) == (once.clone(), seen));
+    assert!(look_with(&mut gpu, &scene, [SIZE; 2], &[0], Requirements::everything(&settings())) == (once.clone(), seen));
     let (scene_view, view) = (scene.view(), view(&scene, SIZE, SIZE));
     let required = Requirements::of(&scene_view, &settings());
     let mut film = gpu.film(&scene_view, SIZE, SIZE).unwrap();
@@ -149,6 +150,21 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
     stages.eye.trace_eye(&mut gpu, &prepared, &view, pass(0), &mut film, &mut queries).unwrap();
     let fill = gpu.fill(&queries).unwrap();
     assert_eq!((fill.length, fill.needed, fill.capacity), (100, once.len() as u64, 100));
+}
+
+/// More pixels than are looked at in one go.
+#[test]
+fn large_pictures_come_in_stretches() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let mut cpu = Cpu::with_threads(2).unwrap();
+    let (scene, size) = (scene("cornell-glass"), [1025, 777]);
+    let required = Requirements::of(&scene.view(), &settings());
+    let (a, film_a) = look_with(&mut cpu, &scene, size, &[0], required);
+    let (b, film_b) = look_with(&mut gpu, &scene, size, &[0], required);
+    let (found, (worst, total)) = (share(&a, &b), apart(&film_a, &film_b, Layer::Emission, 0.001));
+    eprintln!("{} and {} queries, {found:.6} match; emission off by {worst:e}, {total:e}", a.len(), b.len());
+    assert!(found >= 0.999 && worst < 1e-3 && total < 1e-4, "{found} {worst} {total}");
+    assert!(b.is_sorted_by_key(|query| query.pixel));
 }
 
 /// Direct light at given queries.
@@ -221,7 +237,8 @@ fn lights(count: usize) -> Scene {
             ),
         }
     }
-    scene.camera("above", CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8));
+    let above = CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8);
+    scene.camera("above", CameraDesc { projection: Projection::Orthographic { half_height: 1.4 }, ..above });
     scene.build().unwrap()
 }
 

@@ -140,7 +140,9 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
     assert!(again == (first, film));
     let (once, seen) = look(&mut gpu, &scene, &[0]);
     // More than is called for changes no bit.
-    assert!(look_with(&mut gpu, &scene, [SIZE; 2], &[0], Requirements::everything(&settings())) == (once.clone(), seen));
+    assert!(
+        look_with(&mut gpu, &scene, [SIZE; 2], &[0], Requirements::everything(&settings())) == (once.clone(), seen)
+    );
     let (scene_view, view) = (scene.view(), view(&scene, SIZE, SIZE));
     let required = Requirements::of(&scene_view, &settings());
     let mut film = gpu.film(&scene_view, SIZE, SIZE).unwrap();

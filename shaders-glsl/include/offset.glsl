@@ -10,7 +10,7 @@ vec3 barycentric(vec3 a, vec3 b, vec3 c, float u, float v) {
 
 // Moves `point` off its surface to the side that `normal` points to.
 vec3 off_surface(vec3 point, vec3 normal) {
-    precise vec3 moved = point + normal * (1.0 / 131072.0);
+    precise vec3 moved = point + normal * (1.0 / 1048576.0);
     return moved;
 }
 

@@ -91,16 +91,16 @@ impl Plan {
             let neighbours = max.min(photons / 8).max(8);
             (photons > 0).then_some(MapPlan { photons, rule: paper_rule(max), neighbours })
         };
-        let global = match reading {
+        let read = match reading {
             Reading::Photons => map(global, MAX),
             Reading::Gather if global == 0 => None,
             Reading::Gather => map(GLOBAL_MAP, global),
         };
         Self {
             table: reading.name(),
-            name: String::new(),
+            name: format!("{caustic}/{global}"),
             caustic: map(caustic, MAX),
-            global,
+            global: read,
             together: false,
             settings: paper_settings(),
         }

@@ -39,6 +39,8 @@ pub(crate) struct Report {
 impl Report {
     pub(crate) fn add(&mut self, results: Results) {
         self.all.push(results);
+        // The paper's order: the CPU's column before the GPU's.
+        self.all.sort_by_key(|results| results.backend);
     }
 
     /// Every cell, with its seconds per stage.

@@ -77,20 +77,27 @@ struct Surface {
     uint material;
 };
 
-// The nearest surface, with all that shading needs.
-bool surface(SceneRef scene, Ray ray, out Surface found) {
-    Hit hit;
-    if (!nearest(scene, ray, hit)) return false;
+// All that shading needs of a hit of a ray in this direction.
+Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     Facet facet = scene.facets[hit.slot].at;
     Corners corners = scene.corners[hit.slot];
-    float cosine = -dot3(ray.direction, facet.normal);
+    float cosine = -dot3(direction, facet.normal);
     bool front = cosine > 0.0;
+    Surface found;
     found.t = hit.t;
     found.point = barycentric(corners.a.xyz, corners.b.xyz, corners.c.xyz, hit.u, hit.v);
     found.normal = front ? facet.normal : -facet.normal;
     found.cosine = abs(cosine);
     found.front = front;
     found.material = facet.material;
+    return found;
+}
+
+// The nearest surface.
+bool surface(SceneRef scene, Ray ray, out Surface found) {
+    Hit hit;
+    if (!nearest(scene, ray, hit)) return false;
+    found = surface_of(scene, ray.direction, hit);
     return true;
 }
 

@@ -11,6 +11,8 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = 511;
@@ -18,6 +20,9 @@ layout(constant_id = 2) const uint RANDOM = 0;
 // Bits: which maps are kept.
 layout(constant_id = 3) const uint WANTED = 7;
 layout(constant_id = 4) const bool DYNAMIC = true;
+// When fewer than so many rays of a subgroup are under way, the others are seen to first: shaded, or
+// replaced by the next path's.
+layout(constant_id = 5) const uint BUSY = 0;
 
 #include "grid.glsl"
 #include "boundary.glsl"
@@ -194,13 +199,16 @@ void store(inout Path path, Surface at) {
     path.stored += uvec3(map == 0u, map == 1u, map == 2u);
 }
 
-// One surface; how the path ended there, or FATE_NONE.
-uint step_path(inout Path path) {
-    bool sane = is_finite3(path.ray.origin) && is_finite3(path.ray.direction) && is_finite3(path.power)
+// Whether the path's numbers can be gone on with.
+bool is_sane(Path path) {
+    return is_finite3(path.ray.origin) && is_finite3(path.ray.direction) && is_finite3(path.power)
         && greatest(abs(path.power)) <= TOO_MUCH;
-    if (!sane) return FATE_DROPPED;
-    Surface at;
-    if (!surface(push.stretch.scene, path.ray, at)) return FATE_ESCAPED;
+}
+
+// One surface; how the path ended there, or FATE_NONE.
+uint step_path(inout Path path, Hit hit) {
+    if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
+    Surface at = surface_of(push.stretch.scene, path.ray.direction, hit);
     Material material = push.stretch.scene.materials[at.material].at;
     if (ABSORPTION) {
         precise vec3 left = path.power * transmittance(push.stretch.scene, at, path.medium);
@@ -256,10 +264,21 @@ void main() {
     uint number = next_path(turn, given);
     if (number >= given) return;
     Path path = begin(number);
-    // One loop for surfaces and paths: an invocation whose path has ended goes on with the next one
-    // while its neighbours are still under way.
+    // One loop for nodes, surfaces and paths: an invocation whose ray has hit or whose path has ended
+    // goes on while its neighbours are still under way.
+    Walk walk;
+    bool under_way = false;
     while (true) {
-        uint fate = step_path(path);
+        uint fate = FATE_DROPPED;
+        if (under_way || is_sane(path)) {
+            if (!under_way) under_way = walk_begin(push.stretch.scene, path.ray, walk);
+            while (under_way) {
+                under_way = walk_step(push.stretch.scene, walk, false);
+                if (BUSY > 0u && under_way && subgroupBallotBitCount(subgroupBallot(true)) < BUSY) break;
+            }
+            if (under_way) continue;
+            fate = step_path(path, walk.best);
+        }
         --path.left;
         if (fate == FATE_NONE && path.left > 0u) continue;
         if (fate == FATE_NONE) keep(path);

@@ -9,6 +9,7 @@ use photon_core::{Error, Result};
 use crate::device::{
     Device, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
 };
+use crate::photons::TracePlan;
 
 /// Renders on a GPU.
 ///
@@ -23,6 +24,7 @@ pub struct Vulkan {
     pub(crate) device: Arc<Device>,
     pub(crate) memory: Vec<(String, u64)>,
     pub(crate) fault: Option<Error>,
+    pub(crate) trace_plan: TracePlan,
     watched: bool,
 }
 
@@ -65,6 +67,7 @@ impl Vulkan {
             recorder: Recorder::new(&device)?,
             profile: Profile::new(&device)?,
             pipelines: Pipelines::new(&device, disk_cache)?,
+            trace_plan: TracePlan::for_subgroups(device.limits.subgroup_size),
             device,
             memory: Vec::new(),
             fault: None,
@@ -98,6 +101,19 @@ impl Vulkan {
     #[must_use]
     pub fn limits(&self) -> &Limits {
         &self.device.limits
+    }
+
+    /// How photons are traced, for measuring one way against another: the photons are the same.
+    #[doc(hidden)]
+    pub fn set_trace_plan(&mut self, plan: TracePlan) {
+        self.trace_plan = plan;
+    }
+
+    /// How photons are traced.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn trace_plan(&self) -> TracePlan {
+        self.trace_plan
     }
 
     /// What the validation layer has said, if it was asked to look on.

@@ -2,9 +2,11 @@
 
 mod emit;
 mod ends;
+mod plan;
 mod trace;
 
 pub(crate) use emit::VulkanEmitter;
+pub use plan::TracePlan;
 pub(crate) use trace::VulkanTracer;
 
 use photon_core::RandomKind;

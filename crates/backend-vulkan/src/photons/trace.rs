@@ -3,13 +3,14 @@
 //! A stretch of paths at a time, in rounds of so many surfaces: invocations store what they have to
 //! wherever there is room, and count for every path; prefix sums of the counts then say where each
 //! photon goes. Rounds bound how long a dispatch runs. Some drivers end loops silently that are too
-//! long: lavapipe (of Mesa 22) after 65 535 turns in all, which is what the two numbers below mind.
+//! long: lavapipe (of Mesa 22) after 65 535 turns in all, which is what `SURFACES` and
+//! [`TracePlan::quota`] mind.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Batch, Deposits, Features, Photon, PhotonRay, Result, Settings, Sharing, Tally, Tracer};
 
 use super::ends::{WORDS, tally};
-use super::random_number;
+use super::{TracePlan, random_number};
 use crate::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
 use crate::scan::Scan;
@@ -17,14 +18,12 @@ use crate::scene::VulkanScene;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-const GROUP: u32 = 128;
-/// Surfaces that a path is followed for in one round, and paths that an invocation takes at most.
+/// Surfaces that a path is followed for in one round.
 const SURFACES: u32 = 16;
-const QUOTA: u64 = 4;
 /// Rounds between two looks at whether anything is still under way.
 const LOOK: u32 = 4;
-/// Invocations that share the paths of a stretch.
-const THREADS: u64 = 1 << 17;
+/// Invocations per workgroup of all kernels but the tracing one.
+const GROUP: u32 = 128;
 /// Photons that are stored before they are put in order: 160 MiB with their owners.
 const PLACES: u64 = 1 << 22;
 /// Fewest and most paths of a stretch; the most bounds how long one dispatch runs.
@@ -224,10 +223,18 @@ impl VulkanTracer {
         let wanted = targets.iter().enumerate().map(|(map, target)| u32::from(target.is_some()) << map).sum::<u32>();
         let pass = batch.pass;
         let dynamic = self.sharing == Sharing::Dynamic;
-        let trace = on.kernel(
-            &shaders::PHOTONS_TRACE,
-            &[self.features.bits(), GROUP, random_number(pass.random), wanted, u32::from(dynamic)],
-        )?;
+        let plan = on.trace_plan;
+        let mut constants = [0; 11];
+        constants[..6].copy_from_slice(&[
+            self.features.bits(),
+            plan.group,
+            random_number(pass.random),
+            wanted,
+            u32::from(dynamic),
+            plan.busy,
+        ]);
+        constants[10] = plan.shared_groups;
+        let trace = on.kernel(&shaders::PHOTONS_TRACE, &constants)?;
         loop {
             let Some(room) = &self.room else { return Ok(()) };
             on.fill(&room.cursors, 0, CURSORS, 0)?;
@@ -249,7 +256,7 @@ impl VulkanTracer {
                 reserved: 0,
             };
             on.write(&room.stretch, 0, bytemuck::bytes_of(&stretch))?;
-            self.rounds(on, room, &trace, count)?;
+            self.rounds(on, room, &trace, plan, count)?;
             if wanted == 0 || count * u64::from(self.max_bounces) <= room.places {
                 break;
             }
@@ -266,9 +273,10 @@ impl VulkanTracer {
     }
 
     /// Follows the paths of a stretch to their ends, so many surfaces at a time.
-    fn rounds(&self, on: &mut Vulkan, room: &Room, trace: &Kernel, count: u64) -> Result<()> {
+    fn rounds(&self, on: &mut Vulkan, room: &Room, trace: &Kernel, plan: TracePlan, count: u64) -> Result<()> {
+        let group = u64::from(plan.group);
         // As many as fit the device, but enough for every path.
-        let threads = THREADS.max(count.div_ceil(QUOTA)).min(count).next_multiple_of(u64::from(GROUP));
+        let threads = plan.threads.max(count.div_ceil(plan.quota)).min(count).next_multiple_of(group);
         // A counter leaves it open who takes how many; twice the quota is never short.
         let quota = count.div_ceil(threads) as u32 * if self.sharing == Sharing::Dynamic { 2 } else { 1 };
         let round = |number: u32| room.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
@@ -289,7 +297,7 @@ impl VulkanTracer {
                 begins: u32::from(number == 0),
                 pad: 0,
             };
-            on.dispatch(trace, &push, threads / u64::from(GROUP))?;
+            on.dispatch(trace, &push, threads / group)?;
             if number % LOOK == LOOK - 1 {
                 let mut left = [0_u32];
                 let offset = ROUNDS + u64::from((number + 1) % 2) * 8 + 4;

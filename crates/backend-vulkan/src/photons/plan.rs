@@ -1,0 +1,26 @@
+//! How the tracing kernel goes about it.
+
+/// How many invocations share paths, and how. The photons are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TracePlan {
+    /// Invocations per workgroup, a power of two.
+    pub group: u32,
+    /// Invocations that share the paths of a stretch, unless it takes more for the quota's sake.
+    pub threads: u64,
+    /// Paths for each of them, if they were shared out evenly, at most.
+    pub quota: u64,
+    /// When fewer rays than this of a subgroup are under way, the others are seen to first; 0: when
+    /// none is.
+    pub busy: u32,
+    /// Groups of nodes of each ray that wait in shared memory.
+    pub shared_groups: u32,
+}
+
+impl TracePlan {
+    /// For subgroups of so many invocations.
+    pub(crate) fn for_subgroups(size: u32) -> Self {
+        // Narrow subgroups wait for few, and a processor has no time to lose on looking around.
+        let busy = if size >= 16 { size / 2 } else { 0 };
+        Self { group: 128, threads: 1 << 17, quota: 4, busy, shared_groups: 0 }
+    }
+}

@@ -1,0 +1,206 @@
+//! Photons, against the CPU with the same random numbers, and against themselves: however paths are
+//! shared out, the same photons stand in the same order.
+
+use backend_cpu::Cpu;
+use backend_vulkan::{TracePlan, Vulkan};
+use photon_core::glam::Vec3;
+use photon_core::{
+    Batch, Deposits, Pass, Photon, PhotonRay, RandomKind, Requirements, Settings, Sharing, Tally, TransportBackend,
+};
+use photon_scene::{Scene, builtin};
+
+const SCENES: [&str; 4] = ["cornell", "cornell-glass", "ring", "pool"];
+const PATHS: u32 = 20_000;
+
+fn scene(name: &str) -> Scene {
+    builtin(name).unwrap().build().unwrap()
+}
+
+fn settings() -> Settings {
+    Settings { max_bounces: 40, ..Settings::default() }
+}
+
+/// What comes of some paths.
+#[derive(Debug, PartialEq)]
+struct Harvest {
+    rays: Vec<PhotonRay>,
+    photons: [Vec<Photon>; 3],
+    tally: Tally,
+    /// How many photons there were to be stored in each map.
+    needed: [u64; 3],
+}
+
+/// How to go about it.
+#[derive(Clone)]
+struct How {
+    settings: Settings,
+    /// Where each batch after the first begins.
+    cuts: Vec<u32>,
+    capacity: u64,
+    random: RandomKind,
+    paths: u32,
+}
+
+impl Default for How {
+    fn default() -> Self {
+        Self { settings: settings(), cuts: Vec::new(), capacity: 1 << 20, random: RandomKind::Counter, paths: PATHS }
+    }
+}
+
+fn harvest<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> Harvest {
+    let view = scene.view();
+    let required = Requirements::of(&view, &how.settings);
+    let prepared = on.prepare(&view, &required).unwrap();
+    let mut stages = on.stages(&required, &how.settings).unwrap();
+    let mut buffers = ["direct", "caustic", "global"].map(|label| on.alloc::<Photon>(label, how.capacity).unwrap());
+    let mut all = Vec::new();
+    let mut starts = vec![0];
+    starts.extend(&how.cuts);
+    starts.push(how.paths);
+    for range in starts.windows(2) {
+        let mut rays = on.alloc::<PhotonRay>("rays", u64::from(range[1] - range[0])).unwrap();
+        let pass = Pass { seed: 11, index: 3, random: how.random };
+        let batch = Batch { pass, paths: range[0]..range[1] };
+        stages.emitter.emit(on, &prepared, &batch, &mut rays).unwrap();
+        let [direct, caustic, global] = &mut buffers;
+        let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
+        stages.tracer.trace(on, &prepared, &batch, &rays, deposits).unwrap();
+        let mut home = Vec::new();
+        on.download(&rays, &mut home).unwrap();
+        all.extend(home);
+    }
+    let needed = [0, 1, 2].map(|map| on.fill(&buffers[map]).unwrap().needed);
+    let photons = [0, 1, 2].map(|map| {
+        let mut photons = Vec::new();
+        if needed[map] <= how.capacity {
+            on.download(&buffers[map], &mut photons).unwrap();
+        }
+        photons
+    });
+    let tally = stages.tracer.take_tally(on).unwrap();
+    Harvest { rays: all, photons, tally, needed }
+}
+
+fn near(a: [f32; 3], b: [f32; 3], bound: f32) -> bool {
+    Vec3::from(a).distance(Vec3::from(b)) <= bound
+}
+
+/// Both start on the same way, but for rounding.
+fn same_ray(a: &PhotonRay, b: &PhotonRay) -> bool {
+    a.path == b.path
+        && a.light == b.light
+        && a.power == b.power
+        && near(a.origin, b.origin, 1e-5)
+        && near(a.direction, b.direction, 1e-5)
+}
+
+/// Within 1e-4 of the scene's size, with the same power but for rounding.
+fn same_photon(a: &Photon, b: &Photon) -> bool {
+    near(a.position, b.position, 1e-4) && near(a.power, b.power, 1e-4)
+}
+
+/// Share of the photons of `a` that find their like in `b`, both in order of paths: a photon that is
+/// there in one alone puts the others off by as much, hence the window.
+fn share(a: &[Photon], b: &[Photon]) -> f64 {
+    const WINDOW: usize = 64;
+    let mut at = 0;
+    let mut found = 0_usize;
+    for photon in a {
+        let rest = &b[at.min(b.len())..(at + WINDOW).min(b.len())];
+        if let Some(ahead) = rest.iter().position(|other| same_photon(photon, other)) {
+            at += ahead + 1;
+            found += 1;
+        }
+    }
+    found as f64 / a.len().max(b.len()).max(1) as f64
+}
+
+#[test]
+fn photons_are_those_of_the_processor() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let mut cpu = Cpu::with_threads(2).unwrap();
+    for (name, random) in
+        SCENES.map(|name| (name, RandomKind::Counter)).into_iter().chain([("cornell", RandomKind::Lcg)])
+    {
+        let (scene, how) = (scene(name), How { random, ..How::default() });
+        let (a, b) = (harvest(&mut cpu, &scene, &how), harvest(&mut gpu, &scene, &how));
+        let rays = a.rays.iter().zip(&b.rays).filter(|(a, b)| same_ray(a, b)).count();
+        assert_eq!(rays, PATHS as usize, "{name}: rays");
+        assert!(b.tally.balances(), "{name}: {:?}", b.tally);
+        assert_eq!(a.tally.flux_emitted, b.tally.flux_emitted);
+        for map in 0..3 {
+            let share = share(&a.photons[map], &b.photons[map]);
+            let bits = a.photons[map].iter().zip(&b.photons[map]).filter(|(a, b)| a == b).count();
+            println!(
+                "{name}, {random:?}, map {map}: {} photons, {share:.5} near, {bits} the same",
+                b.photons[map].len()
+            );
+            // A path that once goes another way stays away: some in ten thousand where surfaces are
+            // curved, since a mirrored or refracted ray spreads what rounding began.
+            assert!(share > 0.99 || a.photons[map].is_empty(), "{name}: map {map}: {share}");
+        }
+    }
+}
+
+#[test]
+fn photons_of_other_paths_are_noticed() {
+    let mut cpu = Cpu::with_threads(1).unwrap();
+    let scene = scene("cornell");
+    let a = harvest(&mut cpu, &scene, &How::default());
+    let b = harvest(&mut cpu, &scene, &How { random: RandomKind::Lcg, ..How::default() });
+    assert!(share(&a.photons[2], &b.photons[2]) < 0.01);
+    assert!(!same_ray(&a.rays[5], &b.rays[5]));
+    let mut brighter = a.photons[2].clone();
+    brighter.iter_mut().for_each(|photon| photon.power[1] *= 1.01);
+    assert!(share(&a.photons[2], &brighter) < 0.1);
+}
+
+#[test]
+fn the_way_of_sharing_does_not_show() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let plain = TracePlan { group: 32, threads: 1 << 17, quota: 4, busy: 0, shared_groups: 0 };
+    for (name, max_bounces) in [("cornell-glass", 40), ("ring", 7)] {
+        let scene = scene(name);
+        let how = |sharing| How { settings: Settings { sharing, max_bounces, ..settings() }, ..How::default() };
+        gpu.set_trace_plan(plain);
+        let first = harvest(&mut gpu, &scene, &how(Sharing::Static));
+        assert!(first.needed.iter().sum::<u64>() > 5000, "{:?}", first.needed);
+        for (sharing, plan) in [
+            (Sharing::Static, plain),
+            (Sharing::Dynamic, plain),
+            (Sharing::Static, TracePlan { threads: 3000, quota: 16, busy: 3, ..plain }),
+            (Sharing::Dynamic, TracePlan { group: 64, threads: 3000, quota: 16, busy: 1000, shared_groups: 2 }),
+        ] {
+            gpu.set_trace_plan(plan);
+            assert!(harvest(&mut gpu, &scene, &how(sharing)) == first, "{name}: {sharing:?}, {plan:?}");
+        }
+        // So do batches, all of one stretch or not.
+        let cuts = vec![1, 77, 9000, 19_999];
+        let parts = harvest(&mut gpu, &scene, &How { cuts, ..how(Sharing::Dynamic) });
+        assert!(parts == first, "{name}: in batches");
+    }
+}
+
+#[test]
+fn overflow_counts_what_there_was() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let scene = scene("cornell-glass");
+    let all = harvest(&mut gpu, &scene, &How::default());
+    let few = harvest(&mut gpu, &scene, &How { capacity: 100, cuts: vec![5000], ..How::default() });
+    assert_eq!(few.needed, all.needed);
+    assert_eq!(few.tally, all.tally);
+}
+
+/// Most paths end at the bound on bounces, whatever rounding does to where they go: what is under way between dispatches is kept.
+#[test]
+fn long_paths_are_followed_to_their_end() {
+    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let mut cpu = Cpu::with_threads(2).unwrap();
+    let scene = photon_scene::furnace(0.999, photon_scene::FurnaceShape::Box).build().unwrap();
+    let settings = Settings { max_bounces: 333, ..settings() };
+    let how = How { settings, paths: 1000, ..How::default() };
+    let (a, b) = (harvest(&mut cpu, &scene, &how), harvest(&mut gpu, &scene, &how));
+    assert!(b.tally.balances());
+    assert_eq!((b.tally.truncated, b.tally.surfaces), (a.tally.truncated, a.tally.surfaces));
+    assert_eq!(b.needed, a.needed);
+}

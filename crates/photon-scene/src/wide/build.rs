@@ -8,6 +8,10 @@ use super::node::{Binary, binary};
 
 /// So many primitives with one and the same box make obvhs build a list instead of a tree.
 const TWINS: usize = 64;
+
+/// Nodes, and the order of primitives that leaves refer to.
+pub(crate) type Arranged = (Vec<Binary>, Vec<u32>);
+
 /// A padded box, as obvhs takes it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Padded {
@@ -46,7 +50,7 @@ fn obvhs_vec(v: [f32; 3]) -> glam::Vec3A {
 
 /// A binary tree over `boxes`, its root first, and the order of primitives that its leaves refer to.
 /// At most `leaf` primitives stand in a leaf.
-pub(crate) fn tree(boxes: &[Padded], leaf: usize) -> (Vec<Binary>, Vec<u32>) {
+pub(crate) fn tree(boxes: &[Padded], leaf: usize) -> Arranged {
     if boxes.len() <= leaf || has_twins(boxes) {
         return balanced(boxes, leaf);
     }
@@ -69,7 +73,7 @@ fn has_twins(boxes: &[Padded]) -> bool {
 }
 
 /// Split at the median of the widest axis: never deeper than the logarithm of the count.
-pub(crate) fn balanced(boxes: &[Padded], leaf: usize) -> (Vec<Binary>, Vec<u32>) {
+pub(crate) fn balanced(boxes: &[Padded], leaf: usize) -> Arranged {
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let blank = Binary { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3], first: 0, count: 0 };
     let mut nodes = vec![blank];

@@ -107,7 +107,7 @@ impl BinaryTree {
     }
 
     fn by(
-        build: fn(&[build::Padded], usize) -> (Vec<Binary>, Vec<u32>),
+        build: fn(&[build::Padded], usize) -> build::Arranged,
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
         leaf: usize,

@@ -25,11 +25,11 @@ fn table(names: &[&str]) -> String {
     let mut text =
         "//! The compiled shaders. Written by `cargo xtask shaders`.\n\nuse crate::device::Module;\n".to_owned();
     for name in names {
-        let _ = write!(
-            text,
-            "\npub(crate) static {}: Module =\n    Module {{ name: \"{name}\", bytes: include_bytes!(\"../spirv/{name}.spv\") }};\n",
-            name.to_uppercase()
-        );
+        // As rustfmt would have it: broken where a line would be longer than 120.
+        let item = format!("pub(crate) static {}: Module =", name.to_uppercase());
+        let value = format!("Module {{ name: \"{name}\", bytes: include_bytes!(\"../spirv/{name}.spv\") }};");
+        let between = if item.len() + 1 + value.len() <= 120 { " " } else { "\n    " };
+        let _ = write!(text, "\n{item}{between}{value}\n");
     }
     let _ = writeln!(text, "\n/// All of them.\npub(crate) static ALL: [&Module; {}] = [", names.len());
     for name in names {

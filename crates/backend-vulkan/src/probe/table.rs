@@ -1,4 +1,7 @@
 //! The functions, their twins, and the bound of each: the one place where it is stated.
+//!
+//! Vulkan allows a division 2.5 units in the last place, a relative 3e-7, and a square root the two and
+//! a half of a division more than the two of its inverse, 5.4e-7; the bounds are what comes of these.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, lcg, philox4x32, unit_f32};
@@ -70,7 +73,7 @@ fn math_rows(row: Make) -> Vec<Row> {
             "normalize_or",
             module,
             3,
-            Bound::Within(4e-7),
+            Bound::Within(1e-6),
             |d| input(four(vector(d)), four(d.direction()), Z),
             |i| vector_output(i.vector(0).normalize_or(i.vector(4))),
         ),
@@ -136,7 +139,7 @@ fn direction_rows(row: Make) -> Vec<Row> {
             |d| input(four(vector(d)), Z, Z),
             |i| words([octahedral::pack(i.vector(0))]),
         ),
-        row("octahedral_unpack", packing, 1, Bound::Within(4e-7), packed, |i| {
+        row("octahedral_unpack", packing, 1, Bound::Within(1e-6), packed, |i| {
             vector_output(octahedral::unpack(i.0[0]))
         }),
         row(
@@ -151,20 +154,20 @@ fn direction_rows(row: Make) -> Vec<Row> {
             },
         ),
         // Near the pole a cosine says little about the sine, but both sides get the same one.
-        row("sampling_about", module, 1, Bound::Within(1e-6), about, |i| {
+        row("sampling_about", module, 1, Bound::Within(2e-6), about, |i| {
             vector_output(sampling::about(i.vector(0), i.float(4), i.float(5)))
         }),
-        row("cosine_hemisphere", module, 2, Bound::Within(1e-6), about, |i| {
+        row("cosine_hemisphere", module, 2, Bound::Within(2e-6), about, |i| {
             vector_output(sampling::cosine_hemisphere(i.vector(0), i.float(4), i.float(5)))
         }),
-        row("uniform_sphere", module, 3, Bound::Within(1e-6), pair, |i| {
+        row("uniform_sphere", module, 3, Bound::Within(2e-6), pair, |i| {
             vector_output(sampling::uniform_sphere(i.float(0), i.float(1)))
         }),
-        row("sampling_triangle", module, 4, Bound::Relative(4e-7), pair, |i| {
+        row("sampling_triangle", module, 4, Bound::Relative(7e-7), pair, |i| {
             let (b, c) = sampling::triangle(i.float(0), i.float(1));
             output([b, c])
         }),
-        row("sampling_disc", module, 5, Bound::Relative(4e-7), pair, |i| {
+        row("sampling_disc", module, 5, Bound::Relative(7e-7), pair, |i| {
             let (x, y) = sampling::disc(i.float(0), i.float(1));
             output([x, y])
         }),
@@ -196,7 +199,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
             |d| input([d.unit(), 0.0, 0.0, 0.0], Z, Z),
             |i| output([bsdf::sheet_reflectance(i.float(0))]),
         ),
-        row("bsdf_reflect", module, 2, Bound::Within(6e-7), meeting, |i| {
+        row("bsdf_reflect", module, 2, Bound::Within(1e-6), meeting, |i| {
             vector_output(bsdf::reflect(i.vector(0), i.vector(4)))
         }),
         // Into a thin medium two vectors of length 1/eta nearly cancel.
@@ -204,7 +207,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
             "bsdf_refract",
             module,
             3,
-            Bound::Conditioned(1e-6, "max(1, 1/eta)", |i| f64::from(i.float(8)).recip().max(1.0)),
+            Bound::Conditioned(2e-6, "max(1, 1/eta)", |i| f64::from(i.float(8)).recip().max(1.0)),
             meeting,
             |i| vector_output(bsdf::refract(i.vector(0), i.vector(4), i.float(8), i.float(9))),
         ),
@@ -222,7 +225,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
         ),
         // Bits but for the cone, which has a root and a division, and may be 0 at its foot.
         row("kernel_weight", kernels, 0, Bound::Bits, |d| kernel(d, &[0, 1, 3]), weight),
-        row("kernel_weight, cone", kernels, 0, Bound::Within(2e-6), |d| kernel(d, &[2]), weight),
+        row("kernel_weight, cone", kernels, 0, Bound::Within(3e-6), |d| kernel(d, &[2]), weight),
     ]
 }
 

@@ -14,6 +14,8 @@ pub struct TracePlan {
     pub busy: u32,
     /// Groups of nodes of each ray that wait in shared memory.
     pub shared_groups: u32,
+    /// Photons that are stored before they are put in order, 40 bytes each.
+    pub places: u64,
 }
 
 impl TracePlan {
@@ -21,6 +23,6 @@ impl TracePlan {
     pub(crate) fn for_subgroups(size: u32) -> Self {
         // Narrow subgroups wait for few, and a processor has no time to lose on looking around.
         let busy = if size >= 16 { size / 2 } else { 0 };
-        Self { group: 128, threads: 1 << 17, quota: 4, busy, shared_groups: 0 }
+        Self { group: 128, threads: 1 << 17, quota: 4, busy, shared_groups: 0, places: 1 << 22 }
     }
 }

@@ -24,11 +24,10 @@ const SURFACES: u32 = 16;
 const LOOK: u32 = 4;
 /// Invocations per workgroup of all kernels but the tracing one.
 const GROUP: u32 = 128;
-/// Photons that are stored before they are put in order: 160 MiB with their owners.
-const PLACES: u64 = 1 << 22;
-/// Fewest and most paths of a stretch; the most bounds how long one dispatch runs.
-const SHORTEST: u64 = 1 << 15;
+/// Most paths of a stretch: what a GPU needs to be busy; it bounds how long one dispatch runs. If they
+/// store more photons than there are places, it is traced again, shorter; but not shorter than this.
 const LONGEST: u64 = 1 << 20;
+const SHORTEST: u64 = 1 << 13;
 
 /// Follows photons.
 #[derive(Debug)]
@@ -37,6 +36,8 @@ pub(crate) struct VulkanTracer {
     max_bounces: u32,
     features: Features,
     scan: Scan,
+    /// Most paths of a stretch, as seen so far.
+    longest: u64,
     room: Option<Room>,
     /// Words of the tally, and how many paths they are about.
     sums: Memory,
@@ -141,6 +142,7 @@ impl VulkanTracer {
             max_bounces: settings.max_bounces,
             features,
             scan: Scan::new(on)?,
+            longest: LONGEST,
             room: None,
             sums,
             emitted: 0,
@@ -183,14 +185,14 @@ impl Tracer<Vulkan> for VulkanTracer {
     ) -> Result<()> {
         let count = on.length(rays)?;
         let bounces = u64::from(self.max_bounces);
-        let paths = (PLACES / bounces).clamp(SHORTEST, LONGEST).min(count);
         let mut first = 0;
         while first < count {
-            let stretch = paths.min(count - first);
-            let places = PLACES.min(stretch * bounces);
+            let stretch = self.longest.min(count - first);
+            let places = on.trace_plan.places.min(stretch * bounces);
             self.room(on, stretch, places)?;
-            self.stretch(on, scene, batch, rays, &mut deposits, first, stretch)?;
-            first += stretch;
+            if self.stretch(on, scene, batch, rays, &mut deposits, first, stretch)? {
+                first += stretch;
+            }
         }
         self.emitted += count;
         for target in [deposits.direct, deposits.caustic, deposits.global].into_iter().flatten() {
@@ -208,6 +210,7 @@ impl Tracer<Vulkan> for VulkanTracer {
 }
 
 impl VulkanTracer {
+    /// False if there were too few places: nothing has come of it, and the next one is to be shorter.
     #[expect(clippy::too_many_arguments, reason = "a part of `trace`, with what it was called with")]
     fn stretch(
         &mut self,
@@ -218,7 +221,7 @@ impl VulkanTracer {
         deposits: &mut Deposits<'_, Vulkan>,
         first: u64,
         count: u64,
-    ) -> Result<()> {
+    ) -> Result<bool> {
         let targets = [deposits.direct.as_deref(), deposits.caustic.as_deref(), deposits.global.as_deref()];
         let wanted = targets.iter().enumerate().map(|(map, target)| u32::from(target.is_some()) << map).sum::<u32>();
         let pass = batch.pass;
@@ -236,7 +239,7 @@ impl VulkanTracer {
         constants[10] = plan.shared_groups;
         let trace = on.kernel(&shaders::PHOTONS_TRACE, &constants)?;
         loop {
-            let Some(room) = &self.room else { return Ok(()) };
+            let Some(room) = &self.room else { return Ok(false) };
             on.fill(&room.cursors, 0, CURSORS, 0)?;
             let stretch = Stretch {
                 scene: scene.address(),
@@ -263,13 +266,18 @@ impl VulkanTracer {
             // Only here can there have been more photons than places, and only then is it asked.
             let mut stored = [0_u32];
             on.read(&room.cursors, PLACE, bytemuck::bytes_of_mut(&mut stored))?;
-            if u64::from(stored[0]) <= room.places {
+            let stored = u64::from(stored[0]);
+            if stored <= room.places {
                 break;
             }
-            let places = u64::from(stored[0]) + u64::from(stored[0]) / 8;
-            self.room(on, count, places)?;
+            if count > SHORTEST {
+                self.longest = (count * room.places / stored * 7 / 8).max(SHORTEST);
+                return Ok(false);
+            }
+            self.room(on, count, stored + stored / 8)?;
         }
-        self.arrange(on, rays, targets, wanted, first, count)
+        self.arrange(on, rays, targets, wanted, first, count)?;
+        Ok(true)
     }
 
     /// Follows the paths of a stretch to their ends, so many surfaces at a time.
@@ -281,7 +289,8 @@ impl VulkanTracer {
         let quota = count.div_ceil(threads) as u32 * if self.sharing == Sharing::Dynamic { 2 } else { 1 };
         let round = |number: u32| room.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
         let list = |number: u32| room.waiting.address() + u64::from(number % 2) * room.paths * 4;
-        for number in 0..self.max_bounces.div_ceil(SURFACES) {
+        let rounds = self.max_bounces.div_ceil(SURFACES);
+        for number in 0..rounds {
             if number > 0 {
                 // What the next round will count is what the last one counted.
                 on.fill(&room.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
@@ -298,7 +307,7 @@ impl VulkanTracer {
                 pad: 0,
             };
             on.dispatch(trace, &push, threads / group)?;
-            if number % LOOK == LOOK - 1 {
+            if number % LOOK == LOOK - 1 && number + 1 < rounds {
                 let mut left = [0_u32];
                 let offset = ROUNDS + u64::from((number + 1) % 2) * 8 + 4;
                 on.read(&room.cursors, offset, bytemuck::bytes_of_mut(&mut left))?;

@@ -1,0 +1,117 @@
+//! Times emission and tracing of photons on the device, for each way of sharing paths out among
+//! invocations: medians of the device's time.
+//!
+//! `trace_bench [SCENE] [--paths N] [--bounces N] [--small]`; without arguments `cornell-glass` with
+//! 1 M paths.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program's output")]
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use backend_vulkan::{TracePlan, Vulkan};
+use photon_core::{
+    Backend, Batch, Deposits, Pass, Photon, PhotonRay, RandomKind, Requirements, Settings, Sharing, Stage,
+    TransportBackend,
+};
+
+fn main() -> ExitCode {
+    match run(std::env::args().skip(1)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>> {
+    let (mut name, mut paths, mut rounds) = ("cornell-glass".to_owned(), 1_000_000_u32, 9);
+    let mut settings = Settings::default();
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
+        match argument.as_str() {
+            "--paths" => paths = value()?.parse()?,
+            "--bounces" => settings.max_bounces = value()?.parse()?,
+            "--small" => (paths, rounds) = (20_000, 1),
+            other if !other.starts_with('-') => other.clone_into(&mut name),
+            other => return Err(format!("{other}? trace_bench [SCENE] [--paths N] [--bounces N] [--small]").into()),
+        }
+    }
+    let scene = photon_scene::builtin(&name).ok_or_else(|| format!("no scene {name:?} is built in"))?.build()?;
+    let view = scene.view();
+    let required = Requirements::of(&view, &settings);
+    let mut on = Vulkan::new()?;
+    println!("{}: {name}, {paths} paths, medians of {rounds}", on.device());
+    println!(
+        "{:>8} {:>6} {:>8} {:>6} {:>5} {:>7} {:>9} {:>9} {:>12} {:>13}",
+        "sharing", "group", "threads", "quota", "busy", "shared", "emit ms", "trace ms", "M paths/s", "M surfaces/s"
+    );
+    let prepared = on.prepare(&view, &required)?;
+    let usual = on.trace_plan();
+    for (sharing, plan) in plans(usual) {
+        on.set_trace_plan(plan);
+        let settings = Settings { sharing, ..settings.clone() };
+        let mut stages = on.stages(&required, &settings)?;
+        let mut rays = on.alloc::<PhotonRay>("photon rays", u64::from(paths))?;
+        let capacity = u64::from(paths) * 4;
+        let mut maps = [
+            ("photons: direct", required.direct_map),
+            ("photons: caustic", required.caustic_map),
+            ("photons: global", required.global_map),
+        ]
+        .map(|(label, wanted)| wanted.then(|| on.alloc::<Photon>(label, capacity)));
+        let mut times = [Vec::new(), Vec::new()];
+        let mut surfaces = 0;
+        for round in 0..=rounds {
+            for map in &mut maps {
+                if let Some(Ok(map)) = map {
+                    on.clear(map)?;
+                }
+            }
+            on.timings()?;
+            let pass = Pass { seed: 1, index: round, random: RandomKind::Counter };
+            let batch = Batch { pass, paths: 0..paths };
+            on.mark(Some(Stage::Emit));
+            stages.emitter.emit(&mut on, &prepared, &batch, &mut rays)?;
+            on.mark(Some(Stage::Trace));
+            let [direct, caustic, global] = maps.each_mut().map(|map| map.as_mut().and_then(|map| map.as_mut().ok()));
+            stages.tracer.trace(&mut on, &prepared, &batch, &rays, Deposits { direct, caustic, global })?;
+            on.mark(None);
+            let took = on.timings()?;
+            let tally = stages.tracer.take_tally(&mut on)?;
+            // The first round warms up and does not count.
+            if round > 0 {
+                times[0].push(took.get(Stage::Emit));
+                times[1].push(took.get(Stage::Trace));
+                surfaces = tally.surfaces;
+            }
+        }
+        let [emit, trace] = times.map(|mut times| {
+            times.sort_by(f64::total_cmp);
+            times[times.len() / 2]
+        });
+        let TracePlan { group, threads, quota, busy, shared_groups, .. } = plan;
+        println!(
+            "{:>8} {group:>6} {threads:>8} {quota:>6} {busy:>5} {shared_groups:>7} {:>9.3} {:>9.3} {:>12.1} {:>13.1}",
+            format!("{sharing:?}").to_lowercase(),
+            1e3 * emit,
+            1e3 * trace,
+            f64::from(paths) / (emit + trace) / 1e6,
+            surfaces as f64 / trace / 1e6,
+        );
+    }
+    Ok(())
+}
+
+/// The usual one both ways, and others.
+fn plans(usual: TracePlan) -> Vec<(Sharing, TracePlan)> {
+    let mut plans = vec![(Sharing::Static, usual), (Sharing::Dynamic, usual)];
+    for busy in [0, 8, 16, 24] {
+        for (group, threads, quota) in [(128, 1 << 17, 4), (64, 1 << 17, 8), (128, 1 << 16, 16)] {
+            for shared_groups in [0, 6] {
+                plans.push((Sharing::Dynamic, TracePlan { group, threads, quota, busy, shared_groups, ..usual }));
+            }
+        }
+    }
+    plans
+}

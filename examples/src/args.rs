@@ -76,7 +76,7 @@ pub struct Args {
     /// Key of all random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Threads [default: all cores].
+    /// Threads, on the CPU [default: all cores].
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
     /// How paths are shared out among threads [default: dynamic, paper static].

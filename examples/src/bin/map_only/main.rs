@@ -39,7 +39,7 @@ struct Args {
     /// Where to search.
     #[arg(long, value_enum, default_value_t = BackendName::Auto)]
     backend: BackendName,
-    /// Threads [default: all cores].
+    /// Threads, on the CPU [default: all cores].
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
     /// What was found, as a .npy file of uint32: with --k of shape (M, K), nearest first, ties by lower

@@ -13,6 +13,7 @@
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 layout(local_size_x_id = 1) in;
 
 // What to make of them: estimates, estimates as in the paper, or rows of (bits of d², id).
@@ -127,10 +128,23 @@ void ask(uint index, Hint hint) {
         return;
     }
     phase = WIDEN;
-    float guess = guess_from(hint, at, push.k);
-    if (!(guess >= 0.0)) guess = guess_from_nodes(at, push.k);
-    squared_radius = max(guess, base);
-    if (floatBitsToUint(squared_radius) > highest) squared_radius = most;
+    squared_radius = guess_from(hint, at, push.k);
+}
+
+// A first radius for all of the tile.
+void guess() {
+    bool lost = phase == WIDEN && !(squared_radius >= 0.0);
+    uvec4 all = subgroupBallot(lost);
+    if (any(notEqual(all, uvec4(0)))) {
+        vec3 middle = subgroupShuffle(at, subgroupBallotFindLSB(all));
+        float shared_guess = guess_together(middle, push.k);
+        if (lost) {
+            bool near = point_distance(at, middle) <= 16.0 * shared_guess;
+            squared_radius = near ? shared_guess : guess_alone(at, push.k);
+        }
+    }
+    squared_radius = max(squared_radius, base);
+    if (floatBitsToUint(squared_radius) > highest) squared_radius = uintBitsToFloat(highest);
 }
 
 void main() {
@@ -149,7 +163,10 @@ void main() {
         highest = 0;
         moments_begin(index);
         range_set(DONE, 1, 0);
+        base = 0.0;
+        squared_radius = 0.0;
         if (asked) ask(index, hint);
+        guess();
         for (uint round = 0;; round++) {
             uint mode = subgroupMin(phase);
             if (mode == DONE) break;

@@ -46,7 +46,7 @@ struct Args {
     /// Runs of each cell, of which the median counts.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: u32,
-    /// Our own grid too: photons in the global map, with commas between [1000000,10000000].
+    /// Our own grid too: photons in the global map, with commas between; by itself: 1000000,10000000.
     #[arg(long, value_name = "N", num_args = 0..=1, value_delimiter = ',', default_missing_value = "1000000,10000000")]
     large: Vec<u32>,
     /// Seconds after which no new cell is begun; Vulkan comes first, and gets half of them at most.

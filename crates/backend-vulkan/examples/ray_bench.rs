@@ -82,17 +82,11 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
 
 /// One invocation a ray, and persistent ones.
 fn plans() -> Vec<RayPlan> {
-    let mut plans = Vec::new();
-    for group in [32, 64, 128, 256] {
-        for shared_groups in [0, 4, 8] {
-            plans.push(RayPlan { group, shared_groups, ..RayPlan::default() });
-        }
-    }
-    for busy in [8, 16, 24] {
-        for (group, workgroups) in [(64, 1056), (64, 2112), (128, 528), (128, 1056)] {
-            for shared_groups in [0, 8] {
-                plans.push(RayPlan { group, shared_groups, busy, workgroups });
-            }
+    let plain = RayPlan { group: 128, shared_groups: 0, busy: 0, workgroups: 0 };
+    let mut plans = vec![plain, RayPlan { group: 64, ..plain }, RayPlan { group: 64, shared_groups: 4, ..plain }];
+    for busy in [16, 24, 28, 31] {
+        for (group, workgroups) in [(64, 2112), (64, 4224), (128, 1056), (128, 1584), (128, 2112), (256, 528)] {
+            plans.push(RayPlan { group, busy, workgroups, ..plain });
         }
     }
     plans

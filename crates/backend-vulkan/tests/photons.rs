@@ -1,5 +1,6 @@
 //! Photons, against the CPU with the same random numbers, and against themselves: however paths are
 //! shared out, the same photons stand in the same order.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use backend_cpu::Cpu;
 use backend_vulkan::{TracePlan, Vulkan};

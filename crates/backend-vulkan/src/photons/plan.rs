@@ -21,8 +21,9 @@ pub struct TracePlan {
 impl TracePlan {
     /// For subgroups of so many invocations.
     pub(crate) fn for_subgroups(size: u32) -> Self {
-        // Narrow subgroups wait for few, and a processor has no time to lose on looking around.
-        let busy = if size >= 16 { size / 2 } else { 0 };
+        // As measured best by far on an NVIDIA H200 for rays by themselves. Narrow subgroups wait for
+        // few, and a processor has no time to lose on looking around.
+        let busy = if size >= 16 { size / 4 * 3 } else { 0 };
         Self { group: 128, threads: 1 << 17, quota: 4, busy, shared_groups: 0, places: 1 << 22 }
     }
 }

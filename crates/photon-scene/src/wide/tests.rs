@@ -199,3 +199,52 @@ fn limits_and_nonsense() {
         assert!(matches!(found, Err(AccelError::NotNormalised { vertex: 1, .. })));
     }
 }
+
+/// Another formula (Möller and Trumbore 1997) in f64, for one triangle: `t`, `u`, `v`, and how far single
+/// precision may be off. Edge functions err by some ULPs of the longest edge times the scene's size,
+/// 1, and are divided by the determinant, the triangle's doubled area as the ray sees it.
+fn reference(corners: [[f32; 3]; 3], ray: &Ray) -> Option<([f64; 3], f64)> {
+    let [a, b, c] = corners.map(|corner| Vec3::from(corner).as_dvec3());
+    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let (ab, ac) = (b - a, c - a);
+    let across = direction.cross(ac);
+    let determinant = ab.dot(across);
+    let from = origin - a;
+    let u = from.dot(across) / determinant;
+    let turned = from.cross(ab);
+    let v = direction.dot(turned) / determinant;
+    let t = ac.dot(turned) / determinant;
+    let longest = ab.length().max(ac.length()).max((c - b).length());
+    let bound = 32.0 * f64::from(f32::EPSILON) * (1.0 + longest / determinant.abs());
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= 0.0).then_some(([t, u, v], bound))
+}
+
+/// Where the two formulas differ in whether a ray hits, it passes within rounding of an edge.
+#[test]
+fn the_triangle_test_agrees_with_another_in_double_precision() {
+    let (positions, triangles) = soup(400);
+    let mut next = numbers(401);
+    let (mut hits, mut edges) = (0, 0);
+    for triangle in triangles {
+        let corners = triangle.map(|vertex| positions[vertex as usize]);
+        let mesh = BruteForce::build(&corners, &[[0, 1, 2]]).unwrap();
+        for _ in 0..200 {
+            // Towards a point about the triangle, from anywhere.
+            let weights = [next() * 1.4 - 0.2, next() * 1.4 - 0.2];
+            let [a, b, c] = corners.map(Vec3::from);
+            let target = a + (b - a) * weights[0] + (c - a) * weights[1];
+            let origin = target + direction(&mut next) * (0.2 + next());
+            let ray = Ray { origin, direction: (target - origin).normalize_or(Vec3::X), t_max: f32::INFINITY };
+            match (mesh.nearest(&ray), reference(corners, &ray)) {
+                (Some(found), Some(([t, u, v], bound))) => {
+                    hits += 1;
+                    let apart = [f64::from(found.t) - t, f64::from(found.u) - u, f64::from(found.v) - v];
+                    assert!(apart.iter().all(|d| d.abs() <= bound), "{apart:?}, {bound} for {corners:?} {ray:?}");
+                }
+                (None, None) => {}
+                _ => edges += 1,
+            }
+        }
+    }
+    assert!(hits > 20_000 && edges < 20, "{hits} hits, {edges} differ");
+}

@@ -1,5 +1,5 @@
-// Sorts rows of keys (bits of d², id), nearest first, and writes their ids: one workgroup to a row, by
-// Batcher's bitonic network (1968), in shared memory where a row fits.
+// Sorts rows of keys (bits of d², id), nearest first, and writes their ids, by Batcher's bitonic network
+// (1968): in shared memory as many rows as fit to a workgroup, or one, where it lies, if it does not fit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -32,23 +32,27 @@ bool greater(uvec2 a, uvec2 b) {
 
 void main() {
     uint local = gl_LocalInvocationIndex;
-    uint row = workgroup();
+    bool in_shared = push.room <= ROOM;
+    uint own = in_shared ? ROOM / push.room : 1;
+    uint row = workgroup() * own;
     // The same for the whole workgroup.
     if (row >= push.count) return;
-    Rows own = push.rows + row * push.k;
-    bool in_shared = push.room <= ROOM;
+    own = min(own, push.count - row);
+    uint all = own * push.room;
+    Rows rows = push.rows + row * push.k;
     if (in_shared) {
-        for (uint i = local; i < push.room; i += gl_WorkGroupSize.x) {
-            keys[i] = i < push.k ? own[i].key : uvec2(0xFFFFFFFFu);
+        for (uint i = local; i < all; i += gl_WorkGroupSize.x) {
+            uint column = i & (push.room - 1);
+            keys[i] = column < push.k ? rows[i / push.room * push.k + column].key : uvec2(0xFFFFFFFFu);
         }
     }
     barrier();
     for (uint size = 2; size <= push.room; size <<= 1) {
         for (uint stride = size >> 1; stride > 0; stride >>= 1) {
-            for (uint pair = local; pair < push.room / 2; pair += gl_WorkGroupSize.x) {
+            for (uint pair = local; pair < all / 2; pair += gl_WorkGroupSize.x) {
                 uint low = 2 * pair - (pair & (stride - 1));
                 // The first step of a size meets mirrored, so that all go upwards, and whatever is past
-                // the end may be thought of as greater than all.
+                // the end of a row may be thought of as greater than all.
                 uint base = low & ~(size - 1);
                 bool mirror = stride == size >> 1;
                 uint high = mirror ? base + size - 1 - (low - base) : low + stride;
@@ -59,10 +63,10 @@ void main() {
                         keys[high] = a;
                     }
                 } else if (high < push.k) {
-                    uvec2 a = own[low].key, b = own[high].key;
+                    uvec2 a = rows[low].key, b = rows[high].key;
                     if (greater(a, b)) {
-                        own[low].key = b;
-                        own[high].key = a;
+                        rows[low].key = b;
+                        rows[high].key = a;
                     }
                 }
             }
@@ -70,7 +74,8 @@ void main() {
             barrier();
         }
     }
-    for (uint i = local; i < push.k; i += gl_WorkGroupSize.x) {
-        push.ids[row * push.k + i].at = in_shared ? keys[i].y : own[i].key.y;
+    for (uint i = local; i < own * push.k; i += gl_WorkGroupSize.x) {
+        uint id = in_shared ? keys[i / push.k * push.room + i % push.k].y : rows[i].key.y;
+        push.ids[row * push.k + i].at = id;
     }
 }

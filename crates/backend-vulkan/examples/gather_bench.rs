@@ -66,11 +66,10 @@ fn run(on: &mut Vulkan, set: &str, photons: &[Photon], kind: IndexKind, width: u
         ];
         if set == "walls" {
             work.push(("radius of 50", within));
-            work.push(("radius of 50, Epanechnikov, normals", Gather {
-                kernel: Kernel::Epanechnikov,
-                min_normal_cosine: 0.5,
-                ..within
-            }));
+            work.push((
+                "radius of 50, Epanechnikov, normals",
+                Gather { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.5, ..within },
+            ));
         }
         for (what, gather) in work {
             estimates(on, &mut stages, &map, &queries, &gather, &format!("{set}, {kind:?}, {order}: {what}"))?;
@@ -194,8 +193,7 @@ fn rows(width: usize, height: usize, radius: f32) -> Vec<Query> {
         .map(|pixel| {
             let (x, y) = (pixel % width, pixel / width);
             let (u, v) = ((x as f32 + 0.5) / width as f32, ((y % half) as f32 + 0.5) / half as f32);
-            let (position, normal) =
-                if y < half { ([u, 1.0 - v, 0.0], Vec3::Z) } else { ([u, 0.0, v], Vec3::Y) };
+            let (position, normal) = if y < half { ([u, 1.0 - v, 0.0], Vec3::Z) } else { ([u, 0.0, v], Vec3::Y) };
             Query { position, radius, normal: normal.to_array(), pixel: pixel as u32, ..Query::default() }
         })
         .collect()

@@ -16,6 +16,9 @@ const ROWS: u64 = 256 << 20;
 /// Keys that are sorted in shared memory at most: 16 KiB.
 const ROOM: u32 = 2048;
 
+/// And at least: short rows share a workgroup.
+const LEAST_ROOM: u32 = 512;
+
 /// The push constants of `gather/order.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -54,8 +57,9 @@ impl Vulkan {
             let portion = (ROWS / (8 * u64::from(k))).clamp(1, count);
             let rows = self.memory("rows", portion * u64::from(k) * 8)?;
             let room = k.checked_next_power_of_two().unwrap_or(1 << 31).max(32);
-            let in_shared = room.min(ROOM);
-            let threads = (in_shared / 2).clamp(32, 256).min(self.limits().max_workgroup);
+            let in_shared = room.clamp(LEAST_ROOM, ROOM);
+            let threads = (in_shared / 2).min(256).min(self.limits().max_workgroup);
+            let rows_each = u64::from((in_shared / room).max(1));
             let sort = self.kernel(&shaders::GATHER_ORDER, &[0, threads, in_shared])?;
             let mut search = Search::default();
             let mut first = 0;
@@ -71,7 +75,7 @@ impl Vulkan {
                     room,
                     reserved: 0,
                 };
-                self.dispatch(&sort, &push, end - first)?;
+                self.dispatch(&sort, &push, (end - first).div_ceil(rows_each))?;
                 first = end;
             }
         }

@@ -11,8 +11,6 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_ballot : require
 
 layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = 511;
@@ -24,8 +22,9 @@ layout(constant_id = 4) const bool DYNAMIC = true;
 // replaced by the next path's.
 layout(constant_id = 5) const uint BUSY = 0;
 
-#include "grid.glsl"
 #include "boundary.glsl"
+#include "counter.glsl"
+#include "grid.glsl"
 #include "octahedral.glsl"
 #include "random.glsl"
 #include "sampling.glsl"
@@ -35,9 +34,7 @@ layout(constant_id = 5) const uint BUSY = 0;
 // Path, and ordinal << 2 | map.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Owners { uvec2 at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counts { uint at; };
-// Next free place for a photon; next path to be taken in this dispatch; paths that it was given, and
-// those that it leaves to the next one.
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Place { uint place; };
+// Next path to be taken in a dispatch, and paths that it was given: two counters.
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Round {
     uint taken;
     uint given;
@@ -68,7 +65,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Stretch {
     Counts stored;
     Endings endings;
     States states;
-    Place place;
+    Counter place;
     uvec2 seed;
     uint pass;
     // Index of the first ray of this stretch.
@@ -119,7 +116,8 @@ bool survive(inout vec3 power, Material material, float choice) {
 uint next_path(inout uint turn, uint given) {
     if (turn >= push.quota) return given;
     uint threads = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
-    uint number = DYNAMIC ? atomicAdd(push.now.taken, 1u) : turn * threads + thread();
+    uint number = turn * threads + thread();
+    if (DYNAMIC) number = counter_take(Counter(push.now));
     ++turn;
     return min(number, given);
 }
@@ -179,14 +177,14 @@ void keep(Path path) {
     state.stored = path.stored;
     state.numbers = path.numbers.state;
     push.stretch.states[path.index].at = state;
-    push.left[atomicAdd(push.then.given, 1u)].at = path.index;
+    push.left[counter_take(Counter(push.then) + 1)].at = path.index;
 }
 
 void store(inout Path path, Surface at) {
     uint map = !path.specular_only ? 2u : path.bounce > 0u ? 1u : 0u;
     if ((WANTED >> map & 1u) == 0u) return;
     uint ordinal = map == 2u ? path.stored.z : map == 1u ? path.stored.y : path.stored.x;
-    uint place = atomicAdd(push.stretch.place.place, 1u);
+    uint place = counter_take(push.stretch.place);
     if (place < push.stretch.places) {
         Photon photon;
         photon.position = at.point;

@@ -5,12 +5,10 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_ballot : require
-#extension GL_KHR_shader_subgroup_vote : require
 
 layout(local_size_x_id = 1) in;
 
+#include "counter.glsl"
 #include "grid.glsl"
 #include "scene.glsl"
 
@@ -29,7 +27,6 @@ struct Line {
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Lines { Line at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer Hits { uvec4 at; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counter { uint next; };
 
 layout(push_constant, scalar) uniform Push {
     SceneRef scene;
@@ -53,14 +50,6 @@ void end(uint index, Hit hit) {
         found ? floatBitsToUint(hit.t) : NO_PRIMITIVE, hit.primitive, floatBitsToUint(hit.u), floatBitsToUint(hit.v));
 }
 
-// The next ray of every invocation that is here.
-uint take() {
-    uvec4 here = subgroupBallot(true);
-    uint first = 0u;
-    if (subgroupElect()) first = atomicAdd(push.counter.next, subgroupBallotBitCount(here));
-    return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(here);
-}
-
 void main() {
     Walk walk;
     if (BUSY == 0u) {
@@ -78,7 +67,7 @@ void main() {
         if (!under_way) {
             if (taken == push.quota) break;
             ++taken;
-            index = take();
+            index = counter_take(push.counter);
             if (index >= push.count) break;
             under_way = begin(index, walk);
             if (!under_way) end(index, walk.best);

@@ -2,17 +2,12 @@
 #ifndef COUNTER_GLSL
 #define COUNTER_GLSL
 
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_ballot : require
-
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counter { uint next; };
 
-// A number for this invocation that no other gets. Those that are here together count once for all.
+// A number for this invocation that no other gets. Drivers make one operation of those of a subgroup;
+// to do so by hand would take subgroups that stay whole in diverging code, and some fall apart.
 uint counter_take(Counter counter) {
-    uvec4 here = subgroupBallot(true);
-    uint first = 0u;
-    if (subgroupElect()) first = atomicAdd(counter.next, subgroupBallotBitCount(here));
-    return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(here);
+    return atomicAdd(counter.next, 1u);
 }
 
 #endif

@@ -70,6 +70,16 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
             scene.build_seconds,
             bytes / 1_000_000
         );
+        let sample = &rays[..rays.len().min(1_000_000)];
+        let first = on.cast_rays_by(&scene, sample, plans[0])?;
+        for &plan in &plans[1..] {
+            let apart = on.cast_rays_by(&scene, sample, plan)?.iter().zip(&first).filter(|(a, b)| a != b).count();
+            if apart > 0 {
+                return Err(format!("{plan:?}: {apart} of {} rays hit something else", sample.len()).into());
+            }
+        }
+        let hits = first.iter().flatten().count();
+        println!("{hits} of {} rays hit, the same by all plans", sample.len());
         for (plan, mut seconds) in plans.iter().zip(on.time_rays(&scene, &rays, &plans, rounds)?) {
             seconds.sort_by(f64::total_cmp);
             let rate = f64::from(count) / seconds[seconds.len() / 2] / 1e6;

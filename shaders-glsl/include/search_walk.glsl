@@ -17,6 +17,12 @@
 // First child and a mask of the children still to be entered, level by level.
 shared uvec2 walk_stack[TILES * LEVELS];
 
+// Between writing shared memory and reading what others wrote: of no concern to buffers, whose loads may
+// be moved across.
+void tile_barrier() {
+    controlBarrier(gl_ScopeSubgroup, gl_ScopeSubgroup, gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);
+}
+
 // Whether anybody's ball meets a box.
 bool meets(vec3 low, vec3 high) {
     return subgroupAny(floatBitsToUint(box_distance(at, low, high)) < limit);
@@ -128,9 +134,9 @@ void walk(uint mode) {
 #endif
                 else if (enter) {
                     if (mask != 0) {
-                        subgroupBarrier();
+                        tile_barrier();
                         if (lane == 0) walk_stack[levels + depth] = uvec2(first, mask);
-                        subgroupBarrier();
+                        tile_barrier();
                         depth++;
                     }
                     first = node_low.w;
@@ -158,8 +164,13 @@ void walk(uint mode) {
             }
         }
         if (leaf.y > 0) {
-            firsts[pending] = leaf.x;
-            counts[pending] = leaf.y;
+            if (pending == 0) {
+                firsts.x = leaf.x;
+                counts.x = leaf.y;
+            } else {
+                firsts.y = leaf.x;
+                counts.y = leaf.y;
+            }
             pending++;
         }
         if (pending == 2 || (pending > 0 && (flush || !more))) {
@@ -173,9 +184,9 @@ void walk(uint mode) {
                     staged[place] = uvec4(0x7FC00000u);
                 }
             }
-            subgroupBarrier();
+            tile_barrier();
             visit(mode, firsts);
-            subgroupBarrier();
+            tile_barrier();
             pending = 0;
             counts = uvec2(0);
         }

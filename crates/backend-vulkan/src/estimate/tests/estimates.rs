@@ -124,7 +124,7 @@ fn estimates_of_degenerate_sets() {
 #[test]
 fn many_photons_add_up() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    for (rule, in_software) in [(Rule::Radius, 100_000), (Rule::Nearest { k: 0 }, 3000)] {
+    for (rule, in_software) in [(Rule::Radius, 50_000), (Rule::Nearest { k: 0 }, 3000)] {
         let count = at_most(&on, in_software, 1_000_000) as u32;
         let mut random = Random(8);
         let photons: Vec<Photon> = (0..count)

@@ -35,6 +35,8 @@ uint group_before(uint value, out uint total) {
 
 // Sum of `value` over the invocations of lower rank.
 uint group_exclusive(uint value, out uint total) {
+    // Invocations come from loops of different lengths; the subgroup is to be whole again.
+    subgroupBarrier();
     uint within = subgroupExclusiveAdd(value);
     return within + group_before(subgroupAdd(value), total);
 }
@@ -42,6 +44,7 @@ uint group_exclusive(uint value, out uint total) {
 // Sum of `value` over all invocations.
 uint group_sum(uint value) {
     uint total;
+    subgroupBarrier();
     group_before(subgroupAdd(value), total);
     return total;
 }

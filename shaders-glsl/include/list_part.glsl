@@ -21,7 +21,11 @@ void list_part(Words from, Words to, uint base, uint end, uint next_left, uint n
     uint first = base + gl_SubgroupID * share;
     uint left = 0;
     for (uint i = gl_SubgroupInvocationID; i < share; i += gl_SubgroupSize) {
-        bool goes_left = first + i < end && from[first + i].word < GOES_RIGHT;
+        // Branches before a ballot could tear the subgroup apart.
+        uint photon = from[min(first + i, end - 1)].word;
+        bool inside = first + i < end;
+        bool low = photon < GOES_RIGHT;
+        bool goes_left = inside && low;
         left += subgroupBallotBitCount(subgroupBallot(goes_left));
     }
     uint total;
@@ -29,13 +33,15 @@ void list_part(Words from, Words to, uint base, uint end, uint next_left, uint n
     next_left += before;
     next_right += gl_SubgroupID * share - before;
     for (uint i = gl_SubgroupInvocationID; i < share; i += gl_SubgroupSize) {
-        uint photon = first + i < end ? from[first + i].word : 0;
-        bool goes_left = first + i < end && photon < GOES_RIGHT;
+        uint photon = from[min(first + i, end - 1)].word;
+        bool inside = first + i < end;
+        bool low = photon < GOES_RIGHT;
+        bool goes_left = inside && low;
         uvec4 ballot = subgroupBallot(goes_left);
         uint lower = subgroupBallotExclusiveBitCount(ballot);
         if (goes_left) {
             to[next_left + lower].word = photon;
-        } else if (first + i < end) {
+        } else if (inside) {
             to[next_right + gl_SubgroupInvocationID - lower].word = photon & ~GOES_RIGHT;
         }
         uint all = subgroupBallotBitCount(ballot);

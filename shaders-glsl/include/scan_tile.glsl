@@ -19,9 +19,12 @@ uint scan_tile(Words from, Words to, uint base, uint count, uint carry) {
     uint sums[SCAN_ITEMS];
     uint first = scan_first(base);
     uint sum = 0;
-    [[unroll]] for (uint i = 0; i < SCAN_ITEMS; i++) {
+    // No branch before the sums of a subgroup, and no demand to unroll them: where either was, one
+    // driver's subgroups fell apart, and each part summed for itself.
+    for (uint i = 0; i < SCAN_ITEMS; i++) {
         uint at = first + i * gl_SubgroupSize;
-        uint value = at < count ? from[at].word : 0;
+        uint value = from[min(at, count - 1)].word;
+        value = at < count ? value : 0;
         sums[i] = sum + subgroupExclusiveAdd(value);
         sum += subgroupAdd(value);
     }

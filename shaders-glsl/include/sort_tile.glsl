@@ -39,10 +39,11 @@ void sort_rank(uint digits[SORT_ITEMS], out uint ranks[SORT_ITEMS]) {
     for (uint at = group_rank(); at < SORT_SUBGROUPS * SORT_DIGITS; at += gl_WorkGroupSize.x) sort_counts[at] = 0;
     barrier();
     uint own = gl_SubgroupID * SORT_DIGITS;
-    [[unroll]] for (uint i = 0; i < SORT_ITEMS; i++) {
+    // Not to be unrolled on demand: see scan_tile.glsl.
+    for (uint i = 0; i < SORT_ITEMS; i++) {
         uint digit = digits[i];
         uvec4 peers = subgroupBallot(digit < SORT_DIGITS);
-        [[unroll]] for (uint bit = 0; bit < 8; bit++) {
+        for (uint bit = 0; bit < 8; bit++) {
             bool set = (digit >> bit & 1) != 0;
             uvec4 ballot = subgroupBallot(set);
             peers &= set ? ballot : ~ballot;

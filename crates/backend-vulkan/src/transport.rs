@@ -18,6 +18,11 @@ impl TransportBackend for Vulkan {
     type Scene = VulkanScene;
     type Film = VulkanFilm;
 
+    fn batch(&self) -> u32 {
+        // A batch takes as long as its longest path, however few there are: a GPU wants many at a time.
+        if self.limits().subgroup_size >= 16 { 1 << 20 } else { 1 << 18 }
+    }
+
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<VulkanScene> {
         VulkanScene::new(self, scene, required)
     }

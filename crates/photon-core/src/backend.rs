@@ -75,6 +75,12 @@ pub trait TransportBackend: Backend {
     /// A picture in progress, where the backend keeps it.
     type Film: Send;
 
+    /// Paths that are traced at a time: enough to keep it busy, few enough for the memory of their
+    /// rays, 48 bytes each, and for an observer who wants to stop. The result does not depend on it.
+    fn batch(&self) -> u32 {
+        1 << 18
+    }
+
     /// Brings a scene to the device.
     ///
     /// # Errors

@@ -16,8 +16,6 @@ use crate::stages::{Batch, Deposits, Maps, Pass, Stages, View};
 use crate::tally::Tally;
 use crate::units::Units;
 
-/// Paths per batch: 12 MiB of rays.
-const BATCH: u32 = 1 << 18;
 /// The pass that the derived radii come from; no pass of a picture has this number.
 const PILOT: u32 = u32::MAX;
 const PILOT_PATHS: u32 = 65_536;
@@ -88,7 +86,8 @@ impl<B: TransportBackend> Pipeline<B> {
         required: Requirements,
         stages: Stages<B>,
     ) -> Result<Self> {
-        Self::assemble(on, scene, view, settings, (required, stages), BATCH)
+        let batch = on.batch();
+        Self::assemble(on, scene, view, settings, (required, stages), batch)
     }
 
     /// As [`Pipeline::new`], with so many paths to a batch: the same picture, by which tests see

@@ -101,6 +101,7 @@ void visit(uint mode, uvec2 firsts) {
         uint slots = part < WIDTH ? firsts.x - begin : firsts.y - begin - WIDTH;
         if (mode == WIDEN) {
             EIGHT(widen, begin + part);
+            rank_shrink();
         } else if (mode == COLLECT) {
             EIGHT(TAKE_AT, begin + part);
             if (MODE != ROWS) moments_part_end();
@@ -162,7 +163,7 @@ void main() {
         normal = vec3(0.0);
         accepted = 0;
         highest = 0;
-        moments_begin(index);
+        moments_begin(place);
         range_set(DONE, 1, 0);
         base = 0.0;
         squared_radius = 0.0;
@@ -173,10 +174,11 @@ void main() {
             if (mode == DONE) break;
             bool busy = phase == mode;
             limit = 0;
+            below = 0;
             if (busy && mode < COLLECT) rank_begin();
             if (busy && mode == COLLECT) {
                 limit = high_bits + 1;
-                moments_begin(index);
+                moments_begin(place);
             }
             walk(mode);
             if (busy && mode < COLLECT) rank_end(round);

@@ -11,13 +11,18 @@ layout(local_size_x_id = 1) in;
 
 // Keys that fit in shared memory: a power of two.
 layout(constant_id = 2) const uint ROOM = 512;
+// Whether queries were taken in the order of `push.order`.
+layout(constant_id = 3) const uint ORDERED = 0;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Rows { uvec2 key; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Ids { uint at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
 layout(push_constant, scalar) uniform Push {
     Rows rows;
-    Ids ids;
+    Words ids;
+    Words order;
+    // Queries before the first row's.
+    uint first;
     uint count;
     uint k;
     // The power of two that k fits in.
@@ -76,6 +81,8 @@ void main() {
     }
     for (uint i = local; i < own * push.k; i += gl_WorkGroupSize.x) {
         uint id = in_shared ? keys[i / push.k * push.room + i % push.k].y : rows[i].key.y;
-        push.ids[row * push.k + i].at = id;
+        uint query = push.first + row + i / push.k;
+        if (ORDERED != 0) query = push.order[query].at;
+        push.ids[query * push.k + i % push.k].at = id;
     }
 }

@@ -11,8 +11,8 @@ const uint COLUMN = 32;
 const uint BINS = WIDE != 0 ? 32 : 64;
 // Log2 of that.
 const uint BINS_LOG2 = WIDE != 0 ? 5 : 6;
-// A bin counts no further.
-const uint FULL = WIDE != 0 ? 0xFFFFFFFFu : 0xFFFFu;
+// A bin of 16 bits counts no further.
+const uint FULL = 0xFFFFu;
 
 shared uint columns[COLUMN * gl_WorkGroupSize.x];
 
@@ -29,20 +29,15 @@ uint bin_count(uint bin) {
     return columns[column_at(bin >> 1)] >> ((bin & 1u) * 16u) & 0xFFFFu;
 }
 
-// One more; how many there are then.
-uint bin_add(uint bin) {
+// One more, but beyond FULL.
+void bin_add(uint bin) {
     if (WIDE != 0) {
-        uint counted = columns[column_at(bin)];
-        counted += counted < FULL ? 1u : 0u;
-        columns[column_at(bin)] = counted;
-        return counted;
+        columns[column_at(bin)]++;
+        return;
     }
-    uint shift = (bin & 1u) * 16u;
-    uint word = columns[column_at(bin >> 1)];
-    uint counted = word >> shift & 0xFFFFu;
-    if (counted == FULL) return counted;
-    columns[column_at(bin >> 1)] = word + (1u << shift);
-    return counted + 1u;
+    uint place = column_at(bin >> 1), shift = (bin & 1u) * 16u;
+    uint word = columns[place];
+    columns[place] = word + ((word >> shift & 0xFFFFu) == FULL ? 0u : 1u << shift);
 }
 
 // By how much the numbers of a range are shifted for its bins to hold it.

@@ -11,17 +11,17 @@ uint sure, open;
 vec3 part0, part1, part2;
 Sum sum0, sum1, sum2;
 float per_high;
-// The row that ids go to.
+// The row that ids go to: rows stand in the order in which queries are taken.
 uint row;
 
-void moments_begin(uint index) {
+void moments_begin(uint place) {
     sure = 0;
     open = 0;
     part0 = part1 = part2 = vec3(0.0);
     sum0 = sum1 = sum2 = NOTHING;
     float high = uintBitsToFloat(high_bits);
     per_high = high > 1.0e-30 && high < 1.0e30 ? 1.0 / high : 0.0;
-    row = index - push.first;
+    row = place - push.first;
 }
 
 void moments_add(vec3 power, float d2) {
@@ -44,13 +44,14 @@ void row_add(uint number, uint bits, uint id) {
     if (number < push.k) Rows(push.results)[row * push.k + number].key = uvec2(bits, id);
 }
 
+// Takes a point within the limit.
 void collect(uint place, uint bits, uint slot) {
     accepted++;
-    bool near = bits < low_bits;
+    bool near = bits < low_bits, after = false;
     if (!near && (low_id != 0 || high_id != 0xFFFFFFFFu)) {
         uint id = push.ids[slot].at;
         near = id < low_id;
-        if (id > high_id) return;
+        after = id > high_id;
     }
     if (near) {
         if (MODE == ROWS) {
@@ -61,7 +62,7 @@ void collect(uint place, uint bits, uint slot) {
             moments_add(power, uintBitsToFloat(bits));
         }
         sure++;
-    } else {
+    } else if (!after) {
         if (open < STASH) {
             columns[column_at(2 * open)] = bits;
             columns[column_at(2 * open + 1)] = slot;

@@ -77,37 +77,42 @@ void rank_begin() {
     }
 }
 
-// Counts a point within the limit. WIDEN.
+// Counts a point within the limit. WIDEN. No decision is taken here: whatever a subgroup's invocations
+// decide differently, they do one after the other.
 void rank_widen(float d2) {
     accepted++;
     uint bin = per_width > 0.0 ? min(uint(max(d2 - base, 0.0) * per_width), BINS - 1) : 0;
-    if (bin > top) return;
-    uint counted = bin_add(bin);
-    if (bin < top) {
-        below++;
-        if (below >= push.k) {
-            do {
-                top--;
-                below -= bin_count(top);
-            } while (below >= push.k);
-            limit = min(limit, far_edge(top) + 1);
-        }
-    } else if (top == 0 && per_width > 0.0 && counted > rank_crowd()) {
-        limit = 0;
+    if (bin <= top) {
+        bin_add(bin);
+        below += bin < top ? 1 : 0;
     }
+}
+
+// Lets the radius fall, after a few points. The whole subgroup comes here.
+void rank_shrink() {
+    bool fell = false;
+    while (subgroupAny(below >= push.k)) {
+        if (below >= push.k) {
+            top--;
+            below -= bin_count(top);
+            fell = true;
+        }
+    }
+    if (fell) limit = min(limit, far_edge(top) + 1);
+    if (limit > 0 && top == 0 && per_width > 0.0 && bin_count(0) > rank_crowd()) limit = 0;
 }
 
 // Counts a point within the limit. NARROW and SETTLE.
 void rank_narrow(uint bits, uint slot) {
     accepted++;
-    if (bits < low_bits) {
-        below++;
-    } else if (phase == NARROW) {
-        bin_add((bits - low_bits) >> bins_shift(high_bits - low_bits));
-    } else {
+    if (phase == SETTLE && bits == low_bits) {
         uint id = push.ids[slot].at;
         if (id < low_id) below++;
         else if (id <= high_id) bin_add((id - low_id) >> bins_shift(high_id - low_id));
+    } else if (bits < low_bits) {
+        below++;
+    } else {
+        bin_add((bits - low_bits) >> bins_shift(high_bits - low_bits));
     }
 }
 

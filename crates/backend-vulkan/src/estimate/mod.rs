@@ -72,7 +72,8 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         }
         let (address, capacity) = (estimates.data_address(), estimates.capacity());
         let result = (address, estimates.count_address(), capacity);
-        self.search.ask(on, map, queries, 0..queries.capacity(), &question, result)?;
+        let order = self.search.order(on, map, queries)?;
+        self.search.ask(on, map, queries, 0..queries.capacity(), &question, order, result)?;
         estimates.touch();
         Ok(())
     }

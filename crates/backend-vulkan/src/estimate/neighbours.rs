@@ -25,10 +25,11 @@ const LEAST_ROOM: u32 = 512;
 struct OrderPush {
     rows: u64,
     ids: u64,
+    order: u64,
+    first: u32,
     count: u32,
     k: u32,
     room: u32,
-    reserved: u32,
 }
 
 impl Vulkan {
@@ -49,6 +50,18 @@ impl Vulkan {
         k: u32,
         max_radius: f32,
     ) -> Result<VulkanBuffer<u32>> {
+        self.nearest_sorted(map, queries, k, max_radius, Search::default())
+    }
+
+    /// The same by a search of the caller's.
+    pub(super) fn nearest_sorted(
+        &mut self,
+        map: &VulkanMap,
+        queries: &VulkanBuffer<Query>,
+        k: u32,
+        max_radius: f32,
+        mut search: Search,
+    ) -> Result<VulkanBuffer<u32>> {
         check_radius("max_radius", max_radius)?;
         let count = self.fill_of(queries)?;
         let mut ids = VulkanBuffer::<u32>::new(self, "neighbours", count.saturating_mul(u64::from(k)))?;
@@ -60,20 +73,21 @@ impl Vulkan {
             let in_shared = room.clamp(LEAST_ROOM, ROOM);
             let threads = (in_shared / 2).min(256).min(self.limits().max_workgroup);
             let rows_each = u64::from((in_shared / room).max(1));
-            let sort = self.kernel(&shaders::GATHER_ORDER, &[0, threads, in_shared])?;
-            let mut search = Search::default();
+            let order = search.order(self, map, queries)?;
+            let sort = self.kernel(&shaders::GATHER_ORDER, &[0, threads, in_shared, u32::from(order != 0)])?;
             let mut first = 0;
             while first < count {
                 let end = count.min(first + portion);
                 let question = question(Mode::Rows, k, max_radius);
-                search.ask(self, map, queries, first..end, &question, (rows.address(), 0, 0))?;
+                search.ask(self, map, queries, first..end, &question, order, (rows.address(), 0, 0))?;
                 let push = OrderPush {
                     rows: rows.address(),
-                    ids: ids.data_address() + first * u64::from(k) * 4,
+                    ids: ids.data_address(),
+                    order,
+                    first: first as u32,
                     count: (end - first) as u32,
                     k,
                     room,
-                    reserved: 0,
                 };
                 self.dispatch(&sort, &push, (end - first).div_ceil(rows_each))?;
                 first = end;
@@ -98,7 +112,7 @@ impl Vulkan {
         let mut counts = VulkanBuffer::<u32>::new(self, "counts", count)?;
         if count > 0 {
             let question = question(Mode::Count, 0, radius);
-            Search::default().ask(self, map, queries, 0..count, &question, (counts.data_address(), 0, count))?;
+            Search::default().ask(self, map, queries, 0..count, &question, 0, (counts.data_address(), 0, count))?;
         }
         self.set_length(&mut counts, count)?;
         Ok(counts)

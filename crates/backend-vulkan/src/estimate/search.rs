@@ -24,7 +24,7 @@ const BUSY: u64 = 1 << 14;
 
 /// From so many on, queries are taken in an order of our own: sorting them costs less than what tiles of
 /// neighbours save, a picture's rows included.
-const WORTH_ORDER: u64 = 1 << 17;
+const WORTH_ORDER: u64 = 1 << 15;
 
 /// Bins of 16 bits serve up to here.
 const NARROW_BINS: u32 = 60_000;
@@ -115,8 +115,21 @@ impl Default for Search {
 }
 
 impl Search {
+    /// The order in which to take `queries`, for [`Search::ask`].
+    pub(super) fn order(&mut self, on: &mut Vulkan, map: &VulkanMap, queries: &VulkanBuffer<Query>) -> Result<u64> {
+        if map.node_count == 0 || queries.capacity() < self.worth_order {
+            return Ok(0);
+        }
+        let order = match &mut self.order {
+            Some(order) => order,
+            none => none.insert(Order::new(on)?),
+        };
+        order.of(on, map, queries)
+    }
+
     /// Asks at those of the queries in `range`; `results` are the addresses of what is written and of
-    /// its count, and how many fit. Results stand where their queries do, rows from the range's start on.
+    /// its count, and how many fit. Results stand where their queries do, but rows in the order in which
+    /// queries are taken, from the range's start on: `order`, or 0 to take them as they stand.
     pub(super) fn ask(
         &mut self,
         on: &mut Vulkan,
@@ -124,21 +137,13 @@ impl Search {
         queries: &VulkanBuffer<Query>,
         range: Range<u64>,
         question: &Question,
+        order: u64,
         (results, result_count, capacity): (u64, u64, u64),
     ) -> Result<()> {
         let subgroup = u64::from(on.limits().subgroup_size.max(1));
         let workgroup = (TILES * subgroup as u32).min(on.limits().max_workgroup);
         // An empty map has nothing that could be asked.
         let points = if map.node_count == 0 { 0 } else { map.length };
-        let estimates = matches!(question.mode, Mode::Radius | Mode::Nearest | Mode::Paper);
-        let mut order = 0;
-        if estimates && points > 0 && queries.capacity() >= self.worth_order {
-            let ordering = match &mut self.order {
-                Some(ordering) => ordering,
-                none => none.insert(Order::new(on)?),
-            };
-            order = ordering.of(on, map, queries)?;
-        }
         let ordered = u32::from(order != 0);
         let kernel = match question.mode {
             Mode::Radius => {

@@ -6,6 +6,7 @@ use photon_core::{Backend, Error, IndexKind};
 use super::inputs::{Random, caustic, photons, places, point_sets, walls};
 use super::{at_most, maps::map};
 use crate::Vulkan;
+use crate::estimate::search::Search;
 
 const KINDS: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
 
@@ -84,6 +85,25 @@ fn any_k_is_exact() {
     let ks: Vec<u32> = (1..=16).chain((17..512).step_by(55)).chain([512, 513, 2048, 2049, all, all + 1]).collect();
     check(&mut on, &points, &points, &places[..40], IndexKind::Morton, &ks, &[f32::INFINITY]).unwrap();
     check(&mut on, &points, &points, &places, IndexKind::Median, &[3, 50], &[f32::INFINITY, 0.01]).unwrap();
+}
+
+/// Taken in another order, rows stand where their queries do.
+#[test]
+fn sorted_queries_find_the_same() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let points = walls(3000);
+    let mut random = Random(7);
+    let places: Vec<_> = (0..400).map(|_| random.point()).collect();
+    let map = map(&mut on, &photons(&points), IndexKind::Morton);
+    let queries = on.queries_at(&places).unwrap();
+    let search = Search { worth_order: 0, ..Search::default() };
+    let rows = on.nearest_sorted(&map, &queries, 20, 0.4, search).unwrap();
+    let mut found = Vec::new();
+    on.download(&rows, &mut found).unwrap();
+    let mut expected = vec![0; places.len() * 20];
+    let index = PointIndex::build(&points, IndexKind::Morton).unwrap();
+    index.nearest_many(&places, 20, 0.4 * 0.4, &mut expected);
+    assert_eq!(compare("20 nearest", &found, &expected, 20), Ok(()));
 }
 
 /// A set on which careless searches take minutes.

@@ -4,7 +4,8 @@
 //! machine's speed touches all; medians over rounds are compared. Rounds in which other programs
 //! took more than a fiftieth of the machine are run again, since two threads on two cores measure the
 //! neighbours otherwise; if patience ends, the least disturbed rounds are taken, and the table says
-//! so. `--threads N` goes up to N in powers of two; without it, two.
+//! so. `--threads N` goes up to N in powers of two; without it, two. `--only
+//! TEXT` runs the rows whose name has it.
 #![expect(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use std::time::Instant;
@@ -23,10 +24,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // `cargo test --benches` runs this too, with `--test`: then one small round will do.
     let quick = std::env::args().any(|argument| argument == "--test");
     let (rounds, patience, photons, size) = if quick { (1, 1, 2_000, 16) } else { (ROUNDS, PATIENCE, 400_000, 384) };
-    let most: usize = match std::env::args().skip_while(|argument| argument != "--threads").nth(1) {
-        Some(number) => number.parse()?,
-        None => 2,
-    };
+    let after = |flag: &str| std::env::args().skip_while(|argument| argument != flag).nth(1);
+    let most: usize = after("--threads").map_or(Ok(2), |number| number.parse())?;
+    let only = after("--only").unwrap_or_default();
     let threads: Vec<usize> = (0..).map(|power| 1 << power).take_while(|&count| count <= most).collect();
     let builder = photon_scene::builtin("cornell-glass").ok_or("no such scene")?;
     let scene = builder.build()?;
@@ -34,7 +34,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("map, dynamic sharing", Indirect::Map, Sharing::Dynamic),
         ("map, static sharing", Indirect::Map, Sharing::Static),
         ("final gather", Indirect::Gather, Sharing::Dynamic),
-    ] {
+    ]
+    .into_iter()
+    .filter(|(name, ..)| name.contains(&only))
+    {
         let settings = Settings { photons, indirect, sharing, gather_rays: 4, ..Settings::default() };
         let view = View { camera: scene.camera(None, size, size)?, width: size, height: size };
         let mut pipelines = Vec::new();

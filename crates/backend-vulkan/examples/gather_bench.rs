@@ -1,9 +1,10 @@
-//! Queries a second of k-NN and radius searches, by the device's clock: medians of nine runs, with the
-//! least and the greatest milliseconds. `--small` for a software device; or numbers of photons.
+//! Queries a second of k-NN and radius searches, by the device's clock: medians of five runs, with the
+//! least and the greatest milliseconds. `--small` for a software device; or numbers of photons; and
+//! `--only WORDS` for the lines alone whose description holds the words, as in `--only "Median, rows"`.
 //!
 //! Photons lie evenly on five walls of a box ("walls"), or nine tenths of them in a disc of radius 0.05
 //! on the floor, with density 1/r ("caustic"). Queries lie on the floor and the back wall, one for each
-//! pixel of a picture: row by row, in blocks of 8 by 4 pixels, or shuffled.
+//! pixel of a picture: row by row, or shuffled.
 #![expect(clippy::print_stdout, reason = "a program's output")]
 
 use std::f32::consts::{PI, TAU};
@@ -14,8 +15,8 @@ use photon_core::{
     Backend, Estimate, Gather, IndexKind, Kernel, MapStages, Photon, Query, Result, Rule, Stage, octahedral,
 };
 
-const WARM: usize = 2;
-const RUNS: usize = 9;
+const WARM: usize = 1;
+const RUNS: usize = 5;
 
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,20 +26,29 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
         sizes = if small { vec![10_000] } else { vec![1_000_000, 10_000_000] };
     }
     let (width, height) = if small { (64, 36) } else { (1920, 1080) };
+    let only = arguments.iter().position(|argument| argument == "--only").and_then(|at| arguments.get(at + 1));
+    let only = only.map_or("", String::as_str);
     let mut on = Vulkan::new()?;
     println!("{}, {}; {} queries", on.limits().name, on.limits().driver, width * height);
     println!("{:<52} {:>9} {:>10} {:>9} {:>9} {:>9}", "work", "photons", "M/s", "median ms", "least", "greatest");
     for count in sizes {
         for (set, photons) in [("walls", walls(count)), ("caustic", caustic(count))] {
             for kind in [IndexKind::Morton, IndexKind::Median, IndexKind::Vvh] {
-                run(&mut on, set, &photons, kind, width, height)?;
+                run(&mut on, &format!("{set}, {kind:?}"), &photons, kind, (width, height), only)?;
             }
         }
     }
     Ok(())
 }
 
-fn run(on: &mut Vulkan, set: &str, photons: &[Photon], kind: IndexKind, width: usize, height: usize) -> Result<()> {
+fn run(
+    on: &mut Vulkan,
+    map_name: &str,
+    photons: &[Photon],
+    kind: IndexKind,
+    (width, height): (usize, usize),
+    only: &str,
+) -> Result<()> {
     let mut stages = on.map_stages(kind)?;
     let uploaded = on.upload("photons: global", photons)?;
     let map = stages.builder.build(on, uploaded)?;
@@ -52,37 +62,33 @@ fn run(on: &mut Vulkan, set: &str, photons: &[Photon], kind: IndexKind, width: u
         min_normal_cosine,
     };
     let within = Gather { rule: Rule::Radius, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0 };
-    let orders = if kind == IndexKind::Morton {
-        vec![("rows", rows.clone()), ("blocks", blocks(&rows, width)), ("shuffled", shuffled(&rows))]
-    } else {
-        vec![("rows", rows)]
-    };
-    for (order, queries) in orders {
+    for (order, queries) in [("rows", rows.clone()), ("shuffled", shuffled(&rows))] {
         let queries = on.upload("queries", &queries)?;
         let mut work = vec![
             ("k = 50", nearest(50, Kernel::Constant, -1.0)),
             ("k = 200", nearest(200, Kernel::Constant, -1.0)),
             ("k = 50, Epanechnikov, normals", nearest(50, Kernel::Epanechnikov, 0.5)),
         ];
-        if set == "walls" {
+        if map_name.starts_with("walls") {
+            let kernel = Kernel::Epanechnikov;
             work.push(("radius of 50", within));
-            work.push((
-                "radius of 50, Epanechnikov, normals",
-                Gather { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.5, ..within },
-            ));
+            work.push(("radius of 50, Epanechnikov, normals", Gather { kernel, min_normal_cosine: 0.5, ..within }));
         }
         for (what, gather) in work {
-            estimates(on, &mut stages, &map, &queries, &gather, &format!("{set}, {kind:?}, {order}: {what}"))?;
-            if kind == IndexKind::Morton {
-                let plain = std::mem::replace(&mut stages.estimator, Vulkan::estimator_without_sorting());
-                let name = format!("{set}, {kind:?}, {order}, not sorted: {what}");
+            let name = format!("{map_name}, {order}: {what}");
+            if name.contains(only) {
                 estimates(on, &mut stages, &map, &queries, &gather, &name)?;
-                stages.estimator = plain;
+            }
+            let name = format!("{map_name}, {order}, not sorted: {what}");
+            if order == "rows" && name.contains(only) {
+                let sorting = std::mem::replace(&mut stages.estimator, Vulkan::estimator_without_sorting());
+                estimates(on, &mut stages, &map, &queries, &gather, &name)?;
+                stages.estimator = sorting;
             }
         }
-        if kind == IndexKind::Morton && order == "rows" {
-            for k in [50, 200] {
-                let name = format!("{set}, {kind:?}, {order}: rows of {k} ids");
+        for k in [50, 200] {
+            let name = format!("{map_name}, {order}: rows of {k} ids");
+            if kind != IndexKind::Vvh && name.contains(only) {
                 time(on, &name, map.length(), queries.capacity(), |on| on.nearest(&map, &queries, k, 10.0).map(drop))?;
             }
         }
@@ -197,16 +203,6 @@ fn rows(width: usize, height: usize, radius: f32) -> Vec<Query> {
             Query { position, radius, normal: normal.to_array(), pixel: pixel as u32, ..Query::default() }
         })
         .collect()
-}
-
-/// The same in blocks of 8 by 4 pixels.
-fn blocks(rows: &[Query], width: usize) -> Vec<Query> {
-    let mut order: Vec<usize> = (0..rows.len()).collect();
-    order.sort_by_key(|&pixel| {
-        let (x, y) = (pixel % width, pixel / width);
-        (y / 4, x / 8, y % 4, x % 8)
-    });
-    order.iter().map(|&pixel| rows[pixel]).collect()
 }
 
 fn shuffled(rows: &[Query]) -> Vec<Query> {

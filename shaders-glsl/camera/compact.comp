@@ -13,28 +13,27 @@ layout(constant_id = 2) const uint PLACES_LOG2 = 2;
 #include "grid.glsl"
 #include "layout.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint at; };
 
 layout(push_constant, scalar) uniform Push {
+    // As the camera left them.
     Queries found;
     Words counts;
-    // How many stand before each pixel of this dispatch, and in it altogether.
+    // How many stand before each pixel.
     Words offsets;
-    Words total;
-    // How many stand before this dispatch; the next word is for the one after it.
-    Words before;
-    Queries queries;
+    // Where the first query of pixel `start` goes.
+    Queries to;
     uint capacity;
-    uint pixels;
+    uint start;
+    uint count;
 } push;
 
 void main() {
     uint place = thread();
-    if (place == 0) push.before[1].at = push.before[0].at + push.total.at;
-    uint pixel = place >> PLACES_LOG2;
-    if (pixel >= push.pixels) return;
+    uint pixel = push.start + (place >> PLACES_LOG2);
+    if (place >> PLACES_LOG2 >= push.count) return;
     uint ordinal = place & ((1u << PLACES_LOG2) - 1);
     if (ordinal >= push.counts[pixel].at) return;
-    uint to = push.before[0].at + push.offsets[pixel].at + ordinal;
-    if (to < push.capacity) push.queries[to].at = push.found[place].at;
+    uint to = push.offsets[pixel].at - push.offsets[push.start].at + ordinal;
+    if (to < push.capacity) push.to[to].at = push.found[(pixel << PLACES_LOG2) + ordinal].at;
 }

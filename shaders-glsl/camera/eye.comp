@@ -12,6 +12,8 @@ layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint MAX_SPLITS = 2;
 // Numbers of random numbers that a pixel has to itself, in powers of two.
 layout(constant_id = 3) const uint PATHS_LOG2 = 2;
+// Neighbouring invocations look at tiles of 32 pixels, that is 2 to this power of rows.
+layout(constant_id = 4) const uint TILE_ROWS_LOG2 = 2;
 
 #include "bsdf.glsl"
 #include "constants.glsl"
@@ -29,7 +31,7 @@ layout(push_constant, scalar) uniform Push {
     SceneRef scene;
     Cameras camera;
     FirstPass first;
-    LayerPass emission;
+    Planes emission;
     // 2 to the power of MAX_SPLITS places for each pixel, and how many of them are taken.
     Queries found;
     Words counts;
@@ -37,9 +39,9 @@ layout(push_constant, scalar) uniform Push {
     uint pass;
     uint width;
     uint height;
-    // The pixels of this dispatch.
-    uint start;
-    uint count;
+    // The rows of this dispatch.
+    uint start_row;
+    uint end_row;
     uint max_bounces;
 } push;
 
@@ -110,11 +112,14 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, Material mat
 }
 
 void main() {
-    uint local = thread();
-    if (local >= push.count) return;
-    uint pixel = push.start + local;
-    uint x = pixel % push.width;
-    uint y = pixel / push.width;
+    const uint columns_log2 = 5 - TILE_ROWS_LOG2;
+    uint tile = thread() >> 5;
+    uint within = thread() & 31;
+    uint tiles_across = ((push.width - 1) >> columns_log2) + 1;
+    uint x = (tile % tiles_across << columns_log2) + (within & ((1u << columns_log2) - 1));
+    uint y = push.start_row + (tile / tiles_across << TILE_ROWS_LOG2) + (within >> columns_log2);
+    if (x >= push.width || y >= push.end_row) return;
+    uint pixel = y * push.width + x;
     uvec4 jitter = words(pixel, 0, BLOCK_START);
     precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
     precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
@@ -149,7 +154,7 @@ void main() {
                 vec3 weight = path.weight * material.albedo * 0.318309886;
                 if (weight != vec3(0.0)) {
                     uint key = (pixel << PATHS_LOG2) + path.branch;
-                    push.found[(local << MAX_SPLITS) + found].at = Query(
+                    push.found[(pixel << MAX_SPLITS) + found].at = Query(
                         at.point, 1.0, at.normal, pixel, weight, at.material,
                         octahedral_pack(-path.ray.direction), key, uint[2](0u, 0u));
                     found++;
@@ -171,9 +176,11 @@ void main() {
             alive = true;
         }
     }
-    push.counts[local].at = found;
+    push.counts[pixel].at = found;
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && emission != vec3(0.0)) {
-        LayerPass layer = push.emission + pixel;
-        layer.radiance += emission;
+        for (uint c = 0; c < 3; c++) {
+            Planes place = film_place(push.emission, c, push.width * push.height, pixel);
+            place.at += emission[c];
+        }
     }
 }

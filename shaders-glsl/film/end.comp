@@ -14,25 +14,34 @@ layout(constant_id = 2) const uint LAYERS = 15;
 #include "two_float.glsl"
 
 layout(push_constant, scalar) uniform Push {
-    LayerPass passes[4];
-    LayerSum sums[4];
+    Planes passes[4];
+    Planes sums[4];
     FirstPass first_pass;
-    FirstSum first_sum;
+    Planes first_sum;
     uint pixels;
 } push;
 
-// Adds one layer, and its radiance to that of the pixel.
+// Adds to one number's sum, which leaves over what is `low` planes on.
+void add(Planes sums, uint plane, uint low, uint pixel, float x) {
+    Planes high_place = film_place(sums, plane, push.pixels, pixel);
+    Planes low_place = film_place(sums, plane + low, push.pixels, pixel);
+    float high = high_place.at;
+    float rest = low_place.at;
+    two_add(high, rest, x);
+    high_place.at = high;
+    low_place.at = rest;
+}
+
+// Adds one layer, and its radiance to that of the pixel. Nothing is moved where it is black.
 void end_layer(uint layer, uint pixel, inout float high, inout float low) {
-    LayerPass pass = push.passes[layer] + pixel;
-    LayerSum sum = push.sums[layer] + pixel;
-    vec3 radiance = pass.radiance;
-    pass.radiance = vec3(0.0);
-    vec3 sum_high = sum.high;
-    vec3 sum_low = sum.low;
-    two_add(sum_high, sum_low, radiance);
-    sum.high = sum_high;
-    sum.low = sum_low;
-    for (int channel = 0; channel < 3; channel++) two_add(high, low, radiance[channel]);
+    vec3 radiance;
+    for (uint c = 0; c < 3; c++) radiance[c] = film_place(push.passes[layer], c, push.pixels, pixel).at;
+    if (radiance == vec3(0.0)) return;
+    for (uint c = 0; c < 3; c++) {
+        film_place(push.passes[layer], c, push.pixels, pixel).at = 0.0;
+        add(push.sums[layer], c, 3, pixel, radiance[c]);
+        two_add(high, low, radiance[c]);
+    }
 }
 
 void main() {
@@ -44,37 +53,24 @@ void main() {
     if ((LAYERS & 2) != 0) end_layer(1, pixel, high, low);
     if ((LAYERS & 4) != 0) end_layer(2, pixel, high, low);
     if ((LAYERS & 8) != 0) end_layer(3, pixel, high, low);
-
-    FirstPass pass = push.first_pass + pixel;
-    FirstSum sum = push.first_sum + pixel;
-    // The mean of the channels would be a third of it; its square, a ninth, is left to the reader.
-    if (LAYERS != 0) {
+    if (high != 0.0) {
+        // The mean of the channels would be a third of it; its square, a ninth, is left to the reader.
         float square;
         float rest;
         two_square(high, low, square, rest);
-        float square_high = sum.square;
-        float square_low = sum.square_low;
-        two_add(square_high, square_low, square);
-        two_add(square_high, square_low, rest);
-        sum.square = square_high;
-        sum.square_low = square_low;
+        add(push.first_sum, FIRST_SQUARE, FIRST_LOW, pixel, square);
+        add(push.first_sum, FIRST_SQUARE, FIRST_LOW, pixel, rest);
     }
-    if (pass.hits == 0) return;
-    vec3 normal = sum.normal;
-    vec3 normal_low = sum.normal_low;
-    two_add(normal, normal_low, pass.normal);
-    vec3 albedo = sum.albedo;
-    vec3 albedo_low = sum.albedo_low;
-    two_add(albedo, albedo_low, pass.albedo);
-    float depth = sum.depth;
-    float depth_low = sum.depth_low;
-    two_add(depth, depth_low, pass.depth);
-    sum.normal = normal;
-    sum.normal_low = normal_low;
-    sum.albedo = albedo;
-    sum.albedo_low = albedo_low;
-    sum.depth = depth;
-    sum.depth_low = depth_low;
-    sum.hits += pass.hits;
+    FirstPass pass = push.first_pass + pixel;
+    uint hits = pass.hits;
+    if (hits == 0) return;
+    vec3 normal = pass.normal;
+    vec3 albedo = pass.albedo;
+    add(push.first_sum, FIRST_DEPTH, FIRST_LOW, pixel, pass.depth);
+    for (uint axis = 0; axis < 3; axis++) {
+        add(push.first_sum, FIRST_NORMAL + axis, FIRST_LOW, pixel, normal[axis]);
+        add(push.first_sum, FIRST_ALBEDO + axis, FIRST_LOW, pixel, albedo[axis]);
+    }
+    Hits(film_place(push.first_sum, FIRST_HITS, push.pixels, pixel)).at += hits;
     pass.hits = 0;
 }

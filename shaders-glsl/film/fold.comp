@@ -24,7 +24,7 @@ layout(push_constant, scalar) uniform Push {
     Estimates estimates;
     Values values;
     Count found_count;
-    LayerPass pass;
+    Planes pass;
     uint pixels;
     // 1 over π times the paths, for estimates.
     float scale;
@@ -44,11 +44,14 @@ void main() {
     if (i >= count) return;
     uint pixel = push.queries[i].at.pixel;
     if (pixel >= push.pixels || (i > 0 && push.queries[i - 1].at.pixel == pixel)) return;
-    LayerPass pass = push.pass + pixel;
-    precise vec3 sum = pass.radiance;
+    precise vec3 sum = vec3(0.0);
     do {
         sum += push.queries[i].at.weight * value(i);
         i++;
     } while (i < count && push.queries[i].at.pixel == pixel);
-    pass.radiance = sum;
+    if (sum == vec3(0.0)) return;
+    for (uint c = 0; c < 3; c++) {
+        Planes place = film_place(push.pass, c, push.pixels, pixel);
+        place.at += sum[c];
+    }
 }

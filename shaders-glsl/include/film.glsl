@@ -1,15 +1,13 @@
-// The picture in progress, pixel by pixel: what the present pass has given, and sums over passes.
+// The picture in progress: what the present pass has given, and sums over passes. Numbers of one kind
+// stand together, pixel by pixel, in planes: neighbours read and write neighbouring words.
 #ifndef FILM_GLSL
 #define FILM_GLSL
 
-// One layer of the present pass: radiance.
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LayerPass { vec3 radiance; };
+// A layer's present pass: planes of red, green and blue radiance. Its sum over finished passes: three
+// planes likewise, then three of what they leave over.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Planes { float at; };
 
-// One layer's sum over finished passes, in two floats each.
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer LayerSum {
-    vec3 high;
-    vec3 low;
-};
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Hits { uint at; };
 
 // The first surface that the present pass saw; no hits if it saw none.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer FirstPass {
@@ -19,17 +17,19 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer FirstPass {
     uint hits;
 };
 
-// The same, summed over finished passes, with the squares of their radiance.
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FirstSum {
-    vec3 normal;
-    float depth;
-    vec3 normal_low;
-    float depth_low;
-    vec3 albedo;
-    float square;
-    vec3 albedo_low;
-    float square_low;
-    uint hits;
-};
+// The same, summed over finished passes, with the squares of their radiance: planes of the numbers
+// below, then as many of what they leave over, then one of hits, which are words.
+const uint FIRST_NORMAL = 0;
+const uint FIRST_ALBEDO = 3;
+const uint FIRST_DEPTH = 6;
+const uint FIRST_SQUARE = 7;
+const uint FIRST_LOW = 8;
+const uint FIRST_HITS = 16;
+
+// A pixel's place in a plane. Step by step, since planes times pixels may be more than a word.
+Planes film_place(Planes planes, uint plane, uint pixels, uint pixel) {
+    for (uint i = 0; i < plane; i++) planes = planes + pixels;
+    return planes + pixel;
+}
 
 #endif

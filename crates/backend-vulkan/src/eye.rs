@@ -13,35 +13,34 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Places for queries that stand side by side before they close ranks: 128 MiB.
-const PLACES: u32 = 1 << 21;
+/// Pixels that one dispatch looks at, so that none runs for seconds.
+const PIXELS: u32 = 1 << 23;
+/// Queries that close ranks at a time: 64 MiB.
+const PLACES: u32 = 1 << 20;
 /// Splits of a path where there is glass.
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 
-/// Follows camera paths through mirrors and glass, some hundred thousand pixels at a time.
+/// Follows camera paths through mirrors and glass.
 ///
 /// Each pixel has as many places as it can have queries, and fills some of them; a prefix sum then
-/// says where they go, so that queries stand in order of pixels whatever ran when.
+/// says where they go, so that queries stand in order of pixels whatever ran when. The places are
+/// those of the buffer of queries itself, if it has as many: a stretch of them at a time closes ranks
+/// elsewhere and comes back, never beyond where it came from.
 #[derive(Debug)]
 pub(crate) struct VulkanEye {
     max_bounces: u32,
     scan: Scan,
     camera: Memory,
-    places: Option<Places>,
+    room: Option<Room>,
 }
 
-/// Room for one stretch of pixels.
+/// Scratch for pictures of one size.
 #[derive(Debug)]
-struct Places {
-    /// Pixels that fit.
-    pixels: u32,
-    queries: Memory,
+struct Room {
     counts: Memory,
     offsets: Memory,
-    total: Memory,
-    /// How many queries stand before each stretch.
-    before: Memory,
-    stretches: u64,
+    /// A stretch of queries or, if they have no places of their own, all of them.
+    queries: Memory,
 }
 
 #[repr(C)]
@@ -57,8 +56,8 @@ struct EyePush {
     pass: u32,
     width: u32,
     height: u32,
-    start: u32,
-    count: u32,
+    start_row: u32,
+    end_row: u32,
     max_bounces: u32,
 }
 
@@ -68,18 +67,31 @@ struct CompactPush {
     found: u64,
     counts: u64,
     offsets: u64,
-    total: u64,
-    before: u64,
-    queries: u64,
+    to: u64,
     capacity: u32,
+    start: u32,
+    count: u32,
+    padding: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct SettlePush {
+    from: u64,
+    queries: u64,
+    offsets: u64,
+    total: u64,
+    start: u32,
+    end: u32,
     pixels: u32,
+    padding: u32,
 }
 
 impl VulkanEye {
     /// For paths of so many surfaces at most.
     pub(crate) fn new(on: &mut Vulkan, max_bounces: u32) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
-        Ok(Self { max_bounces, scan: Scan::new(on)?, camera, places: None })
+        Ok(Self { max_bounces, scan: Scan::new(on)?, camera, room: None })
     }
 }
 
@@ -97,77 +109,103 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let features = scene.features();
         let splits = if splits(features) { SPLITS } else { 0 };
         let pixels = view.width * view.height;
-        let stretch = (PLACES >> splits).min(pixels);
-        let stretches = u64::from(pixels.div_ceil(stretch));
-        if !self.places.as_ref().is_some_and(|places| places.fit(stretch, splits, stretches)) {
-            self.places = None;
-            self.places = Some(Places::new(on, stretch, splits, stretches)?);
+        let places = u64::from(pixels) << splits;
+        let in_place = queries.capacity() >= places;
+        let apart = if in_place { places.min(u64::from(PLACES)) } else { places };
+        if !self.room.as_ref().is_some_and(|room| room.fits(pixels, apart)) {
+            self.room = None;
+            self.room = Some(Room::new(on, pixels, apart)?);
         }
-        let Some(places) = &self.places else { return Ok(()) };
+        let Some(room) = &self.room else { return Ok(()) };
+        let found = if in_place { queries.data_address() } else { room.queries.address() };
+
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        on.fill(&places.before, 0, 4, 0)?;
-        let emission =
-            if features.contains(Features::AREA_LIGHTS) { film.layer_address(on, Layer::Emission)? } else { 0 };
-        let look = on.kernel(&shaders::CAMERA_EYE, &[features.bits(), GROUP, splits, SPLITS])?;
-        let compact = on.kernel(&shaders::CAMERA_COMPACT, &[0, GROUP, splits])?;
-        for number in 0..stretches {
-            let start = number as u32 * stretch;
-            let count = stretch.min(pixels - start);
+        let lit = features.contains(Features::AREA_LIGHTS);
+        let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
+        // Tiles of 32 pixels, as square as may be.
+        let tile_rows = if view.height >= 4 { 2 } else { 0 };
+        let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows];
+        let look = on.kernel(&shaders::CAMERA_EYE, &constants)?;
+        let rows = (PIXELS / view.width).max(1).next_multiple_of(1 << tile_rows);
+        for start_row in (0..view.height).step_by(rows as usize) {
+            let end_row = start_row.saturating_add(rows).min(view.height);
             let push = EyePush {
                 scene: scene.address(),
                 camera: self.camera.address(),
                 first: film.first_address(),
                 emission,
-                found: places.queries.address(),
-                counts: places.counts.address(),
+                found,
+                counts: room.counts.address(),
                 seed: pass.seed,
                 pass: pass.index,
                 width: view.width,
                 height: view.height,
-                start,
-                count,
+                start_row,
+                end_row,
                 max_bounces: self.max_bounces,
             };
-            on.dispatch(&look, &push, u64::from(count.div_ceil(GROUP)))?;
-            let (counts, offsets) = (places.counts.address(), places.offsets.address());
-            self.scan.exclusive(on, counts, offsets, u64::from(count), places.total.address())?;
-            let push = CompactPush {
-                found: places.queries.address(),
-                counts,
-                offsets,
-                total: places.total.address(),
-                before: places.before.address() + number * 4,
-                queries: queries.data_address(),
-                capacity: queries.capacity() as u32,
-                pixels: count,
-            };
-            on.dispatch(&compact, &push, u64::from((count << splits).div_ceil(GROUP)))?;
+            let tiles_down = (end_row - start_row).div_ceil(1 << tile_rows);
+            let tiles = u64::from(view.width.div_ceil(32 >> tile_rows)) * u64::from(tiles_down);
+            on.dispatch(&look, &push, (tiles * 32).div_ceil(u64::from(GROUP)))?;
         }
-        on.copy(&places.before, stretches * 4, &queries.count, 0, 4)?;
+        let (counts, offsets) = (room.counts.address(), room.offsets.address());
+        self.scan.exclusive(on, counts, offsets, u64::from(pixels), queries.count_address())?;
         queries.touch();
-        Ok(())
+        close_ranks(on, room, queries, in_place, splits, pixels)
     }
 }
 
-impl Places {
-    fn new(on: &mut Vulkan, pixels: u32, splits: u32, stretches: u64) -> Result<Self> {
-        let words = u64::from(pixels) * 4;
-        let bytes = (u64::from(pixels) << splits) * size_of::<Query>() as u64;
+/// Brings queries from their pixels' places to where `room.offsets` says.
+fn close_ranks(
+    on: &mut Vulkan,
+    room: &Room,
+    queries: &VulkanBuffer<Query>,
+    in_place: bool,
+    splits: u32,
+    pixels: u32,
+) -> Result<()> {
+    let compact = on.kernel(&shaders::CAMERA_COMPACT, &[0, GROUP, splits])?;
+    let settle = on.kernel(&shaders::CAMERA_SETTLE, &[0, GROUP])?;
+    let stretch = if in_place { PLACES >> splits } else { pixels };
+    for start in (0..pixels).step_by(stretch as usize) {
+        let count = stretch.min(pixels - start);
+        let groups = (u64::from(count) << splits).div_ceil(u64::from(GROUP));
+        let (found, to) = (queries.data_address(), room.queries.address());
+        let (found, to, capacity) =
+            if in_place { (found, to, count << splits) } else { (to, found, queries.capacity() as u32) };
+        let (counts, offsets) = (room.counts.address(), room.offsets.address());
+        let push = CompactPush { found, counts, offsets, to, capacity, start, count, padding: 0 };
+        on.dispatch(&compact, &push, groups)?;
+        if in_place {
+            let push = SettlePush {
+                from: room.queries.address(),
+                queries: queries.data_address(),
+                offsets,
+                total: queries.count_address(),
+                start,
+                end: start + count,
+                pixels,
+                padding: 0,
+            };
+            on.dispatch(&settle, &push, groups)?;
+        }
+    }
+    Ok(())
+}
+
+impl Room {
+    fn new(on: &mut Vulkan, pixels: u32, queries: u64) -> Result<Self> {
+        let (words, bytes) = (u64::from(pixels) * 4, queries * size_of::<Query>() as u64);
+        let counts = on.memory("camera paths", words)?;
+        let offsets = on.memory("camera paths", words)?;
+        let queries = on.memory("camera paths", bytes)?;
         on.note_memory("camera paths", bytes + 2 * words);
-        Ok(Self {
-            pixels,
-            queries: on.memory("camera paths", bytes)?,
-            counts: on.memory("camera paths", words)?,
-            offsets: on.memory("camera paths", words)?,
-            total: on.memory("camera paths", 4)?,
-            before: on.memory("camera paths", (stretches + 1) * 4)?,
-            stretches,
-        })
+        Ok(Self { counts, offsets, queries })
     }
 
-    fn fit(&self, pixels: u32, splits: u32, stretches: u64) -> bool {
-        let bytes = (u64::from(pixels) << splits) * size_of::<Query>() as u64;
-        self.pixels >= pixels && self.queries.bytes() >= bytes && self.stretches >= stretches
+    fn fits(&self, pixels: u32, queries: u64) -> bool {
+        let (words, bytes) = (u64::from(pixels) * 4, queries * size_of::<Query>() as u64);
+        self.counts.bytes() >= words && self.queries.bytes() >= bytes
     }
 }
 

@@ -5,7 +5,7 @@
 //! first added to it.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Error, Estimate, Film, FilmPixel, Layer, Query, Result, Units, check_size};
+use photon_core::{Error, Estimate, Film, Layer, Query, Result, Units, check_size};
 
 use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
@@ -18,7 +18,7 @@ mod tests;
 /// Invocations per workgroup; the work is bound by memory.
 const GROUP: u32 = 128;
 /// Pixels that are brought home at a time.
-const BLOCK: usize = 1 << 18;
+const BLOCK: usize = 1 << 20;
 
 /// Sums over finished passes, and the pass in progress apart from them.
 #[derive(Debug)]
@@ -37,26 +37,16 @@ pub struct VulkanFilm {
 /// One layer.
 #[derive(Debug)]
 struct Plane {
-    /// Radiance of the present pass, three floats a pixel.
+    /// Radiance of the present pass: three planes of floats.
     pass: Memory,
-    /// Sums over finished passes, three pairs of floats a pixel.
+    /// Sums over finished passes: three planes, and three of what they leave over.
     sum: Memory,
 }
 
-/// What the film remembers of the first surfaces seen, twin of `FirstSum`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct FirstSum {
-    normal: [f32; 3],
-    depth: f32,
-    normal_low: [f32; 3],
-    depth_low: f32,
-    albedo: [f32; 3],
-    square: f32,
-    albedo_low: [f32; 3],
-    square_low: f32,
-    hits: u32,
-}
+/// Planes of what the film remembers of the first surfaces seen, as in film.glsl: eight sums, what each
+/// of them leaves over, and a count.
+const FIRST_LOW: usize = 8;
+const FIRST_PLANES: usize = 2 * FIRST_LOW + 1;
 
 /// Bytes per pixel of `FirstPass`.
 const FIRST_PASS: u64 = 32;
@@ -95,7 +85,7 @@ impl VulkanFilm {
         check_size(width, height)?;
         let pixels = u64::from(width) * u64::from(height);
         let first_pass = zeroed(on, pixels * FIRST_PASS)?;
-        let first_sum = zeroed(on, pixels * size_of::<FirstSum>() as u64)?;
+        let first_sum = zeroed(on, pixels * 4 * FIRST_PLANES as u64)?;
         let film =
             Self { width, height, units, passes: 0, layers: [const { None }; 4], first_pass, first_sum, values: None };
         film.note(on);
@@ -124,7 +114,7 @@ impl VulkanFilm {
         self.first_pass.address()
     }
 
-    /// Where the present pass of a layer is, three floats a pixel, allocated if need be.
+    /// Where the present pass of a layer is, three planes of floats, allocated if need be.
     pub(crate) fn layer_address(&mut self, on: &mut Vulkan, layer: Layer) -> Result<u64> {
         if let Some(plane) = &self.layers[layer as usize] {
             return Ok(plane.pass.address());
@@ -250,43 +240,46 @@ pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()>
 pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     let mut picture = Film::new(film.width, film.height, film.units)?;
     picture.passes = film.passes;
-    let mut firsts = vec![FirstSum::default(); BLOCK.min(picture.pixels.len())];
-    let mut planes = vec![[[0.0_f32; 3]; 2]; firsts.len()];
-    for (block, pixels) in picture.pixels.chunks_mut(BLOCK).enumerate() {
-        let start = (block * BLOCK) as u64;
-        let firsts = &mut firsts[..pixels.len()];
-        on.read(&film.first_sum, start * size_of::<FirstSum>() as u64, bytemuck::cast_slice_mut(firsts))?;
-        for (pixel, first) in pixels.iter_mut().zip(firsts) {
-            *pixel = first.pixel();
+    let pixels = picture.pixels.len();
+    let (mut high, mut low) = (vec![0.0_f32; BLOCK.min(pixels)], vec![0.0_f32; BLOCK.min(pixels)]);
+    let mut hits = vec![0_u32; BLOCK.min(pixels)];
+    for (block, part) in picture.pixels.chunks_mut(BLOCK).enumerate() {
+        let at = |plane: usize| ((plane * pixels + block * BLOCK) * 4) as u64;
+        let (high, low) = (&mut high[..part.len()], &mut low[..part.len()]);
+        for plane in 0..FIRST_LOW {
+            on.read(&film.first_sum, at(plane), bytemuck::cast_slice_mut(high))?;
+            on.read(&film.first_sum, at(plane + FIRST_LOW), bytemuck::cast_slice_mut(low))?;
+            for (pixel, sum) in part.iter_mut().zip(both(high, low)) {
+                match plane {
+                    0..3 => pixel.normal[plane] = sum,
+                    3..6 => pixel.albedo[plane - 3] = sum,
+                    6 => pixel.depth = sum,
+                    // The device squares the sum of the channels, not their mean.
+                    _ => pixel.square = sum / 9.0,
+                }
+            }
         }
-        for (index, plane) in film.layers.iter().enumerate() {
+        on.read(&film.first_sum, at(2 * FIRST_LOW), bytemuck::cast_slice_mut(&mut hits[..part.len()]))?;
+        for (pixel, &hits) in part.iter_mut().zip(&hits) {
+            pixel.hits = u64::from(hits);
+        }
+        for (layer, plane) in film.layers.iter().enumerate() {
             let Some(plane) = plane else { continue };
-            let planes = &mut planes[..pixels.len()];
-            on.read(&plane.sum, start * 24, bytemuck::cast_slice_mut(planes))?;
-            for (pixel, [high, low]) in pixels.iter_mut().zip(planes) {
-                pixel.layers[index] = both(*high, *low);
+            for channel in 0..3 {
+                on.read(&plane.sum, at(channel), bytemuck::cast_slice_mut(high))?;
+                on.read(&plane.sum, at(channel + 3), bytemuck::cast_slice_mut(low))?;
+                for (pixel, sum) in part.iter_mut().zip(both(high, low)) {
+                    pixel.layers[layer][channel] = sum;
+                }
             }
         }
     }
     Ok(picture)
 }
 
-impl FirstSum {
-    fn pixel(&self) -> FilmPixel {
-        FilmPixel {
-            // The device squares the sum of the channels, not their mean.
-            square: (f64::from(self.square) + f64::from(self.square_low)) / 9.0,
-            normal: both(self.normal, self.normal_low),
-            albedo: both(self.albedo, self.albedo_low),
-            depth: f64::from(self.depth) + f64::from(self.depth_low),
-            hits: u64::from(self.hits),
-            ..FilmPixel::default()
-        }
-    }
-}
-
-fn both(high: [f32; 3], low: [f32; 3]) -> [f64; 3] {
-    std::array::from_fn(|c| f64::from(high[c]) + f64::from(low[c]))
+/// Sums in two floats each.
+fn both(high: &[f32], low: &[f32]) -> impl Iterator<Item = f64> {
+    high.iter().zip(low).map(|(&high, &low)| f64::from(high) + f64::from(low))
 }
 
 fn zeroed(on: &mut Vulkan, bytes: u64) -> Result<Memory> {

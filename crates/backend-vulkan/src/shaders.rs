@@ -16,6 +16,9 @@ pub(crate) static CAMERA_GATHER: Module =
 pub(crate) static CAMERA_GATHERED: Module =
     Module { name: "camera_gathered", bytes: include_bytes!("../spirv/camera_gathered.spv") };
 
+pub(crate) static CAMERA_SETTLE: Module =
+    Module { name: "camera_settle", bytes: include_bytes!("../spirv/camera_settle.spv") };
+
 pub(crate) static DEVICE_COPY: Module =
     Module { name: "device_copy", bytes: include_bytes!("../spirv/device_copy.spv") };
 
@@ -158,12 +161,13 @@ pub(crate) static SORT_SCATTER: Module =
     Module { name: "sort_scatter", bytes: include_bytes!("../spirv/sort_scatter.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 55] = [
+pub(crate) static ALL: [&Module; 56] = [
     &CAMERA_COMPACT,
     &CAMERA_DIRECT,
     &CAMERA_EYE,
     &CAMERA_GATHER,
     &CAMERA_GATHERED,
+    &CAMERA_SETTLE,
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_END,

@@ -154,6 +154,7 @@ void main() {
     if (MODE != ROWS && gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
         push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
     }
+    column_find();
     Hint hint = Hint(vec3(0.0), -1.0, false);
     for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
         uint place = tile + gl_SubgroupInvocationID;

@@ -92,8 +92,8 @@ float edge_again(vec2 from, vec2 to) {
 
 // Replaces `best` if the triangle is nearer, or as near and of lower index. Both sides count; edges
 // and vertices belong to every triangle that has them.
-void test_triangle(SceneRef scene, uint slot, Sheared s, inout Hit best) {
-    Corners corners = scene.corners[slot];
+void test_triangle(Corners table, uint slot, Sheared s, inout Hit best) {
+    Corners corners = table[slot];
     vec4 first = corners.a;
     vec4 second = corners.b;
     vec4 third = corners.c;
@@ -146,6 +146,9 @@ uint test_boxes(uint meta4, uint octant4, uvec3 near4, uvec3 far4, vec3 stride, 
 
 // A ray on its way through the tree.
 struct Walk {
+    // The tables, so that their addresses are not read again at every node.
+    WideNodes nodes;
+    Corners corners;
     Sheared sheared;
     vec3 inverse;
     // Children stand in the slots of octants: counted from the ray's own, the nearest come first.
@@ -183,6 +186,8 @@ void pop_group(inout Walk walk) {
 
 // Puts a ray before the root. False if there is nothing that it can hit.
 bool walk_begin(SceneRef scene, Ray ray, out Walk walk) {
+    walk.nodes = scene.nodes;
+    walk.corners = scene.corners;
     walk.best = Hit(min(ray.t_max, NO_LIMIT), NO_PRIMITIVE, 0.0, 0.0, 0u);
     bvec3 negative = lessThan(ray.direction, vec3(0.0));
     vec3 size = max(abs(ray.direction), vec3(LEAST_COMPONENT));
@@ -196,14 +201,14 @@ bool walk_begin(SceneRef scene, Ray ray, out Walk walk) {
 
 // Visits a node and its triangles. False if that was the last; if `shadow` lets any hit do, the first
 // that is found ends it.
-bool walk_step(SceneRef scene, inout Walk walk, const bool shadow) {
+bool walk_step(inout Walk walk, const bool shadow) {
     uint bit = uint(findMSB(walk.group.y));
     walk.group.y &= ~(1u << bit);
     uint slot = (bit - 24u) ^ walk.octant;
     uint index = walk.group.x + uint(bitCount(walk.group.y & ((1u << slot) - 1u)));
     if (walk.group.y > 0x00FFFFFFu) push_group(walk);
 
-    WideNodes node = scene.nodes[index];
+    WideNodes node = walk.nodes[index];
     uvec4 head = node.words[0];
     uvec4 first = node.words[1];
     uvec4 low_xy = node.words[2];
@@ -229,7 +234,7 @@ bool walk_step(SceneRef scene, inout Walk walk, const bool shadow) {
     while (triangles != 0u) {
         uint lowest = uint(findLSB(triangles));
         triangles &= triangles - 1u;
-        test_triangle(scene, first.y + lowest, walk.sheared, walk.best);
+        test_triangle(walk.corners, first.y + lowest, walk.sheared, walk.best);
         if (shadow && walk.best.primitive != NO_PRIMITIVE) return false;
     }
     walk.group = uvec2(first.x, (hits & 0xFF000000u) | head.w >> 24);
@@ -244,7 +249,7 @@ bool walk_step(SceneRef scene, inout Walk walk, const bool shadow) {
 bool nearest(SceneRef scene, Ray ray, out Hit hit) {
     Walk walk;
     bool under_way = walk_begin(scene, ray, walk);
-    while (under_way) under_way = walk_step(scene, walk, false);
+    while (under_way) under_way = walk_step(walk, false);
     hit = walk.best;
     return hit.primitive != NO_PRIMITIVE;
 }
@@ -253,7 +258,7 @@ bool nearest(SceneRef scene, Ray ray, out Hit hit) {
 bool occluded(SceneRef scene, Ray ray) {
     Walk walk;
     bool under_way = walk_begin(scene, ray, walk);
-    while (under_way) under_way = walk_step(scene, walk, true);
+    while (under_way) under_way = walk_step(walk, true);
     return walk.best.primitive != NO_PRIMITIVE;
 }
 

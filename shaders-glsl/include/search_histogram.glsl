@@ -16,8 +16,17 @@ const uint FULL = 0xFFFFu;
 
 shared uint columns[COLUMN * gl_WorkGroupSize.x];
 
+// Where this invocation's column begins, and how far apart its words lie. Kept, since asking for the
+// number of an invocation may cost as much as all the rest of counting a point.
+uint column_begin, column_stride;
+
+void column_find() {
+    column_begin = gl_SubgroupID * COLUMN * gl_SubgroupSize + gl_SubgroupInvocationID;
+    column_stride = gl_SubgroupSize;
+}
+
 uint column_at(uint row) {
-    return (gl_SubgroupID * COLUMN + row) * gl_SubgroupSize + gl_SubgroupInvocationID;
+    return column_begin + row * column_stride;
 }
 
 void bins_clear() {

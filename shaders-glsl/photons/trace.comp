@@ -59,27 +59,25 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Waiting { ui
 
 // What one stretch of paths works on, the same for all its dispatches.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Stretch {
-    SceneRef scene;
-    PhotonRays rays;
-    Photons photons;
-    Owners owners;
     // Three arrays of `count` words: photons that each path stored in each map.
     Counts stored;
     Endings endings;
     States states;
-    Counter place;
     uvec2 seed;
     uint pass;
     // Index of the first ray of this stretch.
     uint first;
     uint count;
-    uint places;
-    uint max_bounces;
-    uint reserved;
 };
 
 layout(push_constant, scalar) uniform Push {
     Stretch stretch;
+    // What is needed at every surface.
+    SceneRef scene;
+    PhotonRays rays;
+    Photons photons;
+    Owners owners;
+    Counter place;
     // This dispatch's and the next one's.
     Round now;
     Round then;
@@ -89,6 +87,8 @@ layout(push_constant, scalar) uniform Push {
     uint quota;
     uint surfaces;
     uint begins;
+    uint places;
+    uint max_bounces;
 } push;
 
 // More power than this on one path is a sign of broken numbers.
@@ -141,7 +141,7 @@ Path begin(uint number) {
     Path path;
     path.index = push.begins != 0u ? number : push.waiting[number].at;
     path.left = push.surfaces;
-    PhotonRay start = push.stretch.rays[push.stretch.first + path.index].at;
+    PhotonRay start = push.rays[push.stretch.first + path.index].at;
     path.numbers = sampler_new(RANDOM, push.stretch.seed, push.stretch.pass, DOMAIN_PHOTON, start.path);
     if (push.begins != 0u) {
         if (RANDOM == RANDOM_LCG) {
@@ -186,15 +186,15 @@ void store(inout Path path, Surface at) {
     uint map = !path.specular_only ? 2u : path.bounce > 0u ? 1u : 0u;
     if ((WANTED >> map & 1u) == 0u) return;
     uint ordinal = map == 2u ? path.stored.z : map == 1u ? path.stored.y : path.stored.x;
-    uint place = counter_take(push.stretch.place);
-    if (place < push.stretch.places) {
+    uint place = counter_take(push.place);
+    if (place < push.places) {
         Photon photon;
         photon.position = at.point;
         photon.direction = octahedral_pack(-path.ray.direction);
         photon.power = path.power;
         photon.normal = octahedral_pack(at.normal);
-        push.stretch.photons[place].at = photon;
-        push.stretch.owners[place].at = uvec2(path.index, ordinal << 2 | map);
+        push.photons[place].at = photon;
+        push.owners[place].at = uvec2(path.index, ordinal << 2 | map);
     }
     path.stored += uvec3(map == 0u, map == 1u, map == 2u);
 }
@@ -208,10 +208,10 @@ bool is_sane(Path path) {
 // One surface; how the path ended there, or FATE_NONE.
 uint step_path(inout Path path, Hit hit) {
     if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
-    Surface at = surface_of(push.stretch.scene, path.ray.direction, hit);
-    Material material = push.stretch.scene.materials[at.material].at;
+    Surface at = surface_of(push.scene, path.ray.direction, hit);
+    Material material = push.scene.materials[at.material].at;
     if (ABSORPTION) {
-        precise vec3 left = path.power * transmittance(push.stretch.scene, at, path.medium);
+        precise vec3 left = path.power * transmittance(push.scene, at, path.medium);
         path.power = left;
     }
     uvec4 words = sampler_words(path.numbers, BLOCK_SURFACES + path.bounce);
@@ -244,7 +244,7 @@ uint step_path(inout Path path, Hit hit) {
     ++path.bounce;
     if (absorbed) return FATE_ABSORBED;
     path.ray = Ray(off_surface(at.point, passes ? -at.normal : at.normal), onward, NO_LIMIT);
-    return path.bounce >= push.stretch.max_bounces ? FATE_TRUNCATED : FATE_NONE;
+    return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
 }
 
 void finish(Path path, uint fate) {
@@ -258,33 +258,68 @@ void finish(Path path, uint fate) {
     push.stretch.endings[path.index].at = ending;
 }
 
+// The end of a path, or of what this dispatch does for it; the next path. False if there is none.
+bool follow_next(inout Path path, uint fate, inout uint turn, uint given) {
+    if (fate == FATE_NONE) keep(path);
+    else finish(path, fate);
+    uint number = next_path(turn, given);
+    if (number >= given) return false;
+    path = begin(number);
+    return true;
+}
+
+// What an invocation is about.
+const uint READY = 0u;
+const uint UNDER_WAY = 1u;
+const uint ARRIVED = 2u;
+const uint IDLE = 3u;
+
 void main() {
     uint given = push.begins != 0u ? push.stretch.count : push.now.given;
     uint turn = 0u;
     uint number = next_path(turn, given);
-    if (number >= given) return;
-    Path path = begin(number);
-    // One loop for nodes, surfaces and paths: an invocation whose ray has hit or whose path has ended
-    // goes on while its neighbours are still under way.
+    bool any = number < given;
+    if (!any && BUSY == 0u) return;
+    Path path;
+    if (any) path = begin(number);
     Walk walk;
-    bool under_way = false;
-    while (true) {
-        uint fate = FATE_DROPPED;
-        if (under_way || is_sane(path)) {
-            if (!under_way) under_way = walk_begin(push.stretch.scene, path.ray, walk);
-            while (under_way) {
-                under_way = walk_step(push.stretch.scene, walk, false);
-                if (BUSY > 0u && under_way && subgroupBallotBitCount(subgroupBallot(true)) < BUSY) break;
+    if (BUSY == 0u) {
+        // One loop for surfaces and paths: an invocation whose path has ended goes on with the next one
+        // while its neighbours are still under way.
+        while (any) {
+            uint fate = FATE_DROPPED;
+            if (is_sane(path)) {
+                bool under_way = walk_begin(push.scene, path.ray, walk);
+                while (under_way) under_way = walk_step(walk, false);
+                fate = step_path(path, walk.best);
             }
-            if (under_way) continue;
-            fate = step_path(path, walk.best);
+            --path.left;
+            if (fate != FATE_NONE || path.left == 0u) any = follow_next(path, fate, turn, given);
         }
-        --path.left;
-        if (fate == FATE_NONE && path.left > 0u) continue;
-        if (fate == FATE_NONE) keep(path);
-        else finish(path, fate);
-        number = next_path(turn, given);
-        if (number >= given) break;
-        path = begin(number);
+        return;
+    }
+    // One loop for nodes too. All of a subgroup come to its head together and do there what most of
+    // them need: nobody leaves before all are done, so that they stay together.
+    uint state = any ? READY : IDLE;
+    while (true) {
+        uint under_way = subgroupBallotBitCount(subgroupBallot(state == UNDER_WAY));
+        uint waiting = subgroupBallotBitCount(subgroupBallot(state == READY || state == ARRIVED));
+        if (under_way + waiting == 0u) break;
+        if (waiting > 0u && under_way < BUSY) {
+            if (state == ARRIVED) {
+                uint fate = is_sane(path) ? step_path(path, walk.best) : FATE_DROPPED;
+                --path.left;
+                bool goes_on = fate == FATE_NONE && path.left > 0u;
+                if (!goes_on) goes_on = follow_next(path, fate, turn, given);
+                state = goes_on ? READY : IDLE;
+            }
+            if (state == READY) {
+                bool starts = is_sane(path) && walk_begin(push.scene, path.ray, walk);
+                state = starts ? UNDER_WAY : ARRIVED;
+                if (!starts) walk.best.primitive = NO_PRIMITIVE;
+            }
+        } else if (state == UNDER_WAY) {
+            if (!walk_step(walk, false)) state = ARRIVED;
+        }
     }
 }

@@ -17,7 +17,8 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     Ray ray = Ray(a.xyz, b.xyz, a.w);
     Hit best = Hit(ray.t_max, NO_PRIMITIVE, 0.0, 0.0, 0u);
     Sheared s;
-    if (sheared(ray, s)) test_triangle(scene, words.c.x, s, best);
+    Corners corners = scene.corners;
+    if (sheared(ray, s)) test_triangle(corners, words.c.x, s, best);
     if (best.primitive == NO_PRIMITIVE) return floats(vec4(0.0), vec4(0.0));
     return floats(vec4(best.t, best.u, best.v, 1.0), vec4(0.0));
 }

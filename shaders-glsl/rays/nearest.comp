@@ -58,7 +58,7 @@ void main() {
         uint index = thread();
         if (index >= push.count) return;
         bool under_way = begin(index, walk);
-        while (under_way) under_way = walk_step(push.scene, walk, SHADOW);
+        while (under_way) under_way = walk_step(walk, SHADOW);
         end(index, walk.best);
         return;
     }
@@ -75,7 +75,7 @@ void main() {
             if (!under_way) end(index, walk.best);
         }
         while (under_way) {
-            under_way = walk_step(push.scene, walk, SHADOW);
+            under_way = walk_step(walk, SHADOW);
             if (!under_way) {
                 end(index, walk.best);
             } else if (subgroupBallotBitCount(subgroupBallot(true)) < BUSY) {

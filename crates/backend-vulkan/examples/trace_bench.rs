@@ -106,11 +106,10 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
 /// The usual one both ways, and others.
 fn plans(usual: TracePlan) -> Vec<(Sharing, TracePlan)> {
     let mut plans = vec![(Sharing::Static, usual), (Sharing::Dynamic, usual)];
+    plans.push((Sharing::Dynamic, TracePlan { surfaces: 16, ..usual }));
     for busy in [0, 8, 16, 24] {
-        for (group, threads, quota) in [(128, 1 << 17, 4), (64, 1 << 17, 8), (128, 1 << 16, 16)] {
-            for shared_groups in [0, 6] {
-                plans.push((Sharing::Dynamic, TracePlan { group, threads, quota, busy, shared_groups, ..usual }));
-            }
+        for (group, threads, quota) in [(128, 1 << 17, 64), (64, 1 << 17, 64), (128, 1 << 16, 64), (128, 1 << 18, 64)] {
+            plans.push((Sharing::Dynamic, TracePlan { group, threads, quota, busy, ..usual }));
         }
     }
     plans

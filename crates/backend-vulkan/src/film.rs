@@ -18,7 +18,7 @@ mod tests;
 /// Invocations per workgroup; the work is bound by memory.
 const GROUP: u32 = 128;
 /// Pixels that are brought home at a time.
-const BLOCK: usize = 1 << 20;
+const BLOCK: usize = 1 << 16;
 
 /// Sums over finished passes, and the pass in progress apart from them.
 #[derive(Debug)]
@@ -236,50 +236,42 @@ pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()>
     on.fill(&film.first_pass, 0, film.first_pass.bytes(), 0)
 }
 
-/// Brings the sums home.
+/// Brings the sums home, a stretch of pixels at a time with all their planes together.
 pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     let mut picture = Film::new(film.width, film.height, film.units)?;
     picture.passes = film.passes;
     let pixels = picture.pixels.len();
-    let (mut high, mut low) = (vec![0.0_f32; BLOCK.min(pixels)], vec![0.0_f32; BLOCK.min(pixels)]);
-    let mut hits = vec![0_u32; BLOCK.min(pixels)];
+    let sums = film.layers.iter().flatten().flat_map(|plane| (0..6).map(|i| (&plane.sum, i)));
+    let planes: Vec<(&Memory, usize)> = (0..FIRST_PLANES).map(|i| (&film.first_sum, i)).chain(sums).collect();
+    let mut words = vec![0_u32; planes.len() * BLOCK.min(pixels)];
+    let together = on.memory("film", words.len() as u64 * 4).map_err(label)?;
     for (block, part) in picture.pixels.chunks_mut(BLOCK).enumerate() {
-        let at = |plane: usize| ((plane * pixels + block * BLOCK) * 4) as u64;
-        let (high, low) = (&mut high[..part.len()], &mut low[..part.len()]);
-        for plane in 0..FIRST_LOW {
-            on.read(&film.first_sum, at(plane), bytemuck::cast_slice_mut(high))?;
-            on.read(&film.first_sum, at(plane + FIRST_LOW), bytemuck::cast_slice_mut(low))?;
-            for (pixel, sum) in part.iter_mut().zip(both(high, low)) {
-                match plane {
-                    0..3 => pixel.normal[plane] = sum,
-                    3..6 => pixel.albedo[plane - 3] = sum,
-                    6 => pixel.depth = sum,
-                    // The device squares the sum of the channels, not their mean.
-                    _ => pixel.square = sum / 9.0,
-                }
-            }
-        }
-        on.read(&film.first_sum, at(2 * FIRST_LOW), bytemuck::cast_slice_mut(&mut hits[..part.len()]))?;
-        for (pixel, &hits) in part.iter_mut().zip(&hits) {
-            pixel.hits = u64::from(hits);
-        }
-        for (layer, plane) in film.layers.iter().enumerate() {
-            let Some(plane) = plane else { continue };
-            for channel in 0..3 {
-                on.read(&plane.sum, at(channel), bytemuck::cast_slice_mut(high))?;
-                on.read(&plane.sum, at(channel + 3), bytemuck::cast_slice_mut(low))?;
-                for (pixel, sum) in part.iter_mut().zip(both(high, low)) {
-                    pixel.layers[layer][channel] = sum;
-                }
+        let (start, length) = (block * BLOCK, part.len());
+        on.unordered(|on| {
+            planes.iter().enumerate().try_for_each(|(to, &(memory, plane))| {
+                let (from, to) = ((plane * pixels + start) * 4, to * length * 4);
+                on.copy(memory, from as u64, &together, to as u64, length as u64 * 4)
+            })
+        })?;
+        let words = &mut words[..planes.len() * length];
+        on.read(&together, 0, bytemuck::cast_slice_mut(words))?;
+        let float = |plane: usize, i: usize| f64::from(f32::from_bits(words[plane * length + i]));
+        for (i, pixel) in part.iter_mut().enumerate() {
+            let first = |plane: usize| float(plane, i) + float(plane + FIRST_LOW, i);
+            pixel.normal = std::array::from_fn(first);
+            pixel.albedo = std::array::from_fn(|axis| first(3 + axis));
+            pixel.depth = first(6);
+            // The device squares the sum of the channels, not their mean.
+            pixel.square = first(7) / 9.0;
+            pixel.hits = u64::from(words[2 * FIRST_LOW * length + i]);
+            let mut plane = FIRST_PLANES;
+            for (sum, _) in pixel.layers.iter_mut().zip(&film.layers).filter(|(_, plane)| plane.is_some()) {
+                *sum = std::array::from_fn(|channel| float(plane + channel, i) + float(plane + channel + 3, i));
+                plane += 6;
             }
         }
     }
     Ok(picture)
-}
-
-/// Sums in two floats each.
-fn both(high: &[f32], low: &[f32]) -> impl Iterator<Item = f64> {
-    high.iter().zip(low).map(|(&high, &low)| f64::from(high) + f64::from(low))
 }
 
 fn zeroed(on: &mut Vulkan, bytes: u64) -> Result<Memory> {

@@ -159,7 +159,8 @@ fn photons_of_other_paths_are_noticed() {
 #[test]
 fn the_way_of_sharing_does_not_show() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
-    let plain = TracePlan { group: 32, threads: 1 << 17, quota: 4, busy: 0, shared_groups: 0, places: 1 << 20 };
+    let plain =
+        TracePlan { group: 32, threads: 1 << 17, quota: 4, busy: 0, shared_groups: 0, surfaces: 16, places: 1 << 20 };
     for (name, max_bounces) in [("cornell-glass", 40), ("ring", 7)] {
         let scene = scene(name);
         let how = |sharing| How { settings: Settings { sharing, max_bounces, ..settings() }, ..How::default() };
@@ -170,6 +171,7 @@ fn the_way_of_sharing_does_not_show() {
             (Sharing::Static, plain),
             (Sharing::Dynamic, plain),
             (Sharing::Static, TracePlan { threads: 3000, quota: 16, busy: 3, ..plain }),
+            (Sharing::Dynamic, TracePlan { surfaces: 3, busy: 3, ..plain }),
             (
                 Sharing::Dynamic,
                 TracePlan { group: 64, threads: 3000, quota: 16, busy: 1000, shared_groups: 2, ..plain },

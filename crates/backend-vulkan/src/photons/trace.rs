@@ -3,14 +3,14 @@
 //! A stretch of paths at a time, in rounds of so many surfaces: invocations store what they have to
 //! wherever there is room, and count for every path; prefix sums of the counts then say where each
 //! photon goes. Rounds bound how long a dispatch runs. Some drivers end loops silently that are too
-//! long: lavapipe (of Mesa 22) after 65 535 turns in all, which is what `SURFACES` and
-//! [`TracePlan::quota`] mind.
+//! long: lavapipe (of Mesa 22) after 65 535 turns in all, which is what
+//! [`TracePlan::surfaces`] and [`TracePlan::quota`] mind.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Batch, Deposits, Features, Photon, PhotonRay, Result, Settings, Sharing, Tally, Tracer};
 
 use super::ends::{WORDS, tally};
-use super::{TracePlan, random_number};
+use super::random_number;
 use crate::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
 use crate::scan::Scan;
@@ -18,8 +18,6 @@ use crate::scene::VulkanScene;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Surfaces that a path is followed for in one round.
-const SURFACES: u32 = 16;
 /// Rounds between two looks at whether anything is still under way.
 const LOOK: u32 = 4;
 /// Invocations per workgroup of all kernels but the tracing one.
@@ -71,27 +69,25 @@ const CURSORS: u64 = 32;
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Stretch {
-    scene: u64,
-    rays: u64,
-    photons: u64,
-    owners: u64,
     stored: u64,
     endings: u64,
     states: u64,
-    place: u64,
     seed: [u32; 2],
     pass: u32,
     first: u32,
     count: u32,
-    places: u32,
-    max_bounces: u32,
-    reserved: u32,
+    pad: u32,
 }
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct TracePush {
     stretch: u64,
+    scene: u64,
+    rays: u64,
+    photons: u64,
+    owners: u64,
+    place: u64,
     now: u64,
     then: u64,
     waiting: u64,
@@ -99,6 +95,8 @@ struct TracePush {
     quota: u32,
     surfaces: u32,
     begins: u32,
+    places: u32,
+    max_bounces: u32,
     pad: u32,
 }
 
@@ -155,6 +153,7 @@ impl VulkanTracer {
             return Ok(());
         }
         self.room = None;
+        let long = self.max_bounces > on.trace_plan.surfaces;
         let room = Room {
             paths,
             places,
@@ -162,13 +161,12 @@ impl VulkanTracer {
             owners: on.memory("owners of photons", places * 8)?,
             stored: on.memory("photons per path", paths * 3 * 4)?,
             endings: on.memory("ends of paths", paths * 16)?,
-            states: on.memory("paths under way", if self.max_bounces > SURFACES { paths * 64 } else { 0 })?,
-            waiting: on.memory("paths under way", if self.max_bounces > SURFACES { paths * 8 } else { 0 })?,
+            states: on.memory("paths under way", if long { paths * 64 } else { 0 })?,
+            waiting: on.memory("paths under way", if long { paths * 8 } else { 0 })?,
             cursors: on.memory("cursors", CURSORS)?,
             stretch: on.memory("stretch", size_of::<Stretch>() as u64)?,
         };
-        let long = if self.max_bounces > SURFACES { 72 } else { 0 };
-        on.note_memory("tracing", places * 40 + paths * (28 + long));
+        on.note_memory("tracing", places * 40 + paths * if long { 100 } else { 28 });
         self.room = Some(room);
         Ok(())
     }
@@ -184,11 +182,11 @@ impl Tracer<Vulkan> for VulkanTracer {
         mut deposits: Deposits<'_, Vulkan>,
     ) -> Result<()> {
         let count = on.length(rays)?;
-        let bounces = u64::from(self.max_bounces);
         let mut first = 0;
         while first < count {
             let stretch = self.longest.min(count - first);
-            let places = on.trace_plan.places.min(stretch * bounces);
+            let targets = [deposits.direct.as_deref(), deposits.caustic.as_deref(), deposits.global.as_deref()];
+            let places = on.trace_plan.places.min(self.most(&targets, stretch));
             self.room(on, stretch, places)?;
             if self.stretch(on, scene, batch, rays, &mut deposits, first, stretch)? {
                 first += stretch;
@@ -242,28 +240,21 @@ impl VulkanTracer {
             let Some(room) = &self.room else { return Ok(false) };
             on.fill(&room.cursors, 0, CURSORS, 0)?;
             let stretch = Stretch {
-                scene: scene.address(),
-                rays: rays.data_address(),
-                photons: room.photons.address(),
-                owners: room.owners.address(),
                 stored: room.stored.address(),
                 endings: room.endings.address(),
                 states: room.states.address(),
-                place: room.cursors.address() + PLACE,
                 seed: [pass.seed as u32, (pass.seed >> 32) as u32],
                 pass: pass.index,
                 first: first as u32,
                 count: count as u32,
-                places: room.places as u32,
-                max_bounces: self.max_bounces,
-                reserved: 0,
+                pad: 0,
             };
             on.write(&room.stretch, 0, bytemuck::bytes_of(&stretch))?;
-            self.rounds(on, room, &trace, plan, count)?;
-            if wanted == 0 || count * u64::from(self.max_bounces) <= room.places {
+            self.rounds(on, room, (scene.address(), rays.data_address()), &trace, count)?;
+            if self.most(&targets, count) <= room.places {
                 break;
             }
-            // Only here can there have been more photons than places, and only then is it asked.
+            // Only here can photons be missing, and only then is it asked.
             let mut stored = [0_u32];
             on.read(&room.cursors, PLACE, bytemuck::bytes_of_mut(&mut stored))?;
             let stored = u64::from(stored[0]);
@@ -280,8 +271,23 @@ impl VulkanTracer {
         Ok(true)
     }
 
+    /// Photons of `count` paths that need a place: if there are more than all maps hold, one of them
+    /// has overflowed, and it does not matter which ones it holds.
+    fn most(&self, targets: &[Option<&VulkanBuffer<Photon>>; 3], count: u64) -> u64 {
+        let held = targets.iter().flatten().map(|target| target.capacity()).sum::<u64>();
+        held.min(count * u64::from(self.max_bounces))
+    }
+
     /// Follows the paths of a stretch to their ends, so many surfaces at a time.
-    fn rounds(&self, on: &mut Vulkan, room: &Room, trace: &Kernel, plan: TracePlan, count: u64) -> Result<()> {
+    fn rounds(
+        &self,
+        on: &mut Vulkan,
+        room: &Room,
+        (scene, rays): (u64, u64),
+        trace: &Kernel,
+        count: u64,
+    ) -> Result<()> {
+        let plan = on.trace_plan;
         let group = u64::from(plan.group);
         // As many as fit the device, but enough for every path.
         let threads = plan.threads.max(count.div_ceil(plan.quota)).min(count).next_multiple_of(group);
@@ -289,7 +295,7 @@ impl VulkanTracer {
         let quota = count.div_ceil(threads) as u32 * if self.sharing == Sharing::Dynamic { 2 } else { 1 };
         let round = |number: u32| room.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
         let list = |number: u32| room.waiting.address() + u64::from(number % 2) * room.paths * 4;
-        let rounds = self.max_bounces.div_ceil(SURFACES);
+        let rounds = self.max_bounces.div_ceil(plan.surfaces);
         for number in 0..rounds {
             if number > 0 {
                 // What the next round will count is what the last one counted.
@@ -297,13 +303,20 @@ impl VulkanTracer {
             }
             let push = TracePush {
                 stretch: room.stretch.address(),
+                scene,
+                rays,
+                photons: room.photons.address(),
+                owners: room.owners.address(),
+                place: room.cursors.address() + PLACE,
                 now: round(number),
                 then: round(number + 1),
                 waiting: list(number),
                 left: list(number + 1),
                 quota,
-                surfaces: SURFACES,
+                surfaces: plan.surfaces,
                 begins: u32::from(number == 0),
+                places: room.places as u32,
+                max_bounces: self.max_bounces,
                 pad: 0,
             };
             on.dispatch(trace, &push, threads / group)?;

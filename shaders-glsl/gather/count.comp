@@ -37,11 +37,13 @@ void visit(uint mode, uvec2 firsts) {
     }
 }
 
+const uint VISIT_TURNS = TILE_POINTS / 8 + 1;
 #define SEARCH_COUNT
 #include "search_walk.glsl"
 
 void main() {
     uvec2 own = own_queries();
+    if (own.x == own.y || (TURNS != 0 && !kept_open())) return;
     for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
         uint index = tile + gl_SubgroupInvocationID;
         bool asked = index < own.y;
@@ -54,7 +56,17 @@ void main() {
             bool a_number = !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z) && !is_nan(most);
             if (push.points > 0 && a_number) limit = floatBitsToUint(most) + 1;
         }
+        if (resumed) {
+            kept_begin(KEPT_KERNEL);
+            keep(found);
+        }
         if (subgroupAny(limit > 0)) walk(0);
+        if (paused) {
+            kept_begin(KEPT_KERNEL);
+            keep(found);
+            break;
+        }
         if (asked && index < push.capacity) Words(push.results)[index].at = found;
     }
+    if (TURNS != 0) kept_close();
 }

@@ -111,7 +111,21 @@ void visit(uint mode, uvec2 firsts) {
     }
 }
 
+const uint VISIT_TURNS = TILE_POINTS / 8 * 2 + 1;
 #include "search_walk.glsl"
+
+// Turns of a round besides those of its walk, a first guess included.
+const uint ROUND_TURNS = COLUMN + BINS + LEVELS;
+
+void query_keep(inout uint round) {
+    kept_begin(KEPT_KERNEL);
+    keep(round);
+    keep(limit);
+    keep(accepted);
+    rank_keep();
+    moments_keep();
+    bins_keep();
+}
 
 // What is known about this query before the tree is looked at.
 void ask(uint index, Hint hint) {
@@ -154,6 +168,7 @@ void main() {
     if (MODE != ROWS && gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
         push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
     }
+    if (own.x == own.y || (TURNS != 0 && !kept_open())) return;
     column_find();
     Hint hint = Hint(vec3(0.0), -1.0, false);
     for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
@@ -169,21 +184,31 @@ void main() {
         base = 0.0;
         squared_radius = 0.0;
         if (asked) ask(index, hint);
-        guess();
-        for (uint round = 0;; round++) {
+        uint round = 0;
+        if (resumed) query_keep(round);
+        else guess();
+        for (;; round++) {
             uint mode = subgroupMin(phase);
             if (mode == DONE) break;
             bool busy = phase == mode;
-            limit = 0;
-            below = 0;
-            if (busy && mode < COLLECT) rank_begin();
-            if (busy && mode == COLLECT) {
-                limit = high_bits + 1;
-                moments_begin(place);
+            if (!resumed) {
+                turns += TURNS != 0 ? ROUND_TURNS : 0;
+                limit = 0;
+                below = 0;
+                if (busy && mode < COLLECT) rank_begin();
+                if (busy && mode == COLLECT) {
+                    limit = high_bits + 1;
+                    moments_begin(place);
+                }
             }
             walk(mode);
+            if (paused) break;
             if (busy && mode < COLLECT) rank_end(round);
             if (busy && mode == COLLECT) rank_collected(sure, open);
+        }
+        if (paused) {
+            query_keep(round);
+            break;
         }
         bool full = sure + open >= push.k && push.k > 0;
         float reach = asked ? finish(full) : 0.0;
@@ -193,4 +218,5 @@ void main() {
         bool steady = full && hint.squared_radius >= 0.0 && reach < 2.0 * hint.squared_radius && hint.squared_radius < 2.0 * reach;
         hint = Hint(at, full ? reach : -1.0, steady);
     }
+    if (TURNS != 0) kept_close();
 }

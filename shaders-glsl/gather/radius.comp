@@ -62,13 +62,21 @@ void visit(uint mode, uvec2 firsts) {
     }
 }
 
+const uint VISIT_TURNS = TILE_POINTS / 8 + 1;
 #include "search_walk.glsl"
+
+void query_keep() {
+    kept_begin(KEPT_KERNEL);
+    sum_keep(flux);
+    keep(photons);
+}
 
 void main() {
     uvec2 own = own_queries();
     if (gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
         push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
     }
+    if (own.x == own.y || (TURNS != 0 && !kept_open())) return;
     for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
         uint place = tile + gl_SubgroupInvocationID;
         bool asked = place < own.y;
@@ -93,10 +101,16 @@ void main() {
         scale = 1.0 / divisor;
         flux = NOTHING;
         photons = 0;
+        if (resumed) query_keep();
         walk(0);
+        if (paused) {
+            query_keep();
+            break;
+        }
         if (asked && index < push.capacity) {
             Estimates(push.results)[index].at = Estimate(
                 flux.total - flux.excess, divisor, photons, squared_radius < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
         }
     }
+    if (TURNS != 0) kept_close();
 }

@@ -3,6 +3,8 @@
 #ifndef SEARCH_HISTOGRAM_GLSL
 #define SEARCH_HISTOGRAM_GLSL
 
+#include "search_pause.glsl"
+
 // Whether a bin has 32 bits.
 layout(constant_id = 7) const uint WIDE = 0;
 
@@ -53,6 +55,11 @@ void bin_add(uint bin) {
 uint bins_shift(uint range) {
     int top = findMSB(range);
     return top < int(BINS_LOG2) ? 0u : uint(top) + 1u - BINS_LOG2;
+}
+
+// Writes the bins down, or what stands in their place, or reads it again.
+void bins_keep() {
+    for (uint row = 0; row < COLUMN; row++) keep(columns[column_at(row)]);
 }
 
 #endif

@@ -20,9 +20,7 @@ const uint LEVELS = 64;
 // Points of two leaves.
 const uint TILE_POINTS = 32;
 
-// Calls f(p) for eight places from `place` on. Written out, since a loop's turn costs as much as a point;
-// and a device in software, Mesa's llvmpipe, ends every loop of an invocation that has made 65 535
-// turns in all of its loops together.
+// Calls f(p) for eight places from `place` on. Written out, since a loop's turn costs as much as a point.
 #define EIGHT(f, place) \
     f((place)); f((place) + 1); f((place) + 2); f((place) + 3); \
     f((place) + 4); f((place) + 5); f((place) + 6); f((place) + 7)
@@ -64,6 +62,8 @@ layout(push_constant, scalar) uniform Push {
     uint threshold;
     // Results that fit.
     uint capacity;
+    // Where walks that pause are written down: search_pause.glsl.
+    Words kept;
 } push;
 
 // Whether queries are taken in the order of `push.order`.

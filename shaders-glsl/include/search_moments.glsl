@@ -24,6 +24,16 @@ void moments_begin(uint place) {
     row = place - push.first;
 }
 
+// Writes the sums down, or reads them again.
+void moments_keep() {
+    keep(sure);
+    keep(open);
+    sum_keep(sum0);
+    sum_keep(sum1);
+    sum_keep(sum2);
+    keep(per_high);
+}
+
 void moments_add(vec3 power, float d2) {
     part0 += power;
     float u = d2 * per_high;
@@ -43,6 +53,8 @@ void moments_part_end() {
 void row_add(uint number, uint bits, uint id) {
     if (number < push.k) Rows(push.results)[row * push.k + number].key = uvec2(bits, id);
 }
+
+#define ROW_NONE(number) row_add(number, 0xFFFFFFFFu, 0xFFFFFFFFu)
 
 // Takes a point within the limit.
 void collect(uint place, uint bits, uint slot) {
@@ -100,7 +112,9 @@ float finish(bool full) {
         moments_add(uintBitsToFloat(power.xyz) * weight, uintBitsToFloat(bits));
     }
     if (MODE == ROWS) {
-        for (uint number = rows; number < push.k; number++) row_add(number, 0xFFFFFFFFu, 0xFFFFFFFFu);
+        for (; rows < push.k; rows += 8) {
+            EIGHT(ROW_NONE, rows);
+        }
     } else {
         moments_part_end();
     }

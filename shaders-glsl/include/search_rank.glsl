@@ -92,6 +92,7 @@ void rank_widen(float d2) {
 void rank_shrink() {
     bool fell = false;
     while (subgroupAny(below >= push.k)) {
+        turns += TURNS != 0 ? 1 : 0;
         if (below >= push.k) {
             top--;
             below -= bin_count(top);
@@ -174,6 +175,22 @@ void rank_collected(uint sure, uint open) {
     if (low_bits > high_bits || (enough && open <= STASH)) phase = DONE;
     else if (enough) range_set(NARROW, low_bits, high_bits);
     else range_set(NARROW, 0, floatBitsToUint(squared_radius));
+}
+
+// Writes down what is known of a query, or reads it again.
+void rank_keep() {
+    keep(phase);
+    keep(squared_radius);
+    keep(base);
+    keep(width);
+    keep(per_width);
+    keep(top);
+    keep(highest);
+    keep(below);
+    keep(low_bits);
+    keep(high_bits);
+    keep(low_id);
+    keep(high_id);
 }
 
 // Ends a round.

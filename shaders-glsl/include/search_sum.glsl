@@ -3,6 +3,8 @@
 #ifndef SEARCH_SUM_GLSL
 #define SEARCH_SUM_GLSL
 
+#include "search_pause.glsl"
+
 struct Sum {
     vec3 total;
     // What `total` has too much.
@@ -17,6 +19,12 @@ void sum_add(inout Sum sum, vec3 part) {
     precise vec3 excess = (total - sum.total) - exact;
     sum.total = total;
     sum.excess = excess;
+}
+
+// Writes a sum down, or reads it again.
+void sum_keep(inout Sum sum) {
+    keep(sum.total);
+    keep(sum.excess);
 }
 
 #endif

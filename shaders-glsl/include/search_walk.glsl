@@ -8,11 +8,17 @@
 //   vec3 at, uint limit        the query, and one more than the bits of the squared radius; 0 for none,
 //   shared uvec4 staged[]      points, TILE_POINTS to a tile,
 //   stage(mode, place, slot)   which puts the point of a slot at a place of `staged`,
-//   visit(mode, firsts)        which looks at the staged points, two leaves whose first slots these are;
+//   visit(mode, firsts)        which looks at the staged points, two leaves whose first slots these are,
+//   uint VISIT_TURNS           turns of loops that a visit makes at most;
 // and may #define SEARCH_NEAREST, for searches that need no more than k of many equal points (they
 // count what they accept in `accepted`), or SEARCH_COUNT, which takes whole nodes at once (in `found`).
+//
+// A walk that has to pause sets `paused` and returns; what it knows is then written down, and read again
+// by the walk that goes on. What the kernel knows of its queries is for the kernel to keep.
 #ifndef SEARCH_WALK_GLSL
 #define SEARCH_WALK_GLSL
+
+#include "search_pause.glsl"
 
 // First child and a mask of the children still to be entered, level by level.
 shared uvec2 walk_stack[TILES * LEVELS];
@@ -50,20 +56,48 @@ void walk(uint mode) {
     uint pending = 0;
 #ifdef SEARCH_NEAREST
     // Equal points that are being taken one leaf's worth at a time.
-    uint same_first = 0, same_left = 0, same_start = 0, paused = 0;
+    uint same_first = 0, same_left = 0, same_start = 0, limit_then = 0;
     // Where, from which slot on, and how many of them were accepted in nodes before that one.
     vec3 same_at = vec3(0.0);
     uint same_last = 0xFFFFFFFFu, same_taken = 0;
 #endif
     bool more = true;
-    while (more) {
+    for (;;) {
+        if (TURNS != 0) paused = !resumed && more && turns > TURNS;
+        if (TURNS != 0 && (resumed || paused)) {
+            kept_begin(0);
+            keep(low);
+            keep(high);
+            keep(first);
+            keep(mask);
+            keep(depth);
+            keep(next);
+            keep(firsts);
+            keep(counts);
+            keep(pending);
+#ifdef SEARCH_NEAREST
+            keep(same_first);
+            keep(same_left);
+            keep(same_start);
+            keep(limit_then);
+            keep(same_at);
+            keep(same_last);
+            keep(same_taken);
+#endif
+            for (uint level = lane; level < depth; level += gl_SubgroupSize) keep(walk_stack[levels + level]);
+            tile_barrier();
+            middle = 0.5 * low + 0.5 * high;
+            resumed = false;
+        }
+        if (!more || paused) break;
+        turns += TURNS != 0 ? 4 : 0;
         bool flush = false, same_ends = false;
         uvec2 leaf = uvec2(0);
 #ifdef SEARCH_NEAREST
         if (same_left > 0) {
             // Equal points stand in order of id: after k of them no other can be among the nearest.
             if (same_taken + accepted - same_start >= push.k && limit > 0) {
-                paused = limit;
+                limit_then = limit;
                 limit = 0;
             }
             if (meets(same_at, same_at)) {
@@ -124,7 +158,10 @@ void walk(uint mode) {
                     same_left = push.totals[number].at;
                     same_start = accepted;
                     uint below = node_low.w;
-                    while ((push.nodes[below].high.w & LEAF) == 0) below = push.nodes[below].low.w;
+                    while ((push.nodes[below].high.w & LEAF) == 0) {
+                        below = push.nodes[below].low.w;
+                        turns += TURNS != 0 ? 1 : 0;
+                    }
                     same_first = push.nodes[below].low.w;
                     // Those of nodes before, at the same place, are before these.
                     if (!(same_at == box_low && same_first > same_last)) same_taken = 0;
@@ -184,6 +221,7 @@ void walk(uint mode) {
                     staged[place] = uvec4(0x7FC00000u);
                 }
             }
+            turns += TURNS != 0 ? TILE_POINTS / gl_SubgroupSize + VISIT_TURNS + 2 : 0;
             tile_barrier();
             visit(mode, firsts);
             tile_barrier();
@@ -193,8 +231,8 @@ void walk(uint mode) {
 #ifdef SEARCH_NEAREST
         if (same_ends) {
             same_taken += accepted - same_start;
-            if (paused > 0) limit = paused;
-            paused = 0;
+            if (limit_then > 0) limit = limit_then;
+            limit_then = 0;
         }
 #endif
     }

@@ -39,6 +39,9 @@ pub struct Limits {
     pub max_allocation: u64,
     /// Nanoseconds per tick of a timestamp; 0 if the queue has none.
     pub timestamp_period: f64,
+    /// Turns that all loops of an invocation may make together before the driver ends them in silence;
+    /// 0 if it never does.
+    pub loop_turns: u32,
     /// What tells this driver's compiled pipelines from others.
     pub(crate) cache_key: [u8; 16],
 }
@@ -322,6 +325,8 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
         shared_memory: properties.limits.max_compute_shared_memory_size,
         max_allocation: three.max_memory_allocation_size,
         timestamp_period: if stamps { f64::from(properties.limits.timestamp_period) } else { 0.0 },
+        // Mesa's LP_MAX_TGSI_LOOP_ITERATIONS.
+        loop_turns: if driver.driver_id == vk::DriverId::MESA_LLVMPIPE { 65_535 } else { 0 },
         cache_key: properties.pipeline_cache_uuid,
     }
 }

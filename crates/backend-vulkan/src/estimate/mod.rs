@@ -6,6 +6,7 @@
 
 mod neighbours;
 mod order;
+mod pause;
 mod search;
 #[cfg(test)]
 mod tests;

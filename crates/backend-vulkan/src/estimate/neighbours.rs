@@ -107,12 +107,23 @@ impl Vulkan {
         queries: &VulkanBuffer<Query>,
         radius: f32,
     ) -> Result<VulkanBuffer<u32>> {
+        self.count_paused(map, queries, radius, Search::default())
+    }
+
+    /// The same by a search of the caller's.
+    pub(super) fn count_paused(
+        &mut self,
+        map: &VulkanMap,
+        queries: &VulkanBuffer<Query>,
+        radius: f32,
+        mut search: Search,
+    ) -> Result<VulkanBuffer<u32>> {
         check_radius("radius", radius)?;
         let count = self.fill_of(queries)?;
         let mut counts = VulkanBuffer::<u32>::new(self, "counts", count)?;
         if count > 0 {
             let question = question(Mode::Count, 0, radius);
-            Search::default().ask(self, map, queries, 0..count, &question, 0, (counts.data_address(), 0, count))?;
+            search.ask(self, map, queries, 0..count, &question, 0, (counts.data_address(), 0, count))?;
         }
         self.set_length(&mut counts, count)?;
         Ok(counts)

@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Kernel, Query, Result};
+use photon_core::{Error, Kernel, Query, Result};
 
 use super::order::Order;
+use super::pause::{Kept, SUBGROUPS};
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
@@ -25,6 +26,9 @@ const BUSY: u64 = 1 << 14;
 /// From so many on, queries are taken in an order of our own: sorting them costs less than what tiles of
 /// neighbours save, a picture's rows included.
 const WORTH_ORDER: u64 = 1 << 15;
+
+/// The largest k on a device that ends long loops: what sorting a row in one workgroup has turns for.
+const MOST_PAUSING: u32 = 1 << 17;
 
 /// Bins of 16 bits serve up to here.
 const NARROW_BINS: u32 = 60_000;
@@ -84,6 +88,7 @@ struct Push {
     parameter: f32,
     threshold: u32,
     capacity: u32,
+    kept: u64,
 }
 
 /// The push constants of `gather/sample.comp`.
@@ -105,12 +110,15 @@ pub(super) struct Search {
     pub(super) narrow_bins: u32,
     /// From how many on queries are sorted.
     pub(super) worth_order: u64,
+    /// Turns of loops after which a search pauses; 0 for half of what the device allows, if it has a limit.
+    pub(super) turns: u32,
     pub(super) order: Option<Order>,
+    pub(super) kept: Kept,
 }
 
 impl Default for Search {
     fn default() -> Self {
-        Self { narrow_bins: NARROW_BINS, worth_order: WORTH_ORDER, order: None }
+        Self { narrow_bins: NARROW_BINS, worth_order: WORTH_ORDER, turns: 0, order: None, kept: Kept::default() }
     }
 }
 
@@ -145,21 +153,28 @@ impl Search {
         // An empty map has nothing that could be asked.
         let points = if map.node_count == 0 { 0 } else { map.length };
         let ordered = u32::from(order != 0);
+        // The rest is for what a search does outside of its walks.
+        let turns = if self.turns > 0 { self.turns } else { on.limits().loop_turns / 2 };
+        if turns > 0 && on.limits().loop_turns > 0 && question.k > MOST_PAUSING {
+            let mend = "must be at most 131072 on this device, whose driver ends long loops";
+            return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), mend });
+        }
         let kernel = match question.mode {
             Mode::Radius => {
-                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), u32::from(question.filter)];
+                let filter = u32::from(question.filter);
+                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, 0, 0, turns];
                 on.kernel(&shaders::GATHER_RADIUS, &constants)?
             }
-            Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0])?,
+            Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
             Mode::Nearest | Mode::Paper | Mode::Rows => {
                 let mode = question.mode as u32 - Mode::Nearest as u32;
                 let (filter, wide) = (u32::from(question.filter), u32::from(question.k > self.narrow_bins));
-                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide];
+                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide, turns];
                 on.kernel(&shaders::GATHER_NEAREST, &constants)?
             }
         };
-        // A device in software, whose subgroups are small, ends long loops: one tile each.
-        let most = if subgroup < 16 { 1 } else { 8 };
+        // A walk that pauses is its subgroup's only one.
+        let most = if turns > 0 { 1 } else { 8 };
         let tiles = ((range.end - range.start) / (subgroup * BUSY)).clamp(1, most);
         let span = u64::from(workgroup) * tiles;
         let mut push = Push {
@@ -183,23 +198,29 @@ impl Search {
             parameter: question.parameter,
             threshold: question.threshold,
             capacity: capacity.min(u64::from(u32::MAX)) as u32,
+            kept: 0,
         };
-        on.unordered(|on| {
-            let mut first = range.start;
-            loop {
-                let end = range.end.min(first + PORTION / span * span);
+        let portion = if turns > 0 { span * (SUBGROUPS / u64::from(TILES)) } else { PORTION / span * span };
+        let kept = &mut self.kept;
+        let mut all = |on: &mut Vulkan| {
+            // Without any query there is still a count to be written.
+            for first in (range.start..range.end.max(range.start + 1)).step_by(portion as usize) {
+                let end = range.end.min(first + portion);
+                let groups = (end - first).div_ceil(span).max(1);
                 (push.first, push.end) = (first as u32, end as u32);
                 if question.mode == Mode::Rows {
                     push.results = results + (first - range.start) * u64::from(question.k) * 8;
                 }
-                // Without any query there is still a count to be written.
-                on.dispatch(&kernel, &push, (end - first).div_ceil(span).max(1))?;
-                first = end;
-                if first >= range.end {
-                    return Ok(());
+                if turns > 0 {
+                    push.kept = kept.room(on, groups * span)?;
+                    kept.all(on, |on| on.dispatch(&kernel, &push, groups))?;
+                } else {
+                    on.dispatch(&kernel, &push, groups)?;
                 }
             }
-        })
+            Ok(())
+        };
+        if turns > 0 { all(on) } else { on.unordered(all) }
     }
 }
 

@@ -1,0 +1,73 @@
+//! Searches that pause find what those find that do not.
+
+use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Query, RadianceEstimator, Rule};
+
+use super::inputs::{Random, photons, places, point_sets, queries, walls};
+use super::maps::map;
+use crate::estimate::VulkanEstimator;
+use crate::estimate::search::Search;
+use crate::{Vulkan, VulkanBuffer, VulkanMap};
+
+/// At every turn, in the middle of leaves and of runs of equal points, now and then.
+const TURNS: [u32; 3] = [1, 60, 3000];
+
+fn pausing(turns: u32) -> Search {
+    Search { turns, ..Search::default() }
+}
+
+fn estimates(
+    on: &mut Vulkan,
+    map: &VulkanMap,
+    queries: &VulkanBuffer<Query>,
+    rule: Rule,
+    search: Search,
+) -> Vec<Estimate> {
+    let gather = Gather { rule, kernel: Kernel::Biweight, radius_scale: 1.0, min_normal_cosine: 0.3 };
+    let mut estimates = on.alloc("estimates", queries.capacity()).unwrap();
+    VulkanEstimator { search }.estimate(on, map, queries, &gather, &mut estimates).unwrap();
+    let mut found = Vec::new();
+    on.download(&estimates, &mut found).unwrap();
+    found
+}
+
+#[test]
+fn estimates_are_the_same() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let photons = photons(&walls(1500));
+    let map = map(&mut on, &photons, IndexKind::Morton);
+    let queries = on.upload("queries", &queries(&places(&walls(300))[..9], 0.4)).unwrap();
+    for rule in [Rule::Radius, Rule::Nearest { k: 70 }, Rule::Paper { max: 70, threshold: 5, factor: 1.0 }] {
+        let expected = estimates(&mut on, &map, &queries, rule, pausing(u32::MAX / 2));
+        for turns in TURNS {
+            assert_eq!(estimates(&mut on, &map, &queries, rule, pausing(turns)), expected, "{rule:?}, {turns}");
+        }
+    }
+}
+
+#[test]
+fn rows_and_counts_are_the_same() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    for (name, points) in point_sets() {
+        let points = &points[..points.len().min(1000)];
+        let map = map(&mut on, &photons(points), IndexKind::Median);
+        let mut random = Random(5);
+        let mut asked: Vec<_> = points.iter().copied().step_by(1 + points.len() / 20).collect();
+        asked.extend((0..10).map(|_| random.point()));
+        let queries = on.queries_at(&asked).unwrap();
+        let (mut expected, mut found) = (Vec::new(), Vec::new());
+        let rows = on.nearest_sorted(&map, &queries, 40, 0.7, pausing(u32::MAX / 2)).unwrap();
+        on.download(&rows, &mut expected).unwrap();
+        for turns in TURNS {
+            let rows = on.nearest_sorted(&map, &queries, 40, 0.7, pausing(turns)).unwrap();
+            on.download(&rows, &mut found).unwrap();
+            assert_eq!(found, expected, "rows of {name}, {turns}");
+        }
+        let counts = on.count_within(&map, &queries, 0.3).unwrap();
+        on.download(&counts, &mut expected).unwrap();
+        for turns in TURNS {
+            let counts = on.count_paused(&map, &queries, 0.3, pausing(turns)).unwrap();
+            on.download(&counts, &mut found).unwrap();
+            assert_eq!(found, expected, "counts of {name}, {turns}");
+        }
+    }
+}

@@ -79,6 +79,8 @@ pub(crate) static INDEX_MEDIAN_SIDES: Module =
 pub(crate) static INDEX_PARENTS: Module =
     Module { name: "index_parents", bytes: include_bytes!("../spirv/index_parents.spv") };
 
+pub(crate) static INDEX_PICK: Module = Module { name: "index_pick", bytes: include_bytes!("../spirv/index_pick.spv") };
+
 pub(crate) static INDEX_REFINE: Module =
     Module { name: "index_refine", bytes: include_bytes!("../spirv/index_refine.spv") };
 
@@ -161,7 +163,7 @@ pub(crate) static SORT_SCATTER: Module =
     Module { name: "sort_scatter", bytes: include_bytes!("../spirv/sort_scatter.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 56] = [
+pub(crate) static ALL: [&Module; 57] = [
     &CAMERA_COMPACT,
     &CAMERA_DIRECT,
     &CAMERA_EYE,
@@ -189,6 +191,7 @@ pub(crate) static ALL: [&Module; 56] = [
     &INDEX_MEDIAN_PART,
     &INDEX_MEDIAN_SIDES,
     &INDEX_PARENTS,
+    &INDEX_PICK,
     &INDEX_REFINE,
     &INDEX_VVH_BOXES,
     &INDEX_VVH_COLLAPSE,

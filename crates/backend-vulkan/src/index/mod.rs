@@ -4,6 +4,7 @@
 #[doc(hidden)]
 pub mod bench;
 mod bounds;
+mod giants;
 mod lists;
 mod median;
 mod morton;

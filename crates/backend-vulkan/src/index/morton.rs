@@ -8,6 +8,7 @@ use photon_core::{Photon, Result};
 
 use super::WIDTH;
 use super::bounds::BoundsOf;
+use super::giants;
 use super::room::grow;
 use crate::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
@@ -17,16 +18,16 @@ use crate::vulkan::Vulkan;
 
 const WORKGROUP: u32 = 256;
 /// The extent of what is left shrinks at least 2²⁰-fold a round, and `f32` spans 2²⁷⁷.
-const ROUNDS: u64 = 14;
+pub(super) const ROUNDS: u64 = 14;
 /// Bytes of a `Round`.
 const ROUND: u64 = 16;
 
 /// Finds the order.
 #[derive(Debug)]
 pub(crate) struct Morton {
-    bounds: BoundsOf,
+    pub(super) bounds: BoundsOf,
     codes: Kernel,
-    gather: Kernel,
+    pub(super) gather: Kernel,
     long_runs: Kernel,
     refine: Kernel,
     sort: Sort,
@@ -34,8 +35,8 @@ pub(crate) struct Morton {
     keys: Memory,
     words: Memory,
     ids: [Memory; 2],
-    rounds: Memory,
-    runs: [Memory; 2],
+    pub(super) rounds: Memory,
+    pub(super) runs: [Memory; 2],
 }
 
 #[repr(C)]
@@ -52,12 +53,12 @@ struct CodesPush {
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct GatherPush {
-    words: u64,
-    order: u64,
-    gathered: u64,
-    count: u32,
-    pad: u32,
+pub(super) struct GatherPush {
+    pub(super) words: u64,
+    pub(super) order: u64,
+    pub(super) gathered: u64,
+    pub(super) count: u32,
+    pub(super) pad: u32,
 }
 
 #[repr(C)]
@@ -109,6 +110,17 @@ impl Morton {
 
     /// The address of the photons' numbers in the order of their slots.
     pub(crate) fn order(&mut self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<u64> {
+        self.order_at(on, photons, length, 0)
+    }
+
+    /// The same for a run of photons within runs, so many deep.
+    pub(super) fn order_at(
+        &mut self,
+        on: &mut Vulkan,
+        photons: &VulkanBuffer<Photon>,
+        length: u64,
+        depth: u64,
+    ) -> Result<u64> {
         grow(on, &mut self.keys, "map: keys", 8 * length)?;
         grow(on, &mut self.words, "map: codes", 8 * length)?;
         for at in 0..2 {
@@ -140,6 +152,10 @@ impl Morton {
         let runs = |number: u64| self.runs[(number % 2) as usize].address();
         let push = LongRunsPush { order, sorted_high, low, round: round(0), runs: runs(0), count, pad: 0 };
         on.dispatch(&self.long_runs, &push, groups(&self.long_runs))?;
+        if giants::worth_a_look(on, length, depth) {
+            let here = usize::from(self.ids[0].address() != order);
+            self.giants(on, photons, &self.ids[here], depth)?;
+        }
         for number in 0..ROUNDS {
             let push = RefinePush {
                 photons: data,

@@ -1,6 +1,7 @@
 //! Maps from the device, against those of the CPU.
 
 mod check;
+mod giants;
 mod sets;
 
 use backend_cpu::index::PointIndex;

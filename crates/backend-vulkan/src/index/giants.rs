@@ -1,0 +1,96 @@
+//! Runs of one Morton code that are too long for one workgroup: each is a set of its own, as the
+//! canonical order has it, and is arranged like one by the whole device.
+//!
+//! Only the host can start that, so it has to wait for the runs. It does so where they could be long:
+//! a million photons in a cell of 2⁻²¹ of the scene would keep one workgroup busy for tens of
+//! milliseconds, and a device in software would end its loops in silence.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Photon, Result};
+
+use super::morton::{GatherPush, Morton, ROUNDS};
+use crate::buffer::VulkanBuffer;
+use crate::device::{Kernel, Memory};
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Longer runs are giants. A workgroup of a device in software comes to the end of its loops with runs
+/// of about twice as many.
+pub(super) const GIANT: u32 = 1 << 16;
+/// From so many photons on, a wait does not count.
+const WORTH_WAITING: u64 = 1 << 20;
+/// Devices with smaller subgroups are software.
+const SOFTWARE: u32 = 16;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct PickPush {
+    photons: u64,
+    ids: u64,
+    picked: u64,
+    count: u32,
+    pad: u32,
+}
+
+/// Whether so many photons are worth a look for giants.
+pub(super) fn worth_a_look(on: &Vulkan, length: u64, depth: u64) -> bool {
+    let large = length >= WORTH_WAITING || on.limits().subgroup_size < SOFTWARE;
+    large && length > u64::from(GIANT) && depth < ROUNDS
+}
+
+impl Morton {
+    /// Arranges the giants among the runs of round 0, and takes them off its list; `order` is what the
+    /// runs lie in.
+    pub(super) fn giants(
+        &self,
+        on: &mut Vulkan,
+        photons: &VulkanBuffer<Photon>,
+        order: &Memory,
+        depth: u64,
+    ) -> Result<()> {
+        let mut round = [0_u32; 4];
+        on.read(&self.rounds, 0, bytemuck::cast_slice_mut(&mut round))?;
+        let mut runs = vec![[0_u32; 2]; round[3] as usize];
+        on.read(&self.runs[0], 0, bytemuck::cast_slice_mut(&mut runs))?;
+        let (giants, others): (Vec<_>, Vec<_>) = runs.into_iter().partition(|[_, length]| *length > GIANT);
+        if giants.is_empty() {
+            return Ok(());
+        }
+        let groups = round[0].min(others.len() as u32);
+        on.write(&self.runs[0], 0, bytemuck::cast_slice(&others))?;
+        on.write(&self.rounds, 0, bytemuck::bytes_of(&[groups, 1, 1, others.len() as u32]))?;
+        for [first, length] in giants {
+            self.giant(on, photons, order, [u64::from(first), u64::from(length)], depth)?;
+        }
+        Ok(())
+    }
+
+    fn giant(
+        &self,
+        on: &mut Vulkan,
+        photons: &VulkanBuffer<Photon>,
+        order: &Memory,
+        [first, length]: [u64; 2],
+        depth: u64,
+    ) -> Result<()> {
+        let picked = VulkanBuffer::<Photon>::new(on, "photons of one code", length)?;
+        let pick = on.kernel(&shaders::INDEX_PICK, &[0, self.gather.workgroup])?;
+        let groups = |kernel: &Kernel| length.div_ceil(u64::from(kernel.workgroup));
+        let (ids, count) = (order.address() + 4 * first, length as u32);
+        let push = PickPush { photons: photons.data_address(), ids, picked: picked.data_address(), count, pad: 0 };
+        on.dispatch(&pick, &push, groups(&pick))?;
+        let mut finer = Self::new(on)?;
+        finer.bounds.find(on, &picked, length)?;
+        let mut sides = [[0_u32; 3]; 2];
+        on.read(&finer.bounds.state, 0, bytemuck::cast_slice_mut(&mut sides))?;
+        // Photons at one point stay in order of their ids.
+        if sides[0] == sides[1] {
+            return Ok(());
+        }
+        let places = finer.order_at(on, &picked, length, depth + 1)?;
+        let arranged = on.memory("map: order", 4 * length)?;
+        let push = GatherPush { words: ids, order: places, gathered: arranged.address(), count, pad: 0 };
+        on.dispatch(&self.gather, &push, groups(&self.gather))?;
+        on.copy(&arranged, 0, order, 4 * first, 4 * length)
+    }
+}

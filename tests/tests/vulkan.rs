@@ -17,32 +17,4 @@ impl TestBackend for VulkanUnderTest {
     }
 }
 
-photon_tests::suite! {
-    VulkanUnderTest,
-    estimators::{
-        a1_naive_knn_is_too_bright, a2_corrected_knn_is_unbiased, a3_a4_kernels_in_knn_are_unbiased,
-        a6_fixed_radius_mean_and_variance, a7_bias_of_curvature, a8_loss_at_edges, a9_no_bias_on_a_sphere,
-        a12_progressive_variance, a13_threshold_darkens,
-    }
-    direct::{
-        b1_point_light, b2_flux_through_a_disc, b3_lambertian_disc, b4_rectangle, b5_form_factors,
-        b8_power_of_emitters, direct_light_by_photons_agrees,
-    }
-    interreflection::{
-        c1_furnace, c1_furnace_of_high_albedo, c1_depth_cap, c2_integrating_sphere, c3_sphere_of_two_halves,
-        c6_plates_between_mirrors, c7_point_light_and_mirrors, c8_path_lengths, c9_conservation,
-    }
-    dielectrics::{
-        t1_t2_t3_fresnel, t4_slab, t6_light_at_the_centre, t7_trapped_light, t9_ball_lens, t13_ior_one_is_invisible,
-    }
-    paper::{a14_extra_cosine_loses_a_third, the_clamp_is_the_papers}
-    numerics::{
-        s1_no_leaks, s6_coincident_photons, s7_fewer_photons_than_k, s8_degenerate_maps, s9_not_finite,
-        s10_n1_many_small_numbers, s15_albedo_one_ends_at_the_cap, s4_s17_scale_and_brightness, s19_random_numbers,
-        s20_ends_of_the_unit_interval, s27_neighbour_sets_are_exact, s29_nothing_to_render, s30_least_of_everything,
-    }
-    determinism::{
-        photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, wider_requirements_change_nothing,
-        passes_merge, s31_full_photon_buffers,
-    }
-}
+photon_tests::whole_suite!(VulkanUnderTest);

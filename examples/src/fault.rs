@@ -36,9 +36,12 @@ impl From<photon_core::Error> for Fault {
         use photon_core::Error as E;
         let text = chain(&error);
         match error {
-            E::InvalidSetting { .. } | E::InvalidInput { .. } | E::NoLight | E::NoReceiver | E::OutOfMemory { .. } => {
-                Self::Input(text)
-            }
+            E::InvalidSetting { .. }
+            | E::InvalidInput { .. }
+            | E::NoLight
+            | E::NoReceiver
+            | E::OutOfMemory { .. }
+            | E::AllocationTooLarge { .. } => Self::Input(text),
             _ => Self::Failure(text),
         }
     }

@@ -49,7 +49,87 @@ fn vulkan_that_is_not_there_is_an_error_with_its_mend() {
         assert_eq!(output.status.code(), Some(2), "{variable}: {text}");
         assert!(text.contains(culprit) && text.contains("CPU backend") | text.contains("--backend cpu"), "{text}");
         assert_eq!(text.lines().filter(|line| line.starts_with("error")).count(), 1, "{text}");
+        // What is named by its variable is no obstacle to a list.
+        if culprit != "no such card" {
+            let output = render(&["--devices"], (variable, &value));
+            assert_eq!(output.status.code(), Some(2), "{output:?}");
+            assert!(stderr(&output).contains(culprit), "{output:?}");
+        }
     }
+}
+
+/// The least that gives a picture.
+const SMALL: [&str; 7] = ["cornell", "--size", "8x8", "--photons", "500", "--passes", "1"];
+
+#[test]
+fn auto_says_in_one_line_what_it_took() {
+    let folder = folder("auto-line");
+    let picture = folder.join("a.png");
+    let json = folder.join("a.json");
+    let files = ["-o", picture.to_str().unwrap(), "--json", json.to_str().unwrap()];
+    let output = Command::new(env!("CARGO_BIN_EXE_render")).args(SMALL).args(files).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let text = stderr(&output);
+    let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("backend: ")).collect();
+    let [line] = lines.as_slice() else { panic!("{text}") };
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+    let taken = report["backend"].as_str().unwrap();
+    assert!(line.starts_with(&format!("backend: {taken}")) && line.contains(", since "), "{line}");
+}
+
+/// By its number, and by a part of its name in any case; a number that there is not is named.
+#[test]
+fn a_device_is_chosen_by_number_or_name() {
+    let suitable = |found: Vec<backend_vulkan::Candidate>| found.into_iter().find(|device| device.lacks.is_empty());
+    let Some(device) = backend_vulkan::devices().ok().and_then(suitable) else {
+        return eprintln!("skipped: no Vulkan");
+    };
+    let folder = folder("chosen");
+    let (picture, json) = (folder.join("a.png"), folder.join("a.json"));
+    let files = ["--backend", "vulkan", "-o", picture.to_str().unwrap(), "--json", json.to_str().unwrap()];
+    let arguments = [&SMALL[..], &files[..]].concat();
+    let part: String = device.name.chars().take(5).collect();
+    for wanted in [device.index.to_string(), part.to_uppercase()] {
+        let output = render(&arguments, ("PHOTON_VK_DEVICE", Path::new(&wanted)));
+        assert!(output.status.success(), "{wanted}: {output:?}");
+        assert!(stderr(&output).contains(&format!("backend: vulkan on {}", device.name)), "{output:?}");
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        assert!(report["device"].as_str().unwrap().starts_with(&device.name), "{report}");
+    }
+    let output = render(&arguments, ("PHOTON_VK_DEVICE", Path::new("99")));
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(stderr(&output).contains("is not the 99 that was asked for"), "{output:?}");
+}
+
+/// Compiled pipelines are kept in the user's cache folder. A file that was damaged there is written anew,
+/// and a folder that cannot be written to does not matter.
+#[test]
+fn compiled_pipelines_are_kept_and_damage_is_survived() {
+    if !backend_vulkan::devices().is_ok_and(|found| found.iter().any(|device| device.lacks.is_empty())) {
+        return eprintln!("skipped: no Vulkan");
+    }
+    let folder = folder("cache");
+    let picture = folder.join("a.png");
+    let arguments = [&SMALL[..], &["--backend", "vulkan", "-o", picture.to_str().unwrap()]].concat();
+    let run = |cache: &Path| {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_render")).args(&arguments).env("XDG_CACHE_HOME", cache).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        std::fs::read(&picture).unwrap()
+    };
+    let first = run(&folder);
+    let kept = || -> Vec<PathBuf> {
+        std::fs::read_dir(folder.join("photon-mapping")).unwrap().map(|entry| entry.unwrap().path()).collect()
+    };
+    let [file] = &kept()[..] else { panic!("{:?}", kept()) };
+    let whole = std::fs::read(file).unwrap();
+    for damaged in [&whole[..whole.len() / 2], b"", &[0xFF; 4096]] {
+        std::fs::write(file, damaged).unwrap();
+        assert_eq!(run(&folder), first);
+        assert_ne!(std::fs::read(file).unwrap(), damaged);
+        assert_eq!(kept().len(), 1);
+    }
+    assert_eq!(run(&picture), first);
 }
 
 #[cfg(target_os = "linux")]
@@ -63,7 +143,8 @@ fn auto_goes_on_without_vulkan_and_says_so() {
         let output = render(&arguments, (variable, &value));
         let text = stderr(&output);
         assert!(output.status.success(), "{variable}: {text}");
-        assert!(text.lines().any(|line| line.starts_with("backend: cpu, since ")), "{variable}: {text}");
+        let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("backend: ")).collect();
+        assert!(lines.len() == 1 && lines[0].starts_with("backend: cpu, since "), "{variable}: {text}");
     }
 }
 
@@ -96,12 +177,21 @@ fn a_picture_is_the_same_on_either_backend() {
         let output = Command::new(env!("CARGO_BIN_EXE_render"))
             .args(["cornell-glass", "--backend", backend, "--size", "24x24", "--photons", "5000", "--passes", "2"])
             .args(["-o", exr.to_str().unwrap(), "--json", json.to_str().unwrap()])
+            // Where the validation layer is installed, the loader lets it look on; it writes to standard output.
+            .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
+            .env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT")
             .output()
             .unwrap();
         assert!(output.status.success(), "{output:?}");
+        assert!(!String::from_utf8_lossy(&output.stdout).contains("Validation"), "{output:?}");
         let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
         assert_eq!(report["backend"], backend);
         assert_eq!(report["counters"]["balance"], true);
+        // On either, by the clock of what does the work: every stage that ran, together no more than all.
+        let seconds = |stage: &str| report["seconds"][stage].as_f64().unwrap();
+        let stages = ["emit+trace", "build", "eye", "direct", "estimate", "film"].map(seconds);
+        assert!(stages.iter().all(|&seconds| seconds > 0.0), "{backend}: {report}");
+        assert!(stages.iter().sum::<f64>() <= seconds("total"), "{backend}: {report}");
         use exr::prelude::*;
         let image = read_first_flat_layer_from_file(&exr).unwrap();
         let channels = image.layer_data.channel_data.list.into_iter();

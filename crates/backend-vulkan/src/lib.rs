@@ -30,7 +30,7 @@ mod wide;
 
 pub use ash;
 pub use buffer::VulkanBuffer;
-pub use device::{Candidate, Limits, Options, RawDevice, devices};
+pub use device::{Candidate, Fault, Limits, Options, RawDevice, devices};
 pub use film::VulkanFilm;
 #[doc(hidden)]
 pub use index::bench as index_bench;

@@ -74,3 +74,6 @@ impl TransportBackend for Vulkan {
         tables.chain(self.memory.iter().cloned()).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,9 +7,10 @@ use gpu_allocator::MemoryLocation;
 use photon_core::{Error, Result};
 
 use crate::device::{
-    Device, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
+    Device, DiskCache, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
 };
 use crate::photons::TracePlan;
+use crate::shaders;
 
 /// Renders on a GPU.
 ///
@@ -63,10 +64,11 @@ impl Vulkan {
     }
 
     fn over(device: Arc<Device>, disk_cache: bool) -> Result<Self> {
+        let disk = if disk_cache { DiskCache::of_user(&device.limits, &shaders::ALL) } else { None };
         Ok(Self {
             recorder: Recorder::new(&device)?,
             profile: Profile::new(&device)?,
-            pipelines: Pipelines::new(&device, disk_cache)?,
+            pipelines: Pipelines::new(&device, disk)?,
             trace_plan: TracePlan::for_subgroups(device.limits.subgroup_size),
             device,
             memory: Vec::new(),
@@ -126,6 +128,12 @@ impl Vulkan {
     #[cfg(test)]
     pub(crate) fn is_watched(&self) -> bool {
         self.watched
+    }
+
+    /// What has been compiled: modules and their constants.
+    #[cfg(test)]
+    pub(crate) fn compiled(&self) -> Vec<(&'static str, Vec<u32>)> {
+        self.pipelines.compiled().cloned().collect()
     }
 
     /// A buffer in the device's memory, its content undefined.

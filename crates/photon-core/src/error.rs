@@ -35,6 +35,19 @@ pub enum Error {
         /// Its size.
         bytes: u64,
     },
+    /// One buffer is more than the device gives in one piece, whatever memory is free.
+    #[error(
+        "{label}: {bytes} bytes, but the device gives at most {limit} in one piece; render fewer photons per pass, or \
+         fewer pixels"
+    )]
+    AllocationTooLarge {
+        /// The buffer.
+        label: &'static str,
+        /// Its size.
+        bytes: u64,
+        /// What the device allows.
+        limit: u64,
+    },
     /// A setting that makes no sense.
     #[error("{name} is {value}, but {mend}")]
     InvalidSetting {
@@ -62,13 +75,16 @@ pub enum Error {
     #[error("no surface can keep a photon: every material is specular or black; give one a diffuse albedo above 0")]
     NoReceiver,
     /// No device can do it.
-    #[error("no usable device among {}", rejected.len())]
+    #[error("no suitable device: {}; update its driver, choose another device, or use the CPU backend", each(rejected))]
     NoDevice {
         /// Each device's name, and what it lacks.
         rejected: Vec<(String, String)>,
     },
-    /// The device stopped answering.
-    #[error("the device was lost; what earlier passes gave is kept")]
+    /// The device stopped answering, and took with it what it held, films included.
+    #[error(
+        "the device was lost, and the picture with it; render again, and if it is lost again, with fewer photons per \
+         pass or a newer driver"
+    )]
     DeviceLost,
     /// The observer asked to stop before there was anything to show.
     #[error("cancelled before there was a picture")]
@@ -82,4 +98,32 @@ pub enum Error {
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+fn each(rejected: &[(String, String)]) -> String {
+    if rejected.is_empty() {
+        return "none is there".to_owned();
+    }
+    rejected.iter().map(|(name, why)| format!("{name} {why}")).collect::<Vec<_>>().join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_rejected_device_is_named_with_its_fault_and_a_mend() {
+        let rejected = [("Old card", "lacks shaderInt64"), ("Soft", "is slow")];
+        let rejected = rejected.map(|(name, why)| (name.to_owned(), why.to_owned())).to_vec();
+        let text = Error::NoDevice { rejected }.to_string();
+        assert!(text.contains("Old card lacks shaderInt64; Soft is slow") && text.contains("CPU backend"), "{text}");
+        let text = Error::NoDevice { rejected: Vec::new() }.to_string();
+        assert!(text.contains("none is there"), "{text}");
+    }
+
+    #[test]
+    fn memory_names_the_buffer_and_the_limit() {
+        let text = Error::AllocationTooLarge { label: "queries", bytes: 5000, limit: 4096 }.to_string();
+        assert!(["queries", "5000", "4096", "fewer"].iter().all(|part| text.contains(part)), "{text}");
+    }
 }

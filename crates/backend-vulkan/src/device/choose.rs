@@ -53,58 +53,93 @@ fn candidate(instance: &ash::Instance, index: usize, handle: vk::PhysicalDevice)
         vk::PhysicalDeviceType::CPU => ("software", 1),
         _ => ("other", 0),
     };
-    let mut lacks = Vec::new();
-    if version < (1, 2) {
-        lacks.push(format!("Vulkan 1.2 (it has {}.{})", version.0, version.1));
-    } else {
-        lacks.extend(missing_features(instance, handle));
-    }
-    let limits = &properties.limits;
-    let floors = [
-        ("push constants of 128 bytes", limits.max_push_constants_size >= 128),
-        ("32 KiB of shared memory", limits.max_compute_shared_memory_size >= 32 * 1024),
-        ("workgroups of 256", limits.max_compute_work_group_invocations >= 256),
-    ];
-    lacks.extend(floors.iter().filter(|(_, there)| !there).map(|(what, _)| (*what).to_owned()));
     // SAFETY: as above.
     let families = unsafe { instance.get_physical_device_queue_family_properties(handle) };
     let compute = |family: &vk::QueueFamilyProperties| family.queue_flags.contains(vk::QueueFlags::COMPUTE);
     let family = families.iter().position(compute);
-    if family.is_none() {
-        lacks.push("a queue that computes".to_owned());
+    let mut offer = Offer { version, limits: properties.limits, computes: family.is_some(), ..Offer::default() };
+    if version >= (1, 2) {
+        offer.ask(instance, handle);
     }
+    let lacks = offer.lacks();
     Candidate { index, name: name.to_owned(), kind, version, lacks, handle, family: family.unwrap_or(0) as u32, rank }
 }
 
-/// What of the baseline a Vulkan 1.2 device lacks.
-fn missing_features(instance: &ash::Instance, handle: vk::PhysicalDevice) -> Vec<String> {
-    let mut twelve = vk::PhysicalDeviceVulkan12Features::default();
-    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut twelve);
-    // SAFETY: the handle comes from this instance, and the chain is of the structures that it names.
-    unsafe { instance.get_physical_device_features2(handle, &mut features) };
-    // Address arithmetic of buffer references.
-    let wide = features.features.shader_int64 == vk::TRUE;
-    let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
-    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut subgroup);
-    // SAFETY: likewise.
-    unsafe { instance.get_physical_device_properties2(handle, &mut properties) };
-    let operations = vk::SubgroupFeatureFlags::BASIC
-        | vk::SubgroupFeatureFlags::VOTE
-        | vk::SubgroupFeatureFlags::ARITHMETIC
-        | vk::SubgroupFeatureFlags::BALLOT
-        | vk::SubgroupFeatureFlags::SHUFFLE;
-    let in_compute = subgroup.supported_stages.contains(vk::ShaderStageFlags::COMPUTE);
-    let size = subgroup.subgroup_size;
-    let baseline = [
-        ("shaderInt64", wide),
-        ("bufferDeviceAddress", twelve.buffer_device_address == vk::TRUE),
-        ("scalarBlockLayout", twelve.scalar_block_layout == vk::TRUE),
-        ("timelineSemaphore", twelve.timeline_semaphore == vk::TRUE),
-        ("hostQueryReset", twelve.host_query_reset == vk::TRUE),
-        ("subgroup operations in compute", in_compute && subgroup.supported_operations.contains(operations)),
-        ("subgroups of 4 to 128", (4..=128).contains(&size)),
-    ];
-    baseline.iter().filter(|(_, there)| !there).map(|(what, _)| (*what).to_owned()).collect()
+/// What a device has of what the baseline asks for.
+#[derive(Clone, Copy, Default)]
+struct Offer {
+    version: (u32, u32),
+    /// Address arithmetic of buffer references.
+    int64: bool,
+    address: bool,
+    scalar: bool,
+    timeline: bool,
+    reset: bool,
+    /// In compute shaders.
+    subgroup: vk::SubgroupFeatureFlags,
+    subgroup_size: u32,
+    limits: vk::PhysicalDeviceLimits,
+    computes: bool,
+}
+
+impl Offer {
+    const OPERATIONS: vk::SubgroupFeatureFlags = vk::SubgroupFeatureFlags::from_raw(
+        vk::SubgroupFeatureFlags::BASIC.as_raw()
+            | vk::SubgroupFeatureFlags::VOTE.as_raw()
+            | vk::SubgroupFeatureFlags::ARITHMETIC.as_raw()
+            | vk::SubgroupFeatureFlags::BALLOT.as_raw()
+            | vk::SubgroupFeatureFlags::SHUFFLE.as_raw()
+            | vk::SubgroupFeatureFlags::SHUFFLE_RELATIVE.as_raw(),
+    );
+
+    /// Asks a device of Vulkan 1.2 or later for its features.
+    fn ask(&mut self, instance: &ash::Instance, handle: vk::PhysicalDevice) {
+        let mut twelve = vk::PhysicalDeviceVulkan12Features::default();
+        let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut twelve);
+        // SAFETY: the handle comes from this instance, and the chain is of the structures that it names.
+        unsafe { instance.get_physical_device_features2(handle, &mut features) };
+        self.int64 = features.features.shader_int64 == vk::TRUE;
+        self.address = twelve.buffer_device_address == vk::TRUE;
+        self.scalar = twelve.scalar_block_layout == vk::TRUE;
+        self.timeline = twelve.timeline_semaphore == vk::TRUE;
+        self.reset = twelve.host_query_reset == vk::TRUE;
+        let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut subgroup);
+        // SAFETY: likewise.
+        unsafe { instance.get_physical_device_properties2(handle, &mut properties) };
+        self.subgroup_size = subgroup.subgroup_size;
+        if subgroup.supported_stages.contains(vk::ShaderStageFlags::COMPUTE) {
+            self.subgroup = subgroup.supported_operations;
+        }
+    }
+
+    /// What of the baseline is not there. Of an older device nothing but its version and limits is known.
+    fn lacks(&self) -> Vec<String> {
+        let mut lacks = Vec::new();
+        if self.version < (1, 2) {
+            lacks.push(format!("Vulkan 1.2 (it has {}.{})", self.version.0, self.version.1));
+        } else {
+            let features = [
+                ("shaderInt64", self.int64),
+                ("bufferDeviceAddress", self.address),
+                ("scalarBlockLayout", self.scalar),
+                ("timelineSemaphore", self.timeline),
+                ("hostQueryReset", self.reset),
+                ("subgroup operations in compute", self.subgroup.contains(Self::OPERATIONS)),
+                ("subgroups of 4 to 128", (4..=128).contains(&self.subgroup_size)),
+            ];
+            lacks.extend(features.iter().filter(|(_, there)| !there).map(|(what, _)| (*what).to_owned()));
+        }
+        let limits = &self.limits;
+        let floors = [
+            ("push constants of 128 bytes", limits.max_push_constants_size >= 128),
+            ("32 KiB of shared memory", limits.max_compute_shared_memory_size >= 32 * 1024),
+            ("workgroups of 256", limits.max_compute_work_group_invocations >= 256),
+            ("a queue that computes", self.computes),
+        ];
+        lacks.extend(floors.iter().filter(|(_, there)| !there).map(|(what, _)| (*what).to_owned()));
+        lacks
+    }
 }
 
 /// The device that `wanted` names by number or part of its name; without it, the most capable of
@@ -187,5 +222,56 @@ mod tests {
         assert_eq!(rejected.len(), 3);
         assert!(rejected[1].1.contains("hostQueryReset"));
         assert!(rejected[0].1.contains("old"));
+    }
+
+    /// A device that has just enough.
+    fn enough() -> Offer {
+        let limits = vk::PhysicalDeviceLimits {
+            max_push_constants_size: 128,
+            max_compute_shared_memory_size: 32 * 1024,
+            max_compute_work_group_invocations: 256,
+            ..Default::default()
+        };
+        Offer {
+            version: (1, 2),
+            int64: true,
+            address: true,
+            scalar: true,
+            timeline: true,
+            reset: true,
+            subgroup: Offer::OPERATIONS,
+            subgroup_size: 4,
+            limits,
+            computes: true,
+        }
+    }
+
+    /// What is lacking, and how it comes to be.
+    type Harm = (&'static str, fn(&mut Offer));
+
+    /// Of the baseline nothing can be missing without being named.
+    #[test]
+    fn whatever_is_missing_is_named() {
+        assert_eq!(enough().lacks(), Vec::<String>::new());
+        let harms: [Harm; 13] = [
+            ("Vulkan 1.2 (it has 1.1)", |offer| offer.version = (1, 1)),
+            ("shaderInt64", |offer| offer.int64 = false),
+            ("bufferDeviceAddress", |offer| offer.address = false),
+            ("scalarBlockLayout", |offer| offer.scalar = false),
+            ("timelineSemaphore", |offer| offer.timeline = false),
+            ("hostQueryReset", |offer| offer.reset = false),
+            ("subgroup operations in compute", |offer| offer.subgroup &= !vk::SubgroupFeatureFlags::SHUFFLE),
+            ("subgroups of 4 to 128", |offer| offer.subgroup_size = 1),
+            ("subgroups of 4 to 128", |offer| offer.subgroup_size = 256),
+            ("push constants of 128 bytes", |offer| offer.limits.max_push_constants_size = 127),
+            ("32 KiB of shared memory", |offer| offer.limits.max_compute_shared_memory_size = 16 * 1024),
+            ("workgroups of 256", |offer| offer.limits.max_compute_work_group_invocations = 128),
+            ("a queue that computes", |offer| offer.computes = false),
+        ];
+        for (what, harm) in harms {
+            let mut offer = enough();
+            harm(&mut offer);
+            assert_eq!(offer.lacks(), [what]);
+        }
     }
 }

@@ -3,10 +3,12 @@
 use ash::vk;
 use photon_core::Error;
 
-/// Why there is no device to work on, or why a call of Vulkan's failed.
+/// Why there is no device to work on, or why a call of Vulkan's failed: the source of
+/// [`Error::Backend`], for `downcast_ref`. That no device suits is [`Error::NoDevice`], that one stopped
+/// answering [`Error::DeviceLost`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub(crate) enum Fault {
+pub enum Fault {
     /// The library that finds drivers is not installed.
     #[error(
         "no Vulkan loader ({0}): install it (Debian: libvulkan1; Windows: the graphics driver; macOS: MoltenVK), or use the CPU backend"
@@ -47,4 +49,36 @@ impl From<Fault> for Error {
 /// Names the call that failed.
 pub(crate) fn during(what: &'static str) -> impl Fn(vk::Result) -> Error {
     move |result| Fault::Call { what, result }.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fault(error: Error) -> Fault {
+        let Error::Backend { backend: "vulkan", source } = error else { panic!("{error:?}") };
+        *source.downcast::<Fault>().expect("one of ours")
+    }
+
+    /// Whoever catches them can tell them apart, and each says what to install.
+    #[test]
+    fn three_reasons_for_no_device_are_three_errors() {
+        let loader = fault(Fault::NoLoader("not found".to_owned()).into());
+        assert!(matches!(loader, Fault::NoLoader(_)));
+        let driver = fault(Fault::NoDriver("none".to_owned()).into());
+        assert!(matches!(driver, Fault::NoDriver(_)));
+        let device = super::super::choose::choose(Vec::new(), None).unwrap_err();
+        assert!(matches!(device, Error::NoDevice { .. }));
+        let texts = [loader.to_string(), driver.to_string(), device.to_string()];
+        for (text, mend) in texts.iter().zip(["libvulkan1", "mesa-vulkan-drivers", "another device"]) {
+            assert!(text.contains(mend) && text.contains("CPU backend"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_lost_device_is_an_error_of_its_own() {
+        assert!(matches!(during("waiting")(vk::Result::ERROR_DEVICE_LOST), Error::DeviceLost));
+        let other = fault(during("waiting")(vk::Result::ERROR_UNKNOWN));
+        assert!(other.to_string().starts_with("waiting"), "{other}");
+    }
 }

@@ -63,6 +63,9 @@ pub(crate) struct Device {
     /// Buffers that were dropped, until the device is done with them.
     pub(crate) graveyard: Mutex<Vec<(vk::Buffer, Allocation)>>,
     owned: bool,
+    /// What has been named.
+    #[cfg(test)]
+    named: Mutex<Vec<(vk::ObjectType, String)>>,
 }
 
 impl std::fmt::Debug for Device {
@@ -150,6 +153,17 @@ unsafe extern "system" fn hear(
     let (data, messages) = unsafe { (&*data, &*user.cast::<Mutex<Vec<String>>>()) };
     // SAFETY: a message that is there is a string that ends.
     let text = unsafe { data.message_as_c_str() }.map_or_else(String::new, |text| text.to_string_lossy().into_owned());
+    // None may be no pointer at all.
+    let labels = match data.cmd_buf_label_count {
+        0 => &[],
+        // SAFETY: the layer's array of so many.
+        count => unsafe { std::slice::from_raw_parts(data.p_cmd_buf_labels, count as usize) },
+    };
+    let label = |label: &vk::DebugUtilsLabelEXT<'_>| {
+        // SAFETY: a name that is there is a string that ends.
+        unsafe { label.label_name_as_c_str() }.map(|name| format!(" [in {}]", name.to_string_lossy()))
+    };
+    let text = labels.iter().filter_map(label).fold(text, |text, label| text + &label);
     log::warn!("{severity:?}: {text}");
     messages.lock().unwrap_or_else(PoisonError::into_inner).push(text);
     vk::FALSE
@@ -255,7 +269,7 @@ impl Device {
         })
         .map_err(|error| Fault::Other(format!("starting the allocator: {error}")))?;
         let debug = debug.then(|| ext::debug_utils::Device::new(&instance, &raw));
-        Ok(Arc::new(Self {
+        let device = Self {
             _entry: entry,
             instance,
             raw,
@@ -268,7 +282,18 @@ impl Device {
             allocator: Mutex::new(Some(allocator)),
             graveyard: Mutex::default(),
             owned,
-        }))
+            #[cfg(test)]
+            named: Mutex::default(),
+        };
+        device.name(device.raw.handle(), "photon mapping");
+        device.name(device.queue, "photon mapping");
+        Ok(Arc::new(device))
+    }
+
+    /// What has been named so far, and of what type it is.
+    #[cfg(test)]
+    pub(crate) fn named(&self) -> Vec<(vk::ObjectType, String)> {
+        self.named.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// What the validation layer has said so far.
@@ -278,6 +303,8 @@ impl Device {
 
     /// Names an object, for debuggers and messages.
     pub(crate) fn name<T: vk::Handle>(&self, handle: T, name: &str) {
+        #[cfg(test)]
+        self.named.lock().unwrap_or_else(PoisonError::into_inner).push((T::TYPE, name.to_owned()));
         if let Some(debug) = &self.debug {
             let name = std::ffi::CString::new(name.replace('\0', " ")).unwrap_or_default();
             let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
@@ -293,10 +320,8 @@ impl Device {
         for (buffer, allocation) in dead {
             // SAFETY: nothing uses it any more, says the caller.
             unsafe { self.raw.destroy_buffer(buffer, None) };
-            if let Some(allocator) = allocator.as_mut() {
-                if let Err(error) = allocator.free(allocation) {
-                    log::error!("freeing memory: {error}");
-                }
+            if let Some(Err(error)) = allocator.as_mut().map(|allocator| allocator.free(allocation)) {
+                log::error!("freeing memory: {error}");
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Buffers, reached by address, freed when nothing uses them any more.
 
-use std::sync::{Arc, PoisonError};
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -34,10 +35,11 @@ impl Memory {
     /// A new one of at least 4 bytes.
     pub(crate) fn new(device: &Arc<Device>, label: &str, bytes: u64, location: MemoryLocation) -> Result<Self> {
         // A length that no device has would wrap in the driver.
-        let out = || Error::OutOfMemory { label: leak_free(label), bytes };
-        if bytes > device.limits.max_allocation {
-            return Err(out());
+        let limit = device.limits.max_allocation;
+        if bytes > limit {
+            return Err(Error::AllocationTooLarge { label: kept(label), bytes, limit });
         }
+        let out = || Error::OutOfMemory { label: kept(label), bytes };
         let size = bytes.max(4).next_multiple_of(16);
         let info = vk::BufferCreateInfo::default().size(size).usage(USES).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: the device is alive.
@@ -69,6 +71,9 @@ impl Memory {
         unsafe { device.raw.bind_buffer_memory(buffer, allocation.memory(), allocation.offset()) }
             .map_err(during("binding memory"))?;
         device.name(buffer, label);
+        // SAFETY: only named; a block of many buffers has no label of its own.
+        device
+            .name(unsafe { allocation.memory() }, if allocation.is_dedicated() { label } else { "a block of buffers" });
         let address = address(device, buffer);
         Ok(Self { device: device.clone(), buffer, allocation: Some(allocation), offset: 0, bytes: size, address })
     }
@@ -114,11 +119,16 @@ fn address(device: &Device, buffer: vk::Buffer) -> u64 {
     unsafe { device.raw.get_buffer_device_address(&info) }
 }
 
-/// The labels of errors are static; those of buffers are few.
-fn leak_free(label: &str) -> &'static str {
-    const KNOWN: [&str; 6] =
-        ["photons: direct", "photons: caustic", "photons: global", "queries", "estimates", "photon rays"];
-    KNOWN.into_iter().find(|known| *known == label).unwrap_or("a buffer of the Vulkan backend")
+/// The labels of errors are static. Those of buffers are few: each that an error names is kept once.
+fn kept(label: &str) -> &'static str {
+    static KEPT: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut all = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = all.get(label) {
+        return known;
+    }
+    let new: &'static str = Box::leak(label.into());
+    all.insert(new);
+    new
 }
 
 impl Drop for Memory {

@@ -1,5 +1,6 @@
 //! Vulkan itself: instance and device, memory, pipelines, and the one recorder of commands.
 
+mod cache;
 mod choose;
 mod fault;
 mod instance;
@@ -12,8 +13,9 @@ mod recorder;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use cache::DiskCache;
 pub use choose::{Candidate, devices};
-pub(crate) use fault::Fault;
+pub use fault::Fault;
 pub(crate) use instance::Device;
 pub use instance::{Limits, Options, RawDevice};
 pub(crate) use memory::Memory;

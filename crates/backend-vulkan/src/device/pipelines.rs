@@ -1,12 +1,12 @@
 //! Pipelines: one for each module and set of constants, kept on disk from one start to the next.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use ash::vk;
 use photon_core::Result;
 
+use super::cache::DiskCache;
 use super::fault::during;
 use super::instance::Device;
 use super::module::Module;
@@ -27,24 +27,36 @@ pub(crate) struct Pipelines {
     /// No descriptor sets, 128 bytes of push constants: the same for every kernel.
     pub(crate) layout: vk::PipelineLayout,
     cache: vk::PipelineCache,
-    file: Option<PathBuf>,
+    disk: Option<DiskCache>,
+    #[cfg(test)]
+    begun_with: usize,
     compiled: BTreeMap<(&'static str, Vec<u32>), Kernel>,
     fresh: bool,
 }
 
 impl Pipelines {
-    /// None yet.
-    pub(crate) fn new(device: &Arc<Device>, disk_cache: bool) -> Result<Self> {
+    /// None yet, but for what `disk` remembers of how to compile them.
+    pub(crate) fn new(device: &Arc<Device>, disk: Option<DiskCache>) -> Result<Self> {
         let range = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(128)];
         let info = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&range);
         // SAFETY: the device is alive.
         let layout = unsafe { device.raw.create_pipeline_layout(&info, None) }.map_err(during("a pipeline layout"))?;
-        let file = if disk_cache { cache_file(&device.limits.cache_key) } else { None };
-        let old = file.as_ref().and_then(|file| std::fs::read(file).ok()).unwrap_or_default();
+        let old = disk.as_ref().map(DiskCache::read).unwrap_or_default();
         let info = vk::PipelineCacheCreateInfo::default().initial_data(&old);
         // SAFETY: as above; the driver checks the header of what it is given.
         let cache = unsafe { device.raw.create_pipeline_cache(&info, None) }.map_err(during("a pipeline cache"))?;
-        Ok(Self { device: device.clone(), layout, cache, file, compiled: BTreeMap::new(), fresh: false })
+        device.name(layout, "every kernel's layout");
+        device.name(cache, "pipelines");
+        Ok(Self {
+            device: device.clone(),
+            layout,
+            cache,
+            disk,
+            #[cfg(test)]
+            begun_with: old.len(),
+            compiled: BTreeMap::new(),
+            fresh: false,
+        })
     }
 
     /// The kernel of a module; `constants[i]` is specialization constant i.
@@ -57,6 +69,7 @@ impl Pipelines {
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: our own SPIR-V, validated when it was committed.
         let shader = unsafe { self.device.raw.create_shader_module(&info, None) }.map_err(during(module.name))?;
+        self.device.name(shader, module.name);
         let entries: Vec<_> = (0..constants.len() as u32)
             .map(|id| vk::SpecializationMapEntry { constant_id: id, offset: 4 * id, size: 4 })
             .collect();
@@ -79,31 +92,25 @@ impl Pipelines {
         Ok(kernel)
     }
 
-    /// Writes the cache, beside and then over the old one. A cache that cannot be kept harms nothing.
-    fn save(&self) -> Option<()> {
-        let file = self.file.as_ref()?;
-        // SAFETY: the cache is alive.
-        let data = unsafe { self.device.raw.get_pipeline_cache_data(self.cache) }.ok()?;
-        std::fs::create_dir_all(file.parent()?).ok()?;
-        let beside = file.with_extension(format!("{}.new", std::process::id()));
-        std::fs::write(&beside, data).ok()?;
-        std::fs::rename(&beside, file).ok()
+    /// Bytes that were there from an earlier start.
+    #[cfg(test)]
+    pub(crate) fn begun_with(&self) -> usize {
+        self.begun_with
     }
-}
 
-/// Named by the driver's key for its compiled code, and by a hash (Fowler, Noll and Vo's, 64 bits)
-/// of all SPIR-V.
-fn cache_file(key: &[u8; 16]) -> Option<PathBuf> {
-    let folder = std::env::var_os("XDG_CACHE_HOME")
-        .or_else(|| std::env::var_os("LOCALAPPDATA"))
-        .map(PathBuf::from)
-        .or_else(|| std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".cache")))?;
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for byte in crate::shaders::ALL.iter().flat_map(|module| module.bytes) {
-        hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    /// What has been compiled: modules and their constants.
+    #[cfg(test)]
+    pub(crate) fn compiled(&self) -> impl Iterator<Item = &(&'static str, Vec<u32>)> {
+        self.compiled.keys()
     }
-    let key: String = key.iter().map(|byte| format!("{byte:02x}")).collect();
-    Some(folder.join("photon-mapping").join(format!("{key}-{hash:016x}.pipelines")))
+
+    fn save(&self) {
+        let Some(disk) = &self.disk else { return };
+        // SAFETY: the cache is alive.
+        if let Ok(data) = unsafe { self.device.raw.get_pipeline_cache_data(self.cache) } {
+            disk.write(&data);
+        }
+    }
 }
 
 impl Drop for Pipelines {

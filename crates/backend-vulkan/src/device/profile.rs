@@ -30,6 +30,7 @@ impl Profile {
             let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(MARKS);
             // SAFETY: the device is alive.
             let pool = unsafe { device.raw.create_query_pool(&info, None) }.map_err(during("a query pool"))?;
+            device.name(pool, "timestamps");
             // SAFETY: no command uses it yet.
             unsafe { device.raw.reset_query_pool(pool, 0, MARKS) };
             Some(pool)

@@ -31,10 +31,12 @@ impl Queue {
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER | vk::CommandPoolCreateFlags::TRANSIENT);
         // SAFETY: the device is alive, here and below.
         let pool = unsafe { device.raw.create_command_pool(&info, None) }.map_err(during("a command pool"))?;
+        device.name(pool, "commands");
         let mut kind = vk::SemaphoreTypeCreateInfo::default().semaphore_type(vk::SemaphoreType::TIMELINE);
         let info = vk::SemaphoreCreateInfo::default().push_next(&mut kind);
         // SAFETY: as above.
         let done = unsafe { device.raw.create_semaphore(&info, None) }.map_err(during("a semaphore"))?;
+        device.name(done, "submissions done");
         Ok(Self { device: device.clone(), pool, done, submitted: 0, idle: Vec::new(), flying: VecDeque::new() })
     }
 
@@ -49,7 +51,10 @@ impl Queue {
             None => {
                 let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
                 // SAFETY: the pool is alive.
-                unsafe { self.device.raw.allocate_command_buffers(&info) }.map_err(during("a command buffer"))?[0]
+                let new = unsafe { self.device.raw.allocate_command_buffers(&info) };
+                let new = new.map_err(during("a command buffer"))?[0];
+                self.device.name(new, "commands");
+                new
             }
         };
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);

@@ -1,5 +1,6 @@
 //! The device layer by itself.
 
+use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Error, Photon, Stage};
 
@@ -59,6 +60,19 @@ fn a_buffer_larger_than_any_allocation_is_an_error() {
         on.alloc::<Photon>("photons: global", 1 << 40),
         Err(Error::OutOfMemory { label: "photons: global", .. })
     ));
+    let largest = on.limits().max_allocation;
+    // Where that is more photons than can be numbered, it is the number that does not fit.
+    if largest / 32 < u64::from(u32::MAX) {
+        let found = on.alloc::<Photon>("photons: global", largest / 32 + 1).unwrap_err();
+        let Error::AllocationTooLarge { label: "photons: global", bytes, limit } = found else { panic!("{found:?}") };
+        assert_eq!((bytes, limit), ((largest / 32 + 1) * 32, largest));
+    }
+    // A label that no error has had before, and again.
+    for _ in 0..2 {
+        let label = format!("scratch {}", 7);
+        let Err(Error::AllocationTooLarge { label, .. }) = on.memory(&label, u64::MAX) else { panic!("a buffer") };
+        assert_eq!(label, "scratch 7");
+    }
 }
 
 /// Buffers dropped while commands that use them wait.
@@ -103,11 +117,99 @@ fn validation_sees_what_is_wrong() {
     if !on.is_watched() {
         return;
     }
-    let memory = on.memory("some", 64).unwrap();
+    let memory = on.memory("some buffer", 64).unwrap();
     // Past the end of the buffer, by way of the recorder, which does not check.
     on.recorder.fill(&memory, 0, 1 << 20, 0).unwrap();
     on.recorder.forget();
-    assert!(!on.validation_messages().is_empty());
-    let drop_it = std::panic::catch_unwind(std::panic::AssertUnwindSafe(move || drop(on)));
-    assert!(drop_it.is_err());
+    let said = on.validation_messages().join("\n");
+    assert!(said.contains("some buffer"), "{said}");
+    assert_fails(on);
+}
+
+/// Commands stand under the name of their stage.
+#[test]
+fn messages_about_commands_name_their_stage() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    if !on.is_watched() {
+        return;
+    }
+    on.mark(Some(Stage::Gather));
+    let commands = on.recorder.commands().unwrap();
+    // SAFETY: recorded without a pipeline, hence the message, and thrown away.
+    unsafe { on.device.raw.cmd_dispatch(commands, 1, 1, 1) };
+    on.recorder.forget();
+    let said = on.validation_messages().join("\n");
+    assert!(said.contains(&format!("[in {}]", Stage::Gather.name())), "{said}");
+    assert_fails(on);
+}
+
+/// A watched device does not forgive what the layer has objected to.
+fn assert_fails(on: Vulkan) {
+    let dropped = std::panic::catch_unwind(std::panic::AssertUnwindSafe(move || drop(on)));
+    assert!(dropped.is_err());
+}
+
+/// Synchronization is validated as well: of two writes to one place that nothing orders.
+#[test]
+fn validation_sees_a_missing_barrier() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    if !on.is_watched() {
+        return;
+    }
+    let memory = on.memory("some", 64).unwrap();
+    let twice = |on: &mut Vulkan| {
+        on.fill(&memory, 0, 64, 1)?;
+        on.fill(&memory, 0, 64, 2)
+    };
+    twice(&mut on).unwrap();
+    assert_eq!(on.validation_messages(), Vec::<String>::new(), "the recorder's own barriers do");
+    on.unordered(twice).unwrap();
+    on.recorder.forget();
+    let said = on.validation_messages().join("\n");
+    assert!(said.contains("SYNC-HAZARD-WRITE"), "{said}");
+    assert_fails(on);
+}
+
+/// Of every kind that a device makes, by the names that debuggers and messages show.
+#[test]
+fn every_object_has_a_name() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let memory = on.memory("a label", 1 << 20).unwrap();
+    on.mark(Some(Stage::Build));
+    let kernel = on.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+    let push = CopyPush { from: memory.address(), to: memory.address(), count: 0, plus: 0 };
+    on.dispatch(&kernel, &push, 1).unwrap();
+    on.mark(None);
+    on.finish().unwrap();
+    let named = on.device.named();
+    for kind in [
+        vk::ObjectType::DEVICE,
+        vk::ObjectType::QUEUE,
+        vk::ObjectType::DEVICE_MEMORY,
+        vk::ObjectType::BUFFER,
+        vk::ObjectType::SHADER_MODULE,
+        vk::ObjectType::PIPELINE_LAYOUT,
+        vk::ObjectType::PIPELINE_CACHE,
+        vk::ObjectType::PIPELINE,
+        vk::ObjectType::COMMAND_POOL,
+        vk::ObjectType::COMMAND_BUFFER,
+        vk::ObjectType::SEMAPHORE,
+        vk::ObjectType::QUERY_POOL,
+    ] {
+        assert!(named.iter().any(|(known, name)| *known == kind && !name.is_empty()), "{kind:?}: {named:?}");
+    }
+    let has = |kind, text: &str| named.iter().any(|(known, name)| *known == kind && name == text);
+    assert!(has(vk::ObjectType::BUFFER, "a label") && has(vk::ObjectType::PIPELINE, "device_copy"));
+}
+
+/// One pipeline for each module and set of constants, compiled once.
+#[test]
+fn pipelines_are_compiled_once() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let pipeline = |on: &mut Vulkan, module, constants: &[u32]| on.kernel(module, constants).unwrap().pipeline;
+    let first = pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 64]);
+    assert_eq!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 64]));
+    assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 32]));
+    assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[1, 64]));
+    assert_ne!(first, pipeline(&mut on, &shaders::INDEX_GATHER, &[0, 64]));
 }

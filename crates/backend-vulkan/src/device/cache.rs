@@ -1,0 +1,218 @@
+//! Compiled pipelines on disk, from one start to the next.
+//!
+//! Whatever is wrong with the file, nothing more is lost than the time that it would have saved.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use super::instance::Limits;
+use super::module::Module;
+
+/// What such a file begins with; the number is that of the format.
+const MARK: [u8; 8] = *b"photon\x00\x01";
+/// The mark, and a hash of what follows. Drivers check the header of what they are given and trust the
+/// rest of it.
+const HEAD: usize = 16;
+
+/// The file of one device, driver and set of shaders.
+#[derive(Clone, Debug)]
+pub(crate) struct DiskCache {
+    file: PathBuf,
+}
+
+impl DiskCache {
+    /// In the user's folder for such things; `None` if there is no such folder.
+    pub(crate) fn of_user(limits: &Limits, modules: &[&Module]) -> Option<Self> {
+        Some(Self::within(&folder(&|name| std::env::var_os(name))?, limits, modules))
+    }
+
+    /// In a folder, which need not be there yet. The name follows from the driver's key for its compiled
+    /// code, the device, the driver and all SPIR-V: a change of any of them is another file.
+    pub(crate) fn within(folder: &Path, limits: &Limits, modules: &[&Module]) -> Self {
+        let mut hash = Fnv::default();
+        hash.add(&limits.cache_key);
+        for text in [&limits.name, &limits.driver] {
+            hash.add(text.as_bytes());
+            hash.add(&[0]);
+        }
+        for module in modules {
+            hash.add(module.bytes);
+        }
+        Self { file: folder.join(format!("{:016x}.pipelines", hash.0)) }
+    }
+
+    /// What was kept; nothing if there is no file, or not the whole of one.
+    pub(crate) fn read(&self) -> Vec<u8> {
+        let Ok(bytes) = std::fs::read(&self.file) else { return Vec::new() };
+        let Some((head, data)) = bytes.split_at_checked(HEAD) else { return Vec::new() };
+        if head == self::head(data) {
+            return data.to_vec();
+        }
+        log::warn!("{}: not what was written there; it will be written anew", self.file.display());
+        Vec::new()
+    }
+
+    /// Keeps `data`: written beside the old file and then put in its place, so that nobody finds half of
+    /// it.
+    pub(crate) fn write(&self, data: &[u8]) {
+        let written = || {
+            std::fs::create_dir_all(self.file.parent().unwrap_or(Path::new(".")))?;
+            let beside = self.file.with_extension(format!("{}.new", std::process::id()));
+            std::fs::write(&beside, [&head(data), data].concat())?;
+            std::fs::rename(&beside, &self.file)
+        };
+        // A cache that cannot be kept harms nothing.
+        if let Err(error) = written() {
+            log::warn!("{}: compiled pipelines were not kept: {error}", self.file.display());
+        }
+    }
+}
+
+fn head(data: &[u8]) -> [u8; HEAD] {
+    let mut hash = Fnv::default();
+    hash.add(data);
+    let mut head = [0; HEAD];
+    head[..8].copy_from_slice(&MARK);
+    head[8..].copy_from_slice(&hash.0.to_le_bytes());
+    head
+}
+
+/// Where a user's programs keep what they can make again.
+fn folder(variable: &dyn Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
+    let set = |name| variable(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let base = set("XDG_CACHE_HOME").or_else(|| set("LOCALAPPDATA")).or_else(|| Some(set("HOME")?.join(".cache")))?;
+    Some(base.join("photon-mapping"))
+}
+
+/// The hash of Fowler, Noll and Vo, variant 1a, 64 bits.
+struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fnv {
+    fn add(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::Pipelines;
+    use crate::{Vulkan, shaders};
+
+    /// A folder of this test's own, removed at the end.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let path = std::env::temp_dir().join(format!("photon-cache-{}-{name}", std::process::id()));
+            let _ = std::fs::remove_dir_all(&path);
+            Self(path)
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
+    }
+
+    /// Published: the hashes of nothing and of "a".
+    #[test]
+    fn the_hash_is_fnv_1a() {
+        let mut hash = Fnv::default();
+        assert_eq!(hash.0, 0xcbf2_9ce4_8422_2325);
+        hash.add(b"a");
+        assert_eq!(hash.0, 0xaf63_dc4c_8601_ec8c);
+    }
+
+    #[test]
+    fn the_folder_is_the_users() {
+        let with = |set: &'static [(&'static str, &'static str)]| {
+            folder(&|name| set.iter().find(|(known, _)| *known == name).map(|(_, value)| OsString::from(value)))
+        };
+        assert_eq!(with(&[("XDG_CACHE_HOME", "c"), ("HOME", "h")]), Some(PathBuf::from("c/photon-mapping")));
+        assert_eq!(with(&[("XDG_CACHE_HOME", ""), ("HOME", "h")]), Some(PathBuf::from("h/.cache/photon-mapping")));
+        assert_eq!(with(&[]), None);
+    }
+
+    /// Device, driver, the driver's own key and each module: whichever changes, the file is another.
+    #[test]
+    fn the_file_is_of_device_driver_and_shaders() {
+        let Some(on) = Vulkan::for_tests() else { return };
+        let file = |limits: &Limits, modules: &[&Module]| DiskCache::within(Path::new("f"), limits, modules).file;
+        let limits = on.limits();
+        let plain = file(limits, &shaders::ALL);
+        assert_eq!(plain, file(limits, &shaders::ALL));
+        let mut changed = [limits.clone(), limits.clone(), limits.clone()];
+        changed[0].name.push('2');
+        changed[1].driver.push('2');
+        changed[2].cache_key[15] ^= 1;
+        for limits in changed {
+            assert_ne!(plain, file(&limits, &shaders::ALL));
+        }
+        assert_ne!(plain, file(limits, &shaders::ALL[1..]));
+    }
+
+    #[test]
+    fn what_was_kept_is_read_and_what_is_damaged_is_not() {
+        let Some(on) = Vulkan::for_tests() else { return };
+        let folder = Folder::new("damage");
+        let cache = DiskCache::within(&folder.0, on.limits(), &shaders::ALL);
+        assert!(cache.read().is_empty());
+        let data: Vec<u8> = (0..1000).map(|i| (i * i % 251) as u8).collect();
+        cache.write(&data);
+        assert_eq!(cache.read(), data);
+        let whole = std::fs::read(&cache.file).unwrap();
+        for length in [0, 7, HEAD - 1, HEAD, whole.len() - 1] {
+            std::fs::write(&cache.file, &whole[..length]).unwrap();
+            assert!(cache.read().is_empty(), "{length}");
+        }
+        for at in [0, 7, 8, 15, 16, 500, whole.len() - 1] {
+            let mut flipped = whole.clone();
+            flipped[at] ^= 4;
+            std::fs::write(&cache.file, flipped).unwrap();
+            assert!(cache.read().is_empty(), "{at}");
+        }
+        assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 1, "nothing is left beside it");
+    }
+
+    /// Pipelines are made whatever the file holds, and what is there at the end is whole.
+    #[test]
+    fn pipelines_survive_a_corrupt_file() {
+        let Some(mut on) = Vulkan::for_tests() else { return };
+        let folder = Folder::new("pipelines");
+        let cache = DiskCache::within(&folder.0, on.limits(), &shaders::ALL);
+        let make = |on: &mut Vulkan| {
+            let mut pipelines = Pipelines::new(&on.device, Some(cache.clone())).unwrap();
+            let begun = pipelines.begun_with();
+            pipelines.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+            begun
+        };
+        assert_eq!(make(&mut on), 0);
+        let kept = cache.read();
+        assert!(!kept.is_empty());
+        assert_eq!(make(&mut on), kept.len(), "the second start goes on from the first");
+        // Our own head is right, what it vouches for is not a driver's: that is for the driver to refuse.
+        let foreign = [b"no driver's data".as_slice(), &[0; 64], &kept[..kept.len() / 2]];
+        for garbage in foreign {
+            cache.write(garbage);
+            make(&mut on);
+            assert!(!cache.read().is_empty());
+        }
+        std::fs::write(&cache.file, b"scribble").unwrap();
+        assert_eq!(make(&mut on), 0);
+        assert_eq!(make(&mut on), cache.read().len());
+        // A folder in its place can be neither read nor written.
+        std::fs::remove_file(&cache.file).unwrap();
+        std::fs::create_dir_all(cache.file.join("in the way")).unwrap();
+        assert_eq!(make(&mut on), 0);
+    }
+}

@@ -1,0 +1,70 @@
+//! What a scene lacks is in no kernel.
+
+use photon_core::{
+    Backend, Batch, Deposits, Direct, Features, Gather, Indirect, Kernel, Maps, Pass, Photon, PhotonRay,
+    QUERIES_PER_PIXEL, Query, RandomKind, Requirements, Rule, Settings, TransportBackend, View,
+};
+use photon_scene::{Scene, builtin};
+
+use crate::Vulkan;
+
+/// Kernels that are built for the features of a scene, all stages having run once, and their first
+/// constants.
+fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec<(&'static str, Features)> {
+    let mut on = Vulkan::for_tests().unwrap();
+    let view = View { camera: scene.camera(None, 8, 8).unwrap(), width: 8, height: 8 };
+    let pass = Pass { seed: 1, index: 0, random: RandomKind::Counter };
+    let prepared = on.prepare(&scene.view(), required).unwrap();
+    let mut stages = on.stages(required, settings).unwrap();
+    let mut rays = on.alloc::<PhotonRay>("rays", 500).unwrap();
+    let mut photons = on.alloc::<Photon>("photons", 1 << 16).unwrap();
+    let batch = Batch { pass, paths: 0..500 };
+    stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
+    let deposits = Deposits { direct: None, caustic: None, global: Some(&mut photons) };
+    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
+    let mut film = on.film(&scene.view(), 8, 8).unwrap();
+    let mut queries = on.alloc::<Query>("queries", u64::from(64 * QUERIES_PER_PIXEL)).unwrap();
+    stages.eye.trace_eye(&mut on, &prepared, &view, pass, &mut film, &mut queries).unwrap();
+    stages.direct.as_mut().unwrap().light(&mut on, &prepared, pass, &queries, 1, &mut film).unwrap();
+    let map = stages.map.builder.build(&mut on, photons).unwrap();
+    let gather = Gather { rule: Rule::Radius, kernel: Kernel::Constant, radius_scale: 0.1, min_normal_cosine: 0.5 };
+    let maps = Maps { direct: None, caustic: None, global: Some((&map, gather)), paths: 500 };
+    stages.gather.as_mut().unwrap().gather(&mut on, &prepared, &maps, pass, &queries, 1, &mut film).unwrap();
+    let names = ["photons_emit", "photons_trace", "camera_eye", "camera_direct", "camera_gather"];
+    let mut found = Vec::new();
+    for (name, constants) in on.compiled() {
+        let first = constants.first().copied().unwrap_or(0);
+        if names.contains(&name) {
+            assert_eq!(Features::from_bits(first).bits(), first, "{name}");
+            found.push((name, Features::from_bits(first)));
+        } else {
+            assert_eq!(first, 0, "{name} knows the scene's features");
+        }
+    }
+    assert_eq!(found.len(), names.len(), "{found:?}");
+    found
+}
+
+#[test]
+fn kernels_are_built_for_what_the_scene_requires() {
+    if Vulkan::for_tests().is_none() {
+        return;
+    }
+    let settings = Settings { direct: Direct::Nee, indirect: Indirect::Gather, ..Settings::default() };
+    let mut seen = Vec::new();
+    for name in ["cornell", "ring", "cornell-glass"] {
+        let scene = builtin(name).unwrap().build().unwrap();
+        let required = Requirements { global_map: true, ..Requirements::of(&scene.view(), &settings) };
+        for (kernel, features) in built_for(&scene, &settings, &required) {
+            assert_eq!(features, required.features, "{name}: {kernel}");
+        }
+        seen.push(required.features);
+    }
+    // The scenes differ, so that the same kernels for all of them would have been noticed.
+    assert!(!seen[0].intersects(Features::SPECULAR) && seen[0] != seen[1] && seen[1] != seen[2]);
+    let scene = builtin("cornell").unwrap().build().unwrap();
+    let everything = Requirements::everything(&settings);
+    for (kernel, features) in built_for(&scene, &settings, &everything) {
+        assert_eq!(features, everything.features, "{kernel}");
+    }
+}

@@ -7,13 +7,14 @@
 //! pixel of a picture: row by row, or shuffled.
 #![expect(clippy::print_stdout, reason = "a program's output")]
 
-use std::f32::consts::{PI, TAU};
+#[path = "bench/points.rs"]
+mod points;
+
+use std::f32::consts::PI;
 
 use backend_vulkan::{Vulkan, VulkanBuffer, VulkanMap};
-use photon_core::glam::Vec3;
-use photon_core::{
-    Backend, Estimate, Gather, IndexKind, Kernel, MapStages, Photon, Query, Result, Rule, Stage, octahedral,
-};
+use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, MapStages, Photon, Query, Result, Rule, Stage};
+use points::{Random, caustic, rows, walls};
 
 const WARM: usize = 1;
 const RUNS: usize = 5;
@@ -141,72 +142,9 @@ fn time(
     Ok(())
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn word(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn unit(&mut self) -> f32 {
-        (self.word() >> 40) as f32 * (1.0 / (1 << 24) as f32)
-    }
-}
-
-fn photon(position: [f32; 3], normal: Vec3) -> Photon {
-    let (normal, direction) = (octahedral::pack(normal), octahedral::pack(normal));
-    Photon { position, direction, power: [1.0; 3], normal }
-}
-
-fn on_a_wall(random: &mut Random) -> Photon {
-    let (u, v) = (random.unit(), random.unit());
-    match random.word() % 5 {
-        0 => photon([u, 0.0, v], Vec3::Y),
-        1 => photon([u, 1.0, v], -Vec3::Y),
-        2 => photon([0.0, u, v], Vec3::X),
-        3 => photon([1.0, u, v], -Vec3::X),
-        _ => photon([u, v, 0.0], Vec3::Z),
-    }
-}
-
-fn walls(count: usize) -> Vec<Photon> {
-    let mut random = Random(1);
-    (0..count).map(|_| on_a_wall(&mut random)).collect()
-}
-
-fn caustic(count: usize) -> Vec<Photon> {
-    let mut random = Random(2);
-    (0..count)
-        .map(|_| {
-            if random.unit() >= 0.9 {
-                return on_a_wall(&mut random);
-            }
-            let (r, angle) = (random.unit() * 0.05, random.unit() * TAU);
-            photon([0.3 + r * angle.cos(), 0.0, 0.7 + r * angle.sin()], Vec3::Y)
-        })
-        .collect()
-}
-
-/// The back wall in the upper half of a picture, the floor in the lower.
-fn rows(width: usize, height: usize, radius: f32) -> Vec<Query> {
-    let half = height / 2;
-    (0..width * height)
-        .map(|pixel| {
-            let (x, y) = (pixel % width, pixel / width);
-            let (u, v) = ((x as f32 + 0.5) / width as f32, ((y % half) as f32 + 0.5) / half as f32);
-            let (position, normal) = if y < half { ([u, 1.0 - v, 0.0], Vec3::Z) } else { ([u, 0.0, v], Vec3::Y) };
-            Query { position, radius, normal: normal.to_array(), pixel: pixel as u32, ..Query::default() }
-        })
-        .collect()
-}
-
+/// The same in a random order.
 fn shuffled(rows: &[Query]) -> Vec<Query> {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mut all = rows.to_vec();
     for at in (1..all.len()).rev() {
         all.swap(at, (random.word() % (at as u64 + 1)) as usize);

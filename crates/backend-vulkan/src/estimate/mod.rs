@@ -74,7 +74,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         let (address, capacity) = (estimates.data_address(), estimates.capacity());
         let result = (address, estimates.count_address(), capacity);
         let order = self.search.order(on, map, queries)?;
-        self.search.ask(on, map, queries, 0..queries.capacity(), &question, order, result)?;
+        self.search.ask(on, map, (queries, 0..queries.capacity()), &question, order, result)?;
         estimates.touch();
         Ok(())
     }

@@ -79,7 +79,7 @@ impl Vulkan {
             while first < count {
                 let end = count.min(first + portion);
                 let question = question(Mode::Rows, k, max_radius);
-                search.ask(self, map, queries, first..end, &question, order, (rows.address(), 0, 0))?;
+                search.ask(self, map, (queries, first..end), &question, order, (rows.address(), 0, 0))?;
                 let push = OrderPush {
                     rows: rows.address(),
                     ids: ids.data_address(),
@@ -123,7 +123,7 @@ impl Vulkan {
         let mut counts = VulkanBuffer::<u32>::new(self, "counts", count)?;
         if count > 0 {
             let question = question(Mode::Count, 0, radius);
-            search.ask(self, map, queries, 0..count, &question, 0, (counts.data_address(), 0, count))?;
+            search.ask(self, map, (queries, 0..count), &question, 0, (counts.data_address(), 0, count))?;
         }
         self.set_length(&mut counts, count)?;
         Ok(counts)

@@ -1,0 +1,76 @@
+//! Photons and queries that searches are timed on.
+
+use std::f32::consts::TAU;
+
+use photon_core::glam::Vec3;
+use photon_core::{Photon, Query, octahedral};
+
+/// SplitMix64 (Steele, Lea and Flood 2014).
+pub(crate) struct Random(u64);
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub(crate) fn word(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    fn unit(&mut self) -> f32 {
+        (self.word() >> 40) as f32 * (1.0 / (1 << 24) as f32)
+    }
+}
+
+fn photon(position: [f32; 3], normal: Vec3) -> Photon {
+    let (normal, direction) = (octahedral::pack(normal), octahedral::pack(normal));
+    Photon { position, direction, power: [1.0; 3], normal }
+}
+
+fn on_a_wall(random: &mut Random) -> Photon {
+    let (u, v) = (random.unit(), random.unit());
+    match random.word() % 5 {
+        0 => photon([u, 0.0, v], Vec3::Y),
+        1 => photon([u, 1.0, v], -Vec3::Y),
+        2 => photon([0.0, u, v], Vec3::X),
+        3 => photon([1.0, u, v], -Vec3::X),
+        _ => photon([u, v, 0.0], Vec3::Z),
+    }
+}
+
+/// Photons evenly on five walls of a box.
+pub(crate) fn walls(count: usize) -> Vec<Photon> {
+    let mut random = Random::new(1);
+    (0..count).map(|_| on_a_wall(&mut random)).collect()
+}
+
+/// Nine tenths of the photons in a disc of radius 0.05 on the floor, with density 1/r.
+pub(crate) fn caustic(count: usize) -> Vec<Photon> {
+    let mut random = Random::new(2);
+    (0..count)
+        .map(|_| {
+            if random.unit() >= 0.9 {
+                return on_a_wall(&mut random);
+            }
+            let (r, angle) = (random.unit() * 0.05, random.unit() * TAU);
+            photon([0.3 + r * angle.cos(), 0.0, 0.7 + r * angle.sin()], Vec3::Y)
+        })
+        .collect()
+}
+
+/// The back wall in the upper half of a picture, the floor in the lower.
+pub(crate) fn rows(width: usize, height: usize, radius: f32) -> Vec<Query> {
+    let half = height / 2;
+    (0..width * height)
+        .map(|pixel| {
+            let (x, y) = (pixel % width, pixel / width);
+            let (u, v) = ((x as f32 + 0.5) / width as f32, ((y % half) as f32 + 0.5) / half as f32);
+            let (position, normal) = if y < half { ([u, 1.0 - v, 0.0], Vec3::Z) } else { ([u, 0.0, v], Vec3::Y) };
+            Query { position, radius, normal: normal.to_array(), pixel: pixel as u32, ..Query::default() }
+        })
+        .collect()
+}

@@ -11,11 +11,6 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Shadow rays per dispatch, so that none runs for seconds.
-const RAYS: u64 = 1 << 25;
-/// Shadow rays of one query per dispatch. Mesa's software device leaves a kernel after 65 535 rounds of
-/// all its loops together, those of the tree included.
-const ROUNDS: u32 = 256;
 /// Up to so many lights are weighed for each query.
 const FEW: u32 = 16;
 
@@ -57,8 +52,8 @@ impl DirectLight<Vulkan> for VulkanDirect {
         let kernel = on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed])?;
         // How many there are need not be known here yet: as many as fit.
         let capacity = queries.capacity();
-        let rounds = shadow_rays.min(ROUNDS);
-        let stretch = (RAYS / u64::from(rounds)).next_multiple_of(u64::from(GROUP));
+        let rounds = shadow_rays.min(on.portions.shadow_rays_of_query);
+        let stretch = (on.portions.shadow_rays / u64::from(rounds)).max(1).next_multiple_of(u64::from(GROUP));
         let values = film.values_address(on, capacity)?;
         for start in (0..capacity).step_by(stretch as usize) {
             for start_ray in (0..shadow_rays).step_by(rounds as usize) {

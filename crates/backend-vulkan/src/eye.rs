@@ -13,10 +13,6 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Pixels that one dispatch looks at, so that none runs for seconds.
-const PIXELS: u32 = 1 << 23;
-/// Queries that close ranks at a time: 64 MiB.
-const PLACES: u32 = 1 << 20;
 /// Splits of a path where there is glass.
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 
@@ -111,7 +107,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let pixels = view.width * view.height;
         let places = u64::from(pixels) << splits;
         let in_place = queries.capacity() >= places;
-        let apart = if in_place { places.min(u64::from(PLACES)) } else { places };
+        let apart =
+            if in_place { places.min(u64::from(on.portions.places >> splits).max(1) << splits) } else { places };
         if !self.room.as_ref().is_some_and(|room| room.fits(pixels, apart)) {
             self.room = None;
             self.room = Some(Room::new(on, pixels, apart)?);
@@ -126,7 +123,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
         let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows];
         let look = on.kernel(&shaders::CAMERA_EYE, &constants)?;
-        let rows = (PIXELS / view.width).max(1).next_multiple_of(1 << tile_rows);
+        let rows = (on.portions.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
         for start_row in (0..view.height).step_by(rows as usize) {
             let end_row = start_row.saturating_add(rows).min(view.height);
             let push = EyePush {
@@ -166,7 +163,7 @@ fn close_ranks(
 ) -> Result<()> {
     let compact = on.kernel(&shaders::CAMERA_COMPACT, &[0, GROUP, splits])?;
     let settle = on.kernel(&shaders::CAMERA_SETTLE, &[0, GROUP])?;
-    let stretch = if in_place { PLACES >> splits } else { pixels };
+    let stretch = if in_place { (on.portions.places >> splits).max(1) } else { pixels };
     for start in (0..pixels).step_by(stretch as usize) {
         let count = stretch.min(pixels - start);
         let groups = (u64::from(count) << splits).div_ceil(u64::from(GROUP));

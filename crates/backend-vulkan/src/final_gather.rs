@@ -11,10 +11,6 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Rays under way at a time: 96 MiB of landings and estimates.
-const RAYS: u32 = 1 << 20;
-/// Rays of one query at a time. Mesa's software device leaves a kernel after 65 535 rounds of its loops.
-const ROUNDS: u32 = 1 << 14;
 
 /// Rays from the queries to where the maps are read. Where they land they are queries like any
 /// other, which the estimator answers.
@@ -76,7 +72,8 @@ impl FinalGather<Vulkan> for VulkanGather {
         if length == 0 || maps.paths == 0 {
             return Ok(());
         }
-        let room = u64::from(RAYS).min(length * u64::from(rays));
+        let portions = on.portions;
+        let room = u64::from(portions.gather_rays).min(length * u64::from(rays));
         let (mut landings, mut estimates) = match self.landed.take() {
             Some(landed) if landed.0.capacity() >= room => landed,
             _ => (VulkanBuffer::new(on, "gather rays", room)?, VulkanBuffer::new(on, "gather estimates", room)?),
@@ -86,8 +83,8 @@ impl FinalGather<Vulkan> for VulkanGather {
         let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP])?;
         let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP])?;
         // Whole queries at a time, unless one alone has too many rays.
-        let per_query = rays.min(ROUNDS);
-        let per_stretch = u64::from(RAYS / per_query);
+        let per_query = rays.min(portions.gather_rays_of_query);
+        let per_stretch = u64::from(portions.gather_rays / per_query);
         for start_query in (0..length).step_by(per_stretch as usize) {
             let count_queries = per_stretch.min(length - start_query) as u32;
             for start_ray in (0..rays).step_by(per_query as usize) {

@@ -17,6 +17,7 @@ mod final_gather;
 mod index;
 mod map;
 mod photons;
+mod portions;
 #[cfg(test)]
 mod probe;
 mod rays;
@@ -37,6 +38,8 @@ pub use index::bench as index_bench;
 pub use map::VulkanMap;
 #[doc(hidden)]
 pub use photons::TracePlan;
+#[doc(hidden)]
+pub use portions::Portions;
 #[doc(hidden)]
 pub use rays::RayPlan;
 pub use scene::VulkanScene;

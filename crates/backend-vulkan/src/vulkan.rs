@@ -10,6 +10,7 @@ use crate::device::{
     Device, DiskCache, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
 };
 use crate::photons::TracePlan;
+use crate::portions::Portions;
 use crate::shaders;
 
 /// Renders on a GPU.
@@ -26,6 +27,7 @@ pub struct Vulkan {
     pub(crate) memory: Vec<(String, u64)>,
     pub(crate) fault: Option<Error>,
     pub(crate) trace_plan: TracePlan,
+    pub(crate) portions: Portions,
     watched: bool,
 }
 
@@ -70,6 +72,7 @@ impl Vulkan {
             profile: Profile::new(&device)?,
             pipelines: Pipelines::new(&device, disk)?,
             trace_plan: TracePlan::for_subgroups(device.limits.subgroup_size),
+            portions: Portions::default(),
             device,
             memory: Vec::new(),
             fault: None,
@@ -116,6 +119,12 @@ impl Vulkan {
     #[must_use]
     pub fn trace_plan(&self) -> TracePlan {
         self.trace_plan
+    }
+
+    /// How much a dispatch takes on, for tests that the picture does not show it.
+    #[doc(hidden)]
+    pub fn set_portions(&mut self, portions: Portions) {
+        self.portions = portions;
     }
 
     /// What the validation layer has said, if it was asked to look on.

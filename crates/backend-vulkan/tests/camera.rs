@@ -154,7 +154,7 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
     assert_eq!((fill.length, fill.needed, fill.capacity), (100, once.len() as u64, 100));
 }
 
-/// More pixels than are looked at in one go.
+/// More queries than close ranks in one go, and more pixels than come home at a time.
 #[test]
 fn large_pictures_come_in_stretches() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };

@@ -5,7 +5,7 @@ use photon_core::{Error, IndexKind, KdTreeBuilder, Photon, Result, octahedral};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::index::PointIndex;
+use crate::index::{PointIndex, Workspace};
 
 /// A photon map.
 #[derive(Debug)]
@@ -58,11 +58,12 @@ impl CpuMap {
 pub(crate) struct CpuBuilder {
     kind: IndexKind,
     positions: Vec<[f32; 3]>,
+    workspace: Workspace,
 }
 
 impl CpuBuilder {
     pub(crate) fn new(kind: IndexKind) -> Self {
-        Self { kind, positions: Vec::new() }
+        Self { kind, positions: Vec::new(), workspace: Workspace::default() }
     }
 }
 
@@ -78,14 +79,15 @@ impl KdTreeBuilder<Cpu> for CpuBuilder {
         }
         let (index, arrived) = on.pool.install(|| {
             photons.data.par_iter().with_min_len(4096).map(|p| p.position).collect_into_vec(&mut self.positions);
-            let index = PointIndex::build(&self.positions, self.kind).map_err(|error| match error {
-                crate::index::IndexError::NotFinite { index, position } => Error::InvalidInput {
-                    what: "photon",
-                    index: index as u64,
-                    why: format!("position {position:?} is not finite"),
-                },
-                other => Error::Backend { backend: "cpu: arranging photons", source: Box::new(other) },
-            })?;
+            let index =
+                PointIndex::build_in(&self.positions, self.kind, &mut self.workspace).map_err(|error| match error {
+                    crate::index::IndexError::NotFinite { index, position } => Error::InvalidInput {
+                        what: "photon",
+                        index: index as u64,
+                        why: format!("position {position:?} is not finite"),
+                    },
+                    other => Error::Backend { backend: "cpu: arranging photons", source: Box::new(other) },
+                })?;
             let arrived = index
                 .order()
                 .par_iter()
@@ -103,6 +105,8 @@ impl KdTreeBuilder<Cpu> for CpuBuilder {
         })?;
         let bytes = index.bytes() + (arrived.len() * size_of::<Arrived>()) as u64;
         on.note_memory(&format!("map of {}", photons.label), bytes);
+        let kept = self.workspace.bytes() + (self.positions.capacity() * size_of::<[f32; 3]>()) as u64;
+        on.note_memory("building maps", kept);
         Ok(CpuMap { index, arrived, photons })
     }
 

@@ -24,10 +24,9 @@ use crate::index::select::{Scratch, split};
 /// Segments longer than this are split in two tasks.
 const TASK: usize = 1 << 13;
 
-/// Brings `items`, which stand in order of their ids, into the canonical order.
-pub(crate) fn arrange(items: &mut [Item], isa: Isa) {
-    let mut other = vec![Item::default(); items.len()];
-    segment(items, &mut other, true, &mut Scratch::new(isa));
+/// Brings `items`, which stand in order of their ids, into the canonical order; `other` is room for as many.
+pub(crate) fn arrange(items: &mut [Item], other: &mut [Item], isa: Isa) {
+    segment(items, other, true, &mut Scratch::new(isa));
 }
 
 /// Arranges what is in `items`, with the result there or in `other`.

@@ -18,12 +18,14 @@ mod range;
 mod rank;
 mod select;
 mod vvh;
+mod workspace;
 
 #[cfg(test)]
 mod tests;
 
 pub use nearest::{Neighbour, Neighbours};
 pub use photon_core::IndexKind;
+pub use workspace::Workspace;
 
 use dispatch::Isa;
 use layout::{Block, Extra, Node, Tree};
@@ -67,10 +69,24 @@ impl PointIndex {
     /// [`IndexError::NotFinite`] for the first point with a coordinate that is not finite,
     /// [`IndexError::TooMany`] for more than `u32::MAX − 1` points.
     pub fn build(points: &[[f32; 3]], kind: IndexKind) -> Result<Self, IndexError> {
-        Self::build_with(points, kind, Isa::detect())
+        Self::build_in(points, kind, &mut Workspace::default())
     }
 
-    fn build_with(points: &[[f32; 3]], kind: IndexKind, isa: Isa) -> Result<Self, IndexError> {
+    /// The same, in memory that the caller keeps for the next build.
+    ///
+    /// # Errors
+    ///
+    /// As [`PointIndex::build`].
+    pub fn build_in(points: &[[f32; 3]], kind: IndexKind, workspace: &mut Workspace) -> Result<Self, IndexError> {
+        Self::build_with(points, kind, Isa::detect(), workspace)
+    }
+
+    fn build_with(
+        points: &[[f32; 3]],
+        kind: IndexKind,
+        isa: Isa,
+        workspace: &mut Workspace,
+    ) -> Result<Self, IndexError> {
         if points.len() >= u32::MAX as usize {
             return Err(IndexError::TooMany { count: points.len() });
         }
@@ -78,14 +94,16 @@ impl PointIndex {
         let blocks = points.len().div_ceil(layout::WIDTH);
         let tree = match kind {
             IndexKind::Median => {
-                let mut items = points::items(points);
-                median::arrange(&mut items, isa);
-                layout::lay_out(points::order(&items), |slot, _| items[slot], layout::regular_nodes(blocks))
+                let Workspace { items, other } = workspace;
+                points::number(points, items);
+                median::arrange(items, workspace::room(other, points.len()), isa);
+                layout::lay_out(points::order(items), |slot, _| items[slot], layout::regular_nodes(blocks))
             }
             IndexKind::Vvh => {
-                let mut items = points::items(points);
-                let nodes = vvh::arrange(&mut items, isa);
-                layout::lay_out(points::order(&items), |slot, _| items[slot], nodes)
+                let Workspace { items, other } = workspace;
+                points::number(points, items);
+                let nodes = vvh::arrange(items, workspace::room(other, points.len()), isa);
+                layout::lay_out(points::order(items), |slot, _| items[slot], nodes)
             }
             IndexKind::Morton => {
                 let order = morton::order(points, &bounds, isa);

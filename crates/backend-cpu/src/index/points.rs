@@ -75,12 +75,10 @@ pub(crate) fn checked_bounds(points: &[[f32; 3]]) -> Result<Bounds, IndexError> 
     Ok(Bounds { lo: all.lo.map(|c| c + 0.0), hi: all.hi.map(|c| c + 0.0) })
 }
 
-/// The points with their ids.
-pub(crate) fn items(points: &[[f32; 3]]) -> Vec<Item> {
-    let mut items = Vec::new();
+/// Fills `items` with the points and their ids.
+pub(crate) fn number(points: &[[f32; 3]], items: &mut Vec<Item>) {
     let numbered = points.par_iter().enumerate().with_min_len(1 << 14);
-    numbered.map(|(id, &position)| Item::new(position, id as u32)).collect_into_vec(&mut items);
-    items
+    numbered.map(|(id, &position)| Item::new(position, id as u32)).collect_into_vec(items);
 }
 
 /// The ids of items.

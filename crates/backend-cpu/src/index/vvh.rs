@@ -29,8 +29,9 @@ const HEURISTIC_DEPTH: u32 = 24;
 /// Segments longer than this are split in two tasks.
 const TASK: usize = 1 << 13;
 
-/// Arranges `items`, which stand in order of their ids, and returns the nodes over them, of which only `child` is filled in.
-pub(crate) fn arrange(items: &mut [Item], isa: Isa) -> Vec<Node> {
+/// Arranges `items`, which stand in order of their ids, and returns the nodes over them, of which only `child` is
+/// filled in; `other` is room for as many.
+pub(crate) fn arrange(items: &mut [Item], other: &mut [Item], isa: Isa) -> Vec<Node> {
     if items.is_empty() {
         return Vec::new();
     }
@@ -38,8 +39,7 @@ pub(crate) fn arrange(items: &mut [Item], isa: Isa) -> Vec<Node> {
     // Blocks in the left part of every split, in preorder: of m blocks' m − 1 splits the first is the
     // segment's own, then come those of its left part, then those of its right.
     let mut splits = vec![0_u32; blocks - 1];
-    let mut other = vec![Item::default(); items.len()];
-    segment(items, &mut other, true, &mut splits, 0, &mut Scratch::new(isa));
+    segment(items, other, true, &mut splits, 0, &mut Scratch::new(isa));
     let mut nodes = Vec::with_capacity(blocks / 8 + 1);
     collapse(&splits, blocks, &mut nodes);
     nodes

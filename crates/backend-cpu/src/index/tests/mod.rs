@@ -6,7 +6,7 @@ mod oracle;
 mod structure;
 
 use super::dispatch::Isa;
-use super::{IndexError, IndexKind, Neighbours, PointIndex};
+use super::{IndexError, IndexKind, Neighbours, PointIndex, Workspace};
 use oracle::Random;
 
 const KINDS: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];

@@ -24,15 +24,16 @@ pub struct Row {
     pub milliseconds: [f64; 3],
 }
 
-/// Times prefix sums, sorts and the three builders, at every one of `sizes`, and hands each line to
-/// `tell` when it is known.
+/// Times prefix sums, sorts and the three builders, at every one of `sizes`, over photons as they are
+/// found in scenes and as they are worst, and hands each line to `tell` when it is known.
 ///
 /// # Errors
 /// What the device raises.
 pub fn run(on: &mut Vulkan, sizes: &[u64], tell: &mut dyn FnMut(&Row)) -> Result<()> {
     for &count in sizes {
         primitives(on, count, tell)?;
-        for (name, points) in [("walls", walls(count)), ("disc", disc(count))] {
+        let sets = [("walls", walls(count)), ("disc", disc(count)), ("a point", place(count)), ("a cell", cell(count))];
+        for (name, points) in sets {
             for (kind, of) in [
                 (IndexKind::Morton, "Morton index"),
                 (IndexKind::Median, "median kd-tree"),
@@ -151,6 +152,20 @@ fn walls(count: u64) -> Vec<Photon> {
         })
     };
     (0..count).map(on_wall).collect()
+}
+
+/// All of them in one place.
+fn place(count: u64) -> Vec<Photon> {
+    (0..count).map(|_| photon([0.5, 0.25, 0.125])).collect()
+}
+
+/// On the walls, but for one that is so far away that all others have one Morton code.
+fn cell(count: u64) -> Vec<Photon> {
+    let mut all = walls(count);
+    if let Some(last) = all.last_mut() {
+        last.position = [1e9, 0.0, 0.0];
+    }
+    all
 }
 
 /// Nine tenths within a disc of radius 0.05 on the floor, with density 1/r.

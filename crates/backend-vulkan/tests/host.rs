@@ -1,21 +1,26 @@
-//! A host's device whose driver fails when it is told to: what becomes of it here.
+//! A host's device whose driver is listened to, and fails when it is told to: what becomes of it here.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock};
 
 use backend_vulkan::ash::{self, vk};
 use backend_vulkan::{RawDevice, Vulkan};
-use photon_core::{Backend, Error, Photon, Pipeline, Render, Settings, View};
+use photon_core::{Backend, Error, Indirect, PassEnd, Photon, Pipeline, Render, Settings, View};
 
 /// From here on every submission finds the device lost.
 static LOST: AtomicBool = AtomicBool::new(false);
 /// From here on there is no memory left.
 static FULL: AtomicBool = AtomicBool::new(false);
+/// Bytes that copies have moved from buffer to buffer, which is how everything comes home.
+static COPIED: AtomicU64 = AtomicU64::new(0);
+/// One test at a time: all of this is there once.
+static ALONE: Mutex<()> = Mutex::new(());
 /// The driver's own functions.
 static SUBMIT: OnceLock<vk::PFN_vkQueueSubmit> = OnceLock::new();
 static WAIT: OnceLock<vk::PFN_vkWaitSemaphores> = OnceLock::new();
 static ALLOCATE: OnceLock<vk::PFN_vkAllocateMemory> = OnceLock::new();
+static COPY: OnceLock<vk::PFN_vkCmdCopyBuffer> = OnceLock::new();
 
 unsafe extern "system" fn submit(
     queue: vk::Queue,
@@ -51,6 +56,21 @@ unsafe extern "system" fn allocate(
     unsafe { ALLOCATE.get().unwrap()(device, what, callbacks, memory) }
 }
 
+unsafe extern "system" fn copy(
+    commands: vk::CommandBuffer,
+    from: vk::Buffer,
+    to: vk::Buffer,
+    count: u32,
+    regions: *const vk::BufferCopy,
+) {
+    // SAFETY: as the caller promises the driver.
+    unsafe {
+        let bytes = std::slice::from_raw_parts(regions, count as usize).iter().map(|region| region.size).sum();
+        COPIED.fetch_add(bytes, Ordering::SeqCst);
+        COPY.get().unwrap()(commands, from, to, count, regions);
+    }
+}
+
 /// A host: the loader, its instance and its device.
 struct Host {
     _entry: ash::Entry,
@@ -63,7 +83,7 @@ impl Host {
         drop(Vulkan::for_tests()?);
         let chosen = backend_vulkan::devices().unwrap().into_iter().find(|device| device.lacks.is_empty())?;
         // SAFETY: each handle is made from the one before it, and the structures live until after the
-        // calls; the tables of functions are those of the device, but for three that pass on what they
+        // calls; the tables of functions are those of the device, but for four that pass on what they
         // are called with.
         unsafe {
             let entry = ash::Entry::load().unwrap();
@@ -91,6 +111,8 @@ impl Host {
             SUBMIT.get_or_init(|| zero.queue_submit);
             WAIT.get_or_init(|| two.wait_semaphores);
             ALLOCATE.get_or_init(|| zero.allocate_memory);
+            COPY.get_or_init(|| zero.cmd_copy_buffer);
+            zero.cmd_copy_buffer = copy;
             (zero.queue_submit, two.wait_semaphores, zero.allocate_memory) = (submit, wait, allocate);
             let device = ash::Device::from_parts_1_3(
                 device.handle(),
@@ -118,6 +140,7 @@ impl Drop for Host {
 /// still be dropped. Then the same of memory: one test, since what the driver does is one for all.
 #[test]
 fn a_driver_that_fails_is_reported_by_kind() {
+    let _alone = ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let Some(host) = Host::new() else { return };
     let scene = photon_scene::builtin("cornell").unwrap().build().unwrap();
     let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
@@ -149,4 +172,38 @@ fn a_driver_that_fails_is_reported_by_kind() {
     // It goes on where there is memory again.
     let mut on = open();
     on.alloc::<Photon>("photons: caustic", 1000).unwrap();
+}
+
+/// Between emission and film nothing but counts comes home: a pass with half a megabyte of photons, or more,
+/// copies less than 4 KiB. The picture does when it is asked for.
+#[test]
+fn a_pass_stays_on_the_device() {
+    let _alone = ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let Some(host) = Host::new() else { return };
+    let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
+    for indirect in [Indirect::Map, Indirect::Gather] {
+        let view = View { camera: scene.camera(None, 64, 64).unwrap(), width: 64, height: 64 };
+        let settings = Settings { photons: 30_000, indirect, gather_rays: 2, ..Settings::default() };
+        // SAFETY: as above.
+        let on = unsafe { Vulkan::from_raw(host.raw.clone()) }.unwrap();
+        let mut renderer = Pipeline::new(on, &scene.view(), view, settings).unwrap();
+        let copied = |work: &mut dyn FnMut()| {
+            let before = COPIED.load(Ordering::SeqCst);
+            work();
+            COPIED.load(Ordering::SeqCst) - before
+        };
+        // The first may have to make room.
+        renderer.pass(0, &mut ()).unwrap();
+        let mut stored = 0;
+        let in_pass = copied(&mut || {
+            if let Ok(PassEnd::Done(report)) = renderer.pass(1, &mut ()) {
+                let tally = report.tally;
+                stored = tally.stored_direct + tally.stored_caustic + tally.stored_global;
+            }
+        });
+        let in_film = copied(&mut || drop(renderer.film().unwrap()));
+        assert!(stored * 32 > 1 << 19, "{indirect:?}: {stored} photons");
+        assert!((1..4096).contains(&in_pass), "{indirect:?}: {in_pass} bytes in a pass");
+        assert!(in_film >= 64 * 64 * 24, "{indirect:?}: {in_film} bytes for the picture");
+    }
 }

@@ -41,32 +41,28 @@ const uint VISIT_TURNS = TILE_POINTS / 8 + 1;
 #define SEARCH_COUNT
 #include "search_walk.glsl"
 
+void query_keep() {
+    kept_begin(KEPT_KERNEL);
+    keep(found);
+}
+
 void main() {
-    uvec2 own = own_queries();
-    if (own.x == own.y || (TURNS != 0 && !kept_open())) return;
-    for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
-        uint index = tile + gl_SubgroupInvocationID;
-        bool asked = index < own.y;
-        limit = 0;
-        found = 0;
-        at = vec3(0.0);
-        if (asked) {
-            at = push.queries[index].at.position;
-            precise float most = push.radius * push.radius;
-            bool a_number = !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z) && !is_nan(most);
-            if (push.points > 0 && a_number) limit = floatBitsToUint(most) + 1;
-        }
-        if (resumed) {
-            kept_begin(KEPT_KERNEL);
-            keep(found);
-        }
-        if (subgroupAny(limit > 0)) walk(0);
-        if (paused) {
-            kept_begin(KEPT_KERNEL);
-            keep(found);
-            break;
-        }
-        if (asked && index < push.capacity) Words(push.results)[index].at = found;
+    uvec2 own;
+    if (!own_queries(own) || (TURNS != 0 && !kept_open())) return;
+    uint index = own.x + gl_SubgroupInvocationID;
+    bool asked = index < own.y;
+    limit = 0;
+    found = 0;
+    at = vec3(0.0);
+    if (asked) {
+        at = push.queries[index].at.position;
+        precise float most = push.radius * push.radius;
+        bool a_number = !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z) && !is_nan(most);
+        if (push.points > 0 && a_number) limit = floatBitsToUint(most) + 1;
     }
+    if (resumed) query_keep();
+    if (subgroupAny(limit > 0)) walk(0);
+    if (paused) query_keep();
+    else if (asked && index < push.capacity) Words(push.results)[index].at = found;
     if (TURNS != 0) kept_close();
 }

@@ -128,7 +128,7 @@ void query_keep(inout uint round) {
 }
 
 // What is known about this query before the tree is looked at.
-void ask(uint index, Hint hint) {
+void ask(uint index) {
     at = push.queries[index].at.position;
     normal = push.queries[index].at.normal;
     precise float radius = MODE == ROWS ? push.radius : push.queries[index].at.radius * push.radius;
@@ -144,17 +144,16 @@ void ask(uint index, Hint hint) {
         return;
     }
     phase = WIDEN;
-    squared_radius = guess_from(hint, at, push.k);
 }
 
 // A first radius for all of the tile.
 void guess() {
-    bool lost = phase == WIDEN && !(squared_radius >= 0.0);
-    uvec4 all = subgroupBallot(lost);
+    bool wanted = phase == WIDEN;
+    uvec4 all = subgroupBallot(wanted);
     if (any(notEqual(all, uvec4(0)))) {
         vec3 middle = subgroupShuffle(at, subgroupBallotFindLSB(all));
         float shared_guess = guess_together(middle, push.k);
-        if (lost) {
+        if (wanted) {
             bool near = point_distance(at, middle) <= 16.0 * shared_guess;
             squared_radius = near ? shared_guess : guess_alone(at, push.k);
         }
@@ -163,60 +162,59 @@ void guess() {
     if (floatBitsToUint(squared_radius) > highest) squared_radius = uintBitsToFloat(highest);
 }
 
+// Walks until all queries of the tile are answered, or a walk pauses.
+void search(uint place) {
+    uint round = 0;
+    if (resumed) query_keep(round);
+    else guess();
+    for (;; round++) {
+        uint mode = subgroupMin(phase);
+        if (mode == DONE) return;
+        bool busy = phase == mode;
+        if (!resumed) {
+            turns += TURNS != 0 ? ROUND_TURNS : 0;
+            limit = 0;
+            below = 0;
+            if (busy && mode < COLLECT) rank_begin();
+            if (busy && mode == COLLECT) {
+                limit = high_bits + 1;
+                moments_begin(place);
+            }
+        }
+        walk(mode);
+        if (paused) {
+            query_keep(round);
+            return;
+        }
+        if (busy && mode < COLLECT) rank_end(round);
+        if (busy && mode == COLLECT) rank_collected(sure, open);
+    }
+}
+
 void main() {
-    uvec2 own = own_queries();
     if (MODE != ROWS && gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
         push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
     }
-    if (own.x == own.y || (TURNS != 0 && !kept_open())) return;
+    uvec2 own;
+    if (!own_queries(own) || (TURNS != 0 && !kept_open())) return;
     column_find();
-    Hint hint = Hint(vec3(0.0), -1.0, false);
-    for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
-        uint place = tile + gl_SubgroupInvocationID;
-        bool asked = place < own.y;
-        uint index = asked && ORDERED != 0 ? push.order[place].at : place;
-        at = vec3(0.0);
-        normal = vec3(0.0);
-        accepted = 0;
-        highest = 0;
-        moments_begin(place);
-        range_set(DONE, 1, 0);
-        base = 0.0;
-        squared_radius = 0.0;
-        if (asked) ask(index, hint);
-        uint round = 0;
-        if (resumed) query_keep(round);
-        else guess();
-        for (;; round++) {
-            uint mode = subgroupMin(phase);
-            if (mode == DONE) break;
-            bool busy = phase == mode;
-            if (!resumed) {
-                turns += TURNS != 0 ? ROUND_TURNS : 0;
-                limit = 0;
-                below = 0;
-                if (busy && mode < COLLECT) rank_begin();
-                if (busy && mode == COLLECT) {
-                    limit = high_bits + 1;
-                    moments_begin(place);
-                }
-            }
-            walk(mode);
-            if (paused) break;
-            if (busy && mode < COLLECT) rank_end(round);
-            if (busy && mode == COLLECT) rank_collected(sure, open);
-        }
-        if (paused) {
-            query_keep(round);
-            break;
-        }
+    uint place = own.x + gl_SubgroupInvocationID;
+    bool asked = place < own.y;
+    uint index = asked && ORDERED != 0 ? push.order[place].at : place;
+    at = vec3(0.0);
+    normal = vec3(0.0);
+    accepted = 0;
+    highest = 0;
+    moments_begin(place);
+    range_set(DONE, 1, 0);
+    base = 0.0;
+    squared_radius = 0.0;
+    if (asked) ask(index);
+    search(place);
+    if (!paused && asked) {
         bool full = sure + open >= push.k && push.k > 0;
-        float reach = asked ? finish(full) : 0.0;
-        if (asked && MODE != ROWS && index < push.capacity) {
-            Estimates(push.results)[index].at = estimate(full, reach);
-        }
-        bool steady = full && hint.squared_radius >= 0.0 && reach < 2.0 * hint.squared_radius && hint.squared_radius < 2.0 * reach;
-        hint = Hint(at, full ? reach : -1.0, steady);
+        float reach = finish(full);
+        if (MODE != ROWS && index < push.capacity) Estimates(push.results)[index].at = estimate(full, reach);
     }
     if (TURNS != 0) kept_close();
 }

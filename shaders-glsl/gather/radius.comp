@@ -72,45 +72,41 @@ void query_keep() {
 }
 
 void main() {
-    uvec2 own = own_queries();
     if (gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
         push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
     }
-    if (own.x == own.y || (TURNS != 0 && !kept_open())) return;
-    for (uint tile = own.x; tile < own.y; tile += gl_SubgroupSize) {
-        uint place = tile + gl_SubgroupInvocationID;
-        bool asked = place < own.y;
-        uint index = asked && ORDERED != 0 ? push.order[place].at : place;
-        precise float squared_radius = 0.0;
-        limit = 0;
-        at = vec3(0.0);
-        normal = vec3(0.0);
-        if (asked) {
-            at = push.queries[index].at.position;
-            normal = push.queries[index].at.normal;
-            precise float radius = push.queries[index].at.radius * push.radius;
-            squared_radius = radius * radius;
-            if (push.points > 0 && !is_nan(squared_radius) && !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z)) {
-                limit = floatBitsToUint(squared_radius) + 1;
-                // Too far from all of them.
-                vec3 low = uintBitsToFloat(push.nodes[0].low.xyz), high = uintBitsToFloat(push.nodes[0].high.xyz);
-                if (floatBitsToUint(box_distance(at, low, high)) >= limit) limit = 0;
-            }
+    uvec2 own;
+    if (!own_queries(own) || (TURNS != 0 && !kept_open())) return;
+    uint place = own.x + gl_SubgroupInvocationID;
+    bool asked = place < own.y;
+    uint index = asked && ORDERED != 0 ? push.order[place].at : place;
+    precise float squared_radius = 0.0;
+    limit = 0;
+    at = vec3(0.0);
+    normal = vec3(0.0);
+    if (asked) {
+        at = push.queries[index].at.position;
+        normal = push.queries[index].at.normal;
+        precise float radius = push.queries[index].at.radius * push.radius;
+        squared_radius = radius * radius;
+        if (push.points > 0 && !is_nan(squared_radius) && !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z)) {
+            limit = floatBitsToUint(squared_radius) + 1;
+            // Too far from all of them.
+            vec3 low = uintBitsToFloat(push.nodes[0].low.xyz), high = uintBitsToFloat(push.nodes[0].high.xyz);
+            if (floatBitsToUint(box_distance(at, low, high)) >= limit) limit = 0;
         }
-        float divisor = squared_radius >= LEAST ? squared_radius : LEAST;
-        scale = 1.0 / divisor;
-        flux = NOTHING;
-        photons = 0;
-        if (resumed) query_keep();
-        walk(0);
-        if (paused) {
-            query_keep();
-            break;
-        }
-        if (asked && index < push.capacity) {
-            Estimates(push.results)[index].at = Estimate(
-                flux.total - flux.excess, divisor, photons, squared_radius < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
-        }
+    }
+    float divisor = squared_radius >= LEAST ? squared_radius : LEAST;
+    scale = 1.0 / divisor;
+    flux = NOTHING;
+    photons = 0;
+    if (resumed) query_keep();
+    walk(0);
+    if (paused) {
+        query_keep();
+    } else if (asked && index < push.capacity) {
+        Estimates(push.results)[index].at = Estimate(
+            flux.total - flux.excess, divisor, photons, squared_radius < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
     }
     if (TURNS != 0) kept_close();
 }

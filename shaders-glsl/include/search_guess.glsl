@@ -2,30 +2,6 @@
 #ifndef SEARCH_GUESS_GLSL
 #define SEARCH_GUESS_GLSL
 
-// By how many standard deviations a squared radius taken from a neighbour exceeds what that one
-// found: a count of k has the relative deviation 1/√k, and one query's failure repeats a tile's walk.
-const float MARGIN = 2.5;
-
-// What the same invocation found in the tile before.
-struct Hint {
-    vec3 at;
-    // Squared distance of the k-th; negative if nothing is known.
-    float squared_radius;
-    // Whether the one before was much the same.
-    bool steady;
-};
-
-// From that: negative if it says nothing here.
-float guess_from(Hint hint, vec3 at, uint k) {
-    if (!(hint.squared_radius >= 0.0)) return -1.0;
-    float moved = point_distance(at, hint.at);
-    if (!(moved <= 4.0 * hint.squared_radius || hint.steady)) return -1.0;
-    // By the triangle inequality this one holds k points.
-    float sure = sqrt(hint.squared_radius) + sqrt(moved);
-    float likely = hint.squared_radius * (1.0 + MARGIN * inversesqrt(float(k)));
-    return min(sure * sure * 1.00001, likely);
-}
-
 // A squared radius around a node's nearest point that k points should lie in, if they lie everywhere as
 // in the node: photons lie on surfaces, so that n of them cover their box's largest face. 0 if they
 // have no extent.

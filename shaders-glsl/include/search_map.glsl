@@ -1,7 +1,8 @@
 // A photon map as searches see it, what they are asked, and how queries are shared out.
 //
 // A tile is as many queries as a subgroup has invocations, one to each; the subgroup walks the tree
-// once for all of them. The numbers of a point are the bits of floats, since a slot's fourth is none.
+// once for all of them, and is done: several tiles in sequence could learn from each other, but where
+// photons lie densely the last subgroups then kept everybody waiting. The numbers of a point are the bits of floats, since a slot's fourth is none.
 #ifndef SEARCH_MAP_GLSL
 #define SEARCH_MAP_GLSL
 
@@ -47,12 +48,13 @@ layout(push_constant, scalar) uniform Push {
     Words result_count;
     // Number of each query in the order in which they are taken.
     Words order;
+    // Where walks that pause are written down: search_pause.glsl.
+    Words kept;
     // Points in the map.
     uint points;
-    // Queries of this dispatch begin here, end there, and so many are a workgroup's.
+    // Queries of this dispatch begin here and end there.
     uint first;
     uint end;
-    uint span;
     uint k;
     // Of k-NN rows and counts: the radius; otherwise a factor on each query's.
     float radius;
@@ -62,22 +64,22 @@ layout(push_constant, scalar) uniform Push {
     uint threshold;
     // Results that fit.
     uint capacity;
-    // Where walks that pause are written down: search_pause.glsl.
-    Words kept;
 } push;
 
 // Whether queries are taken in the order of `push.order`.
 layout(constant_id = 3) const uint ORDERED = 0;
 
-// The tiles of this subgroup: queries from x on, before y.
-uvec2 own_queries() {
-    uint tiles = min(gl_NumSubgroups, TILES);
+// The subgroup's number among those of the dispatch.
+uint tile_number() {
+    return workgroup() * min(gl_NumSubgroups, TILES) + gl_SubgroupID;
+}
+
+// Whether this subgroup has queries: its own are those from x on, before y.
+bool own_queries(out uvec2 own) {
     uint end = min(min(push.end, push.query_count[0].at), push.query_count[1].at);
-    if (gl_SubgroupID >= tiles || push.first + workgroup() * push.span >= end) return uvec2(0);
-    uint begin = push.first + workgroup() * push.span;
-    end = min(end, begin + push.span);
-    uint share = (push.span + tiles * gl_SubgroupSize - 1) / (tiles * gl_SubgroupSize) * gl_SubgroupSize;
-    return uvec2(min(end, begin + gl_SubgroupID * share), min(end, begin + gl_SubgroupID * share + share));
+    uint begin = push.first + tile_number() * gl_SubgroupSize;
+    own = uvec2(begin, min(end, begin + gl_SubgroupSize));
+    return gl_SubgroupID < TILES && begin < end;
 }
 
 #endif

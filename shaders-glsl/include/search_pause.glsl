@@ -23,13 +23,9 @@ uint turns = 0;
 bool resumed = false, paused = false;
 uint kept_next;
 
-uint kept_subgroup() {
-    return workgroup() * min(gl_NumSubgroups, TILES) + gl_SubgroupID;
-}
-
 // Puts the pen before this invocation's words, from `part` on.
 void kept_begin(uint part) {
-    kept_next = 1 + KEPT_SUBGROUPS + part + (kept_subgroup() * gl_SubgroupSize + gl_SubgroupInvocationID) * KEPT_WORDS;
+    kept_next = 1 + KEPT_SUBGROUPS + part + (tile_number() * gl_SubgroupSize + gl_SubgroupInvocationID) * KEPT_WORDS;
 }
 
 // Writes a word down, or reads it again: in the same order.
@@ -58,7 +54,7 @@ void keep(inout vec3 numbers) {
 
 // Whether this subgroup has anything to do in this dispatch.
 bool kept_open() {
-    uint state = push.kept[1 + kept_subgroup()].at;
+    uint state = push.kept[1 + tile_number()].at;
     resumed = state == KEPT_PAUSED;
     return state != KEPT_DONE;
 }
@@ -66,7 +62,7 @@ bool kept_open() {
 // The last that a subgroup does.
 void kept_close() {
     if (gl_SubgroupInvocationID == 0) {
-        push.kept[1 + kept_subgroup()].at = paused ? KEPT_PAUSED : KEPT_DONE;
+        push.kept[1 + tile_number()].at = paused ? KEPT_PAUSED : KEPT_DONE;
         if (paused) atomicAdd(push.kept[0].at, 1);
     }
 }

@@ -48,6 +48,14 @@ fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Job, Box<dyn Err
             }
             "--photons" => job.settings.photons = value()?.parse()?,
             "--passes" => job.passes = value()?.parse::<u32>()?.max(1),
+            "--no-caustics" => job.settings.caustics = false,
+            "--index" => {
+                job.settings.index = match value()?.as_str() {
+                    "median" => photon_core::IndexKind::Median,
+                    "vvh" => photon_core::IndexKind::Vvh,
+                    _ => photon_core::IndexKind::Morton,
+                }
+            }
             "--gather" => {
                 job.settings.indirect = Indirect::Gather;
                 job.settings.gather_rays = value()?.parse()?;

@@ -20,7 +20,7 @@ impl TransportBackend for Vulkan {
 
     fn batch(&self) -> u32 {
         // A batch takes as long as its longest path, however few there are: a GPU wants many at a time.
-        if self.limits().subgroup_size >= 16 { 1 << 20 } else { 1 << 18 }
+        if self.limits().subgroup_size >= 16 { 1 << 22 } else { 1 << 18 }
     }
 
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<VulkanScene> {

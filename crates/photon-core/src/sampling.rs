@@ -137,7 +137,10 @@ mod tests {
         for i in 1..1000 {
             let u = i as f32 / 16_777_216.0;
             for direction in [cosine_hemisphere(Vec3::Z, u, 0.0), uniform_sphere(u * 0.25, 0.0)] {
-                assert!((f64::from(direction.x) / f64::from(u).sqrt() - 1.0).abs() < 1e-6 + f64::from(u), "{u}: {direction}");
+                assert!(
+                    (f64::from(direction.x) / f64::from(u).sqrt() - 1.0).abs() < 1e-6 + f64::from(u),
+                    "{u}: {direction}"
+                );
             }
         }
     }

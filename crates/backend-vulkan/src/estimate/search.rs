@@ -12,16 +12,12 @@ use crate::map::VulkanMap;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Subgroups of a workgroup: what shared memory is reserved for.
-const TILES: u32 = 4;
+/// Subgroups of a workgroup: what shared memory is reserved for. More of them wait for the slowest.
+const TILES: u32 = 1;
 
 /// Queries of a dispatch at most, so that none runs for seconds even where every query finds a large
 /// part of a million photons.
 const PORTION: u64 = 1 << 19;
-
-/// Subgroups that keep the largest devices busy; with more queries than these answer at once, each takes
-/// several tiles in sequence, and learns from one about the next.
-const BUSY: u64 = 1 << 14;
 
 /// From so many on, queries are taken in an order of our own: sorting them costs less than what tiles of
 /// neighbours save, a picture's rows included.
@@ -78,17 +74,17 @@ struct Push {
     results: u64,
     result_count: u64,
     order: u64,
+    kept: u64,
     points: u32,
     first: u32,
     end: u32,
-    span: u32,
     k: u32,
     radius: f32,
     min_cosine: f32,
     parameter: f32,
     threshold: u32,
     capacity: u32,
-    kept: u64,
+    reserved: u32,
 }
 
 /// The push constants of `gather/sample.comp`.
@@ -172,10 +168,7 @@ impl Search {
                 on.kernel(&shaders::GATHER_NEAREST, &constants)?
             }
         };
-        // A walk that pauses is its subgroup's only one.
-        let most = if turns > 0 { 1 } else { 8 };
-        let tiles = ((range.end - range.start) / (subgroup * BUSY)).clamp(1, most);
-        let span = u64::from(workgroup) * tiles;
+        let span = u64::from(workgroup);
         let mut push = Push {
             nodes: map.nodes.address(),
             totals: map.totals.address(),
@@ -187,17 +180,17 @@ impl Search {
             results,
             result_count,
             order,
+            kept: 0,
             points,
             first: 0,
             end: 0,
-            span: span as u32,
             k: question.k,
             radius: question.radius,
             min_cosine: question.min_cosine,
             parameter: question.parameter,
             threshold: question.threshold,
             capacity: capacity.min(u64::from(u32::MAX)) as u32,
-            kept: 0,
+            reserved: 0,
         };
         let portion = if turns > 0 { span * (SUBGROUPS / u64::from(TILES)) } else { PORTION / span * span };
         let kept = &mut self.kept;

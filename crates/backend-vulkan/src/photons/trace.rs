@@ -24,7 +24,7 @@ const LOOK: u32 = 4;
 const GROUP: u32 = 128;
 /// Most paths of a stretch: what a GPU needs to be busy; it bounds how long one dispatch runs. If they
 /// store more photons than there are places, it is traced again, shorter; but not shorter than this.
-const LONGEST: u64 = 1 << 20;
+const LONGEST: u64 = 1 << 22;
 const SHORTEST: u64 = 1 << 13;
 
 /// Follows photons.

@@ -8,6 +8,7 @@ use photon_core::Result;
 
 use super::choose::{candidates, choose, has};
 use super::fault::{Fault, during};
+use super::spare::{Spare, Spares};
 
 /// How to open a device.
 #[derive(Clone, Debug, Default)]
@@ -61,7 +62,9 @@ pub(crate) struct Device {
     messages: Box<Mutex<Vec<String>>>,
     pub(crate) allocator: Mutex<Option<Allocator>>,
     /// Buffers that were dropped, until the device is done with them.
-    pub(crate) graveyard: Mutex<Vec<(vk::Buffer, Allocation)>>,
+    pub(crate) graveyard: Mutex<Vec<Spare>>,
+    /// Those that it is done with.
+    pub(crate) spares: Mutex<Spares>,
     owned: bool,
     /// What has been named.
     #[cfg(test)]
@@ -281,6 +284,7 @@ impl Device {
             messages,
             allocator: Mutex::new(Some(allocator)),
             graveyard: Mutex::default(),
+            spares: Mutex::default(),
             owned,
             #[cfg(test)]
             named: Mutex::default(),
@@ -313,14 +317,26 @@ impl Device {
         }
     }
 
-    /// Frees what was dropped. Only when the device has finished everything that was recorded.
+    /// Keeps what was dropped for those who want as much, and frees what nobody wanted for long. Only when
+    /// the device has finished everything that was recorded.
     pub(crate) fn bury(&self) {
-        let dead = std::mem::take(&mut *self.graveyard.lock().unwrap_or_else(PoisonError::into_inner));
+        let dropped = std::mem::take(&mut *self.graveyard.lock().unwrap_or_else(PoisonError::into_inner));
+        let old = self.spares.lock().unwrap_or_else(PoisonError::into_inner).exchange(dropped);
+        self.free(old);
+    }
+
+    /// Frees what is kept and not in use.
+    pub(crate) fn free_spares(&self) {
+        let all = self.spares.lock().unwrap_or_else(PoisonError::into_inner).drain();
+        self.free(all);
+    }
+
+    fn free(&self, spares: Vec<Spare>) {
         let mut allocator = self.allocator.lock().unwrap_or_else(PoisonError::into_inner);
-        for (buffer, allocation) in dead {
-            // SAFETY: nothing uses it any more, says the caller.
-            unsafe { self.raw.destroy_buffer(buffer, None) };
-            if let Some(Err(error)) = allocator.as_mut().map(|allocator| allocator.free(allocation)) {
+        for spare in spares {
+            // SAFETY: the device was done with it when it became a spare one.
+            unsafe { self.raw.destroy_buffer(spare.buffer, None) };
+            if let Some(Err(error)) = allocator.as_mut().map(|allocator| allocator.free(spare.allocation)) {
                 log::error!("freeing memory: {error}");
             }
         }
@@ -365,6 +381,7 @@ impl Drop for Device {
             let _ = self.raw.device_wait_idle();
         }
         self.bury();
+        self.free_spares();
         drop(self.allocator.lock().unwrap_or_else(PoisonError::into_inner).take());
         if self.owned {
             // SAFETY: as above.

@@ -10,6 +10,7 @@ use photon_core::{Error, Result};
 
 use super::fault::during;
 use super::instance::Device;
+use super::spare::Spare;
 
 /// A buffer.
 #[derive(Debug)]
@@ -20,6 +21,8 @@ pub(crate) struct Memory {
     allocation: Option<Allocation>,
     offset: u64,
     bytes: u64,
+    /// Bytes that the buffer was made with; 0 if nobody else can use it.
+    whole: u64,
     address: u64,
 }
 
@@ -39,8 +42,35 @@ impl Memory {
         if bytes > limit {
             return Err(Error::AllocationTooLarge { label: kept(label), bytes, limit });
         }
-        let out = || Error::OutOfMemory { label: kept(label), bytes };
         let size = bytes.max(4).next_multiple_of(16);
+        if location == MemoryLocation::GpuOnly {
+            let spare = device.spares.lock().unwrap_or_else(PoisonError::into_inner).take(size);
+            if let Some(Spare { buffer, allocation, address, size: whole, .. }) = spare {
+                device.name(buffer, label);
+                let device = device.clone();
+                return Ok(Self {
+                    device,
+                    buffer,
+                    allocation: Some(allocation),
+                    offset: 0,
+                    bytes: size,
+                    whole,
+                    address,
+                });
+            }
+        }
+        match Self::allocate(device, label, size, location) {
+            Err(Error::OutOfMemory { .. }) => {
+                // What is kept for others may be what is missing.
+                device.free_spares();
+                Self::allocate(device, label, size, location)
+            }
+            made => made,
+        }
+    }
+
+    fn allocate(device: &Arc<Device>, label: &str, size: u64, location: MemoryLocation) -> Result<Self> {
+        let out = || Error::OutOfMemory { label: kept(label), bytes: size };
         let info = vk::BufferCreateInfo::default().size(size).usage(USES).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: the device is alive.
         let buffer = unsafe { device.raw.create_buffer(&info, None) }.map_err(|_| out())?;
@@ -75,7 +105,16 @@ impl Memory {
         device
             .name(unsafe { allocation.memory() }, if allocation.is_dedicated() { label } else { "a block of buffers" });
         let address = address(device, buffer);
-        Ok(Self { device: device.clone(), buffer, allocation: Some(allocation), offset: 0, bytes: size, address })
+        let whole = if location == MemoryLocation::GpuOnly { size } else { 0 };
+        Ok(Self {
+            device: device.clone(),
+            buffer,
+            allocation: Some(allocation),
+            offset: 0,
+            bytes: size,
+            whole,
+            address,
+        })
     }
 
     /// A stretch of a host's buffer.
@@ -85,7 +124,7 @@ impl Memory {
     /// and `TRANSFER_DST`, holds `offset + bytes` bytes, and outlives this.
     pub(crate) unsafe fn foreign(device: &Arc<Device>, buffer: vk::Buffer, offset: u64, bytes: u64) -> Self {
         let address = address(device, buffer) + offset;
-        Self { device: device.clone(), buffer, allocation: None, offset, bytes, address }
+        Self { device: device.clone(), buffer, allocation: None, offset, bytes, whole: 0, address }
     }
 
     /// Where kernels find it.
@@ -134,7 +173,8 @@ fn kept(label: &str) -> &'static str {
 impl Drop for Memory {
     fn drop(&mut self) {
         if let Some(allocation) = self.allocation.take() {
-            self.device.graveyard.lock().unwrap_or_else(PoisonError::into_inner).push((self.buffer, allocation));
+            let spare = Spare::new(self.buffer, allocation, self.address, self.whole, self.whole > 0);
+            self.device.graveyard.lock().unwrap_or_else(PoisonError::into_inner).push(spare);
         }
     }
 }

@@ -10,6 +10,7 @@ mod pipelines;
 mod profile;
 mod queue;
 mod recorder;
+mod spare;
 #[cfg(test)]
 mod tests;
 

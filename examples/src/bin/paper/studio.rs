@@ -11,9 +11,6 @@ use photon_scene::Scene;
 use crate::calibrate::Sizes;
 use crate::plan::Plan;
 
-/// Paths emitted at a time.
-const BATCH: u32 = 1 << 18;
-
 /// What one plan took, the median of its repetitions.
 #[derive(Debug)]
 pub(crate) struct Measured {
@@ -73,7 +70,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
         let pixels = u64::from(self.view.width) * u64::from(self.view.height);
         let splits = self.required.features.intersects(Features::DIELECTRIC.union(Features::THIN));
         let most = pixels * if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
-        let mut rays = self.on.alloc::<PhotonRay>("photon rays", u64::from(BATCH))?;
+        let mut rays = self.on.alloc::<PhotonRay>("photon rays", u64::from(self.on.batch()))?;
         let mut queries = self.on.alloc::<Query>("queries", most)?;
         let mut estimates = self.on.alloc::<Estimate>("estimates", most)?;
         let mut lanes = [self.lane(sizes.caustic)?, self.lane(sizes.global)?];
@@ -150,7 +147,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
         }
         let mut first = 0;
         while first < paths {
-            let end = first.saturating_add(BATCH).min(paths);
+            let end = first.saturating_add(self.on.batch()).min(paths);
             let batch = Batch { pass, paths: first..end };
             self.on.mark(Some(Stage::Emit));
             stages.emitter.emit(&mut self.on, &self.scene, &batch, rays)?;
@@ -176,7 +173,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
     /// What a map of the photons of a few paths needs to be made.
     pub(crate) fn sample(&mut self, plan: &Plan, paths: u32) -> Result<[B::Buffer<Photon>; 2]> {
         let mut stages = self.on.stages(&self.required, &plan.settings)?;
-        let mut rays = self.on.alloc::<PhotonRay>("photon rays", u64::from(BATCH))?;
+        let mut rays = self.on.alloc::<PhotonRay>("photon rays", u64::from(self.on.batch()))?;
         let capacity = u64::from(paths) * 16;
         let mut caustic = Some(self.on.alloc::<Photon>("photons", capacity)?);
         let mut global = Some(self.on.alloc::<Photon>("photons", capacity)?);

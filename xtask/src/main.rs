@@ -4,6 +4,7 @@
 mod ci;
 mod constants;
 mod duplicates;
+mod extremes;
 mod graph;
 mod licences;
 mod msrv;

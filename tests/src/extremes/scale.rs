@@ -11,14 +11,15 @@ use crate::numerics::turned_room;
 /// The group.
 pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     leaks::<T>(sheet);
-    sizes::<T>(sheet);
-    places::<T>(sheet);
+    let base = see::<T>(sheet, Put::default());
+    sizes::<T>(sheet, &base);
+    places::<T>(sheet, &base);
     beyond_pictures(sheet);
 }
 
 /// S1: diffuse bounces in a closed room in which nothing lies along an axis.
 fn leaks<T: TestBackend>(sheet: &mut Sheet) {
-    let exponents: Vec<i32> = if sheet.long() { (-30..=30).step_by(5).collect() } else { vec![-30, 0, 30] };
+    let exponents: Vec<i32> = sheet.choose(vec![-30, 30], vec![-30, 0, 30], (-30..=30).step_by(5).collect());
     let paths = sheet.either(1500, 10_500);
     let (mut met, mut lost) = (0, 0);
     for exponent in &exponents {
@@ -59,8 +60,7 @@ fn apart(a: f64, b: f64) -> f64 {
 }
 
 /// S4: the same watts in a room `s` times as large give `s⁻²` of the irradiance.
-fn sizes<T: TestBackend>(sheet: &mut Sheet) {
-    let base = see::<T>(sheet, Put::default());
+fn sizes<T: TestBackend>(sheet: &mut Sheet, base: &Seen) {
     let powers = sheet.either(vec![99], (-99..=99).step_by(11).collect());
     let bits = powers.iter().all(|&power| {
         let seen = see::<T>(sheet, Put { size: 2.0_f64.powi(power), ..Put::default() });
@@ -70,31 +70,30 @@ fn sizes<T: TestBackend>(sheet: &mut Sheet) {
     let found = if bits { "all bits equal" } else { "bits differ" };
     sheet.holds("S4", "powers of two: photon maps and picture, bit by bit", range, found, bits);
 
-    let exponents: Vec<i32> = if sheet.long() { (-30..=30).collect() } else { vec![-30, 11, 30] };
+    let exponents: Vec<i32> = sheet.choose(vec![-30], vec![-30, 11, 30], (-30..=30).collect());
     let (mut least, mut direct, mut whole) = (1.0_f64, 0.0_f64, 0.0_f64);
     for &exponent in &exponents {
         let size = 10.0_f64.powi(exponent);
         let seen = see::<T>(sheet, Put { size, ..Put::default() });
-        least = least.min(share(&base, &seen));
+        least = least.min(share(base, &seen));
         let of = |layer| apart(mean(&seen.film, layer) * size * size, mean(&base.film, layer));
         direct = direct.max(of(Some(Layer::Direct)));
         whole = whole.max(of(None));
     }
-    let range = format!("10^k, k = −30…30, {} sizes", exponents.len());
+    let range = format!("10^k, k = {}…{}, {} sizes", exponents[0], exponents[exponents.len() - 1], exponents.len());
     let found = format!("{least:.5} of the photons the same, {direct:.1e}, {whole:.1e}");
     let what = "powers of ten: share of photons that are the same; E·s² of direct light and of the picture, relative";
     sheet.holds("S4", what, range, found, least > 0.999 && direct < 1e-6 && whole < 1e-3);
 }
 
 /// S3: a scene far from the user's origin, given in f64.
-fn places<T: TestBackend>(sheet: &mut Sheet) {
-    let base = see::<T>(sheet, Put::default());
-    let exponents: Vec<i32> = if sheet.long() { (0..=9).collect() } else { vec![4, 7, 9] };
+fn places<T: TestBackend>(sheet: &mut Sheet, base: &Seen) {
+    let exponents: Vec<i32> = sheet.choose(vec![9], vec![4, 7, 9], (0..=9).collect());
     for &exponent in &exponents {
         let far = 10.0_f64.powi(exponent);
         let put = Put { place: [far, -0.7 * far, 0.3 * far], ..Put::default() };
         let seen = see::<T>(sheet, put);
-        let least = share(&base, &seen);
+        let least = share(base, &seen);
         let apart = apart(mean(&seen.film, Some(Layer::Direct)), mean(&base.film, Some(Layer::Direct)));
         let scene = studio(put).build().unwrap();
         let warned = scene.warnings().iter().any(|warning| warning.contains("away from the origin"));

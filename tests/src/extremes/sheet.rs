@@ -72,6 +72,16 @@ impl Sheet {
         if self.long() { long } else { quick }
     }
 
+    /// By the extent.
+    #[must_use]
+    pub fn choose<V>(&self, tests: V, quick: V, long: V) -> V {
+        match self.extent {
+            Extent::Tests => tests,
+            Extent::Quick => quick,
+            Extent::Long => long,
+        }
+    }
+
     /// A case that must hold.
     pub fn holds(
         &mut self,

@@ -6,6 +6,7 @@ pub mod backend;
 pub mod difference;
 pub mod exr_file;
 pub mod fault;
+pub mod memory;
 pub mod npy;
 pub mod png_file;
 pub mod report;

@@ -6,6 +6,7 @@ use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layer};
 use crate::layout::{Estimate, Photon, PhotonRay, Query};
+use crate::memory::Plan;
 use crate::observer::{Event, Observer, PassReport};
 use crate::radii::{self, Radii};
 use crate::render::{Facts, PassEnd, Render};
@@ -19,6 +20,9 @@ use crate::units::Units;
 /// The pass that the derived radii come from; no pass of a picture has this number.
 const PILOT: u32 = u32::MAX;
 const PILOT_PATHS: u32 = 65_536;
+
+/// Photons of a map that are allocated to count how many there are; those beyond are counted too.
+const COUNTED: u64 = 65_536;
 
 /// Camera paths split at the first two sheets or boundaries of glass, hence into four at most.
 pub const QUERIES_PER_PIXEL: u32 = 4;
@@ -124,10 +128,20 @@ impl<B: TransportBackend> Pipeline<B> {
         on.mark(Some(Stage::Prepare));
         let prepared = on.prepare(scene, &required)?;
         on.mark(None);
-        let rays = on.alloc("photon rays", u64::from(batch.min(settings.photons.max(PILOT_PATHS))))?;
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
+        let costs = on.costs();
+        let plan = match settings.memory {
+            Some(cap) => {
+                let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
+                let picture = pixels * (costs.pixel + per_pixel * costs.query);
+                Some(Plan::new(cap, tables.saturating_add(picture), &costs)?)
+            }
+            None => None,
+        };
+        let batch = plan.map_or(batch, |plan| batch.min(plan.batch));
+        let rays = on.alloc("photon rays", u64::from(batch.min(settings.photons.max(PILOT_PATHS))))?;
         let queries = on.alloc("queries", pixels * per_pixel)?;
         let any_map = required.direct_map || required.caustic_map || required.global_map;
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
@@ -149,7 +163,10 @@ impl<B: TransportBackend> Pipeline<B> {
             queries,
             estimates,
         };
-        pipeline.allocate_maps(2.0)?;
+        match plan {
+            Some(plan) if any_map => pipeline.fit(plan)?,
+            _ => pipeline.allocate_maps(2.0)?,
+        }
         if any_map && radii::need_pilot(&pipeline.settings) {
             pipeline.pilot()?;
         }
@@ -167,6 +184,50 @@ impl<B: TransportBackend> Pipeline<B> {
             }
         }
         Ok(())
+    }
+
+    /// Counts the photons of a few paths, and makes maps, batches and passes so large that they fit.
+    fn fit(&mut self, mut plan: Plan) -> Result<()> {
+        let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
+        let maps = wanted.iter().filter(|&&wanted| wanted).count() as u64;
+        let each = (plan.photons / maps.max(1)).min(COUNTED);
+        for (map, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted) {
+            self.photons[map] = Some(self.on.alloc(LABELS[map], each)?);
+        }
+        let paths = self.settings.photons.min(PILOT_PATHS).min(plan.batch);
+        let per_path = self.emit_and_count(paths)?.map(|needed| needed as f64 / f64::from(paths));
+        let all: f64 = per_path.iter().sum();
+        plan.share(all, &self.on.costs());
+        self.batch = self.batch.min(plan.batch);
+        self.settings.photons = plan.paths(all, self.settings.photons);
+        for map in 0..3 {
+            if self.photons[map].take().is_some() {
+                // Room for chance: a thousand, and a twentieth.
+                let expected = f64::from(self.settings.photons) * per_path[map];
+                let own = (expected * 1.05) as u64 + 1024;
+                let capacity = self.settings.photon_capacity.map_or(own, |given| given.min(own));
+                self.photons[map] = Some(self.on.alloc(LABELS[map], capacity)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// How many photons so many paths leave for each map, whether or not they fit.
+    fn emit_and_count(&mut self, paths: u32) -> Result<[u64; 3]> {
+        let pass = Pass { seed: self.settings.seed, index: PILOT, random: self.settings.random };
+        let batch = Batch { pass, paths: 0..paths };
+        self.stages.emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;
+        let [direct, caustic, global] = &mut self.photons;
+        let deposits = Deposits { direct: direct.as_mut(), caustic: caustic.as_mut(), global: global.as_mut() };
+        self.stages.tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits)?;
+        self.stages.tracer.take_tally(&mut self.on)?;
+        let mut counts = [0; 3];
+        for (count, photons) in counts.iter_mut().zip(&self.photons) {
+            if let Some(photons) = photons {
+                *count = self.on.fill(photons)?.needed;
+            }
+        }
+        Ok(counts)
     }
 
     /// Traces a few photons to find radii that suit their density.
@@ -234,7 +295,7 @@ impl<B: TransportBackend> Pipeline<B> {
             let Some(photons) = slot else { continue };
             let fill = self.on.fill(photons)?;
             if fill.needed > fill.capacity {
-                if self.settings.photon_capacity.is_some() {
+                if self.settings.photon_capacity.is_some() || self.settings.memory.is_some() {
                     return Err(Error::CapacityExceeded { label, needed: fill.needed, capacity: fill.capacity });
                 }
                 *slot = None;
@@ -395,6 +456,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
             device: self.on.device(),
             required: self.required,
             setup: self.setup,
+            photons: self.settings.photons,
             memory: self.on.memory(&self.scene),
         }
     }

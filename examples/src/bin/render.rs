@@ -14,6 +14,7 @@ use photon_core::{Budget, Event, Film, Outcome, Pipeline, Render, Settings, Tran
 use photon_examples::args::{Args, PASSES};
 use photon_examples::backend::{self, Chosen};
 use photon_examples::fault::{self, Fault};
+use photon_examples::memory;
 use photon_examples::report::{self, Told};
 use photon_examples::{exr_file, png_file};
 use photon_scene::{LoadReport, Overrides, Scene};
@@ -51,6 +52,10 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     let (width, height) = args.size;
     let view = View { camera: scene.camera(args.camera.as_deref(), width, height)?, width, height };
+    if args.explain {
+        return explain(args, &scene, &settings);
+    }
+    let settings = Settings { memory: args.memory.map(|cap| memory::for_the_library(cap, args.size)), ..settings };
     let mut renderer = start(args, &scene, view, &settings)?;
 
     let stop = Arc::new(AtomicBool::new(false));
@@ -89,7 +94,11 @@ fn work(args: &Args) -> Result<(), Fault> {
         }
     }
     let stopped = if outcome.cancelled { ", stopped early" } else { "" };
-    eprintln!("{} passes of {} paths in {seconds_total:.1} s{stopped}", outcome.passes, args.photons);
+    let paths = renderer.facts().photons;
+    eprintln!("{} passes of {paths} paths in {seconds_total:.1} s{stopped}", outcome.passes);
+    if let (Some(cap), Some(peak)) = (args.memory, memory::peak()) {
+        eprintln!("{:.0} MiB at the peak, of {:.0} allowed", peak as f64 / 1_048_576.0, cap as f64 / 1_048_576.0);
+    }
     Ok(())
 }
 
@@ -137,6 +146,19 @@ fn load(args: &Args) -> Result<(Scene, LoadReport), Fault> {
     }
 }
 
+/// What the scene needs, and what is left out.
+fn explain(args: &Args, scene: &Scene, settings: &Settings) -> Result<(), Fault> {
+    println!("{}: {} triangles", args.scene, scene.view().triangles.len());
+    let needs = photon_core::explain(&scene.view(), settings);
+    for (heading, needed) in [("needed", true), ("left out", false)] {
+        println!("\n{heading}:");
+        for need in needs.iter().filter(|need| need.needed == needed) {
+            println!("  {:<24} {}", need.what, need.why);
+        }
+    }
+    Ok(())
+}
+
 fn start(args: &Args, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
     match backend::open(args.backend, args.threads)? {
         Chosen::Cpu(on) => pipeline(on, scene, view, settings),
@@ -155,6 +177,12 @@ fn pipeline<B: TransportBackend>(
 
 fn passes(args: &Args, renderer: &mut dyn Render, stop: &AtomicBool) -> Result<Outcome, Fault> {
     let count = args.passes.unwrap_or(if args.time.is_some() { u32::MAX - 1 } else { PASSES });
+    // As many photons in all, if memory makes passes smaller.
+    let each = renderer.facts().photons;
+    let count = count.saturating_mul(args.photons.div_ceil(each)).min(u32::MAX - 1);
+    if each < args.photons {
+        eprintln!("{each} paths a pass, for the memory allowed");
+    }
     let budget = Budget { first: 0, passes: count, time: args.time.map(Duration::from_secs_f64) };
     let terminal = std::io::stderr().is_terminal();
     // With only a time to go by, the bar shows that.

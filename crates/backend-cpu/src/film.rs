@@ -82,8 +82,8 @@ impl TransportBackend for Cpu {
     fn costs(&self) -> Costs {
         // A photon: 32 as stored, 28 in the order of its index, 22 of the index; 52 more while that is
         // sorted. Under way: vectors that double, and the part of a buffer that is being made of them.
-        // A pixel: the sums, the pass's, and a copy when it is read.
-        Costs { photon: 134, under_way: 96, path: 48, pixel: 3 * size_of::<FilmPixel>() as u64, query: 224 }
+        // A pixel: a copy of the film when it is read.
+        Costs { photon: 134, under_way: 96, path: 48, pixel: size_of::<FilmPixel>() as u64, query: 224 }
     }
 
     fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<CpuFilm> {

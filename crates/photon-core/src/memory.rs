@@ -15,7 +15,7 @@ pub struct Costs {
     pub under_way: u64,
     /// For a path of a batch, besides its photons.
     pub path: u64,
-    /// For a pixel of the picture, besides its queries.
+    /// For a pixel of the picture, besides its queries and the film.
     pub pixel: u64,
     /// For a query, with its estimate.
     pub query: u64,

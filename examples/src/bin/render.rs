@@ -55,7 +55,6 @@ fn work(args: &Args) -> Result<(), Fault> {
     if args.explain {
         return explain(args, &scene, &settings);
     }
-    let settings = Settings { memory: args.memory.map(|cap| memory::for_the_library(cap, args.size)), ..settings };
     let mut renderer = start(args, &scene, view, &settings)?;
 
     let stop = Arc::new(AtomicBool::new(false));
@@ -160,7 +159,11 @@ fn explain(args: &Args, scene: &Scene, settings: &Settings) -> Result<(), Fault>
 }
 
 fn start(args: &Args, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
-    match backend::open(args.backend, args.threads)? {
+    let chosen = backend::open(args.backend, args.threads)?;
+    // A driver may keep much to itself by now.
+    let memory = args.memory.map(|cap| memory::for_the_library(cap, args.size));
+    let settings = &Settings { memory, ..settings.clone() };
+    match chosen {
         Chosen::Cpu(on) => pipeline(on, scene, view, settings),
         Chosen::Vulkan(on) => pipeline(*on, scene, view, settings),
     }

@@ -1,8 +1,8 @@
 //! S7, S10, S11, S17, S18, S30, S31, S33: powers and numbers.
 
 use photon_core::{
-    Backend, Batch, Deposits, Direct, Estimator, Indirect, Pass, PhotonRay, Requirements, Settings, Tally,
-    TransportBackend,
+    Backend, Batch, Deposits, Direct, Error, Estimator, Indirect, Pass, PhotonRay, Pipeline, Render, Requirements,
+    Settings, Tally, TransportBackend, View,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
@@ -18,6 +18,7 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     unequal_lights::<T>(sheet);
     vanishing_light(sheet);
     many_paths::<T>(sheet);
+    capped_memory::<T>(sheet);
     sheet.proved(
         "S7",
         "fewer photons than k: all of them over the whole radius",
@@ -156,4 +157,34 @@ pub(crate) fn trace_without_maps<T: TestBackend>(scene: &Scene, settings: &Setti
     let deposits = Deposits { direct: None, caustic: None, global: None };
     stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
     stages.tracer.take_tally(&mut on).unwrap()
+}
+
+/// A cap on memory: smaller passes and batches, whose pictures are those of passes of that size.
+fn capped_memory<T: TestBackend>(sheet: &mut Sheet) {
+    let scene = studio(Put::default()).build().unwrap();
+    let view = View { camera: scene.camera(None, 12, 12).unwrap(), width: 12, height: 12 };
+    let asked = Settings { photons: 2_000_000, max_bounces: 16, ..Settings::default() };
+    let start = |settings: &Settings| Pipeline::new(T::make(2), &scene.view(), view, settings.clone());
+    let cap = 12 << 20;
+    let mut capped = start(&Settings { memory: Some(cap), ..asked.clone() }).unwrap();
+    capped.pass(0, &mut ()).unwrap();
+    let facts = capped.facts();
+    let held: u64 = facts.memory.iter().map(|(_, bytes)| bytes).sum();
+    let mut free = start(&Settings { photons: facts.photons, ..asked.clone() }).unwrap();
+    free.pass(0, &mut ()).unwrap();
+    let same = capped.film().unwrap().pixels == free.film().unwrap().pixels;
+    let refused = match start(&Settings { memory: Some(100_000), ..asked }) {
+        Err(Error::OverMemory { needed, allowed: 100_000 }) => needed > 100_000,
+        _ => false,
+    };
+    let bits = if same { "the bits of passes of that size" } else { "other bits" };
+    let found = format!("{} paths a pass, {:.1} MiB held, {bits}", facts.photons, held as f64 / f64::from(1 << 20));
+    let good = same && refused && held <= cap && facts.photons < 2_000_000;
+    sheet.holds(
+        "cap",
+        "a cap on memory is kept by smaller passes",
+        "2e6 paths in 12 MiB; 100 kB is refused",
+        found,
+        good,
+    );
 }

@@ -11,3 +11,4 @@ pub mod npy;
 pub mod png_file;
 pub mod report;
 pub mod tonemap;
+pub mod whole;

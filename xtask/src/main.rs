@@ -8,6 +8,7 @@ mod extremes;
 mod graph;
 mod licences;
 mod msrv;
+mod requirements;
 mod shaders;
 mod shell;
 mod tidy;

@@ -14,9 +14,9 @@ use photon_core::{Budget, Event, Film, Outcome, Pipeline, Render, Settings, Tran
 use photon_examples::args::{Args, PASSES};
 use photon_examples::backend::{self, Chosen};
 use photon_examples::fault::{self, Fault};
-use photon_examples::memory;
 use photon_examples::report::{self, Told};
 use photon_examples::{exr_file, png_file};
+use photon_examples::{memory, whole};
 use photon_scene::{LoadReport, Overrides, Scene};
 
 fn main() -> ExitCode {
@@ -38,6 +38,10 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     let settings = args.settings()?;
     let outputs = outputs(args)?;
+    if !args.explain {
+        let json = args.json.iter().filter(|path| path.as_os_str() != "-");
+        outputs.iter().chain(json).try_for_each(|path| whole::check(path))?;
+    }
     let begun = Instant::now();
     let (scene, load) = load(args)?;
     let seconds_load = begun.elapsed().as_secs_f64();
@@ -89,7 +93,7 @@ fn work(args: &Args) -> Result<(), Fault> {
         if path.as_os_str() == "-" {
             std::io::stdout().write_all(text.as_bytes()).map_err(|why| Fault::writing(path, why))?;
         } else {
-            std::fs::write(path, text).map_err(|why| Fault::writing(path, why))?;
+            whole::write_bytes(path, text.as_bytes())?;
         }
     }
     let stopped = if outcome.cancelled { ", stopped early" } else { "" };

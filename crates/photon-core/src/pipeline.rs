@@ -21,9 +21,6 @@ use crate::units::Units;
 const PILOT: u32 = u32::MAX;
 const PILOT_PATHS: u32 = 65_536;
 
-/// Photons of a map that are allocated to count how many there are; those beyond are counted too.
-const COUNTED: u64 = 65_536;
-
 /// Camera paths split at the first two sheets or boundaries of glass, hence into four at most.
 pub const QUERIES_PER_PIXEL: u32 = 4;
 
@@ -46,9 +43,14 @@ pub struct Pipeline<B: TransportBackend> {
     setup: StageTimings,
     rays: B::Buffer<PhotonRay>,
     photons: [Photons<B>; 3],
+    capacities: [u64; 3],
+    /// The last pass ended in an error.
+    failed: bool,
     queries: B::Buffer<Query>,
     estimates: Option<B::Buffer<Estimate>>,
 }
+
+mod fit;
 
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
 
@@ -150,6 +152,8 @@ impl<B: TransportBackend> Pipeline<B> {
             units: scene.units,
             scene: prepared,
             photons: [None, None, None],
+            capacities: [0; 3],
+            failed: false,
             on,
             stages,
             required,
@@ -174,60 +178,24 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(pipeline)
     }
 
+    /// A buffer for the photons of a map, in the place of what there was.
+    fn allocate(&mut self, map: usize, capacity: u64) -> Result<()> {
+        self.photons[map] = None;
+        self.capacities[map] = capacity;
+        self.photons[map] = Some(self.on.alloc(LABELS[map], capacity)?);
+        Ok(())
+    }
+
     fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
         let guess = (f64::from(self.settings.photons.max(PILOT_PATHS)) * photons_per_path) as u64 + 1024;
         let capacity = self.settings.photon_capacity.unwrap_or(guess);
         let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
         for (map, wanted) in wanted.into_iter().enumerate() {
             if wanted {
-                self.photons[map] = Some(self.on.alloc(LABELS[map], capacity)?);
+                self.allocate(map, capacity)?;
             }
         }
         Ok(())
-    }
-
-    /// Counts the photons of a few paths, and makes maps, batches and passes so large that they fit.
-    fn fit(&mut self, mut plan: Plan) -> Result<()> {
-        let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
-        let maps = wanted.iter().filter(|&&wanted| wanted).count() as u64;
-        let each = (plan.photons / maps.max(1)).min(COUNTED);
-        for (map, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted) {
-            self.photons[map] = Some(self.on.alloc(LABELS[map], each)?);
-        }
-        let paths = self.settings.photons.min(PILOT_PATHS).min(plan.batch);
-        let per_path = self.emit_and_count(paths)?.map(|needed| needed as f64 / f64::from(paths));
-        let all: f64 = per_path.iter().sum();
-        plan.share(all, &self.on.costs());
-        self.batch = self.batch.min(plan.batch);
-        self.settings.photons = plan.paths(all, self.settings.photons);
-        for map in 0..3 {
-            if self.photons[map].take().is_some() {
-                // Room for chance: a thousand, and a twentieth.
-                let expected = f64::from(self.settings.photons) * per_path[map];
-                let own = (expected * 1.05) as u64 + 1024;
-                let capacity = self.settings.photon_capacity.map_or(own, |given| given.min(own));
-                self.photons[map] = Some(self.on.alloc(LABELS[map], capacity)?);
-            }
-        }
-        Ok(())
-    }
-
-    /// How many photons so many paths leave for each map, whether or not they fit.
-    fn emit_and_count(&mut self, paths: u32) -> Result<[u64; 3]> {
-        let pass = Pass { seed: self.settings.seed, index: PILOT, random: self.settings.random };
-        let batch = Batch { pass, paths: 0..paths };
-        self.stages.emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;
-        let [direct, caustic, global] = &mut self.photons;
-        let deposits = Deposits { direct: direct.as_mut(), caustic: caustic.as_mut(), global: global.as_mut() };
-        self.stages.tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits)?;
-        self.stages.tracer.take_tally(&mut self.on)?;
-        let mut counts = [0; 3];
-        for (count, photons) in counts.iter_mut().zip(&self.photons) {
-            if let Some(photons) = photons {
-                *count = self.on.fill(photons)?.needed;
-            }
-        }
-        Ok(counts)
     }
 
     /// Traces a few photons to find radii that suit their density.
@@ -291,15 +259,15 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Whether a buffer overflowed and was made anew, large enough for the pass to be repeated.
     fn grow_if_needed(&mut self) -> Result<bool> {
         let mut grew = false;
-        for (slot, label) in self.photons.iter_mut().zip(LABELS) {
-            let Some(photons) = slot else { continue };
+        for map in 0..3 {
+            let Some(photons) = &self.photons[map] else { continue };
             let fill = self.on.fill(photons)?;
             if fill.needed > fill.capacity {
                 if self.settings.photon_capacity.is_some() || self.settings.memory.is_some() {
+                    let label = LABELS[map];
                     return Err(Error::CapacityExceeded { label, needed: fill.needed, capacity: fill.capacity });
                 }
-                *slot = None;
-                *slot = Some(self.on.alloc(label, fill.needed + fill.needed / 8)?);
+                self.allocate(map, fill.needed + fill.needed / 8)?;
                 grew = true;
             }
         }
@@ -373,6 +341,12 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(self.on.fill(&self.queries)?.length)
     }
 
+    /// What it works on.
+    #[must_use]
+    pub fn backend(&self) -> &B {
+        &self.on
+    }
+
     fn needs_photons(&self) -> bool {
         self.photons.iter().any(Option::is_some)
     }
@@ -392,6 +366,50 @@ fn check_scene(scene: &SceneView<'_>) -> Result<()> {
 
 impl<B: TransportBackend> Render for Pipeline<B> {
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
+        if self.failed {
+            self.recover()?;
+        }
+        self.failed = true;
+        let end = self.whole_pass(index, observer)?;
+        self.failed = false;
+        Ok(end)
+    }
+
+    fn film(&mut self) -> Result<Film> {
+        let mut film = self.on.read_film(&self.film)?;
+        film.clamp = matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp);
+        Ok(film)
+    }
+
+    fn facts(&self) -> Facts {
+        Facts {
+            backend: self.on.name(),
+            device: self.on.device(),
+            required: self.required,
+            setup: self.setup,
+            photons: self.settings.photons,
+            memory: self.on.memory(&self.scene),
+        }
+    }
+}
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// Puts back what a pass that failed had in its hands: photons that were in a map when it was given
+    /// up are gone, and counts of paths that no film has.
+    fn recover(&mut self) -> Result<()> {
+        let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
+        for map in (0..3).filter(|&map| wanted[map]) {
+            if self.photons[map].is_none() {
+                self.allocate(map, self.capacities[map])?;
+            }
+        }
+        self.stages.tracer.take_tally(&mut self.on)?;
+        self.on.timings()?;
+        self.failed = false;
+        Ok(())
+    }
+
+    fn whole_pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
         if index == PILOT {
             return Err(Error::InvalidSetting {
                 name: "pass",
@@ -442,22 +460,5 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         };
         let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || traced < wanted;
         Ok(if stop { PassEnd::Last(report) } else { PassEnd::Done(report) })
-    }
-
-    fn film(&mut self) -> Result<Film> {
-        let mut film = self.on.read_film(&self.film)?;
-        film.clamp = matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp);
-        Ok(film)
-    }
-
-    fn facts(&self) -> Facts {
-        Facts {
-            backend: self.on.name(),
-            device: self.on.device(),
-            required: self.required,
-            setup: self.setup,
-            photons: self.settings.photons,
-            memory: self.on.memory(&self.scene),
-        }
     }
 }

@@ -123,8 +123,11 @@ fn compiled(kernel: &str, struck: Option<u32>, features: u32) -> Result<usize, S
     let folder = root.join("target/requirements");
     fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
     let (glsl, spirv) = (folder.join("kernel.comp"), folder.join("kernel.spv"));
-    fs::write(&glsl, source.replace(named, &format!("const uint FEATURES = {features}u;")))
-        .map_err(|e| e.to_string())?;
+    let source = match struck {
+        Some(left) => source.replace(named, &format!("const uint FEATURES = {left}u;")),
+        None => source,
+    };
+    fs::write(&glsl, source).map_err(|error| error.to_string())?;
     let (glsl, spirv) = (glsl.to_string_lossy(), spirv.to_string_lossy());
     shell::capture(&[
         "glslangValidator",

@@ -97,6 +97,12 @@ pub struct Args {
     /// Whatever a loader approximates or leaves out is an error.
     #[arg(long)]
     pub strict: bool,
+    /// Most memory that the process may take, such as 2GiB: passes get smaller, and more.
+    #[arg(long, value_name = "SIZE", value_parser = crate::memory::parse)]
+    pub memory: Option<u64>,
+    /// Say what the scene needs, what is left out and why, and render nothing.
+    #[arg(long)]
+    pub explain: bool,
     /// How fast radii shrink from pass to pass, above 0 and at most 1; 1 keeps them.
     #[arg(long, value_name = "ALPHA", default_value_t = 2.0 / 3.0)]
     pub alpha: f64,

@@ -6,7 +6,7 @@ use exr::prelude::*;
 use photon_core::{Film, Layer as Part};
 
 use crate::fault::Fault;
-use crate::png_file::partial;
+use crate::whole;
 
 /// Writes one part of f32 channels: `R G B`, which is the sum of `emission.*`, `direct.*`,
 /// `caustic.*` and `indirect.*`, then `depth.Z`, `N.*`, `albedo.*` and `error.Y`, the standard error
@@ -43,9 +43,5 @@ pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::
             layer.attributes.other.insert(name, attribute::AttributeValue::Text(value));
         }
     }
-    let partial = partial(path);
-    let written = Image::from_layer(layer).write().to_file(&partial).map_err(|why| why.to_string());
-    written
-        .and_then(|()| std::fs::rename(&partial, path).map_err(|why| why.to_string()))
-        .map_err(|why| Fault::writing(path, why))
+    whole::write(path, |file| Ok(Image::from_layer(layer).write().to_buffered(file)?))
 }

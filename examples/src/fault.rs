@@ -41,7 +41,8 @@ impl From<photon_core::Error> for Fault {
             | E::NoLight
             | E::NoReceiver
             | E::OutOfMemory { .. }
-            | E::AllocationTooLarge { .. } => Self::Input(text),
+            | E::AllocationTooLarge { .. }
+            | E::OverMemory { .. } => Self::Input(text),
             _ => Self::Failure(text),
         }
     }

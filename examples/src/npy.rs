@@ -74,7 +74,7 @@ pub fn write_u32(path: &Path, values: &[u32], columns: Option<usize>) -> Result<
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
     bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-    std::fs::write(path, bytes).map_err(|why| Fault::writing(path, why))
+    crate::whole::write_bytes(path, &bytes)
 }
 
 #[cfg(test)]

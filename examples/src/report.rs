@@ -56,6 +56,11 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
             "caustic": last.and_then(|pass| pass.radius_caustic),
             "global": last.and_then(|pass| pass.radius_global),
         },
+        "peak_resident_bytes": crate::memory::peak(),
+        "paths_per_pass": facts.photons,
+        "bytes_per_photon": bytes_per_photon(&facts.memory, last.map_or(0, |pass| {
+            pass.tally.stored_direct + pass.tally.stored_caustic + pass.tally.stored_global
+        })),
         "passes": outcome.passes,
         "cancelled": outcome.cancelled,
         "paths": outcome.paths,
@@ -99,4 +104,10 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
         "report": told.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": told.warnings,
     })
+}
+
+/// What the photons of a pass take in maps and buffers, for each of them; none without photons.
+fn bytes_per_photon(memory: &[(String, u64)], photons: u64) -> Option<f64> {
+    let bytes: u64 = memory.iter().filter(|(label, _)| label.contains("photons:")).map(|(_, bytes)| bytes).sum();
+    (photons > 0).then(|| bytes as f64 / photons as f64)
 }

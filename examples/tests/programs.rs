@@ -120,6 +120,9 @@ fn bad_input_is_named_with_code_2_within_seconds() {
         (&["--camera", "nobody"], "nobody"),
         (&["-o", "picture.jpg"], "picture.jpg"),
         (&["-o", &nowhere], "no/such"),
+        (&["--json", &nowhere], "no/such"),
+        (&["--memory", "2 ells"], "2GiB"),
+        (&["--memory", "50MiB", "--size", "512x512"], "allow more"),
         (&["--size", "0x0"], "size"),
         (&["--k", "0"], "k is 0"),
         (&["--estimator", "knn", "--k", "1"], "k is 1"),
@@ -170,6 +173,102 @@ fn an_interrupt_leaves_a_valid_picture() {
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
     assert_eq!(report["cancelled"], true);
     assert!(report["passes"].as_u64().unwrap() >= 1);
+}
+
+/// A disk that is full, by a limit on the size of files: the picture that was there stays, nothing
+/// else is left, and the message names the file.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_picture_that_was_there() {
+    let folder = folder("full");
+    for (name, blocks) in [("a.exr", 8), ("a.png", 1)] {
+        let picture = folder.join(name);
+        let command = |limit: &str, seed: &str| {
+            let script = format!(
+                "trap '' XFSZ; {limit} exec '{}' cornell --size 128x128 --photons 1000 --passes 1 --backend cpu --seed {seed} -o '{}'",
+                env!("CARGO_BIN_EXE_render"),
+                picture.display()
+            );
+            Command::new("sh").args(["-c", &script]).output().unwrap()
+        };
+        assert!(command("", "1").status.success());
+        let before = std::fs::read(&picture).unwrap();
+        // In blocks of 512 bytes or of 1024, by the shell.
+        let output = command(&format!("ulimit -f {blocks};"), "2");
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{name}: {text}");
+        assert!(text.contains(name) && text.contains("cannot be written"), "{text}");
+        assert!(std::fs::read(&picture).unwrap() == before, "{name}");
+    }
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2, "nothing else is left");
+}
+
+/// Killed at any moment: what has its name is whole.
+#[cfg(unix)]
+#[test]
+fn a_kill_leaves_no_half_picture() {
+    let folder = folder("kill");
+    let picture = folder.join("a.exr");
+    for milliseconds in [20, 150, 300, 450] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_render"))
+            .args(["cornell", "--size", "400x400", "--photons", "100", "--passes", "1", "--backend", "cpu"])
+            .args(["-o", picture.to_str().unwrap()])
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        let _ = child.kill();
+        child.wait().unwrap();
+        if picture.exists() {
+            assert_eq!(channels(&picture)["R"].len(), 160_000);
+        }
+    }
+}
+
+/// A cap on memory that is below what the photons asked for would take.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_is_capped_and_the_photons_are_all_there() {
+    let folder = folder("memory");
+    let (picture, json) = (folder.join("a.png"), folder.join("a.json"));
+    let cap = 96 << 20;
+    let output = render(&[
+        "cornell",
+        "--size",
+        "64x64",
+        "--photons",
+        "1500k",
+        "--passes",
+        "1",
+        "--backend",
+        "cpu",
+        "--threads",
+        "2",
+        "--memory",
+        &cap.to_string(),
+        "-o",
+        picture.to_str().unwrap(),
+        "--json",
+        json.to_str().unwrap(),
+    ]);
+    assert!(output.status.success(), "{output:?}");
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+    let number = |key: &str| report[key].as_u64().unwrap();
+    assert!(number("peak_resident_bytes") <= cap, "{}", number("peak_resident_bytes"));
+    assert!(number("paths_per_pass") < 1_500_000 && number("paths") >= 1_500_000, "{report:#}");
+}
+
+/// Every reason is told, and nothing is rendered.
+#[test]
+fn explain_tells_what_is_left_out() {
+    let folder = folder("explain");
+    let program =
+        Command::new(env!("CARGO_BIN_EXE_render")).args(["cornell", "--explain"]).current_dir(&folder).output();
+    let output = program.unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    let (needed, left_out) = text.split_once("left out:").unwrap();
+    assert!(output.status.success() && needed.contains("area-lights") && needed.contains("shadow rays"), "{text}");
+    assert!(left_out.contains("mirror") && left_out.contains("map of caustic photons"), "{text}");
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
 }
 
 /// A .npy file of float32.

@@ -96,8 +96,9 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
     if ((FEATURES & FEATURE_POINT_LIGHTS) != 0 && light.kind == LIGHT_POINT) {
         intensity = light.power * 0.0795774715;
     } else if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0 && light.kind == LIGHT_SPOT) {
-        float falloff = spot_falloff(-dot3(direction, light.direction), light.cos_inner, light.cos_outer);
-        intensity = light.power * (falloff / spot_solid_angle(light.cos_inner, light.cos_outer));
+        float off = sampling_versine(-direction, light.direction);
+        float falloff = spot_falloff(off, light.versine_inner, light.versine_outer);
+        intensity = light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
     } else {
         // All its power, as if it left this point with the cosine of Lambert.
         intensity = light.power * max(-dot3(direction, front) * 0.318309886, 0.0);

@@ -13,7 +13,9 @@ struct Fresnel {
 Fresnel fresnel(float cos_incident, float eta) {
     float c = clamp(cos_incident, 0.0, 1.0);
     if (eta == 1.0) return Fresnel(0.0, c);
-    precise float discriminant = (eta - 1.0) * (eta + 1.0) + c * c;
+    precise float steep = eta * eta - (1.0 - c) * (1.0 + c);
+    precise float shallow = (eta - 1.0) * (eta + 1.0) + c * c;
+    float discriminant = eta < 0.5 ? steep : shallow;
     if (discriminant <= 0.0) return Fresnel(1.0, 0.0);
     float eta_cos_t = sqrt(discriminant);
     precise float cos_t = eta_cos_t / eta;

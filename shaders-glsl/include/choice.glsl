@@ -9,7 +9,7 @@
 // Up to so many lights are weighed for each query; more are chosen by power alone.
 const uint FEW = 16;
 
-// What is chosen by power whatever the weights say.
+// What is shared out evenly whatever the weights say.
 const float BLIND = 0.1;
 
 // Running sums of the probabilities at one query; power alone decides where the count is 0.
@@ -37,9 +37,9 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
     float cosine = max(dot3(normal, direction), 0.0);
     float intensity = power / 12.5663706;
     if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0 && light.kind == LIGHT_SPOT) {
-        float along = -dot3(direction, light.direction);
-        intensity = power * spot_falloff(along, light.cos_inner, light.cos_outer)
-            / spot_solid_angle(light.cos_inner, light.cos_outer);
+        float off = sampling_versine(-direction, light.direction);
+        intensity = power * spot_falloff(off, light.versine_inner, light.versine_outer)
+            / spot_solid_angle(light.versine_inner, light.versine_outer);
     }
     return intensity * cosine / square;
 }
@@ -56,7 +56,7 @@ Choices choices_at(SceneRef scene, uint lights, vec3 position, vec3 normal) {
     if (lights == 0 || !is_positive_finite(total)) return choices;
     float sum = 0.0;
     for (uint i = 0; i < lights; i++) {
-        sum += BLIND * scene.emissions[i].at.probability + (1.0 - BLIND) * (choices.ends[i] / total);
+        sum += BLIND / float(lights) + (1.0 - BLIND) * (choices.ends[i] / total);
         choices.ends[i] = sum;
     }
     choices.count = lights;

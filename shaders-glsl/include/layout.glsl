@@ -59,8 +59,8 @@ struct Light {
     vec3 direction;
     uint primitive;
     vec3 power;
-    float cos_inner;
-    float cos_outer;
+    float versine_inner;
+    float versine_outer;
     float radius;
     float area;
     uint flags;

@@ -23,10 +23,18 @@ vec3 sampling_around(vec3 axis, float sin_theta, float cos_theta, float turns) {
     return normalize_or(sum, axis);
 }
 
-// The direction at angle acos `cos_theta` from `axis` and `turns` around it.
-vec3 sampling_about(vec3 axis, float cos_theta, float turns) {
-    precise float square = (1.0 - cos_theta) * (1.0 + cos_theta);
+// The direction that lies `versine` = 1 - cos θ off `axis` and `turns` around it.
+vec3 sampling_about(vec3 axis, float versine, float turns) {
+    precise float square = versine * (2.0 - versine);
+    precise float cos_theta = 1.0 - versine;
     return sampling_around(axis, sqrt(max(square, 0.0)), cos_theta, turns);
+}
+
+// 1 - cos of the angle between two unit vectors.
+float sampling_versine(vec3 a, vec3 b) {
+    precise vec3 gap = a - b;
+    precise float half_square = 0.5 * dot3(gap, gap);
+    return half_square;
 }
 
 // A direction about `n` with density cos θ/π; never in the plane itself.
@@ -56,32 +64,28 @@ vec2 sampling_disc(float u, float v) {
     return point;
 }
 
-// A spot's intensity relative to that on its axis.
-float spot_falloff(float cos_theta, float cos_inner, float cos_outer) {
-    if (cos_theta >= cos_inner) return 1.0;
-    if (cos_theta <= cos_outer) return 0.0;
-    precise float x = (cos_theta - cos_outer) / (cos_inner - cos_outer);
+// A spot's intensity relative to that on its axis; all angles as 1 - cos.
+float spot_falloff(float versine, float inner, float outer) {
+    if (versine <= inner) return 1.0;
+    if (versine >= outer) return 0.0;
+    precise float x = (outer - versine) / (outer - inner);
     precise float square = x * x;
     return square;
 }
 
 // Solid angle that the falloff integrates to, in single precision.
-float spot_solid_angle(float cos_inner, float cos_outer) {
-    precise float angle = 6.2831853 * ((1.0 - cos_inner) + (cos_inner - cos_outer) * 0.33333333);
+float spot_solid_angle(float inner, float outer) {
+    precise float angle = 6.2831853 * (inner + (outer - inner) * 0.33333333);
     return angle;
 }
 
-// Cosine from the axis of a spot, with density in proportion to its intensity.
-float spot_cosine(float cos_inner, float cos_outer, float u) {
-    precise float core = 1.0 - cos_inner;
-    precise float rim = (cos_inner - cos_outer) * 0.33333333;
-    precise float depth = u * (core + rim);
-    if (depth < core) {
-        precise float inside = 1.0 - depth;
-        return inside;
-    }
-    precise float cube = (1.0 - u) * ((core + rim) / rim);
-    precise float between = cos_outer + min(cube_root(cube), 1.0) * (cos_inner - cos_outer);
+// 1 - cos of the angle from the axis of a spot, with density in proportion to its intensity.
+float spot_versine(float inner, float outer, float u) {
+    precise float rim = (outer - inner) * 0.33333333;
+    precise float depth = u * (inner + rim);
+    if (depth < inner) return depth;
+    precise float cube = (1.0 - u) * ((inner + rim) / rim);
+    precise float between = outer - min(cube_root(cube), 1.0) * (outer - inner);
     return between;
 }
 

@@ -49,7 +49,7 @@ void main() {
     if ((FEATURES & FEATURE_POINT_LIGHTS) != 0u && light.kind == LIGHT_POINT) {
         direction = uniform_sphere(c, d);
     } else if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0u && light.kind == LIGHT_SPOT) {
-        direction = sampling_about(light.direction, spot_cosine(light.cos_inner, light.cos_outer, c), d);
+        direction = sampling_about(light.direction, spot_versine(light.versine_inner, light.versine_outer, c), d);
     } else if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0u && light.kind == LIGHT_DIRECTIONAL) {
         vec2 at = sampling_disc(a, b);
         vec3 tangent, bitangent;

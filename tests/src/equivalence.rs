@@ -85,7 +85,7 @@ fn of_bounce<T: TestBackend>(scene: &Scene, depth: u32) -> Vec<Photon> {
 
 /// Share of the photons of one bounce that both backends have, found by position: `a` that have one
 /// of `b` at the same place with the same power.
-fn matched(a: &[Photon], b: &[Photon]) -> f64 {
+pub(crate) fn matched(a: &[Photon], b: &[Photon]) -> f64 {
     let positions: Vec<_> = b.iter().map(|photon| photon.position).collect();
     let index = backend_cpu::index::PointIndex::build(&positions, IndexKind::Morton).unwrap();
     let mut hits = 0;

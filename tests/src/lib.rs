@@ -11,6 +11,7 @@ pub mod dielectrics;
 pub mod direct;
 pub mod equivalence;
 pub mod estimators;
+pub mod extremes;
 pub mod harness;
 pub mod interreflection;
 pub mod numerics;

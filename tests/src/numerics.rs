@@ -17,7 +17,7 @@ fn gather(rule: Rule) -> Gather {
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
 
 /// A closed room, turned so that no wall lies along an axis, `scale` times as large as one metre.
-fn turned_room(albedo: f64, scale: f64) -> SceneBuilder {
+pub(crate) fn turned_room(albedo: f64, scale: f64) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let wall = builder.material(MaterialDesc::lambert("wall", [albedo; 3]));
     let (mut positions, triangles) = shapes::flip(shapes::rotate_y(shapes::cuboid([-1.0; 3], [1.0; 3]), 0.7));

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use crate::{constants, duplicates, licences, msrv, shaders, shell, tidy};
+use crate::{constants, duplicates, extremes, licences, msrv, requirements, shaders, shell, tidy};
 
 /// Something that passes or fails.
 #[derive(Clone, Copy, Debug)]
@@ -34,9 +34,12 @@ const STEPS: [Step; 11] = [
 ];
 
 /// These write instead of checking, so that they are not part of `ci`.
-const WRITERS: [Step; 2] = [
+const WRITERS: [Step; 5] = [
     Step { name: "constants", what: "write the numbers that GLSL shares with Rust", run: constants::write },
     Step { name: "shaders", what: "the same, then compile the GLSL, write the SPIR-V", run: shaders::write },
+    Step { name: "extremes", what: "write docs/extremes.md from a run, two minutes", run: extremes::quick },
+    Step { name: "extremes-long", what: "write docs/extremes-long.md, most of an hour", run: extremes::long },
+    Step { name: "requirements", what: "write docs/requirements.md, some minutes", run: requirements::write },
 ];
 
 /// The steps by their names, in the order given; `ci` stands for all.

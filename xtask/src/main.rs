@@ -4,9 +4,11 @@
 mod ci;
 mod constants;
 mod duplicates;
+mod extremes;
 mod graph;
 mod licences;
 mod msrv;
+mod requirements;
 mod shaders;
 mod shell;
 mod tidy;

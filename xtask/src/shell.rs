@@ -46,6 +46,21 @@ pub(crate) fn capture(command: &[&str]) -> Result<String, String> {
     String::from_utf8(output.stdout).map_err(|_| format!("`{line}` wrote something that is not UTF-8"))
 }
 
+/// As [`capture`], and whether it succeeded: what it wrote counts even if it did not.
+///
+/// # Errors
+///
+/// The command cannot be started, and output that is not UTF-8.
+pub(crate) fn capture_all(command: &[&str]) -> Result<(String, bool), String> {
+    let line = command.join(" ");
+    let output = prepare(command)?
+        .stderr(Stdio::inherit())
+        .output()
+        .map_err(|error| format!("`{line}` cannot be started: {error}"))?;
+    let text = String::from_utf8(output.stdout).map_err(|_| format!("`{line}` wrote something that is not UTF-8"))?;
+    Ok((text, output.status.success()))
+}
+
 /// Whether a program answers when asked for its version.
 pub(crate) fn present(command: &[&str]) -> bool {
     prepare(command)

@@ -8,7 +8,8 @@ use crate::scene::CpuScene;
 /// Up to so many lights are weighed for each query; more are chosen by power alone.
 const FEW: usize = 16;
 
-/// What is chosen by power whatever the weights say, so that no light is ever impossible.
+/// What is shared out evenly whatever the weights say: a lamp that outshines all others but stands
+/// behind a wall leaves them this much.
 const BLIND: f64 = 0.1;
 
 /// The probabilities of the lights at one query.
@@ -38,8 +39,7 @@ impl Choices {
         }
         let mut sum = 0.0;
         for index in 0..lights {
-            let share = light_probability(&scene.light_starts, index);
-            sum += BLIND * share + (1.0 - BLIND) * weights[index] / total;
+            sum += BLIND / lights as f64 + (1.0 - BLIND) * weights[index] / total;
             choices.ends[index] = sum;
         }
         choices.count = lights;
@@ -84,9 +84,9 @@ fn weigh(scene: &CpuScene, light: &Light, query: &Query) -> f32 {
             let direction = gap / squared.sqrt();
             let cosine = normal.dot(direction).max(0.0);
             let intensity = if light.kind == Light::SPOT {
-                let along = -direction.dot(light.direction.into());
-                let falloff = sampling::spot_falloff(along, light.cos_inner, light.cos_outer);
-                power * falloff / sampling::spot_solid_angle(light.cos_inner, light.cos_outer) as f32
+                let off = sampling::versine(-direction, light.direction.into());
+                let falloff = sampling::spot_falloff(off, light.versine_inner, light.versine_outer);
+                power * falloff / sampling::spot_solid_angle(light.versine_inner, light.versine_outer) as f32
             } else {
                 power / (4.0 * std::f32::consts::PI)
             };

@@ -94,9 +94,9 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32, side: 
     let intensity = match light.kind {
         Light::POINT => power * (0.25 * std::f32::consts::FRAC_1_PI),
         Light::SPOT => {
-            let along = -direction.dot(light.direction.into());
-            let falloff = sampling::spot_falloff(along, light.cos_inner, light.cos_outer);
-            power * (falloff / sampling::spot_solid_angle(light.cos_inner, light.cos_outer) as f32)
+            let off = sampling::versine(-direction, light.direction.into());
+            let falloff = sampling::spot_falloff(off, light.versine_inner, light.versine_outer);
+            power * (falloff / sampling::spot_solid_angle(light.versine_inner, light.versine_outer) as f32)
         }
         // All its power, as if it left this point with the cosine of Lambert.
         _ => power * (-direction.dot(front) * std::f32::consts::FRAC_1_PI).max(0.0),

@@ -45,8 +45,8 @@ fn emit(scene: &CpuScene, sampler: &mut Sampler, path: u32) -> PhotonRay {
     let (origin, direction) = match light.kind {
         Light::POINT => (position, sampling::uniform_sphere(c, d)),
         Light::SPOT => {
-            let cosine = sampling::spot_cosine(light.cos_inner, light.cos_outer, c);
-            (position, sampling::about(along, cosine, d))
+            let versine = sampling::spot_versine(light.versine_inner, light.versine_outer, c);
+            (position, sampling::about(along, versine, d))
         }
         Light::DIRECTIONAL => {
             let (x, y) = sampling::disc(a, b);

@@ -124,16 +124,21 @@ impl Walk<'_> {
     }
 }
 
-const MIRRORS: u32 = Features::DIFFUSE.union(Features::MIRROR).bits();
-
-/// The smallest kernel that does it all.
+/// The kernel that has these lobes and no other.
 fn kernel(features: Features) -> Follow {
-    if !features.intersects(Features::SPECULAR) {
-        follow::<{ Features::DIFFUSE.bits() }>
-    } else if !features.intersects(Features::DIELECTRIC.union(Features::THIN)) {
-        follow::<MIRRORS>
-    } else {
-        follow::<{ Features::ALL.bits() }>
+    const D: Features = Features::DIFFUSE;
+    const M: Features = D.union(Features::MIRROR);
+    const GLASS: Features = Features::DIELECTRIC.union(Features::THIN);
+    const ABSORBING: Features = GLASS.union(Features::ABSORPTION);
+    let mirrors = features.intersects(Features::MIRROR);
+    let absorbs = features.intersects(Features::ABSORPTION);
+    match (features.intersects(GLASS), absorbs, mirrors) {
+        (false, _, false) => follow::<{ D.bits() }>,
+        (false, _, true) => follow::<{ M.bits() }>,
+        (true, false, false) => follow::<{ D.union(GLASS).bits() }>,
+        (true, false, true) => follow::<{ M.union(GLASS).bits() }>,
+        (true, true, false) => follow::<{ D.union(ABSORBING).bits() }>,
+        (true, true, true) => follow::<{ M.union(ABSORBING).bits() }>,
     }
 }
 
@@ -171,7 +176,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
             tally.flux_absorbed.add(flux.minus(left));
             *flux = left;
         };
-        if features.contains(Features::ABSORPTION) && scene.features.contains(Features::ABSORPTION) {
+        if features.contains(Features::ABSORPTION) {
             power *= scene.transmittance(&surface, medium);
             carry(power, &mut flux, tally);
         }

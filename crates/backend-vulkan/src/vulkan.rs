@@ -127,6 +127,21 @@ impl Vulkan {
         self.portions = portions;
     }
 
+    /// Makes every allocation of memory from that number on, and every submission from that number on,
+    /// fail as if there were no memory and no device any more. Both count from the opening of the device:
+    /// [`Vulkan::work_so_far`].
+    #[doc(hidden)]
+    pub fn inject_faults(&self, no_memory_at: Option<u64>, lost_at: Option<u64>) {
+        self.device.injection.set(no_memory_at.unwrap_or(u64::MAX), lost_at.unwrap_or(u64::MAX));
+    }
+
+    /// Allocations and submissions since the device was opened.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn work_so_far(&self) -> (u64, u64) {
+        self.device.injection.counts()
+    }
+
     /// What the validation layer has said, if it was asked to look on.
     #[must_use]
     pub fn validation_messages(&self) -> Vec<String> {

@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::film::{Film, Layer};
 use crate::layout::{Element, Estimate, Query};
+use crate::memory::Costs;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::{IndexKind, Settings};
@@ -79,6 +80,11 @@ pub trait TransportBackend: Backend {
     /// rays, 48 bytes each, and for an observer who wants to stop. The result does not depend on it.
     fn batch(&self) -> u32 {
         1 << 18
+    }
+
+    /// What it keeps in memory at the height of a pass.
+    fn costs(&self) -> Costs {
+        Costs { photon: 160, under_way: 100, path: 200, pixel: 1200, query: 200 }
     }
 
     /// Brings a scene to the device.

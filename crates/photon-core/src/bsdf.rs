@@ -21,8 +21,9 @@ pub fn fresnel(cos_incident: f32, eta: f32) -> Fresnel {
         // Nothing there. Also avoids 0/0 at grazing angles.
         return Fresnel { reflectance: 0.0, cos_transmitted: c };
     }
-    // eta² − sin² written so that neither a near-equal pair of indices nor a grazing angle cancels.
-    let discriminant = (eta - 1.0) * (eta + 1.0) + c * c;
+    // eta² − sin² written so that neither a near-equal pair of indices nor a grazing angle cancels, nor
+    // normal incidence on a medium that is all but empty.
+    let discriminant = if eta < 0.5 { eta * eta - (1.0 - c) * (1.0 + c) } else { (eta - 1.0) * (eta + 1.0) + c * c };
     if discriminant <= 0.0 {
         return Fresnel { reflectance: 1.0, cos_transmitted: 0.0 };
     }

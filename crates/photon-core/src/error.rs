@@ -48,6 +48,17 @@ pub enum Error {
         /// What the device allows.
         limit: u64,
     },
+    /// More memory would be needed than is allowed, however small the passes.
+    #[error(
+        "at least {needed} bytes are needed for the scene, the picture and a few photons, but only {allowed} are allowed; \
+         allow more, or make the picture smaller"
+    )]
+    OverMemory {
+        /// The least that would do, bytes.
+        needed: u64,
+        /// What is allowed, bytes.
+        allowed: u64,
+    },
     /// A setting that makes no sense.
     #[error("{name} is {value}, but {mend}")]
     InvalidSetting {

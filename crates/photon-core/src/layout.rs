@@ -174,10 +174,10 @@ pub struct Light {
     pub primitive: u32,
     /// All the flux that leaves it, linear RGB, in units of the scene's total power.
     pub power: [f32; 3],
-    /// Spot: cosine of the angle up to which the intensity is full.
-    pub cos_inner: f32,
-    /// Spot: cosine of the angle from which it is zero, ≤ `cos_inner`.
-    pub cos_outer: f32,
+    /// Spot: 1 − cos of the angle up to which the intensity is full.
+    pub versine_inner: f32,
+    /// Spot: 1 − cos of the angle from which it is zero, ≥ `versine_inner`.
+    pub versine_outer: f32,
     /// Directional: radius of the disc that photons start from, normalised space.
     pub radius: f32,
     /// Triangle: its area, squared normalised length.
@@ -268,7 +268,7 @@ mod tests {
             (offset_of!(Material, absorption), offset_of!(Material, ior)),
             (offset_of!(Light, position), offset_of!(Light, kind)),
             (offset_of!(Light, direction), offset_of!(Light, primitive)),
-            (offset_of!(Light, power), offset_of!(Light, cos_inner)),
+            (offset_of!(Light, power), offset_of!(Light, versine_inner)),
             (offset_of!(Camera, origin), offset_of!(Camera, kind)),
             (offset_of!(Camera, right), offset_of!(Camera, reserved2)),
         ];
@@ -276,7 +276,7 @@ mod tests {
             assert_eq!(vector % 16, 0);
             assert_eq!(scalar, vector + 12);
         }
-        assert_eq!(offset_of!(Light, cos_outer), 48);
+        assert_eq!(offset_of!(Light, versine_outer), 48);
         assert_eq!(offset_of!(Query, outgoing), 48);
         assert_eq!(offset_of!(Estimate, photons), 16);
     }

@@ -6,6 +6,7 @@ use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layer};
 use crate::layout::{Estimate, Photon, PhotonRay, Query};
+use crate::memory::Plan;
 use crate::observer::{Event, Observer, PassReport};
 use crate::radii::{self, Radii};
 use crate::render::{Facts, PassEnd, Render};
@@ -42,9 +43,14 @@ pub struct Pipeline<B: TransportBackend> {
     setup: StageTimings,
     rays: B::Buffer<PhotonRay>,
     photons: [Photons<B>; 3],
+    capacities: [u64; 3],
+    /// The last pass ended in an error.
+    failed: bool,
     queries: B::Buffer<Query>,
     estimates: Option<B::Buffer<Estimate>>,
 }
+
+mod fit;
 
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
 
@@ -124,10 +130,20 @@ impl<B: TransportBackend> Pipeline<B> {
         on.mark(Some(Stage::Prepare));
         let prepared = on.prepare(scene, &required)?;
         on.mark(None);
-        let rays = on.alloc("photon rays", u64::from(batch.min(settings.photons.max(PILOT_PATHS))))?;
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
+        let costs = on.costs();
+        let plan = match settings.memory {
+            Some(cap) => {
+                let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
+                let picture = pixels * (costs.pixel + per_pixel * costs.query);
+                Some(Plan::new(cap, tables.saturating_add(picture), &costs)?)
+            }
+            None => None,
+        };
+        let batch = plan.map_or(batch, |plan| batch.min(plan.batch));
+        let rays = on.alloc("photon rays", u64::from(batch.min(settings.photons.max(PILOT_PATHS))))?;
         let queries = on.alloc("queries", pixels * per_pixel)?;
         let any_map = required.direct_map || required.caustic_map || required.global_map;
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
@@ -136,6 +152,8 @@ impl<B: TransportBackend> Pipeline<B> {
             units: scene.units,
             scene: prepared,
             photons: [None, None, None],
+            capacities: [0; 3],
+            failed: false,
             on,
             stages,
             required,
@@ -149,12 +167,23 @@ impl<B: TransportBackend> Pipeline<B> {
             queries,
             estimates,
         };
-        pipeline.allocate_maps(2.0)?;
+        match plan {
+            Some(plan) if any_map => pipeline.fit(plan)?,
+            _ => pipeline.allocate_maps(2.0)?,
+        }
         if any_map && radii::need_pilot(&pipeline.settings) {
             pipeline.pilot()?;
         }
         pipeline.setup = pipeline.on.timings()?;
         Ok(pipeline)
+    }
+
+    /// A buffer for the photons of a map, in the place of what there was.
+    fn allocate(&mut self, map: usize, capacity: u64) -> Result<()> {
+        self.photons[map] = None;
+        self.capacities[map] = capacity;
+        self.photons[map] = Some(self.on.alloc(LABELS[map], capacity)?);
+        Ok(())
     }
 
     fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
@@ -163,7 +192,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
         for (map, wanted) in wanted.into_iter().enumerate() {
             if wanted {
-                self.photons[map] = Some(self.on.alloc(LABELS[map], capacity)?);
+                self.allocate(map, capacity)?;
             }
         }
         Ok(())
@@ -230,15 +259,15 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Whether a buffer overflowed and was made anew, large enough for the pass to be repeated.
     fn grow_if_needed(&mut self) -> Result<bool> {
         let mut grew = false;
-        for (slot, label) in self.photons.iter_mut().zip(LABELS) {
-            let Some(photons) = slot else { continue };
+        for map in 0..3 {
+            let Some(photons) = &self.photons[map] else { continue };
             let fill = self.on.fill(photons)?;
             if fill.needed > fill.capacity {
-                if self.settings.photon_capacity.is_some() {
+                if self.settings.photon_capacity.is_some() || self.settings.memory.is_some() {
+                    let label = LABELS[map];
                     return Err(Error::CapacityExceeded { label, needed: fill.needed, capacity: fill.capacity });
                 }
-                *slot = None;
-                *slot = Some(self.on.alloc(label, fill.needed + fill.needed / 8)?);
+                self.allocate(map, fill.needed + fill.needed / 8)?;
                 grew = true;
             }
         }
@@ -312,6 +341,12 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(self.on.fill(&self.queries)?.length)
     }
 
+    /// What it works on.
+    #[must_use]
+    pub fn backend(&self) -> &B {
+        &self.on
+    }
+
     fn needs_photons(&self) -> bool {
         self.photons.iter().any(Option::is_some)
     }
@@ -331,6 +366,50 @@ fn check_scene(scene: &SceneView<'_>) -> Result<()> {
 
 impl<B: TransportBackend> Render for Pipeline<B> {
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
+        if self.failed {
+            self.recover()?;
+        }
+        self.failed = true;
+        let end = self.whole_pass(index, observer)?;
+        self.failed = false;
+        Ok(end)
+    }
+
+    fn film(&mut self) -> Result<Film> {
+        let mut film = self.on.read_film(&self.film)?;
+        film.clamp = matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp);
+        Ok(film)
+    }
+
+    fn facts(&self) -> Facts {
+        Facts {
+            backend: self.on.name(),
+            device: self.on.device(),
+            required: self.required,
+            setup: self.setup,
+            photons: self.settings.photons,
+            memory: self.on.memory(&self.scene),
+        }
+    }
+}
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// Puts back what a pass that failed had in its hands: photons that were in a map when it was given
+    /// up are gone, and counts of paths that no film has.
+    fn recover(&mut self) -> Result<()> {
+        let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
+        for map in (0..3).filter(|&map| wanted[map]) {
+            if self.photons[map].is_none() {
+                self.allocate(map, self.capacities[map])?;
+            }
+        }
+        self.stages.tracer.take_tally(&mut self.on)?;
+        self.on.timings()?;
+        self.failed = false;
+        Ok(())
+    }
+
+    fn whole_pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
         if index == PILOT {
             return Err(Error::InvalidSetting {
                 name: "pass",
@@ -381,21 +460,5 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         };
         let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || traced < wanted;
         Ok(if stop { PassEnd::Last(report) } else { PassEnd::Done(report) })
-    }
-
-    fn film(&mut self) -> Result<Film> {
-        let mut film = self.on.read_film(&self.film)?;
-        film.clamp = matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp);
-        Ok(film)
-    }
-
-    fn facts(&self) -> Facts {
-        Facts {
-            backend: self.on.name(),
-            device: self.on.device(),
-            required: self.required,
-            setup: self.setup,
-            memory: self.on.memory(&self.scene),
-        }
     }
 }

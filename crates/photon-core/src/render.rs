@@ -52,6 +52,8 @@ pub struct Facts {
     /// Seconds spent before the first pass: bringing the scene to the device, and the photons that
     /// derived radii come from.
     pub setup: StageTimings,
+    /// Paths per pass: fewer than the settings ask for if [`crate::Settings::memory`] allows no more.
+    pub photons: u32,
     /// What is allocated: label and bytes.
     pub memory: Vec<(String, u64)>,
 }

@@ -133,7 +133,7 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
             })
         }
         // A cone narrower than a half space reaches no further than the half space does.
-        Light::SPOT if light.cos_outer >= 0.0 => reach(light.direction, light.position) > 0.0,
+        Light::SPOT if light.versine_outer <= 1.0 => reach(light.direction, light.position) > 0.0,
         _ => true,
     })
 }

@@ -31,12 +31,20 @@ pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
     around(Vec3::Z, 2.0 * (u * (1.0 - u)).sqrt(), 1.0 - 2.0 * u, v)
 }
 
-/// The direction at angle acos `cos_theta` from `axis` and `turns` around it.
+/// The direction that lies `versine` = 1 − cos θ off `axis` and `turns` around it. A cosine could not
+/// tell angles below 0.02° from none.
 #[inline]
 #[must_use]
-pub fn about(axis: Vec3, cos_theta: f32, turns: f32) -> Vec3 {
-    let sin_theta = ((1.0 - cos_theta) * (1.0 + cos_theta)).max(0.0).sqrt();
-    around(axis, sin_theta, cos_theta, turns)
+pub fn about(axis: Vec3, versine: f32, turns: f32) -> Vec3 {
+    let sin_theta = (versine * (2.0 - versine)).max(0.0).sqrt();
+    around(axis, sin_theta, 1.0 - versine, turns)
+}
+
+/// 1 − cos of the angle between two unit vectors, in `[0, 2]`; exact for the smallest angles too.
+#[inline]
+#[must_use]
+pub fn versine(a: Vec3, b: Vec3) -> f32 {
+    0.5 * (a - b).length_squared()
 }
 
 fn around(axis: Vec3, sin_theta: f32, cos_theta: f32, turns: f32) -> Vec3 {
@@ -62,45 +70,44 @@ pub fn disc(u: f32, v: f32) -> (f32, f32) {
     (r * cos, r * sin)
 }
 
-/// A spot's intensity at `cos_theta` from its axis, relative to that on the axis: glTF's
-/// `KHR_lights_punctual`, squared.
+/// A spot's intensity at `versine` off its axis, relative to that on the axis: glTF's
+/// `KHR_lights_punctual`, squared. `inner` ≤ `outer` are versines too.
 #[inline]
 #[must_use]
-pub fn spot_falloff(cos_theta: f32, cos_inner: f32, cos_outer: f32) -> f32 {
-    if cos_theta >= cos_inner {
+pub fn spot_falloff(versine: f32, inner: f32, outer: f32) -> f32 {
+    if versine <= inner {
         1.0
-    } else if cos_theta <= cos_outer {
+    } else if versine >= outer {
         0.0
     } else {
-        let x = (cos_theta - cos_outer) / (cos_inner - cos_outer);
+        let x = (outer - versine) / (outer - inner);
         x * x
     }
 }
 
 /// Solid angle that [`spot_falloff`] integrates to: a spot's power over its intensity.
 #[must_use]
-pub fn spot_solid_angle(cos_inner: f32, cos_outer: f32) -> f64 {
-    let (inner, outer) = (f64::from(cos_inner), f64::from(cos_outer));
-    std::f64::consts::TAU * ((1.0 - inner) + (inner - outer) / 3.0)
+pub fn spot_solid_angle(inner: f32, outer: f32) -> f64 {
+    let (inner, outer) = (f64::from(inner), f64::from(outer));
+    std::f64::consts::TAU * (inner + (outer - inner) / 3.0)
 }
 
-/// Cosine from the axis of a spot, with density in proportion to its intensity; 1 for `u` = 0,
-/// falling from there.
+/// Versine off the axis of a spot, with density in proportion to its intensity; 0 for `u` = 0, rising
+/// from there.
 #[inline]
 #[must_use]
-pub fn spot_cosine(cos_inner: f32, cos_outer: f32, u: f32) -> f32 {
+pub fn spot_versine(inner: f32, outer: f32, u: f32) -> f32 {
     // Power over 2π and the intensity on the axis: within the inner cone, and between the cones.
-    let core = 1.0 - cos_inner;
-    let rim = (cos_inner - cos_outer) * (1.0 / 3.0);
-    let depth = u * (core + rim);
+    let rim = (outer - inner) * (1.0 / 3.0);
+    let depth = u * (inner + rim);
     // Always so without a rim, since u < 1.
-    if depth < core {
-        1.0 - depth
+    if depth < inner {
+        depth
     } else {
         // ∫ x² = x³/3 inverted, x rising from the outer cone to the inner one. From 1 - u, which is
         // exact: the root is steep at 0.
-        let x = cube_root((1.0 - u) * ((core + rim) / rim)).min(1.0);
-        cos_outer + x * (cos_inner - cos_outer)
+        let x = cube_root((1.0 - u) * ((inner + rim) / rim)).min(1.0);
+        outer - x * (outer - inner)
     }
 }
 
@@ -146,29 +153,42 @@ mod tests {
     }
 
     #[test]
-    fn spot_cosines_follow_the_intensity() {
-        let (inner, outer) = (0.9_f32, 0.7_f32);
+    fn spot_versines_follow_the_intensity() {
+        let (inner, outer) = (0.1_f32, 0.3_f32);
         let n = 100_000;
-        let mean: f64 = (0..n).map(|i| f64::from(spot_cosine(inner, outer, (i as f32 + 0.5) / n as f32))).sum::<f64>()
+        let mean: f64 = (0..n).map(|i| f64::from(spot_versine(inner, outer, (i as f32 + 0.5) / n as f32))).sum::<f64>()
             / f64::from(n);
-        // ∫ c f(c) dc / ∫ f(c) dc, by a fine sum.
+        // ∫ v f(v) dv / ∫ f(v) dv, by a fine sum.
         let (mut top, mut bottom) = (0.0, 0.0);
         for i in 0..100_000 {
-            let c = 0.7 + 0.3 * (f64::from(i) + 0.5) / 100_000.0;
-            let f = f64::from(spot_falloff(c as f32, inner, outer));
-            top += c * f;
+            let v = 0.3 * (f64::from(i) + 0.5) / 100_000.0;
+            let f = f64::from(spot_falloff(v as f32, inner, outer));
+            top += v * f;
             bottom += f;
         }
         assert!((mean - top / bottom).abs() < 1e-4, "{mean} {}", top / bottom);
         assert!((spot_solid_angle(inner, outer) - std::f64::consts::TAU * bottom * 0.3 / 100_000.0).abs() < 1e-3);
         // B8: a hard cone of 30°.
-        let c = 30.0_f32.to_radians().cos();
-        assert!((spot_solid_angle(c, c) - 0.841_787_2).abs() < 1e-6);
+        let v = 1.0 - 30.0_f32.to_radians().cos();
+        assert!((spot_solid_angle(v, v) - 0.841_787_2).abs() < 1e-6);
         for u in [0.0, 0.5, 1.0 - 1.0 / 16_777_216.0] {
-            assert!((c..=1.0).contains(&spot_cosine(c, c, u)));
+            assert!((0.0..=v).contains(&spot_versine(v, v, u)));
         }
         // All of it between the cones: the density is zero at the outer one.
-        assert_eq!(spot_cosine(1.0, 0.5, 0.0), 1.0);
-        assert!((spot_cosine(1.0, 0.5, 0.875) - 0.75).abs() < 1e-6);
+        assert_eq!(spot_versine(0.0, 0.5, 0.0), 0.0);
+        assert!((spot_versine(0.0, 0.5, 0.875) - 0.25).abs() < 1e-6);
+    }
+
+    /// A cone of a ten-thousandth of a degree, whose cosine is 1 in f32, and one of 120°.
+    #[test]
+    fn directions_about_an_axis_lie_at_their_versine() {
+        for axis in [Vec3::Z, Vec3::new(0.6, -0.64, 0.48), -Vec3::Y] {
+            for (v, bound) in [(1.5e-12_f32, 0.3), (1.5e-8, 2e-3), (1e-4, 1e-4), (0.5, 1e-5), (1.5, 1e-5)] {
+                for turn in 0..8 {
+                    let found = versine(about(axis, v, turn as f32 / 8.0), axis);
+                    assert!((found / v - 1.0).abs() < bound, "{axis} {v}: {found}");
+                }
+            }
+        }
     }
 }

@@ -28,20 +28,26 @@ pub struct SceneView<'a> {
     pub units: Units,
 }
 
-/// Divides the range of a random `u32` among lights in proportion to their power.
+/// What all lights share evenly, of the photons that are sent out; the rest goes by power.
+const EVEN: f64 = 1.0 / 64.0;
+
+/// Divides the range of a random `u32` among lights: nearly all of it in proportion to their power, and
+/// a sixty-fourth evenly, so that a lamp beside one 10²⁰ times as strong still gets photons.
 ///
-/// Every light gets at least one value, so that none is impossible; what a path carries is divided
-/// by the *quantised* probability ([`light_probability`]), so that the sum stays exact.
+/// What a path carries is divided by the *quantised* probability ([`light_probability`]), so that the
+/// sum stays exact. Lights of equal power get equal shares, and their paths equal power.
 #[must_use]
 pub fn light_starts(powers: &[f64]) -> Vec<u32> {
     let total: f64 = powers.iter().sum();
     let spare = (1_u64 << 32).saturating_sub(powers.len() as u64);
+    let count = powers.len().max(1) as f64;
     let mut before = 0.0;
     powers
         .iter()
         .enumerate()
         .map(|(index, power)| {
-            let fraction = if total > 0.0 { (before / total).min(1.0) } else { 0.0 };
+            let by_power = if total > 0.0 { (before / total).min(1.0) } else { index as f64 / count };
+            let fraction = (1.0 - EVEN) * by_power + EVEN * (index as f64 / count);
             before += power;
             ((fraction * spare as f64) as u64 + index as u64).min(u64::from(u32::MAX)) as u32
         })
@@ -66,13 +72,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_are_in_proportion_and_leave_nobody_out() {
+    fn shares_are_by_power_and_leave_nobody_out() {
         let starts = light_starts(&[1.0, 3.0, 0.0, 1e-30]);
         assert_eq!(starts[0], 0);
         let shares: Vec<f64> = (0..4).map(|i| light_probability(&starts, i)).collect();
-        assert!((shares[0] - 0.25).abs() < 1e-8 && (shares[1] - 0.75).abs() < 1e-8, "{shares:?}");
-        assert!(shares[2] > 0.0 && shares[3] > 0.0);
+        for (share, by_power) in shares.iter().zip([0.25, 0.75, 0.0, 0.0]) {
+            assert!((share - (by_power * 63.0 / 64.0 + 1.0 / 256.0)).abs() < 1e-8, "{shares:?}");
+        }
         assert_eq!(shares.iter().sum::<f64>(), 1.0);
+    }
+
+    #[test]
+    fn equal_lights_get_equal_shares() {
+        for count in [1_usize, 2, 16, 64] {
+            let starts = light_starts(&vec![0.1; count]);
+            for index in 0..count {
+                assert!((light_probability(&starts, index) * count as f64 - 1.0).abs() < 1e-7);
+            }
+        }
     }
 
     #[test]

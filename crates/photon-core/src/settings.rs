@@ -136,6 +136,10 @@ pub struct Settings {
     pub min_normal_cosine: f32,
     /// Photons that a map may hold; `None`: as many as land.
     pub photon_capacity: Option<u64>,
+    /// Bytes that backend and pipeline may hold for the scene, the picture and the photons; `None`: as
+    /// many as it takes. Passes then have fewer photons than [`Settings::photons`] if need be, which
+    /// [`crate::Facts`] says: render more of them.
+    pub memory: Option<u64>,
 }
 
 impl Default for Settings {
@@ -157,6 +161,7 @@ impl Default for Settings {
             gather_rays: 16,
             min_normal_cosine: 0.7,
             photon_capacity: None,
+            memory: None,
         }
     }
 }

@@ -125,11 +125,12 @@ impl SceneBuilder {
         validate::check(&self)?;
         let frame = normalise::Frame::new(&self.meshes, &self.lights)?;
         let geometry = normalise::geometry(&self.meshes, &self.materials, frame)?;
-        let lit = lights::table(&self.lights, &self.materials, &geometry, frame)?;
-        let materials = lights::materials(&self.materials, &geometry, &lit, frame);
-
         let mut warnings = Vec::new();
         frame.warn(&mut warnings);
+        let lit = lights::table(&self.lights, &self.materials, &geometry, frame, &mut warnings)?;
+        let materials = lights::materials(&self.materials, &geometry, &lit, frame);
+        let units = Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power };
+        warn_of_radiance(units, &mut warnings);
         if geometry.triangles.is_empty() {
             warnings.push("the scene has no triangles, so that there is nothing to see".to_owned());
         }
@@ -144,7 +145,7 @@ impl SceneBuilder {
         let radius = lit.lights.iter().map(|light| normalise::length(light.position)).fold(geometry.radius, f64::max);
         Ok(Scene {
             light_starts: light_starts(&lit.means),
-            units: Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power },
+            units,
             radius: normalise::round_up(radius),
             facets: geometry.facets.iter().map(|&(normal, material)| Facet { normal, material }).collect(),
             positions: geometry.positions,
@@ -158,5 +159,16 @@ impl SceneBuilder {
             dropped: geometry.dropped,
             warnings,
         })
+    }
+}
+
+/// Where pictures in f32 would hold zeros or infinities, which the film, in f64, does not.
+fn warn_of_radiance(units: Units, warnings: &mut Vec<String>) {
+    let radiance = units.radiance_to_user();
+    if !(1e-32..=1e32).contains(&radiance) {
+        warnings.push(format!(
+            "radiances of about {radiance:.0e} W/(m²·sr) are beyond the 32 bits of a picture; use another unit of \
+             length or of power"
+        ));
     }
 }

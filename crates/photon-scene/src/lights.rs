@@ -5,6 +5,7 @@ use crate::error::SceneError;
 use crate::normalise::{Frame, Geometry};
 use crate::validate::unit;
 use glam::DVec3;
+use photon_core::sampling::spot_solid_angle;
 use photon_core::{Light, Material};
 use std::f64::consts::PI;
 
@@ -29,6 +30,7 @@ pub(crate) fn table(
     materials: &[MaterialDesc],
     geometry: &Geometry,
     frame: Frame,
+    warnings: &mut Vec<String>,
 ) -> Result<Lit, SceneError> {
     let triangles = geometry.emitters.iter().map(|&(primitive, area)| {
         let material = &materials[geometry.facets[primitive as usize].1 as usize];
@@ -51,14 +53,23 @@ pub(crate) fn table(
         });
     }
     let mut lit = Lit { lights: Vec::new(), means: Vec::new(), power: if total > 0.0 { power } else { 1.0 }, total };
+    let mut weak = 0_usize;
     for (light, power) in all {
         let share = power / total;
-        // A light whose power vanishes beside the others' would only be handed photons of none.
-        let power = share.as_vec3().to_array();
-        if total > 0.0 && power != [0.0; 3] {
-            lit.lights.push(Light { power, ..light });
+        // A light whose power vanishes beside the others' would only be handed photons of none; one
+        // that is denormal, by some devices and not by others.
+        if total > 0.0 && share.max_element() >= f64::from(f32::MIN_POSITIVE) {
+            lit.lights.push(Light { power: share.as_vec3().to_array(), ..light });
             lit.means.push(mean(share));
+        } else if power != DVec3::ZERO {
+            weak += 1;
         }
+    }
+    if weak > 0 {
+        warnings.push(format!(
+            "{weak} of the lights are too weak, beside all others together, for 32 bits to tell them from none, \
+             and are left out; render them by themselves"
+        ));
     }
     if lit.lights.len() >= u32::MAX as usize {
         return Err(SceneError::TooMany { what: "lights", count: lit.lights.len() });
@@ -76,18 +87,18 @@ fn punctual(desc: &LightDesc, radius: f64, frame: Frame) -> (Light, DVec3) {
             (light, per_area(intensity) * (4.0 * PI))
         }
         LightDesc::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-            let cos_outer = outer_angle.cos().max(0.0) as f32;
-            let cos_inner = (inner_angle.cos() as f32).max(cos_outer);
-            // ∫ I dω over the cone: full inside, and the mean of the square of a ramp, 1/3, in
-            // between. Of the rounded cosines, so that dividing it out again gives I exactly.
-            let (inner, outer) = (f64::from(cos_inner), f64::from(cos_outer));
-            let solid_angle = 2.0 * PI * ((1.0 - inner) + (inner - outer) / 3.0);
+            // 1 − cos, by the half angle: a cosine would round the narrowest cones away.
+            let versine = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2);
+            let versine_outer = versine(outer_angle).min(1.0) as f32;
+            let versine_inner = (versine(inner_angle) as f32).min(versine_outer);
+            // ∫ I dω over the cone, of the rounded numbers, so that dividing it out again gives I exactly.
+            let solid_angle = spot_solid_angle(versine_inner, versine_outer);
             let light = Light {
                 kind: Light::SPOT,
                 position: place(position),
                 direction: unit(direction).as_vec3().to_array(),
-                cos_inner,
-                cos_outer,
+                versine_inner,
+                versine_outer,
                 ..blank()
             };
             (light, per_area(intensity) * solid_angle)

@@ -121,11 +121,11 @@ fn light(desc: &LightDesc) -> Result<(), Fault> {
             heading("direction", direction)?;
             not_negative("intensity", intensity)?;
             require(
-                // A cone whose cosine rounds to 1 would have no solid angle to shine into.
-                outer_angle > 0.0 && outer_angle <= FRAC_PI_2 && (outer_angle.cos() as f32) < 1.0,
+                // Below, the rounding of directions to f32 would blur the cone by more than a hundredth.
+                (1e-5..=FRAC_PI_2).contains(&outer_angle),
                 "the outer angle",
                 outer_angle,
-                "it must lie between 0.001 and π/2 radians",
+                "it must lie between 0.00001 and π/2 radians",
             )?;
             require(
                 inner_angle >= 0.0 && inner_angle <= outer_angle,

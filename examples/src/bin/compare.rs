@@ -75,7 +75,7 @@ fn work(args: &Args) -> Result<(), Fault> {
         save(args, &stem, &cpu, &vulkan)?;
     }
     let path = args.out.join("table.md");
-    std::fs::write(&path, &table).map_err(|why| Fault::writing(&path, why))?;
+    photon_examples::whole::write_bytes(&path, table.as_bytes())?;
     print!("{table}");
     Ok(())
 }

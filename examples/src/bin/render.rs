@@ -16,6 +16,7 @@ use photon_examples::backend::{self, Chosen};
 use photon_examples::fault::{self, Fault};
 use photon_examples::report::{self, Told};
 use photon_examples::{exr_file, png_file};
+use photon_examples::{memory, whole};
 use photon_scene::{LoadReport, Overrides, Scene};
 
 fn main() -> ExitCode {
@@ -37,6 +38,10 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     let settings = args.settings()?;
     let outputs = outputs(args)?;
+    if !args.explain {
+        let json = args.json.iter().filter(|path| path.as_os_str() != "-");
+        outputs.iter().chain(json).try_for_each(|path| whole::check(path))?;
+    }
     let begun = Instant::now();
     let (scene, load) = load(args)?;
     let seconds_load = begun.elapsed().as_secs_f64();
@@ -51,6 +56,9 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     let (width, height) = args.size;
     let view = View { camera: scene.camera(args.camera.as_deref(), width, height)?, width, height };
+    if args.explain {
+        return explain(args, &scene, &settings);
+    }
     let mut renderer = start(args, &scene, view, &settings)?;
 
     let stop = Arc::new(AtomicBool::new(false));
@@ -85,11 +93,15 @@ fn work(args: &Args) -> Result<(), Fault> {
         if path.as_os_str() == "-" {
             std::io::stdout().write_all(text.as_bytes()).map_err(|why| Fault::writing(path, why))?;
         } else {
-            std::fs::write(path, text).map_err(|why| Fault::writing(path, why))?;
+            whole::write_bytes(path, text.as_bytes())?;
         }
     }
     let stopped = if outcome.cancelled { ", stopped early" } else { "" };
-    eprintln!("{} passes of {} paths in {seconds_total:.1} s{stopped}", outcome.passes, args.photons);
+    let paths = renderer.facts().photons;
+    eprintln!("{} passes of {paths} paths in {seconds_total:.1} s{stopped}", outcome.passes);
+    if let (Some(cap), Some(peak)) = (args.memory, memory::peak()) {
+        eprintln!("{:.0} MiB at the peak, of {:.0} allowed", peak as f64 / 1_048_576.0, cap as f64 / 1_048_576.0);
+    }
     Ok(())
 }
 
@@ -137,8 +149,25 @@ fn load(args: &Args) -> Result<(Scene, LoadReport), Fault> {
     }
 }
 
+/// What the scene needs, and what is left out.
+fn explain(args: &Args, scene: &Scene, settings: &Settings) -> Result<(), Fault> {
+    println!("{}: {} triangles", args.scene, scene.view().triangles.len());
+    let needs = photon_core::explain(&scene.view(), settings);
+    for (heading, needed) in [("needed", true), ("left out", false)] {
+        println!("\n{heading}:");
+        for need in needs.iter().filter(|need| need.needed == needed) {
+            println!("  {:<24} {}", need.what, need.why);
+        }
+    }
+    Ok(())
+}
+
 fn start(args: &Args, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
-    match backend::open(args.backend, args.threads)? {
+    let chosen = backend::open(args.backend, args.threads)?;
+    // A driver may keep much to itself by now.
+    let memory = args.memory.map(|cap| memory::for_the_library(cap, args.size));
+    let settings = &Settings { memory, ..settings.clone() };
+    match chosen {
         Chosen::Cpu(on) => pipeline(on, scene, view, settings),
         Chosen::Vulkan(on) => pipeline(*on, scene, view, settings),
     }
@@ -155,6 +184,12 @@ fn pipeline<B: TransportBackend>(
 
 fn passes(args: &Args, renderer: &mut dyn Render, stop: &AtomicBool) -> Result<Outcome, Fault> {
     let count = args.passes.unwrap_or(if args.time.is_some() { u32::MAX - 1 } else { PASSES });
+    // As many photons in all, if memory makes passes smaller.
+    let each = renderer.facts().photons;
+    let count = count.saturating_mul(args.photons.div_ceil(each)).min(u32::MAX - 1);
+    if each < args.photons {
+        eprintln!("{each} paths a pass, for the memory allowed");
+    }
     let budget = Budget { first: 0, passes: count, time: args.time.map(Duration::from_secs_f64) };
     let terminal = std::io::stderr().is_terminal();
     // With only a time to go by, the bar shows that.

@@ -8,6 +8,7 @@ use photon_core::Result;
 
 use super::choose::{candidates, choose, has};
 use super::fault::{Fault, during};
+use super::inject::Injection;
 use super::spare::{Spare, Spares};
 
 /// How to open a device.
@@ -66,6 +67,8 @@ pub(crate) struct Device {
     /// Those that it is done with.
     pub(crate) spares: Mutex<Spares>,
     owned: bool,
+    /// Faults that tests ask for.
+    pub(crate) injection: Injection,
     /// What has been named.
     #[cfg(test)]
     named: Mutex<Vec<(vk::ObjectType, String)>>,
@@ -286,6 +289,7 @@ impl Device {
             graveyard: Mutex::default(),
             spares: Mutex::default(),
             owned,
+            injection: Injection::default(),
             #[cfg(test)]
             named: Mutex::default(),
         };

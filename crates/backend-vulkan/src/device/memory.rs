@@ -42,6 +42,9 @@ impl Memory {
         if bytes > limit {
             return Err(Error::AllocationTooLarge { label: kept(label), bytes, limit });
         }
+        if !device.injection.allocate() {
+            return Err(Error::OutOfMemory { label: kept(label), bytes });
+        }
         let size = bytes.max(4).next_multiple_of(16);
         if location == MemoryLocation::GpuOnly {
             let spare = device.spares.lock().unwrap_or_else(PoisonError::into_inner).take(size);
@@ -98,8 +101,12 @@ impl Memory {
             }
         };
         // SAFETY: the memory is large enough and of a type that the requirements allow.
-        unsafe { device.raw.bind_buffer_memory(buffer, allocation.memory(), allocation.offset()) }
-            .map_err(during("binding memory"))?;
+        let bound = unsafe { device.raw.bind_buffer_memory(buffer, allocation.memory(), allocation.offset()) };
+        if let Err(result) = bound {
+            let spare = Spare::new(buffer, allocation, 0, size, false);
+            device.graveyard.lock().unwrap_or_else(PoisonError::into_inner).push(spare);
+            return Err(during("binding memory")(result));
+        }
         device.name(buffer, label);
         // SAFETY: only named; a block of many buffers has no label of its own.
         device

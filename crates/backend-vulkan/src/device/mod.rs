@@ -3,6 +3,7 @@
 mod cache;
 mod choose;
 mod fault;
+mod inject;
 mod instance;
 mod memory;
 mod module;

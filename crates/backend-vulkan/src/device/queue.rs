@@ -67,6 +67,7 @@ impl Queue {
     pub(crate) fn submit(&mut self, commands: vk::CommandBuffer) -> Result<()> {
         // SAFETY: it is open.
         unsafe { self.device.raw.end_command_buffer(commands) }.map_err(during("recording"))?;
+        self.device.injection.submit()?;
         let value = self.submitted + 1;
         let (buffers, semaphores, values) = ([commands], [self.done], [value]);
         let mut timeline = vk::TimelineSemaphoreSubmitInfo::default().signal_semaphore_values(&values);
@@ -88,6 +89,7 @@ impl Queue {
     }
 
     fn wait_for(&mut self, value: u64) -> Result<()> {
+        self.device.injection.alive()?;
         let (semaphores, values) = ([self.done], [value]);
         let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&values);
         // SAFETY: the semaphore is alive.

@@ -47,7 +47,7 @@ fn records() -> Vec<Record> {
         record!(Estimate: flux radius_squared photons flags reserved),
         record!(Facet: normal material),
         record!(Material: albedo kind emission flags absorption ior),
-        record!(Light: position kind direction primitive power cos_inner cos_outer radius area flags),
+        record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),
         record!(Camera: origin kind forward reserved right reserved2 up reserved3),
     ]
 }

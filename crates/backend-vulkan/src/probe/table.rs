@@ -125,9 +125,9 @@ fn direction_rows(row: Make) -> Vec<Row> {
     let (packing, module) = (&shaders::PROBE_OCTAHEDRAL, &shaders::PROBE_SAMPLING);
     let pair: Draws = |d| input([d.unit(), d.unit(), 0.0, 0.0], Z, Z);
     let spot: Draws = |d| {
-        let inner = if d.now_and_then() { d.pick(&[1.0, 0.0, -0.5, 1.0 - LAST]) } else { d.between(-1.0, 1.0) };
-        let outer = if d.now_and_then() { d.pick(&[inner, -1.0, inner - 1e-6]) } else { d.between(-1.0, inner) };
-        input([d.unit(), inner, outer.max(-1.0), 0.0], Z, Z)
+        let outer = if d.now_and_then() { d.pick(&[1.0, 0.5, 1e-7, LAST]) } else { d.between(0.0, 1.0) };
+        let inner = if d.now_and_then() { d.pick(&[outer, 0.0, 0.999 * outer]) } else { d.between(0.0, outer) };
+        input([d.unit(), inner, outer, 0.0], Z, Z)
     };
     vec![
         // A division: the nearest step of 2⁻¹⁵ is another one at most.
@@ -178,8 +178,8 @@ fn direction_rows(row: Make) -> Vec<Row> {
         row("spot_solid_angle", module, 7, Bound::Relative(4e-7), spot, |i| {
             output([sampling::spot_solid_angle(i.float(1), i.float(2)) as f32])
         }),
-        row("spot_cosine", module, 8, Bound::Within(1e-6), spot, |i| {
-            output([sampling::spot_cosine(i.float(1), i.float(2), i.float(0))])
+        row("spot_versine", module, 8, Bound::Within(1e-6), spot, |i| {
+            output([sampling::spot_versine(i.float(1), i.float(2), i.float(0))])
         }),
     ]
 }

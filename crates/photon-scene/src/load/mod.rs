@@ -54,7 +54,12 @@ pub fn load(path: &Path, overrides: Option<&Overrides>) -> Result<(Scene, LoadRe
 
 /// The bytes of a file.
 fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
-    std::fs::read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })
+    let wrong = |source| SceneError::Read { path: path.to_owned(), source };
+    // A file may name others; a device among them would be read without end.
+    if !std::fs::metadata(path).map_err(wrong)?.is_file() {
+        return Err(wrong(std::io::Error::other("it is no regular file")));
+    }
+    std::fs::read(path).map_err(wrong)
 }
 
 /// The text of a file of an age in which its encoding was not settled.

@@ -107,3 +107,18 @@ fn obj_faults_name_their_line() {
     let (scene, _) = load(&folder.file("empty.obj", ""), None).expect("nothing");
     assert!(scene.warnings()[0].contains("no triangles"));
 }
+
+/// A device has no end.
+#[cfg(unix)]
+#[test]
+fn a_library_that_is_a_device_is_not_read() {
+    let folder = Folder::new("device");
+    let path = folder.file("a.obj", "mtllib /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let words = match load(&path, None) {
+        Ok((_, report)) => report.lines.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"),
+        Err(error) => {
+            format!("{error}: {}", std::error::Error::source(&error).map(ToString::to_string).unwrap_or_default())
+        }
+    };
+    assert!(words.contains("/dev/zero"), "{words}");
+}

@@ -99,7 +99,7 @@ fn overrides_are_laid_over() {
     assert_eq!(lights.len(), 1 + 2 + 3);
     let bulb = scene.units().point_to_user(lights[3].position);
     assert!((bulb[2] - 2.0).abs() < 1e-6 && (bulb[0] - 1.0).abs() < 1e-6, "{bulb:?}");
-    assert!((lights[4].cos_outer - 0.5).abs() < 1e-6 && lights[4].cos_inner == 1.0);
+    assert!((lights[4].versine_outer - 0.5).abs() < 1e-6 && lights[4].versine_inner == 0.0);
 
     assert_eq!(scene.camera_names().collect::<Vec<_>>(), ["first", "second"]);
     let second = scene.camera(Some("second"), 10, 10).expect("a camera");

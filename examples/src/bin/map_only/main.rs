@@ -112,7 +112,7 @@ fn work(args: &Args) -> Result<(), Fault> {
             "seconds_query": seconds_query,
             "queries_per_second": rate,
         });
-        std::fs::write(path, format!("{report:#}\n")).map_err(|why| Fault::writing(path, why))?;
+        photon_examples::whole::write_bytes(path, format!("{report:#}\n").as_bytes())?;
     }
     eprintln!(
         "{} photons arranged in {seconds_build:.3} s, {} queries in {seconds_query:.3} s ({rate:.0} a second)",

@@ -108,7 +108,7 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     for (name, text) in [("paper.csv", report.csv()), ("paper.md", report.markdown())] {
         let path = args.out.join(name);
-        std::fs::write(&path, text).map_err(|why| Fault::writing(&path, why))?;
+        photon_examples::whole::write_bytes(&path, text.as_bytes())?;
     }
     // The paper's own table stands last, where a terminal shows it.
     print!("{}", report.markdown());

@@ -1,0 +1,171 @@
+//! What a scene needs, what is left out, and why: the reasons behind [`crate::Requirements`].
+
+use crate::features::Features;
+use crate::layout::Light;
+use crate::radii;
+use crate::requirements::{Requirements, light_features, material_features};
+use crate::scene::SceneView;
+use crate::settings::{Direct, Indirect, Settings};
+
+/// One thing that a renderer can model, allocate or build.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Need {
+    /// Which.
+    pub what: &'static str,
+    /// Whether it is.
+    pub needed: bool,
+    /// Why, or why not.
+    pub why: String,
+}
+
+/// Lobes and lights first, in the order of [`Features`], then maps, then stages.
+#[must_use]
+pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
+    let required = Requirements::of(scene, settings);
+    let mut needs: Vec<Need> = Features::ALL
+        .names()
+        .enumerate()
+        .map(|(bit, what)| {
+            let feature = Features::from_bits(1 << bit);
+            let triangles = scene
+                .facets
+                .iter()
+                .filter(|facet| material_features(&scene.materials[facet.material as usize]).contains(feature))
+                .count();
+            let lights = scene.lights.iter().filter(|light| light_features(light).contains(feature)).count();
+            let why = match (triangles, lights) {
+                (0, 0) => "nothing in the scene has it".to_owned(),
+                (0, lights) => counted(lights, "light"),
+                (triangles, _) => counted(triangles, "triangle"),
+            };
+            Need { what, needed: required.features.contains(feature), why }
+        })
+        .collect();
+    let mut say = |what, needed, why: &str| needs.push(Need { what, needed, why: why.to_owned() });
+
+    let gather = settings.indirect == Indirect::Gather;
+    say(
+        "map of direct photons",
+        required.direct_map,
+        match (settings.direct, gather) {
+            (Direct::Photons, _) => "direct light is read from it",
+            (_, true) => "final gathering reads it where its rays land",
+            (Direct::Nee, _) => "shadow rays count what it would hold",
+            (Direct::None, _) => "direct light is left out",
+        },
+    );
+    let specular = required.features.intersects(Features::SPECULAR);
+    say(
+        "map of caustic photons",
+        required.caustic_map,
+        match (required.caustic_map, specular) {
+            (true, _) => "mirrors or glass are in reach of a light",
+            (false, _) if !settings.caustics && !gather => "caustics are left out",
+            (false, false) => "nothing reflects or refracts",
+            (false, true) => "all mirrors and glass lie behind all lights",
+        },
+    );
+    say(
+        "map of scattered photons",
+        required.global_map,
+        match settings.indirect {
+            Indirect::Map => "indirect light is read from it",
+            Indirect::Gather => "final gathering reads it where its rays land",
+            Indirect::None => "indirect light is left out",
+        },
+    );
+    let any_map = required.direct_map || required.caustic_map || required.global_map;
+    say(
+        "photons",
+        any_map,
+        if any_map { "the maps above are filled with them" } else { "no map is read, so that none is sent out" },
+    );
+    let pilot = any_map && radii::need_pilot(settings);
+    say(
+        "pilot pass",
+        pilot,
+        match (any_map, pilot) {
+            (_, true) => "radii are derived from the density of its photons",
+            (false, _) => "no map is searched",
+            (true, false) => "the settings say how far to search",
+        },
+    );
+    say(
+        "shadow rays",
+        required.shadow_rays,
+        match settings.direct {
+            Direct::Nee => "direct light is asked for with them",
+            Direct::Photons => "direct light is read from a map",
+            Direct::None => "direct light is left out",
+        },
+    );
+    say(
+        "final gathering",
+        required.final_gather,
+        match settings.indirect {
+            Indirect::Gather => "indirect light is gathered",
+            Indirect::Map => "indirect light is read straight from a map",
+            Indirect::None => "indirect light is left out",
+        },
+    );
+    let splits = required.features.intersects(Features::DIELECTRIC.union(Features::THIN));
+    say(
+        "split camera paths",
+        splits,
+        if splits { "glass reflects and transmits: up to four queries a pixel" } else { "no glass: one query a pixel" },
+    );
+    let choice = scene.lights.len() > 1;
+    let single = scene.lights.first().is_some_and(|light| light.kind != Light::TRIANGLE);
+    say(
+        "choice among lights",
+        choice,
+        match (choice, single) {
+            (true, _) => "there are several",
+            (false, true) => "there is one",
+            (false, false) => "there is one emissive triangle, or none",
+        },
+    );
+    needs
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::{Facet, Material};
+    use crate::units::Units;
+
+    #[test]
+    fn reasons_agree_with_the_requirements() {
+        let positions = [[-0.5, 0.0, -0.5], [0.5, 0.0, -0.5], [0.0, 0.0, 0.5]];
+        let materials = [Material { albedo: [0.5; 3], ..Material::default() }];
+        let lights = [Light { kind: Light::POINT, power: [1.0; 3], primitive: u32::MAX, ..Light::default() }];
+        let scene = SceneView {
+            positions: &positions,
+            triangles: &[[0, 1, 2]],
+            facets: &[Facet { normal: [0.0, 1.0, 0.0], material: 0 }],
+            materials: &materials,
+            lights: &lights,
+            light_starts: &[0],
+            radius: 1.0,
+            units: Units::default(),
+        };
+        for direct in [Direct::Nee, Direct::Photons, Direct::None] {
+            for indirect in [Indirect::Map, Indirect::Gather, Indirect::None] {
+                let settings = Settings { direct, indirect, ..Settings::default() };
+                let required = Requirements::of(&scene, &settings);
+                let needs = explain(&scene, &settings);
+                let needed = |what| needs.iter().find(|need| need.what == what).unwrap().needed;
+                assert_eq!(needed("map of direct photons"), required.direct_map);
+                assert_eq!(needed("map of scattered photons"), required.global_map);
+                assert_eq!(needed("final gathering"), required.final_gather);
+                assert!(needed("diffuse") && needed("point-lights") && !needed("mirror"));
+                assert!(needs.iter().all(|need| !need.why.is_empty()));
+                assert_eq!(needed("photons"), direct == Direct::Photons || indirect != Indirect::None);
+            }
+        }
+    }
+}

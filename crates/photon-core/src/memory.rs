@@ -1,0 +1,99 @@
+//! A hard cap on memory: smaller batches, and passes of fewer photons.
+//!
+//! What a scene and a picture take is fixed. The rest is shared out between the photons on their way and
+//! those in the maps; how many of them a path leaves is counted by a few paths beforehand.
+
+use crate::error::{Error, Result};
+
+/// What a backend keeps at the height of a pass, bytes: upper bounds, rounded up from what it
+/// allocates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Costs {
+    /// For a photon of a map: stored, and arranged for search, with what arranging takes meanwhile.
+    pub photon: u64,
+    /// For a photon that is not in its map yet, in the paths of one batch.
+    pub under_way: u64,
+    /// For a path of a batch, besides its photons.
+    pub path: u64,
+    /// For a pixel of the picture, besides its queries and the film.
+    pub pixel: u64,
+    /// For a query, with its estimate.
+    pub query: u64,
+}
+
+/// Photons of all maps, and paths of a batch, that fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Plan {
+    pub(crate) photons: u64,
+    pub(crate) batch: u32,
+    left: u64,
+}
+
+/// With less room than for so many photons there is nothing to plan.
+const LEAST: u64 = 4096;
+
+impl Plan {
+    /// Shares out what `fixed` bytes leave of `cap`, before anybody knows how many photons a path
+    /// leaves: as if it were [`BUSY`].
+    ///
+    /// # Errors
+    /// [`Error::OverMemory`] if that is not even enough for a few thousand photons.
+    pub(crate) fn new(cap: u64, fixed: u64, costs: &Costs) -> Result<Self> {
+        let least = LEAST * (costs.photon + costs.path + BUSY * costs.under_way);
+        let needed = fixed.saturating_add(least);
+        if needed > cap {
+            return Err(Error::OverMemory { needed, allowed: cap });
+        }
+        let left = cap - fixed;
+        let mut plan = Self { photons: 0, batch: 0, left };
+        plan.share(BUSY as f64, costs);
+        Ok(plan)
+    }
+
+    /// The same, now that it is known how many photons a path leaves in all maps.
+    pub(crate) fn share(&mut self, photons_per_path: f64, costs: &Costs) {
+        // A quarter for what is under way, which batches make small; the rest is for the maps.
+        let under_way = self.left / 4;
+        let per_path = costs.path as f64 + photons_per_path * costs.under_way as f64;
+        self.batch = (under_way as f64 / per_path).clamp(1.0, f64::from(u32::MAX)) as u32;
+        self.photons = (self.left - under_way) / costs.photon;
+    }
+
+    /// Paths of a pass that leave no more photons than fit, a twentieth less for chance; at least 1.
+    pub(crate) fn paths(&self, photons_per_path: f64, wanted: u32) -> u32 {
+        let fit = self.photons as f64 * 0.95 / photons_per_path.max(1e-9);
+        fit.min(f64::from(wanted)).max(1.0) as u32
+    }
+}
+
+/// Photons per path that nothing but counting can refute: a bright closed room.
+const BUSY: u64 = 4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COSTS: Costs = Costs { photon: 100, under_way: 50, path: 60, pixel: 300, query: 100 };
+
+    #[test]
+    fn what_is_planned_fits() {
+        for cap in [10_000_000_u64, 1 << 30, 1 << 40] {
+            for busy in [0.1, 1.0, 7.5, 100.0] {
+                let mut plan = Plan::new(cap, 1_000_000, &COSTS).unwrap();
+                plan.share(busy, &COSTS);
+                let batch = f64::from(plan.batch);
+                let under_way = batch * (60.0 + busy * 50.0);
+                let total = 1_000_000.0 + under_way + (plan.photons * COSTS.photon) as f64;
+                assert!(total <= cap as f64 * 1.001, "{cap} {busy}: {plan:?}");
+                assert!(f64::from(plan.paths(busy, u32::MAX)) * busy <= plan.photons as f64);
+            }
+        }
+    }
+
+    #[test]
+    fn what_can_never_fit_is_an_error() {
+        let error = Plan::new(1_000_000, 900_000, &COSTS).unwrap_err();
+        assert!(matches!(error, Error::OverMemory { allowed: 1_000_000, needed } if needed > 1_000_000), "{error}");
+        assert!(Plan::new(10_000_000, 900_000, &COSTS).unwrap().paths(1.0, 500) == 500);
+    }
+}

@@ -1,0 +1,78 @@
+//! How much memory the process holds, and how much it may.
+
+/// Bytes resident now, where the system says so (Linux).
+#[must_use]
+pub fn resident() -> Option<u64> {
+    status("VmRSS:")
+}
+
+/// The most that has been resident, likewise.
+#[must_use]
+pub fn peak() -> Option<u64> {
+    status("VmHWM:")
+}
+
+fn status(key: &str) -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+}
+
+/// What a process needs besides the library's buffers: stacks, kernels, and files while they are
+/// written.
+const BESIDES: u64 = 24 << 20;
+
+/// Bytes of a pixel in a picture that is being written: its channels, and as they are compressed.
+const WRITTEN: u64 = 300;
+
+/// What the library may hold for the process to stay below `cap`, with what it holds already.
+#[must_use]
+pub fn for_the_library(cap: u64, size: (u32, u32)) -> u64 {
+    let pixels = u64::from(size.0) * u64::from(size.1);
+    cap.saturating_sub(resident().unwrap_or_default() + BESIDES + pixels * WRITTEN)
+}
+
+/// A size in bytes: `2GiB`, `500MB`, `1048576`.
+///
+/// # Errors
+/// Words for the user, if it is none.
+pub fn parse(text: &str) -> Result<u64, String> {
+    let split = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let (digits, unit) = text.split_at(split);
+    let unit = match unit.trim().to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "kb" => 1e3,
+        "mb" => 1e6,
+        "gb" => 1e9,
+        "k" | "kib" => 1024.0,
+        "m" | "mib" => 1_048_576.0,
+        "g" | "gib" => 1_073_741_824.0,
+        _ => return Err("give a size such as 2GiB, 500MB or a number of bytes".to_owned()),
+    };
+    match digits.parse::<f64>() {
+        Ok(number) if number > 0.0 && number * unit < 1e18 => Ok((number * unit) as u64),
+        _ => Err("give a size above 0, such as 2GiB".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_and_absurd_ones_refused() {
+        assert_eq!(parse("2GiB"), Ok(2 << 30));
+        assert_eq!(parse("1.5 MB"), Ok(1_500_000));
+        assert_eq!(parse("4096"), Ok(4096));
+        for bad in ["", "GiB", "-1", "0", "2 ells", "1e3", "99999999999GiB"] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn the_peak_is_no_less_than_what_is_resident() {
+        if let (Some(now), Some(peak)) = (resident(), peak()) {
+            assert!(now > 0 && peak >= now);
+        }
+    }
+}

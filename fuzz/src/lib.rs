@@ -1,0 +1,63 @@
+//! What the targets share: a file of their own, and what must be true of every scene that a loader lets
+//! through.
+#![expect(clippy::missing_panics_doc, reason = "a panic is what a fuzzer looks for")]
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use photon_core::RayCaster;
+use photon_core::glam::Vec3;
+use photon_scene::{Accel, LoadReport, Scene, SceneError};
+
+/// A folder of this process alone; on a disk in memory if there is one.
+pub fn folder() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let memory = Path::new("/dev/shm");
+        let base = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
+        let folder = base.join(format!("photon-fuzz-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder of our own");
+        folder
+    })
+}
+
+/// Writes `data` under that name.
+pub fn file(name: &str, data: &[u8]) -> PathBuf {
+    let path = folder().join(name);
+    std::fs::write(&path, data).expect("a file of our own");
+    path
+}
+
+/// A scene is finite, in range, and can be met by rays; an error has words.
+pub fn check(loaded: Result<(Scene, LoadReport), SceneError>) {
+    let scene = match loaded {
+        Ok((scene, _)) => scene,
+        Err(error) => return assert!(!error.to_string().is_empty()),
+    };
+    let view = scene.view();
+    let vertices = view.positions.len();
+    assert!(view.positions.iter().flatten().all(|x| x.is_finite() && x.abs() <= 0.5001));
+    assert!(view.triangles.iter().flatten().all(|&index| (index as usize) < vertices));
+    assert!(view.facets.iter().all(|facet| (facet.material as usize) < view.materials.len()));
+    assert!(view.facets.iter().all(|facet| (Vec3::from(facet.normal).length() - 1.0).abs() < 1e-4));
+    for material in view.materials {
+        assert!(material.albedo.iter().all(|a| (0.0..=1.0).contains(a)), "{material:?}");
+        assert!(material.emission.iter().all(|e| e.is_finite() && *e >= 0.0), "{material:?}");
+        assert!(material.ior.is_finite() && material.ior > 0.0, "{material:?}");
+    }
+    assert!(view.lights.iter().all(|light| light.power.iter().all(|p| p.is_finite() && *p >= 0.0)));
+    let camera = scene.camera(None, 16, 9);
+    if let Ok(camera) = camera {
+        assert!([camera.origin, camera.right, camera.up].iter().flatten().all(|x| x.is_finite()));
+    }
+    if view.triangles.is_empty() || view.triangles.len() > 50_000 {
+        return;
+    }
+    let accel = Accel::build(view.positions, view.triangles).expect("a scene that was let through");
+    for direction in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, -0.64, 0.48)] {
+        let ray = photon_core::Ray { origin: Vec3::ZERO, direction, t_max: f32::INFINITY };
+        if let Some(hit) = accel.nearest(&ray) {
+            assert!(hit.t >= 0.0 && (hit.primitive as usize) < view.triangles.len());
+        }
+    }
+}

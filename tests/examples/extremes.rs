@@ -1,0 +1,73 @@
+//! Runs the extremes on every backend that is here and prints them in Markdown: `cargo xtask extremes` puts
+//! that into `docs/extremes.md`. With `--long`, everything; `--only NAME` for one backend.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "results go to stdout, progress to stderr")]
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use backend_cpu::Cpu;
+use backend_vulkan::{Options, Vulkan};
+use photon_core::Backend;
+use photon_tests::extremes::{Extent, Sheet, groups};
+use photon_tests::harness::TestBackend;
+
+struct OnCpu;
+
+impl TestBackend for OnCpu {
+    type On = Cpu;
+    fn make(threads: usize) -> Cpu {
+        Cpu::with_threads(threads).expect("threads start")
+    }
+}
+
+struct OnVulkan;
+
+impl TestBackend for OnVulkan {
+    type On = Vulkan;
+
+    fn make(_threads: usize) -> Vulkan {
+        Vulkan::with_options(&Options::default()).expect("it was there a moment ago")
+    }
+
+    fn available() -> bool {
+        Vulkan::with_options(&Options::default()).is_ok()
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let extent = if arguments.iter().any(|argument| argument == "--long") { Extent::Long } else { Extent::Quick };
+    let only = arguments.iter().position(|argument| argument == "--only").and_then(|at| arguments.get(at + 1));
+    let wanted = |name: &str| only.is_none_or(|only| only == name);
+    let mut good = true;
+    if wanted("cpu") {
+        good &= backend::<OnCpu>("CPU", extent);
+    }
+    if wanted("vulkan") {
+        if OnVulkan::available() {
+            good &= backend::<OnVulkan>("Vulkan", extent);
+        } else {
+            eprintln!("no Vulkan here: its part is left out");
+            good = false;
+        }
+    }
+    if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn backend<T: TestBackend>(name: &str, extent: Extent) -> bool {
+    let device = T::make(2).device();
+    println!("## {name}: {device}\n");
+    let mut good = true;
+    for (group, run) in groups::<T>() {
+        let start = Instant::now();
+        let sheet = Sheet::run(run, extent);
+        let seconds = start.elapsed().as_secs_f64();
+        eprintln!("{name}, {group}: {} rows in {seconds:.1} s", sheet.rows.len());
+        for fault in sheet.faults() {
+            eprintln!("  fails: {fault}");
+            good = false;
+        }
+        println!("### {group}\n\n{seconds:.0} s\n\n{}", sheet.table());
+    }
+    good
+}

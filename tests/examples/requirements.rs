@@ -1,0 +1,135 @@
+//! What each feature costs a scene that has it, and one that has not: `cargo xtask requirements` puts that into
+//! `docs/requirements.md`.
+//!
+//! Without arguments: bytes, time and bits for each feature, derived beside widened, on every backend, in
+//! Markdown. `--work SCENE derived|widened PATHS`: one pass on one thread of the CPU, for a counter of
+//! instructions; `--scenes`: their names and bits of features, line by line.
+#![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a program for measuring")]
+
+use backend_cpu::Cpu;
+use backend_vulkan::{Options, Vulkan};
+use photon_core::{
+    Direct, Estimator, Indirect, Pipeline, Render, Requirements, Settings, Stage, TransportBackend, View,
+};
+use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes};
+use photon_tests::harness::look_at_point;
+
+const SCENES: [&str; 10] = [
+    "diffuse",
+    "mirror",
+    "dielectric",
+    "absorption",
+    "thin",
+    "spot",
+    "directional",
+    "area",
+    "direct map",
+    "final gather",
+];
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words[..] {
+        ["--scenes"] => {
+            for name in SCENES {
+                let (scene, settings) = scene(name);
+                println!("{name}\t{}", Requirements::of(&scene.view(), &settings).features.bits());
+            }
+        }
+        ["--work", name, how, paths] => {
+            let (scene, settings) = scene(name);
+            let settings = Settings { photons: paths.parse().unwrap(), ..settings };
+            let required = required(&scene, &settings, how == "widened");
+            start(Cpu::with_threads(1).unwrap(), &scene, &settings, required).pass(0, &mut ()).unwrap();
+        }
+        _ => {
+            table("CPU", || Cpu::with_threads(2).unwrap(), 60_000);
+            if Vulkan::with_options(&Options::default()).is_ok() {
+                table("Vulkan", || Vulkan::with_options(&Options::default()).unwrap(), 20_000);
+            }
+        }
+    }
+}
+
+/// A room with one thing in it.
+fn scene(name: &str) -> (Scene, Settings) {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
+    let (positions, triangles) = shapes::flip(shapes::cuboid([-1.0; 3], [1.0; 3]));
+    builder.mesh("room", positions, triangles, grey);
+    let surface = |surface| MaterialDesc::new("thing", surface);
+    let thing = match name {
+        "mirror" => MaterialDesc::mirror("thing", [0.9; 3]),
+        "dielectric" => MaterialDesc::glass("thing", 1.5),
+        "absorption" => surface(Surface::Dielectric { ior: 1.5, absorption: [0.5; 3], tint: [1.0; 3] }),
+        "thin" => MaterialDesc::thin("thing", 1.5),
+        _ => MaterialDesc::lambert("thing", [0.4; 3]),
+    };
+    let thing = builder.material(thing);
+    let (positions, triangles) = shapes::icosphere(3, [0.2, -0.4, 0.1], 0.4);
+    builder.mesh("ball", positions, triangles, thing);
+    let (position, direction) = ([0.1, 0.7, 0.2], [0.1, -1.0, 0.0]);
+    match name {
+        "spot" => {
+            let (inner_angle, outer_angle) = (0.4, 0.8);
+            builder
+                .light("lamp", LightDesc::Spot { position, direction, intensity: [1.0; 3], inner_angle, outer_angle });
+        }
+        "directional" => builder.light("lamp", LightDesc::Directional { direction, irradiance: [1.0; 3] }),
+        "area" => {
+            let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]));
+            let (y, h) = (0.9, 0.3);
+            builder.quad("lamp", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], lamp);
+        }
+        _ => builder.light("lamp", LightDesc::Point { position, intensity: [1.0; 3] }),
+    }
+    look_at_point(&mut builder, [0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.05, 0.5);
+    let settings = Settings {
+        max_bounces: 16,
+        estimator: Estimator::Radius { radius: Some(0.1) },
+        direct: if name == "direct map" { Direct::Photons } else { Direct::Nee },
+        indirect: if name == "final gather" { Indirect::Gather } else { Indirect::Map },
+        gather_rays: 4,
+        ..Settings::default()
+    };
+    (builder.build().unwrap(), settings)
+}
+
+fn required(scene: &Scene, settings: &Settings, widened: bool) -> Requirements {
+    if widened { Requirements::everything(settings) } else { Requirements::of(&scene.view(), settings) }
+}
+
+fn start<B: TransportBackend>(on: B, scene: &Scene, settings: &Settings, required: Requirements) -> Pipeline<B> {
+    let view = View { camera: scene.camera(None, 64, 64).unwrap(), width: 64, height: 64 };
+    Pipeline::with_requirements(on, &scene.view(), view, settings.clone(), required).unwrap()
+}
+
+fn table<B: TransportBackend>(name: &str, make: impl Fn() -> B, photons: u32) {
+    println!("### Bytes and time on {name}: {}\n", make().device());
+    println!("| scene | features | bytes | widened | ms a pass | widened | bits |\n|---|---|---|---|---|---|---|");
+    for scene_name in SCENES {
+        let (scene, settings) = scene(scene_name);
+        let settings = Settings { photons, ..settings };
+        let mut both = [false, true].map(|widened| {
+            let required = required(&scene, &settings, widened);
+            (start(make(), &scene, &settings, required), Vec::new())
+        });
+        // In turns, so that other work on the machine meets both.
+        for pass in 0..5 {
+            for (renderer, times) in &mut both {
+                let photon_core::PassEnd::Done(report) = renderer.pass(pass, &mut ()).unwrap() else { continue };
+                times.push(Stage::ALL.into_iter().map(|stage| report.seconds.get(stage)).sum::<f64>());
+            }
+        }
+        let [least, most] = both.each_mut().map(|(renderer, times)| {
+            times.sort_unstable_by(f64::total_cmp);
+            let bytes: u64 = renderer.facts().memory.iter().map(|(_, bytes)| bytes).sum();
+            (bytes, times[0] * 1e3, renderer.film().unwrap().pixels)
+        });
+        let features = Requirements::of(&scene.view(), &settings).features;
+        let bits = if least.2 == most.2 { "equal" } else { "**differ**" };
+        println!("| {scene_name} | {features} | {} | {} | {:.1} | {:.1} | {bits} |", least.0, most.0, least.1, most.1);
+    }
+    println!();
+}

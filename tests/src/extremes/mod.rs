@@ -1,0 +1,34 @@
+//! How far it holds: sizes, powers, counts, shapes and indices far from those that anybody meant.
+//!
+//! Each group of cases fills a [`Sheet`] with rows: what was tried, over which range, what came of it. The quick
+//! extent runs in the ordinary tests; `cargo xtask extremes` writes the rows of every backend into
+//! `docs/extremes.md`.
+
+pub mod geometry;
+pub mod optics;
+pub mod points;
+pub mod power;
+pub mod scale;
+pub mod scenes;
+pub mod sheet;
+pub mod views;
+
+pub use sheet::{Extent, Row, Sheet, Verdict};
+
+use crate::harness::TestBackend;
+
+/// A group of cases.
+pub type Group = fn(&mut Sheet);
+
+/// All groups by name, for one backend.
+#[must_use]
+pub fn groups<T: TestBackend>() -> Vec<(&'static str, Group)> {
+    vec![
+        ("Scale and place", scale::all::<T> as Group),
+        ("Power and counts", power::all::<T>),
+        ("Points", points::all::<T>),
+        ("Geometry", geometry::all::<T>),
+        ("Optics", optics::all::<T>),
+        ("Cameras and lights", views::all::<T>),
+    ]
+}

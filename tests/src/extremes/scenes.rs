@@ -1,0 +1,144 @@
+//! Scenes that can be put anywhere, in any size, and ways to look at them.
+
+use photon_core::glam::Vec3;
+use photon_core::{
+    Backend, Batch, Deposits, Film, Layer, Pass, Photon, PhotonRay, Requirements, Settings, Tally, TransportBackend,
+    octahedral,
+};
+use photon_scene::shapes::Shape;
+use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
+
+use crate::harness::{TestBackend, Uniform, look_at_point};
+
+/// Where and how large: `p` becomes `p · size + place`.
+#[derive(Clone, Copy, Debug)]
+pub struct Put {
+    /// User length of what was one metre.
+    pub size: f64,
+    /// User space.
+    pub place: [f64; 3],
+    /// Factor on all powers.
+    pub watts: f64,
+}
+
+impl Default for Put {
+    fn default() -> Self {
+        Self { size: 1.0, place: [0.0; 3], watts: 1.0 }
+    }
+}
+
+impl Put {
+    fn point(&self, p: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| p[axis] * self.size + self.place[axis])
+    }
+
+    fn shape(&self, (positions, triangles): Shape) -> Shape {
+        (positions.into_iter().map(|p| self.point(p)).collect(), triangles)
+    }
+}
+
+/// A closed grey room with a ball of glass, a mirror, a lamp on the ceiling and a point light. Its
+/// lights give the same watts whatever its size.
+#[must_use]
+pub fn studio(put: Put) -> SceneBuilder {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(MaterialDesc::lambert("grey", [0.6, 0.5, 0.4]));
+    let glass = builder.material(MaterialDesc::glass("glass", 1.5));
+    let mirror = builder.material(MaterialDesc::mirror("mirror", [0.9; 3]));
+    let radiance = put.watts / put.size / put.size;
+    let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [radiance; 3]));
+    let quad =
+        |y: f64, half: f64| shapes::quad([[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]]);
+    let wall = shapes::quad([[-0.9, -0.5, -0.8], [-0.9, -0.5, 0.8], [-0.9, 0.5, 0.8], [-0.9, 0.5, -0.8]]);
+    for (name, shape, material) in [
+        ("room", shapes::flip(shapes::cuboid([-1.0; 3], [1.0; 3])), grey),
+        ("ball", shapes::icosphere(3, [0.3, -0.5, 0.2], 0.4), glass),
+        ("mirror", wall, mirror),
+        ("lamp", quad(0.95, 0.25), lamp),
+    ] {
+        let (positions, triangles) = put.shape(shape);
+        builder.mesh(name, positions, triangles, material);
+    }
+    let light = LightDesc::Point { position: put.point([-0.3, 0.4, 0.1]), intensity: [0.1 * put.watts; 3] };
+    builder.light("bulb", light);
+    look_at_point(&mut builder, put.point([-0.3, -1.0, 0.1]), [0.0, 1.0, 0.0], 0.5 * put.size, 0.3 * put.size);
+    builder
+}
+
+/// Turns a shape about y, then about x, so that nothing lies along an axis.
+#[must_use]
+pub fn turned(shape: Shape) -> Shape {
+    let (mut positions, triangles) = shapes::rotate_y(shape, 0.7);
+    let (s, c) = 0.4_f64.sin_cos();
+    for p in &mut positions {
+        *p = [p[0], c * p[1] - s * p[2], s * p[1] + c * p[2]];
+    }
+    (positions, triangles)
+}
+
+/// A closed shape whose inside is black, and a light in it that is only there to give power.
+#[must_use]
+pub fn black_inside(shape: Shape) -> SceneBuilder {
+    let mut builder = SceneBuilder::new();
+    let black = builder.material(MaterialDesc::lambert("black", [0.0; 3]));
+    let (positions, triangles) = if shapes::volume(&shape) > 0.0 { shapes::flip(shape) } else { shape };
+    builder.mesh("walls", positions, triangles, black);
+    builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
+    builder
+}
+
+/// A photon ray of unit power.
+#[must_use]
+pub fn ray(origin: Vec3, direction: Vec3) -> PhotonRay {
+    PhotonRay { origin: origin.into(), direction: direction.into(), power: [1.0; 3], ..PhotonRay::default() }
+}
+
+/// What becomes of rays of the caller's; they are numbered here.
+pub fn follow<T: TestBackend>(scene: &Scene, settings: &Settings, rays: &mut [PhotonRay]) -> ([Vec<Photon>; 3], Tally) {
+    for (path, ray) in rays.iter_mut().enumerate() {
+        ray.path = path as u32;
+    }
+    let mut on = T::make(2);
+    let view = scene.view();
+    let required =
+        Requirements { direct_map: true, caustic_map: true, global_map: true, ..Requirements::of(&view, settings) };
+    let prepared = on.prepare(&view, &required).unwrap();
+    let mut stages = on.stages(&required, settings).unwrap();
+    let pass = Pass { seed: settings.seed, index: 0, random: settings.random };
+    let count = rays.len() as u32;
+    let there = on.upload("rays", rays).unwrap();
+    let capacity = u64::from(count) * u64::from(settings.max_bounces.min(64)) + 1;
+    let mut buffers = ["direct", "caustic", "global"].map(|label| on.alloc::<Photon>(label, capacity).unwrap());
+    let [direct, caustic, global] = &mut buffers;
+    let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
+    stages.tracer.trace(&mut on, &prepared, &Batch { pass, paths: 0..count }, &there, deposits).unwrap();
+    let tally = stages.tracer.take_tally(&mut on).unwrap();
+    let photons = buffers.map(|buffer| {
+        let mut out = Vec::new();
+        on.download(&buffer, &mut out).unwrap();
+        out
+    });
+    (photons, tally)
+}
+
+/// A direction, evenly over the sphere.
+pub fn anywhere(uniform: &mut Uniform) -> Vec3 {
+    photon_core::sampling::uniform_sphere(uniform.draw() as f32, uniform.draw() as f32)
+}
+
+/// Mean of a layer over the pixels and RGB, W/(m²·sr), in f64 from end to end.
+#[must_use]
+pub fn mean(film: &Film, layer: Option<Layer>) -> f64 {
+    let layers = Layer::ALL.into_iter().filter(|&own| layer.is_none_or(|layer| layer == own));
+    let sum: f64 =
+        layers.map(|own| film.pixels.iter().map(|p| p.layers[own as usize].iter().sum::<f64>()).sum::<f64>()).sum();
+    sum / (3 * film.pixels.len()) as f64 / f64::from(film.passes) * film.units.radiance_to_user()
+}
+
+/// Whether a photon has all that the layout promises.
+#[must_use]
+pub fn sound(photon: &Photon) -> bool {
+    let finite = photon.position.iter().chain(&photon.power).all(|x| x.is_finite());
+    let unit = |packed| (octahedral::unpack(packed).length() - 1.0).abs() < 1e-4;
+    finite && photon.power.iter().all(|&p| p >= 0.0) && unit(photon.direction) && unit(photon.normal)
+}

@@ -1,0 +1,181 @@
+//! `docs/requirements.md`: what is not required costs nothing. Instructions on the CPU by callgrind, of the
+//! shaders by `spirv-opt`; bytes, time and bits by the program that the rows come from.
+
+use std::fmt::Write as _;
+use std::fs;
+
+use crate::shell;
+
+const FILE: &str = "docs/requirements.md";
+
+/// What stands before this line is written by hand and kept.
+const MARK: &str = "<!-- rows: written by `cargo xtask requirements` -->\n";
+
+/// The kernels that are specialised by features, and where the GLSL says which it has.
+const KERNELS: [&str; 5] = ["photons/emit", "photons/trace", "camera/eye", "camera/direct", "camera/gather"];
+
+/// Bits of `photon_core::Features` that a scene has or has not, together.
+const FEATURES: [(&str, u32); 8] = [
+    ("nothing", 0),
+    ("mirrors", 1 << 1),
+    ("glass, solid and thin", 0b11100),
+    ("absorption", 1 << 4),
+    ("area lights", 1 << 5),
+    ("point lights", 1 << 6),
+    ("spot lights", 1 << 7),
+    ("directional lights", 1 << 8),
+];
+
+const ALL: u32 = 0b1_1111_1111;
+
+/// Writes the document.
+pub(crate) fn write() -> Result<(), String> {
+    let path = shell::root().join(FILE);
+    let text = fs::read_to_string(&path).map_err(|error| format!("{FILE}: {error}"))?;
+    let at = text.find(MARK).ok_or_else(|| format!("{FILE} has no line {MARK:?}, behind which the rows stand"))?;
+    for tool in ["valgrind", "spirv-opt", "spirv-dis", "glslangValidator"] {
+        if !shell::present(&[tool, "--version"]) {
+            return Err(format!("{tool} is not installed (Debian: valgrind, spirv-tools, glslang-tools)"));
+        }
+    }
+    let rows = [cpu()?, shaders()?, measured(&[])?].join("\n");
+    fs::write(&path, format!("{}{MARK}\n{}\n", &text[..at], rows.trim_end())).map_err(|error| error.to_string())
+}
+
+fn measured(arguments: &[&str]) -> Result<String, String> {
+    let run = ["cargo", "run", "--quiet", "--locked", "-p", "photon-tests", "--example", "requirements", "--"];
+    shell::capture(&[&run, arguments].concat())
+}
+
+/// Instructions per path, by the difference between runs of two lengths.
+fn cpu() -> Result<String, String> {
+    let mut text = "### Instructions on the CPU, per path of light (callgrind)\n\n\
+                    | scene | derived | widened | more |\n|---|---|---|---|\n"
+        .to_owned();
+    for line in measured(&["--scenes"])?.lines() {
+        let name = line.split('\t').next().unwrap_or_default();
+        let each = |how: &str| -> Result<f64, String> {
+            let (short, long) = (2000_u32, 6000_u32);
+            let difference = instructions(name, how, long)? as f64 - instructions(name, how, short)? as f64;
+            Ok(difference / f64::from(long - short))
+        };
+        let (derived, widened) = (each("derived")?, each("widened")?);
+        let more = 100.0 * (widened / derived - 1.0);
+        let _ = writeln!(text, "| {name} | {derived:.0} | {widened:.0} | {more:+.1} % |");
+    }
+    Ok(text)
+}
+
+fn instructions(scene: &str, how: &str, paths: u32) -> Result<u64, String> {
+    let program = shell::root().join("target/debug/examples/requirements");
+    let paths = paths.to_string();
+    let program = program.to_string_lossy();
+    let command = [
+        "valgrind",
+        "--tool=callgrind",
+        "--callgrind-out-file=/dev/stdout",
+        "--quiet",
+        &program,
+        "--work",
+        scene,
+        how,
+        &paths,
+    ];
+    let output = shell::capture(&command)?;
+    let total =
+        output.lines().find_map(|line| line.strip_prefix("summary: ").or_else(|| line.strip_prefix("totals: ")));
+    total.and_then(|words| words.trim().parse().ok()).ok_or_else(|| "callgrind gave no total".to_owned())
+}
+
+/// Instructions of each kernel specialised to all features but one, beside the same kernel compiled from
+/// GLSL that never had that feature.
+fn shaders() -> Result<String, String> {
+    let mut text = "### Instructions of SPIR-V, specialised and with dead code removed\n\n\
+                    Without the feature, specialised / compiled without it from the start; less than with everything in per cent. What comes before the first function is not counted.\n\n\
+                    | without | "
+        .to_owned();
+    text += &KERNELS.join(" | ");
+    text += " |\n|---|---|---|---|---|---|\n";
+    let full: Vec<usize> = KERNELS.iter().map(|kernel| compiled(kernel, None, ALL)).collect::<Result<_, _>>()?;
+    for (name, bits) in FEATURES {
+        let without = ALL & !bits;
+        let _ = write!(text, "| {name} |");
+        for (kernel, full) in KERNELS.iter().zip(&full) {
+            let specialised = compiled(kernel, None, without)?;
+            let struck_out = compiled(kernel, Some(without), without)?;
+            let less = 100.0 * (1.0 - specialised as f64 / *full as f64);
+            let _ = write!(text, " {specialised} / {struck_out}, −{less:.0} % |");
+        }
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+/// Instructions of a kernel for these features: of the GLSL as it is, or with features struck out.
+/// Compiled here either way, as another version of the compiler makes other code.
+fn compiled(kernel: &str, struck: Option<u32>, features: u32) -> Result<usize, String> {
+    let root = shell::root();
+    let source = fs::read_to_string(root.join(format!("shaders-glsl/{kernel}.comp"))).map_err(|e| e.to_string())?;
+    let named = "layout(constant_id = 0) const uint FEATURES = 511;";
+    if !source.contains(named) {
+        return Err(format!("{kernel}.comp does not have the line {named:?}"));
+    }
+    let folder = root.join("target/requirements");
+    fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+    let (glsl, spirv) = (folder.join("kernel.comp"), folder.join("kernel.spv"));
+    let source = match struck {
+        Some(left) => source.replace(named, &format!("const uint FEATURES = {left}u;")),
+        None => source,
+    };
+    fs::write(&glsl, source).map_err(|error| error.to_string())?;
+    let (glsl, spirv) = (glsl.to_string_lossy(), spirv.to_string_lossy());
+    shell::capture(&[
+        "glslangValidator",
+        "--target-env",
+        "vulkan1.2",
+        "-V",
+        "-Ishaders-glsl/include",
+        "-o",
+        &spirv,
+        &glsl,
+    ])?;
+    count(&spirv, features)
+}
+
+/// Instructions that are left when the constant is known and what is dead is gone.
+fn count(file: &str, features: u32) -> Result<usize, String> {
+    let out = shell::root().join("target/requirements.spv");
+    let out = out.to_string_lossy();
+    let value = format!("0:{features}");
+    shell::capture(&[
+        "spirv-opt",
+        "--target-env=vulkan1.2",
+        "--scalar-block-layout",
+        "--set-spec-const-default-value",
+        &value,
+        "--freeze-spec-const",
+        "--fold-spec-const-op-composite",
+        "--strip-debug",
+        "--ccp",
+        "--eliminate-dead-branches",
+        "--merge-return",
+        "--inline-entry-points-exhaustive",
+        "--eliminate-dead-functions",
+        "--private-to-local",
+        "--scalar-replacement=100",
+        "--ssa-rewrite",
+        "--ccp",
+        "--eliminate-dead-branches",
+        "--merge-blocks",
+        "--simplify-instructions",
+        "--redundancy-elimination",
+        "--eliminate-dead-code-aggressive",
+        "--eliminate-dead-const",
+        "-o",
+        &out,
+        file,
+    ])?;
+    let listing = shell::capture(&["spirv-dis", "--no-header", &out])?;
+    // What comes before the first function declares.
+    Ok(listing.lines().skip_while(|line| !line.contains("OpFunction ")).count())
+}

@@ -1,8 +1,8 @@
 //! The picture in progress.
 
 use photon_core::{
-    Estimate, Features, Film, FilmPixel, Layer, Query, Requirements, Result, SceneView, Settings, Stages,
-    TransportBackend,
+    Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Layer, Query, Requirements, Result, SceneView, Settings,
+    Spread, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -21,6 +21,8 @@ use crate::trace::CpuTracer;
 pub struct CpuFilm {
     pub(crate) film: Film,
     pub(crate) pending: Vec<FilmPixel>,
+    /// As many as `film.errors`.
+    pending_errors: Vec<ErrorPixel>,
 }
 
 impl CpuFilm {
@@ -84,7 +86,7 @@ impl TransportBackend for Cpu {
         let pending = Film::new(width, height, scene.units)?.pixels;
         let bytes = (film.pixels.len() + pending.len()) * size_of::<FilmPixel>();
         self.note_memory("film", bytes as u64);
-        Ok(CpuFilm { film, pending })
+        Ok(CpuFilm { film, pending, pending_errors: Vec::new() })
     }
 
     fn fold(
@@ -110,8 +112,55 @@ impl TransportBackend for Cpu {
         Ok(())
     }
 
+    fn keep_errors(&mut self, film: &mut CpuFilm) -> Result<()> {
+        let count = film.film.pixels.len();
+        let bytes = (count * size_of::<ErrorPixel>()) as u64;
+        let zeros = || {
+            let mut zeros = Vec::new();
+            zeros.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { label: "film: errors", bytes })?;
+            zeros.resize(count, ErrorPixel::default());
+            Ok::<_, Error>(zeros)
+        };
+        film.film.errors = Some(zeros()?);
+        film.pending_errors = zeros()?;
+        self.note_memory("film: errors", 2 * bytes);
+        Ok(())
+    }
+
+    fn fold_errors(
+        &mut self,
+        film: &mut CpuFilm,
+        layer: Layer,
+        queries: &CpuBuffer<Query>,
+        estimates: &CpuBuffer<Estimate>,
+        spreads: &CpuBuffer<Spread>,
+        paths: u64,
+    ) -> Result<()> {
+        let (queries, estimates, spreads) = (queries.as_slice(), estimates.as_slice(), spreads.as_slice());
+        let width = film.film.width;
+        self.pool.install(|| {
+            film.pending_errors.par_chunks_mut(width as usize).enumerate().for_each(|(row, pixels)| {
+                let first = row as u32 * width;
+                let start = queries.partition_point(|query| query.pixel < first);
+                let told = queries.iter().zip(estimates).zip(spreads).skip(start);
+                for ((query, estimate), spread) in told {
+                    let Some(pixel) = pixels.get_mut((query.pixel - first) as usize) else { break };
+                    pixel.deposit(layer, query, estimate, spread, paths);
+                }
+            });
+        });
+        Ok(())
+    }
+
     fn end_pass(&mut self, film: &mut CpuFilm) -> Result<()> {
         self.pool.install(|| {
+            if let Some(errors) = &mut film.film.errors {
+                let pending = &mut film.pending_errors;
+                errors.par_iter_mut().with_min_len(4096).zip(pending).for_each(|(sum, pass)| {
+                    sum.end_pass(pass);
+                    *pass = ErrorPixel::default();
+                });
+            }
             let sums = film.film.pixels.par_iter_mut().with_min_len(4096);
             sums.zip(&mut film.pending).for_each(|(sum, pass)| {
                 let radiance = pass.layers.iter().flatten().sum::<f64>() / 3.0;
@@ -134,6 +183,7 @@ impl TransportBackend for Cpu {
 
     fn abandon_pass(&mut self, film: &mut CpuFilm) -> Result<()> {
         film.pending.fill(FilmPixel::default());
+        film.pending_errors.fill(ErrorPixel::default());
         Ok(())
     }
 

@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layer};
-use crate::layout::{Estimate, Photon, PhotonRay, Query};
+use crate::forecast::Prospect;
+use crate::layout::{Estimate, Photon, PhotonRay, Query, Spread};
 use crate::observer::{Event, Observer, PassReport};
 use crate::radii::{self, Radii};
 use crate::render::{Facts, PassEnd, Render};
@@ -44,6 +45,7 @@ pub struct Pipeline<B: TransportBackend> {
     photons: [Photons<B>; 3],
     queries: B::Buffer<Query>,
     estimates: Option<B::Buffer<Estimate>>,
+    spreads: Option<B::Buffer<Spread>>,
 }
 
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
@@ -120,7 +122,10 @@ impl<B: TransportBackend> Pipeline<B> {
         settings.validate()?;
         check_scene(scene)?;
         required.check(Requirements::of(scene, &settings).features)?;
-        let film = on.film(scene, view.width, view.height)?;
+        let mut film = on.film(scene, view.width, view.height)?;
+        if settings.errors {
+            on.keep_errors(&mut film)?;
+        }
         on.mark(Some(Stage::Prepare));
         let prepared = on.prepare(scene, &required)?;
         on.mark(None);
@@ -131,6 +136,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let queries = on.alloc("queries", pixels * per_pixel)?;
         let any_map = required.direct_map || required.caustic_map || required.global_map;
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
+        let spreads = if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
         let mut pipeline = Self {
             radii: radii::given(&settings, &scene.units),
             units: scene.units,
@@ -148,6 +154,7 @@ impl<B: TransportBackend> Pipeline<B> {
             rays,
             queries,
             estimates,
+            spreads,
         };
         pipeline.allocate_maps(2.0)?;
         if any_map && radii::need_pilot(&pipeline.settings) {
@@ -271,7 +278,15 @@ impl<B: TransportBackend> Pipeline<B> {
             for i in 0..3 {
                 let (Some(map), true) = (&maps[i], shown[i]) else { continue };
                 self.on.mark(Some(Stage::Estimate));
-                self.stages.map.estimator.estimate(&mut self.on, map, &self.queries, &gathers[i], estimates)?;
+                let (on, estimator) = (&mut self.on, &mut self.stages.map.estimator);
+                match &mut self.spreads {
+                    None => estimator.estimate(on, map, &self.queries, &gathers[i], estimates)?,
+                    Some(spreads) => {
+                        estimator.estimate_spread(on, map, &self.queries, &gathers[i], estimates, spreads)?;
+                        on.mark(Some(Stage::Film));
+                        on.fold_errors(&mut self.film, layers[i], &self.queries, estimates, spreads, paths)?;
+                    }
+                }
                 self.on.mark(Some(Stage::Film));
                 self.on.fold(&mut self.film, layers[i], &self.queries, estimates, paths)?;
             }
@@ -387,6 +402,15 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         let mut film = self.on.read_film(&self.film)?;
         film.clamp = matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp);
         Ok(film)
+    }
+
+    fn prospect(&mut self, share: f64) -> Result<Option<Prospect>> {
+        if !self.settings.errors {
+            return Ok(None);
+        }
+        let film = self.on.read_film(&self.film)?;
+        let claims = film.claims().unwrap_or_default();
+        Ok(Prospect::new(&claims, film.passes, self.settings.alpha, share))
     }
 
     fn facts(&self) -> Facts {

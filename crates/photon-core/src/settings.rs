@@ -136,6 +136,9 @@ pub struct Settings {
     pub min_normal_cosine: f32,
     /// Photons that a map may hold; `None`: as many as land.
     pub photon_capacity: Option<u64>,
+    /// Whether the film keeps what tells the error of each pixel: [`crate::ErrorPixel`]. For
+    /// [`Estimator::Radius`] alone. The picture is the same.
+    pub errors: bool,
 }
 
 impl Default for Settings {
@@ -157,6 +160,7 @@ impl Default for Settings {
             gather_rays: 16,
             min_normal_cosine: 0.7,
             photon_capacity: None,
+            errors: false,
         }
     }
 }
@@ -214,6 +218,13 @@ impl Settings {
                 let good = paper.factor.is_finite() && paper.factor >= 0.0;
                 ensure(good, "factor", paper.factor.to_string(), "must be at least 0 and finite")?;
             }
+        }
+        if self.errors && !matches!(self.estimator, Estimator::Radius { .. }) {
+            return Err(Error::InvalidSetting {
+                name: "errors",
+                value: format!("asked of {:?}", self.estimator),
+                mend: "what an error is told by are estimates within two radii: take the estimator of a radius",
+            });
         }
         if let Kernel::Cone { slope } = self.kernel {
             ensure(

@@ -90,7 +90,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         let capacity = estimates.capacity().min(spreads.capacity());
         let result = (estimates.data_address(), estimates.count_address(), capacity);
         let order = self.search.order(on, map, queries)?;
-        self.search.ask(on, map, queries, 0..queries.capacity(), &question, order, result)?;
+        self.search.ask(on, map, (queries, 0..queries.capacity()), &question, order, result)?;
         estimates.touch();
         let count = on.length(queries)?.min(spreads.capacity());
         on.set_length(spreads, count)

@@ -8,6 +8,9 @@
 #extension GL_EXT_scalar_block_layout : require
 layout(local_size_x_id = 1) in;
 
+// What is read: 0 estimates and their spreads, 1 what gathered.comp added up.
+layout(constant_id = 2) const uint FROM = 0;
+
 #include "film.glsl"
 #include "grid.glsl"
 #include "layout.glsl"
@@ -24,7 +27,7 @@ layout(push_constant, scalar) uniform Push {
     Planes pass;
     Planes shape;
     uint pixels;
-    // 1 over 3π times the paths.
+    // 1 over 3π times the paths; or 1/3.
     float scale;
 } push;
 
@@ -46,10 +49,16 @@ void main() {
         Spreads spread = push.spreads + i;
         if (spread.at.photons != 0) {
             vec3 weight = push.queries[i].at.weight;
-            vec3 flux = push.estimates[i].at.flux;
-            vec3 wide = weight * (0.5 * spread.at.wide - flux);
-            vec3 inner = weight * (flux - 2.0 * spread.at.narrow);
-            float density = push.scale / push.estimates[i].at.radius_squared;
+            vec3 wide = spread.at.wide, inner = spread.at.narrow;
+            float density = push.scale;
+            if (FROM == 0) {
+                vec3 flux = push.estimates[i].at.flux;
+                wide = 0.5 * wide - flux;
+                inner = flux - 2.0 * inner;
+                density /= push.estimates[i].at.radius_squared;
+            }
+            wide *= weight;
+            inner *= weight;
             bias += density * (wide.x + wide.y + wide.z);
             narrow += density * (inner.x + inner.y + inner.z);
             float mean = (weight.x + weight.y + weight.z) * (1.0 / 3.0);

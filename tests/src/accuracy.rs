@@ -261,3 +261,29 @@ pub fn e5_errors_leave_the_picture_alone<T: TestBackend>() {
     }
     assert!(with.claims().unwrap().iter().any(|claim| claim.bias != 0.0));
 }
+
+/// Light that is gathered has the bias of the maps where its rays land: in a ball that glows alike
+/// everywhere there is none, and claims hold; in a box with corners it is told.
+pub fn e6_gathered_light_is_claimed<T: TestBackend>() {
+    let settings = Settings {
+        photons: 4_000,
+        indirect: photon_core::Indirect::Gather,
+        gather_rays: 4,
+        errors: true,
+        seed: 3,
+        ..Settings::default()
+    };
+    let scene = builtin("furnace").unwrap().build().unwrap();
+    let claims = film::<T>(&scene, &settings, 12, 12).claims().unwrap();
+    let standing: Vec<&Claim> = claims.iter().filter(|claim| claim.flags.is_empty()).collect();
+    let truth = 2.0 * std::f64::consts::FRAC_1_PI;
+    let covered = standing.iter().filter(|claim| (claim.value - truth).abs() <= claim.half_width).count();
+    assert!(standing.len() * 10 >= claims.len() * 9, "{} of {}", standing.len(), claims.len());
+    assert!(covered * 100 >= standing.len() * 93, "{covered} of {}", standing.len());
+    let mean = |of: &dyn Fn(&Claim) -> f64, claims: &[Claim]| claims.iter().map(of).sum::<f64>() / claims.len() as f64;
+    let scene = builtin("cornell").unwrap().build().unwrap();
+    let claims = film::<T>(&scene, &settings, 12, 12).claims().unwrap();
+    // Beyond edges there are no photons, so that larger radii see less light: the picture is too dark.
+    let (bias, value) = (mean(&|claim| claim.bias, &claims), mean(&|claim| claim.value, &claims));
+    assert!(bias < -0.002 * value && bias > -0.2 * value, "{bias} of {value}");
+}

@@ -26,22 +26,25 @@ pub struct CpuFilm {
 }
 
 impl CpuFilm {
-    /// Calls `work` with every query and the present pass of its pixel; rows in parallel. Queries are
-    /// in order of pixels.
+    /// Calls `work` with every query, the present pass of its pixel, and what tells its errors if they
+    /// are kept; rows in parallel. Queries are in order of pixels.
     pub(crate) fn for_queries<S: Send>(
         &mut self,
         queries: &[Query],
         scratch: impl Fn() -> S + Sync,
-        work: impl Fn(&mut S, usize, &Query, &mut FilmPixel) + Sync,
+        work: impl Fn(&mut S, usize, &Query, &mut FilmPixel, Option<&mut ErrorPixel>) + Sync,
     ) {
         let width = self.film.width;
-        self.pending.par_chunks_mut(width as usize).enumerate().for_each(|(row, pixels)| {
+        let mut errors = self.pending_errors.chunks_mut(width as usize);
+        let rows: Vec<_> = self.pending.chunks_mut(width as usize).map(|pixels| (pixels, errors.next())).collect();
+        rows.into_par_iter().enumerate().for_each(|(row, (pixels, mut errors))| {
             let first = row as u32 * width;
             let start = queries.partition_point(|query| query.pixel < first);
             let mut scratch = scratch();
             for (index, query) in queries.iter().enumerate().skip(start) {
-                let Some(pixel) = pixels.get_mut((query.pixel - first) as usize) else { break };
-                work(&mut scratch, index, query, pixel);
+                let column = (query.pixel - first) as usize;
+                let Some(pixel) = pixels.get_mut(column) else { break };
+                work(&mut scratch, index, query, pixel, errors.as_mut().and_then(|errors| errors.get_mut(column)));
             }
         });
     }
@@ -102,7 +105,7 @@ impl TransportBackend for Cpu {
             film.for_queries(
                 queries.as_slice(),
                 || (),
-                |(), index, query, pixel| {
+                |(), index, query, pixel, _| {
                     if let Some(estimate) = estimates.get(index) {
                         deposit(pixel, layer, query.weight, estimate.irradiance(paths));
                     }
@@ -137,17 +140,18 @@ impl TransportBackend for Cpu {
         paths: u64,
     ) -> Result<()> {
         let (queries, estimates, spreads) = (queries.as_slice(), estimates.as_slice(), spreads.as_slice());
-        let width = film.film.width;
         self.pool.install(|| {
-            film.pending_errors.par_chunks_mut(width as usize).enumerate().for_each(|(row, pixels)| {
-                let first = row as u32 * width;
-                let start = queries.partition_point(|query| query.pixel < first);
-                let told = queries.iter().zip(estimates).zip(spreads).skip(start);
-                for ((query, estimate), spread) in told {
-                    let Some(pixel) = pixels.get_mut((query.pixel - first) as usize) else { break };
-                    pixel.deposit(layer, query, estimate, spread, paths);
-                }
-            });
+            film.for_queries(
+                queries,
+                || (),
+                |(), index, query, _, errors| {
+                    if let (Some(errors), Some(estimate), Some(spread)) =
+                        (errors, estimates.get(index), spreads.get(index))
+                    {
+                        errors.deposit(layer, query, estimate, spread, paths);
+                    }
+                },
+            );
         });
         Ok(())
     }

@@ -111,6 +111,11 @@ impl VulkanFilm {
         })
     }
 
+    /// Whether it keeps what tells errors.
+    pub(crate) fn keeps_errors(&self) -> bool {
+        self.errors.is_some()
+    }
+
     /// Where the camera notes the first surface of each pixel.
     pub(crate) fn first_address(&self) -> u64 {
         self.first_pass.address()

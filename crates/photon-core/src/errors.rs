@@ -101,6 +101,21 @@ impl ErrorPixel {
         shape.stray += weight * f64::from(spread.stray);
     }
 
+    /// Adds what one query of a pass was told by photons elsewhere, where final-gather rays landed:
+    /// irradiance by estimates over twice the area less that of the picture, that less the one by
+    /// estimates over half the area, and power and squared power of the photons. How they lie is not told.
+    pub fn deposit_gathered(&mut self, query: &Query, bias: [f64; 3], narrow: [f64; 3], powers: [f64; 2]) {
+        for c in 0..3 {
+            let weight = f64::from(query.weight[c]) / 3.0;
+            self.bias += weight * bias[c];
+            self.narrow += weight * narrow[c];
+        }
+        let weight = query.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
+        let shape = &mut self.shapes[Layer::Indirect as usize - 1];
+        shape.power += weight * powers[0];
+        shape.power_squared += weight * weight * powers[1];
+    }
+
     /// Whether any photon was found.
     fn is_known(&self) -> bool {
         self.shapes.iter().any(|shape| shape.power > 0.0)
@@ -192,8 +207,9 @@ const LEAST_PHOTONS: f64 = 32.0;
 impl Film {
     /// What is claimed of each pixel; `None` if errors were not asked for.
     ///
-    /// Light that is read from photon maps where it is seen has a bias, and is examined; shadow rays
-    /// have none. Of final gathering the noise alone is known.
+    /// Light that is read from photon maps has a bias, and is examined: where it is seen, or where
+    /// final-gather rays land. The latter is not flagged as uneven, since it comes from many places.
+    /// Shadow rays have no bias.
     #[must_use]
     pub fn claims(&self) -> Option<Vec<Claim>> {
         let errors = self.errors.as_ref()?;

@@ -14,6 +14,10 @@ use crate::vulkan::Vulkan;
 const SUMS: usize = 4;
 const SHAPE: usize = 7;
 
+/// What a fold reads, constant 2 of its kernel.
+const FROM_SPREADS: u32 = 0;
+const FROM_GATHERED: u32 = 1;
+
 #[derive(Debug)]
 pub(super) struct Errors {
     /// Planes of bias and narrow.
@@ -82,8 +86,46 @@ pub(crate) fn fold(
     spreads: &VulkanBuffer<Spread>,
     paths: u64,
 ) -> Result<()> {
+    if paths == 0 {
+        return Ok(());
+    }
+    let scale = (1.0 / (3.0 * std::f64::consts::PI * paths as f64)) as f32;
+    let push = FoldPush {
+        estimates: estimates.data_address(),
+        spreads: spreads.data_address(),
+        found_count: estimates.count_address(),
+        scale,
+        ..FoldPush::zeroed()
+    };
+    dispatch(on, film, layer, queries, FROM_SPREADS, push)
+}
+
+/// Adds what final-gather rays were told, one record for each query.
+pub(crate) fn fold_gathered(
+    on: &mut Vulkan,
+    film: &mut VulkanFilm,
+    queries: &VulkanBuffer<Query>,
+    told: &VulkanBuffer<Spread>,
+) -> Result<()> {
+    let push = FoldPush {
+        spreads: told.data_address(),
+        found_count: queries.count_address(),
+        scale: 1.0 / 3.0,
+        ..FoldPush::zeroed()
+    };
+    dispatch(on, film, Layer::Indirect, queries, FROM_GATHERED, push)
+}
+
+fn dispatch(
+    on: &mut Vulkan,
+    film: &mut VulkanFilm,
+    layer: Layer,
+    queries: &VulkanBuffer<Query>,
+    from: u32,
+    push: FoldPush,
+) -> Result<()> {
     let pixels = film.pixels();
-    let Some(errors) = film.errors.as_mut().filter(|_| paths > 0) else { return Ok(()) };
+    let Some(errors) = &mut film.errors else { return Ok(()) };
     let map = (layer as usize).saturating_sub(1);
     if errors.shapes[map].is_none() {
         let pass = zeroed(on, pixels * 4 * SHAPE as u64)?;
@@ -92,17 +134,14 @@ pub(crate) fn fold(
     let push = FoldPush {
         queries: queries.data_address(),
         query_count: queries.count_address(),
-        estimates: estimates.data_address(),
-        spreads: spreads.data_address(),
-        found_count: estimates.count_address(),
         pass: errors.pass.address(),
         shape: errors.shapes[map].as_ref().map_or(0, |(pass, _)| pass.address()),
         pixels: pixels as u32,
-        scale: (1.0 / (3.0 * std::f64::consts::PI * paths as f64)) as f32,
+        ..push
     };
     film.note(on);
     let length = on.length(queries)?;
-    let kernel = on.kernel(&shaders::FILM_ERRORS, &[0, GROUP])?;
+    let kernel = on.kernel(&shaders::FILM_ERRORS, &[0, GROUP, from])?;
     on.dispatch(&kernel, &push, length.div_ceil(u64::from(GROUP)))
 }
 

@@ -73,10 +73,11 @@ spread of its `n` passes, with Student's `t`; `B` the bias, which estimates with
 ";
 
 /// The document.
-pub(crate) fn markdown(results: &[Result], device: &str, size: u32, seeds: u32) -> String {
+pub(crate) fn markdown(results: &[Result], device: &str, fields: &str, (size, seeds): (u32, u32)) -> String {
     let mut text = HEAD.to_owned();
     let _ = writeln!(text, "\n## Results\n\nOn {device}; {size} × {size} pixels, {seeds} seeds a row.");
-    text.push_str("\n### Claims\n\n| scene | passes | claimed | covered | worst run | claim / error | time of the same passes |\n|---|---:|---:|---:|---:|---:|---:|\n");
+    text.push_str(fields);
+    text.push_str("\n### Claims about scenes\n\n| scene | passes | claimed | covered | worst run | claim / error | time of the same passes |\n|---|---:|---:|---:|---:|---:|---:|\n");
     for result in results {
         for (point, s) in &result.rows {
             let Some(c) = s.claims else { continue };

@@ -2,6 +2,7 @@
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "the tables go to stdout, progress to stderr")]
 
 mod document;
+mod fields;
 mod measure;
 mod plot;
 mod sweep;
@@ -45,6 +46,9 @@ struct Args {
     /// Photon paths per pass of the middle setting.
     #[arg(long, default_value_t = 20_000)]
     photons: u32,
+    /// Fields of known truth for claims, 256 pixels each, of each kind; 0 leaves them out.
+    #[arg(long, default_value_t = 4)]
+    fields: u32,
     /// How many times the photons of the longest run those of a reference are, where the truth is not known.
     #[arg(long, default_value_t = 8)]
     reference: u32,
@@ -79,7 +83,8 @@ fn work(args: &Args) -> std::result::Result<(), Fault> {
         results.push(result);
     }
     write(&args.out.join("tradeoff.csv"), &document::csv(&results))?;
-    let text = document::markdown(&results, &device, args.size, args.seeds);
+    let fields = fields::tables(args.backend, args.fields)?;
+    let text = document::markdown(&results, &device, &fields, (args.size, args.seeds));
     write(args.document.as_deref().unwrap_or(&args.out.join("tradeoff.md")), &text)?;
     println!("{text}");
     Ok(())

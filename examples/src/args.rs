@@ -168,7 +168,8 @@ names!(/// Ways to share out paths.
 names!(/// Random numbers.
     RngName { /// Counter-based.
         Counter, /// The paper's.
-        Lcg });
+        Lcg, /// Counter-based, but photons leave lights by a low-discrepancy sequence.
+        Sobol });
 
 impl Args {
     /// The library's settings.
@@ -232,6 +233,7 @@ impl Args {
             random: self.rng.map_or(base.random, |rng| match rng {
                 RngName::Counter => RandomKind::Counter,
                 RngName::Lcg => RandomKind::Lcg,
+                RngName::Sobol => RandomKind::Sobol,
             }),
             shadow_rays: self.shadow_rays,
             gather_rays: self.gather_rays,

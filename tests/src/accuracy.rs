@@ -5,14 +5,14 @@
 //! photons are expected where the field is 1; radii shrink with α = 2/3 or stay.
 
 use photon_core::{
-    Backend, Claim, Film, Flags, Gather, IndexKind, Kernel, Layer, MapStages, Photon, Query, Rule, Settings, Spread,
-    TransportBackend, radius_squared_factor,
+    Backend, Claim, Film, Flags, Gather, IndexKind, Kernel, Layer, MapStages, Photon, Query, RandomKind, Rule,
+    Settings, Spread, TransportBackend, radius_squared_factor,
 };
 use photon_scene::{MaterialDesc, SceneBuilder, builtin};
 use std::f64::consts::PI;
 
-use crate::harness::{TestBackend, Uniform, estimate, film, photon_at, query_at, renderer};
-use crate::stats::moments;
+use crate::harness::{TestBackend, Uniform, estimate, film, per_pass, photon_at, query_at, renderer};
+use crate::stats::{assert_agrees, moments};
 
 /// Light about the origin, where the truth is asked for; both coordinates within ±1.5.
 #[derive(Clone, Copy, Debug)]
@@ -286,4 +286,27 @@ pub fn e6_gathered_light_is_claimed<T: TestBackend>() {
     // Beyond edges there are no photons, so that larger radii see less light: the picture is too dark.
     let (bias, value) = (mean(&|claim| claim.bias, &claims), mean(&|claim| claim.value, &claims));
     assert!(bias < -0.002 * value && bias > -0.2 * value, "{bias} of {value}");
+}
+
+/// Photons that leave by Sobol's sequence give the same light with less noise: the mean over the picture,
+/// pass by pass, of a ball around a lamp. A ratio of two variances of 24 passes is beyond 2.7 in
+/// one of a hundred cases by chance.
+pub fn e7_sobol_is_the_same_light_with_less_noise<T: TestBackend>() {
+    let scene = builtin("integrating-sphere").unwrap().build().unwrap();
+    let passes = |random| {
+        let settings = Settings {
+            photons: 4_000,
+            direct: photon_core::Direct::Photons,
+            indirect: photon_core::Indirect::None,
+            estimator: photon_core::Estimator::Radius { radius: Some(0.1) },
+            alpha: 1.0,
+            random,
+            ..Settings::default()
+        };
+        per_pass::<T>(&scene, &settings, 24, 8)
+    };
+    let (counter, sobol) = (passes(RandomKind::Counter), passes(RandomKind::Sobol));
+    let ((a, va), (b, vb)) = (moments(&counter), moments(&sobol));
+    assert_agrees("mean", b, a, ((va + vb) / 24.0).sqrt(), 0.0);
+    assert!(vb * 2.7 < va, "variance {vb:e} instead of {va:e}");
 }

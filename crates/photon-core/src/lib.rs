@@ -28,6 +28,7 @@ mod requirements;
 pub mod sampling;
 mod scene;
 mod settings;
+pub mod sobol;
 mod stages;
 mod tally;
 mod units;

@@ -98,6 +98,9 @@ pub enum RandomKind {
     Counter,
     /// The paper's linear congruential one, started at the number of the path.
     Lcg,
+    /// Light, point and direction that a photon leaves by from Sobol's sequence, scrambled anew for
+    /// each pass, so that the photons of a pass leave no gaps; all else as with the counter.
+    Sobol,
 }
 
 /// What a user chooses. Lengths are in user space.

@@ -72,6 +72,9 @@ pub(crate) fn points(base: &Settings, radius: f64) -> Vec<Point> {
     }
     add("sharing", "static", with(&|s| s.sharing = Sharing::Static), PASSES);
     add("generator", "LCG", with(&|s| s.random = RandomKind::Lcg), PASSES);
+    for passes in [4, PASSES] {
+        add("generator", &format!("Sobol, {passes} passes"), with(&|s| s.random = RandomKind::Sobol), passes);
+    }
     add("errors", "told", with(&|s| s.errors = true), PASSES);
     add("errors", "told, passes x4", with(&|s| s.errors = true), 4 * PASSES);
     points

@@ -1,6 +1,7 @@
 //! The price list: what error is had for what time, by every setting that trades one for the other.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "the tables go to stdout, progress to stderr")]
 
+mod asked;
 mod document;
 mod fields;
 mod measure;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use photon_core::{Film, Pipeline, Render, Settings, TransportBackend, View};
+use photon_core::{Budget, Film, Outcome, Pipeline, Plan, Render, Settings, TransportBackend, View};
 use photon_examples::args::BackendName;
 use photon_examples::backend::{self, Chosen};
 use photon_examples::fault::{self, Fault};
@@ -59,6 +60,8 @@ struct Result {
     scene: String,
     truth: Truth,
     rows: Vec<(Point, Summary)>,
+    /// Lines about what was asked for.
+    asked: String,
 }
 
 fn main() -> ExitCode {
@@ -106,7 +109,7 @@ impl Subject<'_> {
     fn examine(&self, device: &mut String) -> std::result::Result<Result, Fault> {
         let base = sweep::base(self.name, self.args.photons);
         // The radii that the library derives are what the sweep of radii goes about.
-        let (_, probe) = self.film(&base, 1, 0)?;
+        let (_, probe) = self.film(&base, Budget::Passes(1), 0)?;
         *device = probe.device;
         let points = sweep::points(&base, probe.radius);
         let longest = points.iter().map(|point| u64::from(point.passes) * u64::from(point.settings.photons)).max();
@@ -118,8 +121,8 @@ impl Subject<'_> {
         for point in points {
             let runs = (0..self.args.seeds)
                 .map(|seed| {
-                    let (film, told) = self.film(&point.settings, point.passes, u64::from(seed) + 1)?;
-                    Ok(Run { film, seconds: told.seconds, photons: told.photons })
+                    let (film, told) = self.film(&point.settings, Budget::Passes(point.passes), u64::from(seed) + 1)?;
+                    Ok(Run { film, seconds: told.seconds, photons: told.outcome.paths })
                 })
                 .collect::<std::result::Result<Vec<_>, Fault>>()?;
             let summary = measure::summarise(&runs, &truth);
@@ -129,7 +132,17 @@ impl Subject<'_> {
             );
             rows.push((point, summary));
         }
-        Ok(Result { scene: self.name.to_owned(), truth, rows })
+        let settings = Settings { errors: true, ..base };
+        let answers = asked::plans()
+            .into_iter()
+            .map(|plan| {
+                let (film, told) = self.film(&settings, plan, 77)?;
+                Ok((plan, told.outcome, film, told.seconds))
+            })
+            .collect::<std::result::Result<Vec<_>, Fault>>()?;
+        let asked = asked::rows(self.name, &answers, &truth);
+        eprint!("{asked}");
+        Ok(Result { scene: self.name.to_owned(), truth, rows, asked })
     }
 
     /// A long run with more photons to a pass; with a seed that no other run has.
@@ -137,15 +150,15 @@ impl Subject<'_> {
         let settings = Settings { photons: base.photons.saturating_mul(4), errors: true, ..base.clone() };
         let passes = (longest * u64::from(self.args.reference)).div_ceil(u64::from(settings.photons));
         eprintln!("{}: a reference of {passes} passes", self.name);
-        let (film, _) = self.film(&settings, passes.min(100_000) as u32, u64::MAX)?;
+        let (film, _) = self.film(&settings, Budget::Passes(passes.min(100_000) as u32), u64::MAX)?;
         Ok(truth::reference(&film))
     }
 
-    fn film(&self, settings: &Settings, passes: u32, seed: u64) -> std::result::Result<(Film, Told), Fault> {
+    fn film(&self, settings: &Settings, plan: impl Into<Plan>, seed: u64) -> std::result::Result<(Film, Told), Fault> {
         let settings = Settings { seed, ..settings.clone() };
         match backend::open(self.args.backend, None)? {
-            Chosen::Cpu(on) => self.render(on, settings, passes),
-            Chosen::Vulkan(on) => self.render(*on, settings, passes),
+            Chosen::Cpu(on) => self.render(on, settings, plan.into()),
+            Chosen::Vulkan(on) => self.render(*on, settings, plan.into()),
         }
     }
 
@@ -153,24 +166,25 @@ impl Subject<'_> {
         &self,
         on: B,
         settings: Settings,
-        passes: u32,
+        plan: Plan,
     ) -> std::result::Result<(Film, Told), Fault> {
         let mut pipeline = Pipeline::new(on, &self.scene.view(), self.view, settings)?;
         let begun = std::time::Instant::now();
-        let outcome = photon_core::render(&mut pipeline, photon_core::Budget::Passes(passes), &mut ())?;
+        let outcome = photon_core::render(&mut pipeline, plan, &mut ())?;
         let seconds = begun.elapsed().as_secs_f64();
         let film = pipeline.film()?;
         let facts = pipeline.facts();
-        let radius = outcome.last.and_then(|last| last.radius_global.or(last.radius_caustic).or(last.radius_direct));
+        let last = outcome.last.as_ref();
+        let radius = last.and_then(|last| last.radius_global.or(last.radius_caustic).or(last.radius_direct));
         let device = format!("{}: {}", facts.backend, facts.device);
-        Ok((film, Told { seconds, photons: outcome.paths, radius: radius.unwrap_or(0.05), device }))
+        Ok((film, Told { seconds, outcome, radius: radius.unwrap_or(0.05), device }))
     }
 }
 
 /// What a run tells besides its picture.
 struct Told {
     seconds: f64,
-    photons: u64,
+    outcome: Outcome,
     radius: f64,
     device: String,
 }

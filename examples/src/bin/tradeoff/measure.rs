@@ -14,7 +14,7 @@ pub(crate) struct Run {
 /// What runs with different seeds have in common.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Summary {
-    /// Mean seconds of the passes.
+    /// Median seconds of the passes.
     pub(crate) seconds: f64,
     /// Paths emitted by each run.
     pub(crate) photons: u64,
@@ -61,9 +61,11 @@ pub(crate) fn summarise(runs: &[Run], truth: &Truth) -> Summary {
         bias += weight(pixel) * ((mean - truth.at(pixel)).powi(2) - spread / n);
     }
     let error = errors.iter().sum::<f64>() / n;
+    let mut seconds: Vec<f64> = runs.iter().map(|run| run.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
     let spread = errors.iter().map(|e| (e - error).powi(2)).sum::<f64>() / (n - 1.0);
     Summary {
-        seconds: runs.iter().map(|run| run.seconds).sum::<f64>() / n,
+        seconds: seconds[seconds.len() / 2],
         photons: runs.first().map_or(0, |run| run.photons),
         error,
         error_error: (spread / n).sqrt(),

@@ -50,7 +50,8 @@ pub struct Args {
     /// Paths emitted altogether, in whole passes; `k` and `M` are understood.
     #[arg(long, value_name = "N", value_parser = total)]
     pub total_photons: Option<u64>,
-    /// Seconds from start to finish, as nearly as whole passes allow.
+    /// Seconds from start to finish, as nearly as whole passes allow; radii are then adapted, unless --passes
+    /// or --radius is given.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Stop when errors are claimed to be at most this fraction of a pixel's radiance, or of a tenth of the
@@ -203,8 +204,10 @@ impl Args {
         if !self.exposure.is_finite() {
             return Err(Fault::input(format!("--exposure is {}, but must be finite", self.exposure)));
         }
+        // What is left of a time is spent best with radii that suit it, which the errors tell.
+        let adapts = matches!(estimator, Estimator::Radius { radius: None }) && self.passes.is_none();
         let settings = Settings {
-            errors: self.errors || self.target_error.is_some(),
+            errors: self.errors || self.target_error.is_some() || (self.time.is_some() && adapts),
             photons: self.photons,
             estimator,
             kernel: self.kernel.unwrap_or(base.kernel),

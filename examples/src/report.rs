@@ -39,6 +39,7 @@ fn forecast(told: &Forecast) -> Value {
         "error_possible": told.error_possible,
         "seconds_needed": told.seconds_needed(),
         "seconds_per_pass": told.seconds_per_pass,
+        "radius_factor": told.radius_factor,
     })
 }
 

@@ -27,6 +27,7 @@ mod render;
 mod requirements;
 pub mod sampling;
 mod scene;
+mod schedule;
 mod settings;
 pub mod sobol;
 mod stages;
@@ -50,6 +51,7 @@ pub use progressive::{inverse_radius_squared_sum, radius_squared_factor, radius_
 pub use render::{Facts, Outcome, PassEnd, Render, render};
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::{SceneView, light_probability, light_starts, pick_light};
+pub use schedule::Schedule;
 pub use settings::{Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing};
 pub use stages::{
     Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages, Maps, Pass,

@@ -12,6 +12,7 @@ use crate::radii::{self, Radii};
 use crate::render::{Facts, PassEnd, Render};
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
+use crate::schedule::Schedule;
 use crate::settings::{Estimator, Settings};
 use crate::stages::{Batch, Deposits, Maps, Pass, Stages, View};
 use crate::tally::Tally;
@@ -38,6 +39,7 @@ pub struct Pipeline<B: TransportBackend> {
     view: View,
     film: B::Film,
     radii: Radii,
+    schedule: Schedule,
     passes: u32,
     batch: u32,
     setup: StageTimings,
@@ -137,6 +139,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let any_map = required.direct_map || required.caustic_map || required.global_map;
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
         let spreads = if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
+        let schedule = Schedule::new(settings.alpha);
         let mut pipeline = Self {
             radii: radii::given(&settings, &scene.units),
             units: scene.units,
@@ -148,6 +151,7 @@ impl<B: TransportBackend> Pipeline<B> {
             settings,
             view,
             film,
+            schedule,
             passes: 0,
             batch,
             setup: StageTimings::default(),
@@ -381,6 +385,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         self.on.end_pass(&mut self.film)?;
         self.on.mark(None);
         self.passes += 1;
+        self.schedule.add(index);
         let to_user = |required: bool, radius: f32| {
             required.then(|| self.units.length_to_user(radii::gather(&self.settings, radius, index).radius_scale))
         };
@@ -410,7 +415,16 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         }
         let film = self.on.read_film(&self.film)?;
         let claims = film.claims().unwrap_or_default();
-        Ok(Prospect::new(&claims, film.passes, self.settings.alpha, share))
+        Ok(Prospect::new(&claims, self.schedule, share, self.settings.kernel.second_radius_noise()))
+    }
+
+    fn rescale(&mut self, factor: f64) -> bool {
+        let derived = radii::need_pilot(&self.settings);
+        if derived {
+            self.radii = self.radii.scaled(factor.sqrt() as f32);
+            self.schedule = self.schedule.scaled(factor);
+        }
+        derived
     }
 
     fn facts(&self) -> Facts {

@@ -36,6 +36,12 @@ pub trait Render: Send {
         Ok(None)
     }
 
+    /// Multiplies squared radii by `factor`, > 0, from the next pass on; whether it did. It does where it
+    /// derived them itself.
+    fn rescale(&mut self, _factor: f64) -> bool {
+        false
+    }
+
     /// What it is and what it was built for.
     fn facts(&self) -> Facts;
 }
@@ -174,18 +180,29 @@ fn is_over(plan: &Plan, outcome: &Outcome, elapsed: Duration) -> bool {
     photons || plan.time().is_some_and(|time| elapsed + pass / 2 > time)
 }
 
-/// What the film claims now, and what more passes would bring.
+/// What the film claims now, and what more passes would bring, with radii that suit them.
 fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Duration) -> Result<Option<Forecast>> {
     let (target, share) = match plan.until {
         Budget::Error { target, share_of_pixels } => (Some(target), share_of_pixels),
         _ => (None, SHARE),
     };
-    let Some(prospect) = renderer.prospect(share)? else { return Ok(None) };
+    let Some(mut prospect) = renderer.prospect(share)? else { return Ok(None) };
     let pass = elapsed.as_secs_f64() / f64::from(outcome.passes);
     let in_time = plan.time().map_or(f64::INFINITY, |time| time.as_secs_f64() / pass);
     // As far as u32 goes, or as the limits let it.
     let possible = in_time.min(f64::from(plan.passes())).max(f64::from(outcome.passes)) as u32;
-    Ok(Some(prospect.forecast(target, pass, possible)))
+    // Radii that suit what is to come, once, and only where the budget is none of passes or photons, which
+    // promise the same bits everywhere.
+    let mut radius_factor = 1.0;
+    if outcome.predicted.is_none() && matches!(plan.until, Budget::Time(_) | Budget::Error { .. }) {
+        let needed = target.and_then(|target| prospect.passes_needed(target)).unwrap_or(possible).min(possible);
+        let scale = prospect.best_scale(needed);
+        if needed > 2 * outcome.passes && renderer.rescale(scale) {
+            prospect = prospect.scaled(scale);
+            radius_factor = scale.sqrt();
+        }
+    }
+    Ok(Some(Forecast { radius_factor, ..prospect.forecast(target, pass, possible) }))
 }
 
 /// The pass after which to look again: when the target should be reached, but before the passes have
@@ -226,7 +243,11 @@ mod tests {
                 half_width: 2.0 * noise,
                 flags: crate::Flags::default(),
             };
-            Ok(if self.tells { Prospect::new(&[claim], self.passes, 1.0, share) } else { None })
+            Ok(if self.tells {
+                Prospect::new(&[claim], crate::Schedule::of(self.passes, 1.0), share, 0.5)
+            } else {
+                None
+            })
         }
         fn facts(&self) -> Facts {
             unreachable!("nobody asks")

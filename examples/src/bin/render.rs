@@ -230,7 +230,11 @@ fn foretell(forecast: &Forecast, photons: u32) -> String {
         (Some(_), Some(needed)) => format!("out of reach: it takes {}; predicted: {}", cost(needed), limit()),
         (Some(_), None) => format!("out of reach with any number of passes; predicted: {}", limit()),
     };
-    format!("{}\n{line}", claimed("pilot", forecast))
+    let radii = match forecast.radius_factor {
+        factor if (factor - 1.0).abs() < 1e-9 => String::new(),
+        factor => format!(", with radii times {factor:.2} from here on"),
+    };
+    format!("{}\n{line}{radii}", claimed("pilot", forecast))
 }
 
 fn save(args: &Args, path: &Path, film: &Film, renderer: &dyn Render, told: &Told<'_>) -> Result<(), Fault> {

@@ -5,8 +5,8 @@
 //! photons are expected where the field is 1; radii shrink with α = 2/3 or stay.
 
 use photon_core::{
-    Backend, Claim, Film, Flags, Gather, IndexKind, Kernel, Layer, MapStages, Photon, Query, RandomKind, Rule,
-    Settings, Spread, TransportBackend, radius_squared_factor,
+    Backend, Budget, Claim, Film, Flags, Gather, IndexKind, Kernel, Layer, MapStages, Photon, Plan, Query, RandomKind,
+    Rule, Settings, Spread, TransportBackend, radius_squared_factor, render,
 };
 use photon_scene::{MaterialDesc, SceneBuilder, builtin};
 use std::f64::consts::PI;
@@ -309,4 +309,26 @@ pub fn e7_sobol_is_the_same_light_with_less_noise<T: TestBackend>() {
     let ((a, va), (b, vb)) = (moments(&counter), moments(&sobol));
     assert_agrees("mean", b, a, ((va + vb) / 24.0).sqrt(), 0.0);
     assert!(vb * 2.7 < va, "variance {vb:e} instead of {va:e}");
+}
+
+/// An error that is asked for ends the render by itself, near where the pilot foretold, and its claims
+/// hold: in a ball that glows alike everywhere, radiosity 2.
+pub fn e8_an_error_asked_for_is_reached<T: TestBackend>() {
+    let scene = builtin("furnace").unwrap().build().unwrap();
+    let settings = Settings { photons: 2_000, errors: true, seed: 8, ..Settings::default() };
+    let mut renderer = renderer::<T>(&scene, &settings, 8);
+    let target = 0.06;
+    let plan = Plan { most_passes: Some(1000), ..Budget::Error { target, share_of_pixels: 0.95 }.into() };
+    let outcome = render(&mut renderer, plan, &mut ()).unwrap();
+    let (predicted, reached) = (outcome.predicted.unwrap(), outcome.reached.unwrap());
+    assert!(reached.is_reached() && reached.error <= target && outcome.passes < 1000, "{reached:?}");
+    let ratio = f64::from(outcome.passes) / f64::from(predicted.passes_needed.unwrap());
+    assert!(predicted.passes == 8 && outcome.passes > 8 && (0.33..=3.0).contains(&ratio), "{predicted:?} {reached:?}");
+    let claims = photon_core::Render::film(&mut renderer).unwrap().claims().unwrap();
+    let truth = 2.0 * std::f64::consts::FRAC_1_PI;
+    let covered = claims.iter().filter(|claim| (claim.value - truth).abs() <= claim.half_width).count();
+    assert!(covered * 100 >= claims.len() * 93, "{covered} of {}", claims.len());
+    // Errors that nobody keeps cannot be asked for.
+    let mut deaf = crate::harness::renderer::<T>(&scene, &Settings { errors: false, ..settings }, 8);
+    assert!(render(&mut deaf, plan, &mut ()).is_err());
 }

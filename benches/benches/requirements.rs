@@ -3,7 +3,7 @@
 #![expect(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use backend_cpu::Cpu;
-use photon_core::{Budget, Pipeline, Render, Requirements, Settings, Stage, StageTimings, View, render};
+use photon_core::{Budget, Pipeline, Plan, Render, Requirements, Settings, Stage, StageTimings, View, render};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let quick = std::env::args().any(|argument| argument == "--test");
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut seconds: [Vec<StageTimings>; 2] = [Vec::new(), Vec::new()];
         for round in 0..rounds {
             for (renderer, seconds) in renderers.iter_mut().zip(&mut seconds) {
-                let budget = Budget { first: round, passes: 1, time: None };
+                let budget = Plan { first: round, ..Budget::Passes(1).into() };
                 seconds.push(render(renderer, budget, &mut ())?.seconds);
             }
         }

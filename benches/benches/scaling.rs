@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use backend_cpu::Cpu;
 use photon_benches::load::Load;
-use photon_core::{Budget, Indirect, Pipeline, Settings, Sharing, Stage, StageTimings, View, render};
+use photon_core::{Budget, Indirect, Pipeline, Plan, Settings, Sharing, Stage, StageTimings, View, render};
 
 const ROUNDS: usize = 15;
 /// Rounds in all, disturbed ones included.
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let (load, start) = (Load::now(), Instant::now());
             let mut round = Vec::new();
             for pipeline in &mut pipelines {
-                let budget = Budget { first: tried.len() as u32, passes: 1, time: None };
+                let budget = Plan { first: tried.len() as u32, ..Budget::Passes(1).into() };
                 round.push(render(pipeline, budget, &mut ())?.seconds);
             }
             let others = load.and_then(|load| load.others(start.elapsed().as_secs_f64()));

@@ -1,9 +1,10 @@
 //! The options of `render`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Parser, ValueEnum};
-use photon_core::{Direct, Estimator, IndexKind, Indirect, Kernel, Paper, RandomKind, Settings, Sharing};
+use photon_core::{Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, RandomKind, Settings, Sharing};
 
 use crate::fault::Fault;
 use crate::tonemap::ToneMap;
@@ -46,9 +47,23 @@ pub struct Args {
     /// Passes [default: 32, or as many as --time allows].
     #[arg(long, value_name = "N")]
     pub passes: Option<u32>,
-    /// Seconds after which no new pass is begun.
+    /// Paths emitted altogether, in whole passes; `k` and `M` are understood.
+    #[arg(long, value_name = "N", value_parser = total)]
+    pub total_photons: Option<u64>,
+    /// Seconds from start to finish, as nearly as whole passes allow; radii are then adapted, unless --passes
+    /// or --radius is given.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
+    /// Stop when errors are claimed to be at most this fraction of a pixel's radiance, or of a tenth of the
+    /// picture's mean where the pixel is darker; --passes and --time are then limits.
+    #[arg(long, value_name = "E")]
+    pub target_error: Option<f64>,
+    /// In which share of the pixels of which anything is claimed.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.95)]
+    pub share: f64,
+    /// Tell the error of each pixel: stderr, bias, claimed and flag of an EXR. --target-error does so too.
+    #[arg(long)]
+    pub errors: bool,
     /// How photons become light.
     #[arg(long, value_enum, default_value_t = EstimatorName::Radius)]
     pub estimator: EstimatorName,
@@ -160,7 +175,8 @@ names!(/// Ways to share out paths.
 names!(/// Random numbers.
     RngName { /// Counter-based.
         Counter, /// The paper's.
-        Lcg });
+        Lcg, /// Counter-based, but photons leave lights by a low-discrepancy sequence.
+        Sobol });
 
 impl Args {
     /// The library's settings.
@@ -194,7 +210,10 @@ impl Args {
         if !self.exposure.is_finite() {
             return Err(Fault::input(format!("--exposure is {}, but must be finite", self.exposure)));
         }
+        // What is left of a time is spent best with radii that suit it, which the errors tell.
+        let adapts = matches!(estimator, Estimator::Radius { radius: None }) && self.passes.is_none();
         let settings = Settings {
+            errors: self.errors || self.target_error.is_some() || (self.time.is_some() && adapts),
             photons: self.photons,
             estimator,
             kernel: self.kernel.unwrap_or(base.kernel),
@@ -223,14 +242,35 @@ impl Args {
             random: self.rng.map_or(base.random, |rng| match rng {
                 RngName::Counter => RandomKind::Counter,
                 RngName::Lcg => RandomKind::Lcg,
+                RngName::Sobol => RandomKind::Sobol,
             }),
             shadow_rays: self.shadow_rays,
             gather_rays: self.gather_rays,
             ..base
         };
         settings.validate()?;
+        self.plan(None).validate()?;
         Ok(settings)
     }
+
+    /// When to stop; `time` is what is left of `--time`.
+    #[must_use]
+    pub fn plan(&self, time: Option<Duration>) -> Plan {
+        let until = match (self.target_error, self.total_photons, time, self.passes) {
+            (Some(target), ..) => Budget::Error { target, share_of_pixels: self.share },
+            (None, Some(photons), ..) => Budget::Photons(photons),
+            (None, None, Some(time), _) => Budget::Time(time),
+            (None, None, None, passes) => Budget::Passes(passes.unwrap_or(PASSES)),
+        };
+        Plan { first: 0, until, most_passes: self.passes, most_time: time }
+    }
+}
+
+fn total(text: &str) -> Result<u64, String> {
+    count(text).map(u64::from).or_else(|_| match text.parse::<u64>() {
+        Ok(number) if number > 0 => Ok(number),
+        _ => Err("give a whole number such as 200000000, 200k or 200M".to_owned()),
+    })
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {
@@ -296,6 +336,21 @@ mod tests {
     }
 
     #[test]
+    fn limits_and_targets_become_a_plan() {
+        let plan =
+            |arguments: &[&str], time| Args::try_parse_from([&["render"], arguments].concat()).unwrap().plan(time);
+        assert_eq!(plan(&[], None).until, Budget::Passes(PASSES));
+        let second = Some(Duration::from_secs(1));
+        let timed = plan(&["--passes", "7"], second);
+        assert_eq!((timed.until, timed.passes()), (Budget::Time(Duration::from_secs(1)), 7));
+        let error = plan(&["--target-error", "0.05"], second);
+        assert_eq!(error.until, Budget::Error { target: 0.05, share_of_pixels: 0.95 });
+        assert_eq!((error.time(), error.passes()), (second, u32::MAX - 1));
+        assert_eq!(plan(&["--total-photons", "3M"], None).until, Budget::Photons(3_000_000));
+        assert!(settings(&["--errors"]).unwrap().errors && settings(&["--target-error", "0.1"]).unwrap().errors);
+    }
+
+    #[test]
     fn absurd_values_are_refused() {
         for bad in [
             vec!["--k", "0"],
@@ -310,6 +365,11 @@ mod tests {
             vec!["--passes", "0"],
             vec!["--time", "0"],
             vec!["--time", "nan"],
+            vec!["--target-error", "0"],
+            vec!["--target-error", "nan"],
+            vec!["--target-error", "0.1", "--share", "1.5"],
+            vec!["--target-error", "0.1", "--estimator", "knn"],
+            vec!["--total-photons", "0"],
             vec!["--kernel", "box"],
             vec!["--kernel", "cone:0.5"],
             vec!["--alpha", "0"],

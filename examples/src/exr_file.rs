@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use exr::prelude::*;
-use photon_core::{Film, Layer as Part};
+use photon_core::{Claim, Film, Layer as Part};
 
 use crate::fault::Fault;
 use crate::whole;
 
 /// Writes one part of f32 channels: `R G B`, which is the sum of `emission.*`, `direct.*`,
 /// `caustic.*` and `indirect.*`, then `depth.Z`, `N.*`, `albedo.*` and `error.Y`, the standard error
-/// of the mean; and `attributes`. The file appears whole or not at all.
+/// of the mean; if errors were asked for, `stderr.Y`, `bias.Y`, `claimed.Y` and `flag.Y` as in
+/// [`Claim`]; and `attributes`. The file appears whole or not at all.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
@@ -29,6 +30,15 @@ pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::
     triple(["albedo.R", "albedo.G", "albedo.B"].map(str::to_owned), film.albedo());
     channels.push(("depth.Z".to_owned(), film.depth()));
     channels.push(("error.Y".to_owned(), film.standard_error()));
+    if let Some(claims) = film.claims() {
+        let mut told = |name: &str, of: fn(&Claim) -> f32| {
+            channels.push((name.to_owned(), claims.iter().map(of).collect()));
+        };
+        told("stderr.Y", |claim| claim.standard_error as f32);
+        told("bias.Y", |claim| claim.bias as f32);
+        told("claimed.Y", |claim| claim.half_width as f32);
+        told("flag.Y", |claim| claim.flags.bits() as f32);
+    }
 
     let size = (film.width as usize, film.height as usize);
     let list: SmallVec<[AnyChannel<FlatSamples>; 4]> = channels

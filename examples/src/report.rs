@@ -1,6 +1,6 @@
 //! What a render did, as JSON.
 
-use photon_core::{FluxSum, Outcome, Render, Settings, Stage};
+use photon_core::{FluxSum, Forecast, Outcome, Render, Settings, Stage};
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
@@ -23,6 +23,24 @@ pub struct Told<'a> {
     pub seconds_load: f64,
     /// Seconds from start to finished film.
     pub seconds_total: f64,
+}
+
+/// Shares of 1, errors relative to the pixel.
+fn forecast(told: &Forecast) -> Value {
+    json!({
+        "passes": told.passes,
+        "share_claimed": told.claimed,
+        "share_within_target": told.within,
+        "error": told.error,
+        "share": told.share,
+        "target": told.target,
+        "passes_needed": told.passes_needed,
+        "passes_possible": told.passes_possible,
+        "error_possible": told.error_possible,
+        "seconds_needed": told.seconds_needed(),
+        "seconds_per_pass": told.seconds_per_pass,
+        "radius_factor": told.radius_factor,
+    })
 }
 
 /// The report.
@@ -63,6 +81,8 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
         })),
         "passes": outcome.passes,
         "cancelled": outcome.cancelled,
+        "predicted": outcome.predicted.as_ref().map(forecast),
+        "reached": outcome.reached.as_ref().map(forecast),
         "paths": outcome.paths,
         "counters": {
             "emitted": tally.emitted,

@@ -6,6 +6,9 @@
 #extension GL_EXT_scalar_block_layout : require
 layout(local_size_x_id = 1) in;
 
+// Whether what estimates tell of their errors is added up too.
+layout(constant_id = 2) const uint SPREAD = 0;
+
 #include "grid.glsl"
 #include "layout.glsl"
 #include "two_float.glsl"
@@ -16,11 +19,18 @@ layout(push_constant, scalar) uniform Push {
     Queries landings;
     Estimates estimates;
     Values values;
+    Spreads spreads;
+    // For each query: irradiance by twice the area less that of the picture, that less the one by half the
+    // area, and powers; in the places of `wide`, `narrow` and the powers.
+    Spreads told;
     uint count_rays;
     uint start_query;
     uint count_queries;
     // 1 over π times the paths times the rays of a query.
     float scale;
+    // 1 over the rays.
+    float share;
+    uint padding;
 } push;
 
 void main() {
@@ -29,11 +39,30 @@ void main() {
     Values value = push.values + (push.start_query + local);
     vec3 sum = value.at;
     vec3 low = vec3(0.0);
+    vec3 bias = vec3(0.0), narrow = vec3(0.0);
+    float power = 0.0, squared = 0.0;
     for (uint ray = 0; ray < push.count_rays; ray++) {
         uint i = local * push.count_rays + ray;
-        if (push.estimates[i].at.photons == 0) continue;
+        bool told = SPREAD != 0 && push.spreads[i].at.photons != 0;
+        if (push.estimates[i].at.photons == 0 && !told) continue;
         float density = push.scale / push.estimates[i].at.radius_squared;
-        two_add(sum, low, push.landings[i].at.weight * (push.estimates[i].at.flux * density));
+        vec3 flux = push.estimates[i].at.flux;
+        vec3 weight = push.landings[i].at.weight;
+        two_add(sum, low, weight * (flux * density));
+        if (told) {
+            bias += weight * (density * (0.5 * push.spreads[i].at.wide - flux));
+            narrow += weight * (density * (flux - 2.0 * push.spreads[i].at.narrow));
+            float mean = push.share * (weight.x + weight.y + weight.z) * (1.0 / 3.0);
+            power += mean * push.spreads[i].at.power;
+            squared += mean * mean * push.spreads[i].at.power_squared;
+        }
     }
     value.at = sum;
+    if (SPREAD == 0) return;
+    Spreads all = push.told + (push.start_query + local);
+    all.at.wide += bias;
+    all.at.narrow += narrow;
+    all.at.power += power;
+    all.at.power_squared += squared;
+    if (power > 0.0) all.at.photons = 1;
 }

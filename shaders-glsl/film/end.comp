@@ -11,7 +11,6 @@ layout(constant_id = 2) const uint LAYERS = 15;
 
 #include "film.glsl"
 #include "grid.glsl"
-#include "two_float.glsl"
 
 layout(push_constant, scalar) uniform Push {
     Planes passes[4];
@@ -21,15 +20,8 @@ layout(push_constant, scalar) uniform Push {
     uint pixels;
 } push;
 
-// Adds to one number's sum, which leaves over what is `low` planes on.
 void add(Planes sums, uint plane, uint low, uint pixel, float x) {
-    Planes high_place = film_place(sums, plane, push.pixels, pixel);
-    Planes low_place = film_place(sums, plane + low, push.pixels, pixel);
-    float high = high_place.at;
-    float rest = low_place.at;
-    two_add(high, rest, x);
-    high_place.at = high;
-    low_place.at = rest;
+    film_add(sums, plane, low, push.pixels, pixel, x);
 }
 
 // Adds one layer, and its radiance to that of the pixel. Nothing is moved where it is black.

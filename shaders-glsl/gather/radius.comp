@@ -17,10 +17,13 @@ layout(local_size_x_id = 1) in;
 #include "search_map.glsl"
 #include "search_distance.glsl"
 #include "search_sum.glsl"
+#include "search_spread.glsl"
 
 layout(constant_id = 4) const uint KERNEL = 0;
 // Whether normals are compared.
 layout(constant_id = 5) const uint FILTER = 1;
+// Whether a `Spread` is told with each estimate, to where `push.ids` points.
+layout(constant_id = 6) const uint SPREAD = 0;
 
 // The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.
 const float LEAST = 1.0 / (1048576.0 * 1048576.0);
@@ -44,8 +47,13 @@ void stage(uint mode, uint place, uint slot) {
 }
 
 void add(uint place, inout vec3 sum) {
-    float d2 = point_distance(at, uintBitsToFloat(staged[place].xyz));
-    if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)) {
+    vec3 point = uintBitsToFloat(staged[place].xyz);
+    float d2 = point_distance(at, point);
+    if (SPREAD != 0) {
+        bool near = floatBitsToUint(d2) < limit;
+        bool same = FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine;
+        if (near) spread_add(KERNEL, push.parameter, point - at, normal, powers[place], d2, d2 * scale, same, sum, photons);
+    } else if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)) {
         sum += powers[place] * kernel_weight(KERNEL, push.parameter, min(d2 * scale, 1.0));
         photons++;
     }
@@ -57,8 +65,10 @@ void visit(uint mode, uvec2 firsts) {
     uint end = (gl_SubgroupID + 1) * TILE_POINTS;
     for (uint place = end - TILE_POINTS; place < end; place += 8) {
         vec3 sum = vec3(0.0);
+        if (SPREAD != 0) spread_eight_begin();
         EIGHT(ADD, place);
         sum_add(flux, sum);
+        if (SPREAD != 0) spread_eight_end();
     }
 }
 
@@ -69,6 +79,7 @@ void query_keep() {
     kept_begin(KEPT_KERNEL);
     sum_keep(flux);
     keep(photons);
+    if (SPREAD != 0) spread_keep();
 }
 
 void main() {
@@ -90,7 +101,8 @@ void main() {
         precise float radius = push.queries[index].at.radius * push.radius;
         squared_radius = radius * radius;
         if (push.points > 0 && !is_nan(squared_radius) && !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z)) {
-            limit = floatBitsToUint(squared_radius) + 1;
+            precise float reach = SPREAD != 0 ? 2.0 * squared_radius : squared_radius;
+            limit = floatBitsToUint(reach) + 1;
             // Too far from all of them.
             vec3 low = uintBitsToFloat(push.nodes[0].low.xyz), high = uintBitsToFloat(push.nodes[0].high.xyz);
             if (floatBitsToUint(box_distance(at, low, high)) >= limit) limit = 0;
@@ -100,6 +112,7 @@ void main() {
     scale = 1.0 / divisor;
     flux = NOTHING;
     photons = 0;
+    if (SPREAD != 0) spread_begin(normal, squared_radius, divisor);
     if (resumed) query_keep();
     walk(0);
     if (paused) {
@@ -107,6 +120,7 @@ void main() {
     } else if (asked && index < push.capacity) {
         Estimates(push.results)[index].at = Estimate(
             flux.total - flux.excess, divisor, photons, squared_radius < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+        if (SPREAD != 0) Spreads(push.ids)[index].at = spread_found();
     }
     if (TURNS != 0) kept_close();
 }

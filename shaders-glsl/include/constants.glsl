@@ -43,6 +43,7 @@ const uint FEATURE_ALL = 511u;
 // RandomKind.
 const uint RANDOM_COUNTER = 0u;
 const uint RANDOM_LCG = 1u;
+const uint RANDOM_SOBOL = 2u;
 
 // random::Domain.
 const uint DOMAIN_PHOTON = 0u;

@@ -3,6 +3,8 @@
 #ifndef FILM_GLSL
 #define FILM_GLSL
 
+#include "two_float.glsl"
+
 // A layer's present pass: planes of red, green and blue radiance. Its sum over finished passes: three
 // planes likewise, then three of what they leave over.
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Planes { float at; };
@@ -26,10 +28,36 @@ const uint FIRST_SQUARE = 7;
 const uint FIRST_LOW = 8;
 const uint FIRST_HITS = 16;
 
+// What tells the error of a pixel, summed over passes: planes of the numbers below, then as many of
+// what they leave over. The present pass: bias and narrow. How the photons of one map lie about the
+// pixel, in planes of its own: the members of `Spread` from `power` on.
+const uint ERROR_BIAS = 0;
+const uint ERROR_BIAS_SQUARE = 1;
+const uint ERROR_NARROW = 2;
+const uint ERROR_NARROW_SQUARE = 3;
+const uint ERROR_LOW = 4;
+const uint SHAPE_POWER = 0;
+const uint SHAPE_POWER_SQUARED = 1;
+const uint SHAPE_SLOPE = 2;
+const uint SHAPE_STRETCH = 4;
+const uint SHAPE_STRAY = 6;
+const uint SHAPE_LOW = 7;
+
 // A pixel's place in a plane. Step by step, since planes times pixels may be more than a word.
 Planes film_place(Planes planes, uint plane, uint pixels, uint pixel) {
     for (uint i = 0; i < plane; i++) planes = planes + pixels;
     return planes + pixel;
+}
+
+// Adds to one number's sum, which leaves over what is `low` planes on.
+void film_add(Planes sums, uint plane, uint low, uint pixels, uint pixel, float x) {
+    Planes high_place = film_place(sums, plane, pixels, pixel);
+    Planes low_place = film_place(sums, plane + low, pixels, pixel);
+    float high = high_place.at;
+    float rest = low_place.at;
+    two_add(high, rest, x);
+    high_place.at = high;
+    low_place.at = rest;
 }
 
 #endif

@@ -39,6 +39,18 @@ struct Estimate {
     uint reserved[2];
 };
 
+struct Spread {
+    vec3 wide;
+    float power;
+    vec3 narrow;
+    float power_squared;
+    vec2 slope;
+    vec2 stretch;
+    float stray;
+    uint photons;
+    uint reserved[2];
+};
+
 struct Facet {
     vec3 normal;
     uint material;
@@ -82,6 +94,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Photons { P
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PhotonRays { PhotonRay at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Queries { Query at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Estimates { Estimate at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Spreads { Spread at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Facets { Facet at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Materials { Material at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Lights { Light at; };

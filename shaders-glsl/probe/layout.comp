@@ -28,9 +28,10 @@ void main() {
         case 1u: COPY(PhotonRays); break;
         case 2u: COPY(Queries); break;
         case 3u: COPY(Estimates); break;
-        case 4u: COPY(Facets); break;
-        case 5u: COPY(Materials); break;
-        case 6u: COPY(Lights); break;
+        case 4u: COPY(Spreads); break;
+        case 5u: COPY(Facets); break;
+        case 6u: COPY(Materials); break;
+        case 7u: COPY(Lights); break;
         default: COPY(Cameras); break;
     }
 }

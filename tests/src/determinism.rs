@@ -1,6 +1,8 @@
 //! The same seed gives the same bits, however the work is shared out.
 
-use photon_core::{Backend, Budget, Error, Indirect, Pipeline, Render, Requirements, Settings, Sharing, View, render};
+use photon_core::{
+    Backend, Budget, Error, Indirect, Pipeline, Plan, Render, Requirements, Settings, Sharing, View, render,
+};
 use photon_scene::Scene;
 
 use crate::harness::{TestBackend, film, trace};
@@ -94,7 +96,7 @@ pub fn passes_merge<T: TestBackend>() {
     let of = |first: u32, passes: u32| {
         let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
         let mut renderer = Pipeline::new(T::make(2), &scene.view(), view, settings()).unwrap();
-        render(&mut renderer, Budget { first, passes, time: None }, &mut ()).unwrap();
+        render(&mut renderer, Plan { first, ..Budget::Passes(passes).into() }, &mut ()).unwrap();
         renderer.film().unwrap()
     };
     let whole = of(0, 4);

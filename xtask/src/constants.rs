@@ -56,7 +56,14 @@ fn groups() -> Vec<Group> {
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],
         ),
-        ("RandomKind.", vec![("RANDOM_COUNTER", RandomKind::Counter as u32), ("RANDOM_LCG", RandomKind::Lcg as u32)]),
+        (
+            "RandomKind.",
+            vec![
+                ("RANDOM_COUNTER", RandomKind::Counter as u32),
+                ("RANDOM_LCG", RandomKind::Lcg as u32),
+                ("RANDOM_SOBOL", RandomKind::Sobol as u32),
+            ],
+        ),
         (
             "random::Domain.",
             vec![

@@ -27,7 +27,7 @@ impl DirectLight<Cpu> for CpuDirect {
             film.for_queries(
                 queries.as_slice(),
                 || (),
-                |(), _, query, pixel| {
+                |(), _, query, pixel, _| {
                     let irradiance = irradiance(scene, pass, query, shadow_rays);
                     deposit(pixel, Layer::Direct, query.weight, irradiance);
                 },

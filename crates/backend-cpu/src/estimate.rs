@@ -1,12 +1,13 @@
 //! Irradiance from the photons near a point.
 
 use photon_core::glam::Vec3;
-use photon_core::{Estimate, Gather, Query, RadianceEstimator, Result, Rule, octahedral};
+use photon_core::{Error, Estimate, Gather, Query, RadianceEstimator, Result, Rule, Spread, octahedral};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::index::Neighbours;
 use crate::map::CpuMap;
+use crate::spread::spread_at;
 
 /// The least squared radius that an estimate divides by: (2⁻²⁰ of the scene)².
 const LEAST: f32 = 1.0 / (1_048_576.0 * 1_048_576.0);
@@ -39,6 +40,40 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
                     let radius = query.radius * gather.radius_scale;
                     let normal = Vec3::from(query.normal);
                     *estimate = estimate_at(map, query.position, normal, radius, gather, &mut scratch);
+                }
+            });
+        });
+        Ok(())
+    }
+
+    fn estimate_spread(
+        &mut self,
+        on: &mut Cpu,
+        map: &CpuMap,
+        queries: &CpuBuffer<Query>,
+        gather: &Gather,
+        estimates: &mut CpuBuffer<Estimate>,
+        spreads: &mut CpuBuffer<Spread>,
+    ) -> Result<()> {
+        if gather.rule != Rule::Radius {
+            return Err(Error::InvalidSetting {
+                name: "errors",
+                value: format!("asked of {:?}", gather.rule),
+                mend: "can be told of estimates within a radius alone",
+            });
+        }
+        estimates.clear();
+        spreads.clear();
+        (estimates.needed, spreads.needed) = (queries.data.len() as u64, queries.data.len() as u64);
+        let fit = queries.data.len().min(estimates.capacity.min(spreads.capacity) as usize);
+        estimates.data.resize(fit, Estimate::default());
+        spreads.data.resize(fit, Spread::default());
+        on.pool.install(|| {
+            let out = estimates.data.par_chunks_mut(BLOCK).zip(spreads.data.par_chunks_mut(BLOCK));
+            out.zip(queries.data.par_chunks(BLOCK)).for_each(|((estimates, spreads), queries)| {
+                for ((estimate, spread), query) in estimates.iter_mut().zip(spreads).zip(queries) {
+                    let radius = query.radius * gather.radius_scale;
+                    (*estimate, *spread) = spread_at(map, query.position, query.normal.into(), radius, gather);
                 }
             });
         });
@@ -145,15 +180,15 @@ pub(crate) fn estimate_at(
 }
 
 /// Σ weight·power, in f64, so that a million photons add up.
-struct Sum {
+pub(crate) struct Sum {
     flux: [f64; 3],
-    radius_squared: f32,
+    pub(crate) radius_squared: f32,
     photons: u32,
     flags: u32,
 }
 
 impl Sum {
-    fn new(radius_squared: f32) -> Self {
+    pub(crate) fn new(radius_squared: f32) -> Self {
         let singular = radius_squared < LEAST;
         Self {
             flux: [0.0; 3],
@@ -165,7 +200,7 @@ impl Sum {
 
     /// With one photon more. By value, for it to stay in registers.
     #[inline]
-    fn and(mut self, power: Vec3, weight: f32) -> Self {
+    pub(crate) fn and(mut self, power: Vec3, weight: f32) -> Self {
         for (sum, p) in self.flux.iter_mut().zip(power.to_array()) {
             *sum += f64::from(p) * f64::from(weight);
         }
@@ -173,7 +208,7 @@ impl Sum {
         self
     }
 
-    fn finish(self) -> Estimate {
+    pub(crate) fn finish(self) -> Estimate {
         Estimate {
             flux: self.flux.map(|f| f as f32),
             radius_squared: self.radius_squared,

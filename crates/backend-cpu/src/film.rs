@@ -1,8 +1,8 @@
 //! The picture in progress.
 
 use photon_core::{
-    Costs, Estimate, Features, Film, FilmPixel, Layer, Query, Requirements, Result, SceneView, Settings, Stages,
-    TransportBackend,
+    Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Layer, Query, Requirements, Result, SceneView,
+    Settings, Spread, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -21,25 +21,30 @@ use crate::trace::CpuTracer;
 pub struct CpuFilm {
     pub(crate) film: Film,
     pub(crate) pending: Vec<FilmPixel>,
+    /// As many as `film.errors`.
+    pending_errors: Vec<ErrorPixel>,
 }
 
 impl CpuFilm {
-    /// Calls `work` with every query and the present pass of its pixel; rows in parallel. Queries are
-    /// in order of pixels.
+    /// Calls `work` with every query, the present pass of its pixel, and what tells its errors if they
+    /// are kept; rows in parallel. Queries are in order of pixels.
     pub(crate) fn for_queries<S: Send>(
         &mut self,
         queries: &[Query],
         scratch: impl Fn() -> S + Sync,
-        work: impl Fn(&mut S, usize, &Query, &mut FilmPixel) + Sync,
+        work: impl Fn(&mut S, usize, &Query, &mut FilmPixel, Option<&mut ErrorPixel>) + Sync,
     ) {
         let width = self.film.width;
-        self.pending.par_chunks_mut(width as usize).enumerate().for_each(|(row, pixels)| {
+        let mut errors = self.pending_errors.chunks_mut(width as usize);
+        let rows: Vec<_> = self.pending.chunks_mut(width as usize).map(|pixels| (pixels, errors.next())).collect();
+        rows.into_par_iter().enumerate().for_each(|(row, (pixels, mut errors))| {
             let first = row as u32 * width;
             let start = queries.partition_point(|query| query.pixel < first);
             let mut scratch = scratch();
             for (index, query) in queries.iter().enumerate().skip(start) {
-                let Some(pixel) = pixels.get_mut((query.pixel - first) as usize) else { break };
-                work(&mut scratch, index, query, pixel);
+                let column = (query.pixel - first) as usize;
+                let Some(pixel) = pixels.get_mut(column) else { break };
+                work(&mut scratch, index, query, pixel, errors.as_mut().and_then(|errors| errors.get_mut(column)));
             }
         });
     }
@@ -91,7 +96,7 @@ impl TransportBackend for Cpu {
         let pending = Film::new(width, height, scene.units)?.pixels;
         let bytes = (film.pixels.len() + pending.len()) * size_of::<FilmPixel>();
         self.note_memory("film", bytes as u64);
-        Ok(CpuFilm { film, pending })
+        Ok(CpuFilm { film, pending, pending_errors: Vec::new() })
     }
 
     fn fold(
@@ -107,7 +112,7 @@ impl TransportBackend for Cpu {
             film.for_queries(
                 queries.as_slice(),
                 || (),
-                |(), index, query, pixel| {
+                |(), index, query, pixel, _| {
                     if let Some(estimate) = estimates.get(index) {
                         deposit(pixel, layer, query.weight, estimate.irradiance(paths));
                     }
@@ -117,8 +122,56 @@ impl TransportBackend for Cpu {
         Ok(())
     }
 
+    fn keep_errors(&mut self, film: &mut CpuFilm) -> Result<()> {
+        let count = film.film.pixels.len();
+        let bytes = (count * size_of::<ErrorPixel>()) as u64;
+        let zeros = || {
+            let mut zeros = Vec::new();
+            zeros.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { label: "film: errors", bytes })?;
+            zeros.resize(count, ErrorPixel::default());
+            Ok::<_, Error>(zeros)
+        };
+        film.film.errors = Some(zeros()?);
+        film.pending_errors = zeros()?;
+        self.note_memory("film: errors", 2 * bytes);
+        Ok(())
+    }
+
+    fn fold_errors(
+        &mut self,
+        film: &mut CpuFilm,
+        layer: Layer,
+        queries: &CpuBuffer<Query>,
+        estimates: &CpuBuffer<Estimate>,
+        spreads: &CpuBuffer<Spread>,
+        paths: u64,
+    ) -> Result<()> {
+        let (queries, estimates, spreads) = (queries.as_slice(), estimates.as_slice(), spreads.as_slice());
+        self.pool.install(|| {
+            film.for_queries(
+                queries,
+                || (),
+                |(), index, query, _, errors| {
+                    if let (Some(errors), Some(estimate), Some(spread)) =
+                        (errors, estimates.get(index), spreads.get(index))
+                    {
+                        errors.deposit(layer, query, estimate, spread, paths);
+                    }
+                },
+            );
+        });
+        Ok(())
+    }
+
     fn end_pass(&mut self, film: &mut CpuFilm) -> Result<()> {
         self.pool.install(|| {
+            if let Some(errors) = &mut film.film.errors {
+                let pending = &mut film.pending_errors;
+                errors.par_iter_mut().with_min_len(4096).zip(pending).for_each(|(sum, pass)| {
+                    sum.end_pass(pass);
+                    *pass = ErrorPixel::default();
+                });
+            }
             let sums = film.film.pixels.par_iter_mut().with_min_len(4096);
             sums.zip(&mut film.pending).for_each(|(sum, pass)| {
                 let radiance = pass.layers.iter().flatten().sum::<f64>() / 3.0;
@@ -141,6 +194,7 @@ impl TransportBackend for Cpu {
 
     fn abandon_pass(&mut self, film: &mut CpuFilm) -> Result<()> {
         film.pending.fill(FilmPixel::default());
+        film.pending_errors.fill(ErrorPixel::default());
         Ok(())
     }
 

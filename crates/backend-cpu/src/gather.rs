@@ -2,13 +2,16 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{FinalGather, Layer, Maps, Material, Pass, Query, RandomKind, Result, bsdf, offset, sampling};
+use photon_core::{
+    Estimate, FinalGather, Layer, Maps, Material, Pass, Query, RandomKind, Result, Spread, bsdf, offset, sampling,
+};
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::estimate::estimate_at;
 use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::{CpuScene, VACUUM};
+use crate::spread::spread_at;
 use crate::trace::{boundary, entered};
 
 /// Rays from the queries to where the maps are read.
@@ -33,21 +36,73 @@ impl FinalGather<Cpu> for CpuGather {
             film.for_queries(
                 queries.as_slice(),
                 || [Neighbours::default(), Neighbours::default(), Neighbours::default()],
-                |scratch, _, query, pixel| {
+                |scratch, _, query, pixel, errors| {
                     let key = query.path;
                     let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
-                    let mut sum = [0.0; 3];
+                    let mut sum = Found::default();
                     for ray in 0..rays {
-                        let found = follow(scene, maps, query, sampler, (ray, rays), max_bounces, scratch);
-                        for c in 0..3 {
-                            sum[c] += found[c] / f64::from(rays);
-                        }
+                        let ray = (ray, rays, errors.is_some());
+                        sum.add(&follow(scene, maps, query, sampler, ray, max_bounces, scratch), 1.0 / f64::from(rays));
                     }
-                    deposit(pixel, Layer::Indirect, query.weight, sum);
+                    deposit(pixel, Layer::Indirect, query.weight, sum.irradiance);
+                    if let Some(errors) = errors {
+                        errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
+                    }
                 },
             );
         });
         Ok(())
+    }
+}
+
+/// What rays find.
+#[derive(Default)]
+struct Found {
+    irradiance: [f64; 3],
+    /// The same by estimates over twice the area, less this.
+    bias: [f64; 3],
+    /// This, less the same by estimates over half the area.
+    narrow: [f64; 3],
+    /// Power of the photons, and its square.
+    powers: [f64; 2],
+}
+
+impl Found {
+    fn add(&mut self, other: &Self, share: f64) {
+        for c in 0..3 {
+            self.irradiance[c] += share * other.irradiance[c];
+            self.bias[c] += share * other.bias[c];
+            self.narrow[c] += share * other.narrow[c];
+        }
+        self.powers[0] += share * other.powers[0];
+        self.powers[1] += share * share * other.powers[1];
+    }
+
+    /// Adds what an estimate and its spread tell.
+    fn tell(&mut self, estimate: &Estimate, spread: &Spread, paths: u64) {
+        if spread.photons == 0 || paths == 0 {
+            return;
+        }
+        let area = std::f64::consts::PI * f64::from(estimate.radius_squared) * paths as f64;
+        for c in 0..3 {
+            let flux = f64::from(estimate.flux[c]);
+            self.bias[c] += (0.5 * f64::from(spread.wide[c]) - flux) / area;
+            self.narrow[c] += (flux - 2.0 * f64::from(spread.narrow[c])) / area;
+        }
+        self.powers[0] += f64::from(spread.power);
+        self.powers[1] += f64::from(spread.power_squared);
+    }
+
+    fn times(mut self, factor: [f32; 3]) -> Self {
+        for c in 0..3 {
+            let factor = f64::from(factor[c]);
+            self.irradiance[c] *= factor;
+            self.bias[c] *= factor;
+            self.narrow[c] *= factor;
+        }
+        let mean = f64::from(factor[0] + factor[1] + factor[2]) / 3.0;
+        self.powers = [self.powers[0] * mean, self.powers[1] * mean * mean];
+        self
     }
 }
 
@@ -59,10 +114,10 @@ fn follow(
     maps: &Maps<'_, Cpu>,
     query: &Query,
     mut sampler: Sampler,
-    (index, rays): (u32, u32),
+    (index, rays, told): (u32, u32, bool),
     max_bounces: u32,
     scratch: &mut [Neighbours; 3],
-) -> [f64; 3] {
+) -> Found {
     let block = index * max_bounces.saturating_add(1);
     let [u, v, ..] = sampler.words(block);
     let normal = Vec3::from(query.normal);
@@ -97,20 +152,25 @@ fn follow(
                 }
             }
             _ => {
-                let mut irradiance = [0.0; 3];
+                let mut found = Found::default();
                 for (map, scratch) in [&maps.direct, &maps.caustic, &maps.global].into_iter().zip(scratch) {
                     let Some((map, gather)) = map else { continue };
-                    let point = surface.point.into();
-                    let estimate = estimate_at(map, point, surface.normal, gather.radius_scale, gather, scratch);
-                    for (sum, e) in irradiance.iter_mut().zip(estimate.irradiance(maps.paths)) {
+                    let (point, normal, radius) = (surface.point.into(), surface.normal, gather.radius_scale);
+                    let estimate = if told {
+                        let (estimate, spread) = spread_at(map, point, normal, radius, gather);
+                        found.tell(&estimate, &spread, maps.paths);
+                        estimate
+                    } else {
+                        estimate_at(map, point, normal, radius, gather, scratch)
+                    };
+                    for (sum, e) in found.irradiance.iter_mut().zip(estimate.irradiance(maps.paths)) {
                         *sum += e;
                     }
                 }
                 // Radiance is irradiance times albedo over π; the π cancels.
-                let factor = (weight * albedo).to_array();
-                return std::array::from_fn(|c| f64::from(factor[c]) * irradiance[c]);
+                return found.times((weight * albedo).to_array());
             }
         }
     }
-    [0.0; 3]
+    Found::default()
 }

@@ -15,6 +15,7 @@ mod gather;
 pub mod index;
 mod map;
 mod scene;
+mod spread;
 mod trace;
 
 pub use cpu::{Cpu, CpuBuffer};

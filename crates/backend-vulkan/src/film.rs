@@ -12,6 +12,7 @@ use crate::device::Memory;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
+pub(crate) mod errors;
 #[cfg(test)]
 mod tests;
 
@@ -32,6 +33,7 @@ pub struct VulkanFilm {
     first_sum: Memory,
     /// Scratch: one vector per query, for stages that find their values one by one.
     values: Option<Memory>,
+    errors: Option<errors::Errors>,
 }
 
 /// One layer.
@@ -86,8 +88,8 @@ impl VulkanFilm {
         let pixels = u64::from(width) * u64::from(height);
         let first_pass = zeroed(on, pixels * FIRST_PASS)?;
         let first_sum = zeroed(on, pixels * 4 * FIRST_PLANES as u64)?;
-        let film =
-            Self { width, height, units, passes: 0, layers: [const { None }; 4], first_pass, first_sum, values: None };
+        let layers = [const { None }; 4];
+        let film = Self { width, height, units, passes: 0, layers, first_pass, first_sum, values: None, errors: None };
         film.note(on);
         Ok(film)
     }
@@ -107,6 +109,11 @@ impl VulkanFilm {
             value: format!("{width}x{height}"),
             mend: "must be the size of the film that the picture goes to",
         })
+    }
+
+    /// Whether it keeps what tells errors.
+    pub(crate) fn keeps_errors(&self) -> bool {
+        self.errors.is_some()
     }
 
     /// Where the camera notes the first surface of each pixel.
@@ -152,6 +159,9 @@ impl VulkanFilm {
         let planes = self.layers.iter().flatten().map(|plane| plane.pass.bytes() + plane.sum.bytes());
         let scratch = self.values.as_ref().map_or(0, Memory::bytes);
         on.note_memory("film", planes.sum::<u64>() + scratch + self.first_pass.bytes() + self.first_sum.bytes());
+        if let Some(errors) = &self.errors {
+            on.note_memory("film: errors", errors.bytes());
+        }
     }
 }
 
@@ -224,6 +234,7 @@ pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
     let present = (0..4).filter(|&i| film.layers[i].is_some()).fold(0, |bits, i| bits | 1 << i);
     let kernel = on.kernel(&shaders::FILM_END, &[0, GROUP, present])?;
     on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))?;
+    errors::end_pass(on, film)?;
     film.passes += 1;
     Ok(())
 }
@@ -233,6 +244,7 @@ pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()>
     for plane in film.layers.iter().flatten() {
         on.fill(&plane.pass, 0, plane.pass.bytes(), 0)?;
     }
+    errors::abandon_pass(on, film)?;
     on.fill(&film.first_pass, 0, film.first_pass.bytes(), 0)
 }
 
@@ -271,6 +283,7 @@ pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
             }
         }
     }
+    errors::read(on, film, &mut picture)?;
     Ok(picture)
 }
 

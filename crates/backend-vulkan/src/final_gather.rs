@@ -1,7 +1,7 @@
 //! Indirect light by final gathering (Jensen 1996).
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Estimate, FinalGather, Layer, Maps, Pass, Query, RadianceEstimator, Result};
+use photon_core::{Estimate, FinalGather, Layer, Maps, Pass, Query, RadianceEstimator, Result, Spread};
 
 use crate::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
@@ -18,6 +18,13 @@ pub(crate) struct VulkanGather {
     max_bounces: u32,
     estimator: Box<dyn RadianceEstimator<Vulkan>>,
     landed: Option<(VulkanBuffer<Query>, VulkanBuffer<Estimate>)>,
+    told: Option<Told>,
+}
+
+/// What tells errors: of each landing, and of all landings of each query.
+struct Told {
+    spreads: VulkanBuffer<Spread>,
+    queries: VulkanBuffer<Spread>,
 }
 
 #[repr(C)]
@@ -43,16 +50,39 @@ struct GatheredPush {
     landings: u64,
     estimates: u64,
     values: u64,
+    spreads: u64,
+    told: u64,
     count_rays: u32,
     start_query: u32,
     count_queries: u32,
     scale: f32,
+    share: f32,
+    padding: u32,
 }
 
 impl VulkanGather {
     /// For paths of so many surfaces at most; `estimator` reads the maps.
     pub(crate) fn new(max_bounces: u32, estimator: Box<dyn RadianceEstimator<Vulkan>>) -> Self {
-        Self { max_bounces, estimator, landed: None }
+        Self { max_bounces, estimator, landed: None, told: None }
+    }
+}
+
+impl VulkanGather {
+    /// Where errors are told, cleared for a pass, if the film keeps them.
+    fn told(&mut self, on: &mut Vulkan, film: &VulkanFilm, landings: u64, queries: u64) -> Result<Option<Told>> {
+        if !film.keeps_errors() {
+            return Ok(None);
+        }
+        let fits = |told: &Told| told.spreads.capacity() >= landings && told.queries.capacity() >= queries;
+        let told = match self.told.take().filter(fits) {
+            Some(told) => told,
+            None => Told {
+                spreads: VulkanBuffer::new(on, "gather spreads", landings)?,
+                queries: VulkanBuffer::new(on, "gather errors", queries)?,
+            },
+        };
+        on.fill(&told.queries.data, 0, told.queries.data.bytes(), 0)?;
+        Ok(Some(told))
     }
 }
 
@@ -81,7 +111,8 @@ impl FinalGather<Vulkan> for VulkanGather {
         film.clear_values(on, queries.capacity())?;
         let values = film.values_address(on, queries.capacity())?;
         let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP])?;
-        let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP])?;
+        let mut told = self.told(on, film, room, queries.capacity())?;
+        let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP, u32::from(told.is_some())])?;
         // Whole queries at a time, unless one alone has too many rays.
         let per_query = rays.min(portions.gather_rays_of_query);
         let per_stretch = u64::from(portions.gather_rays / per_query);
@@ -110,18 +141,31 @@ impl FinalGather<Vulkan> for VulkanGather {
                     landings: landings.data_address(),
                     estimates: estimates.data_address(),
                     values,
+                    spreads: told.as_ref().map_or(0, |told| told.spreads.data_address()),
+                    told: told.as_ref().map_or(0, |told| told.queries.data_address()),
                     count_rays,
                     start_query: start_query as u32,
                     count_queries,
                     scale: (1.0 / (std::f64::consts::PI * paths as f64 * f64::from(rays))) as f32,
+                    share: 1.0 / rays as f32,
+                    padding: 0,
                 };
                 for (map, gather) in [&maps.direct, &maps.caustic, &maps.global].into_iter().flatten() {
-                    self.estimator.estimate(on, map, &landings, gather, &mut estimates)?;
+                    match &mut told {
+                        None => self.estimator.estimate(on, map, &landings, gather, &mut estimates)?,
+                        Some(Told { spreads, .. }) => {
+                            self.estimator.estimate_spread(on, map, &landings, gather, &mut estimates, spreads)?;
+                        }
+                    }
                     on.dispatch(&add, &push, u64::from(count_queries.div_ceil(GROUP)))?;
                 }
             }
         }
         self.landed = Some((landings, estimates));
+        if let Some(told) = told {
+            film::errors::fold_gathered(on, film, queries, &told.queries)?;
+            self.told = Some(told);
+        }
         film::fold_values(on, film, Layer::Indirect, queries)
     }
 }

@@ -27,6 +27,12 @@ pub(crate) static EXAMPLE_PHOTONS: Module =
 
 pub(crate) static FILM_END: Module = Module { name: "film_end", bytes: include_bytes!("../spirv/film_end.spv") };
 
+pub(crate) static FILM_END_ERRORS: Module =
+    Module { name: "film_end_errors", bytes: include_bytes!("../spirv/film_end_errors.spv") };
+
+pub(crate) static FILM_ERRORS: Module =
+    Module { name: "film_errors", bytes: include_bytes!("../spirv/film_errors.spv") };
+
 pub(crate) static FILM_FOLD: Module = Module { name: "film_fold", bytes: include_bytes!("../spirv/film_fold.spv") };
 
 pub(crate) static GATHER_CODES: Module =
@@ -163,7 +169,7 @@ pub(crate) static SORT_SCATTER: Module =
     Module { name: "sort_scatter", bytes: include_bytes!("../spirv/sort_scatter.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 57] = [
+pub(crate) static ALL: [&Module; 59] = [
     &CAMERA_COMPACT,
     &CAMERA_DIRECT,
     &CAMERA_EYE,
@@ -173,6 +179,8 @@ pub(crate) static ALL: [&Module; 57] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_END,
+    &FILM_END_ERRORS,
+    &FILM_ERRORS,
     &FILM_FOLD,
     &GATHER_CODES,
     &GATHER_COUNT,

@@ -1,7 +1,7 @@
 //! Every stage of a pass.
 
 use photon_core::{
-    Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Stages, TransportBackend,
+    Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
 };
 
 use crate::buffer::VulkanBuffer;
@@ -55,6 +55,22 @@ impl TransportBackend for Vulkan {
         paths: u64,
     ) -> Result<()> {
         film::fold(self, film, layer, queries, estimates, paths)
+    }
+
+    fn keep_errors(&mut self, film: &mut VulkanFilm) -> Result<()> {
+        film::errors::keep(self, film)
+    }
+
+    fn fold_errors(
+        &mut self,
+        film: &mut VulkanFilm,
+        layer: Layer,
+        queries: &VulkanBuffer<Query>,
+        estimates: &VulkanBuffer<Estimate>,
+        spreads: &VulkanBuffer<Spread>,
+        paths: u64,
+    ) -> Result<()> {
+        film::errors::fold(self, film, layer, queries, estimates, spreads, paths)
     }
 
     fn end_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {

@@ -2,12 +2,12 @@
 
 use crate::error::Result;
 use crate::film::{Film, Layer};
-use crate::layout::{Element, Estimate, Query};
+use crate::layout::{Element, Estimate, Query, Spread};
 use crate::memory::Costs;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::{IndexKind, Settings};
-use crate::stages::{MapStages, Stages};
+use crate::stages::{MapStages, Stages, no_errors};
 
 /// Where buffers live and how they are filled. Not object-safe, on purpose: buffers are types, so
 /// that nothing is downcast.
@@ -118,6 +118,31 @@ pub trait TransportBackend: Backend {
         estimates: &Self::Buffer<Estimate>,
         paths: u64,
     ) -> Result<()>;
+
+    /// From here on the film keeps what tells errors: memory is allocated for it. Called before the
+    /// first pass, and only if errors are asked for.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`]; [`crate::Error::InvalidSetting`] from a backend that cannot.
+    fn keep_errors(&mut self, _film: &mut Self::Film) -> Result<()> {
+        Err(no_errors())
+    }
+
+    /// Adds to each query's pixel what `spreads` tell of the `estimates` that were folded into `layer`.
+    ///
+    /// # Errors
+    /// As [`TransportBackend::keep_errors`].
+    fn fold_errors(
+        &mut self,
+        _film: &mut Self::Film,
+        _layer: Layer,
+        _queries: &Self::Buffer<Query>,
+        _estimates: &Self::Buffer<Estimate>,
+        _spreads: &Self::Buffer<Spread>,
+        _paths: u64,
+    ) -> Result<()> {
+        Err(no_errors())
+    }
 
     /// Ends a pass: from here on it counts in the mean.
     ///

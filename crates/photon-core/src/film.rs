@@ -1,6 +1,7 @@
 //! The picture, on the host: sums in f64, mergeable.
 
 use crate::error::{Error, Result};
+use crate::errors::ErrorPixel;
 use crate::units::Units;
 
 /// The parts of a picture. No path of light is in two of them; their sum is the picture.
@@ -58,6 +59,8 @@ pub struct Film {
     pub height: u32,
     /// `width × height` of them.
     pub pixels: Vec<FilmPixel>,
+    /// What tells the error of each pixel, if that was asked for.
+    pub errors: Option<Vec<ErrorPixel>>,
     /// Passes in the sums.
     pub passes: u32,
     /// The way back to user space and watts.
@@ -81,13 +84,13 @@ impl Film {
             return Err(Error::OutOfMemory { label: "film", bytes });
         }
         pixels.resize(count, FilmPixel::default());
-        Ok(Self { width, height, pixels, passes: 0, units, clamp: false })
+        Ok(Self { width, height, pixels, errors: None, passes: 0, units, clamp: false })
     }
 
     /// Adds another film's passes. Which passes those were is for the caller to keep apart.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] if size or units differ.
+    /// [`Error::InvalidSetting`] if size or units differ, or only one of them tells errors.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         if (self.width, self.height, self.units) != (other.width, other.height, other.units) {
             return Err(Error::InvalidSetting {
@@ -95,6 +98,17 @@ impl Film {
                 value: format!("{}x{}, {:?}", other.width, other.height, other.units),
                 mend: "must have the size and the units of the film that it is merged into",
             });
+        }
+        match (&mut self.errors, &other.errors) {
+            (None, None) => {}
+            (Some(mine), Some(theirs)) => mine.iter_mut().zip(theirs).for_each(|(mine, theirs)| mine.add(theirs)),
+            (mine, _) => {
+                return Err(Error::InvalidSetting {
+                    name: "merged film",
+                    value: (if mine.is_some() { "without errors" } else { "with errors" }).into(),
+                    mend: "must tell errors if the film that it is merged into does, and not if not",
+                });
+            }
         }
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
             for (a, b) in mine.layers.iter_mut().flatten().zip(theirs.layers.iter().flatten()) {

@@ -34,6 +34,23 @@ impl Kernel {
         }
     }
 
+    /// Standard deviation of the difference between estimates within r and √2 r, by the same photons,
+    /// over that of the first: `∫₀² (W(u) − W(u/2)/2)² du / ∫₀¹ W²`, its root; 1/2 for Epanechnikov's.
+    #[must_use]
+    pub fn second_radius_noise(self) -> f64 {
+        // The midpoint rule, of which the constant kernel's jumps fall between steps.
+        const STEPS: u32 = 1000;
+        let mid = |step: u32| (step as f32 + 0.5) / STEPS as f32;
+        let (mut difference, mut alone) = (0.0, 0.0);
+        for step in 0..2 * STEPS {
+            let u = mid(step);
+            let inner = if u < 1.0 { f64::from(self.weight(u)) } else { 0.0 };
+            difference += (inner - 0.5 * f64::from(self.weight(0.5 * u))).powi(2);
+            alone += inner * inner;
+        }
+        (difference / alone).sqrt()
+    }
+
     /// The number under which shaders know it: its place in the declaration.
     #[must_use]
     pub fn number(self) -> u32 {
@@ -122,5 +139,11 @@ mod tests {
     fn rim_of_the_cone() {
         assert!((Kernel::Cone { slope: 1.1 }.weight(1.0) - 0.230_769).abs() < 1e-6);
         assert_eq!(Kernel::Cone { slope: 1.0 }.weight(1.0), 0.0);
+    }
+
+    #[test]
+    fn noise_of_the_second_radius_is_the_closed_form() {
+        assert!((Kernel::Epanechnikov.second_radius_noise() - 0.5).abs() < 1e-5);
+        assert!((Kernel::Constant.second_radius_noise() - 0.5_f64.sqrt()).abs() < 1e-5);
     }
 }

@@ -104,6 +104,36 @@ impl Estimate {
     }
 }
 
+/// What the photons of an estimate within a radius r say about its error; all sums are over the
+/// photons within √2 r.
+///
+/// Bias grows as r²: an estimate over twice the area errs twice as much, so that the difference of
+/// the two tells the bias of the first.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Spread {
+    /// Σ W(d²/2r²)·power, linear RGB: as [`Estimate::flux`], for a disc of twice the area.
+    pub wide: [f32; 3],
+    /// Σ power, mean of RGB.
+    pub power: f32,
+    /// Σ W(2d²/r²)·power over the photons within r/√2: for a disc of half the area.
+    pub narrow: [f32; 3],
+    /// Σ of the squares of the same powers.
+    pub power_squared: f32,
+    /// Σ power·(x, y) with x and y the offsets from the query along [`crate::sampling::basis`] of its
+    /// normal, over √2 r.
+    pub slope: [f32; 2],
+    /// Σ power·(x² − y², 2xy).
+    pub stretch: [f32; 2],
+    /// Σ power of photons that lie on another surface: their normals were turned away, or they are
+    /// farther from the query's plane than a quarter of √2 r.
+    pub stray: f32,
+    /// How many photons were within √2 r, strays apart.
+    pub photons: u32,
+    /// Zero.
+    pub reserved: [u32; 2],
+}
+
 /// What the surface of a triangle is: its plane's orientation and its material.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -238,7 +268,17 @@ macro_rules! elements {
     )+};
 }
 
-elements!(Photon = 32, PhotonRay = 48, Query = 64, Estimate = 32, Facet = 16, Material = 48, Light = 64, Camera = 64,);
+elements!(
+    Photon = 32,
+    PhotonRay = 48,
+    Query = 64,
+    Estimate = 32,
+    Spread = 64,
+    Facet = 16,
+    Material = 48,
+    Light = 64,
+    Camera = 64,
+);
 
 impl Element for u32 {
     const GLSL_NAME: &'static str = "uint";
@@ -262,6 +302,8 @@ mod tests {
             (offset_of!(Query, normal), offset_of!(Query, pixel)),
             (offset_of!(Query, weight), offset_of!(Query, material)),
             (offset_of!(Estimate, flux), offset_of!(Estimate, radius_squared)),
+            (offset_of!(Spread, wide), offset_of!(Spread, power)),
+            (offset_of!(Spread, narrow), offset_of!(Spread, power_squared)),
             (offset_of!(Facet, normal), offset_of!(Facet, material)),
             (offset_of!(Material, albedo), offset_of!(Material, kind)),
             (offset_of!(Material, emission), offset_of!(Material, flags)),
@@ -279,6 +321,8 @@ mod tests {
         assert_eq!(offset_of!(Light, versine_outer), 48);
         assert_eq!(offset_of!(Query, outgoing), 48);
         assert_eq!(offset_of!(Estimate, photons), 16);
+        assert_eq!(offset_of!(Spread, slope), 32);
+        assert_eq!(offset_of!(Spread, stray), 48);
     }
 
     #[test]

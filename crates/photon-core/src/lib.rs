@@ -6,11 +6,14 @@
 
 mod backend;
 pub mod bsdf;
+mod budget;
 mod caster;
 mod error;
+mod errors;
 mod explain;
 mod features;
 mod film;
+mod forecast;
 mod kernel;
 mod layout;
 pub mod math;
@@ -26,27 +29,33 @@ mod render;
 mod requirements;
 pub mod sampling;
 mod scene;
+mod schedule;
 mod settings;
+pub mod sobol;
 mod stages;
 mod tally;
 mod units;
 
 pub use backend::{Backend, Fill, Stage, StageTimings, TransportBackend};
+pub use budget::{Budget, Plan};
 pub use caster::{Hit, Ray, RayCaster};
 pub use error::{Error, Result};
+pub use errors::{Claim, ErrorPixel, Flags, Shape, student_975};
 pub use explain::{Need, explain};
 pub use features::Features;
 pub use film::{Film, FilmPixel, Layer, check_size};
+pub use forecast::{Forecast, Prospect};
 pub use glam;
 pub use kernel::Kernel;
-pub use layout::{Camera, Element, Estimate, Facet, Light, Material, Photon, PhotonRay, Query};
+pub use layout::{Camera, Element, Estimate, Facet, Light, Material, Photon, PhotonRay, Query, Spread};
 pub use memory::Costs;
 pub use observer::{Event, Observer, PassReport};
 pub use pipeline::{Pipeline, QUERIES_PER_PIXEL};
-pub use progressive::radius_squared_factor;
-pub use render::{Budget, Facts, Outcome, PassEnd, Render, render};
+pub use progressive::{inverse_radius_squared_sum, radius_squared_factor, radius_squared_sum};
+pub use render::{Facts, Outcome, PassEnd, Render, render};
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::{SceneView, light_probability, light_starts, pick_light};
+pub use schedule::Schedule;
 pub use settings::{Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing};
 pub use stages::{
     Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages, Maps, Pass,

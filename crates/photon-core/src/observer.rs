@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::backend::StageTimings;
+use crate::forecast::Forecast;
 use crate::tally::Tally;
 
 /// What a renderer tells while it works.
@@ -20,6 +21,8 @@ pub enum Event<'a> {
     },
     /// A pass is in the film.
     PassDone(&'a PassReport),
+    /// What is claimed of the errors so far, and what more passes would bring.
+    Forecast(&'a Forecast),
     /// Something that the user should know.
     Warning(&'a str),
 }

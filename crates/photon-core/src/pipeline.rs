@@ -5,13 +5,15 @@ use std::ops::ControlFlow;
 use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layer};
-use crate::layout::{Estimate, Photon, PhotonRay, Query};
+use crate::forecast::Prospect;
+use crate::layout::{Estimate, Photon, PhotonRay, Query, Spread};
 use crate::memory::Plan;
 use crate::observer::{Event, Observer, PassReport};
 use crate::radii::{self, Radii};
 use crate::render::{Facts, PassEnd, Render};
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
+use crate::schedule::Schedule;
 use crate::settings::{Estimator, Settings};
 use crate::stages::{Batch, Deposits, Maps, Pass, Stages, View};
 use crate::tally::Tally;
@@ -38,6 +40,7 @@ pub struct Pipeline<B: TransportBackend> {
     view: View,
     film: B::Film,
     radii: Radii,
+    schedule: Schedule,
     passes: u32,
     batch: u32,
     setup: StageTimings,
@@ -48,6 +51,7 @@ pub struct Pipeline<B: TransportBackend> {
     failed: bool,
     queries: B::Buffer<Query>,
     estimates: Option<B::Buffer<Estimate>>,
+    spreads: Option<B::Buffer<Spread>>,
 }
 
 mod fit;
@@ -126,7 +130,10 @@ impl<B: TransportBackend> Pipeline<B> {
         settings.validate()?;
         check_scene(scene)?;
         required.check(Requirements::of(scene, &settings).features)?;
-        let film = on.film(scene, view.width, view.height)?;
+        let mut film = on.film(scene, view.width, view.height)?;
+        if settings.errors {
+            on.keep_errors(&mut film)?;
+        }
         on.mark(Some(Stage::Prepare));
         let prepared = on.prepare(scene, &required)?;
         on.mark(None);
@@ -147,6 +154,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let queries = on.alloc("queries", pixels * per_pixel)?;
         let any_map = required.direct_map || required.caustic_map || required.global_map;
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
+        let spreads = if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
+        let schedule = Schedule::new(settings.alpha);
         let mut pipeline = Self {
             radii: radii::given(&settings, &scene.units),
             units: scene.units,
@@ -160,12 +169,14 @@ impl<B: TransportBackend> Pipeline<B> {
             settings,
             view,
             film,
+            schedule,
             passes: 0,
             batch,
             setup: StageTimings::default(),
             rays,
             queries,
             estimates,
+            spreads,
         };
         match plan {
             Some(plan) if any_map => pipeline.fit(plan)?,
@@ -300,7 +311,15 @@ impl<B: TransportBackend> Pipeline<B> {
             for i in 0..3 {
                 let (Some(map), true) = (&maps[i], shown[i]) else { continue };
                 self.on.mark(Some(Stage::Estimate));
-                self.stages.map.estimator.estimate(&mut self.on, map, &self.queries, &gathers[i], estimates)?;
+                let (on, estimator) = (&mut self.on, &mut self.stages.map.estimator);
+                match &mut self.spreads {
+                    None => estimator.estimate(on, map, &self.queries, &gathers[i], estimates)?,
+                    Some(spreads) => {
+                        estimator.estimate_spread(on, map, &self.queries, &gathers[i], estimates, spreads)?;
+                        on.mark(Some(Stage::Film));
+                        on.fold_errors(&mut self.film, layers[i], &self.queries, estimates, spreads, paths)?;
+                    }
+                }
                 self.on.mark(Some(Stage::Film));
                 self.on.fold(&mut self.film, layers[i], &self.queries, estimates, paths)?;
             }
@@ -381,6 +400,24 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         Ok(film)
     }
 
+    fn prospect(&mut self, share: f64) -> Result<Option<Prospect>> {
+        if !self.settings.errors {
+            return Ok(None);
+        }
+        let film = self.on.read_film(&self.film)?;
+        let claims = film.claims().unwrap_or_default();
+        Ok(Prospect::new(&claims, self.schedule, share, self.settings.kernel.second_radius_noise()))
+    }
+
+    fn rescale(&mut self, factor: f64) -> bool {
+        let derived = radii::need_pilot(&self.settings);
+        if derived {
+            self.radii = self.radii.scaled(factor.sqrt() as f32);
+            self.schedule = self.schedule.scaled(factor);
+        }
+        derived
+    }
+
     fn facts(&self) -> Facts {
         Facts {
             backend: self.on.name(),
@@ -445,6 +482,7 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.end_pass(&mut self.film)?;
         self.on.mark(None);
         self.passes += 1;
+        self.schedule.add(index);
         let to_user = |required: bool, radius: f32| {
             required.then(|| self.units.length_to_user(radii::gather(&self.settings, radius, index).radius_scale))
         };

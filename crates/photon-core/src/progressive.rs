@@ -25,6 +25,22 @@ pub fn radius_squared_factor(index: u32, alpha: f64) -> f64 {
     product(1, DIRECT + 1) * quotient(n) / quotient(f64::from(DIRECT) + 1.0)
 }
 
+/// The sum of the squared radii of `passes` passes, over that of the first: what the bias of their
+/// sum grows as. `Σ fₙ = ((N + α) f_N − 1)/α`, since `Σ Γ(n+α)/n!` telescopes.
+#[must_use]
+pub fn radius_squared_sum(passes: u32, alpha: f64) -> f64 {
+    let Some(last) = passes.checked_sub(1) else { return 0.0 };
+    ((f64::from(passes) + alpha) * radius_squared_factor(last, alpha) - 1.0) / alpha
+}
+
+/// The sum of the reciprocals: what the variance of their sum grows as.
+/// `Σ 1/fₙ = ((N + 1)/f_N − α)/(2 − α)`, likewise.
+#[must_use]
+pub fn inverse_radius_squared_sum(passes: u32, alpha: f64) -> f64 {
+    let Some(last) = passes.checked_sub(1) else { return 0.0 };
+    ((f64::from(passes) + 1.0) / radius_squared_factor(last, alpha) - alpha) / (2.0 - alpha)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -51,5 +67,26 @@ mod tests {
     fn alpha_one_keeps_the_radius() {
         assert_eq!(radius_squared_factor(0, 1.0), 1.0);
         assert!((radius_squared_factor(100_000, 1.0) - 1.0).abs() < 1e-12);
+    }
+
+    /// Means of squared radii, and variances per photon of the first pass, after Knaus and Zwicker.
+    #[test]
+    fn sums_are_the_published_means() {
+        for (passes, mean, variance) in [
+            (1, 1.0, 1.0),
+            (10, 0.663_625, 0.157_237),
+            (100, 0.344_967, 0.031_725_8),
+            (10_000, 0.076_978_8, 0.001_458_84),
+        ] {
+            let n = f64::from(passes);
+            let got =
+                (radius_squared_sum(passes, 2.0 / 3.0) / n, inverse_radius_squared_sum(passes, 2.0 / 3.0) / n / n);
+            assert!((got.0 / mean - 1.0).abs() < 1e-5 && (got.1 / variance - 1.0).abs() < 1e-5, "{passes}: {got:?}");
+        }
+        assert!(
+            (radius_squared_sum(7, 1.0) - 7.0).abs() < 1e-12
+                && (inverse_radius_squared_sum(7, 1.0) - 7.0).abs() < 1e-12
+        );
+        assert_eq!(radius_squared_sum(0, 0.5), 0.0);
     }
 }

@@ -25,6 +25,14 @@ pub(crate) struct Radii {
     pub(crate) global: f32,
 }
 
+impl Radii {
+    /// All of them times a factor, within the bounds of those that are derived.
+    pub(crate) fn scaled(self, factor: f32) -> Self {
+        let scaled = |radius: f32| (radius * factor).clamp(1e-6, 0.25);
+        Self { direct: scaled(self.direct), caustic: scaled(self.caustic), global: scaled(self.global) }
+    }
+}
+
 /// Whether radii must be derived from photons.
 pub(crate) fn need_pilot(settings: &Settings) -> bool {
     match settings.estimator {

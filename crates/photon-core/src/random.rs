@@ -5,6 +5,7 @@
 //! the same words.
 
 use crate::settings::RandomKind;
+use crate::sobol::{scramble, sobol};
 
 /// What the numbers are for; keeps the streams of different stages apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,7 +88,19 @@ impl Sampler {
     #[must_use]
     pub fn words(&mut self, block: u32) -> [u32; 4] {
         match self.kind {
-            RandomKind::Counter => philox4x32([self.path, block, self.pass, self.domain], self.key),
+            RandomKind::Sobol if block <= BLOCK_START => {
+                // The same for all paths of a pass.
+                let seeds = philox4x32([u32::MAX, block, self.pass, self.domain], self.key);
+                let mut words = philox4x32([self.path, block, self.pass, self.domain], self.key);
+                // The first two dimensions are the most even: the direction. What is left is which light
+                // and where on it.
+                let dimensions: &[u32] = if block == BLOCK_START { &[0, 1] } else { &[4, 2, 3] };
+                for (i, &dimension) in dimensions.iter().enumerate() {
+                    words[i] = scramble(sobol(self.path, dimension), seeds[i]);
+                }
+                words
+            }
+            RandomKind::Counter | RandomKind::Sobol => philox4x32([self.path, block, self.pass, self.domain], self.key),
             RandomKind::Lcg => std::array::from_fn(|_| {
                 self.state = lcg(self.state);
                 self.state << 1
@@ -119,6 +132,23 @@ mod tests {
     fn unit_interval_is_half_open() {
         assert_eq!(unit_f32(0), 0.0);
         assert!(unit_f32(u32::MAX) < 1.0);
+    }
+
+    #[test]
+    fn sobol_words_are_scrambled_by_pass_and_for_photons_alone() {
+        let words = |kind, pass, domain, path, block| Sampler::new(kind, 9, pass, domain, path).words(block);
+        use RandomKind::{Counter, Sobol};
+        // One photon in each stretch of a direction, in every pass otherwise.
+        let stretches =
+            |pass| -> Vec<u32> { (0..64).map(|path| words(Sobol, pass, Domain::Photon, path, 1)[0] >> 26).collect() };
+        let (mut a, mut b) = (stretches(0), stretches(1));
+        assert_ne!(a, b);
+        a.sort_unstable();
+        b.sort_unstable();
+        assert!(a == b && a == (0..64).collect::<Vec<_>>());
+        assert_eq!(words(Sobol, 0, Domain::Photon, 5, 2), words(Counter, 0, Domain::Photon, 5, 2));
+        assert_eq!(words(Sobol, 0, Domain::Eye, 5, 1), words(Counter, 0, Domain::Eye, 5, 1));
+        assert_ne!(words(Sobol, 0, Domain::Photon, 5, 0)[0], words(Counter, 0, Domain::Photon, 5, 0)[0]);
     }
 
     #[test]

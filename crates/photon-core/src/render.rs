@@ -4,9 +4,11 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use crate::backend::StageTimings;
+use crate::budget::{Budget, Plan};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::observer::{Observer, PassReport};
+use crate::forecast::{Forecast, Prospect};
+use crate::observer::{Event, Observer, PassReport};
 use crate::requirements::Requirements;
 use crate::tally::Tally;
 
@@ -24,6 +26,21 @@ pub trait Render: Send {
     /// # Errors
     /// What the backend raises.
     fn film(&mut self) -> Result<Film>;
+
+    /// What the film claims of its errors, for the `share` of pixels that a forecast is to hold for;
+    /// `None` if errors were not asked for, or nothing is claimed.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    fn prospect(&mut self, _share: f64) -> Result<Option<Prospect>> {
+        Ok(None)
+    }
+
+    /// Multiplies squared radii by `factor`, > 0, from the next pass on; whether it did. It does where it
+    /// derived them itself.
+    fn rescale(&mut self, _factor: f64) -> bool {
+        false
+    }
 
     /// What it is and what it was built for.
     fn facts(&self) -> Facts;
@@ -58,25 +75,6 @@ pub struct Facts {
     pub memory: Vec<(String, u64)>,
 }
 
-/// When to stop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Budget {
-    /// Number of the first pass.
-    pub first: u32,
-    /// So many passes at most, ≥ 1.
-    pub passes: u32,
-    /// No new pass is begun that would end after this; the first one always runs.
-    pub time: Option<Duration>,
-}
-
-impl Budget {
-    /// So many passes, however long they take.
-    #[must_use]
-    pub fn passes(passes: u32) -> Self {
-        Self { first: 0, passes, time: None }
-    }
-}
-
 /// What all passes did together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
@@ -92,23 +90,32 @@ pub struct Outcome {
     pub last: Option<PassReport>,
     /// The observer stopped it before its budget was spent.
     pub cancelled: bool,
+    /// The first forecast, if errors are kept and there were 8 passes.
+    pub predicted: Option<Forecast>,
+    /// Where matters stand at the end, likewise.
+    pub reached: Option<Forecast>,
 }
+
+/// The share of pixels that a forecast is about where the budget names none.
+const SHARE: f64 = 0.95;
+
+/// Passes before the first forecast.
+const PILOT: u32 = 8;
 
 /// Renders passes until the budget is spent or the observer asks to stop.
 ///
 /// # Errors
-/// [`Error::InvalidSetting`] for no passes; [`Error::Cancelled`] if there is nothing to show;
-/// what a pass raises. Even then [`Render::film`] has what earlier passes gave.
-pub fn render(renderer: &mut dyn Render, budget: Budget, observer: &mut dyn Observer) -> Result<Outcome> {
-    if budget.passes == 0 {
-        return Err(Error::InvalidSetting { name: "passes", value: "0".into(), mend: "at least 1 is needed" });
-    }
-    let start = Instant::now();
+/// [`Error::InvalidSetting`] for a budget of nothing, or an error that the renderer does not tell;
+/// [`Error::Cancelled`] if there is nothing to show; what a pass raises. Even then [`Render::film`] has
+/// what earlier passes gave.
+pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut dyn Observer) -> Result<Outcome> {
+    let plan = plan.into();
+    plan.validate()?;
+    let clock = Instant::now();
     let mut outcome = Outcome::default();
-    let mut longest = Duration::ZERO;
-    for index in budget.first..budget.first.saturating_add(budget.passes) {
-        let begun = start.elapsed();
-        if budget.time.is_some_and(|time| outcome.passes > 0 && begun + longest > time) {
+    let mut next_look = PILOT;
+    for index in plan.first..plan.first.saturating_add(plan.passes()) {
+        if is_over(&plan, &outcome, clock.elapsed()) {
             break;
         }
         let (report, flow) = match renderer.pass(index, observer)? {
@@ -119,16 +126,170 @@ pub fn render(renderer: &mut dyn Render, budget: Budget, observer: &mut dyn Obse
                 break;
             }
         };
-        longest = longest.max(start.elapsed() - begun);
         outcome.passes += 1;
         outcome.paths += report.paths;
         outcome.tally.merge(&report.tally);
         outcome.seconds.merge(&report.seconds);
         outcome.last = Some(report);
         if flow.is_break() {
-            outcome.cancelled = outcome.passes < budget.passes;
+            outcome.cancelled = outcome.passes < plan.passes();
             break;
         }
+        if outcome.passes == next_look {
+            let forecast = look(renderer, &plan, &outcome, clock.elapsed())?;
+            next_look = after(&plan, outcome.passes, forecast.as_ref());
+            let Some(forecast) = forecast else {
+                if matches!(plan.until, Budget::Error { .. }) && outcome.passes == PILOT {
+                    return Err(nothing_told());
+                }
+                continue;
+            };
+            outcome.predicted.get_or_insert(forecast);
+            let enough = matches!(plan.until, Budget::Error { .. }) && forecast.is_reached();
+            if observer.on_event(&Event::Forecast(&forecast)).is_break() {
+                outcome.cancelled = !enough;
+                break;
+            }
+            if enough {
+                break;
+            }
+        }
     }
-    if outcome.passes == 0 { Err(Error::Cancelled) } else { Ok(outcome) }
+    if outcome.passes == 0 {
+        return Err(Error::Cancelled);
+    }
+    if outcome.passes >= PILOT {
+        outcome.reached = look(renderer, &plan, &outcome, clock.elapsed())?;
+    }
+    Ok(outcome)
+}
+
+fn nothing_told() -> Error {
+    Error::InvalidSetting {
+        name: "target-error",
+        value: "asked for".into(),
+        mend: "after 8 passes nothing is claimed of any pixel: set Settings::errors, and show what photon maps light",
+    }
+}
+
+/// Whether to begin no other pass: what was to be spent is spent, or would be by less than half of it.
+fn is_over(plan: &Plan, outcome: &Outcome, elapsed: Duration) -> bool {
+    if outcome.passes == 0 {
+        return false;
+    }
+    let photons = matches!(plan.until, Budget::Photons(photons) if outcome.paths >= photons);
+    let pass = elapsed / outcome.passes;
+    photons || plan.time().is_some_and(|time| elapsed + pass / 2 > time)
+}
+
+/// What the film claims now, and what more passes would bring, with radii that suit them.
+fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Duration) -> Result<Option<Forecast>> {
+    let (target, share) = match plan.until {
+        Budget::Error { target, share_of_pixels } => (Some(target), share_of_pixels),
+        _ => (None, SHARE),
+    };
+    let Some(mut prospect) = renderer.prospect(share)? else { return Ok(None) };
+    let pass = elapsed.as_secs_f64() / f64::from(outcome.passes);
+    let in_time = plan.time().map_or(f64::INFINITY, |time| time.as_secs_f64() / pass);
+    // As far as u32 goes, or as the limits let it.
+    let possible = in_time.min(f64::from(plan.passes())).max(f64::from(outcome.passes)) as u32;
+    // Radii that suit what is to come, once, and only where the budget is none of passes or photons, which
+    // promise the same bits everywhere.
+    let mut radius_factor = 1.0;
+    if outcome.predicted.is_none() && matches!(plan.until, Budget::Time(_) | Budget::Error { .. }) {
+        let needed = target.and_then(|target| prospect.passes_needed(target)).unwrap_or(possible).min(possible);
+        let scale = prospect.best_scale(needed);
+        if needed > 2 * outcome.passes && renderer.rescale(scale) {
+            prospect = prospect.scaled(scale);
+            radius_factor = scale.sqrt();
+        }
+    }
+    Ok(Some(Forecast { radius_factor, ..prospect.forecast(target, pass, possible) }))
+}
+
+/// The pass after which to look again: when the target should be reached, but before the passes have
+/// doubled, since forecasts become better.
+fn after(plan: &Plan, passes: u32, forecast: Option<&Forecast>) -> u32 {
+    if !matches!(plan.until, Budget::Error { .. }) {
+        return u32::MAX;
+    }
+    let needed = forecast.and_then(|forecast| forecast.passes_needed).unwrap_or(u32::MAX);
+    needed.min(passes.saturating_mul(2)).max(passes + passes.div_ceil(16))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Passes that do nothing, and claims that get better by the plan.
+    struct Idle {
+        passes: u32,
+        tells: bool,
+    }
+
+    impl Render for Idle {
+        fn pass(&mut self, index: u32, _observer: &mut dyn Observer) -> Result<PassEnd> {
+            self.passes += 1;
+            Ok(PassEnd::Done(PassReport { index, paths: 100, ..PassReport::default() }))
+        }
+        fn film(&mut self) -> Result<Film> {
+            Film::new(1, 1, crate::Units::default())
+        }
+        fn prospect(&mut self, share: f64) -> Result<Option<Prospect>> {
+            let noise = f64::from(self.passes).powf(-0.5);
+            let claim = crate::Claim {
+                value: 1.0,
+                standard_error: noise,
+                bias: 0.0,
+                bias_error: 0.0,
+                half_width: 2.0 * noise,
+                flags: crate::Flags::default(),
+            };
+            Ok(if self.tells {
+                Prospect::new(&[claim], crate::Schedule::of(self.passes, 1.0), share, 0.5)
+            } else {
+                None
+            })
+        }
+        fn facts(&self) -> Facts {
+            unreachable!("nobody asks")
+        }
+    }
+
+    fn passes(plan: impl Into<Plan>) -> u32 {
+        render(&mut Idle { passes: 0, tells: true }, plan, &mut ()).unwrap().passes
+    }
+
+    #[test]
+    fn budgets_are_spent_and_no_more() {
+        assert_eq!(passes(Budget::Passes(5)), 5);
+        assert_eq!(passes(Budget::Photons(301)), 4);
+        assert_eq!(passes(Plan { most_passes: Some(3), ..Budget::Photons(1000).into() }), 3);
+        assert_eq!(passes(Budget::Time(Duration::ZERO)), 1);
+    }
+
+    #[test]
+    fn an_error_ends_it_as_soon_as_it_is_reached() {
+        let budget = Budget::Error { target: 0.1, share_of_pixels: 0.95 };
+        // 1.96²/0.1² = 384 passes, and a little more for Student's t.
+        let outcome = render(&mut Idle { passes: 0, tells: true }, budget, &mut ()).unwrap();
+        assert!((384..=412).contains(&outcome.passes), "{}", outcome.passes);
+        let (predicted, reached) = (outcome.predicted.unwrap(), outcome.reached.unwrap());
+        assert_eq!(predicted.passes, 8);
+        let needed = predicted.passes_needed.unwrap();
+        assert!((384..=412).contains(&needed), "{needed}");
+        assert!(reached.is_reached() && reached.error <= 0.1 && !predicted.is_reached());
+        // What cannot be reached is foretold, and the limit is kept.
+        let plan = Plan { most_passes: Some(100), ..budget.into() };
+        let outcome = render(&mut Idle { passes: 0, tells: true }, plan, &mut ()).unwrap();
+        let predicted = outcome.predicted.unwrap();
+        assert_eq!((outcome.passes, predicted.passes_possible), (100, 100));
+        assert!(!predicted.is_reachable() && (predicted.error_possible - 0.198).abs() < 0.002, "{predicted:?}");
+    }
+
+    #[test]
+    fn an_error_that_nobody_tells_is_refused() {
+        let budget = Budget::Error { target: 0.1, share_of_pixels: 0.95 };
+        assert!(render(&mut Idle { passes: 0, tells: false }, budget, &mut ()).is_err());
+    }
 }

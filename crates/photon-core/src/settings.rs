@@ -98,6 +98,9 @@ pub enum RandomKind {
     Counter,
     /// The paper's linear congruential one, started at the number of the path.
     Lcg,
+    /// Light, point and direction that a photon leaves by from Sobol's sequence, scrambled anew for
+    /// each pass, so that the photons of a pass leave no gaps; all else as with the counter.
+    Sobol,
 }
 
 /// What a user chooses. Lengths are in user space.
@@ -140,6 +143,9 @@ pub struct Settings {
     /// many as it takes. Passes then have fewer photons than [`Settings::photons`] if need be, which
     /// [`crate::Facts`] says: render more of them.
     pub memory: Option<u64>,
+    /// Whether the film keeps what tells the error of each pixel: [`crate::ErrorPixel`]. For
+    /// [`Estimator::Radius`] alone. The picture is the same.
+    pub errors: bool,
 }
 
 impl Default for Settings {
@@ -162,6 +168,7 @@ impl Default for Settings {
             min_normal_cosine: 0.7,
             photon_capacity: None,
             memory: None,
+            errors: false,
         }
     }
 }
@@ -219,6 +226,13 @@ impl Settings {
                 let good = paper.factor.is_finite() && paper.factor >= 0.0;
                 ensure(good, "factor", paper.factor.to_string(), "must be at least 0 and finite")?;
             }
+        }
+        if self.errors && !matches!(self.estimator, Estimator::Radius { .. }) {
+            return Err(Error::InvalidSetting {
+                name: "errors",
+                value: format!("asked of {:?}", self.estimator),
+                mend: "what an error is told by are estimates within two radii: take the estimator of a radius",
+            });
         }
         if let Kernel::Cone { slope } = self.kernel {
             ensure(

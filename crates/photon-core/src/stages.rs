@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use crate::backend::{Backend, TransportBackend};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::kernel::Kernel;
-use crate::layout::{Camera, Estimate, Photon, PhotonRay, Query};
+use crate::layout::{Camera, Estimate, Photon, PhotonRay, Query, Spread};
 use crate::settings::RandomKind;
 use crate::tally::Tally;
 
@@ -148,6 +148,24 @@ pub trait RadianceEstimator<B: Backend>: Send {
         estimates: &mut B::Buffer<Estimate>,
     ) -> Result<()>;
 
+    /// The same, and what the same photons say about the error: replaces `spreads` too. For
+    /// [`Rule::Radius`] alone.
+    ///
+    /// # Errors
+    /// What the backend raises; [`Error::InvalidSetting`] for another rule, or from an estimator that
+    /// cannot tell, which is what this does unless it is overridden.
+    fn estimate_spread(
+        &mut self,
+        _on: &mut B,
+        _map: &B::PhotonMap,
+        _queries: &B::Buffer<Query>,
+        _gather: &Gather,
+        _estimates: &mut B::Buffer<Estimate>,
+        _spreads: &mut B::Buffer<Spread>,
+    ) -> Result<()> {
+        Err(no_errors())
+    }
+
     /// A radius within which a typical photon has `neighbours` others on its side, normalised
     /// space: the median over a fixed sample. `None` if there are too few photons to tell.
     ///
@@ -160,6 +178,15 @@ pub trait RadianceEstimator<B: Backend>: Send {
         neighbours: u32,
         min_normal_cosine: f32,
     ) -> Result<Option<f32>>;
+}
+
+/// What a stage says that knows nothing of errors.
+pub(crate) fn no_errors() -> Error {
+    Error::InvalidSetting {
+        name: "errors",
+        value: "asked for".into(),
+        mend: "these stages cannot tell them: take those of the backend, and estimates within a radius",
+    }
 }
 
 /// Follows camera paths to the first diffuse surface.

@@ -132,6 +132,14 @@ impl PointIndex {
         &self.tree.order
     }
 
+    /// The point in a slot.
+    #[inline]
+    pub(crate) fn position(&self, slot: u32) -> [f32; 3] {
+        let block = &self.tree.blocks[slot as usize / layout::WIDTH];
+        let lane = slot as usize % layout::WIDTH;
+        [block.x[lane], block.y[lane], block.z[lane]]
+    }
+
     /// How the points are arranged.
     #[must_use]
     pub fn kind(&self) -> IndexKind {

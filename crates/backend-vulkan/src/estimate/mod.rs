@@ -11,7 +11,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use photon_core::{Backend, Error, Estimate, Gather, Kernel, Query, RadianceEstimator, Result, Rule};
+use photon_core::{Backend, Error, Estimate, Gather, Kernel, Query, RadianceEstimator, Result, Rule, Spread};
 
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
@@ -46,16 +46,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         gather: &Gather,
         estimates: &mut VulkanBuffer<Estimate>,
     ) -> Result<()> {
-        let mut question = Question {
-            mode: Mode::Radius,
-            kernel: gather.kernel,
-            filter: gather.min_normal_cosine > -1.0,
-            k: 0,
-            radius: gather.radius_scale,
-            min_cosine: gather.min_normal_cosine,
-            parameter: gather.kernel.slope(),
-            threshold: 0,
-        };
+        let mut question = radius_question(gather);
         match gather.rule {
             Rule::Radius => {}
             Rule::Nearest { k } => {
@@ -77,6 +68,32 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         self.search.ask(on, map, (queries, 0..queries.capacity()), &question, order, result)?;
         estimates.touch();
         Ok(())
+    }
+
+    fn estimate_spread(
+        &mut self,
+        on: &mut Vulkan,
+        map: &VulkanMap,
+        queries: &VulkanBuffer<Query>,
+        gather: &Gather,
+        estimates: &mut VulkanBuffer<Estimate>,
+        spreads: &mut VulkanBuffer<Spread>,
+    ) -> Result<()> {
+        if gather.rule != Rule::Radius {
+            return Err(Error::InvalidSetting {
+                name: "errors",
+                value: format!("asked of {:?}", gather.rule),
+                mend: "can be told of estimates within a radius alone",
+            });
+        }
+        let question = Question { spreads: spreads.data_address(), ..radius_question(gather) };
+        let capacity = estimates.capacity().min(spreads.capacity());
+        let result = (estimates.data_address(), estimates.count_address(), capacity);
+        let order = self.search.order(on, map, queries)?;
+        self.search.ask(on, map, (queries, 0..queries.capacity()), &question, order, result)?;
+        estimates.touch();
+        let count = on.length(queries)?.min(spreads.capacity());
+        on.set_length(spreads, count)
     }
 
     fn typical_radius(
@@ -110,6 +127,21 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         }
         found.sort_unstable_by(f32::total_cmp);
         Ok(Some(found[found.len() / 2].max(LEAST).sqrt()))
+    }
+}
+
+/// All within the radius.
+fn radius_question(gather: &Gather) -> Question {
+    Question {
+        mode: Mode::Radius,
+        kernel: gather.kernel,
+        filter: gather.min_normal_cosine > -1.0,
+        k: 0,
+        radius: gather.radius_scale,
+        min_cosine: gather.min_normal_cosine,
+        parameter: gather.kernel.slope(),
+        threshold: 0,
+        spreads: 0,
     }
 }
 

@@ -153,5 +153,6 @@ fn question(mode: Mode, k: u32, radius: f32) -> Question {
         min_cosine: -1.0,
         parameter: 1.0,
         threshold: 0,
+        spreads: 0,
     }
 }

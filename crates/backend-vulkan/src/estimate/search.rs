@@ -58,6 +58,8 @@ pub(super) struct Question {
     /// The cone's slope, or the paper's factor.
     pub(super) parameter: f32,
     pub(super) threshold: u32,
+    /// Where each estimate's `Spread` goes; 0: none is told.
+    pub(super) spreads: u64,
 }
 
 /// The push constants of `search_map.glsl`.
@@ -157,7 +159,8 @@ impl Search {
         let kernel = match question.mode {
             Mode::Radius => {
                 let filter = u32::from(question.filter);
-                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, 0, 0, turns];
+                let spread = u32::from(question.spreads != 0);
+                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, spread, 0, turns];
                 on.kernel(&shaders::GATHER_RADIUS, &constants)?
             }
             Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
@@ -174,7 +177,7 @@ impl Search {
             totals: map.totals.address(),
             positions: map.positions.address(),
             power: map.power.address(),
-            ids: map.ids.address(),
+            ids: if question.spreads == 0 { map.ids.address() } else { question.spreads },
             queries: queries.data_address(),
             query_count: queries.count_address(),
             results,

@@ -16,5 +16,6 @@ fn random_number(kind: RandomKind) -> u32 {
     match kind {
         RandomKind::Counter => 0,
         RandomKind::Lcg => 1,
+        RandomKind::Sobol => 2,
     }
 }

@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Camera, Element, Estimate, Facet, Light, Material, Photon, PhotonRay, Query};
+use photon_core::{Camera, Element, Estimate, Facet, Light, Material, Photon, PhotonRay, Query, Spread};
 
 use super::spirv::{Member, Shape, structs};
 use crate::{Vulkan, shaders};
@@ -45,6 +45,7 @@ fn records() -> Vec<Record> {
         record!(PhotonRay: origin path direction light power reserved),
         record!(Query: position radius normal pixel weight material outgoing path reserved),
         record!(Estimate: flux radius_squared photons flags reserved),
+        record!(Spread: wide power narrow power_squared slope stretch stray photons reserved),
         record!(Facet: normal material),
         record!(Material: albedo kind emission flags absorption ior),
         record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),

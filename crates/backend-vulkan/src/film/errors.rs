@@ -1,0 +1,208 @@
+//! What tells errors, on the device: twin of photon-core's `ErrorPixel`. The present pass in f32, sums
+//! over passes in two floats each; what is known of a map is allocated when it is first read.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{ErrorPixel, Estimate, Film, Layer, Query, Result, Shape, Spread};
+
+use super::{BLOCK, GROUP, VulkanFilm, label, zeroed};
+use crate::buffer::VulkanBuffer;
+use crate::device::Memory;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Planes of sums, each of which has another for what it leaves over, as in film.glsl.
+const SUMS: usize = 4;
+const SHAPE: usize = 7;
+
+/// What a fold reads, constant 2 of its kernel.
+const FROM_SPREADS: u32 = 0;
+const FROM_GATHERED: u32 = 1;
+
+#[derive(Debug)]
+pub(super) struct Errors {
+    /// Planes of bias and narrow.
+    pass: Memory,
+    sum: Memory,
+    /// Of the direct, caustic and global map: the present pass, and the sums.
+    shapes: [Option<(Memory, Memory)>; 3],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct FoldPush {
+    queries: u64,
+    query_count: u64,
+    estimates: u64,
+    spreads: u64,
+    found_count: u64,
+    pass: u64,
+    shape: u64,
+    pixels: u32,
+    scale: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct EndPush {
+    pass: u64,
+    sum: u64,
+    pass_shapes: [u64; 3],
+    sum_shapes: [u64; 3],
+    pixels: u32,
+    padding: u32,
+}
+
+impl Errors {
+    fn new(on: &mut Vulkan, pixels: u64) -> Result<Self> {
+        let (pass, sum) = (zeroed(on, pixels * 8)?, zeroed(on, pixels * 8 * SUMS as u64)?);
+        Ok(Self { pass, sum, shapes: [const { None }; 3] })
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        let shapes = self.shapes.iter().flatten().map(|(pass, sum)| pass.bytes() + sum.bytes());
+        self.pass.bytes() + self.sum.bytes() + shapes.sum::<u64>()
+    }
+
+    /// What is kept of the present pass.
+    fn passes(&self) -> impl Iterator<Item = &Memory> {
+        std::iter::once(&self.pass).chain(self.shapes.iter().flatten().map(|(pass, _)| pass))
+    }
+}
+
+/// From here on the film keeps what tells errors.
+pub(crate) fn keep(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
+    film.errors = Some(Errors::new(on, film.pixels())?);
+    film.note(on);
+    Ok(())
+}
+
+/// Adds what `spreads` tell of `estimates` to each query's pixel.
+pub(crate) fn fold(
+    on: &mut Vulkan,
+    film: &mut VulkanFilm,
+    layer: Layer,
+    queries: &VulkanBuffer<Query>,
+    estimates: &VulkanBuffer<Estimate>,
+    spreads: &VulkanBuffer<Spread>,
+    paths: u64,
+) -> Result<()> {
+    if paths == 0 {
+        return Ok(());
+    }
+    let scale = (1.0 / (3.0 * std::f64::consts::PI * paths as f64)) as f32;
+    let push = FoldPush {
+        estimates: estimates.data_address(),
+        spreads: spreads.data_address(),
+        found_count: estimates.count_address(),
+        scale,
+        ..FoldPush::zeroed()
+    };
+    dispatch(on, film, layer, queries, FROM_SPREADS, push)
+}
+
+/// Adds what final-gather rays were told, one record for each query.
+pub(crate) fn fold_gathered(
+    on: &mut Vulkan,
+    film: &mut VulkanFilm,
+    queries: &VulkanBuffer<Query>,
+    told: &VulkanBuffer<Spread>,
+) -> Result<()> {
+    let push = FoldPush {
+        spreads: told.data_address(),
+        found_count: queries.count_address(),
+        scale: 1.0 / 3.0,
+        ..FoldPush::zeroed()
+    };
+    dispatch(on, film, Layer::Indirect, queries, FROM_GATHERED, push)
+}
+
+fn dispatch(
+    on: &mut Vulkan,
+    film: &mut VulkanFilm,
+    layer: Layer,
+    queries: &VulkanBuffer<Query>,
+    from: u32,
+    push: FoldPush,
+) -> Result<()> {
+    let pixels = film.pixels();
+    let Some(errors) = &mut film.errors else { return Ok(()) };
+    let map = (layer as usize).saturating_sub(1);
+    if errors.shapes[map].is_none() {
+        let pass = zeroed(on, pixels * 4 * SHAPE as u64)?;
+        errors.shapes[map] = Some((pass, zeroed(on, pixels * 8 * SHAPE as u64)?));
+    }
+    let push = FoldPush {
+        queries: queries.data_address(),
+        query_count: queries.count_address(),
+        pass: errors.pass.address(),
+        shape: errors.shapes[map].as_ref().map_or(0, |(pass, _)| pass.address()),
+        pixels: pixels as u32,
+        ..push
+    };
+    film.note(on);
+    let length = on.length(queries)?;
+    let kernel = on.kernel(&shaders::FILM_ERRORS, &[0, GROUP, from])?;
+    on.dispatch(&kernel, &push, length.div_ceil(u64::from(GROUP)))
+}
+
+/// Adds the present pass to the sums and begins the next.
+pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
+    let Some(errors) = &film.errors else { return Ok(()) };
+    let address = |of: fn(&(Memory, Memory)) -> &Memory| {
+        std::array::from_fn(|i| errors.shapes[i].as_ref().map_or(0, |shape| of(shape).address()))
+    };
+    let push = EndPush {
+        pass: errors.pass.address(),
+        sum: errors.sum.address(),
+        pass_shapes: address(|(pass, _)| pass),
+        sum_shapes: address(|(_, sum)| sum),
+        pixels: film.pixels() as u32,
+        padding: 0,
+    };
+    let present = (0..3).filter(|&i| errors.shapes[i].is_some()).fold(0, |bits, i| bits | 1 << i);
+    let kernel = on.kernel(&shaders::FILM_END_ERRORS, &[0, GROUP, present])?;
+    on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))
+}
+
+/// Forgets the present pass.
+pub(super) fn abandon_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
+    film.errors.iter().flat_map(Errors::passes).try_for_each(|memory| on.fill(memory, 0, memory.bytes(), 0))
+}
+
+/// Brings the sums home into the picture, a stretch of pixels at a time.
+pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Result<()> {
+    let Some(errors) = &film.errors else { return Ok(()) };
+    let pixels = picture.pixels.len();
+    let mut all = vec![ErrorPixel::default(); pixels];
+    let shapes = errors.shapes.iter().flatten().flat_map(|(_, sum)| (0..2 * SHAPE).map(move |i| (sum, i)));
+    let planes: Vec<(&Memory, usize)> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(shapes).collect();
+    let mut words = vec![0.0_f32; planes.len() * BLOCK.min(pixels)];
+    let together = on.memory("film", words.len() as u64 * 4).map_err(label)?;
+    for (block, part) in all.chunks_mut(BLOCK).enumerate() {
+        let (start, length) = (block * BLOCK, part.len());
+        on.unordered(|on| {
+            planes.iter().enumerate().try_for_each(|(to, &(memory, plane))| {
+                let (from, to) = ((plane * pixels + start) * 4, to * length * 4);
+                on.copy(memory, from as u64, &together, to as u64, length as u64 * 4)
+            })
+        })?;
+        let words = &mut words[..planes.len() * length];
+        on.read(&together, 0, bytemuck::cast_slice_mut(words))?;
+        for (i, pixel) in part.iter_mut().enumerate() {
+            let both = |plane: usize, low: usize| {
+                f64::from(words[plane * length + i]) + f64::from(words[(plane + low) * length + i])
+            };
+            let [bias, bias_square, narrow, narrow_square] = std::array::from_fn(|plane| both(plane, SUMS));
+            *pixel = ErrorPixel { bias, bias_square, narrow, narrow_square, ..ErrorPixel::default() };
+            let mut first = 2 * SUMS;
+            for (shape, _) in pixel.shapes.iter_mut().zip(&errors.shapes).filter(|(_, there)| there.is_some()) {
+                let [power, power_squared, x, y, xx, xy, stray] =
+                    std::array::from_fn(|plane| both(first + plane, SHAPE));
+                *shape = Shape { power, power_squared, slope: [x, y], stretch: [xx, xy], stray };
+                first += 2 * SHAPE;
+            }
+        }
+    }
+    picture.errors = Some(all);
+    Ok(())
+}

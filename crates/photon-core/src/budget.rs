@@ -1,0 +1,133 @@
+//! When to stop.
+
+use std::time::Duration;
+
+use crate::error::{Error, Result};
+
+/// What is to be spent, or reached.
+///
+/// With time or an error, radii that the renderer derived itself are adapted after a pilot of 8 passes, if
+/// errors are kept: to where noise and bias balance at the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// So many passes, ≥ 1.
+    Passes(u32),
+    /// As many passes as it takes to emit so many paths, ≥ 1.
+    Photons(u64),
+    /// As many passes as end nearest to this; the first always runs.
+    Time(Duration),
+    /// As many passes as it takes until what is claimed of the error ([`crate::Claim`]) is small enough.
+    /// [`crate::Settings::errors`] must be set.
+    Error {
+        /// The largest error, > 0: a fraction of the pixel, or of a tenth of the picture's mean where
+        /// the pixel is darker than that.
+        target: f64,
+        /// In which share of the pixels of which something is claimed, above 0 and at most 1.
+        share_of_pixels: f64,
+    },
+}
+
+impl Budget {
+    /// So many passes, however long they take.
+    #[must_use]
+    pub fn passes(passes: u32) -> Self {
+        Self::Passes(passes)
+    }
+}
+
+/// A budget, from which pass on, and what else may end it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Number of the first pass.
+    pub first: u32,
+    /// What is to be spent, or reached.
+    pub until: Budget,
+    /// So many passes at most, ≥ 1.
+    pub most_passes: Option<u32>,
+    /// So long at most, as [`Budget::Time`] has it.
+    pub most_time: Option<Duration>,
+}
+
+impl From<Budget> for Plan {
+    fn from(until: Budget) -> Self {
+        Self { first: 0, until, most_passes: None, most_time: None }
+    }
+}
+
+impl Plan {
+    /// The time after which it ends, if there is one.
+    #[must_use]
+    pub fn time(&self) -> Option<Duration> {
+        let asked = match self.until {
+            Budget::Time(time) => Some(time),
+            _ => None,
+        };
+        asked.into_iter().chain(self.most_time).min()
+    }
+
+    /// The number of passes after which it ends, if nothing else ends it before.
+    #[must_use]
+    pub fn passes(&self) -> u32 {
+        let asked = match self.until {
+            Budget::Passes(passes) => Some(passes),
+            _ => None,
+        };
+        let fewest = asked.into_iter().chain(self.most_passes).min().unwrap_or(u32::MAX - 1);
+        // The last number of all is that of the pilot.
+        fewest.min((u32::MAX - 1).saturating_sub(self.first))
+    }
+
+    /// Checks that it can be kept.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] for no passes, no photons, or an error that is no positive number.
+    pub fn validate(&self) -> Result<()> {
+        let ensure = |good: bool, name, value: String, mend| {
+            if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, mend }) }
+        };
+        ensure(self.passes() > 0, "passes", self.passes().to_string(), "at least 1 is needed")?;
+        match self.until {
+            Budget::Photons(photons) => ensure(photons > 0, "photons", photons.to_string(), "at least 1 is needed"),
+            Budget::Error { target, share_of_pixels: share } => {
+                let good = target > 0.0 && target.is_finite();
+                ensure(good, "target-error", target.to_string(), "must be above 0 and finite")?;
+                ensure(share > 0.0 && share <= 1.0, "share", share.to_string(), "must be above 0 and at most 1")
+            }
+            Budget::Passes(_) | Budget::Time(_) => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_smallest_limit_counts() {
+        let time = Budget::Time(Duration::from_secs(5));
+        assert_eq!(Plan::from(time).time(), Some(Duration::from_secs(5)));
+        let plan = Plan { most_time: Some(Duration::from_secs(3)), most_passes: Some(9), ..Plan::from(time) };
+        assert_eq!((plan.time(), plan.passes()), (Some(Duration::from_secs(3)), 9));
+        assert_eq!(Plan { most_passes: Some(9), ..Plan::from(Budget::Passes(4)) }.passes(), 4);
+        assert_eq!(Plan::from(Budget::Photons(4)).time(), None);
+    }
+
+    #[test]
+    fn budgets_of_nothing_are_refused() {
+        let error = |target, share_of_pixels| Budget::Error { target, share_of_pixels };
+        let bad = [
+            Budget::Passes(0),
+            Budget::Photons(0),
+            error(0.0, 0.5),
+            error(f64::NAN, 0.5),
+            error(f64::INFINITY, 0.5),
+            error(0.1, 0.0),
+            error(0.1, 1.1),
+            error(0.1, f64::NAN),
+        ];
+        for budget in bad {
+            assert!(Plan::from(budget).validate().is_err(), "{budget:?}");
+        }
+        assert!(Plan::from(error(0.1, 1.0)).validate().is_ok());
+    }
+}

@@ -1,0 +1,152 @@
+//! Two panels in SVG: error over time with the front of what nothing beats, and error over photons with
+//! its parts and the slope of theory.
+
+use std::fmt::Write as _;
+
+use crate::Result;
+use crate::measure::{pareto, slope};
+
+const WIDTH: f64 = 460.0;
+const HEIGHT: f64 = 340.0;
+const MARGIN: f64 = 56.0;
+const COLOURS: [&str; 10] =
+    ["#1b6ca8", "#d1495b", "#2e933c", "#8e44ad", "#e08e0b", "#16a3a3", "#7f5539", "#4a4e69", "#c2185b", "#6b8e23"];
+
+/// Both axes logarithmic.
+struct Panel {
+    left: f64,
+    x: (f64, f64),
+    y: (f64, f64),
+}
+
+impl Panel {
+    fn new(left: f64, points: &[(f64, f64)]) -> Self {
+        let range = |of: &dyn Fn(&(f64, f64)) -> f64| {
+            let values = points.iter().map(of).filter(|v| *v > 0.0 && v.is_finite());
+            let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+            if low > high { (0.1, 10.0) } else { (low / 1.5, high * 1.5) }
+        };
+        Self { left, x: range(&|p| p.0), y: range(&|p| p.1) }
+    }
+
+    fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let share = |v: f64, (low, high): (f64, f64)| (v / low).ln() / (high / low).ln();
+        let across = self.left + MARGIN + share(x, self.x) * (WIDTH - MARGIN - 12.0);
+        (across, HEIGHT - 44.0 - share(y, self.y) * (HEIGHT - 44.0 - 34.0))
+    }
+
+    fn frame(&self, svg: &mut String, title: &str, x_name: &str, y_name: &str) {
+        let (x0, y0) = self.place((self.x.0, self.y.0));
+        let (x1, y1) = self.place((self.x.1, self.y.1));
+        let _ = writeln!(
+            svg,
+            "<rect x='{x0:.1}' y='{y1:.1}' width='{:.1}' height='{:.1}' fill='none' stroke='#999'/>",
+            x1 - x0,
+            y0 - y1
+        );
+        let _ = writeln!(svg, "<text x='{:.1}' y='20' font-weight='bold'>{title}</text>", x0);
+        let _ = writeln!(svg, "<text x='{:.1}' y='{:.1}' text-anchor='end'>{x_name}</text>", x1, HEIGHT - 8.0);
+        let _ = writeln!(svg, "<text x='{:.1}' y='{:.1}'>{y_name}</text>", x0 + 4.0, y1 + 14.0);
+        for (power, along) in decades(self.x).map(|p| (p, true)).chain(decades(self.y).map(|p| (p, false))) {
+            let value = 10.0_f64.powi(power);
+            let (x, y) = if along { self.place((value, self.y.0)) } else { self.place((self.x.0, value)) };
+            let (dx, dy, anchor) = if along { (0.0, 16.0, "middle") } else { (-6.0, 4.0, "end") };
+            let (tx, ty) = if along { (x, y1) } else { (x1, y) };
+            let _ = writeln!(svg, "<line x1='{x:.1}' y1='{y:.1}' x2='{tx:.1}' y2='{ty:.1}' stroke='#eee'/>");
+            let _ = writeln!(svg, "<text x='{:.1}' y='{:.1}' text-anchor='{anchor}'>1e{power}</text>", x + dx, y + dy);
+        }
+    }
+
+    fn line(&self, svg: &mut String, points: &[(f64, f64)], colour: &str, dashes: &str) {
+        let places: Vec<String> = points
+            .iter()
+            .filter(|p| p.0 > 0.0 && p.1 > 0.0)
+            .map(|&p| self.place(p))
+            .map(|(x, y)| format!("{x:.1},{y:.1}"))
+            .collect();
+        let _ = writeln!(
+            svg,
+            "<polyline points='{}' fill='none' stroke='{colour}' stroke-dasharray='{dashes}'/>",
+            places.join(" ")
+        );
+    }
+
+    fn dot(&self, svg: &mut String, point: (f64, f64), colour: &str, title: &str) {
+        if !(point.0 > 0.0 && point.1 > 0.0) {
+            return;
+        }
+        let (x, y) = self.place(point);
+        let _ =
+            writeln!(svg, "<circle cx='{x:.1}' cy='{y:.1}' r='3.5' fill='{colour}'><title>{title}</title></circle>");
+    }
+}
+
+fn decades((low, high): (f64, f64)) -> std::ops::RangeInclusive<i32> {
+    low.log10().ceil() as i32..=high.log10().floor() as i32
+}
+
+/// Both panels of a scene.
+pub(crate) fn picture(result: &Result) -> String {
+    let mut svg = format!(
+        "<svg xmlns='http://www.w3.org/2000/svg' width='{:.0}' height='{HEIGHT:.0}' font-family='sans-serif' font-size='11'>\n<rect width='100%' height='100%' fill='white'/>\n",
+        2.0 * WIDTH + 130.0
+    );
+    let times: Vec<(f64, f64)> = result.rows.iter().map(|(_, s)| (s.seconds, s.error)).collect();
+    let panel = Panel::new(0.0, &times);
+    panel.frame(&mut svg, &format!("{}: error over time", result.scene), "seconds", "relMSE");
+    let front: Vec<(f64, f64)> = pareto(&times).into_iter().map(|i| times[i]).collect();
+    panel.line(&mut svg, &front, "#333", "4 3");
+    let mut knobs: Vec<&str> = Vec::new();
+    for ((point, _), &place) in result.rows.iter().zip(&times) {
+        let number = knobs.iter().position(|knob| *knob == point.knob).unwrap_or_else(|| {
+            knobs.push(point.knob);
+            knobs.len() - 1
+        });
+        let title = format!("{} {}", point.knob, point.value);
+        panel.dot(&mut svg, place, COLOURS[number % COLOURS.len()], &title);
+    }
+    for (number, knob) in knobs.iter().enumerate() {
+        let (x, y) = (2.0 * WIDTH + 8.0, 40.0 + 18.0 * number as f64);
+        let colour = COLOURS[number % COLOURS.len()];
+        let _ = writeln!(
+            svg,
+            "<circle cx='{x}' cy='{y}' r='3.5' fill='{colour}'/><text x='{}' y='{}'>{knob}</text>",
+            x + 8.0,
+            y + 4.0
+        );
+    }
+    photons(&mut svg, result);
+    svg.push_str("</svg>\n");
+    svg
+}
+
+/// Error, bias² and variance over photons, for passes alone.
+fn photons(svg: &mut String, result: &Result) {
+    let series = |of: &dyn Fn(&crate::Summary) -> f64| -> Vec<(f64, f64)> {
+        let rows = result.rows.iter().filter(|(point, _)| point.knob == "passes");
+        rows.map(|(_, s)| (s.photons as f64, of(s))).collect()
+    };
+    let (error, bias, variance) = (series(&|s| s.error), series(&|s| s.bias), series(&|s| s.variance));
+    let all: Vec<(f64, f64)> = error.iter().chain(&bias).chain(&variance).copied().collect();
+    let panel = Panel::new(WIDTH, &all);
+    let (fitted, _) = slope(&error);
+    panel.frame(svg, &format!("error over photons, slope {fitted:.2}"), "photons", "relMSE");
+    for (points, colour, name) in
+        [(&error, "#1b6ca8", "error"), (&bias, "#d1495b", "bias²"), (&variance, "#2e933c", "variance")]
+    {
+        panel.line(svg, points, colour, "");
+        points.iter().for_each(|&p| panel.dot(svg, p, colour, name));
+        if let Some((x, y)) = points.last().filter(|p| p.1 > 0.0).map(|&p| panel.place(p)) {
+            let _ = writeln!(
+                svg,
+                "<text x='{:.1}' y='{:.1}' text-anchor='end' fill='{colour}'>{name}</text>",
+                x - 6.0,
+                y - 6.0
+            );
+        }
+    }
+    if let (Some(first), Some(last)) = (error.first(), error.last()) {
+        let theory = |x: f64| first.1 * (x / first.0).powf(-2.0 / 3.0);
+        panel.line(svg, &[*first, (last.0, theory(last.0))], "#333", "2 3");
+    }
+}

@@ -1,0 +1,56 @@
+// What the present pass told of errors is added to the sums, and begins anew. One invocation per pixel.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+// Bit by bit, the maps that there are.
+layout(constant_id = 2) const uint MAPS = 7;
+
+#include "film.glsl"
+#include "grid.glsl"
+
+layout(push_constant, scalar) uniform Push {
+    Planes pass;
+    Planes sum;
+    Planes pass_shapes[3];
+    Planes sum_shapes[3];
+    uint pixels;
+} push;
+
+// Takes a number of the present pass away.
+float take(Planes planes, uint plane, uint pixel) {
+    Planes place = film_place(planes, plane, push.pixels, pixel);
+    float x = place.at;
+    if (x != 0.0) place.at = 0.0;
+    return x;
+}
+
+void end_shape(uint map, uint pixel) {
+    for (uint plane = 0; plane < SHAPE_LOW; plane++) {
+        float x = take(push.pass_shapes[map], plane, pixel);
+        if (x != 0.0) film_add(push.sum_shapes[map], plane, SHAPE_LOW, push.pixels, pixel, x);
+    }
+}
+
+void end_number(uint plane, uint sum, uint square_sum, uint pixel) {
+    float x = take(push.pass, plane, pixel);
+    if (x == 0.0) return;
+    float square, rest;
+    two_square(x, 0.0, square, rest);
+    film_add(push.sum, sum, ERROR_LOW, push.pixels, pixel, x);
+    film_add(push.sum, square_sum, ERROR_LOW, push.pixels, pixel, square);
+    film_add(push.sum, square_sum, ERROR_LOW, push.pixels, pixel, rest);
+}
+
+void main() {
+    uint pixel = thread();
+    if (pixel >= push.pixels) return;
+    end_number(0, ERROR_BIAS, ERROR_BIAS_SQUARE, pixel);
+    end_number(1, ERROR_NARROW, ERROR_NARROW_SQUARE, pixel);
+    if ((MAPS & 1) != 0) end_shape(0, pixel);
+    if ((MAPS & 2) != 0) end_shape(1, pixel);
+    if ((MAPS & 4) != 0) end_shape(2, pixel);
+}

@@ -1,0 +1,83 @@
+// Adds what the photons at each query say about the error to the present pass of its pixel. Twin of
+// photon-core's `ErrorPixel::deposit`. The queries of a pixel stand together; the invocation of the
+// first adds them all, in their order.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+// What is read: 0 estimates and their spreads, 1 what gathered.comp added up.
+layout(constant_id = 2) const uint FROM = 0;
+
+#include "film.glsl"
+#include "grid.glsl"
+#include "layout.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
+
+layout(push_constant, scalar) uniform Push {
+    Queries queries;
+    Count query_count;
+    Estimates estimates;
+    Spreads spreads;
+    Count found_count;
+    // Planes of bias and narrow; planes of the map's shape.
+    Planes pass;
+    Planes shape;
+    uint pixels;
+    // 1 over 3π times the paths; or 1/3.
+    float scale;
+} push;
+
+void add(Planes planes, uint plane, uint pixel, float x) {
+    Planes place = film_place(planes, plane, push.pixels, pixel);
+    place.at += x;
+}
+
+void main() {
+    uint i = thread();
+    uint count = min(push.query_count.needed, push.query_count.capacity);
+    count = min(count, min(push.found_count.needed, push.found_count.capacity));
+    if (i >= count) return;
+    uint pixel = push.queries[i].at.pixel;
+    if (pixel >= push.pixels || (i > 0 && push.queries[i - 1].at.pixel == pixel)) return;
+    float bias = 0.0, narrow = 0.0, power = 0.0, squared = 0.0, stray = 0.0;
+    vec2 slope = vec2(0.0), stretch = vec2(0.0);
+    do {
+        Spreads spread = push.spreads + i;
+        if (spread.at.photons != 0) {
+            vec3 weight = push.queries[i].at.weight;
+            vec3 wide = spread.at.wide, inner = spread.at.narrow;
+            float density = push.scale;
+            if (FROM == 0) {
+                vec3 flux = push.estimates[i].at.flux;
+                wide = 0.5 * wide - flux;
+                inner = flux - 2.0 * inner;
+                density /= push.estimates[i].at.radius_squared;
+            }
+            wide *= weight;
+            inner *= weight;
+            bias += density * (wide.x + wide.y + wide.z);
+            narrow += density * (inner.x + inner.y + inner.z);
+            float mean = (weight.x + weight.y + weight.z) * (1.0 / 3.0);
+            power += mean * spread.at.power;
+            squared += mean * mean * spread.at.power_squared;
+            slope += mean * spread.at.slope;
+            stretch += mean * spread.at.stretch;
+            stray += mean * spread.at.stray;
+        }
+        i++;
+    } while (i < count && push.queries[i].at.pixel == pixel);
+    if (power == 0.0 && stray == 0.0) return;
+    add(push.pass, 0, pixel, bias);
+    add(push.pass, 1, pixel, narrow);
+    add(push.shape, SHAPE_POWER, pixel, power);
+    add(push.shape, SHAPE_POWER_SQUARED, pixel, squared);
+    for (uint axis = 0; axis < 2; axis++) {
+        add(push.shape, SHAPE_SLOPE + axis, pixel, slope[axis]);
+        add(push.shape, SHAPE_STRETCH + axis, pixel, stretch[axis]);
+    }
+    add(push.shape, SHAPE_STRAY, pixel, stray);
+}

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
+use crate::errors::ErrorPixel;
 use crate::film::{Film, Layer};
 use crate::forecast::Prospect;
 use crate::layout::{Estimate, Photon, PhotonRay, Query, Spread};
@@ -144,7 +145,10 @@ impl<B: TransportBackend> Pipeline<B> {
         let plan = match settings.memory {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
-                let picture = pixels * (costs.pixel + per_pixel * costs.query);
+                // Of errors: what is kept for a query, and a copy of a pixel's when the film is read.
+                let (spread, copy) =
+                    if settings.errors { (size_of::<Spread>(), size_of::<ErrorPixel>()) } else { (0, 0) };
+                let picture = pixels * (costs.pixel + copy as u64 + per_pixel * (costs.query + spread as u64));
                 Some(Plan::new(cap, tables.saturating_add(picture), &costs)?)
             }
             None => None,

@@ -130,15 +130,16 @@ fn validation_sees_what_is_wrong() {
 #[test]
 fn messages_about_commands_name_their_stage() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    if !on.is_watched() {
+    // The layer tells the stage for what it objects to in a command buffer, and real drivers do not survive the
+    // recording of any of that.
+    if !on.is_watched() || on.limits().loop_turns == 0 {
+        eprintln!("skipped: for lavapipe under the validation layer");
         return;
     }
     on.mark(Some(Stage::Gather));
-    let memory = on.memory("some", 64).unwrap();
     let commands = on.recorder.commands().unwrap();
-    // SAFETY: not where a fill may begin, hence the message, but inside of the buffer, and thrown away. (Real
-    // drivers do not survive the recording of worse.)
-    unsafe { on.device.raw.cmd_fill_buffer(commands, memory.buffer(), 2, 4, 0) };
+    // SAFETY: recorded without a pipeline, hence the message, and thrown away.
+    unsafe { on.device.raw.cmd_dispatch(commands, 1, 1, 1) };
     on.recorder.forget();
     let said = on.validation_messages().join("\n");
     assert!(said.contains(&format!("[in {}]", Stage::Gather.name())), "{said}");

@@ -1,6 +1,6 @@
 //! Instance, logical device and queue: our own, or a host's.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -104,16 +104,9 @@ pub(crate) fn bare_instance() -> Result<(ash::Entry, ash::Instance)> {
     Ok((entry, instance))
 }
 
-/// The loader stays in memory once it is there: drivers that are loaded again and again run out of what a
-/// process has once, and are not found any more (NVIDIA's after some dozen times).
 fn load() -> Result<ash::Entry> {
-    static LOADED: OnceLock<ash::Entry> = OnceLock::new();
-    if let Some(entry) = LOADED.get() {
-        return Ok(entry.clone());
-    }
     // SAFETY: the loader is the system's; what it does when it is loaded is in its own hands.
-    let entry = unsafe { ash::Entry::load() }.map_err(|error| Fault::NoLoader(error.to_string()))?;
-    Ok(LOADED.get_or_init(|| entry).clone())
+    unsafe { ash::Entry::load() }.map_err(|error| Fault::NoLoader(error.to_string()).into())
 }
 
 const VALIDATION: &std::ffi::CStr = c"VK_LAYER_KHRONOS_validation";

@@ -102,6 +102,9 @@ const SHARE: f64 = 0.95;
 /// Passes before the first forecast.
 const PILOT: u32 = 8;
 
+/// Passes after which something must be claimed of some pixel.
+const GIVE_UP: u32 = 256;
+
 /// Renders passes until the budget is spent or the observer asks to stop.
 ///
 /// # Errors
@@ -139,8 +142,8 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
             let forecast = look(renderer, &plan, &outcome, clock.elapsed())?;
             next_look = after(&plan, outcome.passes, forecast.as_ref());
             let Some(forecast) = forecast else {
-                if matches!(plan.until, Budget::Error { .. }) && outcome.passes == PILOT {
-                    return Err(nothing_told());
+                if matches!(plan.until, Budget::Error { .. }) {
+                    patience(renderer, outcome.passes)?;
                 }
                 continue;
             };
@@ -164,12 +167,16 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
     Ok(outcome)
 }
 
-fn nothing_told() -> Error {
-    Error::InvalidSetting {
-        name: "target-error",
-        value: "asked for".into(),
-        mend: "after 8 passes nothing is claimed of any pixel: set Settings::errors, and show what photon maps light",
+/// Whether to wait on for claims that have not come.
+fn patience(renderer: &mut dyn Render, passes: u32) -> Result<()> {
+    let refuse = |value: &str, mend| Err(Error::InvalidSetting { name: "target-error", value: value.into(), mend });
+    if passes == PILOT && renderer.film()?.errors.is_none() {
+        return refuse("asked for", "errors must be kept for it: set Settings::errors");
     }
+    if passes >= GIVE_UP {
+        return refuse("asked for", "after so many passes nothing is claimed of any pixel: more photons are needed");
+    }
+    Ok(())
 }
 
 /// Whether to begin no other pass: what was to be spent is spent, or would be by less than half of it.

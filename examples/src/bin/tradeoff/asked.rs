@@ -8,7 +8,7 @@ use photon_core::{Budget, Film, Outcome, Plan};
 use crate::truth::Truth;
 
 /// Seconds after which an error is given up.
-const PATIENCE: Duration = Duration::from_secs(30);
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What is asked for.
 pub(crate) fn plans() -> Vec<Plan> {

@@ -120,8 +120,10 @@ fn share(a: &[Photon], b: &[Photon]) -> f64 {
 fn photons_are_those_of_the_processor() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
-    for (name, random) in
-        SCENES.map(|name| (name, RandomKind::Counter)).into_iter().chain([("cornell", RandomKind::Lcg)])
+    for (name, random) in SCENES
+        .map(|name| (name, RandomKind::Counter))
+        .into_iter()
+        .chain([("cornell", RandomKind::Lcg), ("cornell", RandomKind::Sobol)])
     {
         let (scene, how) = (scene(name), How { random, ..How::default() });
         let (a, b) = (harvest(&mut cpu, &scene, &how), harvest(&mut gpu, &scene, &how));

@@ -40,13 +40,17 @@ pub(crate) fn rows(scene: &str, answers: &[(Plan, Outcome, Film, f64)], truth: &
         let held =
             standing().filter(|(pixel, claim)| (claim.value - truth.at(*pixel)).abs() <= claim.half_width).count();
         let count = standing().count();
+        let covered = if truth.judges(outcome.paths) {
+            format!("{:.1} %", 100.0 * held as f64 / count.max(1) as f64)
+        } else {
+            "–".to_owned()
+        };
         let _ = writeln!(
             text,
-            "| {scene} | {asked} | {predicted} | {} passes, {seconds:.2} s | {:.1} % | {:.0} % | {:.1} % |",
+            "| {scene} | {asked} | {predicted} | {} passes, {seconds:.2} s | {:.1} % | {:.0} % | {covered} |",
             outcome.passes,
             100.0 * error,
-            100.0 * count as f64 / claims.len().max(1) as f64,
-            100.0 * held as f64 / count.max(1) as f64
+            100.0 * count as f64 / claims.len().max(1) as f64
         );
     }
     text

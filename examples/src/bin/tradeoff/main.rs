@@ -150,8 +150,8 @@ impl Subject<'_> {
         let settings = Settings { photons: base.photons.saturating_mul(4), errors: true, ..base.clone() };
         let passes = (longest * u64::from(self.args.reference)).div_ceil(u64::from(settings.photons));
         eprintln!("{}: a reference of {passes} passes", self.name);
-        let (film, _) = self.film(&settings, Budget::Passes(passes.min(100_000) as u32), u64::MAX)?;
-        Ok(truth::reference(&film))
+        let (film, told) = self.film(&settings, Budget::Passes(passes.min(100_000) as u32), u64::MAX)?;
+        Ok(truth::reference(&film, told.outcome.paths))
     }
 
     fn film(&self, settings: &Settings, plan: impl Into<Plan>, seed: u64) -> std::result::Result<(Film, Told), Fault> {

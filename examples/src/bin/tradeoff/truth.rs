@@ -16,6 +16,8 @@ pub(crate) enum Truth {
         /// What it claims of its own relMSE; of flagged pixels, their noise alone.
         error: f64,
         passes: u32,
+        /// Paths that it was made of.
+        photons: u64,
     },
 }
 
@@ -24,6 +26,14 @@ impl Truth {
         match self {
             Self::Constant(radiance) => *radiance,
             Self::Reference { pixels, .. } => pixels.get(pixel).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// Whether claims of a run of so many paths can be held against it.
+    pub(crate) fn judges(&self, photons: u64) -> bool {
+        match self {
+            Self::Constant(_) => true,
+            Self::Reference { photons: own, .. } => *own >= 4 * photons,
         }
     }
 
@@ -49,10 +59,10 @@ pub(crate) fn closed_form(scene: &str) -> Option<f64> {
 }
 
 /// What a long run tells.
-pub(crate) fn reference(film: &Film) -> Truth {
+pub(crate) fn reference(film: &Film, photons: u64) -> Truth {
     let claims = film.claims().unwrap_or_default();
     let pixels: Vec<f64> = claims.iter().map(|claim| claim.value).collect();
-    let truth = Truth::Reference { pixels, error: 0.0, passes: film.passes };
+    let truth = Truth::Reference { pixels, error: 0.0, passes: film.passes, photons };
     let floor = truth.floor(claims.len());
     let squares = claims.iter().map(|claim| {
         let bias = (claim.bias * claim.bias - claim.bias_error * claim.bias_error).max(0.0);
@@ -60,7 +70,7 @@ pub(crate) fn reference(film: &Film) -> Truth {
     });
     let error = squares.sum::<f64>() / claims.len().max(1) as f64;
     match truth {
-        Truth::Reference { pixels, passes, .. } => Truth::Reference { pixels, error, passes },
+        Truth::Reference { pixels, passes, photons, .. } => Truth::Reference { pixels, error, passes, photons },
         constant @ Truth::Constant(_) => constant,
     }
 }

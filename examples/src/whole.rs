@@ -36,7 +36,7 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
     write(path, |file| Ok(file.write_all(bytes)?))
 }
 
-/// Whether [`write`] could begin: worth knowing before an hour's work.
+/// Whether [`write()`] could begin: worth knowing before an hour's work.
 ///
 /// # Errors
 /// [`Fault::Input`] names the file and why not.

@@ -55,6 +55,7 @@ pub struct Pipeline<B: TransportBackend> {
     spreads: Option<B::Buffer<Spread>>,
 }
 
+mod check;
 mod fit;
 
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
@@ -129,7 +130,7 @@ impl<B: TransportBackend> Pipeline<B> {
         batch: u32,
     ) -> Result<Self> {
         settings.validate()?;
-        check_scene(scene)?;
+        check::check_scene(scene)?;
         required.check(Requirements::of(scene, &settings).features)?;
         let mut film = on.film(scene, view.width, view.height)?;
         if settings.errors {
@@ -373,18 +374,6 @@ impl<B: TransportBackend> Pipeline<B> {
     fn needs_photons(&self) -> bool {
         self.photons.iter().any(Option::is_some)
     }
-}
-
-fn check_scene(scene: &SceneView<'_>) -> Result<()> {
-    let lit = scene.lights.iter().any(|light| light.power.iter().any(|&p| p > 0.0));
-    if !lit {
-        return Err(Error::NoLight);
-    }
-    let keeps = scene.facets.iter().any(|facet| {
-        let material = &scene.materials[facet.material as usize];
-        material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0)
-    });
-    if keeps { Ok(()) } else { Err(Error::NoReceiver) }
 }
 
 impl<B: TransportBackend> Render for Pipeline<B> {

@@ -1,0 +1,17 @@
+//! Whether there is anything to render.
+
+use crate::error::{Error, Result};
+use crate::scene::SceneView;
+
+/// Something must give light, and something must keep photons.
+pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
+    let lit = scene.lights.iter().any(|light| light.power.iter().any(|&p| p > 0.0));
+    if !lit {
+        return Err(Error::NoLight);
+    }
+    let keeps = scene.facets.iter().any(|facet| {
+        let material = &scene.materials[facet.material as usize];
+        material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0)
+    });
+    if keeps { Ok(()) } else { Err(Error::NoReceiver) }
+}

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use backend_cpu::Cpu;
-use backend_vulkan::{Options, Vulkan};
+use backend_vulkan::Vulkan;
 use photon_core::Backend;
 use photon_tests::extremes::{Extent, Sheet, groups};
 use photon_tests::harness::TestBackend;
@@ -27,11 +27,11 @@ impl TestBackend for OnVulkan {
     type On = Vulkan;
 
     fn make(_threads: usize) -> Vulkan {
-        Vulkan::with_options(&Options::default()).expect("it was there a moment ago")
+        Vulkan::new().expect("it was there a moment ago")
     }
 
     fn available() -> bool {
-        Vulkan::with_options(&Options::default()).is_ok()
+        Vulkan::new().is_ok()
     }
 }
 

@@ -73,6 +73,9 @@ pub struct Args {
     /// Search radius of the first pass, in the scene's unit of length [default: derived].
     #[arg(long, value_name = "R")]
     pub radius: Option<f64>,
+    /// Factor on radii that are derived: below 1 for sharp caustics, above for smooth light.
+    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    pub radius_factor: f64,
     /// constant, epanechnikov, cone, cone:SLOPE or biweight [default: epanechnikov, paper constant].
     #[arg(long, value_name = "NAME", value_parser = kernel)]
     pub kernel: Option<Kernel>,
@@ -216,6 +219,7 @@ impl Args {
             errors: self.errors || self.target_error.is_some() || (self.time.is_some() && adapts),
             photons: self.photons,
             estimator,
+            radius_factor: self.radius_factor,
             kernel: self.kernel.unwrap_or(base.kernel),
             index: self.index.map_or(base.index, |index| match index {
                 IndexName::Median => IndexKind::Median,
@@ -358,6 +362,7 @@ mod tests {
             vec!["--radius", "0"],
             vec!["--radius", "inf"],
             vec!["--radius=-1"],
+            vec!["--radius-factor", "0"],
             vec!["--photons", "0"],
             vec!["--photons", "1.5"],
             vec!["--size", "0x0"],

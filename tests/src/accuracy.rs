@@ -1,163 +1,16 @@
-//! What a film claims of its own error, against fields whose truth is known.
-//!
-//! Each pixel is one query amid a Poisson field of its own, far enough from its neighbours to be
-//! independent of them, so that pixels are trials. Lengths are in radii of the first pass, in which 20
-//! photons are expected where the field is 1; radii shrink with α = 2/3 or stay.
+//! What a film claims of its own error, against fields whose truth is known, and scenes.
 
 use photon_core::{
-    Backend, Budget, Claim, Film, Flags, Gather, IndexKind, Kernel, Layer, MapStages, Photon, Plan, Query, RandomKind,
-    Rule, Settings, Spread, TransportBackend, radius_squared_factor, render,
+    Backend, Budget, Claim, Flags, Gather, IndexKind, Kernel, Photon, Plan, RandomKind, Rule, Settings, Spread, render,
 };
-use photon_scene::{MaterialDesc, SceneBuilder, builtin};
-use std::f64::consts::PI;
+use photon_scene::builtin;
 
-use crate::harness::{TestBackend, Uniform, estimate, film, per_pass, photon_at, query_at, renderer};
+use crate::fields::{BROKEN, Field, SMOOTH, Trial, film_of, judge};
+use crate::harness::{TestBackend, estimate, film, per_pass, photon_at, query_at, renderer};
 use crate::stats::{assert_agrees, moments};
 
-/// Light about the origin, where the truth is asked for; both coordinates within ±1.5.
-#[derive(Clone, Copy, Debug)]
-pub struct Field {
-    /// For messages.
-    pub name: &'static str,
-    /// Its value.
-    pub at: fn(f64, f64) -> f64,
-    /// At least the largest of its values.
-    pub most: f64,
-}
-
-fn bump(x: f64, y: f64, sigma: f64) -> f64 {
-    (-(x * x + y * y) / (2.0 * sigma * sigma)).exp()
-}
-
-fn lit(yes: bool) -> f64 {
-    f64::from(u8::from(yes))
-}
-
-/// `x^(−1/2)` beyond a fold at distance `d`, 1 at the origin; cut off where it is 12.
-fn fold(x: f64, d: f64) -> f64 {
-    if x <= -d { 0.0 } else { (d / (x + d)).sqrt().min(12.0) }
-}
-
-/// Where claims must be made and hold.
-pub const SMOOTH: [Field; 5] = [
-    Field { name: "uniform", at: |_, _| 1.0, most: 1.0 },
-    Field { name: "slope", at: |x, _| (1.0 + 0.5 * x).max(0.0), most: 1.75 },
-    Field { name: "bump of 1.5", at: |x, y| bump(x, y, 1.5), most: 1.0 },
-    Field { name: "bump of 0.7", at: |x, y| bump(x, y, 0.7), most: 1.0 },
-    Field { name: "side of a bump", at: |x, y| bump(x + 1.5, y, 1.5) / bump(1.5, 0.0, 1.5), most: 1.65 },
-];
-
-/// Where none may be made.
-pub const BROKEN: [Field; 7] = [
-    Field { name: "edge at 0.05", at: |x, _| lit(x > -0.05), most: 1.0 },
-    Field { name: "edge at 0.3", at: |x, _| lit(x > -0.3), most: 1.0 },
-    Field { name: "dark, edge at 0.05", at: |x, _| lit(x > 0.05), most: 1.0 },
-    Field { name: "dark, edge at 0.3", at: |x, _| lit(x > 0.3), most: 1.0 },
-    Field { name: "fold at 0.2", at: |x, _| fold(x, 0.2), most: 12.0 },
-    Field { name: "fold at 0.5", at: |x, _| fold(x, 0.5), most: 12.0 },
-    Field { name: "corner of light", at: |x, y| lit(x > -0.2 && y > -0.2), most: 1.0 },
-];
-
-/// Pixels along a side, the distance between them, and the first radius.
-const SIDE: u32 = 16;
-const STEP: f64 = 0.06;
-const RADIUS: f64 = 0.018;
-const EXPECTED: f64 = 20.0;
-
-/// Photons of one pass: a Poisson process of the field's density about each pixel.
-fn photons(field: &Field, uniform: &mut Uniform) -> Vec<Photon> {
-    let half = 1.5;
-    let mean = EXPECTED / PI * 4.0 * half * half * field.most;
-    let mut photons = Vec::new();
-    for pixel in 0..SIDE * SIDE {
-        let [cx, cy] = place(pixel);
-        // Arrivals at unit rate until `mean`.
-        let mut time = -(1.0 - uniform.draw()).ln();
-        while time < mean {
-            let (x, y) = (half * (2.0 * uniform.draw() - 1.0), half * (2.0 * uniform.draw() - 1.0));
-            if uniform.draw() * field.most < (field.at)(x, y) {
-                photons.push(photon_at([(cx + x * RADIUS) as f32, (cy + y * RADIUS) as f32, 0.0]));
-            }
-            time -= (1.0 - uniform.draw()).ln();
-        }
-    }
-    photons
-}
-
-fn place(pixel: u32) -> [f64; 2] {
-    [pixel % SIDE, pixel / SIDE].map(|i| (f64::from(i) - 7.5) * STEP)
-}
-
-/// The film of so many passes over a field, in units of the field's density.
-pub fn field_film<T: TestBackend>(field: &Field, passes: u32, alpha: f64, seed: u64) -> Film {
-    let mut on = T::make(2);
-    let mut builder = SceneBuilder::new();
-    let white = builder.material(MaterialDesc::lambert("white", [1.0; 3]));
-    builder.quad("floor", [[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]], white);
-    let scene = builder.build().unwrap();
-    let mut there = on.film(&scene.view(), SIDE, SIDE).unwrap();
-    on.keep_errors(&mut there).unwrap();
-    let queries: Vec<Query> = (0..SIDE * SIDE)
-        .map(|pixel| {
-            let [x, y] = place(pixel);
-            Query { pixel, ..query_at([x as f32, y as f32, 0.0], RADIUS as f32) }
-        })
-        .collect();
-    let queries = on.upload("queries", &queries).unwrap();
-    let mut estimates = on.alloc("estimates", u64::from(SIDE * SIDE)).unwrap();
-    let mut spreads = on.alloc("spreads", u64::from(SIDE * SIDE)).unwrap();
-    let MapStages { mut builder, mut estimator } = on.map_stages(IndexKind::Morton).unwrap();
-    let mut uniform = Uniform::new(seed);
-    for pass in 0..passes {
-        let shrink = radius_squared_factor(pass, alpha).sqrt() as f32;
-        let gather =
-            Gather { rule: Rule::Radius, kernel: Kernel::Epanechnikov, radius_scale: shrink, min_normal_cosine: 0.7 };
-        let photons = on.upload("photons", &photons(field, &mut uniform)).unwrap();
-        let map = builder.build(&mut on, photons).unwrap();
-        estimator.estimate_spread(&mut on, &map, &queries, &gather, &mut estimates, &mut spreads).unwrap();
-        on.fold(&mut there, Layer::Indirect, &queries, &estimates, 1).unwrap();
-        on.fold_errors(&mut there, Layer::Indirect, &queries, &estimates, &spreads, 1).unwrap();
-        on.end_pass(&mut there).unwrap();
-    }
-    let mut film = on.read_film(&there).unwrap();
-    film.units = photon_core::Units { power: PI * RADIUS * RADIUS / EXPECTED, ..photon_core::Units::default() };
-    film
-}
-
-/// What came of the claims about one field.
-#[derive(Clone, Copy, Debug)]
-pub struct Verdict {
-    /// Share of the pixels of which something is claimed.
-    pub claimed: f64,
-    /// Share of these whose truth is within the claim.
-    pub covered: f64,
-    /// Share whose truth is within what noise alone would claim, of all pixels.
-    pub covered_by_noise: f64,
-    /// Median claim over the root of the mean squared error.
-    pub sharpness: f64,
-}
-
-/// Judges films of the same field.
-#[must_use]
-pub fn judge(field: &Field, films: &[Film]) -> Verdict {
-    let truth = (field.at)(0.0, 0.0);
-    let all: Vec<Claim> = films.iter().flat_map(|film| film.claims().unwrap()).collect();
-    let quantile = photon_core::student_975(f64::from(films[0].passes) - 1.0);
-    let error = |claim: &Claim| (claim.value - truth).abs();
-    let claimed: Vec<&Claim> = all.iter().filter(|claim| claim.flags.is_empty()).collect();
-    let squares: Vec<f64> = claimed.iter().map(|claim| error(claim).powi(2)).collect();
-    let mut widths: Vec<f64> = claimed.iter().map(|claim| claim.half_width).collect();
-    widths.sort_by(f64::total_cmp);
-    let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
-    Verdict {
-        claimed: share(claimed.len(), all.len()),
-        covered: share(claimed.iter().filter(|claim| error(claim) <= claim.half_width).count(), claimed.len()),
-        covered_by_noise: share(
-            all.iter().filter(|claim| error(claim) <= quantile * claim.standard_error).count(),
-            all.len(),
-        ),
-        sharpness: widths.get(widths.len() / 2).map_or(f64::NAN, |&width| width / moments(&squares).0.sqrt()),
-    }
+fn field_film<T: TestBackend>(field: &Field, passes: u32, alpha: f64, seed: u64) -> photon_core::Film {
+    film_of(&mut T::make(2), field, &Trial { passes, alpha, side: 16, seed }).unwrap()
 }
 
 /// 256 trials each: of a nominal 0.95, no fewer than 0.93 hold, wherever anything is claimed; and the
@@ -167,7 +20,8 @@ pub fn e1_claims_hold_in_smooth_fields<T: TestBackend>() {
         for (seed, field) in SMOOTH.iter().enumerate() {
             let verdict = judge(field, &[field_film::<T>(field, passes, alpha, 70 + seed as u64)]);
             let what = format!("{}, {passes} passes, alpha {alpha:.2}: {verdict:?}", field.name);
-            assert!(verdict.claimed >= 0.8 && verdict.covered >= 0.93, "{what}");
+            // A share of 0.8 of 256 has a standard error of 1/40.
+            assert!(verdict.claimed >= 0.8 - 4.5 / 40.0 && verdict.covered >= 0.93, "{what}");
             // The standard error of a root of 256 squares is a 23rd of it.
             assert!(verdict.sharpness <= 3.0 * (1.0 + 4.5 / 23.0), "{what}");
         }
@@ -189,7 +43,7 @@ pub fn e3_noise_alone_does_not_cover<T: TestBackend>() {
         assert!(verdict.covered_by_noise <= 0.5, "{}: {verdict:?}", field.name);
     }
     let few = field_film::<T>(&SMOOTH[0], 7, 1.0, 91);
-    assert!(few.claims().unwrap().iter().all(|claim| claim.flags == Flags::FEW_PASSES));
+    assert!(few.claims().unwrap().iter().all(|claim| claim.flags.contains(Flags::FEW_PASSES)));
 }
 
 /// The second sums on photons that are counted by hand: two within the radius, one of them within the

@@ -111,6 +111,30 @@ pub fn passes_merge<T: TestBackend>() {
     assert!(of(1, 1).pixels != of(0, 1).pixels);
 }
 
+/// A backend that has rendered one scene renders another as a fresh one would, bits and reports of memory
+/// alike; and the first again.
+pub fn one_backend_renders_again<T: TestBackend>() {
+    let other = photon_scene::builtin("cornell").unwrap().build().unwrap();
+    let kept = Settings { errors: true, photons: 3000, ..Settings::default() };
+    let first = (scene(), settings());
+    let jobs = [&first, &(other, kept), &first];
+    let picture = |on: T::On, (scene, settings): &(Scene, Settings)| {
+        let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+        let mut renderer = Pipeline::new(on, &scene.view(), view, settings.clone()).unwrap();
+        render(&mut renderer, Budget::passes(2), &mut ()).unwrap();
+        let (film, facts) = (renderer.film().unwrap(), renderer.facts());
+        (film.pixels, facts.memory, renderer.into_backend().unwrap())
+    };
+    let mut on = T::make(2);
+    for job in jobs {
+        let (fresh, fresh_memory, _) = picture(T::make(2), job);
+        let (pixels, memory, back) = picture(on, job);
+        assert!(pixels == fresh);
+        assert_eq!(memory, fresh_memory);
+        on = back;
+    }
+}
+
 /// S31: a buffer that is too small says what it needs; one that may grow gives the same picture as
 /// one that was large enough.
 pub fn s31_full_photon_buffers<T: TestBackend>() {

@@ -13,6 +13,7 @@ pub mod direct;
 pub mod equivalence;
 pub mod estimators;
 pub mod extremes;
+pub mod fields;
 pub mod harness;
 pub mod interreflection;
 pub mod numerics;
@@ -73,7 +74,7 @@ macro_rules! whole_suite {
             }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,
-                wider_requirements_change_nothing, passes_merge, s31_full_photon_buffers,
+                wider_requirements_change_nothing, passes_merge, one_backend_renders_again, s31_full_photon_buffers,
             }
         }
     };

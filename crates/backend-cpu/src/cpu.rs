@@ -82,6 +82,10 @@ impl Cpu {
     pub(crate) fn noted_memory(&self) -> &[(String, u64)] {
         &self.memory
     }
+
+    pub(crate) fn forget_memory(&mut self) {
+        self.memory.clear();
+    }
 }
 
 /// Elements of one kind.

@@ -1,8 +1,8 @@
 //! The picture in progress.
 
 use photon_core::{
-    Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Layer, Query, Requirements, Result, SceneView,
-    Settings, Spread, Stages, TransportBackend,
+    Backend as _, Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Layer, Query, Requirements, Result,
+    SceneView, Settings, Spread, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -212,6 +212,11 @@ impl TransportBackend for Cpu {
         ];
         memory.extend(self.noted_memory().iter().cloned());
         memory
+    }
+
+    fn renew(&mut self) -> Result<()> {
+        self.forget_memory();
+        self.timings().map(drop)
     }
 }
 

@@ -89,6 +89,15 @@ impl TransportBackend for Vulkan {
         let tables = scene.bytes().iter().map(|&(label, bytes)| (label.to_owned(), bytes));
         tables.chain(self.memory.iter().cloned()).collect()
     }
+
+    fn renew(&mut self) -> Result<()> {
+        self.timings()?;
+        self.finish()?;
+        // What the last render freed and the next may not want; pipelines stay.
+        self.device.free_spares();
+        self.memory.clear();
+        Ok(())
+    }
 }
 
 #[cfg(test)]

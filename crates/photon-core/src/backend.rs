@@ -164,6 +164,15 @@ pub trait TransportBackend: Backend {
 
     /// What is allocated now: label and bytes.
     fn memory(&self, scene: &Self::Scene) -> Vec<(String, u64)>;
+
+    /// Makes it ready for another render, after everything of the last was dropped: waits for what is
+    /// under way, and forgets what reports told of it.
+    ///
+    /// # Errors
+    /// Deferred errors surface here.
+    fn renew(&mut self) -> Result<()> {
+        self.timings().map(drop)
+    }
 }
 
 /// How full a buffer is.

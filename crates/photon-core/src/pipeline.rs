@@ -56,6 +56,7 @@ pub struct Pipeline<B: TransportBackend> {
 }
 
 mod check;
+mod end;
 mod fit;
 
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
@@ -235,7 +236,7 @@ impl<B: TransportBackend> Pipeline<B> {
             }
         }
         let [direct, caustic, global] = found;
-        self.radii = Radii { direct, caustic, global };
+        self.radii = Radii { direct, caustic, global }.scaled(self.settings.radius_factor as f32);
         Ok(())
     }
 
@@ -424,21 +425,6 @@ impl<B: TransportBackend> Render for Pipeline<B> {
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Puts back what a pass that failed had in its hands: photons that were in a map when it was given
-    /// up are gone, and counts of paths that no film has.
-    fn recover(&mut self) -> Result<()> {
-        let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
-        for map in (0..3).filter(|&map| wanted[map]) {
-            if self.photons[map].is_none() {
-                self.allocate(map, self.capacities[map])?;
-            }
-        }
-        self.stages.tracer.take_tally(&mut self.on)?;
-        self.on.timings()?;
-        self.failed = false;
-        Ok(())
-    }
-
     fn whole_pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
         if index == PILOT {
             return Err(Error::InvalidSetting {

@@ -110,6 +110,8 @@ pub struct Settings {
     pub photons: u32,
     /// How photons become an estimate.
     pub estimator: Estimator,
+    /// Factor on radii that are derived, > 0 and finite: below 1 for sharp caustics, above for smooth light.
+    pub radius_factor: f64,
     /// How they are weighted.
     pub kernel: Kernel,
     /// How they are arranged.
@@ -153,6 +155,7 @@ impl Default for Settings {
         Self {
             photons: 200_000,
             estimator: Estimator::Radius { radius: None },
+            radius_factor: 1.0,
             kernel: Kernel::Epanechnikov,
             index: IndexKind::default(),
             direct: Direct::default(),
@@ -214,6 +217,7 @@ impl Settings {
             None => Ok(()),
         };
         ensure(self.photons > 0, "photons", self.photons.to_string(), "at least 1 is needed")?;
+        length("radius-factor", Some(self.radius_factor))?;
         match self.estimator {
             Estimator::Radius { radius } => length("radius", radius)?,
             Estimator::Knn { k, max_radius } => {

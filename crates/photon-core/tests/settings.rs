@@ -24,6 +24,8 @@ fn nonsense_is_refused_by_name() {
         ("radius", radius(-1.0)),
         ("radius", radius(f64::INFINITY)),
         ("radius", radius(f64::NAN)),
+        ("radius-factor", Settings { radius_factor: 0.0, ..base() }),
+        ("radius-factor", Settings { radius_factor: f64::NAN, ..base() }),
         ("k", paper(Paper { max: 0, ..Paper::default() })),
         ("radius", paper(Paper { radius: Some(f64::NAN), ..Paper::default() })),
         ("factor", paper(Paper { factor: f32::NAN, ..Paper::default() })),

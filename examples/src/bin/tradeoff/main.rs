@@ -1,43 +1,54 @@
 //! The price list: what error is had for what time, by every setting that trades one for the other.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "the tables go to stdout, progress to stderr")]
+#![expect(clippy::print_stderr, reason = "progress goes to stderr")]
 
 mod asked;
 mod document;
+mod engine;
 mod fields;
 mod measure;
 mod plot;
+mod records;
 mod sweep;
+mod tables;
 mod truth;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Parser;
-use photon_core::{Budget, Film, Outcome, Pipeline, Plan, Render, Settings, TransportBackend, View};
+use clap::{Parser, ValueEnum};
+use photon_core::{Budget, Settings};
 use photon_examples::args::BackendName;
-use photon_examples::backend::{self, Chosen};
 use photon_examples::fault::{self, Fault};
-use photon_scene::Scene;
+use photon_examples::whole;
 
-use measure::{Run, Summary};
-use sweep::Point;
-use truth::Truth;
+use engine::{Engine, Subject};
+use measure::Run;
+use records::{Body, ClaimRow, Part};
+use truth::{Effort, Truth};
 
-/// Renders scenes with many settings and seeds, and writes error and time of each.
+/// Renders scenes with many settings and seeds, and writes error and time of each. What is measured goes into
+/// files of the folder --out, to which further calls add, on other machines if need be; each call makes
+/// document and plots of all that is there.
 #[derive(Debug, Parser)]
 struct Args {
     /// Built-in scenes.
     #[arg(default_values_t = ["integrating-sphere", "furnace", "cornell", "cornell-glass", "ring"].map(str::to_owned))]
     scenes: Vec<String>,
-    /// Where to render.
-    #[arg(long, value_enum, default_value_t = BackendName::Auto)]
-    backend: BackendName,
-    /// Where the table and the plots go.
+    /// Where to render; may be given twice.
+    #[arg(long, value_enum, default_values_t = [BackendName::Auto])]
+    backend: Vec<BackendName>,
+    /// What to measure; may be given several times [default: all].
+    #[arg(long, value_enum)]
+    part: Vec<PartName>,
+    /// Where results and plots go.
     #[arg(long, default_value = "out/tradeoff")]
     out: PathBuf,
     /// The document to write, tables included.
     #[arg(long)]
     document: Option<PathBuf>,
+    /// Measure nothing: only document and plots of what is in this folder.
+    #[arg(long, value_name = "DIR")]
+    assemble: Option<PathBuf>,
     /// Pixels across and down.
     #[arg(long, default_value_t = 48)]
     size: u32,
@@ -47,144 +58,176 @@ struct Args {
     /// Photon paths per pass of the middle setting.
     #[arg(long, default_value_t = 20_000)]
     photons: u32,
-    /// Fields of known truth for claims, 256 pixels each, of each kind; 0 leaves them out.
-    #[arg(long, default_value_t = 4)]
+    /// Runs by which claims about scenes of known truth are judged.
+    #[arg(long, default_value_t = 200)]
+    claim_seeds: u32,
+    /// Films of each field of known truth.
+    #[arg(long, default_value_t = 200)]
     fields: u32,
-    /// How many times the photons of the longest run those of a reference are, where the truth is not known.
+    /// Pixels along a side of these.
     #[arg(long, default_value_t = 8)]
+    field_side: u32,
+    /// Most passes by which rates are told.
+    #[arg(long, default_value_t = 16_384)]
+    rate_passes: u32,
+    /// Pixels along a side by which rates are told.
+    #[arg(long, default_value_t = 32)]
+    rate_side: u32,
+    /// How many times the photons of the longest run those of a reference are, where the truth is not known.
+    #[arg(long, default_value_t = 1000)]
     reference: u32,
 }
 
-/// All that is known of one scene.
-struct Result {
-    scene: String,
-    truth: Truth,
-    rows: Vec<(Point, Summary)>,
-    /// Lines about what was asked for.
-    asked: String,
+/// What can be measured by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PartName {
+    /// The long runs by which scenes without a closed form are judged.
+    Reference,
+    /// Each knob by itself, and the presets.
+    Sweep,
+    /// Claims about scenes of known truth.
+    Claims,
+    /// What comes of asking for an error or a time.
+    Asked,
+    /// Claims in fields of known truth.
+    Fields,
+    /// Rates in these.
+    Rates,
 }
 
 fn main() -> ExitCode {
     fault::run(|| work(&Args::parse()))
 }
 
-fn work(args: &Args) -> std::result::Result<(), Fault> {
-    if args.seeds < 2 {
-        return Err(Fault::input("--seeds: at least 2 are needed to tell bias from variance"));
+/// One line of progress.
+fn progress(line: &str) {
+    eprintln!("{line}");
+}
+
+fn work(args: &Args) -> Result<(), Fault> {
+    let folder = args.assemble.as_deref().unwrap_or(&args.out);
+    if args.assemble.is_none() {
+        measure(args)?;
     }
-    std::fs::create_dir_all(&args.out).map_err(|why| Fault::writing(&args.out, why))?;
-    let mut results = Vec::new();
-    let mut device = String::new();
-    for name in &args.scenes {
-        let builder = photon_scene::builtin(name);
-        let builder = builder.ok_or_else(|| Fault::input(format!("{name}: no built-in scene has that name")))?;
-        let scene = builder.build()?;
-        let view = View { camera: scene.camera(None, args.size, args.size)?, width: args.size, height: args.size };
-        let subject = Subject { args, name, scene: &scene, view };
-        let result = subject.examine(&mut device)?;
-        write(&args.out.join(format!("{name}.svg")), &plot::picture(&result))?;
-        results.push(result);
+    let parts = records::parts(folder)?;
+    if parts.is_empty() {
+        return Err(Fault::input(format!("{}: holds no results of this program", folder.display())));
     }
-    write(&args.out.join("tradeoff.csv"), &document::csv(&results))?;
-    let fields = fields::tables(args.backend, args.fields)?;
-    let text = document::markdown(&results, &device, &fields, (args.size, args.seeds));
-    write(args.document.as_deref().unwrap_or(&args.out.join("tradeoff.md")), &text)?;
-    println!("{text}");
+    for sweep in tables::sweeps(&parts) {
+        let name = format!("{}-{}.svg", sweep.1.scene, sweep.0.backend);
+        write(&folder.join(name), &plot::sweep(sweep.1))?;
+    }
+    if let Some(svg) = plot::rates(&parts) {
+        write(&folder.join("rates.svg"), &svg)?;
+    }
+    write(&folder.join("tradeoff.csv"), &tables::csv(&parts))?;
+    let text = document::markdown(&parts);
+    write(&folder.join("tradeoff.md"), &text)?;
+    if let Some(path) = &args.document {
+        write(path, &text)?;
+    }
     Ok(())
 }
 
-fn write(path: &Path, text: &str) -> std::result::Result<(), Fault> {
-    std::fs::write(path, text).map_err(|why| Fault::writing(path, why))
+fn write(path: &Path, text: &str) -> Result<(), Fault> {
+    whole::write_bytes(path, text.as_bytes())
 }
 
-/// One scene, seen by its camera.
-struct Subject<'a> {
-    args: &'a Args,
-    name: &'a str,
-    scene: &'a Scene,
-    view: View,
-}
-
-impl Subject<'_> {
-    fn examine(&self, device: &mut String) -> std::result::Result<Result, Fault> {
-        let base = sweep::base(self.name, self.args.photons);
-        // The radii that the library derives are what the sweep of radii goes about.
-        let (_, probe) = self.film(&base, Budget::Passes(1), 0)?;
-        *device = probe.device;
-        let points = sweep::points(&base, probe.radius);
-        let longest = points.iter().map(|point| u64::from(point.passes) * u64::from(point.settings.photons)).max();
-        let truth = match truth::closed_form(self.name) {
-            Some(radiance) => Truth::Constant(radiance),
-            None => self.reference(&base, longest.unwrap_or(1))?,
-        };
-        let mut rows = Vec::new();
-        for point in points {
-            let runs = (0..self.args.seeds)
-                .map(|seed| {
-                    let (film, told) = self.film(&point.settings, Budget::Passes(point.passes), u64::from(seed) + 1)?;
-                    Ok(Run { film, seconds: told.seconds, photons: told.outcome.paths })
-                })
-                .collect::<std::result::Result<Vec<_>, Fault>>()?;
-            let summary = measure::summarise(&runs, &truth);
-            eprintln!(
-                "{}: {} {}: {:.2} s, relMSE {:.2e}",
-                self.name, point.knob, point.value, summary.seconds, summary.error
-            );
-            rows.push((point, summary));
+fn measure(args: &Args) -> Result<(), Fault> {
+    if args.seeds < 2 || args.claim_seeds < 2 {
+        return Err(Fault::input("--seeds, --claim-seeds: at least 2 are needed to tell bias from variance"));
+    }
+    if args.photons < 4 || args.reference == 0 || args.rate_passes < 64 || args.fields == 0 {
+        return Err(Fault::input(
+            "--photons of at least 4, --rate-passes of 64, --fields and --reference of 1 are needed",
+        ));
+    }
+    if args.field_side == 0 || args.rate_side < 4 {
+        return Err(Fault::input("--field-side of at least 1 and --rate-side of 4 are needed"));
+    }
+    std::fs::create_dir_all(&args.out).map_err(|why| Fault::writing(&args.out, why))?;
+    let wanted = |part| args.part.is_empty() || args.part.contains(&part);
+    for &backend in &args.backend {
+        // One for all: a driver may refuse a program that opens it again and again.
+        let mut engine = Engine::open(backend)?;
+        if wanted(PartName::Fields) {
+            let work = fields::FieldClaims { films: args.fields, side: args.field_side };
+            let rows = engine.with(work)?;
+            save(args, &engine, "fields", Body::Fields(rows))?;
         }
-        let settings = Settings { errors: true, ..base };
-        let answers = asked::plans()
-            .into_iter()
-            .map(|plan| {
-                let (film, told) = self.film(&settings, plan, 77)?;
-                Ok((plan, told.outcome, film, told.seconds))
+        if wanted(PartName::Rates) {
+            let rows = engine.with(fields::Rates { side: args.rate_side, most: args.rate_passes })?;
+            save(args, &engine, "rates", Body::Rates(rows))?;
+        }
+        for name in &args.scenes {
+            let subject = Subject::new(name, args.size)?;
+            let base = sweep::base(name, args.photons);
+            if wanted(PartName::Claims)
+                && let Some(radiance) = truth::closed_form(name)
+            {
+                let rows = claims(args, &mut engine, &subject, &base, &Truth::constant(radiance))?;
+                save(args, &engine, &format!("claims-{name}"), Body::Claims(rows))?;
+            }
+            if !(wanted(PartName::Reference) || wanted(PartName::Sweep) || wanted(PartName::Asked)) {
+                continue;
+            }
+            let passes = 4 * sweep::PASSES;
+            let longest = u64::from(passes) * u64::from(base.photons);
+            let effort = Effort { passes, photons: longest, times: args.reference };
+            let truth = Truth::of(&mut engine, &subject, (&base, effort), &args.out)?;
+            if wanted(PartName::Sweep) {
+                let rows = sweep::rows(&mut engine, &subject, (&base, args.seeds), &truth)?;
+                let body = records::Sweep {
+                    scene: name.clone(),
+                    size: args.size,
+                    seeds: args.seeds,
+                    photons: args.photons,
+                    truth: truth.note.clone(),
+                    rows,
+                };
+                save(args, &engine, &format!("sweep-{name}"), Body::Sweep(body))?;
+            }
+            if wanted(PartName::Asked) {
+                let rows = asked::rows(&mut engine, &subject, &base, &truth)?;
+                save(args, &engine, &format!("asked-{name}"), Body::Asked(rows))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn save(args: &Args, engine: &Engine, what: &str, body: Body) -> Result<(), Fault> {
+    let (backend, device) = engine.names();
+    let path = args.out.join(format!("part-{what}-{backend}.json"));
+    records::write(&path, &Part { backend: backend.to_owned(), device, body })
+}
+
+/// Claims about a scene of known truth, with many seeds.
+fn claims(
+    args: &Args,
+    engine: &mut Engine,
+    subject: &Subject,
+    base: &Settings,
+    truth: &Truth,
+) -> Result<Vec<ClaimRow>, Fault> {
+    let mut rows = Vec::new();
+    for passes in [sweep::PASSES, 4 * sweep::PASSES] {
+        let runs = (0..args.claim_seeds)
+            .map(|seed| {
+                let settings = Settings { errors: true, seed: u64::from(seed) + 1000, ..base.clone() };
+                let (film, told) = engine.film(subject, &settings, Budget::Passes(passes))?;
+                Ok(Run::new(&film, told.seconds, told.outcome.paths))
             })
-            .collect::<std::result::Result<Vec<_>, Fault>>()?;
-        let asked = asked::rows(self.name, &answers, &truth);
-        eprint!("{asked}");
-        Ok(Result { scene: self.name.to_owned(), truth, rows, asked })
+            .collect::<Result<Vec<_>, Fault>>()?;
+        let claims = measure::claims(&runs, &|pixel| truth.at(pixel));
+        progress(&format!("{}: claims after {passes} passes: {:.1} % covered", subject.name, 100.0 * claims.covered));
+        rows.push(ClaimRow {
+            scene: subject.name.clone(),
+            passes,
+            seeds: args.claim_seeds,
+            pixels: args.size * args.size,
+            claims,
+        });
     }
-
-    /// A long run with more photons to a pass; with a seed that no other run has.
-    fn reference(&self, base: &Settings, longest: u64) -> std::result::Result<Truth, Fault> {
-        let settings = Settings { photons: base.photons.saturating_mul(4), errors: true, ..base.clone() };
-        let passes = (longest * u64::from(self.args.reference)).div_ceil(u64::from(settings.photons));
-        eprintln!("{}: a reference of {passes} passes", self.name);
-        let (film, told) = self.film(&settings, Budget::Passes(passes.min(100_000) as u32), u64::MAX)?;
-        Ok(truth::reference(&film, told.outcome.paths))
-    }
-
-    fn film(&self, settings: &Settings, plan: impl Into<Plan>, seed: u64) -> std::result::Result<(Film, Told), Fault> {
-        let settings = Settings { seed, ..settings.clone() };
-        match backend::open(self.args.backend, None)? {
-            Chosen::Cpu(on) => self.render(on, settings, plan.into()),
-            Chosen::Vulkan(on) => self.render(*on, settings, plan.into()),
-        }
-    }
-
-    fn render<B: TransportBackend>(
-        &self,
-        on: B,
-        settings: Settings,
-        plan: Plan,
-    ) -> std::result::Result<(Film, Told), Fault> {
-        let mut pipeline = Pipeline::new(on, &self.scene.view(), self.view, settings)?;
-        let begun = std::time::Instant::now();
-        let outcome = photon_core::render(&mut pipeline, plan, &mut ())?;
-        let seconds = begun.elapsed().as_secs_f64();
-        let film = pipeline.film()?;
-        let facts = pipeline.facts();
-        let last = outcome.last.as_ref();
-        let radius = last.and_then(|last| last.radius_global.or(last.radius_caustic).or(last.radius_direct));
-        let device = format!("{}: {}", facts.backend, facts.device);
-        Ok((film, Told { seconds, outcome, radius: radius.unwrap_or(0.05), device }))
-    }
-}
-
-/// What a run tells besides its picture.
-struct Told {
-    seconds: f64,
-    outcome: Outcome,
-    radius: f64,
-    device: String,
+    Ok(rows)
 }

@@ -1,62 +1,39 @@
 //! Errors of several runs of one setting.
 
-use photon_core::Film;
+use photon_core::{Claim, Film, student_975};
 
+use crate::records::{Claims, Summary};
 use crate::truth::Truth;
 
-/// One run.
+/// What is kept of one run: a film is a hundred times as large.
 pub(crate) struct Run {
-    pub(crate) film: Film,
+    pub(crate) grey: Vec<f64>,
+    pub(crate) claims: Option<Vec<Claim>>,
+    pub(crate) passes: u32,
     pub(crate) seconds: f64,
     pub(crate) photons: u64,
 }
 
-/// What runs with different seeds have in common.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Summary {
-    /// Median seconds of the passes.
-    pub(crate) seconds: f64,
-    /// Paths emitted by each run.
-    pub(crate) photons: u64,
-    /// Mean over pixels and runs of `(x − y)²/(y² + ȳ²/100)`.
-    pub(crate) error: f64,
-    /// Its standard error over runs.
-    pub(crate) error_error: f64,
-    /// The part of it that the mean of all runs has too; what is left of the variance is taken off.
-    pub(crate) bias: f64,
-    /// The part that runs differ by.
-    pub(crate) variance: f64,
-    /// Claims, if errors were told.
-    pub(crate) claims: Option<Claims>,
-}
-
-/// How claims did.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Claims {
-    /// Share of the pixels of which something is claimed.
-    pub(crate) claimed: f64,
-    /// Share of these whose truth is within the claim.
-    pub(crate) covered: f64,
-    /// Lowest share of one run.
-    pub(crate) worst: f64,
-    /// Median of claim over the root mean square of the pixel's errors.
-    pub(crate) sharpness: f64,
+impl Run {
+    pub(crate) fn new(film: &Film, seconds: f64, photons: u64) -> Self {
+        let grey = film.beauty().iter().map(|c| c.iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0).collect();
+        Self { grey, claims: film.claims(), passes: film.passes, seconds, photons }
+    }
 }
 
 /// Errors of runs that differ by their seeds.
 pub(crate) fn summarise(runs: &[Run], truth: &Truth) -> Summary {
-    let pictures: Vec<Vec<f64>> = runs.iter().map(|run| grey(&run.film)).collect();
-    let count = pictures.first().map_or(0, Vec::len);
+    let count = runs.first().map_or(0, |run| run.grey.len());
     let (n, floor) = (runs.len() as f64, truth.floor(count));
     let weight = |pixel: usize| 1.0 / ((truth.at(pixel).powi(2) + floor) * count as f64);
-    let errors: Vec<f64> = pictures
+    let errors: Vec<f64> = runs
         .iter()
-        .map(|x| x.iter().enumerate().map(|(pixel, x)| weight(pixel) * (x - truth.at(pixel)).powi(2)).sum())
+        .map(|run| run.grey.iter().enumerate().map(|(pixel, x)| weight(pixel) * (x - truth.at(pixel)).powi(2)).sum())
         .collect();
     let (mut bias, mut variance) = (0.0, 0.0);
     for pixel in 0..count {
-        let mean = pictures.iter().map(|x| x[pixel]).sum::<f64>() / n;
-        let spread = pictures.iter().map(|x| (x[pixel] - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let mean = runs.iter().map(|run| run.grey[pixel]).sum::<f64>() / n;
+        let spread = runs.iter().map(|run| (run.grey[pixel] - mean).powi(2)).sum::<f64>() / (n - 1.0);
         variance += weight(pixel) * spread;
         bias += weight(pixel) * ((mean - truth.at(pixel)).powi(2) - spread / n);
     }
@@ -66,49 +43,57 @@ pub(crate) fn summarise(runs: &[Run], truth: &Truth) -> Summary {
     let spread = errors.iter().map(|e| (e - error).powi(2)).sum::<f64>() / (n - 1.0);
     Summary {
         seconds: seconds[seconds.len() / 2],
+        fastest: seconds[0],
         photons: runs.first().map_or(0, |run| run.photons),
         error,
         error_error: (spread / n).sqrt(),
         bias,
         variance,
-        claims: claims(runs, truth),
+        claims: runs.iter().all(|run| run.claims.is_some()).then(|| claims(runs, &|pixel| truth.at(pixel))),
     }
 }
 
-fn grey(film: &Film) -> Vec<f64> {
-    film.beauty().iter().map(|c| c.iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0).collect()
-}
-
-fn claims(runs: &[Run], truth: &Truth) -> Option<Claims> {
-    let all: Vec<_> = runs.iter().filter_map(|run| run.film.claims()).collect();
-    let count = all.first()?.len();
-    let (mut claimed, mut covered, mut worst) = (0, 0, 1.0_f64);
-    for claims in &all {
-        let standing = || claims.iter().enumerate().filter(|(_, claim)| claim.flags.is_empty());
-        let hits =
-            standing().filter(|(pixel, claim)| (claim.value - truth.at(*pixel)).abs() <= claim.half_width).count();
-        let here = standing().count();
+/// How the claims of runs did.
+pub(crate) fn claims(runs: &[Run], truth: &dyn Fn(usize) -> f64) -> Claims {
+    let all: Vec<(&[Claim], f64)> = runs
+        .iter()
+        .filter_map(|run| Some((run.claims.as_deref()?, student_975(f64::from(run.passes) - 1.0))))
+        .collect();
+    let count = all.first().map_or(0, |(claims, _)| claims.len());
+    let (mut claimed, mut covered, mut by_noise, mut worst) = (0, 0, 0, 1.0_f64);
+    for (claims, quantile) in &all {
+        let (mut here, mut hits) = (0, 0);
+        for (pixel, claim) in claims.iter().enumerate() {
+            let error = (claim.value - truth(pixel)).abs();
+            by_noise += u64::from(error <= quantile * claim.standard_error);
+            here += u64::from(claim.flags.is_empty());
+            hits += u64::from(claim.flags.is_empty() && error <= claim.half_width);
+        }
         claimed += here;
         covered += hits;
-        worst = worst.min(hits as f64 / here.max(1) as f64);
+        if here > 0 {
+            worst = worst.min(hits as f64 / here as f64);
+        }
     }
     let mut ratios: Vec<f64> = (0..count)
         .filter_map(|pixel| {
-            let mean_square = all.iter().map(|claims| (claims[pixel].value - truth.at(pixel)).powi(2)).sum::<f64>();
+            let mean_square = all.iter().map(|(claims, _)| (claims[pixel].value - truth(pixel)).powi(2)).sum::<f64>();
             let root = (mean_square / all.len() as f64).sqrt();
             let widths: Vec<f64> =
-                all.iter().map(|claims| claims[pixel].half_width).filter(|width| width.is_finite()).collect();
+                all.iter().map(|(claims, _)| claims[pixel].half_width).filter(|width| width.is_finite()).collect();
             let mean = widths.iter().sum::<f64>() / widths.len() as f64;
             (!widths.is_empty() && root > 0.0).then_some(mean / root)
         })
         .collect();
     ratios.sort_by(f64::total_cmp);
-    Some(Claims {
-        claimed: claimed as f64 / (count * all.len()) as f64,
+    let pixels = (count * all.len()).max(1) as f64;
+    Claims {
+        claimed: claimed as f64 / pixels,
         covered: covered as f64 / claimed.max(1) as f64,
         worst,
-        sharpness: ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN),
-    })
+        by_noise: by_noise as f64 / pixels,
+        sharpness: ratios.get(ratios.len() / 2).copied().unwrap_or(0.0),
+    }
 }
 
 /// The slope of `y` over `x` in logarithms, by least squares, and its standard error.
@@ -148,17 +133,28 @@ mod tests {
 
     #[test]
     fn bias_and_variance_come_apart() {
-        let film = |value: f64| {
-            let mut film = Film::new(1, 1, photon_core::Units::default()).unwrap();
-            film.pixels[0].layers[0] = [value; 3];
-            film.passes = 1;
-            Run { film, seconds: 1.0, photons: 10 }
-        };
-        let summary = summarise(&[film(1.0), film(1.2), film(1.4)], &Truth::Constant(1.0));
+        let run = |value: f64| Run { grey: vec![value], claims: None, passes: 1, seconds: 1.0, photons: 10 };
+        let summary = summarise(&[run(1.0), run(1.2), run(1.4)], &Truth::constant(1.0));
         // Variance 0.04; the mean is 0.2 off, of which a third of 0.04 is chance.
         let unit = 1.01;
-        assert!((summary.variance * unit - 0.04).abs() < 1e-6, "{summary:?}");
-        assert!((summary.bias * unit - (0.04 - 0.04 / 3.0)).abs() < 1e-6, "{summary:?}");
-        assert!((summary.error * unit - (0.04 + 0.16) / 3.0).abs() < 1e-6 && summary.claims.is_none());
+        assert!((summary.variance * unit - 0.04).abs() < 1e-12, "{summary:?}");
+        assert!((summary.bias * unit - (0.04 - 0.04 / 3.0)).abs() < 1e-12, "{summary:?}");
+        assert!((summary.error * unit - (0.04 + 0.16) / 3.0).abs() < 1e-12 && summary.claims.is_none());
+    }
+
+    #[test]
+    fn a_claim_that_is_wrong_is_not_covered() {
+        let claim = |value: f64, half_width: f64| Claim {
+            value,
+            standard_error: 0.01,
+            bias: 0.0,
+            bias_error: 0.0,
+            half_width,
+            flags: photon_core::Flags::default(),
+        };
+        let run = |claim| Run { grey: vec![1.0], claims: Some(vec![claim]), passes: 9, seconds: 1.0, photons: 1 };
+        let told = claims(&[run(claim(1.1, 0.2)), run(claim(0.9, 0.05))], &|_| 1.0);
+        assert_eq!((told.claimed, told.covered, told.worst, told.by_noise), (1.0, 0.5, 0.0, 0.0));
+        assert!((told.sharpness - 1.25).abs() < 1e-9);
     }
 }

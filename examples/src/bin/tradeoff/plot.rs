@@ -3,8 +3,8 @@
 
 use std::fmt::Write as _;
 
-use crate::Result;
 use crate::measure::{pareto, slope};
+use crate::records::{Body, Part, Summary, Sweep};
 
 const WIDTH: f64 = 460.0;
 const HEIGHT: f64 = 340.0;
@@ -85,46 +85,91 @@ fn decades((low, high): (f64, f64)) -> std::ops::RangeInclusive<i32> {
     low.log10().ceil() as i32..=high.log10().floor() as i32
 }
 
-/// Both panels of a scene.
-pub(crate) fn picture(result: &Result) -> String {
-    let mut svg = format!(
+/// The beginning of a picture of two panels and a legend.
+fn begin() -> String {
+    format!(
         "<svg xmlns='http://www.w3.org/2000/svg' width='{:.0}' height='{HEIGHT:.0}' font-family='sans-serif' font-size='11'>\n<rect width='100%' height='100%' fill='white'/>\n",
         2.0 * WIDTH + 130.0
+    )
+}
+
+fn legend(svg: &mut String, number: usize, name: &str) {
+    let (x, y) = (2.0 * WIDTH + 8.0, 40.0 + 18.0 * number as f64);
+    let colour = COLOURS[number % COLOURS.len()];
+    let _ = writeln!(
+        svg,
+        "<circle cx='{x}' cy='{y}' r='3.5' fill='{colour}'/><text x='{}' y='{}'>{name}</text>",
+        x + 8.0,
+        y + 4.0
     );
-    let times: Vec<(f64, f64)> = result.rows.iter().map(|(_, s)| (s.seconds, s.error)).collect();
+}
+
+/// Both panels of a scene.
+pub(crate) fn sweep(sweep: &Sweep) -> String {
+    let mut svg = begin();
+    let times: Vec<(f64, f64)> = sweep.rows.iter().map(|row| (row.summary.seconds, row.summary.error)).collect();
     let panel = Panel::new(0.0, &times);
-    panel.frame(&mut svg, &format!("{}: error over time", result.scene), "seconds", "relMSE");
+    panel.frame(&mut svg, &format!("{}: error over time", sweep.scene), "seconds", "relMSE");
     let front: Vec<(f64, f64)> = pareto(&times).into_iter().map(|i| times[i]).collect();
     panel.line(&mut svg, &front, "#333", "4 3");
     let mut knobs: Vec<&str> = Vec::new();
-    for ((point, _), &place) in result.rows.iter().zip(&times) {
-        let number = knobs.iter().position(|knob| *knob == point.knob).unwrap_or_else(|| {
-            knobs.push(point.knob);
+    for (row, &place) in sweep.rows.iter().zip(&times) {
+        let number = knobs.iter().position(|knob| *knob == row.knob).unwrap_or_else(|| {
+            knobs.push(&row.knob);
             knobs.len() - 1
         });
-        let title = format!("{} {}", point.knob, point.value);
+        let title = format!("{} {}", row.knob, row.value);
         panel.dot(&mut svg, place, COLOURS[number % COLOURS.len()], &title);
     }
-    for (number, knob) in knobs.iter().enumerate() {
-        let (x, y) = (2.0 * WIDTH + 8.0, 40.0 + 18.0 * number as f64);
-        let colour = COLOURS[number % COLOURS.len()];
-        let _ = writeln!(
-            svg,
-            "<circle cx='{x}' cy='{y}' r='3.5' fill='{colour}'/><text x='{}' y='{}'>{knob}</text>",
-            x + 8.0,
-            y + 4.0
-        );
-    }
-    photons(&mut svg, result);
+    knobs.iter().enumerate().for_each(|(number, knob)| legend(&mut svg, number, knob));
+    photons(&mut svg, sweep);
     svg.push_str("</svg>\n");
     svg
 }
 
+/// Bias² and variance over passes where the truth is known, with what theory makes of the first point:
+/// radii that shrink to the left, radii that stay to the right.
+pub(crate) fn rates(parts: &[Part]) -> Option<String> {
+    let mut svg = begin();
+    let rows: Vec<_> = parts
+        .iter()
+        .filter_map(|part| match &part.body {
+            Body::Rates(rows) => Some(rows.iter().map(move |row| (part.backend.as_str(), row))),
+            _ => None,
+        })
+        .flatten()
+        .collect();
+    let mut names: Vec<String> = Vec::new();
+    for (left, title, stays) in [(0.0, "radii shrink, α = 2/3", false), (WIDTH, "radii stay", true)] {
+        let here = || rows.iter().filter(|(_, row)| (row.alpha > 0.99) == stays);
+        let all: Vec<(f64, f64)> = here().flat_map(|(_, row)| row.points.iter().copied()).collect();
+        let panel = Panel::new(left, &all);
+        panel.frame(&mut svg, title, "passes", "of the field's square");
+        for (backend, row) in here() {
+            let name = format!("{}, {}", row.field, row.of);
+            let number = names.iter().position(|known| *known == name).unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            });
+            let colour = COLOURS[number % COLOURS.len()];
+            let title = format!("{backend}: {}, slope {:.3}", row.of, row.slope);
+            row.points.iter().for_each(|&point| panel.dot(&mut svg, point, colour, &title));
+            if let (Some(first), Some(last)) = (row.points.first(), row.points.last()) {
+                let theory = first.1 * (last.0 / first.0).powf(row.theory);
+                panel.line(&mut svg, &[*first, (last.0, theory)], colour, "3 3");
+            }
+        }
+    }
+    names.iter().enumerate().for_each(|(number, name)| legend(&mut svg, number, name));
+    svg.push_str("</svg>\n");
+    (!rows.is_empty()).then_some(svg)
+}
+
 /// Error, bias² and variance over photons, for passes alone.
-fn photons(svg: &mut String, result: &Result) {
-    let series = |of: &dyn Fn(&crate::Summary) -> f64| -> Vec<(f64, f64)> {
-        let rows = result.rows.iter().filter(|(point, _)| point.knob == "passes");
-        rows.map(|(_, s)| (s.photons as f64, of(s))).collect()
+fn photons(svg: &mut String, sweep: &Sweep) {
+    let series = |of: &dyn Fn(&Summary) -> f64| -> Vec<(f64, f64)> {
+        let rows = sweep.rows.iter().filter(|row| row.knob == "passes");
+        rows.map(|row| (row.summary.photons as f64, of(&row.summary))).collect()
     };
     let (error, bias, variance) = (series(&|s| s.error), series(&|s| s.bias), series(&|s| s.variance));
     let all: Vec<(f64, f64)> = error.iter().chain(&bias).chain(&variance).copied().collect();

@@ -1,16 +1,22 @@
 //! The settings that are tried: each knob by itself, about a middle setting.
 
-use photon_core::{Direct, Estimator, IndexKind, Indirect, Kernel, RandomKind, Settings, Sharing};
+use photon_core::{Budget, Direct, Estimator, IndexKind, Indirect, Kernel, RandomKind, Settings, Sharing};
+use photon_examples::fault::Fault;
+
+use crate::engine::{Engine, Subject};
+use crate::measure::{self, Run};
+use crate::records::Row;
+use crate::truth::Truth;
 
 /// One setting.
 #[derive(Clone, Debug)]
-pub(crate) struct Point {
+struct Point {
     /// What is turned.
-    pub(crate) knob: &'static str,
+    knob: &'static str,
     /// To what.
-    pub(crate) value: String,
-    pub(crate) settings: Settings,
-    pub(crate) passes: u32,
+    value: String,
+    settings: Settings,
+    passes: u32,
 }
 
 /// Passes of the middle setting.
@@ -22,8 +28,8 @@ pub(crate) fn base(scene: &str, photons: u32) -> Settings {
     Settings { photons, direct, ..Settings::default() }
 }
 
-/// All of them; `radius` is the one that the library derives.
-pub(crate) fn points(base: &Settings, radius: f64) -> Vec<Point> {
+/// All of them.
+fn points(base: &Settings) -> Vec<Point> {
     let mut points = Vec::new();
     let mut add = |knob, value: &str, settings: Settings, passes| {
         points.push(Point { knob, value: value.to_owned(), settings, passes });
@@ -36,25 +42,19 @@ pub(crate) fn points(base: &Settings, radius: f64) -> Vec<Point> {
     for passes in [1, 4, PASSES, 4 * PASSES] {
         add("passes", &passes.to_string(), base.clone(), passes);
     }
-    for factor in [1, 4] {
-        // As many photons in fewer, larger passes.
-        let passes = PASSES / factor;
-        add("photons per pass", &format!("x{factor}"), with(&|s| s.photons *= factor), passes);
-    }
+    // As many photons in fewer, larger passes, or in more, smaller ones.
     add("photons per pass", "x1/4", with(&|s| s.photons /= 4), 4 * PASSES);
-    for factor in [0.5, 1.0, 2.0] {
-        let radius = Some(radius * factor);
-        add("radius", &format!("x{factor}"), with(&|s| s.estimator = Estimator::Radius { radius }), PASSES);
+    add("photons per pass", "x4", with(&|s| s.photons *= 4), PASSES / 4);
+    for factor in [0.25, 0.5, 0.71, 1.41, 2.0] {
+        add("radii", &format!("x{factor}"), with(&|s| s.radius_factor = factor), PASSES);
     }
-    for alpha in [2.0 / 3.0, 0.8, 1.0] {
+    add("radii", "x0.5, passes x4", with(&|s| s.radius_factor = 0.5), 4 * PASSES);
+    add("radii", "x2, passes 4", with(&|s| s.radius_factor = 2.0), PASSES / 4);
+    for alpha in [0.8, 1.0] {
         add("alpha", &format!("{alpha:.2}"), with(&|s| s.alpha = alpha), PASSES);
     }
-    let kernels = [
-        ("constant", Kernel::Constant),
-        ("cone", Kernel::Cone { slope: 1.0 }),
-        ("epanechnikov", Kernel::Epanechnikov),
-        ("biweight", Kernel::Biweight),
-    ];
+    let kernels =
+        [("constant", Kernel::Constant), ("cone", Kernel::Cone { slope: 1.0 }), ("biweight", Kernel::Biweight)];
     for (name, kernel) in kernels {
         add("kernel", name, with(&|s| s.kernel = kernel), PASSES);
     }
@@ -63,13 +63,16 @@ pub(crate) fn points(base: &Settings, radius: f64) -> Vec<Point> {
         add("estimator", &format!("{k} nearest"), with(&|s| s.estimator = estimator), PASSES);
     }
     add("estimator", "paper", Settings { photons: base.photons, direct: base.direct, ..Settings::paper() }, PASSES);
-    for (name, index) in [("median", IndexKind::Median), ("VVH", IndexKind::Vvh), ("Morton", IndexKind::Morton)] {
+    for (name, index) in [("median", IndexKind::Median), ("VVH", IndexKind::Vvh)] {
         add("index", name, with(&|s| s.index = index), PASSES);
     }
-    for rays in [4, 16] {
-        let change = move |s: &mut Settings| (s.indirect, s.gather_rays) = (Indirect::Gather, rays);
-        add("indirect", &format!("gather, {rays} rays"), with(&change), PASSES);
-    }
+    let gather = |rays: u32| with(&move |s| (s.indirect, s.gather_rays) = (Indirect::Gather, rays));
+    add("indirect", "gather, 4 rays, 4 passes", gather(4), PASSES / 4);
+    add("indirect", "gather, 4 rays", gather(4), PASSES);
+    add("indirect", "gather, 16 rays", gather(16), PASSES);
+    add("indirect", "gather, 4 rays, passes x4", gather(4), 4 * PASSES);
+    let fewer = Settings { photons: base.photons / 4, ..gather(4) };
+    add("indirect", "gather, 4 rays, 1/4 photons, passes x4", fewer, 4 * PASSES);
     add("sharing", "static", with(&|s| s.sharing = Sharing::Static), PASSES);
     add("generator", "LCG", with(&|s| s.random = RandomKind::Lcg), PASSES);
     for passes in [4, PASSES] {
@@ -78,4 +81,48 @@ pub(crate) fn points(base: &Settings, radius: f64) -> Vec<Point> {
     add("errors", "told", with(&|s| s.errors = true), PASSES);
     add("errors", "told, passes x4", with(&|s| s.errors = true), 4 * PASSES);
     points
+}
+
+/// Every setting by so many seeds. Seeds go round all settings, so that whatever else the machine does is
+/// shared by all; before the first, each setting runs once for what is done only once.
+pub(crate) fn rows(
+    engine: &mut Engine,
+    subject: &Subject,
+    (base, seeds): (&Settings, u32),
+    truth: &Truth,
+) -> Result<Vec<Row>, Fault> {
+    let points = points(base);
+    for point in &points {
+        engine.film(subject, &point.settings, Budget::Passes(1))?;
+    }
+    let mut runs: Vec<Vec<Run>> = points.iter().map(|_| Vec::new()).collect();
+    for seed in 1..=seeds {
+        for (point, runs) in points.iter().zip(&mut runs) {
+            let settings = Settings { seed: u64::from(seed), ..point.settings.clone() };
+            let (film, told) = engine.film(subject, &settings, Budget::Passes(point.passes))?;
+            runs.push(Run::new(&film, told.seconds, told.outcome.paths));
+        }
+        crate::progress(&format!("{}: seed {seed} of {seeds}", subject.name));
+    }
+    let row = |(point, runs): (Point, Vec<Run>)| Row {
+        knob: point.knob.to_owned(),
+        value: point.value,
+        passes: point.passes,
+        summary: measure::summarise(&runs, truth),
+    };
+    Ok(points.into_iter().zip(runs).map(row).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_makes_sense_and_is_tried_once() {
+        let all = points(&base("ring", 4000));
+        for (i, point) in all.iter().enumerate() {
+            point.settings.validate().unwrap();
+            assert!(all[..i].iter().all(|p| (&p.settings, p.passes) != (&point.settings, point.passes)), "{point:?}");
+        }
+    }
 }

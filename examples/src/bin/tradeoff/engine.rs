@@ -1,0 +1,114 @@
+//! One backend, kept for all renders: a driver may refuse a program that opens its devices many times.
+
+use std::time::Instant;
+
+use backend_cpu::Cpu;
+use backend_vulkan::Vulkan;
+use photon_core::{Film, Outcome, Pipeline, Plan, Render, Settings, TransportBackend, View, render};
+use photon_examples::args::BackendName;
+use photon_examples::backend::{self, Chosen};
+use photon_examples::fault::Fault;
+use photon_scene::Scene;
+
+/// A backend between renders; nothing after one that failed.
+pub(crate) enum Engine {
+    Cpu(Option<Cpu>),
+    Vulkan(Option<Box<Vulkan>>),
+}
+
+/// A scene and who looks at it.
+pub(crate) struct Subject {
+    pub(crate) name: String,
+    pub(crate) scene: Scene,
+    pub(crate) view: View,
+}
+
+/// What a render tells besides its picture.
+pub(crate) struct Told {
+    /// Of the passes.
+    pub(crate) seconds: f64,
+    pub(crate) outcome: Outcome,
+}
+
+impl Subject {
+    /// A built-in scene in a square picture.
+    pub(crate) fn new(name: &str, size: u32) -> Result<Self, Fault> {
+        let builder = photon_scene::builtin(name);
+        let scene = builder.ok_or_else(|| Fault::input(format!("{name}: no built-in scene has that name")))?.build()?;
+        let view = View { camera: scene.camera(None, size, size)?, width: size, height: size };
+        Ok(Self { name: name.to_owned(), scene, view })
+    }
+}
+
+impl Engine {
+    pub(crate) fn open(name: BackendName) -> Result<Self, Fault> {
+        Ok(match backend::open(name, None)? {
+            Chosen::Cpu(on) => Self::Cpu(Some(on)),
+            Chosen::Vulkan(on) => Self::Vulkan(Some(on)),
+        })
+    }
+
+    /// Short name, and the device in words.
+    pub(crate) fn names(&self) -> (&'static str, String) {
+        fn of<B: TransportBackend>(on: Option<&B>) -> (&'static str, String) {
+            on.map_or_else(|| ("none", String::new()), |on| (on.name(), on.device()))
+        }
+        match self {
+            Self::Cpu(on) => of(on.as_ref()),
+            Self::Vulkan(on) => of(on.as_deref()),
+        }
+    }
+
+    /// Renders; the backend is ready for another afterwards.
+    pub(crate) fn film(
+        &mut self,
+        subject: &Subject,
+        settings: &Settings,
+        plan: impl Into<Plan>,
+    ) -> Result<(Film, Told), Fault> {
+        match self {
+            Self::Cpu(place) => {
+                let (film, told, on) = run(place.take().ok_or_else(gone)?, subject, settings, plan.into())?;
+                *place = Some(on);
+                Ok((film, told))
+            }
+            Self::Vulkan(place) => {
+                let (film, told, on) = run(*place.take().ok_or_else(gone)?, subject, settings, plan.into())?;
+                *place = Some(Box::new(on));
+                Ok((film, told))
+            }
+        }
+    }
+
+    /// Calls `work` with the backend.
+    pub(crate) fn with<W: Work>(&mut self, work: W) -> Result<W::Output, Fault> {
+        match self {
+            Self::Cpu(on) => work.on(on.as_mut().ok_or_else(gone)?),
+            Self::Vulkan(on) => work.on(on.as_deref_mut().ok_or_else(gone)?),
+        }
+    }
+}
+
+/// What can be done on any backend.
+pub(crate) trait Work {
+    type Output;
+    fn on<B: TransportBackend>(self, on: &mut B) -> Result<Self::Output, Fault>;
+}
+
+fn gone() -> Fault {
+    Fault::Failure("the backend was lost by a render that failed".into())
+}
+
+fn run<B: TransportBackend>(
+    on: B,
+    subject: &Subject,
+    settings: &Settings,
+    plan: Plan,
+) -> Result<(Film, Told, B), Fault> {
+    let mut pipeline = Pipeline::new(on, &subject.scene.view(), subject.view, settings.clone())?;
+    let begun = Instant::now();
+    let outcome = render(&mut pipeline, plan, &mut ())?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let film = pipeline.film()?;
+    Ok((film, Told { seconds, outcome }, pipeline.into_backend()?))
+}

@@ -1,0 +1,408 @@
+//! The tables of the document, each backend beside the others.
+
+use std::fmt::Write as _;
+
+use crate::measure::{pareto, slope};
+use crate::records::{AskedRow, Body, Claims, Note, Part, Row, Summary, Sweep};
+
+/// Sweeps, with the parts they are from.
+pub(crate) fn sweeps(parts: &[Part]) -> Vec<(&Part, &Sweep)> {
+    fn of(part: &Part) -> Option<(&Part, &Sweep)> {
+        if let Body::Sweep(sweep) = &part.body { Some((part, sweep)) } else { None }
+    }
+    parts.iter().filter_map(of).collect()
+}
+
+/// Names of the backends, in order.
+pub(crate) fn backends(parts: &[Part]) -> Vec<&str> {
+    let mut names: Vec<&str> = parts.iter().map(|part| part.backend.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// Names of the scenes, in order.
+fn scenes(parts: &[Part]) -> Vec<&str> {
+    let mut names: Vec<&str> = sweeps(parts).iter().map(|(_, sweep)| sweep.scene.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// A heading and a line below it: text to the left, numbers to the right.
+fn head(columns: &[String], texts: usize) -> String {
+    let line: Vec<&str> = (0..columns.len()).map(|i| if i < texts { "---" } else { "---:" }).collect();
+    format!("\n| {} |\n|{}|\n", columns.join(" | "), line.join("|"))
+}
+
+/// First columns, then these for each backend.
+fn columns(parts: &[Part], first: &[&str], each: &[&str]) -> Vec<String> {
+    let mut all: Vec<String> = first.iter().map(|&name| name.to_owned()).collect();
+    for backend in backends(parts) {
+        all.extend(each.iter().map(|name| format!("{name}, {backend}")));
+    }
+    all
+}
+
+/// Rows of all backends that have the same key, in the order of the first that has them.
+fn together<'a, R>(
+    parts: &'a [Part],
+    rows: impl Fn(&'a Part) -> &'a [R],
+    key: impl Fn(&R) -> String,
+) -> Vec<(String, Vec<Option<&'a R>>)> {
+    let names = backends(parts);
+    let mut all: Vec<(String, Vec<Option<&'a R>>)> = Vec::new();
+    for part in parts {
+        let place = names.iter().position(|name| *name == part.backend).unwrap_or(0);
+        for row in rows(part) {
+            let key = key(row);
+            let at = all.iter().position(|(known, _)| *known == key).unwrap_or_else(|| {
+                all.push((key, vec![None; names.len()]));
+                all.len() - 1
+            });
+            all[at].1[place] = Some(row);
+        }
+    }
+    all
+}
+
+fn lines<'a, R>(rows: &[(String, Vec<Option<&'a R>>)], cell: impl Fn(&'a R) -> String, empty: &str) -> String {
+    let mut text = String::new();
+    for (key, found) in rows {
+        let cells: Vec<String> = found.iter().map(|row| row.map_or_else(|| empty.to_owned(), &cell)).collect();
+        let _ = writeln!(text, "| {key} | {} |", cells.join(" | "));
+    }
+    text
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+fn claim_cells(claims: &Claims) -> String {
+    if claims.claimed > 0.0 {
+        format!("{} | {} | {:.2}", percent(claims.claimed), percent(claims.covered), claims.sharpness)
+    } else {
+        "0.0 % | – | –".to_owned()
+    }
+}
+
+/// Claims in fields of known truth.
+pub(crate) fn fields(parts: &[Part]) -> String {
+    fn rows(part: &Part) -> &[crate::records::FieldRow] {
+        if let Body::Fields(rows) = &part.body { rows } else { &[] }
+    }
+    let found = together(parts, rows, |row| {
+        format!("{} | {} | {:.2} | {}", row.field, row.passes, row.alpha, percent(row.claims.by_noise))
+    });
+    let Some(row) = parts.iter().flat_map(rows).next() else { return String::new() };
+    let all: Vec<_> = parts.iter().flat_map(rows).collect();
+    let smooth = all.iter().filter(|row| !row.broken);
+    let least = smooth.clone().map(|row| row.claims.covered).fold(1.0, f64::min);
+    let widest = smooth.map(|row| row.claims.sharpness).fold(0.0, f64::max);
+    let most = all.iter().filter(|row| row.broken).map(|row| row.claims.claimed).fold(0.0, f64::max);
+    let mut text = format!(
+        "\n### Claims in fields of known truth\n\n{} seeds a row with {} independent pixels each, 20 photons expected in the first radius. Distances are in first\nradii. *By noise* is the share of all pixels that the noise alone would cover. Where the field is smooth, {} of the claims\nor more hold, and none is wider than {widest:.2} errors; of edges, folds and corners at most {} of the pixels are claimed.\n",
+        row.films,
+        row.pixels,
+        percent(least),
+        percent(most)
+    );
+    text += &head(&columns(parts, &["field", "passes", "α", "by noise"], &["claimed", "covered", "claim / error"]), 1);
+    text + &lines(&found, |row| claim_cells(&row.claims), "– | – | –")
+}
+
+/// How fast errors fall.
+pub(crate) fn rates(parts: &[Part]) -> String {
+    fn rows(part: &Part) -> &[crate::records::RateRow] {
+        if let Body::Rates(rows) = &part.body { rows } else { &[] }
+    }
+    let found = together(parts, rows, |row| {
+        format!("{} | {:.2} | {} | {} to {} | {:.3}", row.field, row.alpha, row.of, row.from, row.to, row.theory)
+    });
+    if found.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from(
+        "\n### Rates in fields of known truth\n\nSlopes over passes in logarithms, fitted, with the error that leaving out pixels tells; theory is that of as many\npasses. With radii that stay the bias does, which is the floor.\n",
+    );
+    text += &head(&columns(parts, &["field", "α", "of", "passes", "theory"], &["slope"]), 3);
+    text + &lines(&found, |row| format!("{:.3} ± {:.3}", row.slope, row.error), "–")
+}
+
+/// Claims about scenes: by many seeds where the answer is known, else against references.
+pub(crate) fn claims(parts: &[Part]) -> String {
+    fn rows(part: &Part) -> &[crate::records::ClaimRow] {
+        if let Body::Claims(rows) = &part.body { rows } else { &[] }
+    }
+    let each = ["claimed", "covered", "worst run", "claim / error"];
+    let cells = |claims: &Claims| {
+        if claims.claimed > 0.0 {
+            format!(
+                "{} | {} | {} | {:.2}",
+                percent(claims.claimed),
+                percent(claims.covered),
+                percent(claims.worst),
+                claims.sharpness
+            )
+        } else {
+            "0.0 % | – | – | –".to_owned()
+        }
+    };
+    let mut text = String::from("\n### Claims about scenes\n");
+    let found = together(parts, rows, |row| format!("{} | {} | {}", row.scene, row.passes, row.seeds));
+    if !found.is_empty() {
+        text += "\nWhere the truth is known:\n";
+        text += &head(&columns(parts, &["scene", "passes", "seeds"], &each), 1);
+        text += &lines(&found, |row| cells(&row.claims), "– | – | – | –");
+    }
+    let names = backends(parts);
+    let mut told: Vec<(String, Vec<Option<&Claims>>)> = Vec::new();
+    for (part, sweep) in sweeps(parts) {
+        for row in sweep.rows.iter().filter(|_| matches!(sweep.truth, Note::Reference { .. })) {
+            let Some(claims) = &row.summary.claims else { continue };
+            let key = format!("{} | {} | {}", sweep.scene, row.passes, sweep.seeds);
+            let at = told.iter().position(|(known, _)| *known == key).unwrap_or_else(|| {
+                told.push((key, vec![None; names.len()]));
+                told.len() - 1
+            });
+            told[at].1[names.iter().position(|name| *name == part.backend).unwrap_or(0)] = Some(claims);
+        }
+    }
+    if !told.is_empty() {
+        text += "\nAgainst references:\n";
+        text += &head(&columns(parts, &["scene", "passes", "seeds"], &each), 1);
+        text += &lines(&told, cells, "– | – | – | –");
+    }
+    text
+}
+
+/// What came of asking.
+pub(crate) fn asked(parts: &[Part]) -> String {
+    let mut text = String::from(
+        "\n### Asked for\n\nAn error in 95 % of the pixels of which anything is claimed, within 20 s; or a time. *Reached* is the error claimed.\nNothing is said of what is covered where the reference has not 27 times the photons of the run, which is a third of its\nerror.\n",
+    );
+    let columns =
+        ["scene", "asked", "backend", "predicted", "took", "reached", "claimed", "covered"].map(str::to_owned);
+    text += &head(&columns, 5);
+    let mut rows: Vec<(&str, &AskedRow)> = Vec::new();
+    for part in parts {
+        if let Body::Asked(asked) = &part.body {
+            rows.extend(asked.iter().map(|row| (part.backend.as_str(), row)));
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    // Backends beside each other: by scene, then in the order of what was asked.
+    let order = |row: &AskedRow| {
+        let same = rows.iter().filter(|(_, other)| other.scene == row.scene);
+        same.map(|(_, other)| &other.asked).position(|asked| *asked == row.asked)
+    };
+    let mut sorted = rows.clone();
+    sorted.sort_by(|(a, x), (b, y)| x.scene.cmp(&y.scene).then(order(x).cmp(&order(y))).then(a.cmp(b)));
+    for (backend, row) in sorted {
+        let reached = row.reached.map_or_else(|| "–".to_owned(), percent);
+        let covered = row.covered.map_or_else(|| "–".to_owned(), percent);
+        let _ = writeln!(
+            text,
+            "| {} | {} | {backend} | {} | {} | {reached} | {:.0} % | {covered} |",
+            row.scene,
+            row.asked,
+            row.predicted,
+            row.took,
+            100.0 * row.claimed
+        );
+    }
+    text
+}
+
+/// Slopes of errors over photons, and the fronts.
+pub(crate) fn fronts(parts: &[Part]) -> String {
+    let mut text = String::from(
+        "\n### Error over photons\n\nSlopes in logarithms from 1 to 64 passes; theory has −0.67 of all three in the end.\n",
+    );
+    text += &head(&["scene", "backend", "error", "bias²", "variance"].map(str::to_owned), 2);
+    for (part, sweep) in sweeps(parts) {
+        let rows: Vec<&Row> = sweep.rows.iter().filter(|row| row.knob == "passes").collect();
+        let fit = |of: &dyn Fn(&Summary) -> f64| {
+            let points = rows.iter().map(|row| (row.summary.photons as f64, of(&row.summary)));
+            let points: Vec<(f64, f64)> = points.filter(|p| p.1 > 0.0).collect();
+            if points.len() < 3 {
+                return "–".to_owned();
+            }
+            let (slope, error) = slope(&points);
+            format!("{slope:.2} ± {error:.2}")
+        };
+        let (error, bias, variance) = (fit(&|s| s.error), fit(&|s| s.bias), fit(&|s| s.variance));
+        let _ = writeln!(text, "| {} | {} | {error} | {bias} | {variance} |", sweep.scene, part.backend);
+    }
+    text += "\n### The front\n\nWhat nothing beats in both time and error, from the fastest on.\n";
+    text += &head(&["scene", "backend", "setting", "passes", "time", "relMSE"].map(str::to_owned), 3);
+    for (part, sweep) in sweeps(parts) {
+        let places: Vec<(f64, f64)> = sweep.rows.iter().map(|row| (row.summary.seconds, row.summary.error)).collect();
+        for i in pareto(&places) {
+            let row = &sweep.rows[i];
+            let _ = writeln!(
+                text,
+                "| {} | {} | {} {} | {} | {} | {:.2e} |",
+                sweep.scene,
+                part.backend,
+                row.knob,
+                row.value,
+                row.passes,
+                time(row.summary.seconds),
+                row.summary.error
+            );
+        }
+    }
+    text
+}
+
+fn time(seconds: f64) -> String {
+    if seconds < 0.1 { format!("{:.1} ms", 1000.0 * seconds) } else { format!("{seconds:.2} s") }
+}
+
+/// The middle setting of a sweep.
+fn middle(sweep: &Sweep) -> Option<&Row> {
+    sweep.rows.iter().find(|row| row.knob == "passes" && row.passes == crate::sweep::PASSES)
+}
+
+/// Error of each setting over that of the middle setting in as much time.
+pub(crate) fn merits(parts: &[Part]) -> String {
+    let (names, scenes) = (backends(parts), scenes(parts));
+    if scenes.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from(
+        "\n### What each step costs\n\nTime over that of the middle setting, and relMSE over what that setting comes to in as much time, errors falling as the\npower −2/3 of it: below 1 a step pays. Geometric means over all scenes, and each scene on the first backend.\n",
+    );
+    let mut columns = columns(parts, &["knob", "value"], &["time", "error"]);
+    columns.extend(scenes.iter().map(|&scene| scene.to_owned()));
+    text += &head(&columns, 2);
+    let all = sweeps(parts);
+    // Time and error of a row of one backend and scene, by those of the middle.
+    let ratio = |backend: &str, scene: &str, row: &Row| -> Option<(f64, f64)> {
+        let (_, sweep) = all.iter().find(|(part, sweep)| part.backend == backend && sweep.scene == scene)?;
+        let (middle, row) = (
+            middle(sweep)?,
+            sweep.rows.iter().find(|r| (&r.knob, &r.value, r.passes) == (&row.knob, &row.value, row.passes))?,
+        );
+        let time = row.summary.seconds / middle.summary.seconds;
+        Some((time, row.summary.error / middle.summary.error * time.powf(2.0 / 3.0)))
+    };
+    let Some((_, first)) = all.first() else { return text };
+    for row in &first.rows {
+        let mut cells = Vec::new();
+        for &backend in &names {
+            let found: Vec<(f64, f64)> = scenes.iter().filter_map(|&scene| ratio(backend, scene, row)).collect();
+            let mean = |of: &dyn Fn(&(f64, f64)) -> f64| {
+                (found.iter().map(|pair| of(pair).ln()).sum::<f64>() / found.len().max(1) as f64).exp()
+            };
+            cells.push(if found.is_empty() {
+                "– | –".to_owned()
+            } else {
+                format!("×{:.2} | ×{:.2}", mean(&|p| p.0), mean(&|p| p.1))
+            });
+        }
+        for &scene in &scenes {
+            let found = names.first().and_then(|backend| ratio(backend, scene, row));
+            cells.push(found.map_or_else(|| "–".to_owned(), |(_, error)| format!("×{error:.2}")));
+        }
+        let _ = writeln!(text, "| {} | {} | {} |", row.knob, row.value, cells.join(" | "));
+    }
+    text
+}
+
+/// Every row of every scene.
+pub(crate) fn details(parts: &[Part]) -> String {
+    let mut text = String::new();
+    for scene in scenes(parts) {
+        let here: Vec<(&Part, &Sweep)> = sweeps(parts).into_iter().filter(|(_, sweep)| sweep.scene == scene).collect();
+        let Some(&(_, first)) = here.first() else { continue };
+        let _ = writeln!(text, "\n### {scene}\n\n{}", truth(&here));
+        let mut names = vec!["knob".to_owned(), "value".to_owned(), "passes".to_owned()];
+        for (part, _) in &here {
+            names.extend(["time", "relMSE", "bias²", "variance"].map(|name| format!("{name}, {}", part.backend)));
+        }
+        text += &head(&names, 2);
+        for row in &first.rows {
+            let _ = write!(text, "| {} | {} | {} |", row.knob, row.value, row.passes);
+            for (_, sweep) in &here {
+                let same = |r: &&Row| (&r.knob, &r.value, r.passes) == (&row.knob, &row.value, row.passes);
+                let Some(Row { summary: s, .. }) = sweep.rows.iter().find(same) else {
+                    text += " – | – | – | – |";
+                    continue;
+                };
+                let near = if floor(&sweep.truth) > 0.01 * s.error { " †" } else { "" };
+                let _ = write!(
+                    text,
+                    " {} | {:.2e} ± {:.0e}{near} | {:.1e} | {:.1e} |",
+                    time(s.seconds),
+                    s.error,
+                    s.error_error,
+                    s.bias,
+                    s.variance
+                );
+            }
+            text.push('\n');
+        }
+    }
+    text
+}
+
+fn floor(truth: &Note) -> f64 {
+    match truth {
+        Note::Constant(_) => 0.0,
+        Note::Reference { error, .. } => *error,
+    }
+}
+
+fn truth(here: &[(&Part, &Sweep)]) -> String {
+    let Some((_, sweep)) = here.first() else { return String::new() };
+    match &sweep.truth {
+        Note::Constant(radiance) => format!("Truth: {radiance:.6} everywhere."),
+        Note::Reference { passes, photons, error, flagged } => {
+            let rows = here.iter().flat_map(|(_, sweep)| &sweep.rows);
+            let least = rows.map(|row| row.summary.error).fold(f64::INFINITY, f64::min);
+            format!(
+                "Truth: a run of {passes} passes and {:.0} million paths, which claims a relMSE of {error:.1e} for itself, {:.1} % of the\nleast below; in {:.0} % of its pixels a flag says that its bias is not told for certain.",
+                *photons as f64 / 1e6,
+                100.0 * error / least,
+                100.0 * flagged
+            )
+        }
+    }
+}
+
+/// Every row of every scene and backend.
+pub(crate) fn csv(parts: &[Part]) -> String {
+    let mut text = String::from(
+        "backend,scene,knob,value,passes,photons,seconds,fastest,relmse,relmse_error,bias_squared,variance,claimed,covered,sharpness\n",
+    );
+    for (part, sweep) in sweeps(parts) {
+        for row in &sweep.rows {
+            let s = &row.summary;
+            let claims = s
+                .claims
+                .map_or_else(|| ",,".to_owned(), |c| format!("{:.4},{:.4},{:.3}", c.claimed, c.covered, c.sharpness));
+            let _ = writeln!(
+                text,
+                "{},{},{},{},{},{},{:.5},{:.5},{:.4e},{:.1e},{:.4e},{:.4e},{claims}",
+                part.backend,
+                sweep.scene,
+                row.knob,
+                row.value.replace(',', ";"),
+                row.passes,
+                s.photons,
+                s.seconds,
+                s.fastest,
+                s.error,
+                s.error_error,
+                s.bias,
+                s.variance
+            );
+        }
+    }
+    text
+}

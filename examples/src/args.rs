@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Parser, ValueEnum};
-use photon_core::{Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, RandomKind, Settings, Sharing};
+use photon_core::{
+    Area, Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, RandomKind, Settings, Sharing,
+};
 
 use crate::fault::Fault;
 use crate::tonemap::ToneMap;
@@ -79,6 +81,9 @@ pub struct Args {
     /// constant, epanechnikov, cone, cone:SLOPE or biweight [default: epanechnikov, paper constant].
     #[arg(long, value_name = "NAME", value_parser = kernel)]
     pub kernel: Option<Kernel>,
+    /// What their flux is divided by: the disc about a point, or what of it lies on the surface.
+    #[arg(long, value_enum, default_value_t = AreaName::Disc)]
+    pub area: AreaName,
     /// How photons are arranged.
     #[arg(long, value_enum)]
     pub index: Option<IndexName>,
@@ -161,6 +166,10 @@ names!(/// Ways to arrange photons.
         Median, /// kd-tree by the Voxel Volume Heuristic.
         Vvh, /// Morton order.
         Morton });
+names!(/// What is divided by.
+    AreaName { /// The disc, though it may hang over the end of its surface.
+        Disc, /// What of the disc lies on the surface.
+        Surface });
 names!(/// Indirect light.
     IndirectName { /// Straight from the global map.
         Map, /// By final gathering.
@@ -235,6 +244,10 @@ impl Args {
                 IndirectName::Map => Indirect::Map,
                 IndirectName::Gather => Indirect::Gather,
                 IndirectName::None => Indirect::None,
+            },
+            area: match self.area {
+                AreaName::Disc => Area::Disc,
+                AreaName::Surface => Area::Surface,
             },
             max_bounces: self.max_bounces,
             seed: self.seed,

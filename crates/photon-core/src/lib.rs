@@ -4,6 +4,7 @@
 //! that drives them. No threads, no input or output, no ray-tracing structure.
 #![forbid(unsafe_code)]
 
+pub mod area;
 mod backend;
 pub mod bsdf;
 mod budget;
@@ -58,10 +59,10 @@ pub use render::{Facts, Outcome, PassEnd, Render, render};
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::{SceneView, light_probability, light_starts, pick_light};
 pub use schedule::Schedule;
-pub use settings::{Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing};
+pub use settings::{Area, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing};
 pub use stages::{
-    Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages, Maps, Pass,
-    RadianceEstimator, Rule, Stages, Tracer, View,
+    AreaProbe, Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages, Maps,
+    Pass, RadianceEstimator, Rule, Stages, Tracer, View,
 };
 pub use tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use units::Units;

@@ -22,6 +22,7 @@ mod observer;
 pub mod octahedral;
 pub mod offset;
 mod pipeline;
+mod preset;
 mod progressive;
 mod radii;
 pub mod random;
@@ -51,6 +52,7 @@ pub use layout::{Camera, Element, Estimate, Facet, Light, Material, Photon, Phot
 pub use memory::Costs;
 pub use observer::{Event, Observer, PassReport};
 pub use pipeline::{Pipeline, QUERIES_PER_PIXEL};
+pub use preset::Preset;
 pub use progressive::{inverse_radius_squared_sum, radius_squared_factor, radius_squared_sum};
 pub use render::{Facts, Outcome, PassEnd, Render, render};
 pub use requirements::{Requirements, light_features, material_features};

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::{Parser, ValueEnum};
 use photon_core::{
-    Area, Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, RandomKind, Settings, Sharing,
+    Area, Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, Preset, RandomKind, Settings, Sharing,
 };
 
 use crate::fault::Fault;
@@ -43,10 +43,13 @@ pub struct Args {
     /// The camera of that name; default: the first.
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Paths emitted per pass; `k` and `M` are understood.
-    #[arg(long, value_name = "N", default_value = "200k", value_parser = count)]
-    pub photons: u32,
-    /// Passes [default: 32, or as many as --time allows].
+    /// Settings for a need: photons by the picture's size, passes and radii; whatever else is given counts.
+    #[arg(long, value_enum)]
+    pub preset: Option<PresetName>,
+    /// Paths emitted per pass; `k` and `M` are understood [default: 200k].
+    #[arg(long, value_name = "N", value_parser = count)]
+    pub photons: Option<u32>,
+    /// Passes [default: 32, those of the preset, or as many as --time allows].
     #[arg(long, value_name = "N")]
     pub passes: Option<u32>,
     /// Paths emitted altogether, in whole passes; `k` and `M` are understood.
@@ -75,9 +78,9 @@ pub struct Args {
     /// Search radius of the first pass, in the scene's unit of length [default: derived].
     #[arg(long, value_name = "R")]
     pub radius: Option<f64>,
-    /// Factor on radii that are derived: below 1 for sharp caustics, above for smooth light.
-    #[arg(long, value_name = "F", default_value_t = 1.0)]
-    pub radius_factor: f64,
+    /// Factor on radii that are derived: below 1 for sharp caustics, above for smooth light [default: 1].
+    #[arg(long, value_name = "F")]
+    pub radius_factor: Option<f64>,
     /// constant, epanechnikov, cone, cone:SLOPE or biweight [default: epanechnikov, paper constant].
     #[arg(long, value_name = "NAME", value_parser = kernel)]
     pub kernel: Option<Kernel>,
@@ -87,15 +90,15 @@ pub struct Args {
     /// How photons are arranged.
     #[arg(long, value_enum)]
     pub index: Option<IndexName>,
-    /// Light that was scattered before: read from the map, gathered, or left out.
-    #[arg(long, value_enum, default_value_t = IndirectName::Map)]
-    pub indirect: IndirectName,
+    /// Light that was scattered before: read from the map, gathered, or left out [default: map].
+    #[arg(long, value_enum)]
+    pub indirect: Option<IndirectName>,
     /// Light straight from the lamps: by shadow rays, by photons, or left out.
     #[arg(long, value_enum, default_value_t = DirectName::Nee)]
     pub direct: DirectName,
-    /// Surfaces that a path may meet.
-    #[arg(long, value_name = "N", default_value_t = 64)]
-    pub max_bounces: u32,
+    /// Surfaces that a path may meet [default: 64].
+    #[arg(long, value_name = "N")]
+    pub max_bounces: Option<u32>,
     /// Key of all random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -126,15 +129,15 @@ pub struct Args {
     /// Say what the scene needs, what is left out and why, and render nothing.
     #[arg(long)]
     pub explain: bool,
-    /// How fast radii shrink from pass to pass, above 0 and at most 1; 1 keeps them.
-    #[arg(long, value_name = "ALPHA", default_value_t = 2.0 / 3.0)]
-    pub alpha: f64,
-    /// Shadow rays per query and pass.
-    #[arg(long, value_name = "N", default_value_t = 2)]
-    pub shadow_rays: u32,
-    /// Final-gather rays per query and pass.
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    pub gather_rays: u32,
+    /// How fast radii shrink from pass to pass, above 0 and at most 1; 1 keeps them [default: 2/3].
+    #[arg(long, value_name = "ALPHA")]
+    pub alpha: Option<f64>,
+    /// Shadow rays per query and pass [default: 2].
+    #[arg(long, value_name = "N")]
+    pub shadow_rays: Option<u32>,
+    /// Final-gather rays per query and pass [default: 8].
+    #[arg(long, value_name = "N")]
+    pub gather_rays: Option<u32>,
     /// Least photons of an estimate, for paper.
     #[arg(long, value_name = "N", default_value_t = 8)]
     pub paper_threshold: u32,
@@ -151,6 +154,11 @@ macro_rules! names {
     };
 }
 
+names!(/// Presets.
+    PresetName { /// A first look.
+        Preview, /// A picture to work with.
+        Balanced, /// A picture to keep.
+        Final });
 names!(/// Backends.
     BackendName { /// A GPU if there is a suitable one, else the processor's cores.
         Auto, /// The processor's cores.
@@ -197,7 +205,12 @@ impl Args {
     /// [`Fault::Input`] names the option whose value makes no sense.
     pub fn settings(&self) -> Result<Settings, Fault> {
         let paper = self.estimator == EstimatorName::Paper;
-        let base = if paper { Settings::paper() } else { Settings::default() };
+        let pixels = u64::from(self.size.0) * u64::from(self.size.1);
+        let base = match self.preset() {
+            Some(preset) => Settings::preset(preset, pixels),
+            None if paper => Settings { gather_rays: 8, ..Settings::paper() },
+            None => Settings { gather_rays: 8, ..Settings::default() },
+        };
         let estimator = match self.estimator {
             EstimatorName::Radius => Estimator::Radius { radius: self.radius },
             EstimatorName::Knn => Estimator::Knn { k: self.k.unwrap_or(50), max_radius: self.radius },
@@ -209,6 +222,9 @@ impl Args {
                 clamp: true,
             }),
         };
+        if paper && self.preset.is_some() {
+            return Err(Fault::input("--preset: the paper has numbers of its own; leave out one of the two"));
+        }
         if self.k == Some(0) {
             return Err(Fault::input("--k is 0, but at least 1 is needed (2 for knn)"));
         }
@@ -226,9 +242,9 @@ impl Args {
         let adapts = matches!(estimator, Estimator::Radius { radius: None }) && self.passes.is_none();
         let settings = Settings {
             errors: self.errors || self.target_error.is_some() || (self.time.is_some() && adapts),
-            photons: self.photons,
+            photons: self.photons.unwrap_or(base.photons),
             estimator,
-            radius_factor: self.radius_factor,
+            radius_factor: self.radius_factor.unwrap_or(base.radius_factor),
             kernel: self.kernel.unwrap_or(base.kernel),
             index: self.index.map_or(base.index, |index| match index {
                 IndexName::Median => IndexKind::Median,
@@ -240,18 +256,18 @@ impl Args {
                 DirectName::Photons => Direct::Photons,
                 DirectName::None => Direct::None,
             },
-            indirect: match self.indirect {
+            indirect: self.indirect.map_or(base.indirect, |indirect| match indirect {
                 IndirectName::Map => Indirect::Map,
                 IndirectName::Gather => Indirect::Gather,
                 IndirectName::None => Indirect::None,
-            },
+            }),
             area: match self.area {
                 AreaName::Disc => Area::Disc,
                 AreaName::Surface => Area::Surface,
             },
-            max_bounces: self.max_bounces,
+            max_bounces: self.max_bounces.unwrap_or(base.max_bounces),
             seed: self.seed,
-            alpha: if paper { base.alpha } else { self.alpha },
+            alpha: if paper { base.alpha } else { self.alpha.unwrap_or(base.alpha) },
             sharing: self.sharing.map_or(base.sharing, |sharing| match sharing {
                 SharingName::Static => Sharing::Static,
                 SharingName::Dynamic => Sharing::Dynamic,
@@ -261,13 +277,22 @@ impl Args {
                 RngName::Lcg => RandomKind::Lcg,
                 RngName::Sobol => RandomKind::Sobol,
             }),
-            shadow_rays: self.shadow_rays,
-            gather_rays: self.gather_rays,
+            shadow_rays: self.shadow_rays.unwrap_or(base.shadow_rays),
+            gather_rays: self.gather_rays.unwrap_or(base.gather_rays),
             ..base
         };
         settings.validate()?;
         self.plan(None).validate()?;
         Ok(settings)
+    }
+
+    /// The preset, if one is asked for.
+    fn preset(&self) -> Option<Preset> {
+        self.preset.map(|preset| match preset {
+            PresetName::Preview => Preset::Preview,
+            PresetName::Balanced => Preset::Balanced,
+            PresetName::Final => Preset::Final,
+        })
     }
 
     /// When to stop; `time` is what is left of `--time`.
@@ -277,7 +302,9 @@ impl Args {
             (Some(target), ..) => Budget::Error { target, share_of_pixels: self.share },
             (None, Some(photons), ..) => Budget::Photons(photons),
             (None, None, Some(time), _) => Budget::Time(time),
-            (None, None, None, passes) => Budget::Passes(passes.unwrap_or(PASSES)),
+            (None, None, None, passes) => {
+                Budget::Passes(passes.unwrap_or_else(|| self.preset().map_or(PASSES, Preset::passes)))
+            }
         };
         Plan { first: 0, until, most_passes: self.passes, most_time: time }
     }
@@ -350,6 +377,19 @@ mod tests {
         assert_eq!((s.random, s.sharing, s.index), (RandomKind::Lcg, Sharing::Static, IndexKind::Median));
         let s = settings(&["--estimator", "paper", "--rng", "counter", "--index", "morton"]).unwrap();
         assert_eq!((s.random, s.index), (RandomKind::Counter, IndexKind::Morton));
+    }
+
+    #[test]
+    fn a_preset_is_overruled_by_what_is_given() {
+        let expected = Settings::preset(Preset::Final, 64 * 32);
+        let asked = ["--preset", "final", "--size", "64x32"];
+        assert_eq!(settings(&asked).unwrap(), expected);
+        let more = [&asked[..], &["--photons", "7k", "--indirect", "gather"]].concat();
+        let given = Settings { photons: 7000, indirect: Indirect::Gather, ..expected };
+        assert_eq!(settings(&more).unwrap(), given);
+        let args = Args::try_parse_from([&["render"], &asked[..]].concat()).unwrap();
+        assert_eq!(args.plan(None).until, Budget::Passes(Preset::Final.passes()));
+        assert!(settings(&["--preset", "final", "--estimator", "paper"]).is_err());
     }
 
     #[test]

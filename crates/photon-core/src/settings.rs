@@ -191,18 +191,6 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// A picture at once: few photons, a broad radius.
-    #[must_use]
-    pub fn preview() -> Self {
-        Self { photons: 50_000, shadow_rays: 1, max_bounces: 16, ..Self::default() }
-    }
-
-    /// A picture to keep: many photons, final gathering.
-    #[must_use]
-    pub fn final_quality() -> Self {
-        Self { photons: 1_000_000, shadow_rays: 4, indirect: Indirect::Gather, max_bounces: 256, ..Self::default() }
-    }
-
     /// As Lin and Wang 2010 have it, errors included: equation (2), the LCG, the median kd-tree,
     /// static quotas.
     #[must_use]

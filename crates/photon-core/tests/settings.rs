@@ -1,10 +1,11 @@
 //! Settings that make no sense are refused by name; presets make sense.
 
-use photon_core::{Area, Error, Estimator, Kernel, Paper, Settings};
+use photon_core::{Area, Error, Estimator, Kernel, Paper, Preset, Settings};
 
 #[test]
 fn presets_are_valid() {
-    for settings in [Settings::default(), Settings::preview(), Settings::final_quality(), Settings::paper()] {
+    let presets = Preset::ALL.into_iter().flat_map(|preset| [0, 4096, u64::MAX].map(|n| Settings::preset(preset, n)));
+    for settings in presets.chain([Settings::default(), Settings::paper()]) {
         settings.validate().unwrap();
     }
 }

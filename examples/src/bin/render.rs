@@ -76,7 +76,7 @@ fn work(args: &Args) -> Result<(), Fault> {
         }
     });
     handler.map_err(Fault::failure)?;
-    let outcome = passes(args, &mut *renderer, begun, &stop)?;
+    let outcome = passes(args, settings.photons, &mut *renderer, begun, &stop)?;
     let film = renderer.film()?;
     let seconds_total = begun.elapsed().as_secs_f64();
 
@@ -214,15 +214,21 @@ fn pipeline<B: TransportBackend>(
     Ok(Box::new(Pipeline::new(on, &scene.view(), view, settings.clone())?))
 }
 
-fn passes(args: &Args, renderer: &mut dyn Render, started: Instant, stop: &AtomicBool) -> Result<Outcome, Fault> {
+fn passes(
+    args: &Args,
+    photons: u32,
+    renderer: &mut dyn Render,
+    started: Instant,
+    stop: &AtomicBool,
+) -> Result<Outcome, Fault> {
     // The time asked for is that of the whole program.
     let time = args.time.map(|time| Duration::from_secs_f64(time).saturating_sub(started.elapsed() + writing(args)));
     let mut plan = args.plan(time);
     // As many photons in all, if memory makes passes smaller.
     let each = renderer.facts().photons;
-    if each < args.photons {
+    if each < photons {
         eprintln!("{each} paths a pass, for the memory allowed");
-        let more = |passes: u32| passes.saturating_mul(args.photons.div_ceil(each)).min(u32::MAX - 1);
+        let more = |passes: u32| passes.saturating_mul(photons.div_ceil(each)).min(u32::MAX - 1);
         if let Budget::Passes(passes) = &mut plan.until {
             *passes = more(*passes);
         }
@@ -251,7 +257,7 @@ fn passes(args: &Args, renderer: &mut dyn Render, started: Instant, stop: &Atomi
                 }
             }
             Event::Forecast(forecast) if !std::mem::replace(&mut foretold, true) => {
-                bar.suspend(|| eprintln!("{}", foretell(forecast, args.photons)));
+                bar.suspend(|| eprintln!("{}", foretell(forecast, photons)));
             }
             _ => {}
         }
@@ -321,7 +327,7 @@ fn save(args: &Args, path: &Path, film: &Film, renderer: &dyn Render, told: &Tol
         ("photon:scene", args.scene.clone()),
         ("photon:seed", args.seed.to_string()),
         ("photon:passes", film.passes.to_string()),
-        ("photon:photons_per_pass", args.photons.to_string()),
+        ("photon:photons_per_pass", told.settings.photons.to_string()),
         ("photon:settings", format!("{:?}", told.settings)),
         ("photon:backend", facts.backend.to_owned()),
         ("photon:device", facts.device),

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::records::{Body, Part};
-use crate::tables;
+use crate::{details, tables};
 
 const HEAD: &str = include_str!("head.md");
 const READING: &str = include_str!("reading.md");
@@ -38,7 +38,8 @@ pub(crate) fn markdown(parts: &[Part]) -> String {
         tables::claims(parts),
         tables::asked(parts),
         tables::fronts(parts),
-        tables::details(parts),
+        details::tracer(parts),
+        details::every_row(parts),
     ] {
         text += &table;
     }

@@ -2,6 +2,7 @@
 #![expect(clippy::print_stderr, reason = "progress goes to stderr")]
 
 mod asked;
+mod details;
 mod document;
 mod engine;
 mod fields;
@@ -120,7 +121,7 @@ fn work(args: &Args) -> Result<(), Fault> {
     if let Some(svg) = plot::rates(&parts) {
         write(&folder.join("rates.svg"), &svg)?;
     }
-    write(&folder.join("tradeoff.csv"), &tables::csv(&parts))?;
+    write(&folder.join("tradeoff.csv"), &details::csv(&parts))?;
     let text = document::markdown(&parts);
     write(&folder.join("tradeoff.md"), &text)?;
     if let Some(path) = &args.document {

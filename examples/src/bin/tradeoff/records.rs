@@ -24,6 +24,7 @@ pub(crate) enum Body {
     Asked(Vec<AskedRow>),
     Fields(Vec<FieldRow>),
     Rates(Vec<RateRow>),
+    Tracer(Vec<TracerRow>),
 }
 
 /// Every setting of one scene.
@@ -149,6 +150,27 @@ pub(crate) struct RateRow {
     pub(crate) theory: f64,
     /// Passes and what was found, for the plot.
     pub(crate) points: Vec<(f64, f64)>,
+}
+
+/// A truth beside an unbiased path tracer's picture; `tests/mitsuba/check.py` writes it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct TracerRow {
+    pub(crate) scene: String,
+    /// What the truth is: a closed form, or the backend of a reference.
+    pub(crate) reference: String,
+    /// Paths per pixel.
+    pub(crate) samples: u32,
+    /// Mean radiance.
+    pub(crate) ours: f64,
+    pub(crate) theirs: f64,
+    /// Their difference over its standard error.
+    pub(crate) z: f64,
+    /// relMSE between the two.
+    pub(crate) difference: f64,
+    /// How much of it is the path tracer's noise, by the spread of its runs.
+    pub(crate) noise: f64,
+    /// What the reference claims of itself.
+    pub(crate) claimed: f64,
 }
 
 /// A long run, for whoever has to judge others by it.

@@ -15,14 +15,15 @@ pub(crate) fn sweeps(parts: &[Part]) -> Vec<(&Part, &Sweep)> {
 
 /// Names of the backends, in order.
 pub(crate) fn backends(parts: &[Part]) -> Vec<&str> {
-    let mut names: Vec<&str> = parts.iter().map(|part| part.backend.as_str()).collect();
+    let ours = parts.iter().filter(|part| !matches!(part.body, Body::Tracer(_)));
+    let mut names: Vec<&str> = ours.map(|part| part.backend.as_str()).collect();
     names.sort_unstable();
     names.dedup();
     names
 }
 
 /// Names of the scenes, in order.
-fn scenes(parts: &[Part]) -> Vec<&str> {
+pub(crate) fn scenes(parts: &[Part]) -> Vec<&str> {
     let mut names: Vec<&str> = sweeps(parts).iter().map(|(_, sweep)| sweep.scene.as_str()).collect();
     names.sort_unstable();
     names.dedup();
@@ -30,7 +31,7 @@ fn scenes(parts: &[Part]) -> Vec<&str> {
 }
 
 /// A heading and a line below it: text to the left, numbers to the right.
-fn head(columns: &[String], texts: usize) -> String {
+pub(crate) fn head(columns: &[String], texts: usize) -> String {
     let line: Vec<&str> = (0..columns.len()).map(|i| if i < texts { "---" } else { "---:" }).collect();
     format!("\n| {} |\n|{}|\n", columns.join(" | "), line.join("|"))
 }
@@ -259,7 +260,7 @@ pub(crate) fn fronts(parts: &[Part]) -> String {
     text
 }
 
-fn time(seconds: f64) -> String {
+pub(crate) fn time(seconds: f64) -> String {
     if seconds < 0.1 { format!("{:.1} ms", 1000.0 * seconds) } else { format!("{seconds:.2} s") }
 }
 
@@ -310,99 +311,6 @@ pub(crate) fn merits(parts: &[Part]) -> String {
             cells.push(found.map_or_else(|| "–".to_owned(), |(_, error)| format!("×{error:.2}")));
         }
         let _ = writeln!(text, "| {} | {} | {} |", row.knob, row.value, cells.join(" | "));
-    }
-    text
-}
-
-/// Every row of every scene.
-pub(crate) fn details(parts: &[Part]) -> String {
-    let mut text = String::new();
-    for scene in scenes(parts) {
-        let here: Vec<(&Part, &Sweep)> = sweeps(parts).into_iter().filter(|(_, sweep)| sweep.scene == scene).collect();
-        let Some(&(_, first)) = here.first() else { continue };
-        let _ = writeln!(text, "\n### {scene}\n\n{}", truth(&here));
-        let mut names = vec!["knob".to_owned(), "value".to_owned(), "passes".to_owned()];
-        for (part, _) in &here {
-            names.extend(["time", "relMSE", "bias²", "variance"].map(|name| format!("{name}, {}", part.backend)));
-        }
-        text += &head(&names, 2);
-        for row in &first.rows {
-            let _ = write!(text, "| {} | {} | {} |", row.knob, row.value, row.passes);
-            for (_, sweep) in &here {
-                let same = |r: &&Row| (&r.knob, &r.value, r.passes) == (&row.knob, &row.value, row.passes);
-                let Some(Row { summary: s, .. }) = sweep.rows.iter().find(same) else {
-                    text += " – | – | – | – |";
-                    continue;
-                };
-                let near = if floor(&sweep.truth) > 0.01 * s.error { " †" } else { "" };
-                let _ = write!(
-                    text,
-                    " {} | {:.2e} ± {:.0e}{near} | {:.1e} | {:.1e} |",
-                    time(s.seconds),
-                    s.error,
-                    s.error_error,
-                    s.bias,
-                    s.variance
-                );
-            }
-            text.push('\n');
-        }
-    }
-    text
-}
-
-fn floor(truth: &Note) -> f64 {
-    match truth {
-        Note::Constant(_) => 0.0,
-        Note::Reference { error, .. } => *error,
-    }
-}
-
-fn truth(here: &[(&Part, &Sweep)]) -> String {
-    let Some((_, sweep)) = here.first() else { return String::new() };
-    match &sweep.truth {
-        Note::Constant(radiance) => format!("Truth: {radiance:.6} everywhere."),
-        Note::Reference { passes, photons, error, flagged } => {
-            let rows = here.iter().flat_map(|(_, sweep)| &sweep.rows);
-            let least = rows.map(|row| row.summary.error).fold(f64::INFINITY, f64::min);
-            format!(
-                "Truth: a run of {passes} passes and {:.0} million paths, which claims a relMSE of {error:.1e} for itself, {:.1} % of the\nleast below; in {:.0} % of its pixels a flag says that its bias is not told for certain.",
-                *photons as f64 / 1e6,
-                100.0 * error / least,
-                100.0 * flagged
-            )
-        }
-    }
-}
-
-/// Every row of every scene and backend.
-pub(crate) fn csv(parts: &[Part]) -> String {
-    let mut text = String::from(
-        "backend,scene,knob,value,passes,photons,seconds,fastest,relmse,relmse_error,bias_squared,variance,claimed,covered,sharpness\n",
-    );
-    for (part, sweep) in sweeps(parts) {
-        for row in &sweep.rows {
-            let s = &row.summary;
-            let claims = s
-                .claims
-                .map_or_else(|| ",,".to_owned(), |c| format!("{:.4},{:.4},{:.3}", c.claimed, c.covered, c.sharpness));
-            let _ = writeln!(
-                text,
-                "{},{},{},{},{},{},{:.5},{:.5},{:.4e},{:.1e},{:.4e},{:.4e},{claims}",
-                part.backend,
-                sweep.scene,
-                row.knob,
-                row.value.replace(',', ";"),
-                row.passes,
-                s.photons,
-                s.seconds,
-                s.fastest,
-                s.error,
-                s.error_error,
-                s.bias,
-                s.variance
-            );
-        }
     }
     text
 }

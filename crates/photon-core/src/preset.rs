@@ -1,0 +1,64 @@
+//! Settings for a need, from what was measured.
+
+use crate::settings::Settings;
+
+/// How good a picture is to be. The numbers come from `docs/accuracy.md`, which has the rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Preset {
+    /// A first look.
+    Preview,
+    /// A picture to work with.
+    Balanced,
+    /// A picture to keep.
+    Final,
+}
+
+impl Preset {
+    /// All of them, from the quickest on.
+    pub const ALL: [Self; 3] = [Self::Preview, Self::Balanced, Self::Final];
+
+    /// Name for options and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Preview => "preview",
+            Self::Balanced => "balanced",
+            Self::Final => "final",
+        }
+    }
+
+    /// How many passes it is meant for.
+    #[must_use]
+    pub fn passes(self) -> u32 {
+        match self {
+            Self::Preview => 4,
+            Self::Balanced => 64,
+            Self::Final => 512,
+        }
+    }
+}
+
+/// Photons of a pass, at least: fewer leave a scene of any depth unlit.
+const FEWEST: f64 = 20_000.0;
+/// And at most, as far as a graphics card with 8 GiB goes.
+const MOST: f64 = 16e6;
+
+impl Settings {
+    /// The settings of a preset for a picture of so many pixels.
+    ///
+    /// ```
+    /// use photon_core::{Budget, Preset, Settings};
+    /// let settings = Settings::preset(Preset::Preview, 640 * 480);
+    /// let budget = Budget::passes(Preset::Preview.passes());
+    /// assert!(settings.validate().is_ok() && budget == Budget::Passes(4));
+    /// ```
+    #[must_use]
+    pub fn preset(preset: Preset, pixels: u64) -> Self {
+        let photons = |per_pixel: f64| (per_pixel * pixels as f64).clamp(FEWEST, MOST) as u32;
+        match preset {
+            Preset::Preview => Self { photons: photons(1.0), ..Self::default() },
+            Preset::Balanced => Self { photons: photons(1.0), ..Self::default() },
+            Preset::Final => Self { photons: photons(2.0), ..Self::default() },
+        }
+    }
+}

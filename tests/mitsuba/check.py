@@ -1,0 +1,138 @@
+"""Our references against an unbiased path tracer, Mitsuba 3 (Jakob et al. 2022).
+
+    pip install mitsuba
+    cargo run --release -p photon-examples --bin export -- cornell --size 48 --out out/export/cornell
+    cargo run --release -p photon-examples --bin tradeoff -- cornell --part reference --size 48
+    python tests/mitsuba/check.py out/export/cornell --results out/tradeoff
+
+adds part-tracer-cornell.json to the results, from which `tradeoff --assemble` makes a table. Where the truth is
+known (furnace, integrating-sphere) no reference is needed: the closed form itself is checked.
+
+A path tracer cannot find paths from point, spot or parallel light by way of mirrors or glass, so that `ring` and
+`pool` are beyond it.
+"""
+
+import argparse
+import json
+import math
+import pathlib
+import sys
+import time
+
+import numpy as np
+
+# Radiance of scenes whose answer is known, and whether it is that of light scattered at least once.
+CLOSED = {"furnace": (2.0 / math.pi, False), "integrating-sphere": (0.8 / math.pi, True)}
+
+
+def load(folder, mi):
+    """Mitsuba's scene."""
+    told = json.loads((folder / "scene.json").read_text())
+    eye, size = told["camera"], told["size"]
+    if eye["kind"] != "perspective":
+        sys.exit("only a camera with perspective can be compared")
+    origin, forward = np.array(eye["origin"]), np.array(eye["forward"])
+    right, up = np.array(eye["right"]), np.array(eye["up"])
+    scene = {
+        "type": "scene",
+        "camera": {
+            "type": "perspective",
+            "fov": 2.0 * math.degrees(math.atan(np.linalg.norm(right))),
+            "fov_axis": "x",
+            "near_clip": 1e-4,
+            "far_clip": 1e5,
+            "to_world": mi.ScalarTransform4f().look_at(
+                origin=origin.tolist(), target=(origin + forward).tolist(), up=(up / np.linalg.norm(up)).tolist()
+            ),
+            # Each pixel is the mean over its square, as with us.
+            "film": {"type": "hdrfilm", "width": size, "height": size, "rfilter": {"type": "box"}, "pixel_format": "rgb",
+                     "component_format": "float32"},
+            "sampler": {"type": "independent"},
+        },
+    }
+    for index, material in enumerate(told["materials"]):
+        if material["triangles"] == 0:
+            continue
+        if any(material["absorption"]) or material["both_sides"] or material["kind"] == "thin":
+            sys.exit(f"material {index}: absorption, thin sheets and lamps of two sides are not translated")
+        colour = {"type": "rgb", "value": material["albedo"]}
+        # Either side scatters; mirrors and glass are smooth.
+        bsdf = {
+            "lambert": {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": colour}},
+            "mirror": {"type": "twosided", "bsdf": {"type": "conductor", "material": "none", "specular_reflectance": colour}},
+            "dielectric": {"type": "dielectric", "int_ior": material["ior"], "ext_ior": 1.0},
+        }[material["kind"]]
+        shape = {"type": "ply", "filename": str(folder / material["file"]), "face_normals": True, "bsdf": bsdf}
+        if any(material["radiance"]):
+            shape["emitter"] = {"type": "area", "radiance": {"type": "rgb", "value": material["radiance"]}}
+        scene[f"shape{index}"] = shape
+    specular = any(material["kind"] != "lambert" for material in told["materials"] if material["triangles"])
+    for index, light in enumerate(told["lights"]):
+        if light["kind"] != "point" or specular:
+            sys.exit(f"{told['scene']}: light of a {light['kind']} is beyond a path tracer here")
+        scene[f"light{index}"] = {
+            "type": "point",
+            "position": light["position"],
+            "intensity": {"type": "rgb", "value": [w / (4.0 * math.pi) for w in light["watts"]]},
+        }
+    return told["scene"], size, mi.load_dict(scene)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path, help="what `export` wrote")
+    parser.add_argument("--results", type=pathlib.Path, default=pathlib.Path("out/tradeoff"))
+    parser.add_argument("--variant", default="scalar_rgb")
+    parser.add_argument("--samples", type=int, default=256, help="paths per pixel and run")
+    parser.add_argument("--runs", type=int, default=8, help="runs with seeds of their own, at least 2")
+    args = parser.parse_args()
+    if args.runs < 2 or args.samples < 1:
+        parser.error("at least 2 runs and 1 sample are needed")
+
+    import mitsuba as mi
+
+    mi.set_variant(args.variant)
+    name, size, scene = load(args.folder, mi)
+    radiance, scattered = CLOSED.get(name, (None, False))
+    if radiance is None:
+        record = json.loads((args.results / f"reference-{name}-{size}.json").read_text())
+        ours = np.array(record["pixels"], dtype=np.float64).reshape(size, size, 3).mean(axis=2)
+        claimed, backend = record["note"]["Reference"]["error"], record["backend"]
+    else:
+        ours, claimed, backend = np.full((size, size), radiance), 0.0, "closed form"
+
+    whole = mi.load_dict({"type": "path", "max_depth": -1, "rr_depth": 16})
+    direct = mi.load_dict({"type": "path", "max_depth": 2, "rr_depth": 16})
+    begun, runs = time.time(), []
+    for seed in range(args.runs):
+        picture = np.array(mi.render(scene, integrator=whole, spp=args.samples, seed=2 * seed), dtype=np.float64)
+        if scattered:
+            picture -= np.array(mi.render(scene, integrator=direct, spp=args.samples, seed=2 * seed + 1))
+        runs.append(picture.mean(axis=2))
+        print(f"{name}: run {seed + 1} of {args.runs}, {time.time() - begun:.0f} s", file=sys.stderr)
+    runs = np.array(runs)
+    theirs, error = runs.mean(axis=0), runs.std(axis=0, ddof=1) / math.sqrt(args.runs)
+    floor = 0.01 * ours.mean() ** 2
+    weight = 1.0 / (ours**2 + floor)
+    # Pixels of a path tracer know nothing of each other.
+    mean_error = math.sqrt(np.sum(error**2)) / error.size
+    row = {
+        "scene": name,
+        "reference": backend,
+        "samples": args.runs * args.samples,
+        "seconds": time.time() - begun,
+        "ours": ours.mean(),
+        "theirs": theirs.mean(),
+        "z": (theirs.mean() - ours.mean()) / mean_error,
+        "difference": float(np.mean(weight * (theirs - ours) ** 2)),
+        "noise": float(np.mean(weight * error**2)),
+        "claimed": claimed,
+    }
+    print(json.dumps(row, indent=1))
+    part = {"backend": "mitsuba", "device": f"Mitsuba {mi.__version__}, {args.variant}", "body": {"Tracer": [row]}}
+    args.results.mkdir(parents=True, exist_ok=True)
+    (args.results / f"part-tracer-{name}.json").write_text(json.dumps(part))
+
+
+if __name__ == "__main__":
+    main()

@@ -56,7 +56,7 @@ fn emit(scene: &CpuScene, sampler: &mut Sampler, path: u32) -> PhotonRay {
         _ => {
             let primitive = light.primitive as usize;
             let (u, v) = sampling::triangle(a, b);
-            let point = offset::barycentric(scene.vertices[primitive], u, v);
+            let point = offset::within(scene.vertices[primitive], u, v);
             let front = Vec3::from(scene.facets[primitive].normal);
             let back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
             let normal = if back { -front } else { front };

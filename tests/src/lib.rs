@@ -7,6 +7,7 @@
 #![expect(clippy::unwrap_used, clippy::missing_panics_doc, reason = "all of this is test code")]
 
 pub mod accuracy;
+pub mod aiming;
 pub mod determinism;
 pub mod dielectrics;
 pub mod direct;
@@ -46,6 +47,10 @@ macro_rules! whole_suite {
                 e1_claims_hold_in_smooth_fields, e2_edges_and_folds_are_flagged, e3_noise_alone_does_not_cover,
                 e4_spread_of_known_photons, e5_errors_leave_the_picture_alone, e6_gathered_light_is_claimed,
                 e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached,
+            }
+            aiming::{
+                g1_aimed_photons_have_the_same_expectation, g2_all_ways_to_something_specular_are_marked,
+                g3_aimed_pictures_have_the_same_mean, g4_aimed_paths_are_accounted_for,
             }
             estimators::{
                 a1_naive_knn_is_too_bright, a2_corrected_knn_is_unbiased, a3_a4_kernels_in_knn_are_unbiased,

@@ -1,7 +1,8 @@
 //! Every stage of a pass.
 
 use photon_core::{
-    Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
+    Aim, AimedStages, Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Spread, Stages,
+    TransportBackend,
 };
 
 use crate::buffer::VulkanBuffer;
@@ -10,7 +11,7 @@ use crate::estimate::VulkanEstimator;
 use crate::eye::VulkanEye;
 use crate::film::{self, VulkanFilm};
 use crate::final_gather::VulkanGather;
-use crate::photons::{VulkanEmitter, VulkanTracer};
+use crate::photons::{VulkanAimedEmitter, VulkanEmitter, VulkanTracer};
 use crate::scene::VulkanScene;
 use crate::vulkan::Vulkan;
 
@@ -38,8 +39,14 @@ impl TransportBackend for Vulkan {
             } else {
                 None
             },
+            aimed: None,
             map: self.map_stages(settings.index)?,
         })
+    }
+
+    fn aimed(&mut self, required: &Requirements, settings: &Settings, aim: &Aim) -> Result<Option<AimedStages<Self>>> {
+        let tracer = VulkanTracer::aimed(self, settings, required.features)?;
+        Ok(Some((Box::new(VulkanAimedEmitter::new(self, aim)?), Box::new(tracer))))
     }
 
     fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<VulkanFilm> {

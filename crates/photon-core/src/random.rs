@@ -19,6 +19,8 @@ pub enum Domain {
     Shadow = 2,
     /// Final-gather rays.
     Gather = 3,
+    /// Photons that are aimed, for the map of caustics.
+    Aimed = 4,
 }
 
 /// Four independent words from a counter and a key: Philox4x32-10 (Salmon, Moraes, Dror and Shaw
@@ -70,7 +72,8 @@ impl Sampler {
     #[inline]
     #[must_use]
     pub fn new(kind: RandomKind, seed: u64, pass: u32, domain: Domain, path: u32) -> Self {
-        let kind = if domain == Domain::Photon { kind } else { RandomKind::Counter };
+        let photon = matches!(domain, Domain::Photon | Domain::Aimed);
+        let kind = if photon { kind } else { RandomKind::Counter };
         Self {
             kind,
             key: [seed as u32, (seed >> 32) as u32],

@@ -1,6 +1,6 @@
 //! Settings that make no sense are refused by name; presets make sense.
 
-use photon_core::{Error, Estimator, Kernel, Paper, Settings};
+use photon_core::{CausticPhotons, Error, Estimator, Kernel, Paper, Settings};
 
 #[test]
 fn presets_are_valid() {
@@ -17,6 +17,7 @@ fn nonsense_is_refused_by_name() {
     let paper = |paper| Settings { estimator: Estimator::Paper(paper), ..base() };
     let cases = [
         ("photons", Settings { photons: 0, ..base() }),
+        ("caustic-photons", Settings { caustic_photons: CausticPhotons::Aimed(0), ..base() }),
         ("k", knn(0, None)),
         ("k", knn(1, None)),
         ("radius", knn(5, Some(0.0))),

@@ -112,7 +112,8 @@ fn random_rows(row: Make) -> Vec<Row> {
         row("sampler_words", module, 2, Bound::Words, sampler, |i| {
             let [kind, low, high, pass, domain, path, first, second, ..] = i.0;
             let kind = [RandomKind::Counter, RandomKind::Lcg, RandomKind::Sobol][kind as usize];
-            let domain = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather, Domain::Area][domain as usize];
+            let domains = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather, Domain::Area, Domain::Aimed];
+            let domain = domains[domain as usize];
             let seed = u64::from(high) << 32 | u64::from(low);
             let mut sampler = Sampler::new(kind, seed, pass, domain, path);
             let (first, second) = (sampler.words(first), sampler.words(second));
@@ -297,7 +298,7 @@ fn any_words(d: &mut Draw) -> Input {
 fn sampler(d: &mut Draw) -> Input {
     let mut input = any_words(d);
     input.0[0] = d.pick(&[0, 1, 2]);
-    input.0[4] = d.pick(&[0, 1, 2, 3]);
+    input.0[4] = d.pick(&[0, 1, 2, 3, 4]);
     // Blocks that Sobol's sequence is for, and others.
     if d.now_and_then() {
         input.0[6] = d.pick(&[0, 1, 2]);

@@ -77,7 +77,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     static SCENES: std::sync::OnceLock<Vec<photon_scene::Scene>> = std::sync::OnceLock::new();
     let scenes = SCENES.get_or_init(|| {
         let build = |name: &str| photon_scene::builtin(name).expect("listed").build().expect("sound");
-        ["cornell", "furnace", "plates"].map(build).into()
+        ["cornell", "two-rooms", "plates"].map(build).into()
     });
     photon_fuzz::render(&scenes[usize::from(scene % 3)], settings, 2);
 });

@@ -12,7 +12,7 @@ use photon_core::{
 };
 use photon_scene::{Scene, builtin};
 
-use crate::harness::{TestBackend, Uniform, estimate, film, per_pass, photon_at, query_at, trace};
+use crate::harness::{TestBackend, Uniform, estimate, estimates, film, per_pass, photon_at, query_at, trace};
 use crate::stats::{moments, standard_error};
 
 /// Scenes that between them have every light and lobe.
@@ -156,23 +156,25 @@ pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>(
                 photon_core::Query { normal, ..query_at(photon.position, 0.05) }
             })
             .collect();
+        let mut gathers = Vec::new();
+        for rule in [
+            Rule::Radius,
+            Rule::Nearest { k: 50 },
+            Rule::Nearest { k: 500 },
+            Rule::Paper { max: 100, threshold: 8, factor: 1.0 },
+        ] {
+            gathers.extend(KERNELS.map(|kernel| Gather { rule, kernel, radius_scale: 1.0, min_normal_cosine: 0.9 }));
+        }
         for kind in [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton] {
-            for rule in [
-                Rule::Radius,
-                Rule::Nearest { k: 50 },
-                Rule::Nearest { k: 500 },
-                Rule::Paper { max: 100, threshold: 8, factor: 1.0 },
-            ] {
-                for kernel in KERNELS {
-                    let gather = Gather { rule, kernel, radius_scale: 1.0, min_normal_cosine: 0.9 };
-                    let a = estimate::<A>(kind, &photons, &queries, &gather);
-                    let b = estimate::<B>(kind, &photons, &queries, &gather);
-                    for (i, (a, b)) in a.iter().zip(&b).enumerate() {
-                        assert_eq!((a.photons, a.flags), (b.photons, b.flags), "{kind:?} {rule:?} {kernel:?} {i}");
-                        assert_eq!(a.radius_squared.to_bits(), b.radius_squared.to_bits(), "{kind:?} {rule:?} {i}");
-                        let bound = 1e-5 * Vec3::from(a.flux).length() + 1e-12;
-                        assert!(near(a.flux, b.flux, bound), "{kind:?} {rule:?} {kernel:?} {i}: {a:?} {b:?}");
-                    }
+            let a = estimates::<A>(kind, &photons, &queries, &gathers);
+            let b = estimates::<B>(kind, &photons, &queries, &gathers);
+            for ((a, b), Gather { rule, kernel, .. }) in a.iter().zip(&b).zip(&gathers) {
+                assert!(a.len() == queries.len() && b.len() == queries.len());
+                for (i, (a, b)) in a.iter().zip(b).enumerate() {
+                    assert_eq!((a.photons, a.flags), (b.photons, b.flags), "{kind:?} {rule:?} {kernel:?} {i}");
+                    assert_eq!(a.radius_squared.to_bits(), b.radius_squared.to_bits(), "{kind:?} {rule:?} {i}");
+                    let bound = 1e-5 * Vec3::from(a.flux).length() + 1e-12;
+                    assert!(near(a.flux, b.flux, bound), "{kind:?} {rule:?} {kernel:?} {i}: {a:?} {b:?}");
                 }
             }
         }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::{Parser, ValueEnum};
 use photon_core::{
-    Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, Preset, RandomKind, Settings, Sharing,
+    Area, Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, Preset, RandomKind, Settings, Sharing,
 };
 
 use crate::fault::Fault;
@@ -84,6 +84,10 @@ pub struct Args {
     /// constant, epanechnikov, cone, cone:SLOPE or biweight [default: epanechnikov, paper constant].
     #[arg(long, value_name = "NAME", value_parser = kernel)]
     pub kernel: Option<Kernel>,
+    /// What their flux is divided by: the disc about a point, or what of it lies on the surface
+    /// [default: disc].
+    #[arg(long, value_enum)]
+    pub area: Option<AreaName>,
     /// How photons are arranged.
     #[arg(long, value_enum)]
     pub index: Option<IndexName>,
@@ -171,6 +175,10 @@ names!(/// Ways to arrange photons.
         Median, /// kd-tree by the Voxel Volume Heuristic.
         Vvh, /// Morton order.
         Morton });
+names!(/// What is divided by.
+    AreaName { /// The disc, though it may hang over the end of its surface.
+        Disc, /// What of the disc lies on the surface.
+        Surface });
 names!(/// Indirect light.
     IndirectName { /// Straight from the global map.
         Map, /// By final gathering.
@@ -253,6 +261,10 @@ impl Args {
                 IndirectName::Map => Indirect::Map,
                 IndirectName::Gather => Indirect::Gather,
                 IndirectName::None => Indirect::None,
+            }),
+            area: self.area.map_or(base.area, |area| match area {
+                AreaName::Disc => Area::Disc,
+                AreaName::Surface => Area::Surface,
             }),
             max_bounces: self.max_bounces.unwrap_or(base.max_bounces),
             seed: self.seed,

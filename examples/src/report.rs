@@ -1,6 +1,6 @@
 //! What a render did, as JSON.
 
-use photon_core::{FluxSum, Forecast, Outcome, Render, Settings, Stage};
+use photon_core::{FluxSum, Forecast, LightShare, Outcome, Render, Settings, Stage};
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
@@ -19,6 +19,8 @@ pub struct Told<'a> {
     pub load: &'a LoadReport,
     /// What the scene warns of.
     pub warnings: &'a [String],
+    /// What each light gets of the photons.
+    pub lights: &'a [LightShare],
     /// Seconds that loading took.
     pub seconds_load: f64,
     /// Seconds from start to finished film.
@@ -76,6 +78,12 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
         },
         "peak_resident_bytes": crate::memory::peak(),
         "paths_per_pass": facts.photons,
+        "lights": told.lights.iter().map(|share| json!({
+            "light": share.what,
+            "power": share.power,
+            "paths_per_pass": share.paths(facts.photons),
+            "starves": share.starves(facts.photons),
+        })).collect::<Vec<_>>(),
         "bytes_per_photon": bytes_per_photon(&facts.memory, last.map_or(0, |pass| {
             pass.tally.stored_direct + pass.tally.stored_caustic + pass.tally.stored_global
         })),

@@ -271,6 +271,23 @@ fn explain_tells_what_is_left_out() {
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
 }
 
+/// A light that hardly any photon leaves from is named, in words and in the report.
+#[test]
+fn lights_that_get_too_few_photons_are_named() {
+    let folder = folder("starving");
+    let (picture, json) = (folder.join("a.png"), folder.join("a.json"));
+    let paths = [picture.to_str().unwrap(), json.to_str().unwrap()];
+    for (photons, starves) in [("2000", false), ("100", true)] {
+        let all = ["ring", "--size", "8x8", "--passes", "1", "--backend", "cpu", "--photons", photons];
+        let output = render(&[all.as_slice(), &["-o", paths[0], "--json", paths[1]]].concat());
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(text.contains("warning: spot light"), starves, "{text}");
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        assert_eq!(report["lights"][1]["starves"], serde_json::Value::Bool(starves), "{report:#}");
+        assert_eq!(report["warnings"].as_array().unwrap().is_empty(), !starves);
+    }
+}
+
 /// A .npy file of float32.
 fn save(path: &Path, points: &[[f32; 3]]) {
     let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, 3), }}", points.len());

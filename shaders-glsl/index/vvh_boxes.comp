@@ -13,7 +13,7 @@ layout(local_size_x_id = 1) in;
 
 layout(push_constant, scalar) uniform Push {
     VvhDepth depth;
-    VvhNodes todo;
+    VvhNodes pending;
     BoxNodes nodes;
     Words totals;
 } push;
@@ -21,7 +21,7 @@ layout(push_constant, scalar) uniform Push {
 void main() {
     uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
     for (uint at = gl_GlobalInvocationID.x; at < push.depth.count; at += stride) {
-        uint number = push.todo[push.depth.first + at].number;
+        uint number = push.pending[push.depth.first + at].number;
         uint first = push.nodes[number].low.w;
         uint count = push.nodes[number].high.w;
         // A tree of one leaf.

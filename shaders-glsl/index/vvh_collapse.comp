@@ -15,7 +15,7 @@ layout(local_size_x_id = 1) in;
 layout(push_constant, scalar) uniform Push {
     VvhDepth depth;
     VvhDepth next_depth;
-    VvhNodes todo;
+    VvhNodes pending;
     Words splits;
     // By block: its box and size.
     BoxNodes leaves;
@@ -35,10 +35,10 @@ void main() {
     uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
     for (uint at = gl_GlobalInvocationID.x; at < push.depth.count; at += stride) {
         uint own = push.depth.first + at;
-        uint number = push.todo[own].number;
-        uint below = push.todo[own].below;
+        uint number = push.pending[own].number;
+        uint below = push.pending[own].below;
         uvec3 children[MAP_WIDTH];
-        children[0] = uvec3(push.todo[own].first, push.todo[own].blocks, push.todo[own].splits);
+        children[0] = uvec3(push.pending[own].first, push.pending[own].blocks, push.pending[own].splits);
         if (children[0].y == 1) {
             leaf(number, children[0].x);
             continue;
@@ -69,11 +69,11 @@ void main() {
             uint place = atomicAdd(push.next_depth.count, 1);
             atomicMax(push.next_depth.groups[0], min(place / gl_WorkGroupSize.x + 1, 4096));
             uint to = next + place;
-            push.todo[to].number = below + child;
-            push.todo[to].first = children[child].x;
-            push.todo[to].blocks = children[child].y;
-            push.todo[to].splits = children[child].z;
-            push.todo[to].below = further;
+            push.pending[to].number = below + child;
+            push.pending[to].first = children[child].x;
+            push.pending[to].blocks = children[child].y;
+            push.pending[to].splits = children[child].z;
+            push.pending[to].below = further;
             further += 2 * children[child].y - 2;
         }
     }

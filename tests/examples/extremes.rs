@@ -1,12 +1,13 @@
 //! Runs the extremes on every backend that is here and prints them in Markdown: `cargo xtask extremes` puts
-//! that into `docs/extremes.md`. With `--long`, everything; `--only NAME` for one backend.
+//! that into `docs/extremes.md`. With `--long`, everything; `--only NAME` for one backend, `--group NAME` for one
+//! group of cases.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "results go to stdout, progress to stderr")]
 
 use std::process::ExitCode;
 use std::time::Instant;
 
 use backend_cpu::Cpu;
-use backend_vulkan::{Options, Vulkan};
+use backend_vulkan::Vulkan;
 use photon_core::Backend;
 use photon_tests::extremes::{Extent, Sheet, groups};
 use photon_tests::harness::TestBackend;
@@ -26,26 +27,28 @@ impl TestBackend for OnVulkan {
     type On = Vulkan;
 
     fn make(_threads: usize) -> Vulkan {
-        Vulkan::with_options(&Options::default()).expect("it was there a moment ago")
+        Vulkan::new().expect("it was there a moment ago")
     }
 
     fn available() -> bool {
-        Vulkan::with_options(&Options::default()).is_ok()
+        Vulkan::new().is_ok()
     }
 }
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let extent = if arguments.iter().any(|argument| argument == "--long") { Extent::Long } else { Extent::Quick };
-    let only = arguments.iter().position(|argument| argument == "--only").and_then(|at| arguments.get(at + 1));
+    let value =
+        |name: &str| arguments.iter().position(|argument| argument == name).and_then(|at| arguments.get(at + 1));
+    let (only, group) = (value("--only"), value("--group").map(String::as_str));
     let wanted = |name: &str| only.is_none_or(|only| only == name);
     let mut good = true;
     if wanted("cpu") {
-        good &= backend::<OnCpu>("CPU", extent);
+        good &= backend::<OnCpu>("CPU", extent, group);
     }
     if wanted("vulkan") {
         if OnVulkan::available() {
-            good &= backend::<OnVulkan>("Vulkan", extent);
+            good &= backend::<OnVulkan>("Vulkan", extent, group);
         } else {
             eprintln!("no Vulkan here: its part is left out");
             good = false;
@@ -54,11 +57,11 @@ fn main() -> ExitCode {
     if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-fn backend<T: TestBackend>(name: &str, extent: Extent) -> bool {
+fn backend<T: TestBackend>(name: &str, extent: Extent, only: Option<&str>) -> bool {
     let device = T::make(2).device();
     println!("## {name}: {device}\n");
     let mut good = true;
-    for (group, run) in groups::<T>() {
+    for (group, run) in groups::<T>().into_iter().filter(|(group, _)| only.is_none_or(|only| only == *group)) {
         let start = Instant::now();
         let sheet = Sheet::run(run, extent);
         let seconds = start.elapsed().as_secs_f64();

@@ -49,6 +49,7 @@ both! {
     scale_on_cpu, scale_on_vulkan: "Scale and place";
     power_on_cpu, power_on_vulkan: "Power and counts";
     points_on_cpu, points_on_vulkan: "Points";
+    large_on_cpu, large_on_vulkan: "Large maps";
     geometry_on_cpu, geometry_on_vulkan: "Geometry";
     optics_on_cpu, optics_on_vulkan: "Optics";
     views_on_cpu, views_on_vulkan: "Cameras and lights";

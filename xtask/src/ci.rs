@@ -34,11 +34,16 @@ const STEPS: [Step; 11] = [
 ];
 
 /// These write instead of checking, so that they are not part of `ci`.
-const WRITERS: [Step; 5] = [
+const WRITERS: [Step; 6] = [
     Step { name: "constants", what: "write the numbers that GLSL shares with Rust", run: constants::write },
     Step { name: "shaders", what: "the same, then compile the GLSL, write the SPIR-V", run: shaders::write },
     Step { name: "extremes", what: "write docs/extremes.md from a run, two minutes", run: extremes::quick },
     Step { name: "extremes-long", what: "write docs/extremes-long.md, most of an hour", run: extremes::long },
+    Step {
+        name: "extremes-rows",
+        what: "write it from out/extremes-long.md, printed by `extremes --long` on another machine",
+        run: extremes::elsewhere,
+    },
     Step { name: "requirements", what: "write docs/requirements.md, some minutes", run: requirements::write },
 ];
 

@@ -71,6 +71,7 @@ fn groups() -> Vec<Group> {
                 ("DOMAIN_EYE", Domain::Eye as u32),
                 ("DOMAIN_SHADOW", Domain::Shadow as u32),
                 ("DOMAIN_GATHER", Domain::Gather as u32),
+                ("DOMAIN_AREA", Domain::Area as u32),
             ],
         ),
         (

@@ -1,11 +1,12 @@
 //! The picture in progress.
 
 use photon_core::{
-    Backend as _, Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Layer, Query, Requirements, Result,
-    SceneView, Settings, Spread, Stages, TransportBackend,
+    Area, Backend as _, Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Layer, Query, Requirements,
+    Result, SceneView, Settings, Spread, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
+use crate::area::CpuArea;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::direct::CpuDirect;
 use crate::emit::CpuEmitter;
@@ -77,6 +78,7 @@ impl TransportBackend for Cpu {
             } else {
                 None
             },
+            area: if settings.area == Area::Surface { Some(Box::new(CpuArea)) } else { None },
             map: photon_core::MapStages {
                 builder: Box::new(CpuBuilder::new(settings.index)),
                 estimator: Box::new(CpuEstimator),

@@ -4,6 +4,7 @@
 //! on the size of batches: not in a single bit.
 #![deny(unsafe_code)]
 
+mod area;
 mod choice;
 mod cpu;
 mod direct;

@@ -6,6 +6,7 @@
 //! Another renderer brings its own device ([`Vulkan::from_raw`]) and its own photons
 //! ([`VulkanBuffer::from_raw`]), which then never leave the card.
 
+mod area;
 mod backend;
 mod buffer;
 mod device;

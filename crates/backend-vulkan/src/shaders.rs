@@ -2,6 +2,9 @@
 
 use crate::device::Module;
 
+pub(crate) static CAMERA_AREA: Module =
+    Module { name: "camera_area", bytes: include_bytes!("../spirv/camera_area.spv") };
+
 pub(crate) static CAMERA_COMPACT: Module =
     Module { name: "camera_compact", bytes: include_bytes!("../spirv/camera_compact.spv") };
 
@@ -169,7 +172,8 @@ pub(crate) static SORT_SCATTER: Module =
     Module { name: "sort_scatter", bytes: include_bytes!("../spirv/sort_scatter.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 59] = [
+pub(crate) static ALL: [&Module; 60] = [
+    &CAMERA_AREA,
     &CAMERA_COMPACT,
     &CAMERA_DIRECT,
     &CAMERA_EYE,

@@ -1,9 +1,11 @@
 //! Every stage of a pass.
 
 use photon_core::{
-    Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
+    Area, Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Spread, Stages,
+    TransportBackend,
 };
 
+use crate::area::VulkanArea;
 use crate::buffer::VulkanBuffer;
 use crate::direct::VulkanDirect;
 use crate::estimate::VulkanEstimator;
@@ -38,6 +40,7 @@ impl TransportBackend for Vulkan {
             } else {
                 None
             },
+            area: if settings.area == Area::Surface { Some(Box::new(VulkanArea)) } else { None },
             map: self.map_stages(settings.index)?,
         })
     }

@@ -5,7 +5,7 @@ use crate::layout::Light;
 use crate::radii;
 use crate::requirements::{Requirements, light_features, material_features};
 use crate::scene::SceneView;
-use crate::settings::{Direct, Indirect, Settings};
+use crate::settings::{Area, Direct, Indirect, Settings};
 
 /// One thing that a renderer can model, allocate or build.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -106,6 +106,16 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             Indirect::Gather => "indirect light is gathered",
             Indirect::Map => "indirect light is read straight from a map",
             Indirect::None => "indirect light is left out",
+        },
+    );
+    let probed = any_map && settings.area == Area::Surface;
+    say(
+        "area probes",
+        probed,
+        match (any_map, probed) {
+            (_, true) => "estimates are divided by what of their disc lies on the surface",
+            (false, _) => "no map is read",
+            (true, false) => "estimates are divided by their disc",
         },
     );
     let splits = required.features.intersects(Features::DIELECTRIC.union(Features::THIN));

@@ -78,7 +78,8 @@ pub struct Query {
 pub struct Estimate {
     /// Σ W(d²/r²)·power over the photons kept, linear RGB: neither divided by area nor by paths.
     pub flux: [f32; 3],
-    /// Squared radius of the disc that the sum stands for, normalised space, > 0.
+    /// Squared radius of the disc that the sum stands for, normalised space, > 0; times the share of it
+    /// that lies on the surface, where that was asked: [`crate::AreaProbe`].
     pub radius_squared: f32,
     /// How many photons were within it.
     pub photons: u32,

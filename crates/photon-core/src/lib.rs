@@ -4,6 +4,7 @@
 //! that drives them. No threads, no input or output, no ray-tracing structure.
 #![forbid(unsafe_code)]
 
+pub mod area;
 mod backend;
 pub mod bsdf;
 mod budget;
@@ -16,6 +17,7 @@ mod film;
 mod forecast;
 mod kernel;
 mod layout;
+mod light_shares;
 pub mod math;
 mod memory;
 mod observer;
@@ -49,6 +51,7 @@ pub use forecast::{Forecast, Prospect};
 pub use glam;
 pub use kernel::Kernel;
 pub use layout::{Camera, Element, Estimate, Facet, Light, Material, Photon, PhotonRay, Query, Spread};
+pub use light_shares::{LightShare, light_shares};
 pub use memory::Costs;
 pub use observer::{Event, Observer, PassReport};
 pub use pipeline::{Pipeline, QUERIES_PER_PIXEL};
@@ -58,10 +61,10 @@ pub use render::{Facts, Outcome, PassEnd, Render, render};
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::{SceneView, light_probability, light_starts, pick_light};
 pub use schedule::Schedule;
-pub use settings::{Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing};
+pub use settings::{Area, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing};
 pub use stages::{
-    Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages, Maps, Pass,
-    RadianceEstimator, Rule, Stages, Tracer, View,
+    AreaProbe, Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages, Maps,
+    Pass, RadianceEstimator, Rule, Stages, Tracer, View,
 };
 pub use tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use units::Units;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
 use crate::errors::ErrorPixel;
-use crate::film::{Film, Layer};
+use crate::film::Film;
 use crate::forecast::Prospect;
 use crate::layout::{Estimate, Photon, PhotonRay, Query, Spread};
 use crate::memory::Plan;
@@ -16,7 +16,7 @@ use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::schedule::Schedule;
 use crate::settings::{Estimator, Settings};
-use crate::stages::{Batch, Deposits, Maps, Pass, Stages, View};
+use crate::stages::{Batch, Deposits, Pass, Stages, View};
 use crate::tally::Tally;
 use crate::units::Units;
 
@@ -57,6 +57,7 @@ pub struct Pipeline<B: TransportBackend> {
 
 mod check;
 mod end;
+mod estimate;
 mod fit;
 
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
@@ -289,67 +290,6 @@ impl<B: TransportBackend> Pipeline<B> {
             }
         }
         Ok(grew)
-    }
-
-    /// Reads the maps at the queries, into the film.
-    fn estimate(&mut self, index: u32, paths: u64, queries: u64) -> Result<()> {
-        self.on.mark(Some(Stage::Build));
-        let mut maps: [Option<B::PhotonMap>; 3] = [None, None, None];
-        for (photons, map) in self.photons.iter_mut().zip(&mut maps) {
-            // An empty map is not built: it has nothing to say.
-            if let Some(filled) = photons.take() {
-                if self.on.fill(&filled)?.length == 0 {
-                    *photons = Some(filled);
-                } else {
-                    *map = Some(self.stages.map.builder.build(&mut self.on, filled)?);
-                }
-            }
-        }
-        let radii = [self.radii.direct, self.radii.caustic, self.radii.global];
-        let gathers = radii.map(|radius| radii::gather(&self.settings, radius, index));
-        let shown = [
-            self.settings.direct == crate::Direct::Photons,
-            self.settings.caustics,
-            self.settings.indirect == crate::Indirect::Map,
-        ];
-        let layers = [Layer::Direct, Layer::Caustic, Layer::Indirect];
-        if let (Some(estimates), true) = (&mut self.estimates, queries > 0) {
-            for i in 0..3 {
-                let (Some(map), true) = (&maps[i], shown[i]) else { continue };
-                self.on.mark(Some(Stage::Estimate));
-                let (on, estimator) = (&mut self.on, &mut self.stages.map.estimator);
-                match &mut self.spreads {
-                    None => estimator.estimate(on, map, &self.queries, &gathers[i], estimates)?,
-                    Some(spreads) => {
-                        estimator.estimate_spread(on, map, &self.queries, &gathers[i], estimates, spreads)?;
-                        on.mark(Some(Stage::Film));
-                        on.fold_errors(&mut self.film, layers[i], &self.queries, estimates, spreads, paths)?;
-                    }
-                }
-                self.on.mark(Some(Stage::Film));
-                self.on.fold(&mut self.film, layers[i], &self.queries, estimates, paths)?;
-            }
-        }
-        if let (Some(stage), true) = (&mut self.stages.gather, queries > 0) {
-            self.on.mark(Some(Stage::Gather));
-            let [direct, caustic, global] = &maps;
-            let lent = Maps {
-                direct: direct.as_ref().map(|map| (map, gathers[0])),
-                caustic: caustic.as_ref().map(|map| (map, gathers[1])),
-                global: global.as_ref().map(|map| (map, gathers[2])),
-                paths,
-            };
-            let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
-            let rays = self.settings.gather_rays;
-            stage.gather(&mut self.on, &self.scene, &lent, pass, &self.queries, rays, &mut self.film)?;
-        }
-        self.on.mark(None);
-        for (photons, map) in self.photons.iter_mut().zip(maps) {
-            if let Some(map) = map {
-                *photons = Some(self.stages.map.builder.reclaim(map));
-            }
-        }
-        Ok(())
     }
 
     /// What the camera sees, and direct light.

@@ -19,6 +19,8 @@ pub enum Domain {
     Shadow = 2,
     /// Final-gather rays.
     Gather = 3,
+    /// Rays that ask how much of a disc lies on its surface.
+    Area = 4,
 }
 
 /// Four independent words from a counter and a key: Philox4x32-10 (Salmon, Moraes, Dror and Shaw

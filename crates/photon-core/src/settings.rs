@@ -80,6 +80,17 @@ pub enum Indirect {
     None,
 }
 
+/// What an estimate's flux is divided by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Area {
+    /// The disc, wherever it hangs over the end of its surface: too dark there.
+    #[default]
+    Disc,
+    /// What of the disc lies on the surface, found by 33 short rays a query at most: [`crate::area`].
+    /// Estimates at final-gather rays' ends are not corrected.
+    Surface,
+}
+
 /// How paths are shared out among threads. The result is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Sharing {
@@ -114,6 +125,8 @@ pub struct Settings {
     pub radius_factor: f64,
     /// How they are weighted.
     pub kernel: Kernel,
+    /// What they are spread over.
+    pub area: Area,
     /// How they are arranged.
     pub index: IndexKind,
     /// Where direct light comes from.
@@ -157,6 +170,7 @@ impl Default for Settings {
             estimator: Estimator::Radius { radius: None },
             radius_factor: 1.0,
             kernel: Kernel::Epanechnikov,
+            area: Area::default(),
             index: IndexKind::default(),
             direct: Direct::default(),
             indirect: Indirect::default(),
@@ -224,6 +238,13 @@ impl Settings {
                 name: "errors",
                 value: format!("asked of {:?}", self.estimator),
                 mend: "what an error is told by are estimates within two radii: take the estimator of a radius",
+            });
+        }
+        if self.area == Area::Surface && matches!(self.estimator, Estimator::Paper(_)) {
+            return Err(Error::InvalidSetting {
+                name: "area",
+                value: format!("surface, with {:?}", self.estimator),
+                mend: "the paper's estimator divides by its disc: take another, or area disc",
             });
         }
         if let Kernel::Cone { slope } = self.kernel {

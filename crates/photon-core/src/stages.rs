@@ -223,6 +223,25 @@ pub trait DirectLight<B: TransportBackend>: Send {
     ) -> Result<()>;
 }
 
+/// Finds out how much of an estimate's disc lies on the surface.
+pub trait AreaProbe<B: TransportBackend>: Send {
+    /// Multiplies each estimate's [`Estimate::radius_squared`] by the share of its disc that lies on the
+    /// query's surface and can be seen from above the query, as [`crate::area`] says; `gather` is how
+    /// the estimates were made.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    fn correct(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        pass: Pass,
+        queries: &B::Buffer<Query>,
+        gather: &Gather,
+        estimates: &mut B::Buffer<Estimate>,
+    ) -> Result<()>;
+}
+
 /// The photon maps of a pass, each with how it is read.
 #[derive(Debug)]
 pub struct Maps<'a, B: Backend> {
@@ -281,6 +300,8 @@ pub struct Stages<B: TransportBackend> {
     pub direct: Option<Box<dyn DirectLight<B>>>,
     /// Final gathering; `None` if not called for.
     pub gather: Option<Box<dyn FinalGather<B>>>,
+    /// The area of estimates; `None` if not called for.
+    pub area: Option<Box<dyn AreaProbe<B>>>,
     /// Photon maps.
     pub map: MapStages<B>,
 }

@@ -1,6 +1,6 @@
 //! Settings that make no sense are refused by name; presets make sense.
 
-use photon_core::{Error, Estimator, Kernel, Paper, Preset, Settings};
+use photon_core::{Area, Error, Estimator, Kernel, Paper, Preset, Settings};
 
 #[test]
 fn presets_are_valid() {
@@ -36,6 +36,7 @@ fn nonsense_is_refused_by_name() {
         ("alpha", Settings { alpha: f64::NAN, ..base() }),
         ("shadow-rays", Settings { shadow_rays: 0, ..base() }),
         ("gather-rays", Settings { gather_rays: 0, ..base() }),
+        ("area", Settings { area: Area::Surface, ..paper(Paper::default()) }),
         ("min-normal-cosine", Settings { min_normal_cosine: f32::NAN, ..base() }),
     ];
     for (culprit, settings) in cases {

@@ -10,7 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::Parser;
-use photon_core::{Budget, Event, Film, Forecast, Outcome, Pipeline, Render, Settings, TransportBackend, View, render};
+use photon_core::{
+    Budget, Event, Film, Forecast, LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View, render,
+};
 use photon_examples::args::Args;
 use photon_examples::backend::{self, Chosen};
 use photon_examples::fault::{self, Fault};
@@ -60,6 +62,10 @@ fn work(args: &Args) -> Result<(), Fault> {
         return explain(args, &scene, &settings);
     }
     let mut renderer = start(args, &scene, view, &settings)?;
+    let mut warnings = scene.warnings().to_vec();
+    let starving = starving(&scene, &*renderer);
+    starving.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    warnings.extend(starving);
 
     let stop = Arc::new(AtomicBool::new(false));
     let heard = Arc::clone(&stop);
@@ -80,7 +86,8 @@ fn work(args: &Args) -> Result<(), Fault> {
         settings: &settings,
         outcome: &outcome,
         load: &load,
-        warnings: scene.warnings(),
+        warnings: &warnings,
+        lights: &photon_core::light_shares(&scene.view()),
         seconds_load,
         seconds_total,
     };
@@ -159,7 +166,32 @@ fn explain(args: &Args, scene: &Scene, settings: &Settings) -> Result<(), Fault>
             println!("  {:<24} {}", need.what, need.why);
         }
     }
+    println!("\nphotons by light, of {} paths a pass:", settings.photons);
+    for share in photon_core::light_shares(&scene.view()) {
+        let few = if share.starves(settings.photons) { ", too few to show what it does" } else { "" };
+        let (paths, power) = (share.paths(settings.photons), 100.0 * share.power);
+        println!("  {:<24} {paths:.0} paths for {power:.3} % of the power{few}", share.what);
+    }
     Ok(())
+}
+
+/// Lights that get hardly any photons, if photons are sent out.
+fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
+    let facts = renderer.facts();
+    let required = &facts.required;
+    if !(required.direct_map || required.caustic_map || required.global_map) {
+        return Vec::new();
+    }
+    let shares = photon_core::light_shares(&scene.view());
+    let few = shares.iter().filter(|share| share.starves(facts.photons));
+    let told = |share: &LightShare| {
+        let (paths, power) = (share.paths(facts.photons), share.power);
+        format!(
+            "{} has {power:.1e} of the power and gets about {paths:.0} of {} paths a pass, too few to show what it does; ask for more photons",
+            share.what, facts.photons
+        )
+    };
+    few.map(told).collect()
 }
 
 fn start(args: &Args, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {

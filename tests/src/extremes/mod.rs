@@ -5,6 +5,7 @@
 //! `docs/extremes.md`.
 
 pub mod geometry;
+pub mod large;
 pub mod optics;
 pub mod points;
 pub mod power;
@@ -27,6 +28,7 @@ pub fn groups<T: TestBackend>() -> Vec<(&'static str, Group)> {
         ("Scale and place", scale::all::<T> as Group),
         ("Power and counts", power::all::<T>),
         ("Points", points::all::<T>),
+        ("Large maps", large::all::<T>),
         ("Geometry", geometry::all::<T>),
         ("Optics", optics::all::<T>),
         ("Cameras and lights", views::all::<T>),

@@ -3,7 +3,7 @@
 use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Photon, Query, Rule};
 
 use super::sheet::Sheet;
-use crate::harness::{TestBackend, Uniform, estimate, photon_at, query_at};
+use crate::harness::{TestBackend, Uniform, photon_at, query_at};
 use crate::{determinism, estimators, numerics};
 
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
@@ -16,9 +16,6 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     degenerate_sets::<T>(sheet);
     if sheet.long() && T::make(1).name() == "cpu" {
         no_slow_query(sheet);
-        large_map::<T>(sheet, 30_000_000);
-    } else {
-        large_map::<T>(sheet, sheet.either(100_000, 3_000_000));
     }
     sheet.proved(
         "S6",
@@ -196,18 +193,4 @@ fn no_slow_query(sheet: &mut Sheet) {
         let what = "50 nearest: slowest query over the median one";
         sheet.holds("S8", what, format!("{name}, {n} points"), found, worst.0 <= 20.0);
     }
-}
-
-/// S10, S11: a map of so many photons, all within the radius of a query: none lost, exact sum.
-fn large_map<T: TestBackend>(sheet: &mut Sheet, count: usize) {
-    let photons: Vec<Photon> = (0..count)
-        .map(|i| Photon { power: [1e-8; 3], ..photon_at([(i % 4096) as f32 * 1e-6, (i / 4096) as f32 * 1e-6, 0.0]) })
-        .collect();
-    let queries = [query_at([0.0; 3], 0.5)];
-    let found = estimate::<T>(IndexKind::Morton, &photons, &queries, &gather(Rule::Radius))[0];
-    let error = f64::from(found.flux[0]) / (count as f64 * f64::from(1e-8_f32)) - 1.0;
-    let good = found.photons as usize == count && error.abs() < 1e-6;
-    let range = format!("{count} photons, {:.2} GiB", count as f64 * 32.0 / f64::from(1 << 30));
-    let what = "photons in one estimate, and the sum of 1e-8 each, relative";
-    sheet.holds("S10 S11", what, range, format!("{} photons, {error:+.1e}", found.photons), good);
 }

@@ -97,9 +97,10 @@ fn unequal_lights<T: TestBackend>(sheet: &mut Sheet) {
         let passes = sheet.either(16, 64);
         let rays = per_pass::<T>(&scene, &Settings { shadow_rays: 64, photons: 1, ..base.clone() }, passes, 8);
         let estimator = Estimator::Radius { radius: Some(0.2) };
-        let photons = sheet.either(60_000, 400_000);
+        let photons = sheet.either(30_000, 100_000);
         let by_map = Settings { direct: Direct::Photons, alpha: 1.0, estimator, photons, ..base.clone() };
-        let map = per_pass::<T>(&scene, &by_map, 8, 4);
+        // As many passes as for rays: of 8, the standard error is itself a guess.
+        let map = per_pass::<T>(&scene, &by_map, passes, 4);
         let mut good = true;
         let mut found = Vec::new();
         // Curvature: (1 + r²)^(−3/2) of the field at r from the foot of the lamp, averaged under the kernel

@@ -5,7 +5,7 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::instance::Limits;
+use super::logical::Limits;
 use super::module::Module;
 
 /// What such a file begins with; the number is that of the format.

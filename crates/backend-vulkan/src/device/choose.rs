@@ -27,11 +27,7 @@ pub struct Candidate {
 /// # Errors
 /// [`photon_core::Error::Backend`] if there is no loader or no driver.
 pub fn devices() -> photon_core::Result<Vec<Candidate>> {
-    let (_entry, instance) = super::instance::bare_instance()?;
-    let found = candidates(&instance);
-    // SAFETY: created above, and nothing made from it is left.
-    unsafe { instance.destroy_instance(None) };
-    found
+    candidates(&super::instance::Instance::shared()?.raw)
 }
 
 pub(crate) fn candidates(instance: &ash::Instance) -> photon_core::Result<Vec<Candidate>> {

@@ -9,7 +9,7 @@ use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use photon_core::{Error, Result};
 
 use super::fault::during;
-use super::instance::Device;
+use super::logical::Device;
 use super::spare::Spare;
 
 /// A buffer.

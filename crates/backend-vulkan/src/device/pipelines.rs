@@ -8,7 +8,7 @@ use photon_core::Result;
 
 use super::cache::DiskCache;
 use super::fault::during;
-use super::instance::Device;
+use super::logical::Device;
 use super::module::Module;
 
 /// A compiled kernel.

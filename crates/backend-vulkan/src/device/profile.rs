@@ -6,7 +6,7 @@ use ash::vk;
 use photon_core::{Result, Stage, StageTimings};
 
 use super::fault::during;
-use super::instance::Device;
+use super::logical::Device;
 use super::recorder::Recorder;
 
 /// Marks between two readings; more of them make a reading of their own.

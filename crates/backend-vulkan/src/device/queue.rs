@@ -7,7 +7,7 @@ use ash::vk;
 use photon_core::Result;
 
 use super::fault::during;
-use super::instance::Device;
+use super::logical::Device;
 
 /// Submissions that may be under way at a time.
 const FLYING: usize = 4;

@@ -10,7 +10,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use photon_core::Result;
 
-use super::instance::Device;
+use super::logical::Device;
 use super::memory::Memory;
 use super::pipelines::Kernel;
 use super::queue::Queue;

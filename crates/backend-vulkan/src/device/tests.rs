@@ -216,3 +216,20 @@ fn pipelines_are_compiled_once() {
     assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[1, 64]));
     assert_ne!(first, pipeline(&mut on, &shaders::INDEX_GATHER, &[0, 64]));
 }
+
+/// Drivers give a process only so many instances in all: those who do not ask for layers share one.
+#[test]
+fn devices_opened_one_after_another_share_an_instance() {
+    if Vulkan::for_tests().is_none() {
+        return;
+    }
+    let shared = super::instance::Instance::shared().unwrap();
+    for _ in 0..3 {
+        let on = Vulkan::with_options(&crate::Options::default()).unwrap();
+        assert!(on.validation_messages().is_empty());
+        let again = super::instance::Instance::shared().unwrap();
+        assert!(std::sync::Arc::ptr_eq(&shared, &again));
+    }
+    let watched = super::instance::Instance::watched().unwrap();
+    assert!(!std::sync::Arc::ptr_eq(&shared, &watched));
+}

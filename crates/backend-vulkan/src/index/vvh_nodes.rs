@@ -15,7 +15,7 @@ const WORKGROUP: u32 = 64;
 const HEURISTIC_DEPTH: u64 = 24;
 /// Bytes of a `VvhDepth`, of a `VvhNodes`.
 const DEPTH: u64 = 32;
-const TODO: u64 = 32;
+const PENDING: u64 = 32;
 
 /// Makes nodes.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub(crate) struct VvhNodes {
     collapse: Kernel,
     boxes: Kernel,
     depths: Memory,
-    todo: Memory,
+    pending: Memory,
     /// Leaves by block, and their totals.
     leaves: Memory,
     totals: Memory,
@@ -34,7 +34,7 @@ pub(crate) struct VvhNodes {
 struct CollapsePush {
     depth: u64,
     next_depth: u64,
-    todo: u64,
+    pending: u64,
     splits: u64,
     leaves: u64,
     nodes: u64,
@@ -45,7 +45,7 @@ struct CollapsePush {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct BoxesPush {
     depth: u64,
-    todo: u64,
+    pending: u64,
     nodes: u64,
     totals: u64,
 }
@@ -57,7 +57,7 @@ impl VvhNodes {
             collapse: on.kernel(&shaders::INDEX_VVH_COLLAPSE, &constants)?,
             boxes: on.kernel(&shaders::INDEX_VVH_BOXES, &constants)?,
             depths: on.memory("map: levels", 32)?,
-            todo: on.memory("map: nodes to do", 32)?,
+            pending: on.memory("map: pending nodes", 32)?,
             leaves: on.memory("map: leaves", 32)?,
             totals: on.memory("map: totals", 32)?,
         })
@@ -83,7 +83,7 @@ impl VvhNodes {
         }
         let levels = HEURISTIC_DEPTH + u64::from(blocks.next_power_of_two().ilog2()) + 1;
         grow(on, &mut self.depths, "map: levels", DEPTH * (levels + 1))?;
-        grow(on, &mut self.todo, "map: nodes to do", TODO * blocks)?;
+        grow(on, &mut self.pending, "map: pending nodes", PENDING * blocks)?;
         grow(on, &mut self.leaves, "map: leaves", 32 * blocks)?;
         grow(on, &mut self.totals, "map: totals", 4 * blocks)?;
         regular.slots(on, ordered, [self.leaves.address(), self.totals.address()])?;
@@ -93,14 +93,14 @@ impl VvhNodes {
         on.write(&self.depths, 0, bytemuck::cast_slice(&depths))?;
         // Number, first block, blocks, splits, nodes below from.
         let root = [0, 0, blocks as u32, 0, 1, 0, 0, 0];
-        on.write(&self.todo, 0, bytemuck::bytes_of(&root))?;
-        let (nodes, totals, todo) = (room.nodes.address(), room.totals.address(), self.todo.address());
+        on.write(&self.pending, 0, bytemuck::bytes_of(&root))?;
+        let (nodes, totals, pending) = (room.nodes.address(), room.totals.address(), self.pending.address());
         let depth = |level: u64| self.depths.address() + DEPTH * level;
         for level in 0..levels {
             let push = CollapsePush {
                 depth: depth(level),
                 next_depth: depth(level + 1),
-                todo,
+                pending,
                 splits,
                 leaves: self.leaves.address(),
                 nodes,
@@ -109,7 +109,7 @@ impl VvhNodes {
             on.dispatch_indirect(&self.collapse, &push, &self.depths, DEPTH * level)?;
         }
         for level in (0..levels).rev() {
-            let push = BoxesPush { depth: depth(level), todo, nodes, totals };
+            let push = BoxesPush { depth: depth(level), pending, nodes, totals };
             on.dispatch_indirect(&self.boxes, &push, &self.depths, DEPTH * level)?;
         }
         Ok(())

@@ -112,7 +112,7 @@ fn random_rows(row: Make) -> Vec<Row> {
         row("sampler_words", module, 2, Bound::Words, sampler, |i| {
             let [kind, low, high, pass, domain, path, first, second, ..] = i.0;
             let kind = [RandomKind::Counter, RandomKind::Lcg, RandomKind::Sobol][kind as usize];
-            let domain = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather][domain as usize];
+            let domain = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather, Domain::Area][domain as usize];
             let seed = u64::from(high) << 32 | u64::from(low);
             let mut sampler = Sampler::new(kind, seed, pass, domain, path);
             let (first, second) = (sampler.words(first), sampler.words(second));

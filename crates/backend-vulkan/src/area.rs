@@ -1,0 +1,64 @@
+//! How much of each estimate's disc lies on the surface.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{AreaProbe, Estimate, Gather, Pass, Query, Result};
+
+use crate::buffer::VulkanBuffer;
+use crate::scene::VulkanScene;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Invocations per workgroup.
+const GROUP: u32 = 128;
+/// Rays of a query at most, rounded up.
+const RAYS: u64 = 64;
+
+/// Short rays about each query.
+#[derive(Debug)]
+pub(crate) struct VulkanArea;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    scene: u64,
+    queries: u64,
+    count: u64,
+    estimates: u64,
+    seed: u64,
+    pass: u32,
+    start: u32,
+    min_cosine: f32,
+    slope: f32,
+}
+
+impl AreaProbe<Vulkan> for VulkanArea {
+    fn correct(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        pass: Pass,
+        queries: &VulkanBuffer<Query>,
+        gather: &Gather,
+        estimates: &mut VulkanBuffer<Estimate>,
+    ) -> Result<()> {
+        let kernel = on.kernel(&shaders::CAMERA_AREA, &[scene.features().bits(), GROUP, gather.kernel.number()])?;
+        // How many there are need not be known here: as many as fit.
+        let capacity = queries.capacity().min(estimates.capacity());
+        let stretch = (on.portions.shadow_rays / RAYS).max(1).next_multiple_of(u64::from(GROUP));
+        for start in (0..capacity).step_by(stretch as usize) {
+            let push = Push {
+                scene: scene.address(),
+                queries: queries.data_address(),
+                count: queries.count_address(),
+                estimates: estimates.data_address(),
+                seed: pass.seed,
+                pass: pass.index,
+                start: start as u32,
+                min_cosine: gather.min_normal_cosine,
+                slope: gather.kernel.slope(),
+            };
+            on.dispatch(&kernel, &push, stretch.min(capacity - start).div_ceil(u64::from(GROUP)))?;
+        }
+        Ok(())
+    }
+}

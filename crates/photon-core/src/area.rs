@@ -1,0 +1,134 @@
+//! How much of an estimate's disc lies on the surface: where probes of it stand.
+//!
+//! An estimate divides flux by the area of a disc, and loses light where the disc hangs over the end of
+//! its surface: half of it along a straight edge, three quarters in a corner. Photons cannot tell the
+//! end of a surface from the edge of a shadow, so that the scene is asked, by a few short rays.
+//!
+//! Probes stand on [`SPOKES`] rays about the query, [`RINGS`] on each, in strata of equal weight; the
+//! whole figure is turned, and shifted outwards, by two random numbers. The share of the disc that is
+//! on the surface is the share of the probes' weights, 1 to the bit where all are on it. One over an
+//! estimate is too large on average by its relative variance: at edges and corners by less than 0.4 % with
+//! Epanechnikov's kernel, by less than 1 % with any.
+
+use crate::kernel::Kernel;
+
+/// Directions in which probes stand.
+pub const SPOKES: u32 = 8;
+
+/// Probes in each.
+pub const RINGS: u32 = 3;
+
+/// The height from which surfaces are looked for, above and below the plane of the query, in radii: a
+/// sphere may fall away by so much. An obstacle that is lower does not end a surface.
+pub const HEIGHT: f32 = 0.5;
+
+/// The least share that is believed in, so that no probe brightens a pixel beyond measure.
+pub const LEAST_SHARE: f32 = 1.0 / 16.0;
+
+/// Below this radius, normalised length, probes would be as short as the rounding of points.
+pub const LEAST_RADIUS: f32 = 1.0 / 262_144.0;
+
+/// Sheets and boundaries of glass that a probe passes.
+pub const SHEETS: u32 = 4;
+
+/// Where one probe stands, and what it counts for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe {
+    /// From the query, in radii, in `[0, 1]`.
+    pub distance: f32,
+    /// Relative to the others, ≥ 0.
+    pub weight: f32,
+}
+
+/// The direction of a spoke in turns, for a random number in `[0, 1)`.
+#[inline]
+#[must_use]
+pub fn spoke_turns(spoke: u32, random: f32) -> f32 {
+    (spoke as f32 + random) * (1.0 / SPOKES as f32)
+}
+
+/// A probe of a spoke, for another random number. Where the kernel falls to zero at the rim, probes are
+/// as dense as Epanechnikov's; otherwise evenly dense, and weighted.
+#[inline]
+#[must_use]
+pub fn probe(kernel: Kernel, spoke: u32, ring: u32, random: f32) -> Probe {
+    // Neighbouring spokes are shifted by the golden ratio, so that all of them together are even.
+    let shift = (random + spoke as f32 * 0.618_034).fract();
+    let share = ((ring as f32 + shift) * (1.0 / RINGS as f32)).min(1.0 - f32::EPSILON);
+    match kernel {
+        Kernel::Epanechnikov => Probe { distance: (1.0 - (1.0 - share).sqrt()).sqrt(), weight: 1.0 },
+        Kernel::Biweight => {
+            let rest = (1.0 - share).sqrt();
+            Probe { distance: (1.0 - rest).sqrt(), weight: rest }
+        }
+        Kernel::Constant | Kernel::Cone { .. } => Probe { distance: share.sqrt(), weight: kernel.weight(share) },
+    }
+}
+
+/// What share of the disc is believed to lie on the surface, if `found` of the weight of `all` probes is.
+#[inline]
+#[must_use]
+pub fn share(found: f32, all: f32) -> f32 {
+    // Nothing at all: what the query stands on is too thin or too small to be probed.
+    if found > 0.0 && found < all { (found / all).max(LEAST_SHARE) } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean over random numbers of the share itself, and of its reciprocal.
+    fn means(kernel: Kernel, inside: impl Fn(f64, f64) -> bool) -> (f64, f64) {
+        const STEPS: u32 = 61;
+        let (mut mean, mut reciprocal) = (0.0, 0.0);
+        for step in 0..STEPS * STEPS {
+            let number = |step: u32| (step as f32 + 0.5) / STEPS as f32;
+            let (turn, shift) = (number(step % STEPS), number(step / STEPS));
+            let (mut found, mut all) = (0.0, 0.0);
+            for spoke in 0..SPOKES {
+                let angle = f64::from(spoke_turns(spoke, turn)) * std::f64::consts::TAU;
+                for ring in 0..RINGS {
+                    let Probe { distance, weight } = probe(kernel, spoke, ring, shift);
+                    let (x, y) = (f64::from(distance) * angle.cos(), f64::from(distance) * angle.sin());
+                    all += weight;
+                    found += if inside(x, y) { weight } else { 0.0 };
+                }
+            }
+            mean += f64::from(found / all);
+            reciprocal += 1.0 / f64::from(share(found, all));
+        }
+        let steps = f64::from(STEPS * STEPS);
+        (mean / steps, reciprocal / steps)
+    }
+
+    /// The fractions of A8, for each kernel; and the mean of one over them, by which estimates are
+    /// multiplied, within 0.5 % for edges and 1 % for a corner.
+    #[test]
+    fn shares_at_edges_and_corners_are_the_closed_forms() {
+        let edges = [
+            (Kernel::Constant, 0.25, 0.657_481),
+            (Kernel::Constant, 0.5, 0.804_499),
+            (Kernel::Epanechnikov, 0.0, 0.5),
+            (Kernel::Epanechnikov, 0.25, 0.705_638),
+            (Kernel::Epanechnikov, 0.5, 0.873_415),
+            (Kernel::Epanechnikov, 0.75, 0.973_909),
+        ];
+        for (kernel, at, truth) in edges {
+            let (mean, reciprocal) = means(kernel, |x, _| x < at);
+            assert!((mean - truth).abs() < 2e-3, "{kernel:?}, {at}: {mean} instead of {truth}");
+            assert!((reciprocal * truth - 1.0).abs() < 5e-3, "{kernel:?}, {at}: {reciprocal}");
+        }
+        for kernel in [Kernel::Constant, Kernel::Epanechnikov, Kernel::Biweight, Kernel::Cone { slope: 1.1 }] {
+            assert_eq!(means(kernel, |_, _| true), (1.0, 1.0));
+            assert_eq!(means(kernel, |_, _| false).1, 1.0);
+            let (mean, reciprocal) = means(kernel, |x, y| x < 0.0 && y < 0.0);
+            assert!((mean - 0.25).abs() < 2e-3 && (reciprocal - 4.0).abs() < 0.04, "{kernel:?}: {mean} {reciprocal}");
+        }
+    }
+
+    #[test]
+    fn no_share_is_below_the_least() {
+        assert_eq!(share(1.0, 24.0), LEAST_SHARE);
+        assert_eq!(share(12.0, 24.0), 0.5);
+    }
+}

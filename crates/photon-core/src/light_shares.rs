@@ -1,0 +1,104 @@
+//! Who gets how many of the photons: a report on lights that go short of them.
+
+use crate::layout::Light;
+use crate::scene::{SceneView, light_probability};
+
+/// A light, or all emissive triangles of one material, which are a lamp together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightShare {
+    /// Which, in words: its kind and its number, or that of its material.
+    pub what: String,
+    /// How many entries of [`SceneView::lights`] it is.
+    pub lights: usize,
+    /// Its part of the scene's power, mean of RGB, in `[0, 1]`.
+    pub power: f64,
+    /// The probability that a path of light starts from it, in `(0, 1]`.
+    pub probability: f64,
+}
+
+impl LightShare {
+    /// Fewer paths than this tell its light in blotches or not at all.
+    pub const FEW: f64 = 64.0;
+
+    /// Paths that are to be expected of it among so many.
+    #[must_use]
+    pub fn paths(&self, of: u32) -> f64 {
+        self.probability * f64::from(of)
+    }
+
+    /// Whether a pass of so many paths has too few of it to show what it does.
+    #[must_use]
+    pub fn starves(&self, of: u32) -> bool {
+        self.paths(of) < Self::FEW
+    }
+}
+
+/// The lights of a scene, in its order, with what each gets.
+#[must_use]
+pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
+    let mean = |light: &Light| light.power.iter().map(|&power| f64::from(power)).sum::<f64>() / 3.0;
+    let total: f64 = scene.lights.iter().map(mean).sum();
+    let mut shares: Vec<LightShare> = Vec::new();
+    let mut lamps: Vec<Option<usize>> = vec![None; scene.materials.len()];
+    for (index, light) in scene.lights.iter().enumerate() {
+        let power = if total > 0.0 { mean(light) / total } else { 0.0 };
+        let probability = light_probability(scene.light_starts, index);
+        let material = scene.facets.get(light.primitive as usize).map(|facet| facet.material as usize);
+        let known = material.and_then(|material| lamps.get(material).copied().flatten());
+        if let Some(lamp) = known {
+            shares[lamp].lights += 1;
+            shares[lamp].power += power;
+            shares[lamp].probability += probability;
+            continue;
+        }
+        let what = match (light.kind, material) {
+            (_, Some(material)) => {
+                if let Some(lamp) = lamps.get_mut(material) {
+                    *lamp = Some(shares.len());
+                }
+                format!("lamp of material {material}")
+            }
+            (Light::POINT, _) => format!("point light {index}"),
+            (Light::SPOT, _) => format!("spot light {index}"),
+            _ => format!("directional light {index}"),
+        };
+        shares.push(LightShare { what, lights: 1, power, probability });
+    }
+    shares
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::{Facet, Material};
+    use crate::scene::light_starts;
+    use crate::units::Units;
+
+    #[test]
+    fn a_lamp_is_one_and_a_weak_light_is_told_from_a_starving_one() {
+        let facets = [0, 1, 1].map(|material| Facet { normal: [0.0, 1.0, 0.0], material });
+        let materials = [Material::default(); 2];
+        let light = |kind, primitive, power| Light { kind, primitive, power: [power; 3], ..Light::default() };
+        let lights =
+            [light(Light::TRIANGLE, 1, 0.25), light(Light::POINT, u32::MAX, 1e-20), light(Light::TRIANGLE, 2, 0.75)];
+        let scene = SceneView {
+            positions: &[],
+            triangles: &[],
+            facets: &facets,
+            materials: &materials,
+            lights: &lights,
+            light_starts: &light_starts(&[0.25, 1e-20, 0.75]),
+            radius: 1.0,
+            units: Units::default(),
+        };
+        let shares = light_shares(&scene);
+        assert_eq!(shares.len(), 2);
+        assert_eq!((shares[0].what.as_str(), shares[0].lights), ("lamp of material 1", 2));
+        assert_eq!((shares[1].what.as_str(), shares[1].lights), ("point light 1", 1));
+        assert!((shares.iter().map(|share| share.probability).sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((shares[0].power - 1.0).abs() < 1e-12 && shares[1].power < 1e-19);
+        // A sixty-fourth is shared evenly among three.
+        assert!((shares[1].paths(192_000) - 1000.0).abs() < 0.01);
+        assert!(!shares[1].starves(192_000) && shares[1].starves(12_000) && !shares[0].starves(12_000));
+    }
+}

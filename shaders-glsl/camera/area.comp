@@ -1,0 +1,90 @@
+// Divides estimates by the part of their disc that lies on the surface. Twin of backend-cpu's area.rs:
+// the same random numbers. One invocation per query.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+layout(constant_id = 0) const uint FEATURES = 511;
+layout(constant_id = 2) const uint KERNEL = 0;
+
+#include "area.glsl"
+#include "constants.glsl"
+#include "grid.glsl"
+#include "layout.glsl"
+#include "math.glsl"
+#include "offset.glsl"
+#include "random.glsl"
+#include "sampling.glsl"
+#include "scene.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
+
+layout(push_constant, scalar) uniform Push {
+    SceneRef scene;
+    Queries queries;
+    Count count;
+    Estimates estimates;
+    uvec2 seed;
+    uint pass;
+    uint start;
+    float min_cosine;
+    // The cone's slope.
+    float slope;
+} push;
+
+// The nearest surface that is not glass; its `t` from where the ray began.
+bool opaque(Ray ray, out Surface found) {
+    float passed = 0.0;
+    for (uint sheet = 0; sheet <= AREA_SHEETS; sheet++) {
+        if (!surface(push.scene, ray, found)) return false;
+        if ((FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) == 0) return true;
+        uint kind = push.scene.materials[found.material].at.kind;
+        float gone = found.t;
+        found.t += passed;
+        if (kind != MATERIAL_DIELECTRIC && kind != MATERIAL_THIN) return true;
+        passed = found.t;
+        float left = ray.t_max - gone;
+        ray = surface_pass(found, ray.direction);
+        ray.t_max = left;
+    }
+    return false;
+}
+
+void main() {
+    uint i = push.start + thread();
+    if (i >= min(push.count.needed, push.count.capacity)) return;
+    if (push.estimates[i].at.photons == 0) return;
+    float squared = push.estimates[i].at.radius_squared;
+    float radius = sqrt(squared);
+    if (!(radius >= AREA_LEAST_RADIUS)) return;
+    vec3 normal = push.queries[i].at.normal;
+    vec3 tangent, bitangent;
+    sampling_basis(normal, tangent, bitangent);
+    uvec4 words = philox4x32(uvec4(push.queries[i].at.path, 0u, push.pass, DOMAIN_AREA), push.seed);
+    float turn = unit_f32(words.x), shift = unit_f32(words.y);
+    vec3 from = off_surface(push.queries[i].at.position, normal);
+    Surface at;
+    // Under a ceiling, from half its height.
+    float height = AREA_HEIGHT * radius;
+    if (opaque(Ray(from, normal, height), at)) height = 0.5 * at.t;
+    vec3 apex = from + normal * height;
+    float found = 0.0, all = 0.0;
+    for (uint spoke = 0; spoke < AREA_SPOKES; spoke++) {
+        float angle = 6.28318531 * area_spoke_turns(spoke, turn);
+        vec3 direction = tangent * cos(angle) + bitangent * sin(angle);
+        float free = opaque(Ray(apex, direction, radius), at) ? at.t : radius;
+        for (uint ring = 0; ring < AREA_RINGS; ring++) {
+            vec2 probe = area_probe(KERNEL, push.slope, spoke, ring, shift);
+            all += probe.y;
+            float away = probe.x * radius;
+            if (away > free || !opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
+            Material material = push.scene.materials[at.material].at;
+            bool keeps = material.kind == MATERIAL_LAMBERT && material.albedo != vec3(0.0);
+            if (keeps && dot3(at.normal, normal) >= push.min_cosine) found += probe.y;
+        }
+    }
+    push.estimates[i].at.radius_squared = squared * area_share(found, all);
+}

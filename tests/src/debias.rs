@@ -1,0 +1,140 @@
+//! What mends an estimate's bias, against closed forms: with and without.
+
+use photon_core::{Area, Direct, Estimator, Indirect, Kernel, Settings};
+use photon_scene::shapes::cuboid;
+use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
+
+use crate::harness::{TestBackend, film, look_at_point, per_pass};
+use crate::stats::{agrees, assert_agrees, moments, standard_error};
+
+/// The radius of the estimates below, user length.
+const RADIUS: f64 = 0.25;
+
+/// What stands beside the point that is looked at, at the origin.
+#[derive(Clone, Copy, Debug)]
+enum Beside {
+    /// The floor goes on.
+    Nothing,
+    /// It ends at x.
+    End(f64),
+    /// It ends at x and at y.
+    Corner(f64),
+    /// A tall box stands on it, from x on.
+    Box(f64),
+    /// It is a mirror from x on.
+    Mirror(f64),
+    /// It is black from x on.
+    Black(f64),
+    /// A sheet of glass lies a little above it.
+    Glass,
+    /// A step down, of a tenth of the radius: still the same surface.
+    Step(f64),
+}
+
+/// A floor under light from straight above, of irradiance 1 and albedo 1/2: radiance 1/2π.
+fn floor(beside: Beside) -> Scene {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
+    let mut tile = |name: &str, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2], z: f64, material| {
+        builder.quad(name, [[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]], material);
+    };
+    let all = [-1.0, 1.0];
+    match beside {
+        Beside::Nothing | Beside::Glass | Beside::Box(_) => tile("floor", all, all, 0.0, grey),
+        Beside::End(x) => tile("floor", [-1.0, x], all, 0.0, grey),
+        Beside::Corner(x) => tile("floor", [-1.0, x], [-1.0, x], 0.0, grey),
+        Beside::Mirror(x) | Beside::Black(x) => tile("floor", [-1.0, x], all, 0.0, grey),
+        Beside::Step(x) => {
+            tile("floor", [-1.0, x], all, 0.0, grey);
+            tile("lower", [x, 1.0], all, -0.1 * RADIUS, grey);
+        }
+    }
+    match beside {
+        Beside::Box(x) => {
+            let (positions, triangles) = cuboid([x, -0.8, 0.0], [0.9, 0.8, 0.7]);
+            builder.mesh("box", positions, triangles, grey);
+        }
+        Beside::Mirror(x) | Beside::Black(x) => {
+            let other = match beside {
+                Beside::Mirror(_) => MaterialDesc::mirror("mirror", [1.0; 3]),
+                _ => MaterialDesc::lambert("black", [0.0; 3]),
+            };
+            let other = builder.material(other);
+            builder.quad("other", [[x, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [x, 1.0, 0.0]], other);
+        }
+        Beside::Glass => {
+            // An index of nearly 1: light goes through as if it were not there, but is refracted.
+            let glass = builder.material(MaterialDesc::thin("glass", 1.000_1));
+            let z = 0.1 * RADIUS;
+            builder.quad("glass", [[-1.0, -1.0, z], [1.0, -1.0, z], [1.0, 1.0, z], [-1.0, 1.0, z]], glass);
+        }
+        _ => {}
+    }
+    builder.light("sun", LightDesc::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
+    // The pixel lies within the floor even where that ends at the origin.
+    look_at_point(&mut builder, [-2e-5, -2e-5, 0.0], [0.0, 0.0, 1.0], 2.0, 1e-5);
+    builder.build().unwrap()
+}
+
+fn settings(area: Area, kernel: Kernel, estimator: Estimator) -> Settings {
+    Settings {
+        photons: 8_000,
+        estimator,
+        kernel,
+        area,
+        direct: Direct::Photons,
+        indirect: Indirect::None,
+        alpha: 1.0,
+        seed: 17,
+        ..Settings::default()
+    }
+}
+
+fn within() -> Estimator {
+    Estimator::Radius { radius: Some(RADIUS) }
+}
+
+/// Radiance over the truth, pass by pass.
+fn shares<T: TestBackend>(beside: Beside, settings: &Settings) -> Vec<f64> {
+    let truth = 0.5 / std::f64::consts::PI;
+    per_pass::<T>(&floor(beside), settings, 8, 1).iter().map(|radiance| radiance / truth).collect()
+}
+
+/// D1: where a disc hangs over an end, or under a box, the light of A8 is lost, and divided by what lies
+/// on the surface it is all there again, up to the 0.4 % of `area`. Independent passes; photons are the
+/// same with and without, so that one over the other shows the share alone.
+pub fn d1_light_at_edges_is_whole<T: TestBackend>() {
+    let flat = Kernel::Constant;
+    let round = Kernel::Epanechnikov;
+    for (beside, kernel, lost) in [
+        (Beside::End(0.0), round, 0.5),
+        (Beside::End(0.25 * RADIUS), flat, 0.657_481),
+        (Beside::Corner(0.0), round, 0.25),
+        (Beside::Box(0.25 * RADIUS), round, 0.705_638),
+        (Beside::Mirror(0.25 * RADIUS), round, 0.705_638),
+        (Beside::Black(0.0), round, 0.5),
+    ] {
+        let mended = shares::<T>(beside, &settings(Area::Surface, kernel, within()));
+        let plain = shares::<T>(beside, &settings(Area::Disc, kernel, within()));
+        assert_agrees(&format!("{beside:?}"), moments(&mended).0, 1.0, standard_error(&mended), 4e-3);
+        let ratios: Vec<f64> = plain.iter().zip(&mended).map(|(plain, mended)| plain / mended).collect();
+        let error = standard_error(&ratios);
+        assert_agrees(&format!("{beside:?}, share"), moments(&ratios).0, lost, error, 4e-3);
+        assert!(!agrees(moments(&plain).0, 1.0, standard_error(&plain), 4e-3), "{beside:?}: nothing was to be seen");
+    }
+    // The nearest photons' disc reaches as far as there are photons.
+    let knn = Estimator::Knn { k: 100, max_radius: None };
+    let mended = shares::<T>(Beside::End(0.0), &settings(Area::Surface, round, knn));
+    assert_agrees("nearest", moments(&mended).0, 1.0, standard_error(&mended), 4e-3);
+}
+
+/// D2: within a surface, under a ceiling of glass and over a step that is none, not a bit changes.
+pub fn d2_nothing_changes_within_a_surface<T: TestBackend>() {
+    for beside in [Beside::Nothing, Beside::Glass, Beside::Step(0.1)] {
+        let scene = floor(beside);
+        let of = |area| film::<T>(&scene, &settings(area, Kernel::Epanechnikov, within()), 2, 2);
+        let (mended, plain) = (of(Area::Surface), of(Area::Disc));
+        assert_eq!(mended, plain, "{beside:?}");
+        assert!(plain.beauty().iter().flatten().all(|&c| c > 0.0), "{beside:?}");
+    }
+}

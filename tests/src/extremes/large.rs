@@ -1,0 +1,119 @@
+//! S10, S11: maps of as many photons as the memory holds.
+
+use photon_core::{Backend, Error, Estimate, Gather, IndexKind, Kernel, Photon, Query, Result, Rule};
+
+use super::sheet::Sheet;
+use crate::harness::{TestBackend, photon_at, query_at};
+
+/// Photons along a side of the unit square. The last three are 2³² bytes of photons and a little more, a
+/// little less, and 2 % less: a device whose largest allocation is 4 GiB takes one of the last two.
+const LONG: [u32; 5] = [5478, 8200, 11_600, 11_585, 11_450];
+
+/// Of the nearest photons, which one's distance is asked for.
+const K: u32 = 20;
+
+/// Of each photon, W.
+const POWER: f32 = 1e-8;
+
+/// The group.
+pub fn all<T: TestBackend>(sheet: &mut Sheet) {
+    if !sheet.long() {
+        lattice::<T>(sheet, 317, IndexKind::Morton);
+        return;
+    }
+    // Software would take hours.
+    if T::make(1).device().contains("llvmpipe") {
+        lattice::<T>(sheet, 1733, IndexKind::Morton);
+        return;
+    }
+    let mut tried = LONG.iter();
+    for &side in tried.by_ref() {
+        let held = [IndexKind::Morton, IndexKind::Median, IndexKind::Vvh].map(|kind| lattice::<T>(sheet, side, kind));
+        // The ones behind are smaller than it.
+        if side >= LONG[2] && held == [true; 3] {
+            break;
+        }
+    }
+}
+
+/// Where the photon of that number along a side lies.
+fn at(i: u32, side: u32) -> f32 {
+    (i as f32 + 0.5) / side as f32
+}
+
+/// A map of `side²` photons: whether it fits; that all of them are within a radius of 2 and add up; that
+/// small discs have what a count of the lattice finds there.
+fn lattice<T: TestBackend>(sheet: &mut Sheet, side: u32, kind: IndexKind) -> bool {
+    let count = u64::from(side) * u64::from(side);
+    let range = format!("{kind:?}, {count} photons, {:.3} GiB", count as f64 * 32.0 / f64::from(1 << 30));
+    let mut queries = vec![query_at([0.5, 0.5, 0.0], 2.0)];
+    let places = [0.0, 0.001, 0.3, 0.5, 0.77, 0.999, 1.0];
+    queries.extend(places.iter().flat_map(|&y| places.map(|x| query_at([x, y, 0.0], 5.3 / side as f32))));
+    let [within, nearest] = match ask(&mut T::make(2), kind, side, &queries) {
+        Ok(found) => found,
+        Err(error @ (Error::OutOfMemory { .. } | Error::AllocationTooLarge { .. })) => {
+            let what = "photons that no allocation holds are refused by name";
+            sheet.holds("S10 S11", what, range, error.to_string(), side >= LONG[2]);
+            return false;
+        }
+        Err(error) => {
+            sheet.holds("S10 S11", "a large map", range, error.to_string(), false);
+            return false;
+        }
+    };
+    let error = f64::from(within[0].flux[0]) / (count as f64 * f64::from(POWER)) - 1.0;
+    let mut wrong = 0;
+    for (query, (within, nearest)) in queries.iter().zip(within.iter().zip(&nearest)).skip(1) {
+        let squares = by_hand(side, query);
+        wrong += usize::from(squares.len() != within.photons as usize);
+        wrong += usize::from(squares[K as usize - 1].to_bits() != nearest.radius_squared.to_bits());
+    }
+    let found =
+        format!("{} in one estimate, {error:+.1e}; {wrong} wrong of {}", within[0].photons, 2 * places.len().pow(2));
+    let good = u64::from(within[0].photons) == count && error.abs() < 1e-6 && wrong == 0;
+    let what = "none lost, sum of 1e-8 each, relative; small discs and 20th neighbours by count of the lattice";
+    sheet.holds("S10 S11", what, range, found, good);
+    true
+}
+
+/// All within the radius of each query, and the nearest; of the first query, which holds everything, not
+/// the nearest.
+fn ask<B: Backend>(on: &mut B, kind: IndexKind, side: u32, queries: &[Query]) -> Result<[Vec<Estimate>; 2]> {
+    let mut stages = on.map_stages(kind)?;
+    let photon = |i: u32| Photon { power: [POWER; 3], ..photon_at([at(i % side, side), at(i / side, side), 0.0]) };
+    let photons: Vec<Photon> = (0..side * side).map(photon).collect();
+    let there = on.upload("photons", &photons)?;
+    drop(photons);
+    let map = stages.builder.build(on, there)?;
+    let mut found = [Vec::new(), Vec::new()];
+    for (rule, found) in [Rule::Radius, Rule::Nearest { k: K }].into_iter().zip(&mut found) {
+        let mut queries = queries.to_vec();
+        if rule != Rule::Radius {
+            queries[0].radius = queries[1].radius;
+        }
+        let asked = on.upload("queries", &queries)?;
+        let mut estimates = on.alloc("estimates", queries.len() as u64)?;
+        let gather = Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0 };
+        stages.estimator.estimate(on, &map, &asked, &gather, &mut estimates)?;
+        on.download(&estimates, found)?;
+    }
+    Ok(found)
+}
+
+/// Squared distances of the photons within the radius, nearest first, in the arithmetic of kernels.
+fn by_hand(side: u32, query: &Query) -> Vec<f32> {
+    let about = |x: f32| {
+        let middle = (x * side as f32) as u32;
+        middle.saturating_sub(8)..(middle + 8).min(side)
+    };
+    let mut squares = Vec::new();
+    for row in about(query.position[1]) {
+        for column in about(query.position[0]) {
+            let (dx, dy) = (at(column, side) - query.position[0], at(row, side) - query.position[1]);
+            squares.push(dx * dx + dy * dy);
+        }
+    }
+    squares.retain(|&square| square <= query.radius * query.radius);
+    squares.sort_unstable_by(f32::total_cmp);
+    squares
+}

@@ -33,7 +33,7 @@ impl Preset {
         match self {
             Self::Preview => 4,
             Self::Balanced => 64,
-            Self::Final => 512,
+            Self::Final => 256,
         }
     }
 }

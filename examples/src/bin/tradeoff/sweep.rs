@@ -83,10 +83,10 @@ fn points(base: &Settings) -> Vec<Point> {
     for passes in [4, PASSES] {
         add("generator", &format!("Sobol, {passes} passes"), with(&|s| s.random = RandomKind::Sobol), passes);
     }
-    // At as many paths a pass as the other settings, for as many passes as presets have.
+    // As if each pixel had one of the middle setting's paths.
     for preset in Preset::ALL {
-        let pixels = u64::from(base.photons);
-        let settings = Settings { photons: base.photons, direct: base.direct, ..Settings::preset(preset, pixels) };
+        let photons = (preset.photons_per_pixel() * f64::from(base.photons)) as u32;
+        let settings = Settings { photons, direct: base.direct, ..Settings::preset(preset, 0) };
         add("preset", preset.name(), settings, preset.passes());
     }
     add("errors", "told", with(&|s| s.errors = true), PASSES);

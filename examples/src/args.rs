@@ -85,9 +85,10 @@ pub struct Args {
     /// constant, epanechnikov, cone, cone:SLOPE or biweight [default: epanechnikov, paper constant].
     #[arg(long, value_name = "NAME", value_parser = kernel)]
     pub kernel: Option<Kernel>,
-    /// What their flux is divided by: the disc about a point, or what of it lies on the surface.
-    #[arg(long, value_enum, default_value_t = AreaName::Disc)]
-    pub area: AreaName,
+    /// What their flux is divided by: the disc about a point, or what of it lies on the surface
+    /// [default: disc].
+    #[arg(long, value_enum)]
+    pub area: Option<AreaName>,
     /// How photons are arranged.
     #[arg(long, value_enum)]
     pub index: Option<IndexName>,
@@ -266,10 +267,10 @@ impl Args {
                 IndirectName::Gather => Indirect::Gather,
                 IndirectName::None => Indirect::None,
             }),
-            area: match self.area {
+            area: self.area.map_or(base.area, |area| match area {
                 AreaName::Disc => Area::Disc,
                 AreaName::Surface => Area::Surface,
-            },
+            }),
             caustic_photons: self.caustic_photons.unwrap_or(base.caustic_photons),
             max_bounces: self.max_bounces.unwrap_or(base.max_bounces),
             seed: self.seed,

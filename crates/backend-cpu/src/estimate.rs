@@ -88,8 +88,9 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         min_normal_cosine: f32,
     ) -> Result<Option<f32>> {
         const SAMPLE: usize = 1024;
-        // No photon is asked to look farther than a quarter of the scene.
-        const LIMIT: f32 = 0.25 * 0.25;
+        const WIDEST: f32 = 0.25;
+        // No photon is asked to look farther.
+        const LIMIT: f32 = WIDEST * WIDEST;
         let photons = map.photons();
         let count = photons.len().min(SAMPLE);
         if photons.len() <= neighbours as usize {
@@ -110,7 +111,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
                 .collect()
         });
         if found.len() * 2 < count {
-            return Ok(None);
+            return Ok(Some(WIDEST));
         }
         found.sort_unstable_by(f32::total_cmp);
         Ok(Some(found[found.len() / 2].max(LEAST).sqrt()))

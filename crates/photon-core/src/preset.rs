@@ -1,6 +1,6 @@
 //! Settings for a need, from what was measured.
 
-use crate::settings::Settings;
+use crate::settings::{Area, Settings};
 
 /// How good a picture is to be. The numbers come from `docs/accuracy.md`, which has the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,7 +33,17 @@ impl Preset {
         match self {
             Self::Preview => 4,
             Self::Balanced => 64,
-            Self::Final => 512,
+            Self::Final => 256,
+        }
+    }
+
+    /// Paths per pass for each pixel: noise is that of shadow rays and of rays through the pixel as much as that
+    /// of photons, so that more passes pay before more photons to a pass do.
+    #[must_use]
+    pub fn photons_per_pixel(self) -> f64 {
+        match self {
+            Self::Preview | Self::Balanced => 0.5,
+            Self::Final => 1.0,
         }
     }
 }
@@ -46,6 +56,10 @@ const MOST: f64 = 16e6;
 impl Settings {
     /// The settings of a preset for a picture of so many pixels.
     ///
+    /// Radii and kernel are the default ones, near the best at as many photons in scenes with edges and caustics
+    /// alike. What is lost at the ends of surfaces is nearly all of the bias in a box, and giving it back takes
+    /// less time than as many passes would: from [`Preset::Balanced`] on it is.
+    ///
     /// ```
     /// use photon_core::{Budget, Preset, Settings};
     /// let settings = Settings::preset(Preset::Preview, 640 * 480);
@@ -54,11 +68,8 @@ impl Settings {
     /// ```
     #[must_use]
     pub fn preset(preset: Preset, pixels: u64) -> Self {
-        let photons = |per_pixel: f64| (per_pixel * pixels as f64).clamp(FEWEST, MOST) as u32;
-        match preset {
-            Preset::Preview => Self { photons: photons(1.0), ..Self::default() },
-            Preset::Balanced => Self { photons: photons(1.0), ..Self::default() },
-            Preset::Final => Self { photons: photons(2.0), ..Self::default() },
-        }
+        let photons = (preset.photons_per_pixel() * pixels as f64).clamp(FEWEST, MOST) as u32;
+        let area = if preset == Preset::Preview { Area::Disc } else { Area::Surface };
+        Self { photons, area, ..Self::default() }
     }
 }

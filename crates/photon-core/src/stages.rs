@@ -167,7 +167,8 @@ pub trait RadianceEstimator<B: Backend>: Send {
     }
 
     /// A radius within which a typical photon has `neighbours` others on its side, normalised
-    /// space: the median over a fixed sample. `None` if there are too few photons to tell.
+    /// space: the median over a fixed sample, or a quarter of the scene if that is not enough for half of
+    /// them. `None` if there are no more photons than that.
     ///
     /// # Errors
     /// What the backend raises.

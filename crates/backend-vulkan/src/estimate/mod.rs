@@ -123,7 +123,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         on.download(&estimates, &mut found)?;
         let mut found: Vec<f32> = found.iter().filter(|e| e.photons == k).map(|e| e.radius_squared).collect();
         if found.len() * 2 < count as usize {
-            return Ok(None);
+            return Ok(Some(LIMIT));
         }
         found.sort_unstable_by(f32::total_cmp);
         Ok(Some(found[found.len() / 2].max(LEAST).sqrt()))

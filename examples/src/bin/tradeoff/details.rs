@@ -16,18 +16,17 @@ pub(crate) fn tracer(parts: &[Part]) -> String {
                 "\n### Truths beside a path tracer\n\n{}, unbiased, by `tests/mitsuba/check.py`; pixel by pixel. *Expected* is its own noise, by the spread of its runs,\nand what the reference claims of itself. Of `integrating-sphere` it is the light that was scattered before.\nPoint and spot light by way of a mirror (`ring`) and parallel light by way of water (`pool`) is what a path tracer\ncannot find.",
                 part.device
             );
-            let columns = ["scene", "truth", "paths a pixel", "mean", "mean of the tracer", "z", "relMSE", "expected"];
+            let columns = ["scene", "truth", "paths a pixel", "mean difference", "z", "relMSE", "expected"];
             text += &head(&columns.map(str::to_owned), 2);
         }
         for row in rows {
             let _ = writeln!(
                 text,
-                "| {} | {} | {} | {:.5} | {:.5} | {:.1} | {:.2e} | {:.2e} |",
+                "| {} | {} | {} | {:.2} % | {:.1} | {:.2e} | {:.2e} |",
                 row.scene,
                 row.reference,
                 row.samples,
-                row.ours,
-                row.theirs,
+                100.0 * row.mean,
                 row.z,
                 row.difference,
                 row.noise + row.claimed

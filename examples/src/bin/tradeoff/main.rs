@@ -94,6 +94,8 @@ enum PartName {
     Fields,
     /// Rates in these.
     Rates,
+    /// Pictures by a few settings beside the reference, for `tests/mitsuba/pictures.py`.
+    Pictures,
 }
 
 fn main() -> ExitCode {
@@ -169,12 +171,12 @@ fn measure(args: &Args) -> Result<(), Fault> {
                 let rows = claims(args, &mut engine, &subject, &base, &Truth::constant(radiance))?;
                 save(args, &engine, &format!("claims-{name}"), Body::Claims(rows))?;
             }
-            if !(wanted(PartName::Reference) || wanted(PartName::Sweep) || wanted(PartName::Asked)) {
+            let judged = [PartName::Reference, PartName::Sweep, PartName::Asked, PartName::Pictures];
+            if !judged.into_iter().any(wanted) {
                 continue;
             }
-            let passes = 4 * sweep::PASSES;
-            let longest = u64::from(passes) * u64::from(base.photons);
-            let effort = Effort { passes, photons: longest, times: args.reference };
+            let (passes, photons) = sweep::longest(&base);
+            let effort = Effort { passes, photons, times: args.reference };
             let truth = Truth::of(&mut engine, &subject, (&base, effort), &args.out)?;
             if wanted(PartName::Sweep) {
                 let rows = sweep::rows(&mut engine, &subject, (&base, args.seeds), &truth)?;
@@ -187,6 +189,14 @@ fn measure(args: &Args) -> Result<(), Fault> {
                     rows,
                 };
                 save(args, &engine, &format!("sweep-{name}"), Body::Sweep(body))?;
+            }
+            if wanted(PartName::Pictures) && !truth.colours.is_empty() {
+                let (backend, size) = (engine.names().0.to_owned(), args.size);
+                let path = args.out.join(format!("pictures-{name}-{backend}.json"));
+                let shots = sweep::shots(&mut engine, &subject, &base)?;
+                let pictures =
+                    records::Pictures { scene: name.clone(), size, backend, truth: truth.colours.clone(), shots };
+                records::write(&path, &pictures)?;
             }
             if wanted(PartName::Asked) {
                 let rows = asked::rows(&mut engine, &subject, &base, &truth)?;

@@ -160,10 +160,9 @@ pub(crate) struct TracerRow {
     pub(crate) reference: String,
     /// Paths per pixel.
     pub(crate) samples: u32,
-    /// Mean radiance.
-    pub(crate) ours: f64,
-    pub(crate) theirs: f64,
-    /// Their difference over its standard error.
+    /// Mean over pixels of the tracer's less ours, over what errors are measured by.
+    pub(crate) mean: f64,
+    /// That over its standard error.
     pub(crate) z: f64,
     /// relMSE between the two.
     pub(crate) difference: f64,
@@ -180,6 +179,24 @@ pub(crate) struct Reference {
     pub(crate) size: u32,
     pub(crate) backend: String,
     pub(crate) note: Note,
+    pub(crate) seconds: f64,
+    pub(crate) pixels: Vec<[f32; 3]>,
+}
+
+/// Pictures of one scene by several settings, beside the truth, for `tests/mitsuba/pictures.py`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Pictures {
+    pub(crate) scene: String,
+    pub(crate) size: u32,
+    pub(crate) backend: String,
+    pub(crate) truth: Vec<[f32; 3]>,
+    pub(crate) shots: Vec<Shot>,
+}
+
+/// One of them; linear RGB, top row first.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Shot {
+    pub(crate) name: String,
     pub(crate) seconds: f64,
     pub(crate) pixels: Vec<[f32; 3]>,
 }

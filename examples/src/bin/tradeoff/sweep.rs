@@ -1,11 +1,13 @@
 //! The settings that are tried: each knob by itself, about a middle setting.
 
-use photon_core::{Budget, Direct, Estimator, IndexKind, Indirect, Kernel, RandomKind, Settings, Sharing};
+use photon_core::{
+    Area, Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Settings, Sharing,
+};
 use photon_examples::fault::Fault;
 
 use crate::engine::{Engine, Subject};
 use crate::measure::{self, Run};
-use crate::records::Row;
+use crate::records::{Row, Shot};
 use crate::truth::Truth;
 
 /// One setting.
@@ -58,6 +60,9 @@ fn points(base: &Settings) -> Vec<Point> {
     for (name, kernel) in kernels {
         add("kernel", name, with(&|s| s.kernel = kernel), PASSES);
     }
+    for passes in [PASSES, 4 * PASSES] {
+        add("area", &format!("surface, {passes} passes"), with(&|s| s.area = Area::Surface), passes);
+    }
     for k in [20, 50, 200] {
         let estimator = Estimator::Knn { k, max_radius: None };
         add("estimator", &format!("{k} nearest"), with(&|s| s.estimator = estimator), PASSES);
@@ -78,9 +83,22 @@ fn points(base: &Settings) -> Vec<Point> {
     for passes in [4, PASSES] {
         add("generator", &format!("Sobol, {passes} passes"), with(&|s| s.random = RandomKind::Sobol), passes);
     }
+    // As if each pixel had one of the middle setting's paths.
+    for preset in Preset::ALL {
+        let photons = (preset.photons_per_pixel() * f64::from(base.photons)) as u32;
+        let settings = Settings { photons, direct: base.direct, ..Settings::preset(preset, 0) };
+        add("preset", preset.name(), settings, preset.passes());
+    }
     add("errors", "told", with(&|s| s.errors = true), PASSES);
     add("errors", "told, passes x4", with(&|s| s.errors = true), 4 * PASSES);
     points
+}
+
+/// Passes and photons of the longest.
+pub(crate) fn longest(base: &Settings) -> (u32, u64) {
+    let all = points(base);
+    let photons = all.iter().map(|point| u64::from(point.passes) * u64::from(point.settings.photons)).max();
+    (all.iter().map(|point| point.passes).max().unwrap_or(1), photons.unwrap_or(1))
 }
 
 /// Every setting by so many seeds. Seeds go round all settings, so that whatever else the machine does is
@@ -113,9 +131,44 @@ pub(crate) fn rows(
     Ok(points.into_iter().zip(runs).map(row).collect())
 }
 
+/// The settings whose pictures are shown: knob and value.
+const SHOWN: [(&str, &str); 6] = [
+    ("passes", "16"),
+    ("radii", "x0.5"),
+    ("area", "surface, 16 passes"),
+    ("indirect", "gather, 4 rays"),
+    ("estimator", "paper"),
+    ("passes", "64"),
+];
+
+/// A picture by each of these, with the same seed.
+pub(crate) fn shots(engine: &mut Engine, subject: &Subject, base: &Settings) -> Result<Vec<Shot>, Fault> {
+    let shown = |point: &Point| SHOWN.iter().position(|&(knob, value)| knob == point.knob && value == point.value);
+    let mut points: Vec<(usize, Point)> =
+        points(base).into_iter().filter_map(|point| Some((shown(&point)?, point))).collect();
+    points.sort_by_key(|(place, _)| *place);
+    let shot = |(_, point): (usize, Point)| {
+        let settings = Settings { seed: 1, ..point.settings };
+        let (film, told) = engine.film(subject, &settings, Budget::Passes(point.passes))?;
+        let name = if point.knob == "passes" {
+            format!("{} passes", point.value)
+        } else {
+            format!("{}: {}", point.knob, point.value)
+        };
+        Ok(Shot { name, seconds: told.seconds, pixels: film.beauty() })
+    };
+    points.into_iter().map(shot).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_picture_that_is_shown_is_one_of_a_setting() {
+        let all = points(&base("ring", 4000));
+        assert!(SHOWN.iter().all(|(knob, value)| all.iter().any(|p| p.knob == *knob && p.value == *value)));
+    }
 
     #[test]
     fn every_setting_makes_sense_and_is_tried_once() {

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_PI;
 use std::path::Path;
 
-use photon_core::{Budget, Film, Settings};
+use photon_core::{Area, Budget, Film, Settings};
 use photon_examples::fault::Fault;
 use photon_scene::IntegratingSphere;
 
@@ -16,6 +16,8 @@ pub(crate) struct Truth {
     pub(crate) note: Note,
     /// None for a constant.
     pixels: Vec<f64>,
+    /// Likewise, linear RGB.
+    pub(crate) colours: Vec<[f32; 3]>,
 }
 
 impl Truth {
@@ -39,7 +41,7 @@ impl Truth {
     }
 
     pub(crate) fn constant(radiance: f64) -> Self {
-        Self { note: Note::Constant(radiance), pixels: Vec::new() }
+        Self { note: Note::Constant(radiance), pixels: Vec::new(), colours: Vec::new() }
     }
 
     pub(crate) fn at(&self, pixel: usize) -> f64 {
@@ -67,7 +69,7 @@ impl Truth {
 impl From<Reference> for Truth {
     fn from(reference: Reference) -> Self {
         let grey = |rgb: &[f32; 3]| rgb.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
-        Self { pixels: reference.pixels.iter().map(grey).collect(), note: reference.note }
+        Self { pixels: reference.pixels.iter().map(grey).collect(), note: reference.note, colours: reference.pixels }
     }
 }
 
@@ -102,7 +104,9 @@ pub(crate) fn closed_form(scene: &str) -> Option<f64> {
 fn long_run(engine: &mut Engine, subject: &Subject, base: &Settings, effort: Effort) -> Result<Reference, Fault> {
     let passes = (f64::from(effort.passes) * f64::from(effort.times).powf(2.0 / 3.0) * 1.28).ceil();
     let photons = (effort.photons as f64 * f64::from(effort.times) / passes).ceil().max(1.0);
-    let settings = Settings { photons: photons as u32, errors: true, seed: u64::MAX, ..base.clone() };
+    // What discs lose at the ends of surfaces is given back: it falls slowest of all with the radii.
+    let settings =
+        Settings { photons: photons as u32, errors: true, seed: u64::MAX, area: Area::Surface, ..base.clone() };
     crate::progress(&format!("{}: a reference of {passes} passes of {photons} paths", subject.name));
     let (film, told) = engine.film(subject, &settings, Budget::Passes(passes as u32))?;
     Ok(Reference {

@@ -4,8 +4,8 @@
 use ash::vk;
 use gpu_allocator::vulkan::Allocation;
 
-/// Waits for the device that a buffer is kept unused: those of a few passes.
-const PATIENCE: u32 = 64;
+/// Waits for the device that a buffer is kept unused: those of a few passes, of which each has dozens.
+const PATIENCE: u32 = 256;
 
 /// A buffer that nobody uses.
 #[derive(Debug)]

@@ -41,8 +41,9 @@ impl<B: TransportBackend> Pipeline<B> {
         if others == self.asked {
             return Some(aimed.paths);
         }
-        let share = f64::from(others) / f64::from(self.asked);
-        Some((f64::from(aimed.paths) * share).round().max(1.0) as u32)
+        // Rounded as half of a number is, so that a pass made smaller is a pass of that size.
+        let paths = u64::from(aimed.paths) * u64::from(others) / u64::from(self.asked.max(1));
+        Some((paths as u32).max(1))
     }
 
     /// Whether a map is filled by paths that are not aimed.

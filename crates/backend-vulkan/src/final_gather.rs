@@ -155,7 +155,7 @@ impl FinalGather<Vulkan> for VulkanGather {
                     share: 1.0 / rays as f32,
                     padding: 0,
                 };
-                for (map, paths) in asked {
+                for &(ref map, paths) in &asked {
                     let Some((map, gather)) = map else { continue };
                     match &mut told {
                         None => self.estimator.estimate(on, map, &landings, gather, &mut estimates)?,

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use clap::{Parser, ValueEnum};
 use photon_core::{
-    Area, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, Preset, RandomKind,
-    Settings, Sharing,
+    Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, Preset,
+    RandomKind, Settings, Sharing,
 };
 
 use crate::fault::Fault;
@@ -89,6 +89,10 @@ pub struct Args {
     /// [default: disc].
     #[arg(long, value_enum)]
     pub area: Option<AreaName>,
+    /// Whose radius they have: one for a map, or one for each pixel, from its own noise and bias; the latter
+    /// tells errors too [default: shared].
+    #[arg(long, value_enum)]
+    pub bandwidth: Option<BandwidthName>,
     /// How photons are arranged.
     #[arg(long, value_enum)]
     pub index: Option<IndexName>,
@@ -144,6 +148,9 @@ pub struct Args {
     /// Final-gather rays per query and pass [default: 8].
     #[arg(long, value_name = "N")]
     pub gather_rays: Option<u32>,
+    /// Find irradiance beforehand at every so-manieth photon, for final-gather rays to take the nearest's.
+    #[arg(long, value_name = "N")]
+    pub irradiance_every: Option<u32>,
     /// Least photons of an estimate, for paper.
     #[arg(long, value_name = "N", default_value_t = 8)]
     pub paper_threshold: u32,
@@ -184,6 +191,10 @@ names!(/// What is divided by.
     AreaName { /// The disc, though it may hang over the end of its surface.
         Disc, /// What of the disc lies on the surface.
         Surface });
+names!(/// Radii.
+    BandwidthName { /// One for all pixels of a map.
+        Shared, /// One for each pixel.
+        PerPixel });
 names!(/// Indirect light.
     IndirectName { /// Straight from the global map.
         Map, /// By final gathering.
@@ -245,9 +256,15 @@ impl Args {
             return Err(Fault::input(format!("--exposure is {}, but must be finite", self.exposure)));
         }
         // What is left of a time is spent best with radii that suit it, which the errors tell.
-        let adapts = matches!(estimator, Estimator::Radius { radius: None }) && self.passes.is_none();
+        let irradiance_every = self.irradiance_every.or(base.irradiance_every);
+        let derived = matches!(estimator, Estimator::Radius { radius: None }) && irradiance_every.is_none();
+        let adapts = derived && self.passes.is_none() && self.time.is_some();
+        let bandwidth = self.bandwidth.map_or(base.bandwidth, |bandwidth| match bandwidth {
+            BandwidthName::Shared => Bandwidth::Shared,
+            BandwidthName::PerPixel => Bandwidth::PerPixel,
+        });
         let settings = Settings {
-            errors: self.errors || self.target_error.is_some() || (self.time.is_some() && adapts),
+            errors: self.errors || self.target_error.is_some() || adapts || bandwidth == Bandwidth::PerPixel,
             photons: self.photons.unwrap_or(base.photons),
             estimator,
             radius_factor: self.radius_factor.unwrap_or(base.radius_factor),
@@ -267,6 +284,7 @@ impl Args {
                 IndirectName::Gather => Indirect::Gather,
                 IndirectName::None => Indirect::None,
             }),
+            bandwidth,
             area: self.area.map_or(base.area, |area| match area {
                 AreaName::Disc => Area::Disc,
                 AreaName::Surface => Area::Surface,
@@ -286,6 +304,7 @@ impl Args {
             }),
             shadow_rays: self.shadow_rays.unwrap_or(base.shadow_rays),
             gather_rays: self.gather_rays.unwrap_or(base.gather_rays),
+            irradiance_every,
             ..base
         };
         settings.validate()?;

@@ -80,10 +80,13 @@ void main() {
             vec2 probe = area_probe(KERNEL, push.slope, spoke, ring, shift);
             all += probe.y;
             float away = probe.x * radius;
-            if (away > free || !opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
+            if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
             Material material = push.scene.materials[at.material].at;
             bool keeps = material.kind == MATERIAL_LAMBERT && material.albedo != vec3(0.0);
-            if (keeps && dot3(at.normal, normal) >= push.min_cosine) found += probe.y;
+            if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
+            // Behind something, it may lie within a solid, where no photon lands.
+            if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
+            found += probe.y;
         }
     }
     push.estimates[i].at.radius_squared = squared * area_share(found, all);

@@ -8,6 +8,8 @@ layout(local_size_x_id = 1) in;
 
 // Whether what estimates tell of their errors is added up too.
 layout(constant_id = 2) const uint SPREAD = 0;
+// Whether what was found is irradiance itself, not flux within a disc.
+layout(constant_id = 3) const uint IRRADIANCE = 0;
 
 #include "grid.glsl"
 #include "layout.glsl"
@@ -45,7 +47,7 @@ void main() {
         uint i = local * push.count_rays + ray;
         bool told = SPREAD != 0 && push.spreads[i].at.photons != 0;
         if (push.estimates[i].at.photons == 0 && !told) continue;
-        float density = push.scale / push.estimates[i].at.radius_squared;
+        float density = IRRADIANCE != 0 ? push.share : push.scale / push.estimates[i].at.radius_squared;
         vec3 flux = push.estimates[i].at.flux;
         vec3 weight = push.landings[i].at.weight;
         two_add(sum, low, weight * (flux * density));

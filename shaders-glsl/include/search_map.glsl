@@ -2,22 +2,17 @@
 //
 // A tile is as many queries as a subgroup has invocations, one to each; the subgroup walks the tree
 // once for all of them, and is done: several tiles in sequence could learn from each other, but where
-// photons lie densely the last subgroups then kept everybody waiting. The numbers of a point are the bits of floats, since a slot's fourth is none.
+// photons lie densely the last subgroups then kept everybody waiting.
 #ifndef SEARCH_MAP_GLSL
 #define SEARCH_MAP_GLSL
 
 #include "grid.glsl"
 #include "layout.glsl"
+#include "map_nodes.glsl"
 
 // Subgroups of a workgroup that have shared memory; any more stand idle.
 layout(constant_id = 2) const uint TILES = 4;
 
-// Bit of a node's count: it is a leaf, and the rest counts points.
-const uint LEAF = 0x80000000u;
-// Points in a leaf at most, and children of a node.
-const uint WIDTH = 16;
-// Levels of a tree at most: backend-cpu's MAX_DEPTH.
-const uint LEVELS = 64;
 // Points of two leaves.
 const uint TILE_POINTS = 32;
 
@@ -25,15 +20,6 @@ const uint TILE_POINTS = 32;
 #define EIGHT(f, place) \
     f((place)); f((place) + 1); f((place) + 2); f((place) + 3); \
     f((place) + 4); f((place) + 5); f((place) + 6); f((place) + 7)
-
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BoxNodes {
-    // Lower corner, first child or slot.
-    uvec4 low;
-    // Upper corner, count.
-    uvec4 high;
-};
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Slots { uvec4 at; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
 layout(push_constant, scalar) uniform Push {
     BoxNodes nodes;

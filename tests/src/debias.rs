@@ -1,11 +1,12 @@
 //! What mends an estimate's bias, against closed forms: with and without.
 
-use photon_core::{Area, Direct, Estimator, Indirect, Kernel, Settings};
-use photon_scene::shapes::cuboid;
+use photon_core::{Area, Bandwidth, Direct, Estimator, Indirect, Kernel, Settings};
+use photon_scene::shapes::{self, cuboid};
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
+use std::f64::consts::{FRAC_1_PI, PI};
 
 use crate::harness::{TestBackend, film, look_at_point, per_pass};
-use crate::stats::{agrees, assert_agrees, moments, standard_error};
+use crate::stats::{SIGMAS, agrees, assert_agrees, moments, standard_error};
 
 /// The radius of the estimates below, user length.
 const RADIUS: f64 = 0.25;
@@ -27,6 +28,8 @@ enum Beside {
     Black(f64),
     /// A sheet of glass lies a little above it.
     Glass,
+    /// A wall without thickness stands on it.
+    Wall(f64),
     /// A step down, of a tenth of the radius: still the same surface.
     Step(f64),
 }
@@ -40,7 +43,7 @@ fn floor(beside: Beside) -> Scene {
     };
     let all = [-1.0, 1.0];
     match beside {
-        Beside::Nothing | Beside::Glass | Beside::Box(_) => tile("floor", all, all, 0.0, grey),
+        Beside::Nothing | Beside::Glass | Beside::Wall(_) | Beside::Box(_) => tile("floor", all, all, 0.0, grey),
         Beside::End(x) => tile("floor", [-1.0, x], all, 0.0, grey),
         Beside::Corner(x) => tile("floor", [-1.0, x], [-1.0, x], 0.0, grey),
         Beside::Mirror(x) | Beside::Black(x) => tile("floor", [-1.0, x], all, 0.0, grey),
@@ -53,6 +56,9 @@ fn floor(beside: Beside) -> Scene {
         Beside::Box(x) => {
             let (positions, triangles) = cuboid([x, -0.8, 0.0], [0.9, 0.8, 0.7]);
             builder.mesh("box", positions, triangles, grey);
+        }
+        Beside::Wall(x) => {
+            builder.quad("wall", [[x, -1.0, 0.0], [x, 1.0, 0.0], [x, 1.0, 0.7], [x, -1.0, 0.7]], grey);
         }
         Beside::Mirror(x) | Beside::Black(x) => {
             let other = match beside {
@@ -96,7 +102,7 @@ fn within() -> Estimator {
 
 /// Radiance over the truth, pass by pass.
 fn shares<T: TestBackend>(beside: Beside, settings: &Settings) -> Vec<f64> {
-    let truth = 0.5 / std::f64::consts::PI;
+    let truth = 0.5 / PI;
     per_pass::<T>(&floor(beside), settings, 8, 1).iter().map(|radiance| radiance / truth).collect()
 }
 
@@ -128,13 +134,85 @@ pub fn d1_light_at_edges_is_whole<T: TestBackend>() {
     assert_agrees("nearest", moments(&mended).0, 1.0, standard_error(&mended), 4e-3);
 }
 
-/// D2: within a surface, under a ceiling of glass and over a step that is none, not a bit changes.
+/// D2: within a surface, under a ceiling of glass, over a step that is none and before a wall that photons
+/// leak through, not a bit changes.
 pub fn d2_nothing_changes_within_a_surface<T: TestBackend>() {
-    for beside in [Beside::Nothing, Beside::Glass, Beside::Step(0.1)] {
+    for beside in [Beside::Nothing, Beside::Glass, Beside::Step(0.1), Beside::Wall(0.1)] {
         let scene = floor(beside);
         let of = |area| film::<T>(&scene, &settings(area, Kernel::Epanechnikov, within()), 2, 2);
         let (mended, plain) = (of(Area::Surface), of(Area::Disc));
         assert_eq!(mended, plain, "{beside:?}");
         assert!(plain.beauty().iter().flatten().all(|&c| c > 0.0), "{beside:?}");
     }
+}
+
+/// D3: rays that take the irradiance of the nearest photon find the furnace of C1: in a ball, and, divided
+/// by the surface, in a cube, where the disc loses light along all edges. Passes are independent.
+pub fn d3_irradiance_found_beforehand<T: TestBackend>() {
+    let room = |shape: shapes::Shape, look: [f64; 3], normal: [f64; 3]| {
+        let mut builder = SceneBuilder::new();
+        let wall = builder.material(MaterialDesc::emissive("wall", [0.8; 3], [FRAC_1_PI; 3]));
+        let (positions, triangles) = shapes::flip(shape);
+        builder.mesh("room", positions, triangles, wall);
+        look_at_point(&mut builder, look, normal, 0.2, 0.05);
+        builder.build().unwrap()
+    };
+    let cube = room(cuboid([-1.0; 3], [1.0; 3]), [0.2, -1.0, 0.1], [0.0, 1.0, 0.0]);
+    let ball = room(shapes::icosphere(4, [0.0; 3], 1.0), [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let of = |scene: &Scene, area, irradiance_every, radius| {
+        let settings = Settings {
+            photons: 4_000,
+            max_bounces: 512,
+            alpha: 1.0,
+            estimator: Estimator::Radius { radius: Some(radius) },
+            indirect: Indirect::Gather,
+            gather_rays: 32,
+            irradiance_every,
+            area,
+            seed: 3,
+            ..Settings::default()
+        };
+        per_pass::<T>(scene, &settings, 8, 2).iter().map(|l| l * PI).collect::<Vec<f64>>()
+    };
+    // 0.4 % of `area`, and the ball's facets, as in C1.
+    let check = |what: &str, found: &[f64]| {
+        assert_agrees(what, moments(found).0, 5.0, standard_error(found), 4e-3 * 5.0);
+    };
+    // The same photons: one over the other shows what is gained or lost without their noise.
+    let over = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a / b - 1.0).collect() };
+    // Some 80 photons to a disc. By Epanechnikov's kernel 1 % would be gained.
+    let (nearest, asked) = (of(&ball, Area::Disc, Some(8), 0.12), of(&ball, Area::Disc, None, 0.12));
+    check("ball", &nearest);
+    let gained = over(&nearest, &asked);
+    assert_agrees("ball, over all photons", moments(&gained).0, 0.0, standard_error(&gained), 2e-3);
+    let (whole, dark) = (of(&cube, Area::Surface, Some(4), 0.3), of(&cube, Area::Disc, Some(4), 0.3));
+    check("cube", &whole);
+    let lost = over(&dark, &whole);
+    assert!(moments(&lost).0 < -0.02 - SIGMAS * standard_error(&lost), "{lost:?}: nothing was to be seen");
+}
+
+/// D4: under even light pixels of their own radius see the truth, with less noise; nothing differs before
+/// the eighth pass has told something. Independent photons in each pass.
+pub fn d4_radii_of_pixels_keep_the_mean<T: TestBackend>() {
+    let scene = floor(Beside::Nothing);
+    let of = |bandwidth| Settings {
+        photons: 3_000,
+        estimator: Estimator::Radius { radius: Some(0.1) },
+        errors: true,
+        bandwidth,
+        ..settings(Area::Disc, Kernel::Epanechnikov, within())
+    };
+    let [own, shared] = [Bandwidth::PerPixel, Bandwidth::Shared].map(|bandwidth| {
+        let truth = 0.5 / PI;
+        per_pass::<T>(&scene, &of(bandwidth), 48, 2).iter().map(|l| l / truth).collect::<Vec<f64>>()
+    });
+    assert_eq!(own[..8], shared[..8]);
+    assert_agrees("own radii", moments(&own).0, 1.0, standard_error(&own), 0.0);
+    // r² is 4 times as large from pass 16 on, and 8 times from pass 32 on.
+    let calmer = |own: &[f64], shared: &[f64]| moments(own).1 < 0.4 * moments(shared).1;
+    assert!(calmer(&own[16..], &shared[16..]), "{own:?} {shared:?}");
+    let (even, odd): (Vec<_>, Vec<_>) = shared.iter().enumerate().partition(|(pass, _)| pass % 2 == 0);
+    let values = |half: Vec<(usize, &f64)>| half.iter().map(|(_, value)| **value).collect::<Vec<f64>>();
+    let (even, odd) = (values(even), values(odd));
+    assert!(!calmer(&even, &odd) && !calmer(&odd, &even), "less noise is seen where there is none");
 }

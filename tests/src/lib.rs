@@ -52,7 +52,10 @@ macro_rules! whole_suite {
                 e4_spread_of_known_photons, e5_errors_leave_the_picture_alone, e6_gathered_light_is_claimed,
                 e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached,
             }
-            debias::{ d1_light_at_edges_is_whole, d2_nothing_changes_within_a_surface }
+            debias::{
+                d1_light_at_edges_is_whole, d2_nothing_changes_within_a_surface, d3_irradiance_found_beforehand,
+                d4_radii_of_pixels_keep_the_mean,
+            }
             aiming::{
                 g1_aimed_photons_have_the_same_expectation, g2_all_ways_to_something_specular_are_marked,
                 g3_aimed_pictures_have_the_same_mean, g4_aimed_paths_are_accounted_for,

@@ -67,19 +67,27 @@ fn share(scene: &CpuScene, pass: Pass, query: &Query, gather: &Gather, radius: f
             let probe = area::probe(gather.kernel, spoke, ring, shift);
             all += probe.weight;
             let away = probe.distance * radius;
-            if away > free {
-                continue;
-            }
             let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
             let Some((_, surface)) = opaque(scene, down) else { continue };
             let material = &scene.materials[surface.material as usize];
             let keeps = material.is_diffuse() && material.albedo != [0.0; 3];
-            if keeps && surface.normal.dot(normal) >= gather.min_normal_cosine {
+            let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
+            if same && (away <= free || !enclosed(scene, &surface)) {
                 found += probe.weight;
             }
         }
     }
     area::share(found, all)
+}
+
+/// Whether it lies within a solid, where no photon lands: what is above it turns its back.
+fn enclosed(scene: &CpuScene, surface: &Surface) -> bool {
+    let up = Ray {
+        origin: offset::off_surface(surface.point, surface.normal),
+        direction: surface.normal,
+        t_max: f32::INFINITY,
+    };
+    opaque(scene, up).is_some_and(|(_, above)| !above.front)
 }
 
 /// The nearest surface that is not glass, and how far away.

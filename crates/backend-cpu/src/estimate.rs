@@ -160,6 +160,13 @@ pub(crate) fn estimate_at(
             sum.photons = nearest.len() as u32;
             sum.finish()
         }
+        Rule::Closest => {
+            map.index().nearest(position, 1, radius_squared, accept, scratch);
+            match scratch.as_slice() {
+                [] => Sum::new(radius_squared).finish(),
+                [nearest, ..] => Sum::new(nearest.d2).and(map.arrived(nearest.slot).power, 1.0).finish(),
+            }
+        }
         Rule::Paper { max, threshold, factor } => {
             let cosine = |slot: u32| octahedral::unpack(map.arrived(slot).direction).dot(normal);
             map.index().nearest(position, max as usize, radius_squared, |slot| cosine(slot) > 0.0, scratch);

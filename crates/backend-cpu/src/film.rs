@@ -13,6 +13,7 @@ use crate::emit::{CpuAimedEmitter, CpuEmitter};
 use crate::estimate::CpuEstimator;
 use crate::eye::CpuEye;
 use crate::gather::CpuGather;
+use crate::irradiance::CpuIrradiance;
 use crate::map::CpuBuilder;
 use crate::scene::CpuScene;
 use crate::trace::CpuTracer;
@@ -78,6 +79,7 @@ impl TransportBackend for Cpu {
             } else {
                 None
             },
+            irradiance: settings.irradiance_every.map(|_| Box::new(CpuIrradiance) as Box<_>),
             area: if settings.area == Area::Surface { Some(Box::new(CpuArea)) } else { None },
             aimed: None,
             map: photon_core::MapStages {
@@ -167,6 +169,15 @@ impl TransportBackend for Cpu {
                     }
                 },
             );
+        });
+        Ok(())
+    }
+
+    fn scale_radii(&mut self, queries: &mut CpuBuffer<Query>, factors: &CpuBuffer<u32>) -> Result<()> {
+        self.pool.install(|| {
+            queries.data.par_iter_mut().with_min_len(4096).for_each(|query| {
+                query.radius *= factors.data.get(query.pixel as usize).map_or(1.0, |&bits| f32::from_bits(bits));
+            });
         });
         Ok(())
     }

@@ -153,6 +153,12 @@ fn follow(
             }
             _ => {
                 let mut found = Found::default();
+                if let Some((map, gather)) = &maps.irradiance {
+                    let (point, normal, radius) = (surface.point.into(), surface.normal, gather.radius_scale);
+                    let estimate = estimate_at(map, point, normal, radius, gather, &mut scratch[0]);
+                    found.irradiance = estimate.flux.map(f64::from);
+                    return found.times((weight * albedo).to_array());
+                }
                 let each =
                     [(&maps.direct, maps.paths), (&maps.caustic, maps.caustic_paths), (&maps.global, maps.paths)];
                 for ((map, paths), scratch) in each.into_iter().zip(scratch) {

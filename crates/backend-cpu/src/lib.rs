@@ -14,6 +14,7 @@ mod eye;
 mod film;
 mod gather;
 pub mod index;
+mod irradiance;
 mod map;
 mod scene;
 mod spread;

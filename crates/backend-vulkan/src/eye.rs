@@ -210,3 +210,26 @@ impl Room {
 fn splits(features: Features) -> bool {
     features.intersects(Features::DIELECTRIC.union(Features::THIN))
 }
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct RadiiPush {
+    queries: u64,
+    count: u64,
+    factors: u64,
+    pixels: u32,
+    padding: u32,
+}
+
+/// Multiplies each query's radius by its pixel's factor.
+pub(crate) fn scale_radii(on: &mut Vulkan, queries: &VulkanBuffer<Query>, factors: &VulkanBuffer<u32>) -> Result<()> {
+    let kernel = on.kernel(&shaders::CAMERA_RADII, &[0, GROUP])?;
+    let push = RadiiPush {
+        queries: queries.data_address(),
+        count: queries.count_address(),
+        factors: factors.data_address(),
+        pixels: factors.capacity() as u32,
+        padding: 0,
+    };
+    on.dispatch(&kernel, &push, queries.capacity().div_ceil(u64::from(GROUP)))
+}

@@ -112,7 +112,12 @@ impl FinalGather<Vulkan> for VulkanGather {
         let values = film.values_address(on, queries.capacity())?;
         let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP])?;
         let mut told = self.told(on, film, room, queries.capacity())?;
-        let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP, u32::from(told.is_some())])?;
+        let (spread, found) = (u32::from(told.is_some()), u32::from(maps.irradiance.is_some()));
+        let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP, spread, found])?;
+        let asked = match maps.irradiance {
+            Some(irradiance) => [(Some(irradiance), maps.paths), (None, 0), (None, 0)],
+            None => [(maps.direct, maps.paths), (maps.caustic, maps.caustic_paths), (maps.global, maps.paths)],
+        };
         // Whole queries at a time, unless one alone has too many rays.
         let per_query = rays.min(portions.gather_rays_of_query);
         let per_stretch = u64::from(portions.gather_rays / per_query);
@@ -150,9 +155,7 @@ impl FinalGather<Vulkan> for VulkanGather {
                     share: 1.0 / rays as f32,
                     padding: 0,
                 };
-                let each =
-                    [(&maps.direct, maps.paths), (&maps.caustic, maps.caustic_paths), (&maps.global, maps.paths)];
-                for (map, paths) in each {
+                for &(ref map, paths) in &asked {
                     let Some((map, gather)) = map else { continue };
                     match &mut told {
                         None => self.estimator.estimate(on, map, &landings, gather, &mut estimates)?,

@@ -16,6 +16,7 @@ mod eye;
 mod film;
 mod final_gather;
 mod index;
+mod irradiance;
 mod map;
 mod photons;
 mod portions;

@@ -19,6 +19,9 @@ pub(crate) static CAMERA_GATHER: Module =
 pub(crate) static CAMERA_GATHERED: Module =
     Module { name: "camera_gathered", bytes: include_bytes!("../spirv/camera_gathered.spv") };
 
+pub(crate) static CAMERA_RADII: Module =
+    Module { name: "camera_radii", bytes: include_bytes!("../spirv/camera_radii.spv") };
+
 pub(crate) static CAMERA_SETTLE: Module =
     Module { name: "camera_settle", bytes: include_bytes!("../spirv/camera_settle.spv") };
 
@@ -38,17 +41,26 @@ pub(crate) static FILM_ERRORS: Module =
 
 pub(crate) static FILM_FOLD: Module = Module { name: "film_fold", bytes: include_bytes!("../spirv/film_fold.spv") };
 
+pub(crate) static GATHER_CLOSEST: Module =
+    Module { name: "gather_closest", bytes: include_bytes!("../spirv/gather_closest.spv") };
+
 pub(crate) static GATHER_CODES: Module =
     Module { name: "gather_codes", bytes: include_bytes!("../spirv/gather_codes.spv") };
 
 pub(crate) static GATHER_COUNT: Module =
     Module { name: "gather_count", bytes: include_bytes!("../spirv/gather_count.spv") };
 
+pub(crate) static GATHER_IRRADIANCE: Module =
+    Module { name: "gather_irradiance", bytes: include_bytes!("../spirv/gather_irradiance.spv") };
+
 pub(crate) static GATHER_NEAREST: Module =
     Module { name: "gather_nearest", bytes: include_bytes!("../spirv/gather_nearest.spv") };
 
 pub(crate) static GATHER_ORDER: Module =
     Module { name: "gather_order", bytes: include_bytes!("../spirv/gather_order.spv") };
+
+pub(crate) static GATHER_PLACES: Module =
+    Module { name: "gather_places", bytes: include_bytes!("../spirv/gather_places.spv") };
 
 pub(crate) static GATHER_RADIUS: Module =
     Module { name: "gather_radius", bytes: include_bytes!("../spirv/gather_radius.spv") };
@@ -172,13 +184,14 @@ pub(crate) static SORT_SCATTER: Module =
     Module { name: "sort_scatter", bytes: include_bytes!("../spirv/sort_scatter.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 60] = [
+pub(crate) static ALL: [&Module; 64] = [
     &CAMERA_AREA,
     &CAMERA_COMPACT,
     &CAMERA_DIRECT,
     &CAMERA_EYE,
     &CAMERA_GATHER,
     &CAMERA_GATHERED,
+    &CAMERA_RADII,
     &CAMERA_SETTLE,
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
@@ -186,10 +199,13 @@ pub(crate) static ALL: [&Module; 60] = [
     &FILM_END_ERRORS,
     &FILM_ERRORS,
     &FILM_FOLD,
+    &GATHER_CLOSEST,
     &GATHER_CODES,
     &GATHER_COUNT,
+    &GATHER_IRRADIANCE,
     &GATHER_NEAREST,
     &GATHER_ORDER,
+    &GATHER_PLACES,
     &GATHER_RADIUS,
     &GATHER_SAMPLE,
     &INDEX_ARRANGE,

@@ -9,9 +9,10 @@ use crate::area::VulkanArea;
 use crate::buffer::VulkanBuffer;
 use crate::direct::VulkanDirect;
 use crate::estimate::VulkanEstimator;
-use crate::eye::VulkanEye;
+use crate::eye::{self, VulkanEye};
 use crate::film::{self, VulkanFilm};
 use crate::final_gather::VulkanGather;
+use crate::irradiance::VulkanIrradiance;
 use crate::photons::{VulkanAimedEmitter, VulkanEmitter, VulkanTracer};
 use crate::scene::VulkanScene;
 use crate::vulkan::Vulkan;
@@ -40,6 +41,7 @@ impl TransportBackend for Vulkan {
             } else {
                 None
             },
+            irradiance: settings.irradiance_every.map(|_| Box::new(VulkanIrradiance) as Box<_>),
             area: if settings.area == Area::Surface { Some(Box::new(VulkanArea)) } else { None },
             aimed: None,
             map: self.map_stages(settings.index)?,
@@ -80,6 +82,10 @@ impl TransportBackend for Vulkan {
         paths: u64,
     ) -> Result<()> {
         film::errors::fold(self, film, layer, queries, estimates, spreads, paths)
+    }
+
+    fn scale_radii(&mut self, queries: &mut VulkanBuffer<Query>, factors: &VulkanBuffer<u32>) -> Result<()> {
+        eye::scale_radii(self, queries, factors)
     }
 
     fn end_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {

@@ -333,6 +333,7 @@ fn gather<B: TransportBackend, const N: usize>(
             direct: direct.as_ref().map(|map| (map, how)),
             caustic: caustic.as_ref().map(|map| (map, how)),
             global: global.as_ref().map(|map| (map, how)),
+            irradiance: None,
             paths: u64::from(PATHS),
             caustic_paths: u64::from(PATHS),
         };

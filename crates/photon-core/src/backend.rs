@@ -159,6 +159,18 @@ pub trait TransportBackend: Backend {
         Err(no_errors())
     }
 
+    /// Multiplies the radius of each query by its pixel's factor, given as the bits of an `f32`.
+    ///
+    /// # Errors
+    /// [`crate::Error::InvalidSetting`] from a backend that cannot.
+    fn scale_radii(&mut self, _queries: &mut Self::Buffer<Query>, _factors: &Self::Buffer<u32>) -> Result<()> {
+        Err(crate::Error::InvalidSetting {
+            name: "bandwidth",
+            value: "per pixel".into(),
+            mend: "this backend has one for all pixels",
+        })
+    }
+
     /// Ends a pass: from here on it counts in the mean.
     ///
     /// # Errors

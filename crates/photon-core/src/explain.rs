@@ -111,6 +111,15 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             Indirect::None => "indirect light is left out",
         },
     );
+    say(
+        "irradiance at photons",
+        gather && settings.irradiance_every.is_some(),
+        match (gather, settings.irradiance_every) {
+            (true, Some(_)) => "final-gather rays take the nearest",
+            (true, None) => "final-gather rays ask the maps",
+            (false, _) => "no final-gather rays",
+        },
+    );
     let probed = any_map && settings.area == Area::Surface;
     say(
         "area probes",

@@ -7,6 +7,7 @@
 mod aim;
 pub mod area;
 mod backend;
+mod bandwidth;
 pub mod bsdf;
 mod budget;
 mod caster;
@@ -64,11 +65,11 @@ pub use requirements::{Requirements, light_features, material_features};
 pub use scene::{SceneView, light_probability, light_starts, pick_light};
 pub use schedule::Schedule;
 pub use settings::{
-    Area, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing,
+    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing,
 };
 pub use stages::{
-    Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages,
-    Maps, Pass, RadianceEstimator, Rule, Stages, Tracer, View,
+    Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, IrradiancePoints,
+    KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Rule, Stages, Tracer, View,
 };
 pub use tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use units::Units;

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::backend::{Stage, StageTimings, TransportBackend};
+use crate::bandwidth;
 use crate::error::{Error, Result};
 use crate::errors::ErrorPixel;
 use crate::film::Film;
@@ -15,7 +16,7 @@ use crate::render::{Facts, PassEnd, Render};
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::schedule::Schedule;
-use crate::settings::{Estimator, Settings};
+use crate::settings::{Bandwidth, Estimator, Settings};
 use crate::stages::{Pass, Stages, View};
 use crate::units::Units;
 
@@ -54,6 +55,9 @@ pub struct Pipeline<B: TransportBackend> {
     queries: B::Buffer<Query>,
     estimates: Option<B::Buffer<Estimate>>,
     spreads: Option<B::Buffer<Spread>>,
+    points: Option<irradiance::Points<B>>,
+    /// Where each pixel has a radius of its own; the factors once there are any.
+    bandwidth: Option<(bandwidth::Radii, Option<B::Buffer<u32>>)>,
 }
 
 mod aimed;
@@ -61,6 +65,7 @@ mod check;
 mod end;
 mod estimate;
 mod fit;
+mod irradiance;
 mod photons;
 
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
@@ -147,7 +152,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
-        let costs = aimed::costs(on.costs(), stages.aimed.is_some());
+        let costs = irradiance::costs(aimed::costs(on.costs(), stages.aimed.is_some()), &settings);
         let plan = match settings.memory {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
@@ -168,6 +173,10 @@ impl<B: TransportBackend> Pipeline<B> {
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
         let spreads = if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
         let schedule = Schedule::new(settings.alpha);
+        let own_radii = (settings.bandwidth == Bandwidth::PerPixel).then(|| {
+            let share = settings.kernel.second_radius_noise();
+            (bandwidth::Radii::new(pixels as usize, settings.alpha, share), None)
+        });
         let mut pipeline = Self {
             radii: radii::given(&settings, &scene.units),
             units: scene.units,
@@ -190,6 +199,8 @@ impl<B: TransportBackend> Pipeline<B> {
             queries,
             estimates,
             spreads,
+            points: None,
+            bandwidth: own_radii,
         };
         match plan {
             Some(plan) if any_map => pipeline.fit(plan)?,
@@ -231,6 +242,9 @@ impl<B: TransportBackend> Pipeline<B> {
         let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
         self.on.mark(Some(Stage::Eye));
         self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
+        if let Some((_, Some(factors))) = &self.bandwidth {
+            self.on.scale_radii(&mut self.queries, factors)?;
+        }
         if let Some(direct) = &mut self.stages.direct {
             self.on.mark(Some(Stage::Direct));
             let rays = self.settings.shadow_rays;
@@ -328,6 +342,10 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.mark(None);
         self.passes += 1;
         self.schedule.add(index);
+        if let Some((radii, factors)) = self.bandwidth.as_mut().filter(|(radii, _)| radii.is_due(self.passes)) {
+            radii.learn(&self.on.read_film(&self.film)?);
+            *factors = Some(self.on.upload("radii of pixels", &radii.bits())?);
+        }
         let to_user = |required: bool, radius: f32| {
             required.then(|| self.units.length_to_user(radii::gather(&self.settings, radius, index).radius_scale))
         };

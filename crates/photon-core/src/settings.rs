@@ -86,9 +86,21 @@ pub enum Area {
     /// The disc, wherever it hangs over the end of its surface: too dark there.
     #[default]
     Disc,
-    /// What of the disc lies on the surface, found by 33 short rays a query at most: [`crate::area`].
-    /// Estimates at final-gather rays' ends are not corrected.
+    /// What of the disc lies on the surface, found by a few dozen rays a query: [`crate::area`].
+    /// Estimates where final-gather rays land are corrected only with [`Settings::irradiance_every`].
     Surface,
+}
+
+/// Whose radius an estimate has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Bandwidth {
+    /// That of its map and pass.
+    #[default]
+    Shared,
+    /// Times a factor of its pixel's, from the noise and bias of earlier passes, so that their sum is
+    /// least. Passes are then no longer independent of which ones were rendered before. For
+    /// [`Settings::errors`] alone, and not with [`Indirect::Gather`].
+    PerPixel,
 }
 
 /// How paths are shared out among threads. The result is the same.
@@ -140,6 +152,8 @@ pub struct Settings {
     pub kernel: Kernel,
     /// What they are spread over.
     pub area: Area,
+    /// Whose radius they have.
+    pub bandwidth: Bandwidth,
     /// How they are arranged.
     pub index: IndexKind,
     /// Where direct light comes from.
@@ -164,6 +178,10 @@ pub struct Settings {
     pub shadow_rays: u32,
     /// Final-gather rays per query and pass, ≥ 1.
     pub gather_rays: u32,
+    /// Irradiance is found once a pass at the places of every so-manieth photon, and final-gather rays
+    /// take that of the nearest (Christensen 1999), ≥ 1; `None`: each ray asks the maps. Smaller is
+    /// finer; there all photons within a radius count alike. For [`Indirect::Gather`] alone, and not with [`Settings::errors`].
+    pub irradiance_every: Option<u32>,
     /// A photon counts if its surface's normal and the query's have at least this cosine, in
     /// `[-1, 1]`.
     pub min_normal_cosine: f32,
@@ -186,6 +204,7 @@ impl Default for Settings {
             radius_factor: 1.0,
             kernel: Kernel::Epanechnikov,
             area: Area::default(),
+            bandwidth: Bandwidth::default(),
             index: IndexKind::default(),
             direct: Direct::default(),
             indirect: Indirect::default(),
@@ -198,6 +217,7 @@ impl Default for Settings {
             random: RandomKind::default(),
             shadow_rays: 2,
             gather_rays: 16,
+            irradiance_every: None,
             min_normal_cosine: 0.7,
             photon_capacity: None,
             memory: None,
@@ -279,6 +299,18 @@ impl Settings {
         ensure(alpha > 0.0 && alpha <= 1.0, "alpha", alpha.to_string(), "must be above 0 and at most 1")?;
         ensure(self.shadow_rays >= 1, "shadow-rays", self.shadow_rays.to_string(), "at least 1 is needed")?;
         ensure(self.gather_rays >= 1, "gather-rays", self.gather_rays.to_string(), "at least 1 is needed")?;
+        if self.bandwidth == Bandwidth::PerPixel {
+            let mend = "asks for errors, and for light that is not gathered elsewhere";
+            ensure(self.errors && self.indirect != Indirect::Gather, "bandwidth", "per pixel".into(), mend)?;
+        }
+        if let Some(every) = self.irradiance_every {
+            let name = "irradiance-every";
+            ensure(every >= 1, name, every.to_string(), "at least 1 is needed")?;
+            let gathers = self.indirect == Indirect::Gather;
+            ensure(gathers, name, format!("{every}, with {:?}", self.indirect), "is for final gathering: ask for it")?;
+            let mend = "cannot tell errors: leave one of the two out";
+            ensure(!self.errors, name, format!("{every}, with errors"), mend)?;
+        }
         let cosine = self.min_normal_cosine;
         ensure((-1.0..=1.0).contains(&cosine), "min-normal-cosine", cosine.to_string(), "must lie between -1 and 1")?;
         Ok(())

@@ -66,6 +66,9 @@ pub enum Rule {
         /// ≥ 2.
         k: u32,
     },
+    /// The nearest within the radius, ties by lower number, alone: [`Estimate::flux`] is its power, and
+    /// stands for itself. For maps of what is known at points, such as irradiance.
+    Closest,
     /// Equation (2) of Lin and Wang 2010: the `max` nearest within the radius, each times its
     /// cosine and `factor`, over π r²; 0 with fewer than `threshold`.
     Paper {
@@ -252,10 +255,39 @@ pub struct Maps<'a, B: Backend> {
     pub caustic: Option<(&'a B::PhotonMap, Gather)>,
     /// Photons after a diffuse surface.
     pub global: Option<(&'a B::PhotonMap, Gather)>,
+    /// Irradiance by all of them, at every so-manieth photon, as its power: if it is there, rays ask
+    /// it alone, for what [`Estimate::flux`] says.
+    pub irradiance: Option<(&'a B::PhotonMap, Gather)>,
     /// Paths emitted.
     pub paths: u64,
     /// Those that filled the caustic map: the same, or as many as were aimed.
     pub caustic_paths: u64,
+}
+
+/// Finds irradiance at the places of photons, for final-gather rays (Christensen 1999).
+pub trait IrradiancePoints<B: Backend>: Send {
+    /// Appends to `queries` every `every`-th photon's place, in the order of the map, in which
+    /// neighbours stand together, with its normal, a radius of 1, and its number in `queries` as its
+    /// path.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    fn places(&mut self, on: &mut B, map: &B::PhotonMap, every: u32, queries: &mut B::Buffer<Query>) -> Result<()>;
+
+    /// Adds what one map's `estimates` say to the power of as many `points`; the first map's replace
+    /// them, with the queries' places and normals.
+    ///
+    /// # Errors
+    /// What the backend raises.
+    fn add(
+        &mut self,
+        on: &mut B,
+        queries: &B::Buffer<Query>,
+        estimates: &B::Buffer<Estimate>,
+        paths: u64,
+        first: bool,
+        points: &mut B::Buffer<Photon>,
+    ) -> Result<()>;
 }
 
 /// Indirect light by final gathering.
@@ -314,6 +346,8 @@ pub struct Stages<B: TransportBackend> {
     pub direct: Option<Box<dyn DirectLight<B>>>,
     /// Final gathering; `None` if not called for.
     pub gather: Option<Box<dyn FinalGather<B>>>,
+    /// What final-gather rays find, found beforehand; `None` if not called for.
+    pub irradiance: Option<Box<dyn IrradiancePoints<B>>>,
     /// The area of estimates; `None` if not called for.
     pub area: Option<Box<dyn AreaProbe<B>>>,
     /// Paths of its own for the caustic map; `None`: it is filled by the others.

@@ -1,6 +1,6 @@
 //! Settings that make no sense are refused by name; presets make sense.
 
-use photon_core::{Area, CausticPhotons, Error, Estimator, Kernel, Paper, Preset, Settings};
+use photon_core::{Area, Bandwidth, CausticPhotons, Error, Estimator, Indirect, Kernel, Paper, Preset, Settings};
 
 #[test]
 fn presets_are_valid() {
@@ -38,6 +38,14 @@ fn nonsense_is_refused_by_name() {
         ("shadow-rays", Settings { shadow_rays: 0, ..base() }),
         ("gather-rays", Settings { gather_rays: 0, ..base() }),
         ("area", Settings { area: Area::Surface, ..paper(Paper::default()) }),
+        ("bandwidth", Settings { bandwidth: Bandwidth::PerPixel, ..base() }),
+        ("bandwidth", Settings { bandwidth: Bandwidth::PerPixel, errors: true, indirect: Indirect::Gather, ..base() }),
+        ("irradiance-every", Settings { irradiance_every: Some(0), indirect: Indirect::Gather, ..base() }),
+        ("irradiance-every", Settings { irradiance_every: Some(4), ..base() }),
+        (
+            "irradiance-every",
+            Settings { irradiance_every: Some(4), indirect: Indirect::Gather, errors: true, ..base() },
+        ),
         ("min-normal-cosine", Settings { min_normal_cosine: f32::NAN, ..base() }),
     ];
     for (culprit, settings) in cases {

@@ -4,6 +4,7 @@
 //! of them: `shaders-glsl/include/search_walk.glsl`. Queries that lie near each other share what they
 //! read.
 
+mod closest;
 mod neighbours;
 mod order;
 mod pause;
@@ -52,6 +53,12 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
             Rule::Nearest { k } => {
                 question.mode = Mode::Nearest;
                 question.k = k;
+            }
+            Rule::Closest => {
+                let order = self.search.order(on, map, queries)?;
+                closest::ask(on, map, queries, gather, order, estimates)?;
+                estimates.touch();
+                return Ok(());
             }
             Rule::Paper { max, threshold, factor } => {
                 question.mode = Mode::Paper;

@@ -12,12 +12,15 @@ impl<B: TransportBackend> Pipeline<B> {
     pub(super) fn estimate(&mut self, index: u32, paths: [u64; 3], queries: u64) -> Result<()> {
         self.on.mark(Some(Stage::Build));
         let mut maps: [Option<B::PhotonMap>; 3] = [None, None, None];
-        for (photons, map) in self.photons.iter_mut().zip(&mut maps) {
+        let mut lengths = [0; 3];
+        for (i, (photons, map)) in self.photons.iter_mut().zip(&mut maps).enumerate() {
             // An empty map is not built: it has nothing to say.
             if let Some(filled) = photons.take() {
-                if self.on.fill(&filled)?.length == 0 {
+                let length = self.on.fill(&filled)?.length;
+                if length == 0 {
                     *photons = Some(filled);
                 } else {
+                    lengths[i] = length;
                     *map = Some(self.stages.map.builder.build(&mut self.on, filled)?);
                 }
             }
@@ -52,13 +55,16 @@ impl<B: TransportBackend> Pipeline<B> {
                 self.on.fold(&mut self.film, layers[i], &self.queries, estimates, paths[i])?;
             }
         }
-        if let (Some(stage), true) = (&mut self.stages.gather, queries > 0) {
-            self.on.mark(Some(Stage::Gather));
+        let gathers_rays = self.stages.gather.is_some() && queries > 0;
+        self.on.mark(gathers_rays.then_some(Stage::Gather));
+        let irradiance = if gathers_rays { self.irradiance(&maps, lengths, &gathers, pass, paths)? } else { None };
+        if let (Some(stage), true) = (&mut self.stages.gather, gathers_rays) {
             let [direct, caustic, global] = &maps;
             let lent = Maps {
                 direct: direct.as_ref().map(|map| (map, gathers[0])),
                 caustic: caustic.as_ref().map(|map| (map, gathers[1])),
                 global: global.as_ref().map(|map| (map, gathers[2])),
+                irradiance: irradiance.as_ref().map(|(map, gather)| (map, *gather)),
                 paths: paths[2],
                 caustic_paths: paths[1],
             };
@@ -66,6 +72,7 @@ impl<B: TransportBackend> Pipeline<B> {
             stage.gather(&mut self.on, &self.scene, &lent, pass, &self.queries, rays, &mut self.film)?;
         }
         self.on.mark(None);
+        self.reclaim_irradiance(irradiance);
         for (photons, map) in self.photons.iter_mut().zip(maps) {
             if let Some(map) = map {
                 *photons = Some(self.stages.map.builder.reclaim(map));

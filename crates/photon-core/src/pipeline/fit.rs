@@ -1,6 +1,6 @@
 //! Maps, batches and passes of the size that a cap on memory allows.
 
-use super::{PILOT, PILOT_PATHS, Pipeline, aimed};
+use super::{PILOT, PILOT_PATHS, Pipeline, aimed, irradiance};
 use crate::backend::TransportBackend;
 use crate::error::Result;
 use crate::memory::Plan;
@@ -20,7 +20,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let paths = self.settings.photons.min(PILOT_PATHS).min(plan.batch);
         let per_path = self.emit_and_count(paths, plan.batch)?.map(|needed| needed as f64 / f64::from(paths));
         let all: f64 = per_path.iter().sum();
-        plan.share(all, &aimed::costs(self.on.costs(), self.stages.aimed.is_some()));
+        let costs = aimed::costs(self.on.costs(), self.stages.aimed.is_some());
+        plan.share(all, &irradiance::costs(costs, &self.settings));
         self.batch = self.batch.min(plan.batch);
         self.settings.photons = plan.paths(all, self.settings.photons);
         for map in 0..3 {

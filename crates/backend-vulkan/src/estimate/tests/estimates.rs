@@ -95,6 +95,7 @@ fn estimates_agree_with_the_processor() {
     let rules = [
         Rule::Radius,
         Rule::Nearest { k: 2 },
+        Rule::Closest,
         Rule::Nearest { k: 50 },
         Rule::Nearest { k: 512 },
         Rule::Paper { max: 40, threshold: 5, factor: 0.7 },
@@ -112,7 +113,7 @@ fn estimates_agree_with_the_processor() {
 #[test]
 fn estimates_of_degenerate_sets() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let rules = [Rule::Radius, Rule::Nearest { k: 50 }];
+    let rules = [Rule::Radius, Rule::Nearest { k: 50 }, Rule::Closest];
     for (name, points) in point_sets() {
         // Sums of squares that overflow are infinite on both sides; NaN radii are nobody's.
         let places: Vec<_> = places(&points).into_iter().filter(|p| p.iter().all(|c| c.abs() < 1e30)).collect();

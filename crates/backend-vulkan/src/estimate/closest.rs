@@ -1,0 +1,73 @@
+//! What the nearest photon of each query says.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Estimate, Gather, Query, Result};
+
+use crate::buffer::VulkanBuffer;
+use crate::map::VulkanMap;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Invocations per workgroup.
+const GROUP: u32 = 64;
+/// Queries of a dispatch at most.
+const PORTION: u64 = 1 << 20;
+
+/// The push constants of `gather/closest.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Push {
+    nodes: u64,
+    positions: u64,
+    power: u64,
+    ids: u64,
+    queries: u64,
+    query_count: u64,
+    results: u64,
+    result_count: u64,
+    order: u64,
+    points: u32,
+    first: u32,
+    capacity: u32,
+    radius: f32,
+    min_cosine: f32,
+    padding: u32,
+}
+
+/// Asks at all queries; `order` is the one to take them in, or 0.
+pub(super) fn ask(
+    on: &mut Vulkan,
+    map: &VulkanMap,
+    queries: &VulkanBuffer<Query>,
+    gather: &Gather,
+    order: u64,
+    estimates: &VulkanBuffer<Estimate>,
+) -> Result<()> {
+    let kernel = on.kernel(&shaders::GATHER_CLOSEST, &[0, GROUP, u32::from(order != 0)])?;
+    let mut push = Push {
+        nodes: map.nodes.address(),
+        positions: map.positions.address(),
+        power: map.power.address(),
+        ids: map.ids.address(),
+        queries: queries.data_address(),
+        query_count: queries.count_address(),
+        results: estimates.data_address(),
+        result_count: estimates.count_address(),
+        order,
+        // An empty map has nothing that could be asked.
+        points: if map.node_count == 0 { 0 } else { map.length },
+        first: 0,
+        capacity: estimates.capacity().min(u64::from(u32::MAX)) as u32,
+        radius: gather.radius_scale,
+        min_cosine: gather.min_normal_cosine,
+        padding: 0,
+    };
+    // Without any query there is still a count to be written.
+    let capacity = queries.capacity().max(1);
+    on.unordered(|on| {
+        (0..capacity).step_by(PORTION as usize).try_for_each(|first| {
+            push.first = first as u32;
+            on.dispatch(&kernel, &push, PORTION.min(capacity - first).div_ceil(u64::from(GROUP)))
+        })
+    })
+}

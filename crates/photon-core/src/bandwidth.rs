@@ -1,0 +1,175 @@
+//! A radius for each pixel, from what its passes say of noise and bias.
+//!
+//! The mean squared error of a pixel after N passes of squared radius r² is V/(N r²) + B² r⁴, least where
+//! the noise squared is twice the bias squared: by a factor (noise²/2 bias²)^(1/3) on r² (Silverman 1986,
+//! section 4.3; per pixel as in Kaplanyan and Dachsbacher 2013). Both are told by the second radius: the
+//! noise of the difference is a known share of that of the photons.
+//!
+//! The factor of a pass depends on earlier passes alone, whose photons are independent of its own: given
+//! its radius, an estimate has the expectation that it always has. A factor that saw the photons it
+//! weighs would favour radii by which they happen to look smooth or bright, which is a bias of its own.
+
+use crate::errors::{ErrorPixel, Flags};
+use crate::film::Film;
+use crate::progressive::{inverse_radius_squared_sum, radius_squared_sum};
+
+/// After so many passes the first factors are found, then whenever their number has doubled.
+const FIRST: u32 = 8;
+
+/// Bounds of the factor on r², altogether and for one step.
+const BOUNDS: [f64; 2] = [1.0 / 16.0, 8.0];
+const STEP: f64 = 2.0;
+
+/// Pixels to each side over which noise and bias are averaged: one pixel's bias is mostly noise.
+const REACH: usize = 2;
+
+/// Radii of the pixels of a film.
+#[derive(Clone, Debug)]
+pub(crate) struct Radii {
+    alpha: f64,
+    /// Standard deviation of the difference of two estimates over that of the first.
+    share: f64,
+    /// Passes in the film when factors were last found.
+    then: u32,
+    /// Σ bias and its squares then.
+    before: Vec<[f64; 2]>,
+    /// On r².
+    factors: Vec<f64>,
+}
+
+impl Radii {
+    /// All alike.
+    pub(crate) fn new(pixels: usize, alpha: f64, share: f64) -> Self {
+        Self { alpha, share, then: 0, before: vec![[0.0; 2]; pixels], factors: vec![1.0; pixels] }
+    }
+
+    /// Whether a film of so many passes says something new.
+    pub(crate) fn is_due(&self, passes: u32) -> bool {
+        passes >= FIRST && passes >= 2 * self.then
+    }
+
+    /// Factors on the radius of each pixel, as bits of `f32`.
+    pub(crate) fn bits(&self) -> Vec<u32> {
+        self.factors.iter().map(|factor| (factor.sqrt() as f32).to_bits()).collect()
+    }
+
+    /// Learns from the passes since the last time.
+    pub(crate) fn learn(&mut self, film: &Film) {
+        let (Some(errors), Some(claims)) = (&film.errors, film.claims()) else { return };
+        let passes = film.passes - self.then;
+        let told: Vec<[f64; 2]> =
+            errors.iter().zip(&self.before).map(|(now, before)| tell(now, *before, passes)).collect();
+        let (bias, noise) = self.outlook(film.passes);
+        let (width, height) = (film.width as usize, film.height as usize);
+        let steps: Vec<f64> = (0..told.len())
+            .map(|pixel| {
+                let around = |[sum, square]: [f64; 2], other: usize| [sum + told[other][0], square + told[other][1]];
+                let [bias_squared, difference] = neighbours(pixel, width, height, REACH).fold([0.0; 2], around);
+                let noise_squared = difference / (self.share * self.share) * noise;
+                // Chance adds the difference's own variance to its square.
+                let bias_squared = (bias_squared - difference).max(0.0) * bias * bias;
+                let step = step(noise_squared, bias_squared);
+                let edge = [Flags::OTHER_SURFACE, Flags::UNEVEN, Flags::CURVED];
+                let broken = edge.iter().any(|&flag| claims[pixel].flags.contains(flag));
+                // Across an edge a second radius says little of the bias: no broader there.
+                if broken { step.min(1.0) } else { step }
+            })
+            .collect();
+        for (pixel, factor) in self.factors.iter_mut().enumerate() {
+            // As neighbours do, in the mean: a picture of factors is not to be seen.
+            let around = neighbours(pixel, width, height, 1)
+                .fold((0.0, 0.0), |(sum, count), i| (sum + steps[i].ln(), count + 1.0));
+            *factor = (*factor * (around.0 / around.1).exp()).clamp(BOUNDS[0], BOUNDS[1]);
+        }
+        self.then = film.passes;
+        self.before = errors.iter().map(|error| [error.bias, error.bias_square]).collect();
+    }
+
+    /// By what bias and squared noise change from the passes since the last time to twice as many as
+    /// there are now, all of these factors.
+    fn outlook(&self, passes: u32) -> (f64, f64) {
+        let (count, all) = (f64::from(passes - self.then), f64::from(2 * passes));
+        let window = |of: fn(u32, f64) -> f64| of(passes, self.alpha) - of(self.then, self.alpha);
+        let whole = |of: fn(u32, f64) -> f64| of(2 * passes, self.alpha);
+        let bias = whole(radius_squared_sum) / all / (window(radius_squared_sum) / count);
+        let noise =
+            whole(inverse_radius_squared_sum) / (all * all) / (window(inverse_radius_squared_sum) / (count * count));
+        (bias, noise)
+    }
+}
+
+/// The squared mean of the bias over the passes since `before`, and the variance of that mean.
+fn tell(now: &ErrorPixel, before: [f64; 2], passes: u32) -> [f64; 2] {
+    let n = f64::from(passes);
+    let (sum, square) = (now.bias - before[0], now.bias_square - before[1]);
+    let variance = ((square - sum * sum / n) / (n * (n - 1.0))).max(0.0);
+    [(sum / n).powi(2), variance]
+}
+
+/// The factor on r² by which the error would be least, within bounds; 1 where no photon was found.
+fn step(noise_squared: f64, bias_squared: f64) -> f64 {
+    if noise_squared > 0.0 { (noise_squared / (2.0 * bias_squared)).cbrt().clamp(1.0 / STEP, STEP) } else { 1.0 }
+}
+
+/// A pixel and those about it.
+fn neighbours(pixel: usize, width: usize, height: usize, reach: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (pixel % width, pixel / width);
+    let rows = y.saturating_sub(reach)..(y + reach + 1).min(height);
+    rows.flat_map(move |row| {
+        (x.saturating_sub(reach)..(x + reach + 1).min(width)).map(move |column| row * width + column)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::errors::Shape;
+    use crate::units::Units;
+
+    /// A film of 8 × 8 pixels whose bias is `bias` and its deviation in a pass `deviation`.
+    fn film(passes: u32, bias: f64, deviation: f64) -> Film {
+        let mut film = Film::new(8, 8, Units::default()).unwrap();
+        let even = Shape { power: 100.0, power_squared: 100.0, ..Shape::default() };
+        let mut errors = vec![ErrorPixel::default(); 64];
+        for pass in 0..passes {
+            for (i, error) in errors.iter_mut().enumerate() {
+                let sign = if (pass + i as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
+                let bias = bias + sign * deviation;
+                let shapes = [Shape::default(), Shape::default(), even];
+                error.end_pass(&ErrorPixel { bias, narrow: 0.5 * bias, shapes, ..ErrorPixel::default() });
+            }
+        }
+        film.passes = passes;
+        film.errors = Some(errors);
+        film
+    }
+
+    #[test]
+    fn factors_lead_to_where_the_error_is_least() {
+        // Differences of deviation 1/2 in each of 8 passes: noise² of the whole after 16 is 1/16.
+        for (bias, expected) in
+            [(0.2, (1.0_f64 / 16.0 / (2.0 * 0.04 - 2.0 * 0.25 / 7.0)).cbrt()), (0.0, STEP), (9.0, 1.0 / STEP)]
+        {
+            let mut radii = Radii::new(64, 1.0, 0.5);
+            assert!(!radii.is_due(7) && radii.is_due(8));
+            radii.learn(&film(8, bias, 0.5));
+            assert!(!radii.is_due(15) && radii.is_due(16));
+            for &factor in &radii.factors {
+                // 7 degrees of freedom instead of 8.
+                assert!((factor / expected.clamp(1.0 / STEP, STEP) - 1.0).abs() < 0.06, "{bias}: {factor} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_still_comes_out_still() {
+        let mut radii = Radii::new(64, 2.0 / 3.0, 0.5);
+        radii.learn(&film(8, 0.0, 0.0));
+        assert!(radii.factors.iter().all(|&factor| factor == 1.0));
+        for passes in [16, 32, 64, 128, 256] {
+            radii.learn(&film(passes, 0.0, 1.0));
+        }
+        assert!(radii.factors.iter().all(|&factor| (factor - BOUNDS[1]).abs() < 1e-9));
+        assert_eq!(f32::from_bits(radii.bits()[5]), 8.0_f32.sqrt());
+    }
+}

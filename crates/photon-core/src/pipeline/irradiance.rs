@@ -1,0 +1,108 @@
+//! Irradiance at the places of photons, before final-gather rays ask for it (Christensen 1999).
+
+use super::Pipeline;
+use crate::backend::{Backend, Stage, TransportBackend};
+use crate::error::Result;
+use crate::kernel::Kernel;
+use crate::layout::{Estimate, Photon, Query};
+use crate::memory::Costs;
+use crate::settings::Settings;
+use crate::stages::{Gather, Pass, Rule};
+
+/// Places where irradiance is found: kept from pass to pass.
+pub(super) struct Points<B: Backend> {
+    queries: B::Buffer<Query>,
+    estimates: B::Buffer<Estimate>,
+    /// The points themselves, while they are in no map.
+    found: Option<B::Buffer<Photon>>,
+    capacity: u64,
+}
+
+/// How photons count at a photon's place. There it finds itself, which is one too many; but a ray that
+/// takes this place for its nearest has found none nearer, which is one too few of all places, and
+/// elsewhere in the same disc. Where photons count alike the two are one, as long as places are much
+/// denser than discs; where the middle counts for more, light is gained: 6 every/n² of it with
+/// Epanechnikov's kernel and n photons in a disc.
+const POINT_KERNEL: Kernel = Kernel::Constant;
+
+/// What the backend keeps, points included.
+pub(super) fn costs(costs: Costs, settings: &Settings) -> Costs {
+    let point = size_of::<Query>() as u64 + size_of::<Estimate>() as u64 + costs.photon;
+    let points = settings.irradiance_every.map_or(0, |every| (point + point / 8).div_ceil(u64::from(every.max(1))));
+    Costs { photon: costs.photon + points, ..costs }
+}
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// A map of irradiance at every so-manieth photon of `maps`, whose lengths are given, and how it is
+    /// asked; `None` if that is not called for.
+    pub(super) fn irradiance(
+        &mut self,
+        maps: &[Option<B::PhotonMap>; 3],
+        lengths: [u64; 3],
+        gathers: &[Gather; 3],
+        pass: Pass,
+        paths: [u64; 3],
+    ) -> Result<Option<(B::PhotonMap, Gather)>> {
+        let (Some(every), Some(stage)) = (self.settings.irradiance_every, &mut self.stages.irradiance) else {
+            return Ok(None);
+        };
+        let count: u64 = lengths.iter().map(|length| length.div_ceil(u64::from(every))).sum();
+        if count == 0 {
+            return Ok(None);
+        }
+        let on = &mut self.on;
+        let points = match self.points.take().filter(|points| points.capacity >= count) {
+            Some(points) => points,
+            None => {
+                let capacity = count + count / 8;
+                Points {
+                    queries: on.alloc("irradiance places", capacity)?,
+                    estimates: on.alloc("irradiance estimates", capacity)?,
+                    found: None,
+                    capacity,
+                }
+            }
+        };
+        let points = self.points.insert(points);
+        let mut found = match points.found.take() {
+            Some(found) => found,
+            None => on.alloc("irradiance", points.capacity)?,
+        };
+        on.clear(&mut points.queries)?;
+        for map in maps.iter().flatten() {
+            stage.places(on, map, every, &mut points.queries)?;
+        }
+        let mut reach = 0.0_f32;
+        let mut first = true;
+        for ((map, gather), paths) in maps.iter().zip(gathers).zip(paths) {
+            let Some(map) = map else { continue };
+            let gather = &Gather { kernel: POINT_KERNEL, ..*gather };
+            self.stages.map.estimator.estimate(on, map, &points.queries, gather, &mut points.estimates)?;
+            if let Some(area) = &mut self.stages.area {
+                area.correct(on, &self.scene, pass, &points.queries, gather, &mut points.estimates)?;
+            }
+            stage.add(on, &points.queries, &points.estimates, paths, first, &mut found)?;
+            first = false;
+            reach = reach.max(gather.radius_scale);
+        }
+        on.mark(Some(Stage::Build));
+        let built = self.stages.map.builder.build(on, found)?;
+        on.mark(Some(Stage::Gather));
+        // The nearest that faces the same way, within what holds a few points wherever a search by
+        // `reach` is worth anything.
+        let gather = Gather {
+            rule: Rule::Closest,
+            kernel: Kernel::Constant,
+            radius_scale: reach * (every as f32 / 8.0).max(1.0).sqrt(),
+            min_normal_cosine: self.settings.min_normal_cosine,
+        };
+        Ok(Some((built, gather)))
+    }
+
+    /// Gives the points' storage back.
+    pub(super) fn reclaim_irradiance(&mut self, map: Option<(B::PhotonMap, Gather)>) {
+        if let (Some((map, _)), Some(points)) = (map, &mut self.points) {
+            points.found = Some(self.stages.map.builder.reclaim(map));
+        }
+    }
+}

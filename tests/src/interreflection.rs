@@ -77,7 +77,7 @@ pub fn c1_furnace<T: TestBackend>() {
 /// C1 at an albedo of 0.99: radiosity 100, paths of a hundred surfaces.
 pub fn c1_furnace_of_high_albedo<T: TestBackend>() {
     let scene = cube(0.99, FRAC_1_PI).build().unwrap();
-    let s = Settings { photons: 10_000, ..settings() };
+    let s = Settings { photons: 5000, ..settings() };
     let values: Vec<f64> = per_pass::<T>(&scene, &s, 24, 4).iter().map(|l| l * PI).collect();
     assert_agrees("0.99", moments(&values).0, 100.0, standard_error(&values), 0.0);
 }
@@ -85,7 +85,7 @@ pub fn c1_furnace_of_high_albedo<T: TestBackend>() {
 /// C1 with a cap: photons land on the first D surfaces, hence `e (1 − ρ^(D+1))/(1 − ρ)`.
 pub fn c1_depth_cap<T: TestBackend>() {
     let scene = cube(0.8, FRAC_1_PI).build().unwrap();
-    let s = Settings { max_bounces: 9, direct: Direct::Photons, ..settings() };
+    let s = Settings { photons: 10_000, max_bounces: 9, direct: Direct::Photons, ..settings() };
     let values: Vec<f64> = per_pass::<T>(&scene, &s, 16, 6).iter().map(|l| l * PI).collect();
     assert_agrees("cap", moments(&values).0, 4.463_129, standard_error(&values), 0.0);
 }

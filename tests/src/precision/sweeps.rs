@@ -19,7 +19,7 @@ pub fn detail(ratios: &[f64], paths: u32) -> Table {
         "at the fourth",
         "flux onto the floor, relative",
         "± standard error",
-        "the same of the twin with the step off surfaces",
+        "the same of the twin with the step off surfaces and from edges",
         "paths out of the closed room",
         "shadow rays that differ",
         "triangles without area",

@@ -63,13 +63,12 @@ pub fn emit(scene: &Wide, pass: Pass, path: u32) -> Start {
     let (origin, direction, from) = match light.kind {
         Light::POINT => (scene.light_places[index], optics::uniform_sphere(c, d), u32::MAX),
         Light::TRIANGLE => {
-            let [p, q, r] = scene.triangles[light.primitive as usize];
             let root = a.sqrt();
             let (u, v) = (root * (1.0 - b), root * b);
             let front = scene.normals[light.primitive as usize];
             let back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
             let normal = if back { -front } else { front };
-            let point = p * (1.0 - u - v) + q * u + r * v;
+            let point = scene.point(light.primitive as usize, u, v);
             (point + normal * scene.step, optics::cosine_hemisphere(normal, c, d), light.primitive)
         }
         kind => panic!("no twin of light {kind}"),
@@ -102,8 +101,7 @@ impl Twin<'_> {
                 return (landings, End::Escaped);
             };
             let primitive = hit.primitive as usize;
-            let [a, b, c] = scene.triangles[primitive];
-            let point = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
+            let point = scene.point(primitive, hit.u, hit.v);
             let front = direction.dot(scene.normals[primitive]) < 0.0;
             let normal = if front { scene.normals[primitive] } else { -scene.normals[primitive] };
             let cosine = -direction.dot(normal);

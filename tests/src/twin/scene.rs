@@ -60,7 +60,8 @@ pub struct Wide {
     pub(crate) light_places: Vec<DVec3>,
     pub(crate) light_starts: Vec<u32>,
     pub(crate) tree: Tree,
-    /// How far rays step off surfaces along their normals: against the rounding of f64, unless set otherwise.
+    /// How far rays step off surfaces along their normals: against the rounding of f64, unless set otherwise. Points
+    /// keep twice that from edges.
     pub step: f64,
 }
 
@@ -100,6 +101,20 @@ impl Wide {
         }));
         assert_eq!(wide.light_places.len(), wide.lights.len(), "a light was left out");
         wide
+    }
+
+    /// The point with these weights of the second and third vertex, two steps away from every edge but no more than a
+    /// sixteenth of the triangle, as `offset::within` has it.
+    pub(crate) fn point(&self, primitive: usize, u: f64, v: f64) -> DVec3 {
+        let [a, b, c] = self.triangles[primitive];
+        let area = (b - a).cross(c - a).length();
+        let least = |edge: DVec3| (2.0 * self.step * edge.length() / area).min(1.0 / 16.0);
+        let (mut u, mut v) = (u.max(least(c - a)), v.max(least(b - a)));
+        let lack = least(c - b) - (1.0 - u - v);
+        if lack > 0.0 {
+            *(if u > v { &mut u } else { &mut v }) -= lack;
+        }
+        a * (1.0 - u - v) + b * u + c * v
     }
 
     fn with(scene: &Scene, triangles: Vec<[DVec3; 3]>) -> Self {

@@ -155,6 +155,8 @@ pub fn s31_full_photon_buffers<T: TestBackend>() {
         other => panic!("{other:?}"),
     }
     assert!(with(100_000).unwrap().pixels == expected.pixels);
+    // Room that can never be filled is not asked for.
+    assert!(with(u64::MAX).unwrap().pixels == expected.pixels);
     // And of a buffer itself: what does not fit is counted, and asking for all of it is an error.
     let mut on = T::make(1);
     let buffer = on.upload::<u32>("words", &[1, 2, 3]).unwrap();

@@ -19,7 +19,9 @@ pub mod harness;
 pub mod interreflection;
 pub mod numerics;
 pub mod paper;
+pub mod precision;
 pub mod stats;
+pub mod twin;
 
 /// Makes a `#[test]` of each function for one backend.
 #[macro_export]

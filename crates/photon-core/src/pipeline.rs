@@ -206,7 +206,9 @@ impl<B: TransportBackend> Pipeline<B> {
 
     fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
         let guess = (f64::from(self.settings.photons.max(PILOT_PATHS)) * photons_per_path) as u64 + 1024;
-        let capacity = self.settings.photon_capacity.unwrap_or(guess);
+        // One for each surface met: what is asked for beyond that can never be filled.
+        let most = u64::from(self.settings.photons) * u64::from(self.settings.max_bounces);
+        let capacity = self.settings.photon_capacity.map_or(guess, |given| given.min(most));
         let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
         for (map, wanted) in wanted.into_iter().enumerate() {
             if wanted {

@@ -24,10 +24,11 @@ pub(crate) fn slot(key: Key) -> u32 {
 /// which is the greatest.
 pub(crate) fn keep_lowest(keys: &mut Vec<Key>, k: usize, order: &[u32]) {
     debug_assert!(0 < k && k < keys.len(), "there is something to drop");
-    let (_, &mut last, above) = keys.select_nth_unstable(k - 1);
+    let (below, &mut last, above) = keys.select_nth_unstable(k - 1);
     let tied = d2_bits(last);
-    if above.iter().any(|&key| d2_bits(key) == tied) {
-        // The cut goes through a tie, which slots decided: ids must.
+    if above.iter().chain(&*below).any(|&key| d2_bits(key) == tied) {
+        // The cut goes through a tie, or ends with one, which slots decided: ids must. Of a tie that is kept whole, too,
+        // the last must be the one of the highest id, since others may still come to displace it.
         keys.select_nth_unstable_by_key(k - 1, |&key| (d2_bits(key), order[slot(key) as usize]));
     }
     keys.truncate(k);
@@ -129,5 +130,25 @@ pub(crate) fn settle_ties(keys: &mut [Key], order: &[u32]) {
             at += 1;
         }
         keys[first..at].sort_unstable_by_key(|&key| order[slot(key) as usize]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tie that is kept whole ends with its highest id, whatever its slots are.
+    #[test]
+    fn the_last_kept_is_the_greatest_by_id() {
+        let order = [10, 50, 20, 30, 5, 7];
+        let mut keys: Vec<Key> = (0..5).map(|slot| key(1.0, slot)).collect();
+        keys.push(key(2.0, 5));
+        keep_lowest(&mut keys, 5, &order);
+        assert_eq!(order[slot(keys[4]) as usize], 50);
+        keep_lowest(&mut keys, 3, &order);
+        let mut ids: Vec<u32> = keys.iter().map(|&key| order[slot(key) as usize]).collect();
+        assert_eq!(ids[2], 20);
+        ids.sort_unstable();
+        assert_eq!(ids, [5, 10, 20]);
     }
 }

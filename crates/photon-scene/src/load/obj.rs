@@ -13,6 +13,7 @@ use crate::describe::MaterialDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
 use glam::DVec3;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -25,7 +26,9 @@ use std::path::Path;
 /// A file that cannot be read; a statement that makes no sense, by its line.
 pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let text = read_text(path)?;
-    let vertices = text.lines().filter(|line| line.split_whitespace().next() == Some("v")).count();
+    // A line that another is joined to is none of its own here either.
+    let is_vertex = |(statement, _): &(Cow<'_, str>, usize)| statement.split_whitespace().next() == Some("v");
+    let vertices = statements(&text).filter(is_vertex).count();
     if vertices >= u32::MAX as usize {
         return Err(SceneError::TooMany { what: "vertices", count: vertices });
     }
@@ -44,25 +47,34 @@ pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
         faces: 0,
         census: Census::default(),
     };
-    let mut joined = String::new();
-    let mut first = 0;
-    for (index, line) in text.lines().enumerate() {
-        if joined.is_empty() {
-            first = index + 1;
-        }
-        // A backslash at its end joins a line with the next.
-        if let Some(begun) = line.trim_end().strip_suffix('\\') {
-            joined.push_str(begun);
-            joined.push(' ');
-        } else if joined.is_empty() {
-            reader.statement(line, first)?;
-        } else {
-            joined.push_str(line);
-            reader.statement(&std::mem::take(&mut joined), first)?;
-        }
+    for (statement, line) in statements(&text) {
+        reader.statement(&statement, line)?;
     }
-    reader.statement(&joined, first)?;
     Ok(reader.finish())
+}
+
+/// The statements of a file, each with the number of its first line: a backslash at its end joins a line with the next.
+fn statements(text: &str) -> impl Iterator<Item = (Cow<'_, str>, usize)> {
+    let begun = |line: &'_ str| line.trim_end().strip_suffix('\\').map(str::len);
+    let mut lines = text.lines().enumerate();
+    std::iter::from_fn(move || {
+        let (index, line) = lines.next()?;
+        let Some(end) = begun(line) else {
+            return Some((Cow::Borrowed(line), index + 1));
+        };
+        let mut joined = line[..end].to_owned();
+        for (_, line) in lines.by_ref() {
+            joined.push(' ');
+            match begun(line) {
+                Some(end) => joined.push_str(&line[..end]),
+                None => {
+                    joined.push_str(line);
+                    break;
+                }
+            }
+        }
+        Some((Cow::Owned(joined), index + 1))
+    })
 }
 
 /// Triangles of one object and material, by index into all vertices of the file.

@@ -66,3 +66,26 @@ fn guesses_change_no_result() {
         }
     }
 }
+
+/// Few places, each shared by many in any order of ids, and some so far off that boxes hold both: of those tied with
+/// the k-th, the lowest ids count, also when others than they were found first. Found by the fuzz target `map`.
+#[test]
+fn ties_with_the_kth_are_settled_by_ids() {
+    let mut random = Random(9);
+    for _ in 0..60 {
+        let steps = [0.0, 0.0, 0.0, 0.0, 0.0, -1e-23, -2e8, -1e21];
+        let places: Vec<_> = (0..25).map(|_| random.point().map(|c| steps[(c * 8.0) as usize])).collect();
+        let points = places.repeat(29);
+        let query = [0.0, 0.125, 0.3];
+        let expected = super::oracle::ranking(&points, query);
+        for kind in KINDS {
+            let index = PointIndex::build(&points, kind).expect("finite points");
+            for k in 1..=64 {
+                let mut found = Neighbours::new();
+                index.nearest(query, k, f32::INFINITY, |_| true, &mut found);
+                let found: Vec<_> = found.as_slice().iter().map(|n| (n.d2, n.id)).collect();
+                assert_eq!(found, expected[..k], "{kind:?} {k}");
+            }
+        }
+    }
+}

@@ -34,7 +34,7 @@ fn sorted(mut pairs: Vec<Pair>) -> Vec<Pair> {
 }
 
 /// All points, nearest first.
-fn ranking(points: &[[f32; 3]], query: [f32; 3]) -> Vec<Pair> {
+pub(super) fn ranking(points: &[[f32; 3]], query: [f32; 3]) -> Vec<Pair> {
     let distance = |p: &[f32; 3]| {
         let [dx, dy, dz] = [query[0] - p[0], query[1] - p[1], query[2] - p[2]];
         dx * dx + dy * dy + dz * dz

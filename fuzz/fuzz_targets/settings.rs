@@ -1,0 +1,83 @@
+//! Any settings: refused by name, or a picture of finite numbers.
+#![no_main]
+
+use photon_core::{Direct, Estimator, IndexKind, Indirect, Kernel, Paper, RandomKind, Settings, Sharing};
+
+/// Takes numbers off the front of the input; zeros when it is used up.
+struct Bytes<'a>(&'a [u8]);
+
+impl Bytes<'_> {
+    fn take<const N: usize>(&mut self) -> [u8; N] {
+        let mut out = [0; N];
+        let count = N.min(self.0.len());
+        out[..count].copy_from_slice(&self.0[..count]);
+        self.0 = &self.0[count..];
+        out
+    }
+
+    fn byte(&mut self) -> u8 {
+        self.take::<1>()[0]
+    }
+
+    fn any(&mut self) -> f64 {
+        f64::from_le_bytes(self.take())
+    }
+
+    fn narrow(&mut self) -> f32 {
+        f32::from_le_bytes(self.take())
+    }
+
+    fn perhaps<T>(&mut self, of: impl FnOnce(&mut Self) -> T) -> Option<T> {
+        (self.byte() & 1 == 1).then(|| of(self))
+    }
+}
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let mut from = Bytes(data);
+    let scene = from.byte();
+    let estimator = match from.byte() % 3 {
+        0 => Estimator::Radius { radius: from.perhaps(Bytes::any) },
+        1 => Estimator::Knn { k: u32::from_le_bytes(from.take()), max_radius: from.perhaps(Bytes::any) },
+        _ => Estimator::Paper(Paper {
+            max: u32::from_le_bytes(from.take()),
+            radius: from.perhaps(Bytes::any),
+            threshold: u32::from_le_bytes(from.take()),
+            factor: from.narrow(),
+            clamp: true,
+        }),
+    };
+    let kernel = match from.byte() % 4 {
+        0 => Kernel::Constant,
+        1 => Kernel::Epanechnikov,
+        2 => Kernel::Cone { slope: from.narrow() },
+        _ => Kernel::Biweight,
+    };
+    let settings = Settings {
+        // Work that is asked for is no hang.
+        photons: u32::from(from.byte()),
+        shadow_rays: u32::from(from.byte() % 8),
+        gather_rays: u32::from(from.byte() % 8),
+        max_bounces: u32::from(from.byte()),
+        estimator,
+        kernel,
+        index: [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton][usize::from(from.byte() % 3)],
+        direct: [Direct::Nee, Direct::Photons, Direct::None][usize::from(from.byte() % 3)],
+        indirect: [Indirect::Map, Indirect::Gather, Indirect::None][usize::from(from.byte() % 3)],
+        random: [RandomKind::Counter, RandomKind::Lcg, RandomKind::Sobol][usize::from(from.byte() % 3)],
+        sharing: [Sharing::Static, Sharing::Dynamic][usize::from(from.byte() % 2)],
+        caustics: from.byte() & 1 == 1,
+        errors: from.byte() & 1 == 1,
+        alpha: from.any(),
+        min_normal_cosine: from.narrow(),
+        photon_capacity: from.perhaps(|from| u64::from_le_bytes(from.take())),
+        memory: from.perhaps(|from| u64::from_le_bytes(from.take())),
+        seed: u64::from_le_bytes(from.take()),
+        ..Settings::default()
+    };
+    static SCENES: std::sync::OnceLock<Vec<photon_scene::Scene>> = std::sync::OnceLock::new();
+    let scenes = SCENES.get_or_init(|| {
+        let build = |name: &str| photon_scene::builtin(name).expect("listed").build().expect("sound");
+        ["cornell", "furnace", "plates"].map(build).into()
+    });
+    photon_fuzz::render(&scenes[usize::from(scene % 3)], settings, 2);
+});

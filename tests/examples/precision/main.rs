@@ -1,0 +1,71 @@
+//! Writes the tables of `docs/precision.md`, behind what is written there by hand, and its plot. Run it in release:
+//! some minutes.
+#![expect(clippy::print_stderr, reason = "progress goes to stderr")]
+
+mod plot;
+
+use std::path::Path;
+use std::time::Instant;
+
+use photon_tests::precision::{Table, fields, stages, sweeps};
+use plot::{Line, Panel};
+
+/// What stands before this line is kept.
+const MARK: &str = "<!-- tables: written by `cargo run --release -p photon-tests --example precision` -->\n";
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("no workspace")?;
+    let mut tables = Vec::new();
+    let mut add = |table: &dyn Fn() -> Table| {
+        let start = Instant::now();
+        let table = table();
+        eprintln!("{}: {:.1} s", table.title, start.elapsed().as_secs_f64());
+        tables.push(table);
+    };
+    add(&|| stages::all(100_000));
+    add(&|| sweeps::detail(&[1.0, 10.0, 100.0, 1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6, 1e7], 50_000));
+    add(&|| sweeps::places(0..=9, 20_000));
+    add(&|| sweeps::path(&[1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48], 50_000));
+    add(&|| fields::radius(1..=7, 200));
+    add(&|| fields::photons(1..=6, 30));
+    add(&|| stages::grazing(20_000));
+    add(&|| stages::near_one());
+    add(&|| stages::pole(&[0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4]));
+
+    let file = root.join("docs/precision.md");
+    let text = std::fs::read_to_string(&file)?;
+    let head = text.find(MARK).map(|at| &text[..at]).ok_or("docs/precision.md has lost its mark")?;
+    let body: Vec<String> = tables.iter().map(Table::markdown).collect();
+    std::fs::write(&file, format!("{head}{MARK}\n{}", body.join("\n")))?;
+    std::fs::write(root.join("docs/images/precision.svg"), picture(&tables))?;
+    Ok(())
+}
+
+/// Error by detail, and by the length of a path.
+fn picture(tables: &[Table]) -> String {
+    let series = |table: usize, column: usize| -> Vec<(f64, f64)> {
+        let x = |name: &str| name.parse().unwrap_or(f64::NAN);
+        tables[table].rows.iter().map(|(name, figures)| (x(name), figures[column].abs())).collect()
+    };
+    let detail = Panel {
+        title: "a room in the corner of a scene",
+        x: "scene / room",
+        lines: vec![
+            Line { name: "first landing off by, rooms, median", points: series(1, 0) },
+            Line { name: "paths parted at the fourth landing", points: series(1, 3) },
+            Line { name: "flux onto the floor, relative", points: series(1, 4) },
+            Line { name: "its standard error", points: series(1, 5) },
+            Line { name: "shadow rays that differ", points: series(1, 7) },
+        ],
+    };
+    let path = Panel {
+        title: "along a path",
+        x: "landing",
+        lines: vec![
+            Line { name: "paths parted", points: series(3, 0) },
+            Line { name: "off by, rooms, median", points: series(3, 1) },
+            Line { name: "power, relative, 99 of 100", points: series(3, 4) },
+        ],
+    };
+    plot::picture(&[detail, path])
+}

@@ -1,0 +1,162 @@
+//! Paths of photons in f64, by the random words that the shipped ones take.
+
+use photon_core::glam::DVec3;
+use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
+use photon_core::{Light, Material, Pass, light_probability, pick_light};
+
+use super::optics;
+use super::scene::Wide;
+
+/// A photon as it leaves a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// Normalised space.
+    pub origin: DVec3,
+    /// Unit vector.
+    pub direction: DVec3,
+    /// Linear RGB, in units of all power.
+    pub power: DVec3,
+    /// The triangle it leaves, or `u32::MAX`.
+    pub from: u32,
+}
+
+/// A photon where it lands on a diffuse surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landing {
+    /// Surfaces met before.
+    pub bounce: u32,
+    /// Of the direct, the caustic or the global map.
+    pub class: usize,
+    /// Normalised space.
+    pub point: DVec3,
+    /// Unit vector towards where it came from.
+    pub back: DVec3,
+    /// Linear RGB.
+    pub power: DVec3,
+    /// On the side where it arrived.
+    pub normal: DVec3,
+    /// The triangle.
+    pub primitive: u32,
+}
+
+/// What became of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Lost to nothing behind the scene.
+    Escaped,
+    /// By a surface.
+    Absorbed,
+    /// At the longest path.
+    Truncated,
+}
+
+/// The ray of one path. Spots and parallel light, which the study does not use, are not here.
+#[must_use]
+pub fn emit(scene: &Wide, pass: Pass, path: u32) -> Start {
+    let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, Domain::Photon, path);
+    let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
+    let [c, d, ..] = sampler.words(BLOCK_START);
+    let [a, b, c, d] = [a, b, c, d].map(|word| f64::from(unit_f32(word)));
+    let index = pick_light(&scene.light_starts, choice);
+    let light = &scene.lights[index];
+    let power = DVec3::from(light.power.map(f64::from)) / light_probability(&scene.light_starts, index);
+    let (origin, direction, from) = match light.kind {
+        Light::POINT => (scene.light_places[index], optics::uniform_sphere(c, d), u32::MAX),
+        Light::TRIANGLE => {
+            let [p, q, r] = scene.triangles[light.primitive as usize];
+            let root = a.sqrt();
+            let (u, v) = (root * (1.0 - b), root * b);
+            let front = scene.normals[light.primitive as usize];
+            let back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
+            let normal = if back { -front } else { front };
+            let point = p * (1.0 - u - v) + q * u + r * v;
+            (point + normal * scene.step, optics::cosine_hemisphere(normal, c, d), light.primitive)
+        }
+        kind => panic!("no twin of light {kind}"),
+    };
+    Start { origin, direction, power, from }
+}
+
+/// How paths are followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Twin<'a> {
+    /// Through this.
+    pub scene: &'a Wide,
+    /// Key of the random numbers.
+    pub pass: Pass,
+    /// Surfaces at most.
+    pub max_bounces: u32,
+}
+
+impl Twin<'_> {
+    /// Follows one path to its end.
+    #[must_use]
+    pub fn follow(&self, start: &Start, path: u32) -> (Vec<Landing>, End) {
+        let scene = self.scene;
+        let mut sampler = Sampler::new(self.pass.random, self.pass.seed, self.pass.index, Domain::Photon, path);
+        let mut landings = Vec::new();
+        let Start { mut origin, mut direction, mut power, mut from } = *start;
+        let (mut specular_only, mut medium) = (true, u32::MAX);
+        for bounce in 0..self.max_bounces {
+            let Some(hit) = scene.tree.nearest(origin, direction, f64::INFINITY, from) else {
+                return (landings, End::Escaped);
+            };
+            let primitive = hit.primitive as usize;
+            let [a, b, c] = scene.triangles[primitive];
+            let point = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
+            let front = direction.dot(scene.normals[primitive]) < 0.0;
+            let normal = if front { scene.normals[primitive] } else { -scene.normals[primitive] };
+            let cosine = -direction.dot(normal);
+            let which = scene.material_of[primitive];
+            let material = &scene.materials[which as usize];
+            let solid = material.kind == Material::DIELECTRIC;
+            let inside = if solid && !front { which } else { medium };
+            if let Some(inside) = scene.materials.get(inside as usize) {
+                power *= DVec3::from(inside.absorption.map(|sigma| (-f64::from(sigma) * hit.t).exp()));
+            }
+            let [choice, u, v, _] = sampler.words(BLOCK_SURFACES + bounce).map(|word| f64::from(unit_f32(word)));
+            let albedo = DVec3::from(material.albedo.map(f64::from));
+            let survive = |power: DVec3| {
+                let next = power * albedo;
+                let chance = next.max_element() / power.max_element();
+                (choice < chance).then(|| next / chance)
+            };
+            match material.kind {
+                Material::MIRROR => {
+                    let Some(next) = survive(power) else { return (landings, End::Absorbed) };
+                    power = next;
+                    (origin, direction) = (point + normal * scene.step, optics::reflect(direction, normal));
+                }
+                Material::DIELECTRIC | Material::THIN => {
+                    let ior = f64::from(material.ior);
+                    let eta = if solid && !front { 1.0 / ior } else { ior };
+                    let (single, transmitted) = optics::fresnel(cosine, eta);
+                    let reflectance = if solid { single } else { optics::sheet(single) };
+                    if choice < reflectance {
+                        (origin, direction) = (point + normal * scene.step, optics::reflect(direction, normal));
+                    } else {
+                        power *= albedo;
+                        if solid {
+                            direction = optics::refract(direction, normal, eta, transmitted);
+                            medium = if front { which } else { u32::MAX };
+                        }
+                        origin = point - normal * scene.step;
+                    }
+                }
+                _ => {
+                    let class = if !specular_only { 2 } else { usize::from(bounce > 0) };
+                    if material.albedo != [0.0; 3] {
+                        let primitive = hit.primitive;
+                        landings.push(Landing { bounce, class, point, back: -direction, power, normal, primitive });
+                    }
+                    let Some(next) = survive(power) else { return (landings, End::Absorbed) };
+                    power = next;
+                    specular_only = false;
+                    (origin, direction) = (point + normal * scene.step, optics::cosine_hemisphere(normal, u, v));
+                }
+            }
+            from = hit.primitive;
+        }
+        (landings, End::Truncated)
+    }
+}

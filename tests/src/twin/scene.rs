@@ -1,0 +1,120 @@
+//! A scene in f64, with the user's numbers unrounded or with those that ship.
+
+use photon_core::glam::{DVec3, Vec3};
+use photon_core::{Light, Material};
+use photon_scene::shapes::Shape;
+use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
+
+use super::tree::Tree;
+
+/// A scene that is kept as the user gave it, beside what the builder makes of it.
+#[derive(Clone, Debug, Default)]
+pub struct Described {
+    /// Meshes with their materials, user space.
+    pub meshes: Vec<(Shape, MaterialDesc)>,
+    /// Lights that are no surfaces.
+    pub lights: Vec<LightDesc>,
+}
+
+impl Described {
+    /// A builder of it, without a camera.
+    #[must_use]
+    pub fn builder(&self) -> SceneBuilder {
+        let mut builder = SceneBuilder::new();
+        for (index, ((positions, triangles), material)) in self.meshes.iter().enumerate() {
+            let id = builder.material(material.clone());
+            builder.mesh(format!("mesh {index}"), positions.clone(), triangles.clone(), id);
+        }
+        for (index, light) in self.lights.iter().enumerate() {
+            builder.light(format!("light {index}"), light.clone());
+        }
+        builder
+    }
+
+    /// The same as if its coordinates had been stored in 32 bits.
+    #[must_use]
+    pub fn stored_narrow(&self) -> Self {
+        let narrow = |p: [f64; 3]| p.map(|x| f64::from(x as f32));
+        let mut stored = self.clone();
+        for p in stored.meshes.iter_mut().flat_map(|((positions, _), _)| positions) {
+            *p = narrow(*p);
+        }
+        for light in &mut stored.lights {
+            if let LightDesc::Point { position, .. } | LightDesc::Spot { position, .. } = light {
+                *position = narrow(*position);
+            }
+        }
+        stored
+    }
+}
+
+/// The tables of a scene in f64, normalised space.
+#[derive(Clone, Debug)]
+pub struct Wide {
+    pub(crate) triangles: Vec<[DVec3; 3]>,
+    pub(crate) normals: Vec<DVec3>,
+    pub(crate) material_of: Vec<u32>,
+    /// Colours, indices and powers are input in 32 bits, for both.
+    pub(crate) materials: Vec<Material>,
+    pub(crate) lights: Vec<Light>,
+    pub(crate) light_places: Vec<DVec3>,
+    pub(crate) light_starts: Vec<u32>,
+    pub(crate) tree: Tree,
+    /// How far rays step off surfaces along their normals: against the rounding of f64, unless set otherwise.
+    pub step: f64,
+}
+
+impl Wide {
+    /// The numbers that ship, each in f64: what is left beside it is the arithmetic alone.
+    #[must_use]
+    pub fn rounded(scene: &Scene) -> Self {
+        let view = scene.view();
+        let corner = |&index: &u32| Vec3::from(view.positions[index as usize]).as_dvec3();
+        let triangles: Vec<[DVec3; 3]> =
+            view.triangles.iter().map(|triangle| std::array::from_fn(|i| corner(&triangle[i]))).collect();
+        Self {
+            normals: view.facets.iter().map(|facet| Vec3::from(facet.normal).as_dvec3().normalize_or_zero()).collect(),
+            light_places: view.lights.iter().map(|light| Vec3::from(light.position).as_dvec3()).collect(),
+            ..Self::with(scene, triangles)
+        }
+    }
+
+    /// The user's numbers, moved to normalised space without rounding them to f32.
+    ///
+    /// Every triangle must have been kept, and the lights too.
+    #[must_use]
+    pub fn exact(scene: &Scene, described: &Described) -> Self {
+        let units = scene.units();
+        let place = |p: [f64; 3]| (DVec3::from(p) - DVec3::from(units.center)) / units.scale;
+        let mut triangles = Vec::new();
+        for ((positions, indices), _) in &described.meshes {
+            triangles.extend(indices.iter().map(|corners| corners.map(|index| place(positions[index as usize]))));
+        }
+        assert_eq!(triangles.len(), scene.view().triangles.len(), "a triangle was dropped");
+        let mut wide = Self::with(scene, triangles);
+        let surfaces = wide.lights.iter().filter(|light| light.kind == Light::TRIANGLE).count();
+        wide.light_places = vec![DVec3::ZERO; surfaces];
+        wide.light_places.extend(described.lights.iter().map(|light| match *light {
+            LightDesc::Point { position, .. } | LightDesc::Spot { position, .. } => place(position),
+            LightDesc::Directional { .. } => DVec3::ZERO,
+        }));
+        assert_eq!(wide.light_places.len(), wide.lights.len(), "a light was left out");
+        wide
+    }
+
+    fn with(scene: &Scene, triangles: Vec<[DVec3; 3]>) -> Self {
+        let view = scene.view();
+        let normals = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).normalize_or_zero()).collect();
+        Self {
+            normals,
+            material_of: view.facets.iter().map(|facet| facet.material).collect(),
+            materials: view.materials.to_vec(),
+            lights: view.lights.to_vec(),
+            light_places: Vec::new(),
+            light_starts: view.light_starts.to_vec(),
+            tree: Tree::new(triangles.clone()),
+            triangles,
+            step: 1e-14,
+        }
+    }
+}

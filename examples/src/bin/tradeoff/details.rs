@@ -46,7 +46,7 @@ pub(crate) fn pictures(folder: &Path) -> String {
             continue;
         }
         if text.is_empty() {
-            text += "\n### Pictures\n\nThe truth, then 16 passes, radii × 0.5, without the loss at the ends of surfaces, a final gather of 4 rays, the paper\nand 64 passes; below them the signed difference, red where too bright and blue where too dark, full at a half, and\nFLIP (Andersson et al. 2020), by `tests/mitsuba/pictures.py`.\n";
+            text += "\n### Pictures\n\nThe truth, then 16 passes, radii × 0.5, without the loss at the ends of surfaces, the paper and 64\npasses; below them the signed difference, red where too bright and blue where too dark, full at a half, and\nFLIP (Andersson et al. 2020), by `tests/mitsuba/pictures.py`.\n";
         }
         let _ = write!(text, "\n![{scene}](images/{name})\n");
     }

@@ -132,11 +132,10 @@ pub(crate) fn rows(
 }
 
 /// The settings whose pictures are shown: knob and value.
-const SHOWN: [(&str, &str); 6] = [
+const SHOWN: [(&str, &str); 5] = [
     ("passes", "16"),
     ("radii", "x0.5"),
     ("area", "surface, 16 passes"),
-    ("indirect", "gather, 4 rays"),
     ("estimator", "paper"),
     ("passes", "64"),
 ];

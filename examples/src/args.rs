@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use clap::{Parser, ValueEnum};
 use photon_core::{
-    Area, Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, Preset, RandomKind, Settings, Sharing,
+    Area, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, Plan, Preset, RandomKind,
+    Settings, Sharing,
 };
 
 use crate::fault::Fault;
@@ -97,6 +98,10 @@ pub struct Args {
     /// Light straight from the lamps: by shadow rays, by photons, or left out.
     #[arg(long, value_enum, default_value_t = DirectName::Nee)]
     pub direct: DirectName,
+    /// Paths per pass that are aimed at mirrors and glass, for caustics: a number, auto, or shared for none
+    /// besides --photons [default: auto, paper shared].
+    #[arg(long, value_name = "N", value_parser = caustic_photons)]
+    pub caustic_photons: Option<CausticPhotons>,
     /// Surfaces that a path may meet [default: 64].
     #[arg(long, value_name = "N")]
     pub max_bounces: Option<u32>,
@@ -266,6 +271,7 @@ impl Args {
                 AreaName::Disc => Area::Disc,
                 AreaName::Surface => Area::Surface,
             }),
+            caustic_photons: self.caustic_photons.unwrap_or(base.caustic_photons),
             max_bounces: self.max_bounces.unwrap_or(base.max_bounces),
             seed: self.seed,
             alpha: if paper { base.alpha } else { self.alpha.unwrap_or(base.alpha) },
@@ -338,6 +344,14 @@ fn count(text: &str) -> Result<u32, String> {
     }
 }
 
+fn caustic_photons(text: &str) -> Result<CausticPhotons, String> {
+    match text {
+        "auto" => Ok(CausticPhotons::Auto),
+        "shared" => Ok(CausticPhotons::Shared),
+        _ => count(text).map(CausticPhotons::Aimed).map_err(|why| format!("{why}; or auto, or shared")),
+    }
+}
+
 fn kernel(text: &str) -> Result<Kernel, String> {
     let kernel = match text {
         "constant" => Kernel::Constant,
@@ -369,6 +383,8 @@ mod tests {
         let s = settings(&["--estimator", "knn", "--k", "70", "--photons", "1.5M", "--index", "vvh"]).unwrap();
         assert_eq!((s.photons, s.index), (1_500_000, IndexKind::Vvh));
         assert_eq!(s.estimator, Estimator::Knn { k: 70, max_radius: None });
+        assert_eq!(settings(&["--caustic-photons", "50k"]).unwrap().caustic_photons, CausticPhotons::Aimed(50_000));
+        assert_eq!(settings(&["--caustic-photons", "shared"]).unwrap().caustic_photons, CausticPhotons::Shared);
         assert_eq!(settings(&["--kernel", "cone:1.1"]).unwrap().kernel, Kernel::Cone { slope: 1.1 });
     }
 
@@ -376,6 +392,7 @@ mod tests {
     fn the_paper_brings_its_habits_unless_told_otherwise() {
         let s = settings(&["--estimator", "paper"]).unwrap();
         assert_eq!((s.random, s.sharing, s.index), (RandomKind::Lcg, Sharing::Static, IndexKind::Median));
+        assert_eq!(s.caustic_photons, CausticPhotons::Shared);
         let s = settings(&["--estimator", "paper", "--rng", "counter", "--index", "morton"]).unwrap();
         assert_eq!((s.random, s.index), (RandomKind::Counter, IndexKind::Morton));
     }
@@ -418,6 +435,8 @@ mod tests {
             vec!["--radius=-1"],
             vec!["--radius-factor", "0"],
             vec!["--photons", "0"],
+            vec!["--caustic-photons", "0"],
+            vec!["--caustic-photons", "many"],
             vec!["--photons", "1.5"],
             vec!["--size", "0x0"],
             vec!["--size", "12"],

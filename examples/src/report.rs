@@ -1,6 +1,6 @@
 //! What a render did, as JSON.
 
-use photon_core::{FluxSum, Forecast, LightShare, Outcome, Render, Settings, Stage};
+use photon_core::{FluxSum, Forecast, LightShare, Outcome, Render, Settings, Stage, Tally};
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
@@ -84,8 +84,12 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
             "paths_per_pass": share.paths(facts.photons),
             "starves": share.starves(facts.photons),
         })).collect::<Vec<_>>(),
+        "aimed_paths_per_pass": facts.aimed,
         "bytes_per_photon": bytes_per_photon(&facts.memory, last.map_or(0, |pass| {
-            pass.tally.stored_direct + pass.tally.stored_caustic + pass.tally.stored_global
+            pass.tally.stored_direct
+                + pass.tally.stored_caustic
+                + pass.tally.stored_global
+                + pass.aimed.stored_caustic
         })),
         "passes": outcome.passes,
         "cancelled": outcome.cancelled,
@@ -101,11 +105,13 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
             "surfaces": tally.surfaces,
             "stored": {
                 "direct": tally.stored_direct,
-                "caustic": tally.stored_caustic,
+                "caustic": tally.stored_caustic + outcome.aimed.stored_caustic,
                 "global": tally.stored_global,
             },
             "balance": tally.balances(),
         },
+        // Of aimed paths: those that met something diffuse told what they were sent for.
+        "aimed": facts.aimed.map(|_| aimed(&outcome.aimed)),
         "flux": {
             "emitted": flux(&tally.flux_emitted),
             "absorbed": flux(&tally.flux_absorbed),
@@ -131,6 +137,29 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
         "settings": format!("{:?}", told.settings),
         "report": told.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": told.warnings,
+    })
+}
+
+/// What became of aimed paths; their flux is in fractions of the scene's power.
+fn aimed(tally: &Tally) -> Value {
+    let flux = |sum: &FluxSum| sum.value().map(|f| f / tally.emitted.max(1) as f64);
+    json!({
+        "emitted": tally.emitted,
+        "ceded": tally.ceded,
+        "absorbed": tally.absorbed,
+        "escaped": tally.escaped,
+        "truncated": tally.truncated,
+        "dropped": tally.dropped,
+        "surfaces": tally.surfaces,
+        "balance": tally.balances(),
+        "flux": {
+            "emitted": flux(&tally.flux_emitted),
+            "ceded": flux(&tally.flux_ceded),
+            "absorbed": flux(&tally.flux_absorbed),
+            "escaped": flux(&tally.flux_escaped),
+            "truncated": flux(&tally.flux_truncated),
+            "dropped": flux(&tally.flux_dropped),
+        },
     })
 }
 

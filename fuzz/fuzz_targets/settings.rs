@@ -76,8 +76,18 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     };
     static SCENES: std::sync::OnceLock<Vec<photon_scene::Scene>> = std::sync::OnceLock::new();
     let scenes = SCENES.get_or_init(|| {
-        let build = |name: &str| photon_scene::builtin(name).expect("listed").build().expect("sound");
-        ["cornell", "furnace", "plates"].map(build).into()
+        // Of few triangles: trees are built for every input.
+        let mut glass = photon_scene::builtin("cornell").expect("listed");
+        if let Some(material) = glass.materials_mut().first_mut() {
+            material.surface = photon_scene::Surface::Dielectric { ior: 1.5, absorption: [0.1; 3], tint: [0.9; 3] };
+        }
+        let build = |scene: photon_scene::SceneBuilder| scene.build().expect("sound");
+        ["cornell", "plates"]
+            .map(|name| photon_scene::builtin(name).expect("listed"))
+            .into_iter()
+            .chain([glass])
+            .map(build)
+            .collect()
     });
     photon_fuzz::render(&scenes[usize::from(scene % 3)], settings, 2);
 });

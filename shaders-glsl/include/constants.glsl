@@ -51,6 +51,7 @@ const uint DOMAIN_EYE = 1u;
 const uint DOMAIN_SHADOW = 2u;
 const uint DOMAIN_GATHER = 3u;
 const uint DOMAIN_AREA = 4u;
+const uint DOMAIN_AIMED = 5u;
 
 // Blocks of dimensions.
 const uint BLOCK_LIGHT = 0u;

@@ -30,6 +30,10 @@ const float LEAST_COMPONENT = 5.4210109e-20;
 // on its face (after Ize 2013).
 const float WIDER = 1.0000019;
 
+// 2^-22, and 255 steps times 2^-23.
+const float START_SLACK = 2.3841858e-7;
+const float STEPS_SLACK = 3.0398369e-5;
+
 // A ray in the test's own frame: sheared so that it runs along its largest axis.
 struct Sheared {
     vec3 origin;
@@ -126,7 +130,9 @@ void test_triangle(Corners table, uint slot, Sheared s, inout Hit best) {
 
 // Of four children, those whose boxes the ray enters before `t_max`: for each, the bits that `meta`
 // gives it at the place that `meta` says. A byte of each word belongs to one child.
-uint test_boxes(uint meta4, uint octant4, uvec3 near4, uvec3 far4, vec3 stride, vec3 start, float t_max) {
+uint test_boxes(
+    uint meta4, uint octant4, uvec3 near4, uvec3 far4, vec3 stride, vec3 near_start, vec3 far_start, float t_max
+) {
     // A node's byte is 001 11sss, a leaf's a unary count above the number of its first triangle.
     uint nodes4 = meta4 & (meta4 << 1) & 0x10101010u;
     uint mask4 = (nodes4 >> 4) * 0xFFu;
@@ -135,8 +141,8 @@ uint test_boxes(uint meta4, uint octant4, uvec3 near4, uvec3 far4, vec3 stride, 
     uint hits = 0u;
     [[unroll]] for (int child = 0; child < 4; ++child) {
         int at = 8 * child;
-        vec3 near = vec3(uvec3(near4 >> at) & 0xFFu) * stride + start;
-        vec3 far = vec3(uvec3(far4 >> at) & 0xFFu) * stride + start;
+        vec3 near = vec3(uvec3(near4 >> at) & 0xFFu) * stride + near_start;
+        vec3 far = vec3(uvec3(far4 >> at) & 0xFFu) * stride + far_start;
         float enter = max(max(near.x, near.y), max(near.z, 0.0));
         float leave = min(min(far.x, far.y), far.z) * WIDER;
         if (enter <= min(leave, t_max)) hits |= bitfieldExtract(bits4, at, 8) << bitfieldExtract(place4, at, 8);
@@ -219,16 +225,21 @@ bool walk_step(inout Walk walk, const bool shadow) {
     vec3 scale = uintBitsToFloat(uvec3(head.w & 0xFFu, head.w >> 8 & 0xFFu, head.w >> 16 & 0xFFu) << 23);
     vec3 stride = scale * walk.inverse;
     vec3 start = (uintBitsToFloat(head.xyz) - walk.sheared.origin) * walk.inverse;
+    // What rounding may take from a side counted in steps, which can be all of its distance: two roundings
+    // of the start, one of the steps, and twice that to be safe.
+    vec3 slack = abs(start) * START_SLACK + abs(stride) * STEPS_SLACK;
+    vec3 near_start = start - slack;
+    vec3 far_start = start + slack;
     uvec3 low = uvec3(low_xy.x, low_xy.z, low_z_high_x.x);
     uvec3 high = uvec3(low_z_high_x.z, high_yz.x, high_yz.z);
     uvec3 near = mix(low, high, negative);
     uvec3 far = mix(high, low, negative);
-    uint hits = test_boxes(first.z, octant4, near, far, stride, start, walk.best.t);
+    uint hits = test_boxes(first.z, octant4, near, far, stride, near_start, far_start, walk.best.t);
     low = uvec3(low_xy.y, low_xy.w, low_z_high_x.y);
     high = uvec3(low_z_high_x.w, high_yz.y, high_yz.w);
     near = mix(low, high, negative);
     far = mix(high, low, negative);
-    hits |= test_boxes(first.w, octant4, near, far, stride, start, walk.best.t);
+    hits |= test_boxes(first.w, octant4, near, far, stride, near_start, far_start, walk.best.t);
 
     uint triangles = hits & 0x00FFFFFFu;
     while (triangles != 0u) {

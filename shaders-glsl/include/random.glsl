@@ -40,7 +40,8 @@ struct Sampler {
 // `seed` is the low word, then the high one. Only photons obey `kind`.
 Sampler sampler_new(uint kind, uvec2 seed, uint pass, uint domain, uint path) {
     uint state = (path + pass * 0x9E3779B9u + seed.x) & 0x7FFFFFFFu;
-    return Sampler(domain == DOMAIN_PHOTON ? kind : RANDOM_COUNTER, seed, path, pass, domain, state);
+    bool photon = domain == DOMAIN_PHOTON || domain == DOMAIN_AIMED;
+    return Sampler(photon ? kind : RANDOM_COUNTER, seed, path, pass, domain, state);
 }
 
 // Four words: those of block `block`, or the next four of the LCG.

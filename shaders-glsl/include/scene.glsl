@@ -85,7 +85,7 @@ Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     bool front = cosine > 0.0;
     Surface found;
     found.t = hit.t;
-    found.point = barycentric(corners.a.xyz, corners.b.xyz, corners.c.xyz, hit.u, hit.v);
+    found.point = within(corners.a.xyz, corners.b.xyz, corners.c.xyz, hit.u, hit.v);
     found.normal = front ? facet.normal : -facet.normal;
     found.cosine = abs(cosine);
     found.front = front;

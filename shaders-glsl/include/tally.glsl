@@ -6,7 +6,8 @@ const uint FATE_ABSORBED = 0u;
 const uint FATE_ESCAPED = 1u;
 const uint FATE_TRUNCATED = 2u;
 const uint FATE_DROPPED = 3u;
-const uint FATE_NONE = 4u;
+const uint FATE_CEDED = 4u;
+const uint FATE_NONE = 5u;
 
 struct Ending {
     // What the path carried at its end.

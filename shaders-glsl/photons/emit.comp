@@ -9,7 +9,10 @@
 layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint RANDOM = 0;
+// Whether photons are aimed at mirrors and glass.
+layout(constant_id = 3) const bool AIMED = false;
 
+#include "aim.glsl"
 #include "grid.glsl"
 #include "random.glsl"
 #include "sampling.glsl"
@@ -22,6 +25,8 @@ layout(push_constant, scalar) uniform Push {
     uint pass;
     uint first;
     uint count;
+    uint pad;
+    AimRef aim;
 } push;
 
 // Apart from `main`, since the compiler does not bear `precise` on what was just loaded.
@@ -34,14 +39,25 @@ void main() {
     uint index = thread();
     if (index >= push.count) return;
     uint path = push.first + index;
-    Sampler numbers = sampler_new(RANDOM, push.seed, push.pass, DOMAIN_PHOTON, path);
+    Sampler numbers = sampler_new(RANDOM, push.seed, push.pass, AIMED ? DOMAIN_AIMED : DOMAIN_PHOTON, path);
     uvec4 choice = sampler_words(numbers, BLOCK_LIGHT);
     uvec4 start = sampler_words(numbers, BLOCK_START);
+    uint picked;
+    vec3 carried;
+    if (AIMED) {
+        Launch launch = aim_launch(push.aim, choice, start);
+        picked = launch.light;
+        carried = launch.carried;
+        choice.yzw = uvec3(launch.point, launch.side);
+        start.xy = launch.direction;
+    } else {
+        picked = pick_light(push.scene, choice.x);
+        carried = push.scene.emissions[picked].at.carried;
+    }
     float a = unit_f32(choice.y);
     float b = unit_f32(choice.z);
     float c = unit_f32(start.x);
     float d = unit_f32(start.y);
-    uint picked = pick_light(push.scene, choice.x);
     Light light = push.scene.lights[picked].at;
     Emission emission = push.scene.emissions[picked].at;
     vec3 origin = light.position;
@@ -57,7 +73,7 @@ void main() {
         origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
     } else if ((FEATURES & FEATURE_AREA_LIGHTS) != 0u) {
         vec2 weights = sampling_triangle(a, b);
-        vec3 point = barycentric(emission.a, emission.b, emission.c, weights.x, weights.y);
+        vec3 point = within(emission.a, emission.b, emission.c, weights.x, weights.y);
         bool back = (light.flags & LIGHT_BOTH_SIDES) != 0u && choice.w >> 31 == 1u;
         vec3 normal = back ? -emission.normal : emission.normal;
         origin = off_surface(point, normal);
@@ -68,7 +84,7 @@ void main() {
     ray.path = path;
     ray.direction = direction;
     ray.light = picked;
-    ray.power = emission.carried;
+    ray.power = carried;
     ray.reserved = 0u;
     push.rays[index].at = ray;
 }

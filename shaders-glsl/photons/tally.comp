@@ -9,6 +9,8 @@
 
 layout(local_size_x_id = 1) in;
 layout(constant_id = 3) const uint WANTED = 7;
+// Ways in which paths end: one more if they are aimed.
+layout(constant_id = 4) const uint FATES = 4;
 
 #include "grid.glsl"
 #include "layout.glsl"
@@ -29,8 +31,8 @@ layout(push_constant, scalar) uniform Push {
 
 // Two words each: paths by fate, surfaces, photons by map. Then three words for each channel of the
 // flux emitted, and by fate.
-const uint COUNTERS = 8u;
-const uint FLUXES = 15u;
+const uint COUNTERS = FATES + 4u;
+const uint FLUXES = 3u + 3u * FATES;
 const uint WORDS = 2u * COUNTERS + 3u * FLUXES;
 
 shared uint total[WORDS];
@@ -88,17 +90,17 @@ void main() {
             int64_t left = fixed_flux(ending.power[c]);
             low[c] += uint64_t(uint(uint64_t(emitted)));
             high[c] += emitted >> 32;
-            [[unroll]] for (uint f = 0u; f < 4u; ++f) {
+            [[unroll]] for (uint f = 0u; f < FATES; ++f) {
                 // What a path no longer carries at its end was absorbed on the way.
                 int64_t part = (fate == f ? left : 0l) + (f == FATE_ABSORBED ? emitted - left : 0l);
                 low[3u + 3u * f + c] += uint64_t(uint(uint64_t(part)));
                 high[3u + 3u * f + c] += part >> 32;
             }
         }
-        [[unroll]] for (uint f = 0u; f < 4u; ++f) counters[f] += fate == f ? 1u : 0u;
-        counters[4] += ending.fate_surfaces & 0x0FFFFFFFu;
+        [[unroll]] for (uint f = 0u; f < FATES; ++f) counters[f] += fate == f ? 1u : 0u;
+        counters[FATES] += ending.fate_surfaces & 0x0FFFFFFFu;
         [[unroll]] for (uint map = 0u; map < 3u; ++map) {
-            if ((WANTED >> map & 1u) != 0u) counters[5u + map] += push.stored[map * push.count + index].at;
+            if ((WANTED >> map & 1u) != 0u) counters[FATES + 1u + map] += push.stored[map * push.count + index].at;
         }
     }
     [[unroll]] for (uint i = 0u; i < COUNTERS; ++i) add2(2u * i, counters[i]);

@@ -23,6 +23,8 @@ layout(constant_id = 4) const bool DYNAMIC = true;
 // When fewer than so many rays of a subgroup are under way, the others are seen to first: shaded, or
 // replaced by the next path's.
 layout(constant_id = 5) const uint BUSY = 0;
+// Whether paths are aimed: they end at the first diffuse surface, and keep nothing straight from a light.
+layout(constant_id = 6) const bool AIMED = false;
 
 #include "boundary.glsl"
 #include "counter.glsl"
@@ -142,7 +144,7 @@ Path begin(uint number) {
     path.index = push.begins != 0u ? number : push.waiting[number].at;
     path.left = push.surfaces;
     PhotonRay start = push.rays[push.stretch.first + path.index].at;
-    path.numbers = sampler_new(RANDOM, push.stretch.seed, push.stretch.pass, DOMAIN_PHOTON, start.path);
+    path.numbers = sampler_new(RANDOM, push.stretch.seed, push.stretch.pass, AIMED ? DOMAIN_AIMED : DOMAIN_PHOTON, start.path);
     if (push.begins != 0u) {
         if (RANDOM == RANDOM_LCG) {
             // The sequence goes on where emission left it.
@@ -232,7 +234,11 @@ uint step_path(inout Path path, Hit hit) {
         }
     } else {
         bool mirror = MIRRORS && material.kind == MATERIAL_MIRROR;
-        if (!mirror && material.albedo != vec3(0.0)) store(path, at);
+        if (!mirror && material.albedo != vec3(0.0) && !(AIMED && path.bounce == 0u)) store(path, at);
+        if (AIMED && !mirror) {
+            ++path.bounce;
+            return FATE_CEDED;
+        }
         absorbed = !survive(path.power, material, choice);
         if (mirror) {
             onward = bsdf_reflect(path.ray.direction, at.normal);

@@ -7,12 +7,12 @@
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Backend, Batch, Direct, Estimator, Gather, IndexKind, Indirect, Kernel, Pass, Photon, PhotonRay, Requirements,
-    Rule, Settings, TransportBackend,
+    Aim, Backend, Batch, Direct, Estimator, Gather, IndexKind, Indirect, Kernel, Pass, Photon, PhotonRay, RandomKind,
+    Requirements, Rule, Settings, TransportBackend,
 };
 use photon_scene::{Scene, builtin};
 
-use crate::harness::{TestBackend, Uniform, estimate, film, per_pass, photon_at, query_at, trace};
+use crate::harness::{TestBackend, Uniform, estimate, estimates, film, per_pass, photon_at, query_at, trace};
 use crate::stats::{moments, standard_error};
 
 /// Scenes that between them have every light and lobe.
@@ -38,15 +38,18 @@ pub fn same_photon(a: &Photon, b: &Photon) -> bool {
     near(a.position, b.position, 1e-4) && near(a.power, b.power, 1e-3 * Vec3::from(a.power).length())
 }
 
-fn rays<T: TestBackend>(scene: &Scene, settings: &Settings, count: u32) -> Vec<PhotonRay> {
+fn rays<T: TestBackend>(scene: &Scene, settings: &Settings, aim: Option<&Aim>, count: u32) -> Vec<PhotonRay> {
     let mut on = T::make(2);
     let view = scene.view();
     let required = Requirements::of(&view, settings);
     let prepared = on.prepare(&view, &required).unwrap();
-    let mut stages = on.stages(&required, settings).unwrap();
+    let mut emitter = match aim {
+        None => on.stages(&required, settings).unwrap().emitter,
+        Some(aim) => on.aimed(&required, settings, aim).unwrap().unwrap().0,
+    };
     let mut rays = on.alloc("rays", u64::from(count)).unwrap();
     let pass = Pass { seed: settings.seed, index: 3, random: settings.random };
-    stages.emitter.emit(&mut on, &prepared, &Batch { pass, paths: 5..5 + count }, &mut rays).unwrap();
+    emitter.emit(&mut on, &prepared, &Batch { pass, paths: 5..5 + count }, &mut rays).unwrap();
     let mut out = Vec::new();
     on.download(&rays, &mut out).unwrap();
     out
@@ -56,16 +59,25 @@ fn rays<T: TestBackend>(scene: &Scene, settings: &Settings, count: u32) -> Vec<P
 pub fn photons_leave_alike<A: TestBackend, B: TestBackend>() {
     for name in SCENES.into_iter().chain(["two-rooms"]) {
         let scene = builtin(name).unwrap().build().unwrap();
-        let settings = Settings { seed: 11, ..Settings::default() };
-        let (a, b) = (rays::<A>(&scene, &settings, 20_000), rays::<B>(&scene, &settings, 20_000));
-        let same = |a: &PhotonRay, b: &PhotonRay| {
-            (a.path, a.light) == (b.path, b.light)
-                && near(a.origin, b.origin, 1e-5)
-                && near(a.direction, b.direction, 1e-5)
-                && near(a.power, b.power, 1e-5 * Vec3::from(a.power).length())
-        };
-        let share = share(&a, &b, same);
-        assert!(a.len() == 20_000 && share >= 0.9999, "{name}: {share}");
+        let aim = Aim::of(&scene.view());
+        assert_eq!(aim.is_empty(), name == "cornell", "{name}");
+        for (random, aim) in
+            [(RandomKind::Counter, None), (RandomKind::Counter, Some(&aim)), (RandomKind::Sobol, Some(&aim))]
+        {
+            if aim.is_some_and(Aim::is_empty) {
+                continue;
+            }
+            let settings = Settings { seed: 11, random, ..Settings::default() };
+            let (a, b) = (rays::<A>(&scene, &settings, aim, 20_000), rays::<B>(&scene, &settings, aim, 20_000));
+            let same = |a: &PhotonRay, b: &PhotonRay| {
+                (a.path, a.light) == (b.path, b.light)
+                    && near(a.origin, b.origin, 1e-5)
+                    && near(a.direction, b.direction, 1e-5)
+                    && near(a.power, b.power, 1e-5 * Vec3::from(a.power).length())
+            };
+            let share = share(&a, &b, same);
+            assert!(a.len() == 20_000 && share >= 0.9999, "{name}, {}: {share}", aim.is_some());
+        }
     }
 }
 
@@ -144,23 +156,25 @@ pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>(
                 photon_core::Query { normal, ..query_at(photon.position, 0.05) }
             })
             .collect();
+        let mut gathers = Vec::new();
+        for rule in [
+            Rule::Radius,
+            Rule::Nearest { k: 50 },
+            Rule::Nearest { k: 500 },
+            Rule::Paper { max: 100, threshold: 8, factor: 1.0 },
+        ] {
+            gathers.extend(KERNELS.map(|kernel| Gather { rule, kernel, radius_scale: 1.0, min_normal_cosine: 0.9 }));
+        }
         for kind in [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton] {
-            for rule in [
-                Rule::Radius,
-                Rule::Nearest { k: 50 },
-                Rule::Nearest { k: 500 },
-                Rule::Paper { max: 100, threshold: 8, factor: 1.0 },
-            ] {
-                for kernel in KERNELS {
-                    let gather = Gather { rule, kernel, radius_scale: 1.0, min_normal_cosine: 0.9 };
-                    let a = estimate::<A>(kind, &photons, &queries, &gather);
-                    let b = estimate::<B>(kind, &photons, &queries, &gather);
-                    for (i, (a, b)) in a.iter().zip(&b).enumerate() {
-                        assert_eq!((a.photons, a.flags), (b.photons, b.flags), "{kind:?} {rule:?} {kernel:?} {i}");
-                        assert_eq!(a.radius_squared.to_bits(), b.radius_squared.to_bits(), "{kind:?} {rule:?} {i}");
-                        let bound = 1e-5 * Vec3::from(a.flux).length() + 1e-12;
-                        assert!(near(a.flux, b.flux, bound), "{kind:?} {rule:?} {kernel:?} {i}: {a:?} {b:?}");
-                    }
+            let a = estimates::<A>(kind, &photons, &queries, &gathers);
+            let b = estimates::<B>(kind, &photons, &queries, &gathers);
+            for ((a, b), Gather { rule, kernel, .. }) in a.iter().zip(&b).zip(&gathers) {
+                assert!(a.len() == queries.len() && b.len() == queries.len());
+                for (i, (a, b)) in a.iter().zip(b).enumerate() {
+                    assert_eq!((a.photons, a.flags), (b.photons, b.flags), "{kind:?} {rule:?} {kernel:?} {i}");
+                    assert_eq!(a.radius_squared.to_bits(), b.radius_squared.to_bits(), "{kind:?} {rule:?} {i}");
+                    let bound = 1e-5 * Vec3::from(a.flux).length() + 1e-12;
+                    assert!(near(a.flux, b.flux, bound), "{kind:?} {rule:?} {kernel:?} {i}: {a:?} {b:?}");
                 }
             }
         }

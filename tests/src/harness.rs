@@ -68,6 +68,16 @@ pub fn estimate<T: TestBackend>(
     queries: &[Query],
     gather: &Gather,
 ) -> Vec<Estimate> {
+    estimates::<T>(kind, photons, queries, std::slice::from_ref(gather)).concat()
+}
+
+/// What one map of `photons` says about `queries`, gathered in each of those ways.
+pub fn estimates<T: TestBackend>(
+    kind: IndexKind,
+    photons: &[Photon],
+    queries: &[Query],
+    gathers: &[Gather],
+) -> Vec<Vec<Estimate>> {
     use photon_core::Backend;
     let mut on = T::make(2);
     let mut stages = on.map_stages(kind).unwrap();
@@ -75,10 +85,13 @@ pub fn estimate<T: TestBackend>(
     let queries_there = on.upload("queries", queries).unwrap();
     let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
     let map = stages.builder.build(&mut on, photons).unwrap();
-    stages.estimator.estimate(&mut on, &map, &queries_there, gather, &mut estimates).unwrap();
-    let mut found = Vec::new();
-    on.download(&estimates, &mut found).unwrap();
-    found
+    let ask = |gather| {
+        stages.estimator.estimate(&mut on, &map, &queries_there, gather, &mut estimates).unwrap();
+        let mut found = Vec::new();
+        on.download(&estimates, &mut found).unwrap();
+        found
+    };
+    gathers.iter().map(ask).collect()
 }
 
 /// Photons of the direct, caustic and global map, normalised space, and what became of all.

@@ -7,6 +7,7 @@
 #![expect(clippy::unwrap_used, clippy::missing_panics_doc, reason = "all of this is test code")]
 
 pub mod accuracy;
+pub mod aiming;
 pub mod debias;
 pub mod determinism;
 pub mod dielectrics;
@@ -52,6 +53,10 @@ macro_rules! whole_suite {
                 e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached,
             }
             debias::{ d1_light_at_edges_is_whole, d2_nothing_changes_within_a_surface }
+            aiming::{
+                g1_aimed_photons_have_the_same_expectation, g2_all_ways_to_something_specular_are_marked,
+                g3_aimed_pictures_have_the_same_mean, g4_aimed_paths_are_accounted_for,
+            }
             estimators::{
                 a1_naive_knn_is_too_bright, a2_corrected_knn_is_unbiased, a3_a4_kernels_in_knn_are_unbiased,
                 a6_fixed_radius_mean_and_variance, a7_bias_of_curvature, a8_loss_at_edges, a9_no_bias_on_a_sphere,

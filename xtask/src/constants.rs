@@ -72,6 +72,7 @@ fn groups() -> Vec<Group> {
                 ("DOMAIN_SHADOW", Domain::Shadow as u32),
                 ("DOMAIN_GATHER", Domain::Gather as u32),
                 ("DOMAIN_AREA", Domain::Area as u32),
+                ("DOMAIN_AIMED", Domain::Aimed as u32),
             ],
         ),
         (

@@ -2,7 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler, unit_f32};
-use photon_core::{Batch, Emitter, Light, PhotonRay, Result, light_probability, offset, pick_light, sampling};
+use photon_core::{Aim, Batch, Emitter, Light, PhotonRay, Result, light_probability, offset, pick_light, sampling};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -14,32 +14,71 @@ pub(crate) struct CpuEmitter;
 
 impl Emitter<Cpu> for CpuEmitter {
     fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
-        rays.clear();
-        let count = batch.paths.len();
-        rays.needed = count as u64;
-        let fit = count.min(rays.capacity as usize);
-        rays.data.resize(fit, PhotonRay::default());
-        on.pool.install(|| {
-            rays.data.par_iter_mut().with_min_len(1024).enumerate().for_each(|(index, ray)| {
-                let path = batch.paths.start + index as u32;
-                let pass = batch.pass;
-                let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, Domain::Photon, path);
-                *ray = emit(scene, &mut sampler, path);
-            });
+        each(on, batch, Domain::Photon, rays, |sampler, path| {
+            let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
+            let [c, d, ..] = sampler.words(BLOCK_START);
+            let index = pick_light(&scene.light_starts, choice);
+            let share = light_probability(&scene.light_starts, index);
+            // Every path carries the power of its light over the light's probability.
+            let power = scene.lights[index].power.map(|p| (f64::from(p) / share) as f32);
+            PhotonRay { path, power, ..leave(scene, index, [a, b], [c, d], side) }
         });
         Ok(())
     }
 }
 
-/// The ray of one path. Every path carries the power of its light over the light's probability.
+/// Sends photons out where something specular could be met.
+#[derive(Debug)]
+pub(crate) struct CpuAimedEmitter {
+    aim: Aim,
+}
+
+impl CpuAimedEmitter {
+    pub(crate) fn new(aim: Aim) -> Self {
+        Self { aim }
+    }
+}
+
+impl Emitter<Cpu> for CpuAimedEmitter {
+    fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
+        each(on, batch, Domain::Aimed, rays, |sampler, path| {
+            let launch = self.aim.launch(sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
+            let target = &self.aim.targets()[launch.target];
+            let ray = leave(scene, target.light as usize, launch.point, launch.direction, launch.side);
+            PhotonRay { path, power: target.carried, ..ray }
+        });
+        Ok(())
+    }
+}
+
+/// Replaces `rays` with what `ray` makes of each path of the batch.
+fn each(
+    on: &Cpu,
+    batch: &Batch,
+    domain: Domain,
+    rays: &mut CpuBuffer<PhotonRay>,
+    ray: impl Fn(&mut Sampler, u32) -> PhotonRay + Sync,
+) {
+    rays.clear();
+    let count = batch.paths.len();
+    rays.needed = count as u64;
+    let fit = count.min(rays.capacity as usize);
+    rays.data.resize(fit, PhotonRay::default());
+    on.pool.install(|| {
+        rays.data.par_iter_mut().with_min_len(1024).enumerate().for_each(|(index, slot)| {
+            let path = batch.paths.start + index as u32;
+            let pass = batch.pass;
+            let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, domain, path);
+            *slot = ray(&mut sampler, path);
+        });
+    });
+}
+
+/// Where photons leave a light, and whither; what they carry is left at 0.
 #[inline]
-fn emit(scene: &CpuScene, sampler: &mut Sampler, path: u32) -> PhotonRay {
-    let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
-    let [c, d, ..] = sampler.words(BLOCK_START);
-    let (a, b, c, d) = (unit_f32(a), unit_f32(b), unit_f32(c), unit_f32(d));
-    let index = pick_light(&scene.light_starts, choice);
+fn leave(scene: &CpuScene, index: usize, point: [u32; 2], direction: [u32; 2], side: u32) -> PhotonRay {
+    let ([a, b], [c, d]) = (point.map(unit_f32), direction.map(unit_f32));
     let light = &scene.lights[index];
-    let share = light_probability(&scene.light_starts, index);
     let position = Vec3::from(light.position);
     let along = Vec3::from(light.direction);
     let (origin, direction) = match light.kind {
@@ -56,19 +95,12 @@ fn emit(scene: &CpuScene, sampler: &mut Sampler, path: u32) -> PhotonRay {
         _ => {
             let primitive = light.primitive as usize;
             let (u, v) = sampling::triangle(a, b);
-            let point = offset::barycentric(scene.vertices[primitive], u, v);
+            let point = offset::within(scene.vertices[primitive], u, v);
             let front = Vec3::from(scene.facets[primitive].normal);
             let back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
             let normal = if back { -front } else { front };
             (offset::off_surface(point, normal), sampling::cosine_hemisphere(normal, c, d))
         }
     };
-    PhotonRay {
-        origin: origin.into(),
-        path,
-        direction: direction.into(),
-        light: index as u32,
-        power: light.power.map(|p| (f64::from(p) / share) as f32),
-        reserved: 0,
-    }
+    PhotonRay { origin: origin.into(), direction: direction.into(), light: index as u32, ..PhotonRay::default() }
 }

@@ -1,15 +1,15 @@
 //! The picture in progress.
 
 use photon_core::{
-    Area, Backend as _, Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Layer, Query, Requirements,
-    Result, SceneView, Settings, Spread, Stages, TransportBackend,
+    Aim, AimedStages, Area, Backend as _, Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Layer, Query,
+    Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
 use crate::area::CpuArea;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::direct::CpuDirect;
-use crate::emit::CpuEmitter;
+use crate::emit::{CpuAimedEmitter, CpuEmitter};
 use crate::estimate::CpuEstimator;
 use crate::eye::CpuEye;
 use crate::gather::CpuGather;
@@ -79,11 +79,17 @@ impl TransportBackend for Cpu {
                 None
             },
             area: if settings.area == Area::Surface { Some(Box::new(CpuArea)) } else { None },
+            aimed: None,
             map: photon_core::MapStages {
                 builder: Box::new(CpuBuilder::new(settings.index)),
                 estimator: Box::new(CpuEstimator),
             },
         })
+    }
+
+    fn aimed(&mut self, required: &Requirements, settings: &Settings, aim: &Aim) -> Result<Option<AimedStages<Self>>> {
+        self.note_memory("aimed photons", aim.bytes());
+        Ok(Some((Box::new(CpuAimedEmitter::new(aim.clone())), Box::new(CpuTracer::aimed(settings, required.features)))))
     }
 
     fn costs(&self) -> Costs {

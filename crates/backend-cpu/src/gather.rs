@@ -153,17 +153,19 @@ fn follow(
             }
             _ => {
                 let mut found = Found::default();
-                for (map, scratch) in [&maps.direct, &maps.caustic, &maps.global].into_iter().zip(scratch) {
+                let each =
+                    [(&maps.direct, maps.paths), (&maps.caustic, maps.caustic_paths), (&maps.global, maps.paths)];
+                for ((map, paths), scratch) in each.into_iter().zip(scratch) {
                     let Some((map, gather)) = map else { continue };
                     let (point, normal, radius) = (surface.point.into(), surface.normal, gather.radius_scale);
                     let estimate = if told {
                         let (estimate, spread) = spread_at(map, point, normal, radius, gather);
-                        found.tell(&estimate, &spread, maps.paths);
+                        found.tell(&estimate, &spread, paths);
                         estimate
                     } else {
                         estimate_at(map, point, normal, radius, gather, scratch)
                     };
-                    for (sum, e) in found.irradiance.iter_mut().zip(estimate.irradiance(maps.paths)) {
+                    for (sum, e) in found.irradiance.iter_mut().zip(estimate.irradiance(paths)) {
                         *sum += e;
                     }
                 }

@@ -68,7 +68,7 @@ impl CpuScene {
         let front = cosine > 0.0;
         Some(Surface {
             t,
-            point: offset::barycentric(self.vertices[primitive as usize], u, v),
+            point: offset::within(self.vertices[primitive as usize], u, v),
             normal: if front { normal } else { -normal },
             cosine: cosine.abs(),
             front,

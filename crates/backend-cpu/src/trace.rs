@@ -25,12 +25,19 @@ pub(crate) struct CpuTracer {
     sharing: Sharing,
     max_bounces: u32,
     features: Features,
+    aimed: bool,
     tally: Tally,
 }
 
 impl CpuTracer {
     pub(crate) fn new(settings: &Settings, features: Features) -> Self {
-        Self { sharing: settings.sharing, max_bounces: settings.max_bounces, features, tally: Tally::default() }
+        let (sharing, max_bounces) = (settings.sharing, settings.max_bounces);
+        Self { sharing, max_bounces, features, aimed: false, tally: Tally::default() }
+    }
+
+    /// For aimed paths, which end at the first diffuse surface.
+    pub(crate) fn aimed(settings: &Settings, features: Features) -> Self {
+        Self { aimed: true, ..Self::new(settings, features) }
     }
 }
 
@@ -51,7 +58,8 @@ impl Tracer<Cpu> for CpuTracer {
         mut deposits: Deposits<'_, Cpu>,
     ) -> Result<()> {
         let wanted = [deposits.direct.is_some(), deposits.caustic.is_some(), deposits.global.is_some()];
-        let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow: kernel(self.features) };
+        let walk =
+            Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow: kernel(self.features, self.aimed) };
         let rays = rays.as_slice();
         let harvests = match self.sharing {
             Sharing::Static => share_statically(on, &walk, rays),
@@ -124,15 +132,26 @@ impl Walk<'_> {
     }
 }
 
+/// Beside the bits of the lobes: paths are aimed.
+const AIMED: u32 = 1 << 31;
+
 /// The kernel that has these lobes and no other.
-fn kernel(features: Features) -> Follow {
+fn kernel(features: Features, aimed: bool) -> Follow {
     const D: Features = Features::DIFFUSE;
     const M: Features = D.union(Features::MIRROR);
     const GLASS: Features = Features::DIELECTRIC.union(Features::THIN);
     const ABSORBING: Features = GLASS.union(Features::ABSORPTION);
     let mirrors = features.intersects(Features::MIRROR);
     let absorbs = features.intersects(Features::ABSORPTION);
-    match (features.intersects(GLASS), absorbs, mirrors) {
+    let lobes = (features.intersects(GLASS), absorbs, mirrors);
+    if aimed {
+        return match lobes {
+            (false, ..) => follow::<{ M.bits() | AIMED }>,
+            (true, false, _) => follow::<{ M.union(GLASS).bits() | AIMED }>,
+            (true, true, _) => follow::<{ M.union(ABSORBING).bits() | AIMED }>,
+        };
+    }
+    match lobes {
         (false, _, false) => follow::<{ D.bits() }>,
         (false, _, true) => follow::<{ M.bits() }>,
         (true, false, false) => follow::<{ D.union(GLASS).bits() }>,
@@ -147,7 +166,9 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
     let features = Features::from_bits(F);
     let scene = walk.scene;
     let pass = walk.batch.pass;
-    let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, Domain::Photon, start.path);
+    let aimed = F & AIMED != 0;
+    let domain = if aimed { Domain::Aimed } else { Domain::Photon };
+    let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, domain, start.path);
     if pass.random == photon_core::RandomKind::Lcg {
         // The sequence goes on where emission left it.
         let _ = (sampler.words(0), sampler.words(0));
@@ -201,7 +222,8 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
                 }
             }
             _ => {
-                if material.albedo != [0.0; 3] {
+                // What comes straight from a light is not theirs to keep.
+                if material.albedo != [0.0; 3] && !(aimed && bounce == 0) {
                     let class = if !specular_only { 2 } else { usize::from(bounce > 0) };
                     let stored = [&mut tally.stored_direct, &mut tally.stored_caustic, &mut tally.stored_global];
                     if walk.wanted[class] {
@@ -213,6 +235,9 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
                             normal: octahedral::pack(surface.normal),
                         });
                     }
+                }
+                if aimed {
+                    return tally.end(Fate::Ceded, flux);
                 }
                 let Some(next) = survive(power, material, choice) else {
                     return tally.end(Fate::Absorbed, flux);

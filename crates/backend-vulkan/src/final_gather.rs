@@ -98,7 +98,7 @@ impl FinalGather<Vulkan> for VulkanGather {
         film: &mut VulkanFilm,
     ) -> Result<()> {
         let length = on.length(queries)?;
-        let (rays, paths) = (rays.max(1), maps.paths.max(1));
+        let rays = rays.max(1);
         if length == 0 || maps.paths == 0 {
             return Ok(());
         }
@@ -146,18 +146,22 @@ impl FinalGather<Vulkan> for VulkanGather {
                     count_rays,
                     start_query: start_query as u32,
                     count_queries,
-                    scale: (1.0 / (std::f64::consts::PI * paths as f64 * f64::from(rays))) as f32,
+                    scale: 0.0,
                     share: 1.0 / rays as f32,
                     padding: 0,
                 };
-                for (map, gather) in [&maps.direct, &maps.caustic, &maps.global].into_iter().flatten() {
+                let each =
+                    [(&maps.direct, maps.paths), (&maps.caustic, maps.caustic_paths), (&maps.global, maps.paths)];
+                for (map, paths) in each {
+                    let Some((map, gather)) = map else { continue };
                     match &mut told {
                         None => self.estimator.estimate(on, map, &landings, gather, &mut estimates)?,
                         Some(Told { spreads, .. }) => {
                             self.estimator.estimate_spread(on, map, &landings, gather, &mut estimates, spreads)?;
                         }
                     }
-                    on.dispatch(&add, &push, u64::from(count_queries.div_ceil(GROUP)))?;
+                    let scale = (1.0 / (std::f64::consts::PI * paths.max(1) as f64 * f64::from(rays))) as f32;
+                    on.dispatch(&add, &GatheredPush { scale, ..push }, u64::from(count_queries.div_ceil(GROUP)))?;
                 }
             }
         }

@@ -1,8 +1,8 @@
 //! Every stage of a pass.
 
 use photon_core::{
-    Area, Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Spread, Stages,
-    TransportBackend,
+    Aim, AimedStages, Area, Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Spread,
+    Stages, TransportBackend,
 };
 
 use crate::area::VulkanArea;
@@ -12,7 +12,7 @@ use crate::estimate::VulkanEstimator;
 use crate::eye::VulkanEye;
 use crate::film::{self, VulkanFilm};
 use crate::final_gather::VulkanGather;
-use crate::photons::{VulkanEmitter, VulkanTracer};
+use crate::photons::{VulkanAimedEmitter, VulkanEmitter, VulkanTracer};
 use crate::scene::VulkanScene;
 use crate::vulkan::Vulkan;
 
@@ -41,8 +41,14 @@ impl TransportBackend for Vulkan {
                 None
             },
             area: if settings.area == Area::Surface { Some(Box::new(VulkanArea)) } else { None },
+            aimed: None,
             map: self.map_stages(settings.index)?,
         })
+    }
+
+    fn aimed(&mut self, required: &Requirements, settings: &Settings, aim: &Aim) -> Result<Option<AimedStages<Self>>> {
+        let tracer = VulkanTracer::aimed(self, settings, required.features)?;
+        Ok(Some((Box::new(VulkanAimedEmitter::new(self, aim)?), Box::new(tracer))))
     }
 
     fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<VulkanFilm> {

@@ -334,6 +334,7 @@ fn gather<B: TransportBackend, const N: usize>(
             caustic: caustic.as_ref().map(|map| (map, how)),
             global: global.as_ref().map(|map| (map, how)),
             paths: u64::from(PATHS),
+            caustic_paths: u64::from(PATHS),
         };
         let mut film = on.film(&scene_view, SIZE, SIZE).unwrap();
         stage.gather(on, &prepared, &maps, pass(2), &queries, rays, &mut film).unwrap();

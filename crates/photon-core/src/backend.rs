@@ -1,5 +1,6 @@
 //! What a backend is: where buffers live, and how stages come by them.
 
+use crate::aim::Aim;
 use crate::error::Result;
 use crate::film::{Film, Layer};
 use crate::layout::{Element, Estimate, Query, Spread};
@@ -7,7 +8,7 @@ use crate::memory::Costs;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::{IndexKind, Settings};
-use crate::stages::{MapStages, Stages, no_errors};
+use crate::stages::{Emitter, MapStages, Stages, Tracer, no_errors};
 
 /// Where buffers live and how they are filled. Not object-safe, on purpose: buffers are types, so
 /// that nothing is downcast.
@@ -100,6 +101,20 @@ pub trait TransportBackend: Backend {
     /// [`crate::Error::Backend`] if they cannot be built.
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>>;
 
+    /// Stages for paths that are aimed as `aim`, which is not empty, says: an emitter, and a tracer that
+    /// ends paths at the first diffuse surface. `None`: it has none, and the usual paths do it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Backend`] if they cannot be built; [`crate::Error::OutOfMemory`].
+    fn aimed(
+        &mut self,
+        _required: &Requirements,
+        _settings: &Settings,
+        _aim: &Aim,
+    ) -> Result<Option<AimedStages<Self>>> {
+        Ok(None)
+    }
+
     /// An empty film.
     ///
     /// # Errors
@@ -174,6 +189,9 @@ pub trait TransportBackend: Backend {
         self.timings().map(drop)
     }
 }
+
+/// An emitter of aimed paths, and their tracer.
+pub type AimedStages<B> = (Box<dyn Emitter<B>>, Box<dyn Tracer<B>>);
 
 /// How full a buffer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

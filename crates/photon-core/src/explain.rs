@@ -1,5 +1,6 @@
 //! What a scene needs, what is left out, and why: the reasons behind [`crate::Requirements`].
 
+use crate::aim::Aim;
 use crate::features::Features;
 use crate::layout::Light;
 use crate::radii;
@@ -65,6 +66,8 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             (false, true) => "all mirrors and glass lie behind all lights",
         },
     );
+    let (aimed, why) = aiming(scene, settings, &required);
+    say("aimed photons", aimed, &why);
     say(
         "map of scattered photons",
         required.global_map,
@@ -136,6 +139,32 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         },
     );
     needs
+}
+
+/// Whether paths are aimed at mirrors and glass, and why.
+fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> (bool, String) {
+    if !required.caustic_map {
+        return (false, "there is no map of caustic photons".to_owned());
+    }
+    if !required.aimed {
+        return (false, "the settings leave caustics to the paths that fill the other maps".to_owned());
+    }
+    let aim = Aim::of(scene);
+    let share = 100.0 * aim.share();
+    let Some(paths) = aim.paths(settings) else {
+        let why = if aim.is_empty() {
+            "no light could shine on mirrors or glass".to_owned()
+        } else {
+            format!("{share:.1} % of the light could meet mirrors or glass: to aim would gain little")
+        };
+        return (false, why);
+    };
+    let lights = counted(scene.lights.len(), "light");
+    let why = format!(
+        "{paths} paths a pass leave by the {share:.1} % of the light that could meet mirrors or glass, from {} of {lights}",
+        aim.targets().len(),
+    );
+    (true, why)
 }
 
 fn counted(count: usize, what: &str) -> String {

@@ -4,6 +4,7 @@
 //! that drives them. No threads, no input or output, no ray-tracing structure.
 #![forbid(unsafe_code)]
 
+mod aim;
 pub mod area;
 mod backend;
 pub mod bsdf;
@@ -39,7 +40,8 @@ mod stages;
 mod tally;
 mod units;
 
-pub use backend::{Backend, Fill, Stage, StageTimings, TransportBackend};
+pub use aim::{Aim, Launch, Target};
+pub use backend::{AimedStages, Backend, Fill, Stage, StageTimings, TransportBackend};
 pub use budget::{Budget, Plan};
 pub use caster::{Hit, Ray, RayCaster};
 pub use error::{Error, Result};
@@ -61,10 +63,12 @@ pub use render::{Facts, Outcome, PassEnd, Render, render};
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::{SceneView, light_probability, light_starts, pick_light};
 pub use schedule::Schedule;
-pub use settings::{Area, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing};
+pub use settings::{
+    Area, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing,
+};
 pub use stages::{
-    AreaProbe, Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages, Maps,
-    Pass, RadianceEstimator, Rule, Stages, Tracer, View,
+    Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, KdTreeBuilder, MapStages,
+    Maps, Pass, RadianceEstimator, Rule, Stages, Tracer, View,
 };
 pub use tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use units::Units;

@@ -55,6 +55,8 @@ pub struct PassReport {
     pub paths: u64,
     /// What became of them.
     pub tally: Tally,
+    /// What became of those that were aimed, apart from these.
+    pub aimed: Tally,
     /// Radius within which each map was searched, user space; `None`: the map was not built.
     pub radius_direct: Option<f64>,
     /// Likewise.

@@ -16,8 +16,7 @@ use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::schedule::Schedule;
 use crate::settings::{Estimator, Settings};
-use crate::stages::{Batch, Deposits, Pass, Stages, View};
-use crate::tally::Tally;
+use crate::stages::{Pass, Stages, View};
 use crate::units::Units;
 
 /// The pass that the derived radii come from; no pass of a picture has this number.
@@ -37,6 +36,8 @@ pub struct Pipeline<B: TransportBackend> {
     stages: Stages<B>,
     required: Requirements,
     settings: Settings,
+    /// Paths of a pass that the settings ask for, however many fit.
+    asked: u32,
     units: Units,
     view: View,
     film: B::Film,
@@ -55,10 +56,12 @@ pub struct Pipeline<B: TransportBackend> {
     spreads: Option<B::Buffer<Spread>>,
 }
 
+mod aimed;
 mod check;
 mod end;
 mod estimate;
 mod fit;
+mod photons;
 
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
 
@@ -84,7 +87,7 @@ impl<B: TransportBackend> Pipeline<B> {
         settings: Settings,
         required: Requirements,
     ) -> Result<Self> {
-        let stages = on.stages(&required, &settings)?;
+        let stages = aimed::stages(&mut on, scene, &settings, &required)?;
         Self::with_stages(on, scene, view, settings, required, stages)
     }
 
@@ -119,7 +122,7 @@ impl<B: TransportBackend> Pipeline<B> {
             });
         }
         let required = Requirements::of(scene, &settings);
-        let stages = on.stages(&required, &settings)?;
+        let stages = aimed::stages(&mut on, scene, &settings, &required)?;
         Self::assemble(on, scene, view, settings, (required, stages), batch)
     }
 
@@ -144,7 +147,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
-        let costs = on.costs();
+        let costs = aimed::costs(on.costs(), stages.aimed.is_some());
         let plan = match settings.memory {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
@@ -157,7 +160,9 @@ impl<B: TransportBackend> Pipeline<B> {
             None => None,
         };
         let batch = plan.map_or(batch, |plan| batch.min(plan.batch));
-        let rays = on.alloc("photon rays", u64::from(batch.min(settings.photons.max(PILOT_PATHS))))?;
+        let aimed = stages.aimed.as_ref().map_or(0, |aimed| aimed.paths);
+        let most = settings.photons.max(PILOT_PATHS).max(aimed);
+        let rays = on.alloc("photon rays", u64::from(batch.min(most)))?;
         let queries = on.alloc("queries", pixels * per_pixel)?;
         let any_map = required.direct_map || required.caustic_map || required.global_map;
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
@@ -173,6 +178,7 @@ impl<B: TransportBackend> Pipeline<B> {
             on,
             stages,
             required,
+            asked: settings.photons,
             settings,
             view,
             film,
@@ -205,9 +211,11 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 
     fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
-        let guess = (f64::from(self.settings.photons.max(PILOT_PATHS)) * photons_per_path) as u64 + 1024;
+        let paths = self.settings.photons.max(PILOT_PATHS);
+        let guess = (f64::from(paths) * photons_per_path) as u64 + 1024;
         // One for each surface met: what is asked for beyond that can never be filled.
-        let most = u64::from(self.settings.photons) * u64::from(self.settings.max_bounces);
+        let aimed = self.aimed_paths(self.settings.photons).unwrap_or(0);
+        let most = u64::from(self.settings.photons.max(aimed)) * u64::from(self.settings.max_bounces);
         let capacity = self.settings.photon_capacity.map_or(guess, |given| given.min(most));
         let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
         for (map, wanted) in wanted.into_iter().enumerate() {
@@ -216,82 +224,6 @@ impl<B: TransportBackend> Pipeline<B> {
             }
         }
         Ok(())
-    }
-
-    /// Traces a few photons to find radii that suit their density.
-    fn pilot(&mut self) -> Result<()> {
-        let paths = self.settings.photons.min(PILOT_PATHS);
-        let share = f64::from(paths) / f64::from(self.settings.photons);
-        self.emit_and_trace(PILOT, paths, &mut ())?;
-        let mut found = [self.radii.direct, self.radii.caustic, self.radii.global];
-        for (map, radius) in found.iter_mut().enumerate() {
-            if let Some(photons) = self.photons[map].take() {
-                self.on.mark(Some(Stage::Build));
-                let built = self.stages.map.builder.build(&mut self.on, photons)?;
-                self.on.mark(Some(Stage::Estimate));
-                let cosine = self.settings.min_normal_cosine;
-                let wanted = radii::NEIGHBOURS[map];
-                let asked = ((f64::from(wanted) * share) as u32).max(8);
-                let typical = self.stages.map.estimator.typical_radius(&mut self.on, &built, asked, cosine)?;
-                *radius = radii::from_pilot(typical, asked, paths, wanted, self.settings.photons);
-                self.on.mark(None);
-                self.photons[map] = Some(self.stages.map.builder.reclaim(built));
-            }
-        }
-        let [direct, caustic, global] = found;
-        self.radii = Radii { direct, caustic, global }.scaled(self.settings.radius_factor as f32);
-        Ok(())
-    }
-
-    /// Fills the photon buffers. Returns the paths traced and their tally; fewer than asked for if
-    /// the observer stopped it.
-    fn emit_and_trace(&mut self, index: u32, paths: u32, observer: &mut dyn Observer) -> Result<(u32, Tally)> {
-        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
-        loop {
-            for photons in self.photons.iter_mut().flatten() {
-                self.on.clear(photons)?;
-            }
-            let mut traced = 0;
-            while traced < paths {
-                let end = traced.saturating_add(self.batch).min(paths);
-                let batch = Batch { pass, paths: traced..end };
-                self.on.mark(Some(Stage::Emit));
-                self.stages.emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;
-                self.on.mark(Some(Stage::Trace));
-                let [direct, caustic, global] = &mut self.photons;
-                let deposits = Deposits { direct: direct.as_mut(), caustic: caustic.as_mut(), global: global.as_mut() };
-                self.stages.tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits)?;
-                self.on.mark(None);
-                traced = end;
-                let event = Event::Photons { pass: index, traced, total: paths };
-                if observer.on_event(&event).is_break() && traced < paths {
-                    break;
-                }
-            }
-            let tally = self.stages.tracer.take_tally(&mut self.on)?;
-            if self.grow_if_needed()? {
-                continue;
-            }
-            return Ok((traced, tally));
-        }
-    }
-
-    /// Whether a buffer overflowed and was made anew, large enough for the pass to be repeated.
-    fn grow_if_needed(&mut self) -> Result<bool> {
-        let mut grew = false;
-        for map in 0..3 {
-            let Some(photons) = &self.photons[map] else { continue };
-            let fill = self.on.fill(photons)?;
-            if fill.needed > fill.capacity {
-                if self.settings.photon_capacity.is_some() || self.settings.memory.is_some() {
-                    let label = LABELS[map];
-                    return Err(Error::CapacityExceeded { label, needed: fill.needed, capacity: fill.capacity });
-                }
-                self.allocate(map, fill.needed + fill.needed / 8)?;
-                grew = true;
-            }
-        }
-        Ok(grew)
     }
 
     /// What the camera sees, and direct light.
@@ -312,10 +244,6 @@ impl<B: TransportBackend> Pipeline<B> {
     #[must_use]
     pub fn backend(&self) -> &B {
         &self.on
-    }
-
-    fn needs_photons(&self) -> bool {
-        self.photons.iter().any(Option::is_some)
     }
 }
 
@@ -361,6 +289,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
             required: self.required,
             setup: self.setup,
             photons: self.settings.photons,
+            aimed: self.aimed_paths(self.settings.photons),
             memory: self.on.memory(&self.scene),
         }
     }
@@ -375,20 +304,15 @@ impl<B: TransportBackend> Pipeline<B> {
                 mend: "passes are numbered from 0 to 2^32 - 2",
             });
         }
-        let wanted = self.settings.photons;
-        let (traced, tally) = if self.needs_photons() {
-            self.emit_and_trace(index, wanted, observer)?
-        } else {
-            (wanted, Tally::default())
-        };
+        let sent = self.emit_and_trace(index, self.settings.photons, observer)?;
         // A first pass that was cut short is a pass of fewer photons, and as valid; a later one is
         // given up, since the film is valid without it.
-        if traced < wanted && self.passes > 0 {
+        if sent.cut && self.passes > 0 {
             self.on.timings()?;
             return Ok(PassEnd::Cancelled);
         }
         let queries = self.look(index).and_then(|queries| {
-            self.estimate(index, u64::from(traced), queries)?;
+            self.estimate(index, sent.per_map(), queries)?;
             Ok(queries)
         });
         let queries = match queries {
@@ -409,15 +333,16 @@ impl<B: TransportBackend> Pipeline<B> {
         };
         let report = PassReport {
             index,
-            paths: u64::from(traced),
-            tally,
+            paths: u64::from(sent.paths),
+            tally: sent.tally,
+            aimed: sent.aimed_tally,
             radius_direct: to_user(self.required.direct_map, self.radii.direct),
             radius_caustic: to_user(self.required.caustic_map, self.radii.caustic),
             radius_global: to_user(self.required.global_map, self.radii.global),
             queries,
             seconds: self.on.timings()?,
         };
-        let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || traced < wanted;
+        let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || sent.cut;
         Ok(if stop { PassEnd::Last(report) } else { PassEnd::Done(report) })
     }
 }

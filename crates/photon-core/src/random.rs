@@ -21,6 +21,8 @@ pub enum Domain {
     Gather = 3,
     /// Rays that ask how much of a disc lies on its surface.
     Area = 4,
+    /// Photons that are aimed, for the map of caustics.
+    Aimed = 5,
 }
 
 /// Four independent words from a counter and a key: Philox4x32-10 (Salmon, Moraes, Dror and Shaw
@@ -72,7 +74,8 @@ impl Sampler {
     #[inline]
     #[must_use]
     pub fn new(kind: RandomKind, seed: u64, pass: u32, domain: Domain, path: u32) -> Self {
-        let kind = if domain == Domain::Photon { kind } else { RandomKind::Counter };
+        let photon = matches!(domain, Domain::Photon | Domain::Aimed);
+        let kind = if photon { kind } else { RandomKind::Counter };
         Self {
             kind,
             key: [seed as u32, (seed >> 32) as u32],

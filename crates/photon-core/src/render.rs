@@ -71,6 +71,8 @@ pub struct Facts {
     pub setup: StageTimings,
     /// Paths per pass: fewer than the settings ask for if [`crate::Settings::memory`] allows no more.
     pub photons: u32,
+    /// Aimed paths per pass, for caustics; `None`: the other paths fill that map too.
+    pub aimed: Option<u32>,
     /// What is allocated: label and bytes.
     pub memory: Vec<(String, u64)>,
 }
@@ -84,6 +86,8 @@ pub struct Outcome {
     pub paths: u64,
     /// What became of them.
     pub tally: Tally,
+    /// What became of those that were aimed, apart from these.
+    pub aimed: Tally,
     /// Seconds per stage.
     pub seconds: StageTimings,
     /// The last pass in the film.
@@ -132,6 +136,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
         outcome.passes += 1;
         outcome.paths += report.paths;
         outcome.tally.merge(&report.tally);
+        outcome.aimed.merge(&report.aimed);
         outcome.seconds.merge(&report.seconds);
         outcome.last = Some(report);
         if flow.is_break() {

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::layout::{Light, Material};
 use crate::scene::SceneView;
-use crate::settings::{Direct, Indirect, Settings};
+use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 
 /// What stages are built for.
 ///
@@ -18,6 +18,9 @@ pub struct Requirements {
     pub direct_map: bool,
     /// Photons that came from a light by specular surfaces alone are kept in a map.
     pub caustic_map: bool,
+    /// That map has paths of light of its own, which are aimed: unless [`crate::Aim`] finds that it does
+    /// not pay.
+    pub aimed: bool,
     /// Photons that have been scattered diffusely are kept in a map.
     pub global_map: bool,
     /// Direct light is asked for with shadow rays.
@@ -42,10 +45,12 @@ impl Requirements {
             features = features.union(light_features(light));
         }
         let gather = settings.indirect == Indirect::Gather;
+        let caustic_map = (settings.caustics || gather) && specular_is_lit(scene);
         Self {
             features,
             direct_map: settings.direct == Direct::Photons || gather,
-            caustic_map: (settings.caustics || gather) && specular_is_lit(scene),
+            caustic_map,
+            aimed: caustic_map && settings.caustic_photons != CausticPhotons::Shared,
             global_map: settings.indirect != Indirect::None,
             shadow_rays: settings.direct == Direct::Nee,
             final_gather: gather,
@@ -60,6 +65,7 @@ impl Requirements {
             features: Features::ALL,
             direct_map: settings.direct == Direct::Photons || gather,
             caustic_map: settings.caustics || gather,
+            aimed: (settings.caustics || gather) && settings.caustic_photons != CausticPhotons::Shared,
             global_map: settings.indirect != Indirect::None,
             shadow_rays: settings.direct == Direct::Nee,
             final_gather: gather,

@@ -114,6 +114,19 @@ pub enum RandomKind {
     Sobol,
 }
 
+/// Which paths of light fill the map of caustics.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum CausticPhotons {
+    /// Paths of their own that are aimed at mirrors and glass, half as many as [`Settings::photons`], where
+    /// no more than half of the light could meet any; otherwise as [`CausticPhotons::Shared`].
+    #[default]
+    Auto,
+    /// Those that fill the other maps too.
+    Shared,
+    /// So many of their own in each pass, ≥ 1, aimed at mirrors and glass.
+    Aimed(u32),
+}
+
 /// What a user chooses. Lengths are in user space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -135,6 +148,8 @@ pub struct Settings {
     pub indirect: Indirect,
     /// Whether light that came only by mirrors and glass is included.
     pub caustics: bool,
+    /// Which paths it comes by.
+    pub caustic_photons: CausticPhotons,
     /// Longest path, counted in surfaces met, ≥ 1; for photons and for camera paths.
     pub max_bounces: u32,
     /// Key of all random numbers.
@@ -175,6 +190,7 @@ impl Default for Settings {
             direct: Direct::default(),
             indirect: Indirect::default(),
             caustics: true,
+            caustic_photons: CausticPhotons::default(),
             max_bounces: 64,
             seed: 0,
             alpha: 2.0 / 3.0,
@@ -201,6 +217,7 @@ impl Settings {
             index: IndexKind::Median,
             sharing: Sharing::Static,
             random: RandomKind::Lcg,
+            caustic_photons: CausticPhotons::Shared,
             alpha: 1.0,
             ..Self::default()
         }
@@ -220,6 +237,8 @@ impl Settings {
         };
         ensure(self.photons > 0, "photons", self.photons.to_string(), "at least 1 is needed")?;
         length("radius-factor", Some(self.radius_factor))?;
+        let aimed = self.caustic_photons != CausticPhotons::Aimed(0);
+        ensure(aimed, "caustic-photons", "0".into(), "at least 1 is needed; to leave caustics out, say so")?;
         match self.estimator {
             Estimator::Radius { radius } => length("radius", radius)?,
             Estimator::Knn { k, max_radius } => {

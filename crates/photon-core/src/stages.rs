@@ -254,6 +254,8 @@ pub struct Maps<'a, B: Backend> {
     pub global: Option<(&'a B::PhotonMap, Gather)>,
     /// Paths emitted.
     pub paths: u64,
+    /// Those that filled the caustic map: the same, or as many as were aimed.
+    pub caustic_paths: u64,
 }
 
 /// Indirect light by final gathering.
@@ -288,6 +290,17 @@ pub struct MapStages<B: Backend> {
     pub estimator: Box<dyn RadianceEstimator<B>>,
 }
 
+/// Paths of light that are aimed at mirrors and glass, and fill the caustic map alone.
+#[expect(missing_debug_implementations, reason = "boxed stages")]
+pub struct Aimed<B: TransportBackend> {
+    /// Sends photons out where [`crate::Aim`] says.
+    pub emitter: Box<dyn Emitter<B>>,
+    /// Follows them to the first diffuse surface, and stores those that met something specular before.
+    pub tracer: Box<dyn Tracer<B>>,
+    /// How many in a pass; none if no light could shine on anything specular.
+    pub paths: u32,
+}
+
 /// All stages. Swap a field to bring your own.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Stages<B: TransportBackend> {
@@ -303,6 +316,8 @@ pub struct Stages<B: TransportBackend> {
     pub gather: Option<Box<dyn FinalGather<B>>>,
     /// The area of estimates; `None` if not called for.
     pub area: Option<Box<dyn AreaProbe<B>>>,
+    /// Paths of its own for the caustic map; `None`: it is filled by the others.
+    pub aimed: Option<Aimed<B>>,
     /// Photon maps.
     pub map: MapStages<B>,
 }

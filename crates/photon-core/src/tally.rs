@@ -11,6 +11,8 @@ pub enum Fate {
     Truncated,
     /// Its numbers were no longer finite; the path was given up.
     Dropped,
+    /// What came next is for other paths to tell: an aimed one met something diffuse.
+    Ceded,
 }
 
 /// Flux, summed exactly: integers, so that the order of summation changes nothing.
@@ -82,6 +84,8 @@ pub struct Tally {
     pub truncated: u64,
     /// Paths given up since their numbers were not finite.
     pub dropped: u64,
+    /// Aimed paths that met something diffuse, from where on other paths tell what becomes of the light.
+    pub ceded: u64,
     /// Surfaces met.
     pub surfaces: u64,
     /// Photons stored in the direct map.
@@ -100,6 +104,8 @@ pub struct Tally {
     pub flux_truncated: FluxSum,
     /// Flux on paths that were dropped, as last known to be finite.
     pub flux_dropped: FluxSum,
+    /// Flux on aimed paths when they met something diffuse.
+    pub flux_ceded: FluxSum,
 }
 
 impl Tally {
@@ -111,6 +117,7 @@ impl Tally {
             Fate::Escaped => (&mut self.escaped, &mut self.flux_escaped),
             Fate::Truncated => (&mut self.truncated, &mut self.flux_truncated),
             Fate::Dropped => (&mut self.dropped, &mut self.flux_dropped),
+            Fate::Ceded => (&mut self.ceded, &mut self.flux_ceded),
         };
         *count += 1;
         sum.add(flux);
@@ -123,6 +130,7 @@ impl Tally {
         self.escaped += other.escaped;
         self.truncated += other.truncated;
         self.dropped += other.dropped;
+        self.ceded += other.ceded;
         self.surfaces += other.surfaces;
         self.stored_direct += other.stored_direct;
         self.stored_caustic += other.stored_caustic;
@@ -132,16 +140,19 @@ impl Tally {
         self.flux_escaped.merge(&other.flux_escaped);
         self.flux_truncated.merge(&other.flux_truncated);
         self.flux_dropped.merge(&other.flux_dropped);
+        self.flux_ceded.merge(&other.flux_ceded);
     }
 
-    /// Whether emitted = absorbed + escaped + truncated + dropped, in number and in flux, exactly.
+    /// Whether emitted = absorbed + escaped + truncated + dropped + ceded, in number and in flux, exactly.
     #[must_use]
     pub fn balances(&self) -> bool {
         let mut ended = self.flux_absorbed;
         ended.merge(&self.flux_escaped);
         ended.merge(&self.flux_truncated);
         ended.merge(&self.flux_dropped);
-        self.emitted == self.absorbed + self.escaped + self.truncated + self.dropped && ended == self.flux_emitted
+        ended.merge(&self.flux_ceded);
+        let paths = self.absorbed + self.escaped + self.truncated + self.dropped + self.ceded;
+        self.emitted == paths && ended == self.flux_emitted
     }
 }
 

@@ -1,6 +1,6 @@
 //! Settings that make no sense are refused by name; presets make sense.
 
-use photon_core::{Area, Error, Estimator, Kernel, Paper, Preset, Settings};
+use photon_core::{Area, CausticPhotons, Error, Estimator, Kernel, Paper, Preset, Settings};
 
 #[test]
 fn presets_are_valid() {
@@ -18,6 +18,7 @@ fn nonsense_is_refused_by_name() {
     let paper = |paper| Settings { estimator: Estimator::Paper(paper), ..base() };
     let cases = [
         ("photons", Settings { photons: 0, ..base() }),
+        ("caustic-photons", Settings { caustic_photons: CausticPhotons::Aimed(0), ..base() }),
         ("k", knn(0, None)),
         ("k", knn(1, None)),
         ("radius", knn(5, Some(0.0))),

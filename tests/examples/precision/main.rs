@@ -43,29 +43,39 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// Error by detail, and by the length of a path.
 fn picture(tables: &[Table]) -> String {
-    let series = |table: usize, column: usize| -> Vec<(f64, f64)> {
-        let x = |name: &str| name.parse().unwrap_or(f64::NAN);
-        tables[table].rows.iter().map(|(name, figures)| (x(name), figures[column].abs())).collect()
+    let lines = |table: usize, names: &[(&'static str, &'static str)]| -> Vec<Line> {
+        let table = &tables[table];
+        let points = |column: usize| {
+            let x = |name: &str| name.parse().unwrap_or(f64::NAN);
+            table.rows.iter().map(|(name, figures)| (x(name), figures[column].abs())).collect()
+        };
+        names.iter().map(|&(column, name)| Line { name, points: points(table.column(column)) }).collect()
     };
     let detail = Panel {
         title: "a room in the corner of a scene",
         x: "scene / room",
-        lines: vec![
-            Line { name: "first landing off by, rooms, median", points: series(1, 0) },
-            Line { name: "paths parted at the fourth landing", points: series(1, 3) },
-            Line { name: "flux onto the floor, relative", points: series(1, 4) },
-            Line { name: "its standard error", points: series(1, 5) },
-            Line { name: "shadow rays that differ", points: series(1, 7) },
-        ],
+        lines: lines(
+            1,
+            &[
+                ("first landing is off by, rooms, median", "first landing off by, rooms, median"),
+                ("at the fourth", "paths parted at the fourth landing"),
+                ("flux onto the floor, relative", "flux onto the floor, relative"),
+                ("± standard error", "its standard error"),
+                ("paths out of the closed room", "paths out of the closed room"),
+            ],
+        ),
     };
     let path = Panel {
         title: "along a path",
         x: "landing",
-        lines: vec![
-            Line { name: "paths parted", points: series(3, 0) },
-            Line { name: "off by, rooms, median", points: series(3, 1) },
-            Line { name: "power, relative, 99 of 100", points: series(3, 4) },
-        ],
+        lines: lines(
+            3,
+            &[
+                ("paths parted there or before", "paths parted"),
+                ("off by, rooms, median", "off by, rooms, median"),
+                ("power, relative, 99 of 100", "power, relative, 99 of 100"),
+            ],
+        ),
     };
     plot::picture(&[detail, path])
 }

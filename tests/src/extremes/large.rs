@@ -41,14 +41,22 @@ fn at(i: u32, side: u32) -> f32 {
     (i as f32 + 0.5) / side as f32
 }
 
-/// A map of `side²` photons: whether it fits; that all of them are within a radius of 2 and add up; that
-/// small discs have what a count of the lattice finds there.
+/// The most photons that one query is asked about: a GPU gives a single query a single subgroup.
+const MOST: u64 = 31_000_000;
+
+/// A map of `side²` photons: whether it fits; that discs of many sizes hold what a count of the lattice finds
+/// there, up to all of it, and that its flux adds up.
 fn lattice<T: TestBackend>(sheet: &mut Sheet, side: u32, kind: IndexKind) -> bool {
     let count = u64::from(side) * u64::from(side);
     let range = format!("{kind:?}, {count} photons, {:.3} GiB", count as f64 * 32.0 / f64::from(1 << 30));
-    let mut queries = vec![query_at([0.5, 0.5, 0.0], 2.0)];
     let places = [0.0, 0.001, 0.3, 0.5, 0.77, 0.999, 1.0];
-    queries.extend(places.iter().flat_map(|&y| places.map(|x| query_at([x, y, 0.0], 5.3 / side as f32))));
+    let radii = [5.3 / side as f32, 20.0 / side as f32, 0.01];
+    let about = |radius: f32| places.iter().flat_map(move |&y| places.map(|x| query_at([x, y, 0.0], radius)));
+    let mut queries: Vec<Query> = radii.into_iter().flat_map(about).collect();
+    let whole = count <= MOST;
+    if whole {
+        queries.push(query_at([0.5, 0.5, 0.0], 2.0));
+    }
     let [within, nearest] = match ask(&mut T::make(2), kind, side, &queries) {
         Ok(found) => found,
         Err(error @ (Error::OutOfMemory { .. } | Error::AllocationTooLarge { .. })) => {
@@ -61,23 +69,24 @@ fn lattice<T: TestBackend>(sheet: &mut Sheet, side: u32, kind: IndexKind) -> boo
             return false;
         }
     };
-    let error = f64::from(within[0].flux[0]) / (count as f64 * f64::from(POWER)) - 1.0;
-    let mut wrong = 0;
-    for (query, (within, nearest)) in queries.iter().zip(within.iter().zip(&nearest)).skip(1) {
+    let (mut wrong, mut worst, mut most) = (0, 0.0_f64, 0);
+    for (query, (within, nearest)) in queries.iter().zip(within.iter().zip(&nearest)) {
+        let all = query.radius > 1.0;
         let squares = by_hand(side, query);
-        wrong += usize::from(squares.len() != within.photons as usize);
+        let expected = if all { count } else { squares.len() as u64 };
+        wrong += usize::from(expected != u64::from(within.photons));
         wrong += usize::from(squares[K as usize - 1].to_bits() != nearest.radius_squared.to_bits());
+        worst = worst.max((f64::from(within.flux[0]) / (expected as f64 * f64::from(POWER)) - 1.0).abs());
+        most = most.max(within.photons);
     }
-    let found =
-        format!("{} in one estimate, {error:+.1e}; {wrong} wrong of {}", within[0].photons, 2 * places.len().pow(2));
-    let good = u64::from(within[0].photons) == count && error.abs() < 1e-6 && wrong == 0;
-    let what = "none lost, sum of 1e-8 each, relative; small discs and 20th neighbours by count of the lattice";
-    sheet.holds("S10 S11", what, range, found, good);
+    let found = format!("{most} in one estimate, {worst:.1e}; {wrong} wrong of {}", 2 * queries.len());
+    let what =
+        "discs hold what a count of the lattice finds, and its flux, relative; 20th neighbours by the same count";
+    sheet.holds("S10 S11", what, range, found, worst < 1e-6 && wrong == 0);
     true
 }
 
-/// All within the radius of each query, and the nearest; of the first query, which holds everything, not
-/// the nearest.
+/// All within the radius of each query, and the nearest.
 fn ask<B: Backend>(on: &mut B, kind: IndexKind, side: u32, queries: &[Query]) -> Result<[Vec<Estimate>; 2]> {
     let mut stages = on.map_stages(kind)?;
     let photon = |i: u32| Photon { power: [POWER; 3], ..photon_at([at(i % side, side), at(i / side, side), 0.0]) };
@@ -87,11 +96,7 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, side: u32, queries: &[Query]) ->
     let map = stages.builder.build(on, there)?;
     let mut found = [Vec::new(), Vec::new()];
     for (rule, found) in [Rule::Radius, Rule::Nearest { k: K }].into_iter().zip(&mut found) {
-        let mut queries = queries.to_vec();
-        if rule != Rule::Radius {
-            queries[0].radius = queries[1].radius;
-        }
-        let asked = on.upload("queries", &queries)?;
+        let asked = on.upload("queries", queries)?;
         let mut estimates = on.alloc("estimates", queries.len() as u64)?;
         let gather = Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0 };
         stages.estimator.estimate(on, &map, &asked, &gather, &mut estimates)?;
@@ -100,11 +105,13 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, side: u32, queries: &[Query]) ->
     Ok(found)
 }
 
-/// Squared distances of the photons within the radius, nearest first, in the arithmetic of kernels.
+/// Squared distances of the photons within the radius, nearest first, in the arithmetic of kernels; of more
+/// than a hundredth, the nearest.
 fn by_hand(side: u32, query: &Query) -> Vec<f32> {
+    let reach = (query.radius.min(0.01) * side as f32) as u32 + 3;
     let about = |x: f32| {
         let middle = (x * side as f32) as u32;
-        middle.saturating_sub(8)..(middle + 8).min(side)
+        middle.saturating_sub(reach)..(middle + reach).min(side)
     };
     let mut squares = Vec::new();
     for row in about(query.position[1]) {

@@ -40,6 +40,12 @@ impl Table {
         self.rows.iter().find(|(own, _)| own == name).unwrap().1[column]
     }
 
+    /// The number of the first column of that name, counted from the first figure.
+    #[must_use]
+    pub fn column(&self, name: &str) -> usize {
+        self.columns[1..].iter().position(|own| *own == name).unwrap()
+    }
+
     /// In Markdown.
     #[must_use]
     pub fn markdown(&self) -> String {
@@ -103,7 +109,7 @@ mod tests {
     fn tables_are_written_and_read() {
         let mut table = Table::new("Errors", &["stage", "worst", "none"]);
         table.row("hit", &[1.25e-7, f64::NAN]);
-        assert_eq!(table.at("hit", 0), 1.25e-7);
+        assert_eq!(table.at("hit", table.column("worst")), 1.25e-7);
         assert_eq!(table.markdown(), "### Errors\n\n| stage | worst | none |\n|---|---|---|\n| hit | 1.2e-7 | – |\n");
     }
 }

@@ -1,10 +1,11 @@
 //! Photons leave the lights.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Batch, Emitter, PhotonRay, Result};
+use photon_core::{Aim, Batch, Emitter, PhotonRay, Result};
 
 use super::random_number;
 use crate::buffer::VulkanBuffer;
+use crate::device::Memory;
 use crate::scene::VulkanScene;
 use crate::shaders;
 use crate::vulkan::Vulkan;
@@ -25,6 +26,8 @@ struct Push {
     first: u32,
     count: u32,
     pad: u32,
+    /// `AimRef` of aim.glsl; 0 if photons are not aimed.
+    aim: u64,
 }
 
 impl Emitter<Vulkan> for VulkanEmitter {
@@ -35,21 +38,93 @@ impl Emitter<Vulkan> for VulkanEmitter {
         batch: &Batch,
         rays: &mut VulkanBuffer<PhotonRay>,
     ) -> Result<()> {
-        let asked = batch.paths.len() as u64;
-        let count = asked.min(rays.capacity());
-        let pass = batch.pass;
-        let kernel =
-            on.kernel(&shaders::PHOTONS_EMIT, &[scene.features().bits(), GROUP, random_number(pass.random)])?;
-        let push = Push {
-            scene: scene.address(),
-            rays: rays.data_address(),
-            seed: [pass.seed as u32, (pass.seed >> 32) as u32],
-            pass: pass.index,
-            first: batch.paths.start,
-            count: count as u32,
+        emit(on, scene, batch, rays, 0)
+    }
+}
+
+/// Sends photons out where something specular could be met.
+#[derive(Debug)]
+pub(crate) struct VulkanAimedEmitter {
+    /// One `Record`, the way to the tables.
+    record: Memory,
+    _tables: [Memory; 3],
+}
+
+/// `AimRef` of aim.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Record {
+    targets: u64,
+    starts: u64,
+    cells: u64,
+    count: u32,
+    pad: u32,
+}
+
+impl VulkanAimedEmitter {
+    /// Brings the tables to the device.
+    ///
+    /// # Errors
+    /// [`photon_core::Error::OutOfMemory`].
+    pub(crate) fn new(on: &mut Vulkan, aim: &Aim) -> Result<Self> {
+        let mut table = |bytes: &[u8]| {
+            let memory = on.memory("aimed photons", bytes.len() as u64)?;
+            on.write(&memory, 0, bytes)?;
+            Ok::<_, photon_core::Error>(memory)
+        };
+        let tables = [
+            table(bytemuck::cast_slice(aim.targets()))?,
+            table(bytemuck::cast_slice(aim.starts()))?,
+            table(bytemuck::cast_slice(aim.cells()))?,
+        ];
+        let record = Record {
+            targets: tables[0].address(),
+            starts: tables[1].address(),
+            cells: tables[2].address(),
+            count: aim.targets().len() as u32,
             pad: 0,
         };
-        on.dispatch(&kernel, &push, count.div_ceil(u64::from(GROUP)))?;
-        on.set_length(rays, asked)
+        let record = table(bytemuck::bytes_of(&record))?;
+        on.note_memory("aimed photons", aim.bytes());
+        Ok(Self { record, _tables: tables })
     }
+}
+
+impl Emitter<Vulkan> for VulkanAimedEmitter {
+    fn emit(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        batch: &Batch,
+        rays: &mut VulkanBuffer<PhotonRay>,
+    ) -> Result<()> {
+        emit(on, scene, batch, rays, self.record.address())
+    }
+}
+
+/// Sends out the paths of a batch, aimed if there is an address of what to aim at.
+fn emit(
+    on: &mut Vulkan,
+    scene: &VulkanScene,
+    batch: &Batch,
+    rays: &mut VulkanBuffer<PhotonRay>,
+    aim: u64,
+) -> Result<()> {
+    let asked = batch.paths.len() as u64;
+    let count = asked.min(rays.capacity());
+    let pass = batch.pass;
+    let constants = [scene.features().bits(), GROUP, random_number(pass.random), u32::from(aim != 0)];
+    let kernel = on.kernel(&shaders::PHOTONS_EMIT, &constants)?;
+    let push = Push {
+        scene: scene.address(),
+        rays: rays.data_address(),
+        seed: [pass.seed as u32, (pass.seed >> 32) as u32],
+        pass: pass.index,
+        first: batch.paths.start,
+        count: count as u32,
+        pad: 0,
+        aim,
+    };
+    on.dispatch(&kernel, &push, count.div_ceil(u64::from(GROUP)))?;
+    on.set_length(rays, asked)
 }

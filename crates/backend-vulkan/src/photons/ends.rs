@@ -2,15 +2,22 @@
 
 use photon_core::{FluxSum, Tally};
 
-/// Words that the device sums into: eight counters of two, fifteen fluxes of three.
-pub(crate) const WORDS: usize = 2 * 8 + 3 * 15;
+/// Ways in which paths end, and in which aimed ones do.
+pub(crate) const FATES: usize = 4;
+pub(crate) const AIMED_FATES: usize = 5;
+
+/// Words that the device sums into: for each fate and four things more a counter of two; for each fate,
+/// and for what was emitted, a flux of three channels of three.
+pub(crate) const fn words(fates: usize) -> usize {
+    2 * (fates + 4) + 9 * (fates + 1)
+}
 
 /// A tally of `emitted` paths from those words.
-pub(crate) fn tally(words: &[u32; WORDS], emitted: u64) -> Tally {
+pub(crate) fn tally(words: &[u32], fates: usize, emitted: u64) -> Tally {
     let counter = |i: usize| u64::from(words[2 * i]) | u64::from(words[2 * i + 1]) << 32;
     let flux = |i: usize| {
         FluxSum::from_units(std::array::from_fn(|c| {
-            let at = 16 + 3 * (3 * i + c);
+            let at = 2 * (fates + 4) + 3 * (3 * i + c);
             // Two's complement of 96 bits.
             let low = i128::from(words[at]) | i128::from(words[at + 1]) << 32;
             low | i128::from(words[at + 2] as i32) << 64
@@ -22,15 +29,17 @@ pub(crate) fn tally(words: &[u32; WORDS], emitted: u64) -> Tally {
         escaped: counter(1),
         truncated: counter(2),
         dropped: counter(3),
-        surfaces: counter(4),
-        stored_direct: counter(5),
-        stored_caustic: counter(6),
-        stored_global: counter(7),
+        ceded: if fates == AIMED_FATES { counter(4) } else { 0 },
+        surfaces: counter(fates),
+        stored_direct: counter(fates + 1),
+        stored_caustic: counter(fates + 2),
+        stored_global: counter(fates + 3),
         flux_emitted: flux(0),
         flux_absorbed: flux(1),
         flux_escaped: flux(2),
         flux_truncated: flux(3),
         flux_dropped: flux(4),
+        flux_ceded: if fates == AIMED_FATES { flux(5) } else { FluxSum::default() },
     }
 }
 
@@ -40,12 +49,12 @@ mod tests {
 
     #[test]
     fn words_are_whole_numbers_of_96_bits() {
-        let mut words = [0; WORDS];
+        let mut words = [0; words(FATES)];
         words[0] = 5;
         words[1] = 1;
         // Minus one, in the first channel of the flux emitted.
         words[16..19].fill(u32::MAX);
-        let tally = tally(&words, 9);
+        let tally = tally(&words, FATES, 9);
         assert_eq!((tally.emitted, tally.absorbed), (9, (1 << 32) + 5));
         assert_eq!(tally.flux_emitted, FluxSum::from_units([-1, 0, 0]));
         assert!(!tally.balances());

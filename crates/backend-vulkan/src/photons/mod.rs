@@ -5,7 +5,7 @@ mod ends;
 mod plan;
 mod trace;
 
-pub(crate) use emit::VulkanEmitter;
+pub(crate) use emit::{VulkanAimedEmitter, VulkanEmitter};
 pub use plan::TracePlan;
 pub(crate) use trace::VulkanTracer;
 

@@ -9,7 +9,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Batch, Deposits, Features, Photon, PhotonRay, Result, Settings, Sharing, Tally, Tracer};
 
-use super::ends::{WORDS, tally};
+use super::ends::{AIMED_FATES, FATES, tally, words};
 use super::random_number;
 use crate::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
@@ -33,6 +33,8 @@ pub(crate) struct VulkanTracer {
     sharing: Sharing,
     max_bounces: u32,
     features: Features,
+    /// Ways in which paths end: those of aimed ones, or of others.
+    fates: usize,
     scan: Scan,
     /// Most paths of a stretch, as seen so far.
     longest: u64,
@@ -133,12 +135,23 @@ struct AdvancePush {
 
 impl VulkanTracer {
     pub(crate) fn new(on: &mut Vulkan, settings: &Settings, features: Features) -> Result<Self> {
-        let sums = on.memory("tally", 4 * WORDS as u64)?;
-        on.fill(&sums, 0, 4 * WORDS as u64, 0)?;
+        Self::with_fates(on, settings, features, FATES)
+    }
+
+    /// For aimed paths, which end at the first diffuse surface.
+    pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings, features: Features) -> Result<Self> {
+        Self::with_fates(on, settings, features, AIMED_FATES)
+    }
+
+    fn with_fates(on: &mut Vulkan, settings: &Settings, features: Features, fates: usize) -> Result<Self> {
+        let bytes = 4 * words(fates) as u64;
+        let sums = on.memory("tally", bytes)?;
+        on.fill(&sums, 0, bytes, 0)?;
         Ok(Self {
             sharing: settings.sharing,
             max_bounces: settings.max_bounces,
             features,
+            fates,
             scan: Scan::new(on)?,
             longest: LONGEST,
             room: None,
@@ -166,7 +179,8 @@ impl VulkanTracer {
             cursors: on.memory("cursors", CURSORS)?,
             stretch: on.memory("stretch", size_of::<Stretch>() as u64)?,
         };
-        on.note_memory("tracing", places * 40 + paths * if long { 100 } else { 28 });
+        let label = if self.fates == AIMED_FATES { "tracing aimed photons" } else { "tracing" };
+        on.note_memory(label, places * 40 + paths * if long { 100 } else { 28 });
         self.room = Some(room);
         Ok(())
     }
@@ -200,10 +214,10 @@ impl Tracer<Vulkan> for VulkanTracer {
     }
 
     fn take_tally(&mut self, on: &mut Vulkan) -> Result<Tally> {
-        let mut words = [0_u32; WORDS];
+        let mut words = vec![0_u32; words(self.fates)];
         on.read(&self.sums, 0, bytemuck::cast_slice_mut(&mut words))?;
-        on.fill(&self.sums, 0, 4 * WORDS as u64, 0)?;
-        Ok(tally(&words, std::mem::take(&mut self.emitted)))
+        on.fill(&self.sums, 0, 4 * words.len() as u64, 0)?;
+        Ok(tally(&words, self.fates, std::mem::take(&mut self.emitted)))
     }
 }
 
@@ -234,6 +248,7 @@ impl VulkanTracer {
             u32::from(dynamic),
             plan.busy,
         ]);
+        constants[6] = u32::from(self.fates == AIMED_FATES);
         constants[10] = plan.shared_groups;
         let trace = on.kernel(&shaders::PHOTONS_TRACE, &constants)?;
         loop {
@@ -275,7 +290,9 @@ impl VulkanTracer {
     /// has overflowed, and it does not matter which ones it holds.
     fn most(&self, targets: &[Option<&VulkanBuffer<Photon>>; 3], count: u64) -> u64 {
         let held = targets.iter().flatten().map(|target| target.capacity()).sum::<u64>();
-        held.min(count * u64::from(self.max_bounces))
+        // An aimed path ends where it leaves one.
+        let each = if self.fates == AIMED_FATES { 1 } else { u64::from(self.max_bounces) };
+        held.min(count * each)
     }
 
     /// Follows the paths of a stretch to their ends, so many surfaces at a time.
@@ -351,7 +368,7 @@ impl VulkanTracer {
             first: first as u32,
             count: count as u32,
         };
-        let sum = on.kernel(&shaders::PHOTONS_TALLY, &[0, GROUP, 0, wanted])?;
+        let sum = on.kernel(&shaders::PHOTONS_TALLY, &[0, GROUP, 0, wanted, self.fates as u32])?;
         on.dispatch(&sum, &push, count.div_ceil(u64::from(GROUP) * 16).min(512))?;
         if wanted == 0 {
             return Ok(());

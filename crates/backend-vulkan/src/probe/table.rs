@@ -112,7 +112,8 @@ fn random_rows(row: Make) -> Vec<Row> {
         row("sampler_words", module, 2, Bound::Words, sampler, |i| {
             let [kind, low, high, pass, domain, path, first, second, ..] = i.0;
             let kind = [RandomKind::Counter, RandomKind::Lcg, RandomKind::Sobol][kind as usize];
-            let domain = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather, Domain::Area][domain as usize];
+            let domains = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather, Domain::Area, Domain::Aimed];
+            let domain = domains[domain as usize];
             let seed = u64::from(high) << 32 | u64::from(low);
             let mut sampler = Sampler::new(kind, seed, pass, domain, path);
             let (first, second) = (sampler.words(first), sampler.words(second));
@@ -215,6 +216,11 @@ fn surface_rows(row: Make) -> Vec<Row> {
             let vertices = [i.vector(0), i.vector(4), i.vector(8)];
             vector_output(offset::barycentric(vertices, i.float(3), i.float(7)))
         }),
+        // A division where a weight is raised, of what is no more than two steps of the offset.
+        row("within", points, 2, Bound::Within(2e-7), near_edges, |i| {
+            let vertices = [i.vector(0), i.vector(4), i.vector(8)];
+            vector_output(offset::within(vertices, i.float(3), i.float(7)))
+        }),
         row(
             "off_surface",
             points,
@@ -227,6 +233,15 @@ fn surface_rows(row: Make) -> Vec<Row> {
         row("kernel_weight", kernels, 0, Bound::Bits, |d| kernel(d, &[0, 1, 3]), weight),
         row("kernel_weight, cone", kernels, 0, Bound::Within(3e-6), |d| kernel(d, &[2]), weight),
     ]
+}
+
+/// Corners, and weights of the second and the third, many of them on an edge or beside it.
+fn near_edges(d: &mut Draw) -> Input {
+    let weight = |d: &mut Draw| if d.now_and_then() { d.pick(&[0.0, 1e-8, 1e-6, 1e-3]) } else { d.unit() };
+    let (u, rest) = (weight(d), weight(d));
+    let v = (1.0 - u) * rest;
+    let [a, b, c] = [d.point(), d.point(), d.point()];
+    input([a.x, a.y, a.z, u], [b.x, b.y, b.z, v], four(c))
 }
 
 /// What [`offset::barycentric`] would be with one rounding less.
@@ -283,7 +298,7 @@ fn any_words(d: &mut Draw) -> Input {
 fn sampler(d: &mut Draw) -> Input {
     let mut input = any_words(d);
     input.0[0] = d.pick(&[0, 1, 2]);
-    input.0[4] = d.pick(&[0, 1, 2, 3]);
+    input.0[4] = d.pick(&[0, 1, 2, 3, 4]);
     // Blocks that Sobol's sequence is for, and others.
     if d.now_and_then() {
         input.0[6] = d.pick(&[0, 1, 2]);

@@ -28,7 +28,7 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     stages.direct.as_mut().unwrap().light(&mut on, &prepared, pass, &queries, 1, &mut film).unwrap();
     let map = stages.map.builder.build(&mut on, photons).unwrap();
     let gather = Gather { rule: Rule::Radius, kernel: Kernel::Constant, radius_scale: 0.1, min_normal_cosine: 0.5 };
-    let maps = Maps { direct: None, caustic: None, global: Some((&map, gather)), paths: 500 };
+    let maps = Maps { direct: None, caustic: None, global: Some((&map, gather)), paths: 500, caustic_paths: 500 };
     stages.gather.as_mut().unwrap().gather(&mut on, &prepared, &maps, pass, &queries, 1, &mut film).unwrap();
     let names = ["photons_emit", "photons_trace", "camera_eye", "camera_direct", "camera_gather"];
     let mut found = Vec::new();

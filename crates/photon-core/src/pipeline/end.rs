@@ -27,6 +27,9 @@ impl<B: TransportBackend> Pipeline<B> {
             }
         }
         self.stages.tracer.take_tally(&mut self.on)?;
+        if let Some(aimed) = &mut self.stages.aimed {
+            aimed.tracer.take_tally(&mut self.on)?;
+        }
         self.on.timings()?;
         self.failed = false;
         Ok(())

@@ -8,8 +8,8 @@ use crate::radii;
 use crate::stages::{Maps, Pass};
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Reads the maps at the queries, into the film.
-    pub(super) fn estimate(&mut self, index: u32, paths: u64, queries: u64) -> Result<()> {
+    /// Reads the maps, of so many paths each, at the queries, into the film.
+    pub(super) fn estimate(&mut self, index: u32, paths: [u64; 3], queries: u64) -> Result<()> {
         self.on.mark(Some(Stage::Build));
         let mut maps: [Option<B::PhotonMap>; 3] = [None, None, None];
         for (photons, map) in self.photons.iter_mut().zip(&mut maps) {
@@ -47,9 +47,9 @@ impl<B: TransportBackend> Pipeline<B> {
                 }
                 on.mark(Some(Stage::Film));
                 if let Some(spreads) = &self.spreads {
-                    on.fold_errors(&mut self.film, layers[i], &self.queries, estimates, spreads, paths)?;
+                    on.fold_errors(&mut self.film, layers[i], &self.queries, estimates, spreads, paths[i])?;
                 }
-                self.on.fold(&mut self.film, layers[i], &self.queries, estimates, paths)?;
+                self.on.fold(&mut self.film, layers[i], &self.queries, estimates, paths[i])?;
             }
         }
         if let (Some(stage), true) = (&mut self.stages.gather, queries > 0) {
@@ -59,7 +59,8 @@ impl<B: TransportBackend> Pipeline<B> {
                 direct: direct.as_ref().map(|map| (map, gathers[0])),
                 caustic: caustic.as_ref().map(|map| (map, gathers[1])),
                 global: global.as_ref().map(|map| (map, gathers[2])),
-                paths,
+                paths: paths[2],
+                caustic_paths: paths[1],
             };
             let rays = self.settings.gather_rays;
             stage.gather(&mut self.on, &self.scene, &lent, pass, &self.queries, rays, &mut self.film)?;

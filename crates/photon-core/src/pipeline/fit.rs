@@ -1,10 +1,9 @@
 //! Maps, batches and passes of the size that a cap on memory allows.
 
-use super::{PILOT, PILOT_PATHS, Pipeline};
+use super::{PILOT, PILOT_PATHS, Pipeline, aimed};
 use crate::backend::TransportBackend;
 use crate::error::Result;
 use crate::memory::Plan;
-use crate::stages::{Batch, Deposits, Pass};
 
 /// Photons of a map that are allocated to count how many there are; those beyond are counted too.
 const COUNTED: u64 = 65_536;
@@ -19,9 +18,9 @@ impl<B: TransportBackend> Pipeline<B> {
             self.allocate(map, each)?;
         }
         let paths = self.settings.photons.min(PILOT_PATHS).min(plan.batch);
-        let per_path = self.emit_and_count(paths)?.map(|needed| needed as f64 / f64::from(paths));
+        let per_path = self.emit_and_count(paths, plan.batch)?.map(|needed| needed as f64 / f64::from(paths));
         let all: f64 = per_path.iter().sum();
-        plan.share(all, &self.on.costs());
+        plan.share(all, &aimed::costs(self.on.costs(), self.stages.aimed.is_some()));
         self.batch = self.batch.min(plan.batch);
         self.settings.photons = plan.paths(all, self.settings.photons);
         for map in 0..3 {
@@ -35,15 +34,21 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    /// How many photons so many paths leave for each map, whether or not they fit.
-    fn emit_and_count(&mut self, paths: u32) -> Result<[u64; 3]> {
-        let pass = Pass { seed: self.settings.seed, index: PILOT, random: self.settings.random };
-        let batch = Batch { pass, paths: 0..paths };
-        self.stages.emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;
-        let [direct, caustic, global] = &mut self.photons;
-        let deposits = Deposits { direct: direct.as_mut(), caustic: caustic.as_mut(), global: global.as_mut() };
-        self.stages.tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits)?;
-        self.stages.tracer.take_tally(&mut self.on)?;
+    /// How many photons so many paths, and the aimed ones that go with them, leave for each map, whether or
+    /// not they fit.
+    fn emit_and_count(&mut self, paths: u32, batch: u32) -> Result<[u64; 3]> {
+        if self.needs_others() {
+            self.send_batch(PILOT, false, 0..paths)?;
+            self.stages.tracer.take_tally(&mut self.on)?;
+        }
+        if let Some(aimed) = self.aimed_paths(paths) {
+            for start in (0..aimed).step_by(batch.max(1) as usize) {
+                self.send_batch(PILOT, true, start..start.saturating_add(batch).min(aimed))?;
+            }
+            if let Some(stages) = &mut self.stages.aimed {
+                stages.tracer.take_tally(&mut self.on)?;
+            }
+        }
         let mut counts = [0; 3];
         for (count, photons) in counts.iter_mut().zip(&self.photons) {
             if let Some(photons) = photons {

@@ -128,8 +128,8 @@ fn a_library_that_is_a_device_is_not_read() {
 fn obj_lines_that_are_joined_count_once() {
     let folder = Folder::new("obj-joined");
     let text = |face: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0 \\\nv 5 5 5\n# \\\nv 6 6 6\nf 1 \\\n 2 \\\n{face}\n");
-    let (scene, _) = load(&folder.file("good.obj", &text("3")), None).expect("three vertices");
+    let (scene, _) = load(&folder.file("good.obj", text("3")), None).expect("three vertices");
     assert_eq!(scene.view().triangles.len(), 1);
-    let error = message(load(&folder.file("bad.obj", &text("4")), None));
+    let error = message(load(&folder.file("bad.obj", text("4")), None));
     names(&error, &["line 7", "face 1 refers to vertex '4'", "the file has 3"]);
 }

@@ -1,0 +1,233 @@
+//! Cells of the numbers that a photon leaves its light by, and which of them lead to a sphere.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::{DVec2, DVec3, Vec3};
+
+use super::clusters::Sphere;
+use crate::layout::Light;
+use crate::sampling;
+use crate::scene::SceneView;
+
+/// Bits of a cell for each number of a light's point and direction, of so many altogether at most.
+pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
+    match light.kind {
+        Light::POINT | Light::SPOT => (0, (most / 2).min(7)),
+        Light::DIRECTIONAL => ((most / 2).min(7), 0),
+        _ => {
+            let direction = (most / 2).min(5);
+            ((most / 2 - direction).min(2), direction)
+        }
+    }
+}
+
+/// Appends the cells of `light` from which a photon could meet one of `spheres`.
+pub(super) fn mark(scene: &SceneView<'_>, light: &Light, bits: (u32, u32), spheres: &[Sphere], cells: &mut Vec<u32>) {
+    let both = light.flags & Light::BOTH_SIDES != 0;
+    for side in 0..if both { 2 } else { 1 } {
+        let mut marking =
+            Marking { beams: Beams::new(scene, light, side == 1), bits, side, spheres, near: Vec::new(), cells };
+        marking.near.extend(0..spheres.len() as u32);
+        marking.descend(Block::default(), 0);
+    }
+}
+
+/// A block of cells: where it stands among blocks of its size, for both numbers of the point and of the
+/// direction, and how many bits tell that.
+#[derive(Clone, Copy, Default)]
+struct Block {
+    point: [u32; 2],
+    point_bits: u32,
+    direction: [u32; 2],
+    direction_bits: u32,
+}
+
+impl Block {
+    /// Its quarters: of the point first, as far as that goes, then of the direction.
+    fn quarters(self, point_bits: u32) -> [Self; 4] {
+        let part = |[x, y]: [u32; 2], i: u32| [2 * x + (i >> 1), 2 * y + (i & 1)];
+        [0, 1, 2, 3].map(|i| {
+            if self.point_bits < point_bits {
+                Self { point: part(self.point, i), point_bits: self.point_bits + 1, ..self }
+            } else {
+                Self { direction: part(self.direction, i), direction_bits: self.direction_bits + 1, ..self }
+            }
+        })
+    }
+}
+
+struct Marking<'a> {
+    beams: Beams,
+    bits: (u32, u32),
+    side: u32,
+    spheres: &'a [Sphere],
+    /// Indices of spheres: those that the blocks under way can meet, each block's after its parent's.
+    near: Vec<u32>,
+    cells: &'a mut Vec<u32>,
+}
+
+impl Marking<'_> {
+    /// Marks the cells of a block that can meet one of the spheres in `near` from `first` on.
+    fn descend(&mut self, block: Block, first: usize) {
+        let beam = self.beams.of(&block);
+        let last = self.near.len();
+        let whole = (block.point_bits, block.direction_bits) == self.bits;
+        for i in first..last {
+            let sphere = self.near[i];
+            if beam.meets(&self.spheres[sphere as usize]) {
+                self.near.push(sphere);
+                if whole {
+                    break;
+                }
+            }
+        }
+        if self.near.len() > last {
+            if whole {
+                let (p, q) = self.bits;
+                let ([a, b], [c, d]) = (block.point, block.direction);
+                self.cells.push((((self.side << p | a) << p | b) << q | c) << q | d);
+            } else {
+                for quarter in block.quarters(self.bits.0) {
+                    self.descend(quarter, last);
+                }
+            }
+        }
+        self.near.truncate(last);
+    }
+}
+
+/// All ways that photons of a block may take.
+enum Beam {
+    /// From somewhere in a sphere, at an angle of at most so much to an axis.
+    Cone { from: Sphere, axis: DVec3, angle: f64 },
+    /// Along one direction, which the axes stand upright on; through a disc, its centre measured along
+    /// them.
+    Tube { axes: [DVec3; 2], centre: DVec2, radius: f64 },
+}
+
+impl Beam {
+    /// Whether one of them could lead through a sphere. Errs on the side of yes.
+    fn meets(&self, sphere: &Sphere) -> bool {
+        match self {
+            Self::Cone { from, axis, angle } => {
+                let way = sphere.centre - from.centre;
+                let distance = way.length();
+                let reach = sphere.radius + from.radius;
+                if distance <= reach {
+                    return true;
+                }
+                let widest = angle + (reach / distance).asin();
+                // The cosine falls as the angle grows.
+                widest >= PI || way.dot(*axis) >= distance * widest.cos() - 1e-12
+            }
+            Self::Tube { axes, centre, radius } => {
+                let at = DVec2::new(sphere.centre.dot(axes[0]), sphere.centre.dot(axes[1]));
+                at.distance(*centre) <= radius + sphere.radius
+            }
+        }
+    }
+}
+
+/// How a light's numbers become ways: the same as emission, in intervals.
+struct Beams {
+    light: Light,
+    corners: [DVec3; 3],
+    axis: DVec3,
+    axes: [DVec3; 2],
+}
+
+impl Beams {
+    fn new(scene: &SceneView<'_>, light: &Light, back: bool) -> Self {
+        let area = light.kind == Light::TRIANGLE;
+        let mut corners = [Vec3::from(light.position); 3];
+        let axis = match light.kind {
+            Light::POINT => Vec3::Z,
+            Light::SPOT | Light::DIRECTIONAL => Vec3::from(light.direction),
+            _ => {
+                let front = Vec3::from(scene.facets[light.primitive as usize].normal);
+                if back { -front } else { front }
+            }
+        };
+        if area {
+            corners = scene.triangles[light.primitive as usize].map(|v| Vec3::from(scene.positions[v as usize]));
+        }
+        let (tangent, bitangent) = sampling::basis(axis);
+        Self {
+            light: *light,
+            corners: corners.map(Vec3::as_dvec3),
+            axis: axis.as_dvec3(),
+            axes: [tangent.as_dvec3(), bitangent.as_dvec3()],
+        }
+    }
+
+    fn of(&self, block: &Block) -> Beam {
+        let point = block.point.map(|at| interval(at, block.point_bits));
+        let direction = block.direction.map(|at| interval(at, block.direction_bits));
+        if self.light.kind == Light::DIRECTIONAL {
+            let scale = f64::from(self.light.radius);
+            let (centre, radius) = ring(point.map(|x| x));
+            return Beam::Tube { axes: self.axes, centre: centre * scale, radius: radius * scale };
+        }
+        let (axis, angle) = self.cone(direction);
+        Beam::Cone { from: self.origins(point), axis, angle }
+    }
+
+    /// A sphere about where they start.
+    fn origins(&self, [a, b]: [[f64; 2]; 2]) -> Sphere {
+        let [p, q, r] = self.corners;
+        if self.light.kind != Light::TRIANGLE {
+            return Sphere { centre: p, radius: 0.0 };
+        }
+        // `sampling::triangle` is linear in v, and in the root of u: the points lie between four.
+        let at = |u: f64, v: f64| p + (q - p) * (u.sqrt() * (1.0 - v)) + (r - p) * (u.sqrt() * v);
+        let ends = [at(a[0], b[0]), at(a[0], b[1]), at(a[1], b[0]), at(a[1], b[1])];
+        let centre = (ends[0] + ends[1] + ends[2] + ends[3]) / 4.0;
+        Sphere { centre, radius: ends.iter().map(|end| end.distance(centre)).fold(0.0, f64::max) }
+    }
+
+    /// An axis, and how far directions are from it.
+    fn cone(&self, [height, turn]: [[f64; 2]; 2]) -> (DVec3, f64) {
+        let [low, high] = height.map(|u| self.polar(u));
+        if turn == [0.0, 1.0] {
+            return (self.axis, high);
+        }
+        let middle = 0.5 * (low + high);
+        let steepest = if low <= FRAC_PI_2 && high >= FRAC_PI_2 { 1.0 } else { low.sin().max(high.sin()) };
+        // No longer than the way that goes evenly in height and turn.
+        let (along, around) = (0.5 * (high - low), steepest * PI * (turn[1] - turn[0]));
+        let (sin, cos) = (PI * (turn[0] + turn[1])).sin_cos();
+        let axis = (self.axes[0] * cos + self.axes[1] * sin) * middle.sin() + self.axis * middle.cos();
+        (axis, along.hypot(around))
+    }
+
+    /// The angle to the axis of a direction whose first number is `u`.
+    fn polar(&self, u: f64) -> f64 {
+        let from_versine = |versine: f64| 2.0 * (0.5 * versine).max(0.0).sqrt().min(1.0).asin();
+        match self.light.kind {
+            Light::POINT => from_versine(2.0 * u),
+            Light::SPOT => {
+                let (inner, outer) = (self.light.versine_inner, self.light.versine_outer);
+                let versine = if u < 1.0 { sampling::spot_versine(inner, outer, u as f32) } else { outer };
+                from_versine(f64::from(versine))
+            }
+            _ => u.sqrt().asin(),
+        }
+    }
+}
+
+/// A disc about what `sampling::disc` makes of intervals.
+fn ring([u, v]: [[f64; 2]; 2]) -> (DVec2, f64) {
+    let [low, high] = u.map(f64::sqrt);
+    if v == [0.0, 1.0] {
+        return (DVec2::ZERO, high);
+    }
+    let (sin, cos) = (0.5 * TAU * (v[0] + v[1])).sin_cos();
+    let centre = DVec2::new(cos, sin) * (0.5 * (low + high));
+    (centre, (0.5 * (high - low)).hypot(high * PI * (v[1] - v[0])))
+}
+
+/// Interval `at` of 2^`bits` equal ones of the unit interval.
+fn interval(at: u32, bits: u32) -> [f64; 2] {
+    let width = 1.0 / f64::from(1_u32 << bits);
+    [f64::from(at) * width, f64::from(at + 1) * width]
+}

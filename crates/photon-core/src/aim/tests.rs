@@ -1,0 +1,143 @@
+use super::*;
+use crate::layout::{Facet, Material};
+use crate::units::Units;
+
+/// A floor and a small mirror beneath a lamp on each side: a spot that looks at the mirror, and one that
+/// looks away.
+struct Tables {
+    positions: Vec<[f32; 3]>,
+    lights: Vec<Light>,
+    starts: Vec<u32>,
+    materials: Vec<Material>,
+}
+
+impl Tables {
+    fn new() -> Self {
+        let triangle = |y: f32, s: f32| [[-s, y, -s], [s, y, -s], [0.0, y, s]];
+        let v = |degrees: f32| 1.0 - degrees.to_radians().cos();
+        let spot = |y: f32, power: f32| Light {
+            kind: Light::SPOT,
+            position: [0.0, 0.4, -0.1],
+            direction: [0.0, y, 0.0],
+            power: [power; 3],
+            versine_inner: v(10.0),
+            versine_outer: v(20.0),
+            primitive: u32::MAX,
+            ..Light::default()
+        };
+        Self {
+            positions: [triangle(-0.5, 0.5), triangle(-0.4, 0.1)].concat(),
+            lights: vec![
+                spot(1.0, 0.5),
+                spot(-1.0, 0.25),
+                spot(-1.0, 0.0),
+                Light { kind: Light::POINT, ..spot(0.0, 0.25) },
+            ],
+            starts: light_starts(&[0.5, 0.25, 0.0, 0.25]),
+            materials: vec![
+                Material { albedo: [0.5; 3], ..Material::default() },
+                Material { kind: Material::MIRROR, albedo: [1.0; 3], ..Material::default() },
+            ],
+        }
+    }
+
+    fn view(&self) -> SceneView<'_> {
+        const FACETS: [Facet; 2] =
+            [Facet { normal: [0.0, 1.0, 0.0], material: 0 }, Facet { normal: [0.0, 1.0, 0.0], material: 1 }];
+        SceneView {
+            positions: &self.positions,
+            triangles: &[[0, 1, 2], [3, 4, 5]],
+            facets: &FACETS,
+            materials: &self.materials,
+            lights: &self.lights,
+            light_starts: &self.starts,
+            radius: 1.0,
+            units: Units::default(),
+        }
+    }
+}
+
+#[test]
+fn lights_that_reach_nothing_specular_are_no_targets() {
+    let mut tables = Tables::new();
+    let aim = Aim::of(&tables.view());
+    // Neither the one that looks away nor the one without power.
+    assert_eq!(aim.targets().iter().map(|t| t.light).collect::<Vec<_>>(), [1, 3]);
+    assert!(aim.share() > 0.0 && aim.share() < 0.3, "{}", aim.share());
+    tables.lights.truncate(1);
+    let nothing = Aim::of(&tables.view());
+    assert!(nothing.is_empty() && nothing.share() == 0.0);
+    assert_eq!(nothing.paths(&Settings { caustic_photons: CausticPhotons::Aimed(7), ..Settings::default() }), None);
+    tables = Tables::new();
+    tables.materials[1].kind = Material::LAMBERT;
+    assert!(Aim::of(&tables.view()).is_empty());
+}
+
+#[test]
+fn most_of_the_light_need_not_be_aimed() {
+    let mut tables = Tables::new();
+    let few = Aim::of(&tables.view());
+    tables.materials[0].kind = Material::THIN;
+    tables.lights[0].power = [0.0; 3];
+    tables.lights[3].power = [0.01; 3];
+    let many = Aim::of(&tables.view());
+    let paths =
+        |aim: &Aim, caustic_photons| aim.paths(&Settings { photons: 100, caustic_photons, ..Settings::default() });
+    assert!(many.share() > 0.5, "{}", many.share());
+    assert_eq!((paths(&few, CausticPhotons::Auto), paths(&many, CausticPhotons::Auto)), (Some(50), None));
+    assert_eq!((paths(&few, CausticPhotons::Shared), paths(&many, CausticPhotons::Aimed(9))), (None, Some(9)));
+}
+
+/// The mean of what photons carry is the power that leaves by marked cells.
+#[test]
+fn what_photons_carry_adds_up_to_the_share() {
+    let aim = Aim::of(&Tables::new().view());
+    let sum = |(index, target): (usize, &Target)| {
+        light_probability(aim.starts(), index) * f64::from(target.carried.iter().sum::<f32>()) / 3.0
+    };
+    let mean: f64 = aim.targets().iter().enumerate().map(sum).sum();
+    assert!((mean / aim.share() - 1.0).abs() < 1e-6, "{mean} {}", aim.share());
+    // But for what all lamps share evenly.
+    let [a, b] = [0, 1].map(|i: usize| aim.targets()[i].carried[0]);
+    assert!((0.5..2.0).contains(&(a / b)), "{a} {b}");
+}
+
+/// Every marked cell gets its part of photons, and evenly within.
+#[test]
+fn cells_are_drawn_evenly() {
+    let aim = Aim::of(&Tables::new().view());
+    for (index, target) in aim.targets().iter().enumerate() {
+        let (p, q) = (target.point_bits, target.direction_bits);
+        let choice = aim.starts()[index];
+        let of = |launch: &Launch| {
+            let [[a, b], [c, d]] = [(launch.point, p), (launch.direction, q)]
+                .map(|(words, bits)| words.map(|w| (u64::from(w) >> (32 - bits)) as u32));
+            ((a << p | b) << q | c) << q | d
+        };
+        let own = &aim.cells()[target.first as usize..(target.first + target.count) as usize];
+        let tries = 16 * target.count;
+        let mut seen = vec![0_u32; own.len()];
+        let mut upper = 0;
+        for i in 0..tries {
+            let c = ((u64::from(i) << 32) / u64::from(tries)) as u32 + 7;
+            let launch = aim.launch([choice, 1 << 31, 5, 0], [c, 3 << 30, 0, 0]);
+            assert_eq!((launch.target, launch.direction[1] << q >> 30), (index, 3));
+            seen[own.iter().position(|&cell| cell == of(&launch)).unwrap()] += 1;
+            upper += launch.direction[0] << q >> 31;
+        }
+        assert!(seen.iter().all(|&times| (15..=17).contains(&times)), "{seen:?}");
+        assert!(upper.abs_diff(tries / 2) <= target.count, "{upper} of {tries}");
+    }
+}
+
+/// Many emissive triangles: tables and the work for them stay small.
+#[test]
+fn many_lights_have_few_cells_each() {
+    let tables = Tables::new();
+    let count = 100_000;
+    let lights =
+        vec![Light { kind: Light::TRIANGLE, primitive: 0, power: [1e-5; 3], area: 0.5, ..Light::default() }; count];
+    let starts = light_starts(&vec![1e-5; count]);
+    let aim = Aim::of(&SceneView { lights: &lights, light_starts: &starts, ..tables.view() });
+    assert!(aim.targets().len() == count && aim.cells().len() <= CELLS, "{}", aim.cells().len());
+}

@@ -1,0 +1,53 @@
+//! Paths of light that are aimed at mirrors and glass: whether there are any, and how many.
+
+use super::Pipeline;
+use crate::aim::Aim;
+use crate::backend::TransportBackend;
+use crate::error::Result;
+use crate::memory::Costs;
+use crate::requirements::Requirements;
+use crate::scene::SceneView;
+use crate::settings::Settings;
+use crate::stages::{Aimed, Stages};
+
+/// All stages of the backend's, those of aimed paths among them if they pay.
+pub(super) fn stages<B: TransportBackend>(
+    on: &mut B,
+    scene: &SceneView<'_>,
+    settings: &Settings,
+    required: &Requirements,
+) -> Result<Stages<B>> {
+    let mut stages = on.stages(required, settings)?;
+    if required.aimed {
+        let aim = Aim::of(scene);
+        if let Some(paths) = aim.paths(settings) {
+            let aimed = on.aimed(required, settings, &aim)?;
+            stages.aimed = aimed.map(|(emitter, tracer)| Aimed { emitter, tracer, paths });
+        }
+    }
+    Ok(stages)
+}
+
+/// What a backend keeps in memory if some of the paths of a batch are aimed: these have stages, hence room,
+/// of their own.
+pub(super) fn costs(costs: Costs, aimed: bool) -> Costs {
+    if aimed { Costs { path: costs.path + costs.path / 2, ..costs } } else { costs }
+}
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// How many aimed paths go with so many others; `None` if none are aimed.
+    pub(super) fn aimed_paths(&self, others: u32) -> Option<u32> {
+        let aimed = self.stages.aimed.as_ref()?;
+        if others == self.asked {
+            return Some(aimed.paths);
+        }
+        let share = f64::from(others) / f64::from(self.asked);
+        Some((f64::from(aimed.paths) * share).round().max(1.0) as u32)
+    }
+
+    /// Whether a map is filled by paths that are not aimed.
+    pub(super) fn needs_others(&self) -> bool {
+        let caustic = self.required.caustic_map && self.stages.aimed.is_none();
+        self.required.direct_map || self.required.global_map || caustic
+    }
+}

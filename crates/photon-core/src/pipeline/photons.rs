@@ -1,0 +1,155 @@
+//! Photons of a pass: sent out, followed, kept.
+
+use super::{LABELS, PILOT, PILOT_PATHS, Pipeline};
+use crate::backend::{Stage, TransportBackend};
+use crate::error::{Error, Result};
+use crate::observer::{Event, Observer};
+use crate::radii::{self, Radii};
+use crate::stages::{Batch, Deposits, Pass};
+use crate::tally::Tally;
+
+/// What was sent out.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sent {
+    /// Paths that were not aimed.
+    pub(super) paths: u32,
+    /// Paths that were; `None` if the others fill the caustic map too.
+    pub(super) aimed: Option<u32>,
+    pub(super) tally: Tally,
+    pub(super) aimed_tally: Tally,
+    /// The observer stopped it before all were.
+    pub(super) cut: bool,
+}
+
+impl Sent {
+    /// Paths that filled the direct, the caustic and the global map.
+    pub(super) fn per_map(&self) -> [u64; 3] {
+        let paths = u64::from(self.paths);
+        [paths, self.aimed.map_or(paths, u64::from), paths]
+    }
+}
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// Traces a few photons to find radii that suit their density.
+    pub(super) fn pilot(&mut self) -> Result<()> {
+        let paths = self.settings.photons.min(PILOT_PATHS);
+        let sent = self.emit_and_trace(PILOT, paths, &mut ())?;
+        let all = self.settings.photons;
+        let wanted_paths = [all, self.aimed_paths(all).unwrap_or(all), all];
+        let mut found = [self.radii.direct, self.radii.caustic, self.radii.global];
+        for (map, radius) in found.iter_mut().enumerate() {
+            if let Some(photons) = self.photons[map].take() {
+                self.on.mark(Some(Stage::Build));
+                let built = self.stages.map.builder.build(&mut self.on, photons)?;
+                self.on.mark(Some(Stage::Estimate));
+                let cosine = self.settings.min_normal_cosine;
+                let (wanted, traced) = (radii::NEIGHBOURS[map], sent.per_map()[map] as u32);
+                let share = f64::from(traced) / f64::from(wanted_paths[map]);
+                let asked = ((f64::from(wanted) * share) as u32).max(8);
+                let typical = self.stages.map.estimator.typical_radius(&mut self.on, &built, asked, cosine)?;
+                *radius = radii::from_pilot(typical, asked, traced, wanted, wanted_paths[map]);
+                self.on.mark(None);
+                self.photons[map] = Some(self.stages.map.builder.reclaim(built));
+            }
+        }
+        let [direct, caustic, global] = found;
+        self.radii = Radii { direct, caustic, global }.scaled(self.settings.radius_factor as f32);
+        Ok(())
+    }
+
+    /// Fills the photon buffers with what `paths` paths leave, and the aimed ones that go with them. The
+    /// observer may stop it: then there are fewer, but some of each kind.
+    pub(super) fn emit_and_trace(&mut self, index: u32, paths: u32, observer: &mut dyn Observer) -> Result<Sent> {
+        loop {
+            for photons in self.photons.iter_mut().flatten() {
+                self.on.clear(photons)?;
+            }
+            let mut sent = Sent { paths, ..Sent::default() };
+            let total = paths.saturating_add(self.aimed_paths(paths).unwrap_or(0));
+            if self.needs_others() {
+                sent.paths = self.send(index, false, paths, (0, total), observer)?;
+                sent.tally = self.stages.tracer.take_tally(&mut self.on)?;
+                sent.cut = sent.paths < paths;
+            }
+            // A pass that is cut short has as large a part of those that are aimed.
+            if let Some(aimed) = self.aimed_paths(sent.paths) {
+                let traced = self.send(index, true, aimed, (sent.paths, total), observer)?;
+                sent.aimed = Some(traced);
+                sent.cut |= traced < aimed;
+                if let Some(stages) = &mut self.stages.aimed {
+                    sent.aimed_tally = stages.tracer.take_tally(&mut self.on)?;
+                }
+            }
+            if !self.grow_if_needed()? {
+                return Ok(sent);
+            }
+        }
+    }
+
+    /// Sends out paths of one kind, batch by batch, and says how many; `before` and `total` are for the
+    /// observer.
+    fn send(
+        &mut self,
+        index: u32,
+        aimed: bool,
+        paths: u32,
+        (before, total): (u32, u32),
+        observer: &mut dyn Observer,
+    ) -> Result<u32> {
+        let mut traced = 0;
+        while traced < paths {
+            let end = traced.saturating_add(self.batch).min(paths);
+            self.send_batch(index, aimed, traced..end)?;
+            traced = end;
+            let event = Event::Photons { pass: index, traced: before.saturating_add(traced), total };
+            if observer.on_event(&event).is_break() && traced < paths {
+                break;
+            }
+        }
+        Ok(traced)
+    }
+
+    /// Sends out one batch and appends what it leaves.
+    pub(super) fn send_batch(&mut self, index: u32, aimed: bool, paths: std::ops::Range<u32>) -> Result<()> {
+        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
+        let batch = Batch { pass, paths };
+        let [direct, caustic, global] = &mut self.photons;
+        let stages = &mut self.stages;
+        // Light on its way to a caustic is told by one kind of paths, never by both.
+        let (emitter, tracer, deposits) = match &mut stages.aimed {
+            Some(stages) if aimed => {
+                let deposits = Deposits { direct: None, caustic: caustic.as_mut(), global: None };
+                (&mut stages.emitter, &mut stages.tracer, deposits)
+            }
+            others => {
+                let caustic = if others.is_none() { caustic.as_mut() } else { None };
+                let deposits = Deposits { direct: direct.as_mut(), caustic, global: global.as_mut() };
+                (&mut stages.emitter, &mut stages.tracer, deposits)
+            }
+        };
+        self.on.mark(Some(Stage::Emit));
+        emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;
+        self.on.mark(Some(Stage::Trace));
+        tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits)?;
+        self.on.mark(None);
+        Ok(())
+    }
+
+    /// Whether a buffer overflowed and was made anew, large enough for the pass to be repeated.
+    fn grow_if_needed(&mut self) -> Result<bool> {
+        let mut grew = false;
+        for map in 0..3 {
+            let Some(photons) = &self.photons[map] else { continue };
+            let fill = self.on.fill(photons)?;
+            if fill.needed > fill.capacity {
+                if self.settings.photon_capacity.is_some() || self.settings.memory.is_some() {
+                    let label = LABELS[map];
+                    return Err(Error::CapacityExceeded { label, needed: fill.needed, capacity: fill.capacity });
+                }
+                self.allocate(map, fill.needed + fill.needed / 8)?;
+                grew = true;
+            }
+        }
+        Ok(grew)
+    }
+}

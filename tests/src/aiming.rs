@@ -1,0 +1,247 @@
+//! Photons aimed at mirrors and glass: the same light as by photons sent everywhere.
+
+use std::collections::BTreeSet;
+
+use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler};
+use photon_core::{
+    Aim, Backend, Batch, CausticPhotons, Deposits, Direct, Estimator, Indirect, Light, Pass, Photon, PhotonRay, Ray,
+    RayCaster, Render, Requirements, Settings, TransportBackend,
+};
+use photon_scene::{Accel, CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
+
+use crate::harness::{TestBackend, per_pass, renderer};
+use crate::stats::{agrees, assert_agrees, moments, standard_error};
+
+/// Kinds of lamps, one scene each; the last has all of them.
+const LAMPS: [&str; 5] = ["point", "spot", "sun", "panel", "all"];
+
+/// A ball of glass, a mirror and a pane above a floor, under lamps; or, for a table that is wrong, a bead
+/// in the place of the ball alone.
+fn room(lamps: &str, whole: bool) -> Scene {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
+    let glass = builder.material(MaterialDesc::glass("glass", 1.5));
+    let metal = builder.material(MaterialDesc::mirror("metal", [0.9, 0.8, 0.7]));
+    let pane = builder.material(MaterialDesc::thin("pane", 1.5));
+    builder.quad("floor", [[-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]], grey);
+    let (positions, triangles) = shapes::icosphere(3, [0.3, 0.6, -0.2], if whole { 0.35 } else { 0.02 });
+    builder.mesh("ball", positions, triangles, glass);
+    let (metal, pane) = if whole { (metal, pane) } else { (grey, grey) };
+    builder.quad("mirror", [[-1.2, 0.1, -0.4], [-0.7, 0.1, -0.8], [-0.7, 0.6, -0.8], [-1.2, 0.6, -0.4]], metal);
+    builder.quad("pane", [[0.9, 0.1, 0.2], [1.4, 0.1, 0.6], [1.4, 0.5, 0.6], [0.9, 0.5, 0.2]], pane);
+    let has = |lamp: &str| lamps == lamp || lamps == "all";
+    if has("point") {
+        builder.light("point", LightDesc::Point { position: [-0.2, 1.9, 0.4], intensity: [2.0, 1.0, 1.0] });
+    }
+    if has("spot") {
+        let (position, direction) = ([1.5, 1.8, 0.3], [-1.0, -1.0, -0.3]);
+        let (inner_angle, outer_angle) = (0.2, 0.7);
+        builder.light("spot", LightDesc::Spot { position, direction, intensity: [3.0; 3], inner_angle, outer_angle });
+    }
+    if has("sun") {
+        builder.light("sun", LightDesc::Directional { direction: [0.3, -1.0, 0.2], irradiance: [0.2, 0.3, 0.5] });
+    }
+    if has("panel") {
+        let lit = builder.material(MaterialDesc::emissive("panel", [0.0; 3], [1.0; 3]));
+        builder.quad("panel", [[-1.0, 2.0, -1.0], [0.5, 2.0, -1.0], [0.5, 2.0, 0.2], [-1.0, 2.0, 0.2]], lit);
+    }
+    if has("sheet") {
+        let both = MaterialDesc { emits_both_sides: true, ..MaterialDesc::emissive("sheet", [0.2; 3], [2.0; 3]) };
+        let lit = builder.material(both);
+        builder.quad("sheet", [[-0.4, 0.3, -0.6], [-0.4, 0.3, 0.4], [-0.4, 1.2, 0.4], [-0.4, 1.2, -0.6]], lit);
+    }
+    builder.camera("above", CameraDesc::look_at([0.0, 3.0, 1.0], [0.0; 3], [0.0, 0.0, -1.0], 1.0));
+    builder.build().unwrap()
+}
+
+/// Of the map of caustics, for each of some passes: flux per path, mean of RGB, and its moments along x and
+/// z; by paths that go everywhere, or as `aim` says.
+fn caustics<T: TestBackend>(scene: &Scene, aim: Option<&Aim>, passes: u32, paths: u32) -> Vec<[f64; 3]> {
+    let settings = Settings { seed: 21, ..Settings::default() };
+    let mut on = T::make(2);
+    let view = scene.view();
+    let required = Requirements::of(&view, &settings);
+    let prepared = on.prepare(&view, &required).unwrap();
+    let mut stages = on.stages(&required, &settings).unwrap();
+    let (mut emitter, mut tracer) = match aim {
+        None => (stages.emitter, stages.tracer),
+        Some(aim) => {
+            stages.aimed = None;
+            on.aimed(&required, &settings, aim).unwrap().unwrap()
+        }
+    };
+    let mut rays = on.alloc::<PhotonRay>("rays", u64::from(paths)).unwrap();
+    let mut kept = on.alloc::<Photon>("caustic", u64::from(paths) * 8).unwrap();
+    let mut home = Vec::new();
+    (0..passes)
+        .map(|index| {
+            let pass = Pass { seed: settings.seed, index, random: settings.random };
+            let batch = Batch { pass, paths: 0..paths };
+            on.clear(&mut kept).unwrap();
+            emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
+            let deposits = Deposits { direct: None, caustic: Some(&mut kept), global: None };
+            tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
+            let tally = tracer.take_tally(&mut on).unwrap();
+            assert!(tally.balances() && tally.stored_direct + tally.stored_global == 0, "{tally:?}");
+            assert_eq!(tally.ceded > 0, aim.is_some());
+            on.download(&kept, &mut home).unwrap();
+            assert_eq!(tally.stored_caustic, home.len() as u64);
+            let mut sums = [0.0; 3];
+            for photon in &home {
+                let power = photon.power.iter().map(|&p| f64::from(p)).sum::<f64>() / 3.0 / f64::from(paths);
+                sums[0] += power;
+                sums[1] += power * f64::from(photon.position[0]);
+                sums[2] += power * f64::from(photon.position[2]);
+            }
+            sums
+        })
+        .collect()
+}
+
+/// Means of both and the standard error of their difference, √(s²/n + s'²/n'), for one of the sums.
+fn compared(a: &[[f64; 3]], b: &[[f64; 3]], sum: usize) -> (f64, f64, f64) {
+    let of = |values: &[[f64; 3]]| values.iter().map(|v| v[sum]).collect::<Vec<_>>();
+    let (a, b) = (of(a), of(b));
+    (moments(&a).0, moments(&b).0, standard_error(&a).hypot(standard_error(&b)))
+}
+
+/// G1: flux of the map and where it lies are those of photons sent everywhere, for each kind of light, and
+/// by a quarter of the paths no noisier; by the table of another scene they are not.
+pub fn g1_aimed_photons_have_the_same_expectation<T: TestBackend>() {
+    for lamps in LAMPS {
+        let scene = room(lamps, true);
+        let aim = Aim::of(&scene.view());
+        let plain = caustics::<T>(&scene, None, 8, 4000);
+        let aimed = caustics::<T>(&scene, Some(&aim), 8, 1000);
+        for sum in 0..3 {
+            let (truth, found, error) = compared(&plain, &aimed, sum);
+            assert_agrees(lamps, found, truth, error, 0.0);
+        }
+        let noise = |values: &[[f64; 3]]| moments(&values.iter().map(|v| v[0]).collect::<Vec<_>>()).1;
+        let gain = noise(&plain) * 4000.0 / (noise(&aimed) * 1000.0);
+        eprintln!("{lamps}: share {:.3}, variance of a path's flux {gain:.1} times less", aim.share());
+        let wrong = caustics::<T>(&scene, Some(&Aim::of(&room(lamps, false).view())), 8, 1000);
+        let (truth, found, error) = compared(&plain, &wrong, 0);
+        assert!(!agrees(found, truth, error, 0.0), "{lamps}: {found} {truth} {error}");
+    }
+}
+
+/// The cells that photons are aimed at, as pairs of light and cell; and the cell that a photon sent
+/// everywhere leaves by, nothing if its light has none.
+struct Cells<'a> {
+    aim: &'a Aim,
+    marked: BTreeSet<(u32, u32)>,
+}
+
+impl<'a> Cells<'a> {
+    fn new(aim: &'a Aim) -> Self {
+        let own = |t: &photon_core::Target| {
+            let (light, first) = (t.light, t.first as usize);
+            aim.cells()[first..first + t.count as usize].iter().map(move |&cell| (light, cell))
+        };
+        Self { aim, marked: aim.targets().iter().flat_map(own).collect() }
+    }
+
+    fn holds(&self, light: u32, both: bool, [_, a, b, side]: [u32; 4], [c, d, ..]: [u32; 4]) -> bool {
+        let Some(t) = self.aim.targets().iter().find(|t| t.light == light) else { return false };
+        let upper = |word: u32, bits: u32| if bits == 0 { 0 } else { word >> (32 - bits) };
+        let (p, q) = (t.point_bits, t.direction_bits);
+        let side = if both { side >> 31 } else { 0 };
+        let cell = (((side << p | upper(a, p)) << p | upper(b, p)) << q | upper(c, q)) << q | upper(d, q);
+        self.marked.contains(&(light, cell))
+    }
+}
+
+/// G2: no photon sent everywhere meets something specular first, and has not left by a marked cell. So no
+/// defensive share of aimed photons is needed.
+pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
+    for lamps in LAMPS {
+        let scene = room(lamps, true);
+        let view = scene.view();
+        let settings = Settings { seed: 5, ..Settings::default() };
+        let mut on = T::make(2);
+        let required = Requirements::of(&view, &settings);
+        let prepared = on.prepare(&view, &required).unwrap();
+        let mut emitter = on.stages(&required, &settings).unwrap().emitter;
+        let paths = 20_000;
+        let mut rays = on.alloc::<PhotonRay>("rays", u64::from(paths)).unwrap();
+        let pass = Pass { seed: settings.seed, index: 0, random: settings.random };
+        emitter.emit(&mut on, &prepared, &Batch { pass, paths: 0..paths }, &mut rays).unwrap();
+        let mut home = Vec::new();
+        on.download(&rays, &mut home).unwrap();
+        let caster = Accel::build(view.positions, view.triangles).unwrap();
+        // Photons whose first surface is specular and whose cell is not marked, of how many.
+        let missed = |aim: &Aim| {
+            let cells = Cells::new(aim);
+            let mut counts = [0_u32; 2];
+            for ray in &home {
+                let way = Ray { origin: ray.origin.into(), direction: ray.direction.into(), t_max: f32::INFINITY };
+                let Some(hit) = caster.nearest(&way) else { continue };
+                if view.materials[view.facets[hit.primitive as usize].material as usize].is_diffuse() {
+                    continue;
+                }
+                let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, Domain::Photon, ray.path);
+                let both = view.lights[ray.light as usize].flags & Light::BOTH_SIDES != 0;
+                let (light, start) = (sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
+                counts[usize::from(cells.holds(ray.light, both, light, start))] += 1;
+            }
+            counts
+        };
+        let [lost, held] = missed(&Aim::of(&view));
+        assert!(lost == 0 && held > 200, "{lamps}: {lost} of {}", lost + held);
+        let [lost, _] = missed(&Aim::of(&room(lamps, false).view()));
+        assert!(lost > 10, "{lamps}: {lost}");
+    }
+}
+
+/// G3: whole pictures by aimed photons have the same mean, with gathering or nothing but caustics; 12
+/// independent passes each.
+pub fn g3_aimed_pictures_have_the_same_mean<T: TestBackend>() {
+    let scene = room("all", true);
+    for indirect in [Indirect::None, Indirect::Gather] {
+        let values = |caustic_photons| {
+            let settings = Settings {
+                photons: 4000,
+                direct: Direct::None,
+                indirect,
+                gather_rays: 2,
+                estimator: Estimator::Radius { radius: Some(0.15) },
+                caustic_photons,
+                ..Settings::default()
+            };
+            per_pass::<T>(&scene, &settings, 12, 12)
+        };
+        let (plain, aimed) = (values(CausticPhotons::Shared), values(CausticPhotons::Aimed(1000)));
+        let error = standard_error(&plain).hypot(standard_error(&aimed));
+        eprintln!("{indirect:?}: {:e} and {:e} of variance", moments(&plain).1, moments(&aimed).1);
+        assert_agrees("mean", moments(&aimed).0, moments(&plain).0, error, 0.0);
+    }
+}
+
+/// G4: aimed paths have a tally of their own, which balances; the others store no caustic photons; where
+/// nothing is specular there is none of it.
+pub fn g4_aimed_paths_are_accounted_for<T: TestBackend>() {
+    let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
+    let settings = Settings { photons: 5000, ..Settings::default() };
+    let mut with = renderer::<T>(&scene, &settings, 8);
+    let photon_core::PassEnd::Done(report) = with.pass(0, &mut ()).unwrap() else { panic!("nobody stops it") };
+    let facts = with.facts();
+    assert_eq!(facts.aimed, Some(2500));
+    assert!(facts.memory.iter().any(|(label, _)| label.contains("aimed")));
+    assert_eq!((report.tally.emitted, report.aimed.emitted), (5000, 2500));
+    assert!(report.tally.balances() && report.aimed.balances(), "{report:?}");
+    assert!(report.tally.stored_caustic == 0 && report.tally.ceded == 0 && report.aimed.stored_caustic > 100);
+    assert!(report.aimed.ceded >= report.aimed.stored_caustic);
+    // Light leaves by marked cells as it should: two lamps of nearly the same share.
+    let share = report.aimed.flux_emitted.value().iter().sum::<f64>() / 3.0 / 2500.0;
+    assert!((share / Aim::of(&scene.view()).share() - 1.0).abs() < 0.02, "{share}");
+    for (name, caustic_photons) in [("cornell", CausticPhotons::Aimed(1000)), ("cornell-glass", CausticPhotons::Shared)]
+    {
+        let scene = photon_scene::builtin(name).unwrap().build().unwrap();
+        let settings = Settings { caustic_photons, ..settings.clone() };
+        let mut without = renderer::<T>(&scene, &settings, 8);
+        without.pass(0, &mut ()).unwrap();
+        let facts = without.facts();
+        assert!(facts.aimed.is_none() && !facts.memory.iter().any(|(label, _)| label.contains("aimed")), "{name}");
+    }
+}

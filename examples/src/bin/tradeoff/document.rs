@@ -11,12 +11,12 @@ const READING: &str = include_str!("reading.md");
 
 /// The document, in the folder where its pictures are.
 pub(crate) fn markdown(parts: &[Part], folder: &Path) -> String {
-    let mut text = format!("{HEAD}\n{READING}\n## Results\n");
+    let mut text = format!("{HEAD}\n{READING}\n## Results\n\n");
     for backend in tables::backends(parts) {
         let mut here: Vec<&Part> = parts.iter().filter(|part| part.backend == backend).collect();
         here.dedup_by(|a, b| a.device == b.device);
         for part in here {
-            let _ = writeln!(text, "\n- **{backend}**: {}", part.device);
+            let _ = writeln!(text, "- **{backend}**: {}", part.device);
         }
     }
     let mut sizes: Vec<String> = Vec::new();

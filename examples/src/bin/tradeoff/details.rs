@@ -1,6 +1,7 @@
 //! Every number: the tables of each scene, the comparison with a path tracer, and the CSV.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use crate::records::{Body, Note, Part, Row, Sweep};
 use crate::tables::{head, scenes, sweeps, time};
@@ -13,7 +14,7 @@ pub(crate) fn tracer(parts: &[Part]) -> String {
         if text.is_empty() {
             let _ = writeln!(
                 text,
-                "\n### Truths beside a path tracer\n\n{}, unbiased, by `tests/mitsuba/check.py`; pixel by pixel. *Expected* is its own noise, by the spread of its runs,\nand what the reference claims of itself. Of `integrating-sphere` it is the light that was scattered before.\nPoint and spot light by way of a mirror (`ring`) and parallel light by way of water (`pool`) is what a path tracer\ncannot find.",
+                "\n### Truths beside a path tracer\n\n{}, unbiased, by `tests/mitsuba/check.py`; pixel by pixel. *Mean difference* is the\ntracer's less ours, over what errors are measured by, with z as if pixels were independent. *Expected* is its own\nnoise, by the spread of its runs, and what the reference claims of itself. Of `integrating-sphere` it is the light that\nwas scattered before. Spot light by way of a mirror (`ring`) and parallel light by way of water (`pool`) is what a path tracer\ncannot find.",
                 part.device
             );
             let columns = ["scene", "truth", "paths a pixel", "mean difference", "z", "relMSE", "expected"];
@@ -32,6 +33,22 @@ pub(crate) fn tracer(parts: &[Part]) -> String {
                 row.noise + row.claimed
             );
         }
+    }
+    text
+}
+
+/// What the pictures in `docs/images` show, for those that are there.
+pub(crate) fn pictures(folder: &Path) -> String {
+    let mut text = String::new();
+    for scene in ["cornell", "cornell-glass", "ring", "two-rooms"] {
+        let name = format!("accuracy-{scene}.png");
+        if !folder.join("images").join(&name).exists() {
+            continue;
+        }
+        if text.is_empty() {
+            text += "\n### Pictures\n\nThe truth, then 16 passes, radii × 0.5, without the loss at the ends of surfaces, the paper and 64\npasses; below them the signed difference, red where too bright and blue where too dark, full at a half, and\nFLIP (Andersson et al. 2020), by `tests/mitsuba/pictures.py`.\n";
+        }
+        let _ = write!(text, "\n![{scene}](images/{name})\n");
     }
     text
 }

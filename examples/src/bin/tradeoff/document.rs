@@ -1,6 +1,7 @@
 //! The words about the tables.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use crate::records::{Body, Part};
 use crate::{details, tables};
@@ -8,14 +9,14 @@ use crate::{details, tables};
 const HEAD: &str = include_str!("head.md");
 const READING: &str = include_str!("reading.md");
 
-/// The document.
-pub(crate) fn markdown(parts: &[Part]) -> String {
-    let mut text = format!("{HEAD}\n{READING}\n## Results\n");
+/// The document, in the folder where its pictures are.
+pub(crate) fn markdown(parts: &[Part], folder: &Path) -> String {
+    let mut text = format!("{HEAD}\n{READING}\n## Results\n\n");
     for backend in tables::backends(parts) {
         let mut here: Vec<&Part> = parts.iter().filter(|part| part.backend == backend).collect();
         here.dedup_by(|a, b| a.device == b.device);
         for part in here {
-            let _ = writeln!(text, "\n- **{backend}**: {}", part.device);
+            let _ = writeln!(text, "- **{backend}**: {}", part.device);
         }
     }
     let mut sizes: Vec<String> = Vec::new();
@@ -38,6 +39,7 @@ pub(crate) fn markdown(parts: &[Part]) -> String {
         tables::claims(parts),
         tables::asked(parts),
         tables::fronts(parts),
+        details::pictures(folder),
         details::tracer(parts),
         details::every_row(parts),
     ] {

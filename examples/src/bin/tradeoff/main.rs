@@ -113,6 +113,10 @@ fn work(args: &Args) -> Result<(), Fault> {
         measure(args)?;
     }
     let parts = records::parts(folder)?;
+    if parts.is_empty() && args.assemble.is_none() {
+        // Pictures and references are no rows.
+        return Ok(());
+    }
     if parts.is_empty() {
         return Err(Fault::input(format!("{}: holds no results of this program", folder.display())));
     }
@@ -124,7 +128,8 @@ fn work(args: &Args) -> Result<(), Fault> {
         write(&folder.join("rates.svg"), &svg)?;
     }
     write(&folder.join("tradeoff.csv"), &details::csv(&parts))?;
-    let text = document::markdown(&parts);
+    let home = args.document.as_deref().and_then(Path::parent).unwrap_or(folder);
+    let text = document::markdown(&parts, home);
     write(&folder.join("tradeoff.md"), &text)?;
     if let Some(path) = &args.document {
         write(path, &text)?;

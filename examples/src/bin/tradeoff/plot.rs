@@ -9,8 +9,10 @@ use crate::records::{Body, Part, Summary, Sweep};
 const WIDTH: f64 = 460.0;
 const HEIGHT: f64 = 340.0;
 const MARGIN: f64 = 56.0;
-const COLOURS: [&str; 10] =
-    ["#1b6ca8", "#d1495b", "#2e933c", "#8e44ad", "#e08e0b", "#16a3a3", "#7f5539", "#4a4e69", "#c2185b", "#6b8e23"];
+const COLOURS: [&str; 16] = [
+    "#1b6ca8", "#d1495b", "#2e933c", "#8e44ad", "#e08e0b", "#16a3a3", "#7f5539", "#4a4e69", "#c2185b", "#6b8e23",
+    "#5dade2", "#f1948a", "#82c99a", "#c39bd3", "#b7950b", "#333333",
+];
 
 /// Both axes logarithmic.
 struct Panel {

@@ -1,7 +1,7 @@
 //! The settings that are tried: each knob by itself, about a middle setting.
 
 use photon_core::{
-    Area, Budget, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Settings, Sharing,
+    Area, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Settings, Sharing,
 };
 use photon_examples::fault::Fault;
 
@@ -63,6 +63,9 @@ fn points(base: &Settings) -> Vec<Point> {
     for passes in [PASSES, 4 * PASSES] {
         add("area", &format!("surface, {passes} passes"), with(&|s| s.area = Area::Surface), passes);
     }
+    add("caustics", "shared", with(&|s| s.caustic_photons = CausticPhotons::Shared), PASSES);
+    let as_many = CausticPhotons::Aimed(base.photons);
+    add("caustics", "as many aimed", with(&|s| s.caustic_photons = as_many), PASSES);
     for k in [20, 50, 200] {
         let estimator = Estimator::Knn { k, max_radius: None };
         add("estimator", &format!("{k} nearest"), with(&|s| s.estimator = estimator), PASSES);
@@ -132,14 +135,8 @@ pub(crate) fn rows(
 }
 
 /// The settings whose pictures are shown: knob and value.
-const SHOWN: [(&str, &str); 6] = [
-    ("passes", "16"),
-    ("radii", "x0.5"),
-    ("area", "surface, 16 passes"),
-    ("indirect", "gather, 4 rays"),
-    ("estimator", "paper"),
-    ("passes", "64"),
-];
+const SHOWN: [(&str, &str); 5] =
+    [("passes", "16"), ("radii", "x0.5"), ("area", "surface, 16 passes"), ("estimator", "paper"), ("passes", "64")];
 
 /// A picture by each of these, with the same seed.
 pub(crate) fn shots(engine: &mut Engine, subject: &Subject, base: &Settings) -> Result<Vec<Shot>, Fault> {

@@ -50,7 +50,7 @@ fn lattice<T: TestBackend>(sheet: &mut Sheet, side: u32, kind: IndexKind) -> boo
     let count = u64::from(side) * u64::from(side);
     let range = format!("{kind:?}, {count} photons, {:.3} GiB", count as f64 * 32.0 / f64::from(1 << 30));
     let places = [0.0, 0.001, 0.3, 0.5, 0.77, 0.999, 1.0];
-    let radii = [5.3 / side as f32, 20.0 / side as f32, 0.01];
+    let radii = [5.3 / side as f32, 20.0 / side as f32, 0.01_f32.max(40.0 / side as f32)];
     let about = |radius: f32| places.iter().flat_map(move |&y| places.map(|x| query_at([x, y, 0.0], radius)));
     let mut queries: Vec<Query> = radii.into_iter().flat_map(about).collect();
     let whole = count <= MOST;
@@ -105,10 +105,10 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, side: u32, queries: &[Query]) ->
     Ok(found)
 }
 
-/// Squared distances of the photons within the radius, nearest first, in the arithmetic of kernels; of more
-/// than a hundredth, the nearest.
+/// Squared distances of the photons within the radius, nearest first, in the arithmetic of kernels; of the
+/// radius that holds all, the nearest.
 fn by_hand(side: u32, query: &Query) -> Vec<f32> {
-    let reach = (query.radius.min(0.01) * side as f32) as u32 + 3;
+    let reach = if query.radius > 1.0 { 10 } else { (query.radius * side as f32) as u32 + 3 };
     let about = |x: f32| {
         let middle = (x * side as f32) as u32;
         middle.saturating_sub(reach)..(middle + reach).min(side)

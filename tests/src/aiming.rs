@@ -222,7 +222,8 @@ pub fn g3_aimed_pictures_have_the_same_mean<T: TestBackend>() {
 /// nothing is specular there is none of it.
 pub fn g4_aimed_paths_are_accounted_for<T: TestBackend>() {
     let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
-    let settings = Settings { photons: 5000, ..Settings::default() };
+    let caustic_photons = CausticPhotons::Aimed(2500);
+    let settings = Settings { photons: 5000, caustic_photons, ..Settings::default() };
     let mut with = renderer::<T>(&scene, &settings, 8);
     let photon_core::PassEnd::Done(report) = with.pass(0, &mut ()).unwrap() else { panic!("nobody stops it") };
     let facts = with.facts();

@@ -1,7 +1,8 @@
 //! The same seed gives the same bits, however the work is shared out.
 
 use photon_core::{
-    Backend, Budget, Error, Indirect, Pipeline, Plan, Render, Requirements, Settings, Sharing, View, render,
+    Backend, Budget, CausticPhotons, Error, Indirect, Pipeline, Plan, Render, Requirements, Settings, Sharing, View,
+    render,
 };
 use photon_scene::Scene;
 
@@ -12,7 +13,15 @@ fn scene() -> Scene {
 }
 
 fn settings() -> Settings {
-    Settings { photons: 6000, indirect: Indirect::Gather, gather_rays: 2, seed: 3, ..Settings::default() }
+    let caustic_photons = CausticPhotons::Aimed(2000);
+    Settings {
+        photons: 6000,
+        indirect: Indirect::Gather,
+        gather_rays: 2,
+        seed: 3,
+        caustic_photons,
+        ..Settings::default()
+    }
 }
 
 /// Photons, in order, and tallies: one thread or seven, static or dynamic, one batch or many.
@@ -70,7 +79,7 @@ pub fn pictures_do_not_depend_on_batches<T: TestBackend>() {
 pub fn wider_requirements_change_nothing<T: TestBackend>() {
     for name in ["cornell", "ring", "cornell-glass"] {
         let scene = photon_scene::builtin(name).unwrap().build().unwrap();
-        let settings = Settings { photons: 5000, ..Settings::default() };
+        let settings = Settings { photons: 5000, caustic_photons: CausticPhotons::Aimed(2000), ..Settings::default() };
         let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
         let derived = Requirements::of(&scene.view(), &settings);
         let picture = |required| {

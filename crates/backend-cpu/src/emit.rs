@@ -21,7 +21,7 @@ impl Emitter<Cpu> for CpuEmitter {
             let share = light_probability(&scene.light_starts, index);
             // Every path carries the power of its light over the light's probability.
             let power = scene.lights[index].power.map(|p| (f64::from(p) / share) as f32);
-            PhotonRay { path, power, ..leave(scene, index, [a, b], [c, d], side) }
+            PhotonRay { path, power, ..leave::<false>(scene, index, [a, b], [c, d], side) }
         });
         Ok(())
     }
@@ -44,7 +44,7 @@ impl Emitter<Cpu> for CpuAimedEmitter {
         each(on, batch, Domain::Aimed, rays, |sampler, path| {
             let launch = self.aim.launch(sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
             let target = &self.aim.targets()[launch.target];
-            let ray = leave(scene, target.light as usize, launch.point, launch.direction, launch.side);
+            let ray = leave::<true>(scene, target.light as usize, launch.point, launch.direction, launch.side);
             PhotonRay { path, power: target.carried, ..ray }
         });
         Ok(())
@@ -74,9 +74,16 @@ fn each(
     });
 }
 
-/// Where photons leave a light, and whither; what they carry is left at 0.
+/// Where photons leave a light, and whither; what they carry is left at 0. A copy for each emitter, that it
+/// be compiled into it.
 #[inline]
-fn leave(scene: &CpuScene, index: usize, point: [u32; 2], direction: [u32; 2], side: u32) -> PhotonRay {
+fn leave<const AIMED: bool>(
+    scene: &CpuScene,
+    index: usize,
+    point: [u32; 2],
+    direction: [u32; 2],
+    side: u32,
+) -> PhotonRay {
     let ([a, b], [c, d]) = (point.map(unit_f32), direction.map(unit_f32));
     let light = &scene.lights[index];
     let position = Vec3::from(light.position);

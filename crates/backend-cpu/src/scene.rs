@@ -78,18 +78,23 @@ impl CpuScene {
     }
 
     /// Share of each channel that is left after the stretch that ended on `surface`: Beer and
-    /// Lambert's law inside solids. A back side of glass says itself that the stretch was inside;
-    /// for other surfaces it is what the path last entered.
+    /// Lambert's law inside solids.
     #[inline]
     pub(crate) fn transmittance(&self, surface: &Surface, medium: u32) -> Vec3 {
-        let material = &self.materials[surface.material as usize];
-        let inside = if material.kind == Material::DIELECTRIC && !surface.front { surface.material } else { medium };
-        match self.materials.get(inside as usize) {
-            Some(solid) if inside != VACUUM => {
-                Vec3::from(solid.absorption.map(|sigma| math::exp_neg(sigma * surface.t)))
+        self.solid(surface, medium).map_or(Vec3::ONE, |solid| surface.transmittance(solid))
+    }
+
+    /// The solid that the stretch that ended on `surface` was inside of. A back side of glass says itself
+    /// that it was; for other surfaces it is what the path last entered.
+    #[inline]
+    pub(crate) fn solid(&self, surface: &Surface, medium: u32) -> Option<&Material> {
+        if !surface.front {
+            let material = &self.materials[surface.material as usize];
+            if material.kind == Material::DIELECTRIC {
+                return Some(material);
             }
-            _ => Vec3::ONE,
         }
+        if medium == VACUUM { None } else { self.materials.get(medium as usize) }
     }
 }
 
@@ -113,6 +118,12 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
+    /// What is left of light after the stretch that ended here, inside `solid`.
+    #[inline]
+    pub(crate) fn transmittance(&self, solid: &Material) -> Vec3 {
+        Vec3::from(solid.absorption.map(|sigma| math::exp_neg(sigma * self.t)))
+    }
+
     /// A ray that goes on from here on the side that it came from.
     #[inline]
     pub(crate) fn leave(&self, direction: Vec3) -> Ray {

@@ -197,8 +197,10 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
             tally.flux_absorbed.add(flux.minus(left));
             *flux = left;
         };
-        if features.contains(Features::ABSORPTION) {
-            power *= scene.transmittance(&surface, medium);
+        if features.contains(Features::ABSORPTION)
+            && let Some(solid) = scene.solid(&surface, medium)
+        {
+            power *= surface.transmittance(solid);
             carry(power, &mut flux, tally);
         }
         let [choice, u, v, _] = sampler.words(BLOCK_SURFACES + bounce);

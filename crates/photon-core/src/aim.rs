@@ -9,6 +9,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::layout::Light;
+use crate::requirements::Requirements;
 use crate::scene::{SceneView, light_probability, light_starts, pick_light};
 use crate::settings::{CausticPhotons, Settings};
 
@@ -19,7 +20,11 @@ mod clusters;
 const CELLS: usize = 1 << 20;
 
 /// Spheres about specular surfaces times lights, at most: what marking takes time for.
-const PAIRS: usize = 1 << 18;
+const PAIRS: usize = 1 << 20;
+
+/// Aiming pays beside other paths where no more than this share of the light could meet something specular:
+/// where it is a seventh, they take more from the other layers than caustics gain (docs/performance.md).
+const WORTH: f64 = 0.05;
 
 /// A light from which something specular could be met.
 #[repr(C)]
@@ -66,7 +71,7 @@ impl Aim {
     #[must_use]
     pub fn of(scene: &SceneView<'_>) -> Self {
         let lights = scene.lights.len().max(1);
-        let clusters = clusters::of(scene, (PAIRS / lights).clamp(1, 1024));
+        let clusters = clusters::of(scene, (PAIRS / lights).clamp(1, 4096));
         let bits = (CELLS / lights).max(1).ilog2();
         let mut aim = Self { targets: Vec::new(), starts: Vec::new(), cells: Vec::new(), share: 0.0 };
         let mut weights = Vec::new();
@@ -117,13 +122,15 @@ impl Aim {
     }
 
     /// How many paths of a pass are aimed; `None` if none are: no light could shine on anything specular,
-    /// or most of the light could, so that it does not pay.
+    /// or too much of the light could for it to pay beside the paths that other maps need.
     #[must_use]
-    pub fn paths(&self, settings: &Settings) -> Option<u32> {
+    pub fn paths(&self, settings: &Settings, required: &Requirements) -> Option<u32> {
+        let alone = !required.direct_map && !required.global_map;
         match settings.caustic_photons {
             _ if self.is_empty() => None,
             CausticPhotons::Shared => None,
-            CausticPhotons::Auto => (self.share <= 0.5).then_some((settings.photons / 2).max(1)),
+            CausticPhotons::Auto if alone => Some(settings.photons),
+            CausticPhotons::Auto => (self.share <= WORTH).then_some((settings.photons / 4).max(1)),
             CausticPhotons::Aimed(paths) => Some(paths),
         }
     }

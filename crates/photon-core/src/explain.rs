@@ -160,7 +160,7 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
     }
     let aim = Aim::of(scene);
     let share = 100.0 * aim.share();
-    let Some(paths) = aim.paths(settings) else {
+    let Some(paths) = aim.paths(settings, required) else {
         let why = if aim.is_empty() {
             "no light could shine on mirrors or glass".to_owned()
         } else {

@@ -129,8 +129,8 @@ pub enum RandomKind {
 /// Which paths of light fill the map of caustics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CausticPhotons {
-    /// Paths of their own that are aimed at mirrors and glass, half as many as [`Settings::photons`], where
-    /// no more than half of the light could meet any; otherwise as [`CausticPhotons::Shared`].
+    /// Aimed if no other map is filled, as many as [`Settings::photons`]; or if no more than a twentieth of
+    /// the light could meet mirrors or glass, a quarter as many. Otherwise [`CausticPhotons::Shared`].
     #[default]
     Auto,
     /// Those that fill the other maps too.

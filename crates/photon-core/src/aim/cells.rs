@@ -12,11 +12,11 @@ use crate::scene::SceneView;
 /// Bits of a cell for each number of a light's point and direction, of so many altogether at most.
 pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
     match light.kind {
-        Light::POINT | Light::SPOT => (0, (most / 2).min(7)),
-        Light::DIRECTIONAL => ((most / 2).min(7), 0),
+        Light::POINT | Light::SPOT => (0, (most / 2).min(8)),
+        Light::DIRECTIONAL => ((most / 2).min(8), 0),
         _ => {
-            let direction = (most / 2).min(5);
-            ((most / 2 - direction).min(2), direction)
+            let direction = (most / 2).min(6);
+            ((most / 2 - direction).min(3), direction)
         }
     }
 }
@@ -98,8 +98,8 @@ impl Marking<'_> {
 
 /// All ways that photons of a block may take.
 enum Beam {
-    /// From somewhere in a sphere, at an angle of at most so much to an axis.
-    Cone { from: Sphere, axis: DVec3, angle: f64 },
+    /// From somewhere in a sphere, at an angle to an axis of which this is the greatest sine and cosine.
+    Cone { from: Sphere, axis: DVec3, sin: f64, cos: f64 },
     /// Along one direction, which the axes stand upright on; through a disc, its centre measured along
     /// them.
     Tube { axes: [DVec3; 2], centre: DVec2, radius: f64 },
@@ -109,16 +109,21 @@ impl Beam {
     /// Whether one of them could lead through a sphere. Errs on the side of yes.
     fn meets(&self, sphere: &Sphere) -> bool {
         match self {
-            Self::Cone { from, axis, angle } => {
+            Self::Cone { from, axis, sin, cos } => {
                 let way = sphere.centre - from.centre;
-                let distance = way.length();
+                let squared = way.length_squared();
                 let reach = sphere.radius + from.radius;
-                if distance <= reach {
+                // How far from a way its end touches the sphere; none if it begins inside.
+                let along = squared - reach * reach;
+                if along <= 0.0 {
                     return true;
                 }
-                let widest = angle + (reach / distance).asin();
-                // The cosine falls as the angle grows.
-                widest >= PI || way.dot(*axis) >= distance * widest.cos() - 1e-12
+                // The cosine of the sum of the beam's angle and that which the sphere fills, times the
+                // distance; it falls as the sum grows, to half a turn at most.
+                let along = along.sqrt();
+                let least = cos * along - sin * reach;
+                let more_than_half = sin * along + cos * reach <= 0.0;
+                more_than_half || way.dot(*axis) >= least - 1e-12
             }
             Self::Tube { axes, centre, radius } => {
                 let at = DVec2::new(sphere.centre.dot(axes[0]), sphere.centre.dot(axes[1]));
@@ -169,7 +174,8 @@ impl Beams {
             return Beam::Tube { axes: self.axes, centre: centre * scale, radius: radius * scale };
         }
         let (axis, angle) = self.cone(direction);
-        Beam::Cone { from: self.origins(point), axis, angle }
+        let (sin, cos) = angle.min(PI).sin_cos();
+        Beam::Cone { from: self.origins(point), axis, sin, cos }
     }
 
     /// A sphere about where they start.

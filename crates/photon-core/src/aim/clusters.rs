@@ -16,7 +16,7 @@ pub(super) struct Sphere {
 const ROUNDING: f64 = 1e-5;
 
 /// Finest grid that surfaces are sorted into, cells along each axis.
-const FINEST: usize = 32;
+const FINEST: usize = 64;
 
 /// Large triangles are halved into so many pieces altogether, at most.
 const PIECES: usize = 1 << 20;

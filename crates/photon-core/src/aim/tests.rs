@@ -1,5 +1,6 @@
 use super::*;
 use crate::layout::{Facet, Material};
+use crate::settings::Indirect;
 use crate::units::Units;
 
 /// A floor and a small mirror beneath a lamp on each side: a spot that looks at the mirror, and one that
@@ -67,25 +68,31 @@ fn lights_that_reach_nothing_specular_are_no_targets() {
     tables.lights.truncate(1);
     let nothing = Aim::of(&tables.view());
     assert!(nothing.is_empty() && nothing.share() == 0.0);
-    assert_eq!(nothing.paths(&Settings { caustic_photons: CausticPhotons::Aimed(7), ..Settings::default() }), None);
+    let settings = Settings { caustic_photons: CausticPhotons::Aimed(7), ..Settings::default() };
+    assert_eq!(nothing.paths(&settings, &Requirements::everything(&settings)), None);
     tables = Tables::new();
     tables.materials[1].kind = Material::LAMBERT;
     assert!(Aim::of(&tables.view()).is_empty());
 }
 
 #[test]
-fn most_of_the_light_need_not_be_aimed() {
+fn aiming_is_left_where_it_would_not_pay() {
     let mut tables = Tables::new();
+    tables.lights[0].power = [50.0; 3];
     let few = Aim::of(&tables.view());
-    tables.materials[0].kind = Material::THIN;
     tables.lights[0].power = [0.0; 3];
-    tables.lights[3].power = [0.01; 3];
     let many = Aim::of(&tables.view());
-    let paths =
-        |aim: &Aim, caustic_photons| aim.paths(&Settings { photons: 100, caustic_photons, ..Settings::default() });
-    assert!(many.share() > 0.5, "{}", many.share());
-    assert_eq!((paths(&few, CausticPhotons::Auto), paths(&many, CausticPhotons::Auto)), (Some(50), None));
-    assert_eq!((paths(&few, CausticPhotons::Shared), paths(&many, CausticPhotons::Aimed(9))), (None, Some(9)));
+    assert!(few.share() < WORTH && many.share() > WORTH, "{} {}", few.share(), many.share());
+    let paths = |aim: &Aim, caustic_photons, indirect| {
+        let settings = Settings { photons: 100, caustic_photons, indirect, ..Settings::default() };
+        aim.paths(&settings, &Requirements::everything(&settings))
+    };
+    use CausticPhotons::{Aimed, Auto, Shared};
+    let map = Indirect::Map;
+    assert_eq!((paths(&few, Auto, map), paths(&many, Auto, map)), (Some(25), None));
+    assert_eq!((paths(&few, Shared, map), paths(&many, Aimed(9), map)), (None, Some(9)));
+    // Nobody else sends photons out.
+    assert_eq!(paths(&many, Auto, Indirect::None), Some(100));
 }
 
 /// The mean of what photons carry is the power that leaves by marked cells.

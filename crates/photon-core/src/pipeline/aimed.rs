@@ -20,7 +20,7 @@ pub(super) fn stages<B: TransportBackend>(
     let mut stages = on.stages(required, settings)?;
     if required.aimed {
         let aim = Aim::of(scene);
-        if let Some(paths) = aim.paths(settings) {
+        if let Some(paths) = aim.paths(settings, required) {
             let aimed = on.aimed(required, settings, &aim)?;
             stages.aimed = aimed.map(|(emitter, tracer)| Aimed { emitter, tracer, paths });
         }

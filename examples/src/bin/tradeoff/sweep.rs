@@ -1,7 +1,8 @@
 //! The settings that are tried: each knob by itself, about a middle setting.
 
 use photon_core::{
-    Area, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Settings, Sharing,
+    Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind,
+    Settings, Sharing,
 };
 use photon_examples::fault::Fault;
 
@@ -81,6 +82,12 @@ fn points(base: &Settings) -> Vec<Point> {
     add("indirect", "gather, 4 rays, passes x4", gather(4), 4 * PASSES);
     let fewer = Settings { photons: base.photons / 4, ..gather(4) };
     add("indirect", "gather, 4 rays, 1/4 photons, passes x4", fewer, 4 * PASSES);
+    let places = Settings { irradiance_every: Some(4), ..gather(16) };
+    add("indirect", "gather, 16 rays to places", places, PASSES);
+    for passes in [PASSES, 4 * PASSES] {
+        let per_pixel = with(&|s| (s.bandwidth, s.errors) = (Bandwidth::PerPixel, true));
+        add("bandwidth", &format!("per pixel, {passes} passes"), per_pixel, passes);
+    }
     add("sharing", "static", with(&|s| s.sharing = Sharing::Static), PASSES);
     add("generator", "LCG", with(&|s| s.random = RandomKind::Lcg), PASSES);
     for passes in [4, PASSES] {

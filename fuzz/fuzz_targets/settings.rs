@@ -1,7 +1,10 @@
 //! Any settings: refused by name, or a picture of finite numbers.
 #![no_main]
 
-use photon_core::{Direct, Estimator, IndexKind, Indirect, Kernel, Paper, RandomKind, Settings, Sharing};
+use photon_core::{
+    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, RandomKind, Settings,
+    Sharing,
+};
 
 /// Takes numbers off the front of the input; zeros when it is used up.
 struct Bytes<'a>(&'a [u8]);
@@ -72,6 +75,14 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         photon_capacity: from.perhaps(|from| u64::from_le_bytes(from.take())),
         memory: from.perhaps(|from| u64::from_le_bytes(from.take())),
         seed: u64::from_le_bytes(from.take()),
+        radius_factor: from.any(),
+        area: [Area::Disc, Area::Surface][usize::from(from.byte() % 2)],
+        bandwidth: [Bandwidth::Shared, Bandwidth::PerPixel][usize::from(from.byte() % 2)],
+        caustic_photons: match from.byte() % 8 {
+            0 => CausticPhotons::Auto,
+            1 => CausticPhotons::Aimed(u32::from(from.byte())),
+            _ => CausticPhotons::Shared,
+        },
         ..Settings::default()
     };
     static SCENES: std::sync::OnceLock<Vec<photon_scene::Scene>> = std::sync::OnceLock::new();

@@ -34,6 +34,9 @@ const float WIDER = 1.0000019;
 const float START_SLACK = 2.3841858e-7;
 const float STEPS_SLACK = 3.0398369e-5;
 
+// Vertices so near to the plane through the origin, across the ray's axis, are on either side of it.
+const float BESIDE = 1.0 / 2097152.0;
+
 // A ray in the test's own frame: sheared so that it runs along its largest axis.
 struct Sheared {
     vec3 origin;
@@ -94,8 +97,32 @@ float edge_again(vec2 from, vec2 to) {
     return difference;
 }
 
+// ab − cd, but for one rounding of it.
+float difference(float a, float b, float c, float d) {
+    precise float left = a * b;
+    precise float right = c * d;
+    precise float result = (left - right) + (product_error(a, b, left) - product_error(c, d, right));
+    return result;
+}
+
+// The distance of the plane through these points, or `other` if the ray runs along it. By a normal that has all its
+// digits however thin the triangle is.
+float plane_distance(vec3 a, vec3 b, vec3 c, vec3 shear, float other) {
+    precise vec3 p = b - a;
+    precise vec3 q = c - a;
+    float x = difference(p.y, q.z, p.z, q.y);
+    float y = difference(p.z, q.x, p.x, q.z);
+    float z = difference(p.x, q.y, p.y, q.x);
+    precise float along = x * shear.x + y * shear.y + z;
+    precise float away = shear.z * (x * a.x + y * a.y + z * a.z);
+    return along != 0.0 ? away / along : other;
+}
+
 // Replaces `best` if the triangle is nearer, or as near and of lower index. Both sides count; edges
 // and vertices belong to every triangle that has them.
+//
+// The distances of triangles about the origin come from their planes: as means of the vertices' distances, those of
+// slivers are off by more than rays step off surfaces, so that a ray met the triangle that it had just left.
 void test_triangle(Corners table, uint slot, Sheared s, inout Hit best) {
     Corners corners = table[slot];
     vec4 first = corners.a;
@@ -121,6 +148,10 @@ void test_triangle(Corners table, uint slot, Sheared s, inout Hit best) {
     precise vec3 z = s.shear.z * vec3(a.z, b.z, c.z);
     precise float scaled = u * z.x + v * z.y + w * z.z;
     precise float t = scaled / determinant;
+    // A mean of numbers of one sign has that sign.
+    if (min(min(z.x, z.y), z.z) <= BESIDE && max(max(z.x, z.y), z.z) >= -BESIDE) {
+        t = plane_distance(a, b, c, s.shear, t);
+    }
     uint primitive = floatBitsToUint(first.w);
     if (t >= 0.0 && (t < best.t || t == best.t && primitive < best.primitive)) {
         precise vec2 weights = vec2(v, w) / determinant;

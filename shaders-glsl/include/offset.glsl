@@ -3,6 +3,7 @@
 #define OFFSET_GLSL
 
 const float OFFSET_STEP = 1.0 / 1048576.0;
+const float OFFSET_MARGIN = 2.0 * OFFSET_STEP;
 const float OFFSET_MOST = 1.0 / 16.0;
 
 // The point (1 - u - v) a + u b + v c.
@@ -17,33 +18,50 @@ vec3 off_surface(vec3 point, vec3 normal) {
     return moved;
 }
 
-// The weight that keeps a point two steps from an edge.
-float least_weight(vec3 edge, float area) {
-    precise float length = abs(edge.x) + abs(edge.y) + abs(edge.z);
-    precise float wanted = 2.0 * OFFSET_STEP * length;
-    return wanted < OFFSET_MOST * area ? wanted / area : OFFSET_MOST;
+// The weight of a corner that keeps a point off the edge below it, and where along that edge its foot is.
+vec2 above_edge(vec3 corner, vec3 from, vec3 to) {
+    precise vec3 side = corner - from;
+    precise vec3 edge = to - from;
+    float squared = dot3(edge, edge);
+    float along = squared > 0.0 ? dot3(side, edge) / squared : 0.0;
+    precise vec3 height = side - edge * along;
+    vec3 size = abs(height);
+    return vec2(min(OFFSET_MARGIN / max(max(size.x, size.y), size.z), OFFSET_MOST), clamp(along, 0.0, 1.0));
 }
 
-// The point of a triangle that a ray goes on from, two steps at least from its edges.
+// The weights of a corner and the two after it, moved so that the first is what it should be.
+vec3 raised(vec3 weights, vec2 above, float least, float next_least) {
+    precise float lack = above.x - weights.x;
+    if (lack <= 0.0) return weights;
+    precise float spare = max(weights.y - least, 0.0);
+    precise float next_spare = max(weights.z - next_least, 0.0);
+    precise float across = lack * (1.0 - above.y);
+    precise float rest = lack - next_spare;
+    precise float first = min(max(across, rest), spare);
+    precise vec3 result = vec3(weights.x + lack, weights.y - first, weights.z - (lack - first));
+    return result;
+}
+
+// The way from a point to where it is two steps from every edge.
+vec3 inward(vec3 a, vec3 b, vec3 c, float u, float v) {
+    vec2 at = above_edge(a, b, c), bt = above_edge(b, c, a), ct = above_edge(c, a, b);
+    precise vec3 weights = vec3(1.0 - u - v, u, v);
+    weights = raised(weights, at, bt.x, ct.x);
+    weights = raised(weights.yzx, bt, ct.x, at.x).zxy;
+    weights = raised(weights.zxy, ct, at.x, bt.x).yzx;
+    precise vec3 way = (b - a) * (weights.y - u) + (c - a) * (weights.z - v);
+    vec3 size = abs(way);
+    float length = max(max(size.x, size.y), size.z);
+    precise vec3 limited = way * (4.0 * OFFSET_MARGIN / length);
+    return length > 4.0 * OFFSET_MARGIN ? limited : way;
+}
+
+// The point of a triangle that a ray begins at, two steps at least from its edges.
 vec3 within(vec3 a, vec3 b, vec3 c, float u, float v) {
+    precise vec3 point = barycentric(a, b, c, u, v);
     precise float w = 1.0 - u - v;
-    if (min(min(u, v), w) < OFFSET_MOST) {
-        precise vec3 ab = b - a;
-        precise vec3 ac = c - a;
-        precise vec3 bc = c - b;
-        precise vec3 across = vec3(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x);
-        vec3 size = abs(across);
-        float area = max(max(size.x, size.y), size.z);
-        u = max(u, least_weight(ac, area));
-        v = max(v, least_weight(ab, area));
-        precise float lack = least_weight(bc, area) - (1.0 - u - v);
-        if (lack > 0.0) {
-            precise vec2 less = vec2(u, v) - lack;
-            if (u > v) u = less.x;
-            else v = less.y;
-        }
-    }
-    return barycentric(a, b, c, u, v);
+    if (min(min(u, v), w) < OFFSET_MOST) point = point + inward(a, b, c, u, v);
+    return point;
 }
 
 #endif

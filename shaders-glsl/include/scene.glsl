@@ -68,6 +68,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
 struct Surface {
     float t;
     vec3 point;
+    // Where rays go on from, but for the step off the surface.
+    vec3 start;
     // On the side that the ray came from.
     vec3 normal;
     // Between that normal and the way back, at least 0.
@@ -86,6 +88,7 @@ Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     Surface found;
     found.t = hit.t;
     found.point = barycentric(corners.a.xyz, corners.b.xyz, corners.c.xyz, hit.u, hit.v);
+    found.start = within(corners.a.xyz, corners.b.xyz, corners.c.xyz, hit.u, hit.v);
     found.normal = front ? facet.normal : -facet.normal;
     found.cosine = abs(cosine);
     found.front = front;
@@ -103,12 +106,12 @@ bool surface(SceneRef scene, Ray ray, out Surface found) {
 
 // A ray that goes on from here on the side that it came from.
 Ray surface_leave(Surface at, vec3 direction) {
-    return Ray(off_surface(at.point, at.normal), direction, NO_LIMIT);
+    return Ray(off_surface(at.start, at.normal), direction, NO_LIMIT);
 }
 
 // A ray that goes on beyond.
 Ray surface_pass(Surface at, vec3 direction) {
-    return Ray(off_surface(at.point, -at.normal), direction, NO_LIMIT);
+    return Ray(off_surface(at.start, -at.normal), direction, NO_LIMIT);
 }
 
 // Share of each channel that is left after the stretch that ended on `at`: Beer and Lambert's law

@@ -249,7 +249,7 @@ uint step_path(inout Path path, Hit hit) {
     }
     ++path.bounce;
     if (absorbed) return FATE_ABSORBED;
-    path.ray = Ray(off_surface(at.point, passes ? -at.normal : at.normal), onward, NO_LIMIT);
+    path.ray = Ray(off_surface(at.start, passes ? -at.normal : at.normal), onward, NO_LIMIT);
     return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
 }
 

@@ -8,6 +8,7 @@
 layout(local_size_x_id = 1) in;
 
 #include "probe.glsl"
+#include "math.glsl"
 #include "offset.glsl"
 
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {

@@ -79,7 +79,7 @@ macro_rules! whole_suite {
             }
             paper::{a14_extra_cosine_loses_a_third, the_clamp_is_the_papers}
             numerics::{
-                s1_no_leaks, s6_coincident_photons, s7_fewer_photons_than_k, s8_degenerate_maps, s9_not_finite,
+                s1_no_leaks, s1_no_leaks_through_slivers, s6_coincident_photons, s7_fewer_photons_than_k, s8_degenerate_maps, s9_not_finite,
                 s10_n1_many_small_numbers, s15_albedo_one_ends_at_the_cap, s4_s17_scale_and_brightness,
                 s19_random_numbers, s20_ends_of_the_unit_interval, s27_neighbour_sets_are_exact, s29_nothing_to_render,
                 s30_least_of_everything,

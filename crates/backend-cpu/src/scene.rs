@@ -69,6 +69,7 @@ impl CpuScene {
         Some(Surface {
             t,
             point: offset::barycentric(self.vertices[primitive as usize], u, v),
+            start: offset::within(self.vertices[primitive as usize], u, v),
             normal: if front { normal } else { -normal },
             cosine: cosine.abs(),
             front,
@@ -105,6 +106,8 @@ pub(crate) const VACUUM: u32 = u32::MAX;
 pub(crate) struct Surface {
     pub(crate) t: f32,
     pub(crate) point: Vec3,
+    /// Where rays go on from, but for the step off the surface.
+    pub(crate) start: Vec3,
     /// On the side that the ray came from.
     pub(crate) normal: Vec3,
     /// Between that normal and the way back, ≥ 0.
@@ -124,12 +127,12 @@ impl Surface {
     /// A ray that goes on from here on the side that it came from.
     #[inline]
     pub(crate) fn leave(&self, direction: Vec3) -> Ray {
-        Ray { origin: offset::off_surface(self.point, self.normal), direction, t_max: f32::INFINITY }
+        Ray { origin: offset::off_surface(self.start, self.normal), direction, t_max: f32::INFINITY }
     }
 
     /// A ray that goes on beyond.
     #[inline]
     pub(crate) fn pass(&self, direction: Vec3) -> Ray {
-        Ray { origin: offset::off_surface(self.point, -self.normal), direction, t_max: f32::INFINITY }
+        Ray { origin: offset::off_surface(self.start, -self.normal), direction, t_max: f32::INFINITY }
     }
 }

@@ -6,7 +6,7 @@ use super::scenes::{Put, mean, studio};
 use super::sheet::Sheet;
 use crate::equivalence::matched;
 use crate::harness::{TestBackend, film, trace};
-use crate::numerics::turned_room;
+use crate::numerics::{turned_drum, turned_room, turned_wedge};
 
 /// The group.
 pub fn all<T: TestBackend>(sheet: &mut Sheet) {
@@ -30,6 +30,18 @@ fn leaks<T: TestBackend>(sheet: &mut Sheet) {
     }
     let range = format!("10^k m, k = {exponents:?}, {met} bounces");
     sheet.holds("S1", "closed rotated box, albedo 0.99: paths that get out", range, lost.to_string(), lost == 0);
+
+    let rooms = [
+        ("drum of 512 sides, slivers", turned_drum(0.99, 1.0), sheet.either(300, 20_000)),
+        ("wedge of 60 degrees", turned_wedge(60.0, 0.99, 1.0), sheet.either(1500, 100_000)),
+    ];
+    for (name, room, paths) in rooms {
+        let scene = room.build().unwrap();
+        let (_, tally) = trace::<T>(2, &scene, &Settings { max_bounces: 2000, ..Settings::default() }, &[paths]);
+        let lost = tally.escaped + tally.dropped;
+        let range = format!("{} bounces", tally.surfaces);
+        sheet.holds("S1", &format!("closed rotated {name}: paths that get out"), range, lost.to_string(), lost == 0);
+    }
 }
 
 fn settings(sheet: &Sheet) -> Settings {

@@ -107,14 +107,28 @@ impl Wide {
     /// sixteenth of the triangle, as `offset::within` has it.
     pub(crate) fn point(&self, primitive: usize, u: f64, v: f64) -> DVec3 {
         let [a, b, c] = self.triangles[primitive];
-        let area = (b - a).cross(c - a).length();
-        let least = |edge: DVec3| (2.0 * self.step * edge.length() / area).min(1.0 / 16.0);
-        let (mut u, mut v) = (u.max(least(c - a)), v.max(least(b - a)));
-        let lack = least(c - b) - (1.0 - u - v);
-        if lack > 0.0 {
-            *(if u > v { &mut u } else { &mut v }) -= lack;
+        let margin = 2.0 * self.step;
+        let above = [(a, b, c), (b, c, a), (c, a, b)].map(|(corner, from, to)| {
+            let along = (corner - from).dot(to - from) / (to - from).length_squared();
+            let height = corner - from - (to - from) * along;
+            ((margin / height.abs().max_element()).min(1.0 / 16.0), along.clamp(0.0, 1.0))
+        });
+        let mut weights = [1.0 - u - v, u, v];
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let lack = above[i].0 - weights[i];
+            if lack > 0.0 {
+                let spare = [j, k].map(|other| (weights[other] - above[other].0).max(0.0));
+                let first = (lack * (1.0 - above[i].1)).max(lack - spare[1]).min(spare[0]);
+                weights[i] += lack;
+                weights[j] -= first;
+                weights[k] -= lack - first;
+            }
         }
-        a * (1.0 - u - v) + b * u + c * v
+        let way = (b - a) * (weights[1] - u) + (c - a) * (weights[2] - v);
+        let length = way.abs().max_element();
+        let limit = if length > 4.0 * margin { 4.0 * margin / length } else { 1.0 };
+        a * (1.0 - u - v) + b * u + c * v + way * limit
     }
 
     fn with(scene: &Scene, triangles: Vec<[DVec3; 3]>) -> Self {

@@ -41,7 +41,7 @@ mod stages;
 mod tally;
 mod units;
 
-pub use aim::{Aim, Launch, Target};
+pub use aim::{Aim, Launch, Target, Unaimed};
 pub use backend::{AimedStages, Backend, Fill, Stage, StageTimings, TransportBackend};
 pub use budget::{Budget, Plan};
 pub use caster::{Hit, Ray, RayCaster};

@@ -39,6 +39,7 @@ mod settings;
 pub mod sobol;
 mod stages;
 mod tally;
+pub mod typical;
 mod units;
 
 pub use aim::{Aim, Launch, Target, Unaimed};

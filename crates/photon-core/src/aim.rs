@@ -100,11 +100,7 @@ impl Aim {
     ///
     /// # Errors
     /// Why nothing is.
-    pub fn chosen(
-        scene: &SceneView<'_>,
-        settings: &Settings,
-        required: &Requirements,
-    ) -> Result<(Self, u32), Unaimed> {
+    pub fn chosen(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> Result<(Self, u32), Unaimed> {
         let alone = !required.direct_map && !required.global_map;
         let (most, paths) = match settings.caustic_photons {
             CausticPhotons::Shared => return Err(Unaimed::Shared),

@@ -96,7 +96,6 @@ pub struct RawDevice {
 impl RawDevice {
     /// What must be enabled on a device: shaderInt64; bufferDeviceAddress, scalarBlockLayout, timelineSemaphore
     /// and hostQueryReset. A host adds what it needs itself.
-    #[must_use]
     pub fn features() -> (vk::PhysicalDeviceFeatures, vk::PhysicalDeviceVulkan12Features<'static>) {
         let twelve = vk::PhysicalDeviceVulkan12Features::default()
             .buffer_device_address(true)

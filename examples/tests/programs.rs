@@ -424,3 +424,31 @@ fn a_foreign_caster_gives_the_same_picture() {
         .unwrap();
     assert!(output.status.success(), "{output:?}");
 }
+
+/// Lights with all that another renderer needs of them, and as many triangles as the files have.
+#[test]
+fn an_exported_scene_is_whole() {
+    let folder = folder("export");
+    let export = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_export")).args(arguments).output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let to = folder.to_str().unwrap();
+    assert_eq!(export(&["ring", "--out", to]), (Some(0), String::new()));
+    let told: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.join("scene.json")).unwrap()).unwrap();
+    let spots = told["lights"].as_array().unwrap().iter().filter(|light| light["kind"] == "spot");
+    for spot in spots.clone() {
+        let [inner, outer] = [0, 1].map(|i: usize| spot["cone"][i].as_f64().unwrap());
+        assert!(0.0 <= inner && inner <= outer && outer <= std::f64::consts::PI, "{spot}");
+    }
+    assert!(spots.count() > 0);
+    for material in told["materials"].as_array().unwrap() {
+        let file = std::fs::read(folder.join(material["file"].as_str().unwrap())).unwrap();
+        let header = String::from_utf8_lossy(&file[..file.len().min(200)]).into_owned();
+        assert!(header.contains(&format!("element face {}\n", material["triangles"])), "{header}");
+    }
+    let (code, text) = export(&["no-such-scene", "--out", to]);
+    assert!(code == Some(2) && text.contains("no-such-scene"), "{text}");
+    let (code, text) = export(&["ring", "--size", "0", "--out", to]);
+    assert!(code == Some(2) && text.contains("0x0"), "{code:?} {text}");
+}

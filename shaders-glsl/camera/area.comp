@@ -73,8 +73,8 @@ void main() {
     vec3 apex = from + normal * height;
     float found = 0.0, all = 0.0;
     for (uint spoke = 0; spoke < AREA_SPOKES; spoke++) {
-        float angle = 6.28318531 * area_spoke_turns(spoke, turn);
-        vec3 direction = tangent * cos(angle) + bitangent * sin(angle);
+        vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
+        vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
         float free = opaque(Ray(apex, direction, radius), at) ? at.t : radius;
         for (uint ring = 0; ring < AREA_RINGS; ring++) {
             vec2 probe = area_probe(KERNEL, push.slope, spoke, ring, shift);

@@ -27,6 +27,12 @@ float unit_f32(uint word) {
     return float(word >> 8) * (1.0 / 16777216.0);
 }
 
+// Modulo 1 the same, in [-1/2, 1/2] and by all bits. Both parts are exact: one rounding.
+float centred_f32(uint word) {
+    precise float sum = float(int(word) >> 8) * (1.0 / 16777216.0) + float(word & 0xFFu) * (1.0 / 4294967296.0);
+    return sum;
+}
+
 // The random numbers of one path.
 struct Sampler {
     uint kind;

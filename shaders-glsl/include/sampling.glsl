@@ -43,11 +43,12 @@ vec3 cosine_hemisphere(vec3 n, float u, float v) {
     return sampling_around(n, sqrt(u), sqrt(square), v);
 }
 
-// A direction with density 1/4π.
+// A direction with density 1/4π; `u` counts modulo 1.
 vec3 uniform_sphere(float u, float v) {
-    precise float square = u * (1.0 - u);
-    precise float cos_theta = 1.0 - 2.0 * u;
-    return sampling_around(vec3(0.0, 0.0, 1.0), 2.0 * sqrt(square), cos_theta, v);
+    float h = abs(u);
+    precise float square = h * (1.0 - h);
+    precise float cos_theta = 1.0 - 2.0 * h;
+    return sampling_around(vec3(0.0, 0.0, 1.0), 2.0 * sqrt(square), u < 0.0 ? -cos_theta : cos_theta, v);
 }
 
 // Weights of the second and third vertex for a uniform point of a triangle.

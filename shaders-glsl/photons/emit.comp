@@ -63,7 +63,7 @@ void main() {
     vec3 origin = light.position;
     vec3 direction = light.direction;
     if ((FEATURES & FEATURE_POINT_LIGHTS) != 0u && light.kind == LIGHT_POINT) {
-        direction = uniform_sphere(c, d);
+        direction = uniform_sphere(centred_f32(start.x), d);
     } else if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0u && light.kind == LIGHT_SPOT) {
         direction = sampling_about(light.direction, spot_versine(light.versine_inner, light.versine_outer, c), d);
     } else if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0u && light.kind == LIGHT_DIRECTIONAL) {

@@ -13,7 +13,11 @@ layout(local_size_x_id = 1) in;
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     switch (FUNCTION) {
         case 0u: return Output(philox4x32(words.a, words.b.xy), uvec4(0u));
-        case 1u: return Output(uvec4(lcg(words.a.x), floatBitsToUint(unit_f32(words.a.x)), 0u, 0u), uvec4(0u));
+        case 1u: {
+            uint word = words.a.x;
+            uint centred = floatBitsToUint(centred_f32(word));
+            return Output(uvec4(lcg(word), floatBitsToUint(unit_f32(word)), centred, 0u), uvec4(0u));
+        }
         default: {
             Sampler s = sampler_new(words.a.x, words.a.yz, words.a.w, words.b.x, words.b.y);
             uvec4 first = sampler_words(s, words.b.z);

@@ -2,19 +2,20 @@
 //! `docs/requirements.md`.
 //!
 //! Without arguments: bytes, time and bits for each feature, derived beside widened, on every backend, in
-//! Markdown. `--work SCENE derived|widened PATHS`: one pass on one thread of the CPU, for a counter of
-//! instructions; `--scenes`: their names and bits of features, line by line.
+//! Markdown. `--work SCENE derived|widened PATHS PASSES`: so many passes of so many paths on one thread of the CPU,
+//! for a counter of instructions; `--scenes`: their names, line by line.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a program for measuring")]
 
 use backend_cpu::Cpu;
 use backend_vulkan::{Options, Vulkan};
 use photon_core::{
-    Direct, Estimator, Indirect, Pipeline, Render, Requirements, Settings, Stage, TransportBackend, View,
+    Area, Bandwidth, CausticPhotons, Direct, Estimator, Indirect, Pipeline, Render, Requirements, Settings, Stage,
+    TransportBackend, View,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes};
 use photon_tests::harness::look_at_point;
 
-const SCENES: [&str; 10] = [
+const SCENES: [&str; 15] = [
     "diffuse",
     "mirror",
     "dielectric",
@@ -25,6 +26,11 @@ const SCENES: [&str; 10] = [
     "area",
     "direct map",
     "final gather",
+    "aimed photons",
+    "area of surfaces",
+    "errors",
+    "radii of pixels",
+    "irradiance beforehand",
 ];
 
 fn main() {
@@ -33,15 +39,16 @@ fn main() {
     match words[..] {
         ["--scenes"] => {
             for name in SCENES {
-                let (scene, settings) = scene(name);
-                println!("{name}\t{}", Requirements::of(&scene.view(), &settings).features.bits());
+                println!("{name}");
             }
         }
-        ["--work", name, how, paths] => {
-            let (scene, settings) = scene(name);
-            let settings = Settings { photons: paths.parse().unwrap(), ..settings };
+        ["--work", name, how, paths, passes] => {
+            let (scene, settings) = scene(name, paths.parse().unwrap());
             let required = required(&scene, &settings, how == "widened");
-            start(Cpu::with_threads(1).unwrap(), &scene, &settings, required).pass(0, &mut ()).unwrap();
+            let mut renderer = start(Cpu::with_threads(1).unwrap(), &scene, &settings, required);
+            for pass in 0..passes.parse().unwrap() {
+                renderer.pass(pass, &mut ()).unwrap();
+            }
         }
         _ => {
             table("CPU", || Cpu::with_threads(2).unwrap(), 60_000);
@@ -52,8 +59,8 @@ fn main() {
     }
 }
 
-/// A room with one thing in it.
-fn scene(name: &str) -> (Scene, Settings) {
+/// A room with one thing in it, for passes of so many paths.
+fn scene(name: &str, photons: u32) -> (Scene, Settings) {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
     let (positions, triangles) = shapes::flip(shapes::cuboid([-1.0; 3], [1.0; 3]));
@@ -61,7 +68,7 @@ fn scene(name: &str) -> (Scene, Settings) {
     let surface = |surface| MaterialDesc::new("thing", surface);
     let thing = match name {
         "mirror" => MaterialDesc::mirror("thing", [0.9; 3]),
-        "dielectric" => MaterialDesc::glass("thing", 1.5),
+        "dielectric" | "aimed photons" => MaterialDesc::glass("thing", 1.5),
         "absorption" => surface(Surface::Dielectric { ior: 1.5, absorption: [0.5; 3], tint: [1.0; 3] }),
         "thin" => MaterialDesc::thin("thing", 1.5),
         _ => MaterialDesc::lambert("thing", [0.4; 3]),
@@ -85,14 +92,23 @@ fn scene(name: &str) -> (Scene, Settings) {
         _ => builder.light("lamp", LightDesc::Point { position, intensity: [1.0; 3] }),
     }
     look_at_point(&mut builder, [0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.05, 0.5);
-    let settings = Settings {
+    let mut settings = Settings {
+        photons,
         max_bounces: 16,
         estimator: Estimator::Radius { radius: Some(0.1) },
-        direct: if name == "direct map" { Direct::Photons } else { Direct::Nee },
-        indirect: if name == "final gather" { Indirect::Gather } else { Indirect::Map },
         gather_rays: 4,
         ..Settings::default()
     };
+    match name {
+        "direct map" => settings.direct = Direct::Photons,
+        "final gather" => settings.indirect = Indirect::Gather,
+        "aimed photons" => settings.caustic_photons = CausticPhotons::Aimed(photons / 4),
+        "area of surfaces" => settings.area = Area::Surface,
+        "errors" => settings.errors = true,
+        "radii of pixels" => (settings.errors, settings.bandwidth) = (true, Bandwidth::PerPixel),
+        "irradiance beforehand" => (settings.indirect, settings.irradiance_every) = (Indirect::Gather, Some(8)),
+        _ => {}
+    }
     (builder.build().unwrap(), settings)
 }
 
@@ -109,14 +125,14 @@ fn table<B: TransportBackend>(name: &str, make: impl Fn() -> B, photons: u32) {
     println!("### Bytes and time on {name}: {}\n", make().device());
     println!("| scene | features | bytes | widened | ms a pass | widened | bits |\n|---|---|---|---|---|---|---|");
     for scene_name in SCENES {
-        let (scene, settings) = scene(scene_name);
-        let settings = Settings { photons, ..settings };
+        let (scene, settings) = scene(scene_name, photons);
         let mut both = [false, true].map(|widened| {
             let required = required(&scene, &settings, widened);
             (start(make(), &scene, &settings, required), Vec::new())
         });
-        // In turns, so that other work on the machine meets both.
-        for pass in 0..5 {
+        // In turns, so that other work on the machine meets both; until pixels have radii of their own.
+        let passes = if settings.bandwidth == Bandwidth::PerPixel { 10 } else { 5 };
+        for pass in 0..passes {
             for (renderer, times) in &mut both {
                 let photon_core::PassEnd::Done(report) = renderer.pass(pass, &mut ()).unwrap() else { continue };
                 times.push(Stage::ALL.into_iter().map(|stage| report.seconds.get(stage)).sum::<f64>());

@@ -9,6 +9,7 @@ use photon_core::{
 };
 use photon_scene::{Accel, CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
+use crate::equivalence::rays;
 use crate::harness::{TestBackend, per_pass, renderer};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
@@ -244,5 +245,39 @@ pub fn g4_aimed_paths_are_accounted_for<T: TestBackend>() {
         without.pass(0, &mut ()).unwrap();
         let facts = without.facts();
         assert!(facts.aimed.is_none() && !facts.memory.iter().any(|(label, _)| label.contains("aimed")), "{name}");
+    }
+}
+
+/// G5: about both poles of a point light the heights of directions are not those of 24 bits: of 24 bits, the
+/// number of a height would be whole; how far it is from that is even in [0, 1/2], with deviation 1/√48.
+pub fn g5_directions_about_poles_are_fine<T: TestBackend>() {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
+    let metal = builder.material(MaterialDesc::mirror("metal", [0.9; 3]));
+    builder.quad("floor", [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, -1.0]], grey);
+    let h = 0.05;
+    for z in [-1.0, 1.0] {
+        builder.quad("mirror", [[-h, -h, z], [h, -h, z], [h, h, z], [-h, h, z]], metal);
+    }
+    builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
+    let scene = builder.build().unwrap();
+    let aim = Aim::of(&scene.view());
+    let settings = Settings { seed: 7, ..Settings::default() };
+    let sent = rays::<T>(&scene, &settings, Some(&aim), 400_000);
+    for pole in [1.0_f32, -1.0] {
+        let gaps: Vec<f64> = sent
+            .iter()
+            .filter(|ray| ray.direction[2] * pole > 0.0)
+            .filter_map(|ray| {
+                let [x, y, _] = ray.direction.map(f64::from);
+                let squared = x * x + y * y;
+                let number = squared / (2.0 * (1.0 + (1.0 - squared).sqrt())) * 16_777_216.0;
+                (number < 64.0).then(|| (number - number.round()).abs())
+            })
+            .collect();
+        let n = gaps.len() as f64;
+        let (mean, error) = (moments(&gaps).0, (1.0 / (48.0 * n)).sqrt());
+        assert_agrees("distance from whole numbers", mean, 0.25, error, 0.0);
+        assert!(!agrees(0.0, 0.25, error, 0.0), "too few: {n}");
     }
 }

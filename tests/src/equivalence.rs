@@ -38,7 +38,13 @@ pub fn same_photon(a: &Photon, b: &Photon) -> bool {
     near(a.position, b.position, 1e-4) && near(a.power, b.power, 1e-3 * Vec3::from(a.power).length())
 }
 
-fn rays<T: TestBackend>(scene: &Scene, settings: &Settings, aim: Option<&Aim>, count: u32) -> Vec<PhotonRay> {
+/// The first so many photons of a pass as they leave the lights, aimed or not.
+pub(crate) fn rays<T: TestBackend>(
+    scene: &Scene,
+    settings: &Settings,
+    aim: Option<&Aim>,
+    count: u32,
+) -> Vec<PhotonRay> {
     let mut on = T::make(2);
     let view = scene.view();
     let required = Requirements::of(&view, settings);

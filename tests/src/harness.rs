@@ -1,9 +1,11 @@
 //! What the suite asks of a backend, and ways to ask it.
 
+use std::ops::Range;
+
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Deposits, Estimate, Film, Gather, IndexKind, Pass, Photon, PhotonRay, Pipeline, Query, RandomKind, Render,
-    Requirements, Settings, Tally, TransportBackend, View, octahedral,
+    Backend, Batch, Deposits, Estimate, Film, Gather, IndexKind, Pass, Photon, PhotonRay, Pipeline, Query, RandomKind,
+    Render, Requirements, Settings, Stages, Tally, TransportBackend, View, octahedral,
 };
 use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
 
@@ -78,7 +80,6 @@ pub fn estimates<T: TestBackend>(
     queries: &[Query],
     gathers: &[Gather],
 ) -> Vec<Vec<Estimate>> {
-    use photon_core::Backend;
     let mut on = T::make(2);
     let mut stages = on.map_stages(kind).unwrap();
     let photons = on.upload("photons", photons).unwrap();
@@ -101,34 +102,62 @@ pub fn trace<T: TestBackend>(
     settings: &Settings,
     batches: &[u32],
 ) -> ([Vec<Photon>; 3], Tally) {
-    use photon_core::Backend;
-    let mut on = T::make(threads);
-    let view = scene.view();
-    let required =
-        Requirements { direct_map: true, caustic_map: true, global_map: true, ..Requirements::of(&view, settings) };
-    let prepared = on.prepare(&view, &required).unwrap();
-    let mut stages = on.stages(&required, settings).unwrap();
-    let pass = Pass { seed: settings.seed, index: 0, random: settings.random };
     let total: u32 = batches.iter().sum();
     let capacity = u64::from(total) * u64::from(settings.max_bounces.min(256)) + 1;
-    let mut rays = on.alloc::<PhotonRay>("rays", u64::from(total)).unwrap();
-    let mut buffers = ["direct", "caustic", "global"].map(|label| on.alloc::<Photon>(label, capacity).unwrap());
+    let mut tracing = Tracing::new(T::make(threads), scene, settings, capacity);
+    let mut rays = tracing.on.alloc::<PhotonRay>("rays", u64::from(total)).unwrap();
     let mut first = 0;
     for &count in batches {
-        let batch = Batch { pass, paths: first..first + count };
-        stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
-        let [direct, caustic, global] = &mut buffers;
-        let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
-        stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
+        let batch = Batch { pass: tracing.pass, paths: first..first + count };
+        tracing.stages.emitter.emit(&mut tracing.on, &tracing.prepared, &batch, &mut rays).unwrap();
+        tracing.follow(batch.paths, &rays);
         first += count;
     }
-    let tally = stages.tracer.take_tally(&mut on).unwrap();
-    let photons = buffers.map(|buffer| {
-        let mut out = Vec::new();
-        on.download(&buffer, &mut out).unwrap();
-        out
-    });
-    (photons, tally)
+    tracing.end()
+}
+
+/// A backend with a scene, and room for the photons of all three maps.
+#[expect(missing_debug_implementations, reason = "boxed stages")]
+pub struct Tracing<B: TransportBackend> {
+    /// What it works on.
+    pub on: B,
+    prepared: B::Scene,
+    stages: Stages<B>,
+    pass: Pass,
+    photons: [B::Buffer<Photon>; 3],
+}
+
+impl<B: TransportBackend> Tracing<B> {
+    /// Ready for the first pass, with room for so many photons in each map.
+    pub fn new(mut on: B, scene: &Scene, settings: &Settings, capacity: u64) -> Self {
+        let view = scene.view();
+        let required =
+            Requirements { direct_map: true, caustic_map: true, global_map: true, ..Requirements::of(&view, settings) };
+        let prepared = on.prepare(&view, &required).unwrap();
+        let stages = on.stages(&required, settings).unwrap();
+        let pass = Pass { seed: settings.seed, index: 0, random: settings.random };
+        let photons = ["direct", "caustic", "global"].map(|label| on.alloc(label, capacity).unwrap());
+        Self { on, prepared, stages, pass, photons }
+    }
+
+    /// Follows rays that are the first of those paths.
+    pub fn follow(&mut self, paths: Range<u32>, rays: &B::Buffer<PhotonRay>) {
+        let [direct, caustic, global] = &mut self.photons;
+        let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
+        let batch = Batch { pass: self.pass, paths };
+        self.stages.tracer.trace(&mut self.on, &self.prepared, &batch, rays, deposits).unwrap();
+    }
+
+    /// Photons of the direct, caustic and global map, and what became of all.
+    pub fn end(mut self) -> ([Vec<Photon>; 3], Tally) {
+        let tally = self.stages.tracer.take_tally(&mut self.on).unwrap();
+        let photons = self.photons.map(|buffer| {
+            let mut out = Vec::new();
+            self.on.download(&buffer, &mut out).unwrap();
+            out
+        });
+        (photons, tally)
+    }
 }
 
 /// What one stored sum of flux is per path and in watts, mean of RGB.

@@ -59,6 +59,7 @@ macro_rules! whole_suite {
             aiming::{
                 g1_aimed_photons_have_the_same_expectation, g2_all_ways_to_something_specular_are_marked,
                 g3_aimed_pictures_have_the_same_mean, g4_aimed_paths_are_accounted_for,
+                g5_directions_about_poles_are_fine,
             }
             estimators::{
                 a1_naive_knn_is_too_bright, a2_corrected_knn_is_unbiased, a3_a4_kernels_in_knn_are_unbiased,

@@ -3,7 +3,9 @@
 use photon_core::area::{self, HEIGHT, LEAST_RADIUS, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{AreaProbe, Estimate, Gather, Material, Pass, Query, RandomKind, Ray, Result, offset, sampling};
+use photon_core::{
+    AreaProbe, Estimate, Gather, Material, Pass, Query, RandomKind, Ray, Result, math, offset, sampling,
+};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -59,7 +61,7 @@ fn share(scene: &CpuScene, pass: Pass, query: &Query, gather: &Gather, radius: f
     let apex = from + normal * height;
     let (mut found, mut all) = (0.0, 0.0);
     for spoke in 0..SPOKES {
-        let (sine, cosine) = (std::f32::consts::TAU * area::spoke_turns(spoke, turn)).sin_cos();
+        let (sine, cosine) = math::sin_cos_turns(area::spoke_turns(spoke, turn));
         let direction = tangent * cosine + bitangent * sine;
         let along = Ray { origin: apex, direction, t_max: radius };
         let free = opaque(scene, along).map_or(radius, |(t, _)| t);

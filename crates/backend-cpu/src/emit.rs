@@ -1,7 +1,7 @@
 //! Photons leave the lights.
 
 use photon_core::glam::Vec3;
-use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler, unit_f32};
+use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler, centred_f32, unit_f32};
 use photon_core::{Aim, Batch, Emitter, Light, PhotonRay, Result, light_probability, offset, pick_light, sampling};
 use rayon::prelude::*;
 
@@ -85,11 +85,12 @@ fn leave<const AIMED: bool>(
     side: u32,
 ) -> PhotonRay {
     let ([a, b], [c, d]) = (point.map(unit_f32), direction.map(unit_f32));
+    let [height, _] = direction;
     let light = &scene.lights[index];
     let position = Vec3::from(light.position);
     let along = Vec3::from(light.direction);
     let (origin, direction) = match light.kind {
-        Light::POINT => (position, sampling::uniform_sphere(c, d)),
+        Light::POINT => (position, sampling::uniform_sphere(centred_f32(height), d)),
         Light::SPOT => {
             let versine = sampling::spot_versine(light.versine_inner, light.versine_outer, c);
             (position, sampling::about(along, versine, d))

@@ -1,7 +1,7 @@
 //! Irradiance from the photons near a point.
 
 use photon_core::glam::Vec3;
-use photon_core::{Error, Estimate, Gather, Query, RadianceEstimator, Result, Rule, Spread, octahedral};
+use photon_core::{Error, Estimate, Gather, Query, RadianceEstimator, Result, Rule, Spread, octahedral, typical};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -9,8 +9,8 @@ use crate::index::Neighbours;
 use crate::map::CpuMap;
 use crate::spread::spread_at;
 
-/// The least squared radius that an estimate divides by: (2⁻²⁰ of the scene)².
-const LEAST: f32 = 1.0 / (1_048_576.0 * 1_048_576.0);
+/// The least squared radius that an estimate divides by.
+const LEAST: f32 = typical::LEAST * typical::LEAST;
 
 /// Queries that a thread takes at a time.
 const BLOCK: usize = 256;
@@ -87,16 +87,13 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         neighbours: u32,
         min_normal_cosine: f32,
     ) -> Result<Option<f32>> {
-        const SAMPLE: usize = 1024;
-        const WIDEST: f32 = 0.25;
-        // No photon is asked to look farther.
-        const LIMIT: f32 = WIDEST * WIDEST;
+        const LIMIT: f32 = typical::WIDEST * typical::WIDEST;
         let photons = map.photons();
-        let count = photons.len().min(SAMPLE);
+        let count = photons.len().min(typical::SAMPLE as usize);
         if photons.len() <= neighbours as usize {
             return Ok(None);
         }
-        let mut found: Vec<f32> = on.pool.install(|| {
+        let found = on.pool.install(|| {
             (0..count)
                 .into_par_iter()
                 .filter_map(|i| {
@@ -110,11 +107,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
                 })
                 .collect()
         });
-        if found.len() * 2 < count {
-            return Ok(Some(WIDEST));
-        }
-        found.sort_unstable_by(f32::total_cmp);
-        Ok(Some(found[found.len() / 2].max(LEAST).sqrt()))
+        Ok(Some(typical::radius(found, count as u32)))
     }
 }
 

@@ -4,6 +4,8 @@
 //! each: f64 and float atomics are not asked of a device. A layer is allocated when something is
 //! first added to it.
 
+use std::ops::Range;
+
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Estimate, Film, Layer, Query, Result, Units, check_size};
 
@@ -248,17 +250,59 @@ pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()>
     on.fill(&film.first_pass, 0, film.first_pass.bytes(), 0)
 }
 
-/// Brings the sums home, a stretch of pixels at a time with all their planes together.
+/// Brings the sums home.
 pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     let mut picture = Film::new(film.width, film.height, film.units)?;
     picture.passes = film.passes;
-    let pixels = picture.pixels.len();
     let sums = film.layers.iter().flatten().flat_map(|plane| (0..6).map(|i| (&plane.sum, i)));
-    let planes: Vec<(&Memory, usize)> = (0..FIRST_PLANES).map(|i| (&film.first_sum, i)).chain(sums).collect();
+    let planes: Vec<_> = (0..FIRST_PLANES).map(|i| (&film.first_sum, i)).chain(sums).collect();
+    let pixels = &mut picture.pixels;
+    home(on, &planes, pixels.len(), |stretch| {
+        for (i, pixel) in pixels[stretch.pixels.clone()].iter_mut().enumerate() {
+            let first = |plane: usize| stretch.sum(plane, FIRST_LOW, i);
+            pixel.normal = std::array::from_fn(first);
+            pixel.albedo = std::array::from_fn(|axis| first(3 + axis));
+            pixel.depth = first(6);
+            // The device squares the sum of the channels, not their mean.
+            pixel.square = first(7) / 9.0;
+            pixel.hits = u64::from(stretch.word(2 * FIRST_LOW, i));
+            let mut plane = FIRST_PLANES;
+            for (sum, _) in pixel.layers.iter_mut().zip(&film.layers).filter(|(_, plane)| plane.is_some()) {
+                *sum = std::array::from_fn(|channel| stretch.sum(plane + channel, 3, i));
+                plane += 6;
+            }
+        }
+    })?;
+    errors::read(on, film, &mut picture)?;
+    Ok(picture)
+}
+
+/// What several planes have for some of the pixels.
+struct Stretch<'a> {
+    pixels: Range<usize>,
+    /// Plane after plane.
+    words: &'a [u32],
+}
+
+impl Stretch<'_> {
+    /// What a plane has for the `i`th pixel of the stretch.
+    fn word(&self, plane: usize, i: usize) -> u32 {
+        self.words[plane * self.pixels.len() + i]
+    }
+
+    /// A sum in two floats: that of a plane, and what it leaves over, `low` planes further on.
+    fn sum(&self, plane: usize, low: usize, i: usize) -> f64 {
+        let float = |plane: usize| f64::from(f32::from_bits(self.word(plane, i)));
+        float(plane) + float(plane + low)
+    }
+}
+
+/// Brings planes home, each of a number in a memory, a stretch of pixels at a time with all of them together.
+fn home(on: &mut Vulkan, planes: &[(&Memory, usize)], pixels: usize, mut take: impl FnMut(&Stretch<'_>)) -> Result<()> {
     let mut words = vec![0_u32; planes.len() * BLOCK.min(pixels)];
     let together = on.memory("film", words.len() as u64 * 4).map_err(label)?;
-    for (block, part) in picture.pixels.chunks_mut(BLOCK).enumerate() {
-        let (start, length) = (block * BLOCK, part.len());
+    for start in (0..pixels).step_by(BLOCK) {
+        let length = BLOCK.min(pixels - start);
         on.unordered(|on| {
             planes.iter().enumerate().try_for_each(|(to, &(memory, plane))| {
                 let (from, to) = ((plane * pixels + start) * 4, to * length * 4);
@@ -267,24 +311,9 @@ pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
         })?;
         let words = &mut words[..planes.len() * length];
         on.read(&together, 0, bytemuck::cast_slice_mut(words))?;
-        let float = |plane: usize, i: usize| f64::from(f32::from_bits(words[plane * length + i]));
-        for (i, pixel) in part.iter_mut().enumerate() {
-            let first = |plane: usize| float(plane, i) + float(plane + FIRST_LOW, i);
-            pixel.normal = std::array::from_fn(first);
-            pixel.albedo = std::array::from_fn(|axis| first(3 + axis));
-            pixel.depth = first(6);
-            // The device squares the sum of the channels, not their mean.
-            pixel.square = first(7) / 9.0;
-            pixel.hits = u64::from(words[2 * FIRST_LOW * length + i]);
-            let mut plane = FIRST_PLANES;
-            for (sum, _) in pixel.layers.iter_mut().zip(&film.layers).filter(|(_, plane)| plane.is_some()) {
-                *sum = std::array::from_fn(|channel| float(plane + channel, i) + float(plane + channel + 3, i));
-                plane += 6;
-            }
-        }
+        take(&Stretch { pixels: start..start + length, words });
     }
-    errors::read(on, film, &mut picture)?;
-    Ok(picture)
+    Ok(())
 }
 
 fn zeroed(on: &mut Vulkan, bytes: u64) -> Result<Memory> {

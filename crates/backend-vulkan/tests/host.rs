@@ -95,12 +95,7 @@ impl Host {
             let computes = |family: &vk::QueueFamilyProperties| family.queue_flags.contains(vk::QueueFlags::COMPUTE);
             let family = families.iter().position(computes).unwrap() as u32;
             let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
-            let mut twelve = vk::PhysicalDeviceVulkan12Features::default()
-                .buffer_device_address(true)
-                .scalar_block_layout(true)
-                .timeline_semaphore(true)
-                .host_query_reset(true);
-            let features = vk::PhysicalDeviceFeatures::default().shader_int64(true);
+            let (features, mut twelve) = RawDevice::features();
             let info = vk::DeviceCreateInfo::default()
                 .queue_create_infos(&queues)
                 .enabled_features(&features)

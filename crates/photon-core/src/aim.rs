@@ -6,6 +6,8 @@
 //! drawn from these alone, evenly, and carry so much less. Marking errs on the side of too many, so that
 //! the expectation is that of photons drawn from everywhere. What stands in between is not looked at.
 
+use std::ops::ControlFlow;
+
 use bytemuck::{Pod, Zeroable};
 
 use crate::layout::Light;
@@ -21,10 +23,6 @@ const CELLS: usize = 1 << 20;
 
 /// Spheres about specular surfaces times lights, at most: what marking takes time for.
 const PAIRS: usize = 1 << 20;
-
-/// Aiming pays beside other paths where no more than this share of the light could meet something specular:
-/// where it is a seventh, they take more from the other layers than caustics gain (docs/performance.md).
-const WORTH: f64 = 0.05;
 
 /// A light from which something specular could be met.
 #[repr(C)]
@@ -66,47 +64,99 @@ pub struct Launch {
     pub side: u32,
 }
 
+/// Why no photons are aimed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unaimed {
+    /// The settings leave caustics to the paths that fill the other maps.
+    Shared,
+    /// No light could shine on anything specular.
+    Unlit,
+    /// More of the light could than aiming pays for beside the paths that other maps need.
+    NotWorth,
+}
+
+/// What marking came to.
+struct Marking {
+    aim: Aim,
+    /// Whether all was marked that there is: if not, more of the light than was asked for.
+    whole: bool,
+    /// Blocks of cells that were looked at, of any size: the work that it was.
+    #[cfg_attr(not(test), expect(dead_code, reason = "what tests count"))]
+    blocks: u64,
+}
+
 impl Aim {
+    /// Aiming pays beside other paths where no more than this share of the light could meet something specular:
+    /// where it is a seventh, they take more from the other layers than caustics gain (docs/requirements.md).
+    pub const WORTH: f64 = 0.05;
+
     /// Marks the cells of all lights of `scene`.
     #[must_use]
     pub fn of(scene: &SceneView<'_>) -> Self {
+        Self::mark(scene, f64::INFINITY).aim
+    }
+
+    /// What is aimed in `scene`, and how many paths of a pass. Marking ends as soon as the answer is no.
+    ///
+    /// # Errors
+    /// Why nothing is.
+    pub fn chosen(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> Result<(Self, u32), Unaimed> {
+        let alone = !required.direct_map && !required.global_map;
+        let (most, paths) = match settings.caustic_photons {
+            CausticPhotons::Shared => return Err(Unaimed::Shared),
+            CausticPhotons::Auto if alone => (f64::INFINITY, settings.photons),
+            CausticPhotons::Auto => (Self::WORTH, (settings.photons / 4).max(1)),
+            CausticPhotons::Aimed(paths) => (f64::INFINITY, paths),
+        };
+        let Marking { aim, whole, .. } = Self::mark(scene, most);
+        match (whole, aim.is_empty()) {
+            (false, _) => Err(Unaimed::NotWorth),
+            (true, true) => Err(Unaimed::Unlit),
+            (true, false) => Ok((aim, paths)),
+        }
+    }
+
+    /// Marks cells until it is known whether more than `most` of the light leaves by them.
+    fn mark(scene: &SceneView<'_>, most: f64) -> Marking {
         let lights = scene.lights.len().max(1);
         let clusters = clusters::of(scene, (PAIRS / lights).clamp(1, 4096));
         let bits = (CELLS / lights).max(1).ilog2();
+        let power_of = |light: &Light| light.power.iter().map(|&p| f64::from(p)).sum::<f64>();
+        let all: f64 = scene.lights.iter().map(power_of).sum();
         let mut aim = Self { targets: Vec::new(), starts: Vec::new(), cells: Vec::new(), share: 0.0 };
-        let mut weights = Vec::new();
-        let mut all = 0.0;
+        let (mut weights, mut marked, mut blocks) = (Vec::new(), 0.0, 0);
         for (index, light) in scene.lights.iter().enumerate() {
-            let power = light.power.iter().map(|&p| f64::from(p)).sum::<f64>();
-            all += power;
+            let power = power_of(light);
             if !(power > 0.0) {
                 continue;
             }
             let (point_bits, direction_bits) = cells::bits(light, bits);
-            let first = aim.cells.len();
-            cells::mark(scene, light, (point_bits, direction_bits), &clusters, &mut aim.cells);
-            let count = aim.cells.len() - first;
-            if count > 0 {
-                let target = Target {
-                    light: index as u32,
-                    first: first as u32,
-                    count: count as u32,
-                    point_bits,
-                    direction_bits,
-                    ..Target::default()
-                };
+            let first = aim.cells.len() as u32;
+            let mut target = Target { light: index as u32, first, point_bits, direction_bits, ..Target::default() };
+            let end = cells::mark(scene, light, (point_bits, direction_bits), &clusters, &mut blocks, &mut |cell| {
+                aim.cells.push(cell);
+                target.count += 1;
+                // The same sum as that of whole lights, so that the last cell decides as all of them do.
+                let share = (marked + power * part(light, &target)) / all;
+                if share > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            if end.is_break() {
+                return Marking { aim, whole: false, blocks };
+            }
+            if target.count > 0 {
                 weights.push(power * part(light, &target));
+                marked += power * part(light, &target);
                 aim.targets.push(target);
             }
         }
-        aim.share = if all > 0.0 { weights.iter().sum::<f64>() / all } else { 0.0 };
+        aim.share = if all > 0.0 { marked / all } else { 0.0 };
         aim.starts = light_starts(&weights);
         for (index, target) in aim.targets.iter_mut().enumerate() {
             let light = &scene.lights[target.light as usize];
             let factor = part(light, target) / light_probability(&aim.starts, index);
             target.carried = light.power.map(|power| (f64::from(power) * factor) as f32);
         }
-        aim
+        Marking { aim, whole: true, blocks }
     }
 
     /// Whether no light could shine on anything specular: no photon need be sent out for caustics.
@@ -119,20 +169,6 @@ impl Aim {
     #[must_use]
     pub fn share(&self) -> f64 {
         self.share
-    }
-
-    /// How many paths of a pass are aimed; `None` if none are: no light could shine on anything specular,
-    /// or too much of the light could for it to pay beside the paths that other maps need.
-    #[must_use]
-    pub fn paths(&self, settings: &Settings, required: &Requirements) -> Option<u32> {
-        let alone = !required.direct_map && !required.global_map;
-        match settings.caustic_photons {
-            _ if self.is_empty() => None,
-            CausticPhotons::Shared => None,
-            CausticPhotons::Auto if alone => Some(settings.photons),
-            CausticPhotons::Auto => (self.share <= WORTH).then_some((settings.photons / 4).max(1)),
-            CausticPhotons::Aimed(paths) => Some(paths),
-        }
     }
 
     /// The lights that have marked cells.

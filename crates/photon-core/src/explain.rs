@@ -1,6 +1,6 @@
 //! What a scene needs, what is left out, and why: the reasons behind [`crate::Requirements`].
 
-use crate::aim::Aim;
+use crate::aim::{Aim, Unaimed};
 use crate::features::Features;
 use crate::layout::Light;
 use crate::radii;
@@ -155,19 +155,22 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
     if !required.caustic_map {
         return (false, "there is no map of caustic photons".to_owned());
     }
-    if !required.aimed {
-        return (false, "the settings leave caustics to the paths that fill the other maps".to_owned());
-    }
-    let aim = Aim::of(scene);
-    let share = 100.0 * aim.share();
-    let Some(paths) = aim.paths(settings, required) else {
-        let why = if aim.is_empty() {
-            "no light could shine on mirrors or glass".to_owned()
-        } else {
-            format!("{share:.1} % of the light could meet mirrors or glass: to aim would gain little")
-        };
-        return (false, why);
+    let chosen = if required.aimed { Aim::chosen(scene, settings, required) } else { Err(Unaimed::Shared) };
+    let (aim, paths) = match chosen {
+        Ok(chosen) => chosen,
+        Err(why) => {
+            let why = match why {
+                Unaimed::Shared => "the settings leave caustics to the paths that fill the other maps".to_owned(),
+                Unaimed::Unlit => "no light could shine on mirrors or glass".to_owned(),
+                Unaimed::NotWorth => {
+                    let most = 100.0 * Aim::WORTH;
+                    format!("more than {most} % of the light could meet mirrors or glass: to aim would gain little")
+                }
+            };
+            return (false, why);
+        }
     };
+    let share = 100.0 * aim.share();
     let lights = counted(scene.lights.len(), "light");
     let why = format!(
         "{paths} paths a pass leave by the {share:.1} % of the light that could meet mirrors or glass, from {} of {lights}",

@@ -39,9 +39,10 @@ mod settings;
 pub mod sobol;
 mod stages;
 mod tally;
+pub mod typical;
 mod units;
 
-pub use aim::{Aim, Launch, Target};
+pub use aim::{Aim, Launch, Target, Unaimed};
 pub use backend::{AimedStages, Backend, Fill, Stage, StageTimings, TransportBackend};
 pub use budget::{Budget, Plan};
 pub use caster::{Hit, Ray, RayCaster};

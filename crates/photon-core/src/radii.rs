@@ -3,6 +3,7 @@
 use crate::progressive::radius_squared_factor;
 use crate::settings::{Estimator, Settings};
 use crate::stages::{Gather, Rule};
+use crate::typical;
 use crate::units::Units;
 
 /// Photons of the direct, caustic and global map that the first pass is to find within the derived
@@ -28,7 +29,7 @@ pub(crate) struct Radii {
 impl Radii {
     /// All of them times a factor, within the bounds of those that are derived.
     pub(crate) fn scaled(self, factor: f32) -> Self {
-        let scaled = |radius: f32| (radius * factor).clamp(1e-6, 0.25);
+        let scaled = |radius: f32| (radius * factor).clamp(1e-6, typical::WIDEST);
         Self { direct: scaled(self.direct), caustic: scaled(self.caustic), global: scaled(self.global) }
     }
 }
@@ -59,7 +60,7 @@ pub(crate) fn given(settings: &Settings, units: &Units) -> Radii {
 pub(crate) fn from_pilot(radius: Option<f32>, asked: u32, pilot: u32, wanted: u32, photons: u32) -> f32 {
     let Some(radius) = radius else { return FALLBACK };
     let factor = f64::from(wanted) * f64::from(pilot) / (f64::from(asked) * f64::from(photons));
-    ((f64::from(radius) * factor.sqrt()) as f32).clamp(1e-6, 0.25)
+    ((f64::from(radius) * factor.sqrt()) as f32).clamp(1e-6, typical::WIDEST)
 }
 
 /// How pass `index` reads a map whose first radius is `radius`.

@@ -57,6 +57,15 @@ pub fn unit_f32(word: u32) -> f32 {
     (word >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
+/// A word as a number in `[-1/2, 1/2]`, modulo 1 what [`unit_f32`] makes of it, but by all of its bits: about
+/// 0 in steps of 2⁻³².
+#[inline]
+#[must_use]
+pub fn centred_f32(word: u32) -> f32 {
+    // Both parts are exact, so that there is one rounding.
+    ((word as i32) >> 8) as f32 * (1.0 / 16_777_216.0) + (word & 0xFF) as f32 * (1.0 / 4_294_967_296.0)
+}
+
 /// The random numbers of one path.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
@@ -137,6 +146,18 @@ mod tests {
     fn unit_interval_is_half_open() {
         assert_eq!(unit_f32(0), 0.0);
         assert!(unit_f32(u32::MAX) < 1.0);
+    }
+
+    #[test]
+    fn centred_numbers_are_the_same_modulo_one_and_finer_about_zero() {
+        for word in (0..4096).map(|i| i * 1_048_583) {
+            let gap = f64::from(centred_f32(word)) - f64::from(unit_f32(word));
+            assert!((gap - gap.round()).abs() <= 1.0 / 16_777_216.0 && centred_f32(word).abs() <= 0.5, "{word}");
+        }
+        for step in 0..=1_000_u32 {
+            let exact = f64::from(step) / 4_294_967_296.0;
+            assert_eq!((f64::from(centred_f32(step)), f64::from(centred_f32(step.wrapping_neg()))), (exact, -exact));
+        }
     }
 
     #[test]

@@ -91,11 +91,18 @@ fn lamp(scene: &Scene, light: &Light) -> Option<Value> {
         Light::DIRECTIONAL => "directional",
         _ => return None,
     };
+    // Radians off the axis: light is even up to the inner angle, and gone from the outer one on.
+    let angle = |versine: f32| 2.0 * (0.5 * f64::from(versine)).sqrt().min(1.0).asin();
+    let cone = (light.kind == Light::SPOT).then(|| [angle(light.versine_inner), angle(light.versine_outer)]);
+    // Parallel light is that through a disc about the scene.
+    let disc = (light.kind == Light::DIRECTIONAL).then(|| scene.units().length_to_user(light.radius));
     Some(json!({
         "kind": kind,
         "position": scene.units().point_to_user(light.position),
         "direction": light.direction,
         "watts": light.power.map(|c| f64::from(c) * scene.units().power),
+        "cone": cone,
+        "disc_radius": disc,
     }))
 }
 

@@ -327,7 +327,7 @@ fn save(args: &Args, path: &Path, film: &Film, renderer: &dyn Render, told: &Tol
         ("photon:scene", args.scene.clone()),
         ("photon:seed", args.seed.to_string()),
         ("photon:passes", film.passes.to_string()),
-        ("photon:photons_per_pass", told.settings.photons.to_string()),
+        ("photon:photons_per_pass", facts.photons.to_string()),
         ("photon:settings", format!("{:?}", told.settings)),
         ("photon:backend", facts.backend.to_owned()),
         ("photon:device", facts.device),

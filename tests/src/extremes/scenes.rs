@@ -1,14 +1,11 @@
 //! Scenes that can be put anywhere, in any size, and ways to look at them.
 
 use photon_core::glam::Vec3;
-use photon_core::{
-    Backend, Batch, Deposits, Film, Layer, Pass, Photon, PhotonRay, Requirements, Settings, Tally, TransportBackend,
-    octahedral,
-};
+use photon_core::{Backend, Film, Layer, Photon, PhotonRay, Settings, Tally, octahedral};
 use photon_scene::shapes::Shape;
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
-use crate::harness::{TestBackend, Uniform, look_at_point};
+use crate::harness::{TestBackend, Tracing, Uniform, look_at_point};
 
 /// Where and how large: `p` becomes `p · size + place`.
 #[derive(Clone, Copy, Debug)]
@@ -98,27 +95,12 @@ pub fn follow<T: TestBackend>(scene: &Scene, settings: &Settings, rays: &mut [Ph
     for (path, ray) in rays.iter_mut().enumerate() {
         ray.path = path as u32;
     }
-    let mut on = T::make(2);
-    let view = scene.view();
-    let required =
-        Requirements { direct_map: true, caustic_map: true, global_map: true, ..Requirements::of(&view, settings) };
-    let prepared = on.prepare(&view, &required).unwrap();
-    let mut stages = on.stages(&required, settings).unwrap();
-    let pass = Pass { seed: settings.seed, index: 0, random: settings.random };
     let count = rays.len() as u32;
-    let there = on.upload("rays", rays).unwrap();
     let capacity = u64::from(count) * u64::from(settings.max_bounces.min(64)) + 1;
-    let mut buffers = ["direct", "caustic", "global"].map(|label| on.alloc::<Photon>(label, capacity).unwrap());
-    let [direct, caustic, global] = &mut buffers;
-    let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
-    stages.tracer.trace(&mut on, &prepared, &Batch { pass, paths: 0..count }, &there, deposits).unwrap();
-    let tally = stages.tracer.take_tally(&mut on).unwrap();
-    let photons = buffers.map(|buffer| {
-        let mut out = Vec::new();
-        on.download(&buffer, &mut out).unwrap();
-        out
-    });
-    (photons, tally)
+    let mut tracing = Tracing::new(T::make(2), scene, settings, capacity);
+    let there = tracing.on.upload("rays", rays).unwrap();
+    tracing.follow(0..count, &there);
+    tracing.end()
 }
 
 /// A direction, evenly over the sphere.

@@ -239,17 +239,17 @@ pub fn near_one() -> Table {
     table
 }
 
-/// Random numbers of 24 bits: the share of directions within a cone about the pole of a point light, over the truth.
+/// Random numbers of 32 bits: the share of directions within a cone about a pole of a point light, over the truth.
 #[must_use]
 pub fn pole(angles: &[f64]) -> Table {
     let columns =
         ["half angle of the cone, radians", "directions in it, relative error", "number of different heights"];
-    let mut table = Table::new("24 bits of a random number, about the pole of a point light", &columns);
+    let mut table = Table::new("32 bits of a random number, about a pole of a point light", &columns);
     for &half in angles {
         // cos θ = 1 − 2u, so that the cone holds u < (1 − cos half)/2.
         let share = (0.5 * half).sin().powi(2);
-        let heights = (share * 16_777_216.0).ceil();
-        table.row(format!("{half:.0e}"), &[relative(heights / 16_777_216.0, share), heights]);
+        let heights = (share * 4_294_967_296.0).ceil();
+        table.row(format!("{half:.0e}"), &[relative(heights / 4_294_967_296.0, share), heights]);
     }
     table
 }

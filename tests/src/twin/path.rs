@@ -1,7 +1,7 @@
 //! Paths of photons in f64, by the random words that the shipped ones take.
 
 use photon_core::glam::DVec3;
-use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
+use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, centred_f32, unit_f32};
 use photon_core::{Light, Material, Pass, light_probability, pick_light};
 
 use super::optics;
@@ -56,12 +56,13 @@ pub fn emit(scene: &Wide, pass: Pass, path: u32) -> Start {
     let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, Domain::Photon, path);
     let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
     let [c, d, ..] = sampler.words(BLOCK_START);
+    let height = f64::from(centred_f32(c)).rem_euclid(1.0);
     let [a, b, c, d] = [a, b, c, d].map(|word| f64::from(unit_f32(word)));
     let index = pick_light(&scene.light_starts, choice);
     let light = &scene.lights[index];
     let power = DVec3::from(light.power.map(f64::from)) / light_probability(&scene.light_starts, index);
     let (origin, direction, from) = match light.kind {
-        Light::POINT => (scene.light_places[index], optics::uniform_sphere(c, d), u32::MAX),
+        Light::POINT => (scene.light_places[index], optics::uniform_sphere(height, d), u32::MAX),
         Light::TRIANGLE => {
             let root = a.sqrt();
             let (u, v) = (root * (1.0 - b), root * b);

@@ -1,4 +1,4 @@
-//! A scene and rays that closest hits are timed on.
+//! A scene and rays that closest hits are timed on, here and in the benchmarks of the CPU.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};

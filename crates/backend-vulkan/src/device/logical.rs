@@ -85,13 +85,25 @@ pub struct RawDevice {
     pub instance: ash::Instance,
     /// The physical device.
     pub physical: vk::PhysicalDevice,
-    /// The logical device, with shaderInt64, bufferDeviceAddress, scalarBlockLayout, timelineSemaphore and
-    /// hostQueryReset enabled.
+    /// The logical device, with [`RawDevice::features`] enabled.
     pub device: ash::Device,
     /// A queue that computes; not used by anyone else while a call of the backend runs.
     pub queue: vk::Queue,
     /// Its family.
     pub family: u32,
+}
+
+impl RawDevice {
+    /// What must be enabled on a device: shaderInt64; bufferDeviceAddress, scalarBlockLayout, timelineSemaphore
+    /// and hostQueryReset. A host adds what it needs itself.
+    pub fn features() -> (vk::PhysicalDeviceFeatures, vk::PhysicalDeviceVulkan12Features<'static>) {
+        let twelve = vk::PhysicalDeviceVulkan12Features::default()
+            .buffer_device_address(true)
+            .scalar_block_layout(true)
+            .timeline_semaphore(true)
+            .host_query_reset(true);
+        (vk::PhysicalDeviceFeatures::default().shader_int64(true), twelve)
+    }
 }
 
 impl Device {
@@ -104,12 +116,7 @@ impl Device {
         let priorities = [1.0];
         let queues =
             [vk::DeviceQueueCreateInfo::default().queue_family_index(chosen.family).queue_priorities(&priorities)];
-        let mut twelve = vk::PhysicalDeviceVulkan12Features::default()
-            .buffer_device_address(true)
-            .scalar_block_layout(true)
-            .timeline_semaphore(true)
-            .host_query_reset(true);
-        let features = vk::PhysicalDeviceFeatures::default().shader_int64(true);
+        let (features, mut twelve) = RawDevice::features();
         let info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_features(&features)

@@ -12,15 +12,12 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use photon_core::{Backend, Error, Estimate, Gather, Kernel, Query, RadianceEstimator, Result, Rule, Spread};
+use photon_core::{Backend, Error, Estimate, Gather, Kernel, Query, RadianceEstimator, Result, Rule, Spread, typical};
 
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
 use search::{Mode, Question, Search};
-
-/// The least squared radius that an estimate divides by: (2⁻²⁰ of the scene)².
-const LEAST: f32 = 1.0 / (1_048_576.0 * 1_048_576.0);
 
 /// Asks photon maps.
 #[derive(Debug, Default)]
@@ -110,15 +107,12 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         neighbours: u32,
         min_normal_cosine: f32,
     ) -> Result<Option<f32>> {
-        const SAMPLE: u32 = 1024;
-        // No photon is asked to look farther than a quarter of the scene.
-        const LIMIT: f32 = 0.25;
         if map.length <= neighbours {
             return Ok(None);
         }
-        let count = map.length.min(SAMPLE);
+        let count = map.length.min(typical::SAMPLE);
         let mut queries = VulkanBuffer::<Query>::new(on, "queries", u64::from(count))?;
-        search::sample(on, map, &queries, count, LIMIT)?;
+        search::sample(on, map, &queries, count, typical::WIDEST)?;
         on.set_length(&mut queries, u64::from(count))?;
         let mut estimates = VulkanBuffer::<Estimate>::new(on, "estimates", u64::from(count))?;
         // The photon itself is the nearest.
@@ -128,12 +122,8 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         self.estimate(on, map, &queries, &gather, &mut estimates)?;
         let mut found = Vec::new();
         on.download(&estimates, &mut found)?;
-        let mut found: Vec<f32> = found.iter().filter(|e| e.photons == k).map(|e| e.radius_squared).collect();
-        if found.len() * 2 < count as usize {
-            return Ok(Some(LIMIT));
-        }
-        found.sort_unstable_by(f32::total_cmp);
-        Ok(Some(found[found.len() / 2].max(LEAST).sqrt()))
+        let squares = found.iter().filter(|e| e.photons == k).map(|e| e.radius_squared).collect();
+        Ok(Some(typical::radius(squares, count)))
     }
 }
 

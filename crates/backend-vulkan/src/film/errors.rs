@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{ErrorPixel, Estimate, Film, Layer, Query, Result, Shape, Spread};
 
-use super::{BLOCK, GROUP, VulkanFilm, label, zeroed};
+use super::{GROUP, VulkanFilm, home, zeroed};
 use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
 use crate::shaders;
@@ -169,40 +169,25 @@ pub(super) fn abandon_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
     film.errors.iter().flat_map(Errors::passes).try_for_each(|memory| on.fill(memory, 0, memory.bytes(), 0))
 }
 
-/// Brings the sums home into the picture, a stretch of pixels at a time.
+/// Brings the sums home into the picture.
 pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Result<()> {
     let Some(errors) = &film.errors else { return Ok(()) };
-    let pixels = picture.pixels.len();
-    let mut all = vec![ErrorPixel::default(); pixels];
+    let mut all = vec![ErrorPixel::default(); picture.pixels.len()];
     let shapes = errors.shapes.iter().flatten().flat_map(|(_, sum)| (0..2 * SHAPE).map(move |i| (sum, i)));
-    let planes: Vec<(&Memory, usize)> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(shapes).collect();
-    let mut words = vec![0.0_f32; planes.len() * BLOCK.min(pixels)];
-    let together = on.memory("film", words.len() as u64 * 4).map_err(label)?;
-    for (block, part) in all.chunks_mut(BLOCK).enumerate() {
-        let (start, length) = (block * BLOCK, part.len());
-        on.unordered(|on| {
-            planes.iter().enumerate().try_for_each(|(to, &(memory, plane))| {
-                let (from, to) = ((plane * pixels + start) * 4, to * length * 4);
-                on.copy(memory, from as u64, &together, to as u64, length as u64 * 4)
-            })
-        })?;
-        let words = &mut words[..planes.len() * length];
-        on.read(&together, 0, bytemuck::cast_slice_mut(words))?;
-        for (i, pixel) in part.iter_mut().enumerate() {
-            let both = |plane: usize, low: usize| {
-                f64::from(words[plane * length + i]) + f64::from(words[(plane + low) * length + i])
-            };
-            let [bias, bias_square, narrow, narrow_square] = std::array::from_fn(|plane| both(plane, SUMS));
+    let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(shapes).collect();
+    home(on, &planes, picture.pixels.len(), |stretch| {
+        for (i, pixel) in all[stretch.pixels.clone()].iter_mut().enumerate() {
+            let [bias, bias_square, narrow, narrow_square] = std::array::from_fn(|plane| stretch.sum(plane, SUMS, i));
             *pixel = ErrorPixel { bias, bias_square, narrow, narrow_square, ..ErrorPixel::default() };
             let mut first = 2 * SUMS;
             for (shape, _) in pixel.shapes.iter_mut().zip(&errors.shapes).filter(|(_, there)| there.is_some()) {
                 let [power, power_squared, x, y, xx, xy, stray] =
-                    std::array::from_fn(|plane| both(first + plane, SHAPE));
+                    std::array::from_fn(|plane| stretch.sum(first + plane, SHAPE, i));
                 *shape = Shape { power, power_squared, slope: [x, y], stretch: [xx, xy], stray };
                 first += 2 * SHAPE;
             }
         }
-    }
+    })?;
     picture.errors = Some(all);
     Ok(())
 }

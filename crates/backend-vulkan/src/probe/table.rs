@@ -4,7 +4,7 @@
 //! a half of a division more than the two of its inverse, 5.4e-7; the bounds are what comes of these.
 
 use photon_core::glam::Vec3;
-use photon_core::random::{Domain, Sampler, lcg, philox4x32, unit_f32};
+use photon_core::random::{Domain, Sampler, centred_f32, lcg, philox4x32, unit_f32};
 use photon_core::{Kernel, RandomKind, bsdf, math, octahedral, offset, sampling};
 
 use super::compare::Bound;
@@ -108,7 +108,10 @@ fn random_rows(row: Make) -> Vec<Row> {
             let [a, b, c, d, e, f, ..] = i.0;
             words(philox4x32([a, b, c, d], [e, f]))
         }),
-        row("lcg, unit_f32", module, 1, Bound::Words, any_words, |i| words([lcg(i.0[0]), unit_f32(i.0[0]).to_bits()])),
+        row("lcg, unit_f32, centred_f32", module, 1, Bound::Words, any_words, |i| {
+            let [word, ..] = i.0;
+            words([lcg(word), unit_f32(word).to_bits(), centred_f32(word).to_bits()])
+        }),
         row("sampler_words", module, 2, Bound::Words, sampler, |i| {
             let [kind, low, high, pass, domain, path, first, second, ..] = i.0;
             let kind = [RandomKind::Counter, RandomKind::Lcg, RandomKind::Sobol][kind as usize];
@@ -125,6 +128,10 @@ fn random_rows(row: Make) -> Vec<Row> {
 fn direction_rows(row: Make) -> Vec<Row> {
     let (packing, module) = (&shaders::PROBE_OCTAHEDRAL, &shaders::PROBE_SAMPLING);
     let pair: Draws = |d| input([d.unit(), d.unit(), 0.0, 0.0], Z, Z);
+    let turned: Draws = |d| {
+        let sign = d.pick(&[1.0, -0.5]);
+        input([sign * d.unit(), d.unit(), 0.0, 0.0], Z, Z)
+    };
     let spot: Draws = |d| {
         let outer = if d.now_and_then() { d.pick(&[1.0, 0.5, 1e-7, LAST]) } else { d.between(0.0, 1.0) };
         let inner = if d.now_and_then() { d.pick(&[outer, 0.0, 0.999 * outer]) } else { d.between(0.0, outer) };
@@ -161,7 +168,7 @@ fn direction_rows(row: Make) -> Vec<Row> {
         row("cosine_hemisphere", module, 2, Bound::Within(2e-6), about, |i| {
             vector_output(sampling::cosine_hemisphere(i.vector(0), i.float(4), i.float(5)))
         }),
-        row("uniform_sphere", module, 3, Bound::Within(2e-6), pair, |i| {
+        row("uniform_sphere", module, 3, Bound::Within(2e-6), turned, |i| {
             vector_output(sampling::uniform_sphere(i.float(0), i.float(1)))
         }),
         row("sampling_triangle", module, 4, Bound::Relative(7e-7), pair, |i| {

@@ -1,8 +1,8 @@
-//! What a scene lacks is in no kernel.
+//! What a scene lacks is in no kernel, and what a render had is not in memory after it.
 
 use photon_core::{
-    Backend, Batch, Deposits, Direct, Features, Gather, Indirect, Kernel, Maps, Pass, Photon, PhotonRay,
-    QUERIES_PER_PIXEL, Query, RandomKind, Requirements, Rule, Settings, TransportBackend, View,
+    Backend, Bandwidth, Batch, Deposits, Direct, Features, Gather, Indirect, Kernel, Maps, Pass, Photon, PhotonRay,
+    Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Rule, Settings, TransportBackend, View,
 };
 use photon_scene::{Scene, builtin};
 
@@ -67,5 +67,25 @@ fn kernels_are_built_for_what_the_scene_requires() {
     let everything = Requirements::everything(&settings);
     for (kernel, features) in built_for(&scene, &settings, &everything) {
         assert_eq!(features, everything.features, "{kernel}");
+    }
+}
+
+/// Whatever a pipeline held for longer than a pass: places of irradiance, radii of pixels.
+#[test]
+fn a_backend_that_is_given_back_holds_no_buffer_of_the_render() {
+    let scene = builtin("cornell").unwrap().build().unwrap();
+    let view = View { camera: scene.camera(None, 8, 8).unwrap(), width: 8, height: 8 };
+    let settings = Settings { photons: 2000, gather_rays: 1, ..Settings::default() };
+    let gathered = Settings { indirect: Indirect::Gather, irradiance_every: Some(8), ..settings.clone() };
+    let own_radii = Settings { errors: true, bandwidth: Bandwidth::PerPixel, ..settings };
+    for settings in [gathered, own_radii] {
+        let Some(on) = Vulkan::for_tests() else { return };
+        let mut pipeline = Pipeline::new(on, &scene.view(), view, settings).unwrap();
+        for pass in 0..9 {
+            pipeline.pass(pass, &mut ()).unwrap();
+        }
+        let on = pipeline.into_backend().unwrap();
+        let left = on.device.graveyard.lock().unwrap().len();
+        assert_eq!(left, 0);
     }
 }

@@ -1,6 +1,7 @@
 //! Cells of the numbers that a photon leaves its light by, and which of them lead to a sphere.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::ControlFlow;
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -21,15 +22,27 @@ pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
     }
 }
 
-/// Appends the cells of `light` from which a photon could meet one of `spheres`.
-pub(super) fn mark(scene: &SceneView<'_>, light: &Light, bits: (u32, u32), spheres: &[Sphere], cells: &mut Vec<u32>) {
+/// What is told of each marked cell, and says whether to go on.
+type Sink<'a> = &'a mut dyn FnMut(u32) -> ControlFlow<()>;
+
+/// Tells `sink` the cells of `light` from which a photon could meet one of `spheres`, and adds to `blocks` how
+/// many blocks of cells were looked at for that.
+pub(super) fn mark(
+    scene: &SceneView<'_>,
+    light: &Light,
+    bits: (u32, u32),
+    spheres: &[Sphere],
+    blocks: &mut u64,
+    sink: Sink<'_>,
+) -> ControlFlow<()> {
     let both = light.flags & Light::BOTH_SIDES != 0;
     for side in 0..if both { 2 } else { 1 } {
-        let mut marking =
-            Marking { beams: Beams::new(scene, light, side == 1), bits, side, spheres, near: Vec::new(), cells };
-        marking.near.extend(0..spheres.len() as u32);
-        marking.descend(Block::default(), 0);
+        let beams = Beams::new(scene, light, side == 1);
+        let near = (0..spheres.len() as u32).collect();
+        let mut marking = Marking { beams, bits, side, spheres, near, blocks, sink };
+        marking.descend(Block::default(), 0)?;
     }
+    ControlFlow::Continue(())
 }
 
 /// A block of cells: where it stands among blocks of its size, for both numbers of the point and of the
@@ -63,12 +76,14 @@ struct Marking<'a> {
     spheres: &'a [Sphere],
     /// Indices of spheres: those that the blocks under way can meet, each block's after its parent's.
     near: Vec<u32>,
-    cells: &'a mut Vec<u32>,
+    blocks: &'a mut u64,
+    sink: Sink<'a>,
 }
 
 impl Marking<'_> {
     /// Marks the cells of a block that can meet one of the spheres in `near` from `first` on.
-    fn descend(&mut self, block: Block, first: usize) {
+    fn descend(&mut self, block: Block, first: usize) -> ControlFlow<()> {
+        *self.blocks += 1;
         let beam = self.beams.of(&block);
         let last = self.near.len();
         let whole = (block.point_bits, block.direction_bits) == self.bits;
@@ -85,14 +100,15 @@ impl Marking<'_> {
             if whole {
                 let (p, q) = self.bits;
                 let ([a, b], [c, d]) = (block.point, block.direction);
-                self.cells.push((((self.side << p | a) << p | b) << q | c) << q | d);
+                (self.sink)((((self.side << p | a) << p | b) << q | c) << q | d)?;
             } else {
                 for quarter in block.quarters(self.bits.0) {
-                    self.descend(quarter, last);
+                    self.descend(quarter, last)?;
                 }
             }
         }
         self.near.truncate(last);
+        ControlFlow::Continue(())
     }
 }
 

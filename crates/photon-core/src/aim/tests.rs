@@ -69,7 +69,8 @@ fn lights_that_reach_nothing_specular_are_no_targets() {
     let nothing = Aim::of(&tables.view());
     assert!(nothing.is_empty() && nothing.share() == 0.0);
     let settings = Settings { caustic_photons: CausticPhotons::Aimed(7), ..Settings::default() };
-    assert_eq!(nothing.paths(&settings, &Requirements::everything(&settings)), None);
+    let required = Requirements::everything(&settings);
+    assert_eq!(Aim::chosen(&tables.view(), &settings, &required), Err(Unaimed::Unlit));
     tables = Tables::new();
     tables.materials[1].kind = Material::LAMBERT;
     assert!(Aim::of(&tables.view()).is_empty());
@@ -77,22 +78,49 @@ fn lights_that_reach_nothing_specular_are_no_targets() {
 
 #[test]
 fn aiming_is_left_where_it_would_not_pay() {
-    let mut tables = Tables::new();
-    tables.lights[0].power = [50.0; 3];
-    let few = Aim::of(&tables.view());
-    tables.lights[0].power = [0.0; 3];
-    let many = Aim::of(&tables.view());
-    assert!(few.share() < WORTH && many.share() > WORTH, "{} {}", few.share(), many.share());
-    let paths = |aim: &Aim, caustic_photons, indirect| {
+    let [mut few, mut many] = [Tables::new(), Tables::new()];
+    few.lights[0].power = [50.0; 3];
+    many.lights[0].power = [0.0; 3];
+    let share = |tables: &Tables| Aim::of(&tables.view()).share();
+    assert!(share(&few) < Aim::WORTH && share(&many) > Aim::WORTH, "{} {}", share(&few), share(&many));
+    let paths = |tables: &Tables, caustic_photons, indirect| {
         let settings = Settings { photons: 100, caustic_photons, indirect, ..Settings::default() };
-        aim.paths(&settings, &Requirements::everything(&settings))
+        let chosen = Aim::chosen(&tables.view(), &settings, &Requirements::everything(&settings));
+        chosen.map(|(aim, paths)| {
+            assert_eq!(aim, Aim::of(&tables.view()));
+            paths
+        })
     };
     use CausticPhotons::{Aimed, Auto, Shared};
     let map = Indirect::Map;
-    assert_eq!((paths(&few, Auto, map), paths(&many, Auto, map)), (Some(25), None));
-    assert_eq!((paths(&few, Shared, map), paths(&many, Aimed(9), map)), (None, Some(9)));
+    assert_eq!((paths(&few, Auto, map), paths(&many, Auto, map)), (Ok(25), Err(Unaimed::NotWorth)));
+    assert_eq!((paths(&few, Shared, map), paths(&many, Aimed(9), map)), (Err(Unaimed::Shared), Ok(9)));
     // Nobody else sends photons out.
-    assert_eq!(paths(&many, Auto, Indirect::None), Some(100));
+    assert_eq!(paths(&many, Auto, Indirect::None), Ok(100));
+}
+
+/// Of the same answer as the share of all cells has, to the last bit of it, and for less work.
+#[test]
+fn marking_ends_as_soon_as_the_answer_is_no() {
+    for power in [0.0, 0.5, 2.0, 3.0, 50.0] {
+        let mut tables = Tables::new();
+        tables.lights[0].power = [power; 3];
+        let all = Aim::mark(&tables.view(), f64::INFINITY);
+        let share = all.aim.share();
+        assert!(all.whole && share > 0.0);
+        for most in [share, share.next_down(), share.next_up(), 0.5 * share, Aim::WORTH, 0.0] {
+            let marked = Aim::mark(&tables.view(), most);
+            assert_eq!(marked.whole, share <= most, "{share} {most}");
+            assert!(if marked.whole { marked.blocks == all.blocks } else { marked.blocks <= all.blocks });
+        }
+    }
+    // A point light, and two mirrors that are seen from it in all directions.
+    let mut tables = Tables::new();
+    tables.materials[0].kind = Material::MIRROR;
+    tables.lights = vec![Light { position: [0.0, -0.45, -0.05], power: [1.0; 3], ..tables.lights[3] }];
+    let [all, enough] = [f64::INFINITY, Aim::WORTH].map(|most| Aim::mark(&tables.view(), most));
+    assert!(all.aim.share() > 0.7 && !enough.whole, "{}", all.aim.share());
+    assert!(12 * enough.blocks < all.blocks, "{} of {}", enough.blocks, all.blocks);
 }
 
 /// The mean of what photons carry is the power that leaves by marked cells.

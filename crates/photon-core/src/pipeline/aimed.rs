@@ -18,12 +18,11 @@ pub(super) fn stages<B: TransportBackend>(
     required: &Requirements,
 ) -> Result<Stages<B>> {
     let mut stages = on.stages(required, settings)?;
-    if required.aimed {
-        let aim = Aim::of(scene);
-        if let Some(paths) = aim.paths(settings, required) {
-            let aimed = on.aimed(required, settings, &aim)?;
-            stages.aimed = aimed.map(|(emitter, tracer)| Aimed { emitter, tracer, paths });
-        }
+    if required.aimed
+        && let Ok((aim, paths)) = Aim::chosen(scene, settings, required)
+    {
+        let aimed = on.aimed(required, settings, &aim)?;
+        stages.aimed = aimed.map(|(emitter, tracer)| Aimed { emitter, tracer, paths });
     }
     Ok(stages)
 }

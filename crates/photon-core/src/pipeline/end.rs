@@ -11,8 +11,10 @@ impl<B: TransportBackend> Pipeline<B> {
     /// # Errors
     /// What the backend raises, deferred errors included; it is gone then.
     pub fn into_backend(self) -> Result<B> {
-        let Self { mut on, scene, stages, film, rays, photons, queries, estimates, spreads, .. } = self;
-        drop((scene, stages, film, rays, photons, queries, estimates, spreads));
+        // All that holds buffers: what is not named here would be dropped after the call below.
+        let Self { mut on, scene, stages, film, rays, photons, queries, estimates, spreads, points, bandwidth, .. } =
+            self;
+        drop((scene, stages, film, rays, photons, queries, estimates, spreads, points, bandwidth));
         on.renew()?;
         Ok(on)
     }

@@ -54,12 +54,7 @@ impl Host {
             let family = families.iter().position(computes).unwrap_or(0) as u32;
             let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
             // What the library asks for; a host adds what it needs itself.
-            let mut twelve = vk::PhysicalDeviceVulkan12Features::default()
-                .buffer_device_address(true)
-                .scalar_block_layout(true)
-                .timeline_semaphore(true)
-                .host_query_reset(true);
-            let features = vk::PhysicalDeviceFeatures::default().shader_int64(true);
+            let (features, mut twelve) = RawDevice::features();
             let info = vk::DeviceCreateInfo::default()
                 .queue_create_infos(&queues)
                 .enabled_features(&features)

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_PI;
 use std::path::Path;
 
-use photon_core::{Area, Budget, Film, Settings};
+use photon_core::{Area, Budget, Film, Settings, View};
 use photon_examples::fault::Fault;
 use photon_scene::IntegratingSphere;
 
@@ -33,7 +33,15 @@ impl Truth {
         }
         let path = folder.join(format!("reference-{}-{}.json", subject.name, subject.view.width));
         if path.exists() {
-            return Ok(Self::from(records::read::<Reference>(&path)?));
+            let reference = records::read::<Reference>(&path)?;
+            let told = (reference.scene.as_str(), reference.size, reference.pixels.len());
+            let View { width, height, .. } = subject.view;
+            if told != (&subject.name, width, width as usize * height as usize) {
+                let (scene, size, pixels) = told;
+                let what = format!("it is of {scene} at {size} pixels across, {pixels} in all");
+                return Err(Fault::input(format!("{}: {what}; move it away to have a new one", path.display())));
+            }
+            return Ok(Self::from(reference));
         }
         let reference = long_run(engine, subject, base, effort)?;
         records::write(&path, &reference)?;

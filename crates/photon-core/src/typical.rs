@@ -1,0 +1,34 @@
+//! How wide an estimate must be where a typical photon lies: what backends that search for it have in common.
+
+/// Photons whose neighbours are looked for, at most: evenly spread over the map.
+pub const SAMPLE: u32 = 1024;
+
+/// No photon looks farther, a quarter of the scene.
+pub const WIDEST: f32 = 0.25;
+
+/// The least radius that an estimate divides by, 2⁻²⁰ of the scene.
+pub const LEAST: f32 = 1.0 / 1_048_576.0;
+
+/// The median of the radii whose squares were found around `asked` photons, within [`LEAST`] and [`WIDEST`];
+/// the latter if fewer than half of the photons have as many neighbours so near.
+#[must_use]
+pub fn radius(mut squares: Vec<f32>, asked: u32) -> f32 {
+    if squares.is_empty() || squares.len() * 2 < asked as usize {
+        return WIDEST;
+    }
+    squares.sort_unstable_by(f32::total_cmp);
+    squares[squares.len() / 2].sqrt().clamp(LEAST, WIDEST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_the_median_of_what_enough_photons_found() {
+        assert_eq!(radius(vec![0.04, 0.01, 0.0], 4), 0.1);
+        assert_eq!(radius(vec![0.0; 3], 3), LEAST);
+        assert_eq!(radius(vec![1e-4, 1e-4], 5), WIDEST);
+        assert_eq!(radius(Vec::new(), 0), WIDEST);
+    }
+}

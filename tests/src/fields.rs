@@ -158,6 +158,7 @@ pub fn films_of<B: TransportBackend>(
             kernel: Kernel::Epanechnikov,
             radius_scale: shrink as f32,
             min_normal_cosine: 0.7,
+            max_plane_distance: 1.0,
         };
         let photons = on.upload("photons", &trial.photons(field, shrink, &mut uniform))?;
         let map = builder.build(on, photons)?;

@@ -21,6 +21,7 @@ pub mod interreflection;
 pub mod numerics;
 pub mod paper;
 pub mod precision;
+pub mod sheets;
 pub mod stats;
 pub mod twin;
 
@@ -56,6 +57,7 @@ macro_rules! whole_suite {
                 d1_light_at_edges_is_whole, d2_nothing_changes_within_a_surface, d3_irradiance_found_beforehand,
                 d4_radii_of_pixels_keep_the_mean,
             }
+            sheets::{ d5_a_sheet_beside_does_not_shine_through, d6_a_sheet_in_the_shade_is_dark }
             aiming::{
                 g1_aimed_photons_have_the_same_expectation, g2_all_ways_to_something_specular_are_marked,
                 g3_aimed_pictures_have_the_same_mean, g4_aimed_paths_are_accounted_for,

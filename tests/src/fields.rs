@@ -60,7 +60,7 @@ pub const BROKEN: [Field; 7] = [
 ];
 
 /// Photons expected in the first radius, where the field is 1.
-const EXPECTED: f64 = 20.0;
+pub const EXPECTED: f64 = 20.0;
 
 /// One film of a field.
 #[derive(Clone, Copy, Debug)]

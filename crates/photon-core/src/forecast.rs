@@ -205,13 +205,14 @@ impl Prospect {
     /// is long; those with few photons when these are enough.
     #[must_use]
     pub fn error_after(&self, passes: u32) -> f64 {
-        self.after(passes, true)
+        self.after(passes, true).max(self.after(passes, false))
     }
 
-    /// The same of the pixels alone of which something is claimed now: at least that.
+    /// The same of the pixels alone of which something is claimed now, or of all that join in if these fare
+    /// better: at least that.
     #[must_use]
     pub fn least_error_after(&self, passes: u32) -> f64 {
-        self.after(passes, false)
+        self.after(passes, true).min(self.after(passes, false))
     }
 
     fn after(&self, passes: u32, joined: bool) -> f64 {
@@ -247,8 +248,8 @@ impl Prospect {
             error: self.error(),
             share: self.share,
             target,
-            passes_needed: target.and_then(|target| self.passes_until(target, true)),
-            passes_least: target.and_then(|target| self.passes_until(target, false)),
+            passes_needed: target.and_then(|target| self.passes_until(target, Self::error_after)),
+            passes_least: target.and_then(|target| self.passes_until(target, Self::least_error_after)),
             passes_possible,
             error_possible: self.error_after(passes_possible),
             error_possible_least: self.least_error_after(passes_possible),
@@ -257,20 +258,19 @@ impl Prospect {
         }
     }
 
-    /// Passes after which the error should be within the target, of all pixels that have joined in by then
-    /// or of those that are claimed now.
-    pub(crate) fn passes_until(&self, target: f64, joined: bool) -> Option<u32> {
+    /// Passes after which that error should be within the target.
+    pub(crate) fn passes_until(&self, target: f64, error_after: impl Fn(&Self, u32) -> f64) -> Option<u32> {
         let (mut low, mut high) = (self.schedule.passes(), u32::MAX - 1);
         if self.error() <= target {
             return Some(low);
         }
-        if self.after(high, joined) > target {
+        if error_after(self, high) > target {
             return None;
         }
         // Halving intervals of the logarithm, since nobody knows the order of magnitude.
         while high - low > 1 && f64::from(high) > f64::from(low) * 1.005 {
             let middle = ((f64::from(low) * f64::from(high)).sqrt() as u32).clamp(low + 1, high - 1);
-            if self.after(middle, joined) <= target {
+            if error_after(self, middle) <= target {
                 high = middle
             } else {
                 low = middle

@@ -209,7 +209,10 @@ fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Dura
     // promise the same bits everywhere.
     let mut radius_factor = 1.0;
     if outcome.predicted.is_none() && matches!(plan.until, Budget::Time(_) | Budget::Error { .. }) {
-        let needed = target.and_then(|target| prospect.passes_until(target, false)).unwrap_or(possible).min(possible);
+        let needed = target
+            .and_then(|target| prospect.passes_until(target, Prospect::least_error_after))
+            .unwrap_or(possible)
+            .min(possible);
         let scale = prospect.best_scale(needed);
         if needed > 2 * outcome.passes && renderer.rescale(scale) {
             prospect = prospect.scaled(scale);

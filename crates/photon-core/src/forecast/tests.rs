@@ -37,7 +37,7 @@ fn radii_go_to_where_noise_and_bias_balance() {
 fn errors_fall_as_the_cube_root_of_passes() {
     let prospect = told(&claims(0.1, 0.1, 0.05), 1000, 2.0 / 3.0).unwrap();
     assert!((prospect.error() - (student_975(999.0) * 0.1 + 0.2)).abs() < 1e-12);
-    let half = f64::from(prospect.passes_until(prospect.error_after(1000) / 2.0, false).unwrap());
+    let half = f64::from(prospect.passes_until(prospect.error_after(1000) / 2.0, Prospect::error_after).unwrap());
     assert!((half / 8000.0 - 1.0).abs() < 0.1, "{half}");
     assert!((prospect.forecast(None, 1.0, 9).claimed - 0.9).abs() < 1e-12);
 }
@@ -45,12 +45,12 @@ fn errors_fall_as_the_cube_root_of_passes() {
 #[test]
 fn noise_alone_at_a_fixed_radius_falls_as_the_square_root() {
     let prospect = told(&claims(0.1, 0.05, 0.05), 1000, 1.0).unwrap();
-    let half = f64::from(prospect.passes_until(prospect.error_after(1000) / 2.0, false).unwrap());
+    let half = f64::from(prospect.passes_until(prospect.error_after(1000) / 2.0, Prospect::error_after).unwrap());
     assert!((half / 4000.0 - 1.0).abs() < 0.02, "{half}");
     // A bias that stays is a floor.
     let floor = told(&claims(0.1, 0.05, 0.0), 1000, 1.0).unwrap();
-    assert_eq!(floor.passes_until(0.09, true), None);
-    assert_eq!(floor.passes_until(10.0, true), Some(1000));
+    assert_eq!(floor.passes_until(0.09, Prospect::error_after), None);
+    assert_eq!(floor.passes_until(10.0, Prospect::error_after), Some(1000));
 }
 
 /// Pixels that are alike, of which 8 passes tell different noise and biases by chance: 95 % of them come

@@ -89,6 +89,9 @@ pub struct Args {
     /// [default: disc].
     #[arg(long, value_enum)]
     pub area: Option<AreaName>,
+    /// How far from a point's plane they may lie, in radii: below 1 no other sheet shines through [default: 1].
+    #[arg(long, value_name = "SHARE")]
+    pub max_plane_distance: Option<f32>,
     /// Whose radius they have: one for a map, or one for each pixel, from its own noise and bias; the latter
     /// tells errors too [default: shared].
     #[arg(long, value_enum)]
@@ -289,6 +292,7 @@ impl Args {
                 AreaName::Disc => Area::Disc,
                 AreaName::Surface => Area::Surface,
             }),
+            max_plane_distance: self.max_plane_distance.unwrap_or(base.max_plane_distance),
             caustic_photons: self.caustic_photons.unwrap_or(base.caustic_photons),
             max_bounces: self.max_bounces.unwrap_or(base.max_bounces),
             seed: self.seed,
@@ -402,6 +406,7 @@ mod tests {
         let s = settings(&["--estimator", "knn", "--k", "70", "--photons", "1.5M", "--index", "vvh"]).unwrap();
         assert_eq!((s.photons, s.index), (1_500_000, IndexKind::Vvh));
         assert_eq!(s.estimator, Estimator::Knn { k: 70, max_radius: None });
+        assert_eq!(settings(&["--max-plane-distance", "0.1"]).unwrap().max_plane_distance, 0.1);
         assert_eq!(settings(&["--caustic-photons", "50k"]).unwrap().caustic_photons, CausticPhotons::Aimed(50_000));
         assert_eq!(settings(&["--caustic-photons", "shared"]).unwrap().caustic_photons, CausticPhotons::Shared);
         assert_eq!(settings(&["--kernel", "cone:1.1"]).unwrap().kernel, Kernel::Cone { slope: 1.1 });
@@ -470,6 +475,7 @@ mod tests {
             vec!["--kernel", "box"],
             vec!["--kernel", "cone:0.5"],
             vec!["--alpha", "0"],
+            vec!["--max-plane-distance", "0"],
             vec!["--max-bounces", "0"],
             vec!["--exposure", "nan"],
             vec!["--backend", "cuda"],

@@ -83,6 +83,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
             1 => CausticPhotons::Aimed(u32::from(from.byte())),
             _ => CausticPhotons::Shared,
         },
+        max_plane_distance: if from.byte() % 4 == 0 { from.narrow() } else { 1.0 },
         ..Settings::default()
     };
     static SCENES: std::sync::OnceLock<Vec<photon_scene::Scene>> = std::sync::OnceLock::new();

@@ -9,6 +9,8 @@ layout(local_size_x_id = 1) in;
 
 layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint KERNEL = 0;
+// Whether photons off the query's plane are turned away, and surfaces with them.
+layout(constant_id = 3) const uint FLAT = 0;
 
 #include "area.glsl"
 #include "constants.glsl"
@@ -33,6 +35,8 @@ layout(push_constant, scalar) uniform Push {
     float min_cosine;
     // The cone's slope.
     float slope;
+    // Of photons from a query's plane, in radii.
+    float max_plane_distance;
 } push;
 
 // The nearest surface that is not glass; its `t` from where the ray began.
@@ -84,6 +88,9 @@ void main() {
             Material material = push.scene.materials[at.material].at;
             bool keeps = material.kind == MATERIAL_LAMBERT && material.albedo != vec3(0.0);
             if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
+            if (FLAT != 0 && abs(dot3(at.point - push.queries[i].at.position, normal)) > push.max_plane_distance * radius) {
+                continue;
+            }
             // Behind something, it may lie within a solid, where no photon lands.
             if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
             found += probe.y;

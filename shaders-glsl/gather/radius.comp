@@ -17,6 +17,10 @@ layout(local_size_x_id = 1) in;
 #include "search_map.glsl"
 #include "search_distance.glsl"
 #include "search_sum.glsl"
+
+// Whether photons off the query's plane are turned away.
+layout(constant_id = 7) const uint FLAT = 0;
+
 #include "search_spread.glsl"
 
 layout(constant_id = 4) const uint KERNEL = 0;
@@ -36,6 +40,8 @@ shared vec3 powers[TILES * TILE_POINTS];
 vec3 at, normal;
 uint limit;
 float scale;
+// How far from the query's plane a photon may lie, if `FLAT`.
+float flat_most;
 Sum flux;
 uint photons;
 
@@ -49,11 +55,18 @@ void stage(uint mode, uint place, uint slot) {
 void add(uint place, inout vec3 sum) {
     vec3 point = uintBitsToFloat(staged[place].xyz);
     float d2 = point_distance(at, point);
+    float off = FLAT != 0 ? abs(dot3(point - at, normal)) : 0.0;
     if (SPREAD != 0) {
         bool near = floatBitsToUint(d2) < limit;
         bool same = FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine;
-        if (near) spread_add(KERNEL, push.parameter, point - at, normal, powers[place], d2, d2 * scale, same, sum, photons);
-    } else if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)) {
+        if (FLAT != 0) same = same && !(off > 1.41421356 * flat_most);
+        bvec2 flat_enough = FLAT != 0 ? bvec2(!(off > flat_most), !(off > 0.70710678 * flat_most)) : bvec2(true);
+        if (near) {
+            spread_add(
+                KERNEL, push.parameter, point - at, normal, powers[place], d2, d2 * scale, same, flat_enough, sum, photons);
+        }
+    } else if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)
+        && (FLAT == 0 || !(off > flat_most))) {
         sum += powers[place] * kernel_weight(KERNEL, push.parameter, min(d2 * scale, 1.0));
         photons++;
     }
@@ -95,11 +108,13 @@ void main() {
     limit = 0;
     at = vec3(0.0);
     normal = vec3(0.0);
+    flat_most = 0.0;
     if (asked) {
         at = push.queries[index].at.position;
         normal = push.queries[index].at.normal;
         precise float radius = push.queries[index].at.radius * push.radius;
         squared_radius = radius * radius;
+        if (FLAT != 0) flat_most = push.max_plane_distance * radius;
         if (push.points > 0 && !is_nan(squared_radius) && !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z)) {
             precise float reach = SPREAD != 0 ? 2.0 * squared_radius : squared_radius;
             limit = floatBitsToUint(reach) + 1;

@@ -50,6 +50,8 @@ layout(push_constant, scalar) uniform Push {
     uint threshold;
     // Results that fit.
     uint capacity;
+    // Of photons from a query's plane, in radii.
+    float max_plane_distance;
 } push;
 
 // Whether queries are taken in the order of `push.order`.

@@ -50,17 +50,17 @@ void spread_eight_end() {
 }
 
 // A photon of `u` squared distances over squared radii, at `offset` from the query; whether it counts as
-// on the query's surface by its normal. Adds to `sum` and `photons` what the estimate itself has of it. No
+// on the query's surface, and near enough to its plane for the estimate and for the narrow one. Adds to `sum` and `photons` what the estimate itself has of it. No
 // early end: on some devices a subgroup would not come together again.
 void spread_add(
-    uint kernel, float slope, vec3 offset, vec3 normal, vec3 power, float d2, float u, bool same, inout vec3 sum,
-    inout uint photons) {
+    uint kernel, float slope, vec3 offset, vec3 normal, vec3 power, float d2, float u, bool same, bvec2 flat_enough,
+    inout vec3 sum, inout uint photons) {
     float mean = (power.x + power.y + power.z) * (1.0 / 3.0);
     if (same) {
-        if (floatBitsToUint(d2) < spread_inner) {
+        if (floatBitsToUint(d2) < spread_inner && flat_enough.x) {
             sum += power * kernel_weight(kernel, slope, min(u, 1.0));
             photons++;
-            if (2.0 * u <= 1.0) eight_narrow += power * kernel_weight(kernel, slope, 2.0 * u);
+            if (2.0 * u <= 1.0 && flat_enough.y) eight_narrow += power * kernel_weight(kernel, slope, 2.0 * u);
         }
         eight_wide += power * kernel_weight(kernel, slope, min(0.5 * u, 1.0));
         vec3 scaled = offset * spread_reach;

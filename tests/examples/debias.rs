@@ -1,9 +1,10 @@
 //! What each tool against bias gains and costs: the tables of `docs/debiasing.md`.
 //!
 //! `debias SCENE [--backend cpu|vulkan] [--size N] [--seeds N] [--passes N] [--photons N] [--reference N]
-//! [--part area|gather|bandwidth]`: Markdown rows of error, with and without. Errors are squared over the
-//! square of the reference plus that of a tenth of its mean; the reference is a run of `--reference` passes
-//! of eight times the photons on the CPU, divided by the surface: by the disc it would be too dark itself.
+//! [--part area|gather|bandwidth|plane]`: Markdown rows of error, with and without. Errors are squared over the
+//! square of the reference plus that of a tenth of its mean; the reference is two runs of `--reference` passes
+//! of eight times the photons on the CPU, divided by the surface: by the disc it would be too dark itself. Two,
+//! since the product of the differences from each has none of their noise.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a program for measuring")]
 
 use std::time::Instant;
@@ -58,11 +59,12 @@ fn main() {
     let job = job();
     let scene = builtin(&job.scene).unwrap().build().unwrap();
     let base = Settings { photons: job.photons, ..Settings::default() };
-    let long = Settings { photons: 8 * job.photons, seed: 1 << 40, area: Area::Surface, ..base.clone() };
-    let (reference, _) = run(Cpu::new().unwrap(), &scene, &long, job.reference, job.size);
-    let truth = reference.beauty();
-    println!("| {} | passes | ms a pass | relMSE | bias² | variance | bias | darkest bias |", job.scene);
-    println!("|---|---:|---:|---:|---:|---:|---:|---:|");
+    let truths = [1 << 40, 1 << 41].map(|seed| {
+        let long = Settings { photons: 8 * job.photons, seed, area: Area::Surface, ..base.clone() };
+        run(Cpu::new().unwrap(), &scene, &long, job.reference, job.size).0.beauty()
+    });
+    println!("| {} | passes | ms a pass | relMSE | bias² | ± | variance | bias | darkest bias |", job.scene);
+    println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|");
     for (name, settings) in settings(&job, &base) {
         let films: Vec<(Film, f64)> = (0..job.seeds)
             .map(|seed| {
@@ -76,7 +78,7 @@ fn main() {
                 }
             })
             .collect();
-        row(&name, &films, &truth, &job);
+        row(&name, &films, &truths, &job);
     }
 }
 
@@ -88,6 +90,13 @@ fn settings(job: &Job, base: &Settings) -> Vec<(String, Settings)> {
         "bandwidth" => [("shared", Bandwidth::Shared), ("per pixel", Bandwidth::PerPixel)]
             .map(|(name, bandwidth)| (name.to_owned(), Settings { bandwidth, ..told.clone() }))
             .to_vec(),
+        "plane" => [1.0, 0.5, 0.25, 0.1]
+            .into_iter()
+            .flat_map(|share| [("disc", Area::Disc), ("surface", Area::Surface)].map(|area| (share, area)))
+            .map(|(share, (name, area))| {
+                (format!("{share} of the radius, {name}"), Settings { max_plane_distance: share, area, ..base.clone() })
+            })
+            .collect(),
         "gather" => [None, Some(1), Some(4), Some(16)]
             .map(|irradiance_every| match irradiance_every {
                 None => ("each ray asks the maps".to_owned(), gather.clone()),
@@ -118,29 +127,32 @@ fn run<B: TransportBackend>(on: B, scene: &Scene, settings: &Settings, passes: u
 }
 
 /// Mean squares over pixels of the bias and of the noise of films that differ in their seed.
-fn row(name: &str, films: &[(Film, f64)], truth: &[[f32; 3]], job: &Job) {
+fn row(name: &str, films: &[(Film, f64)], truths: &[Vec<[f32; 3]>; 2], job: &Job) {
     let grey = |pixel: &[f32; 3]| pixel.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
-    let mean_truth = truth.iter().map(grey).sum::<f64>() / truth.len() as f64;
+    let truth: Vec<[f64; 2]> = truths[0].iter().zip(&truths[1]).map(|(a, b)| [grey(a), grey(b)]).collect();
+    let mean_truth = truth.iter().flatten().sum::<f64>() / (2 * truth.len()) as f64;
     let pictures: Vec<Vec<f64>> = films.iter().map(|(film, _)| film.beauty().iter().map(grey).collect()).collect();
     let count = pictures.len() as f64;
-    let (mut squared, mut variance, mut bias) = (0.0, 0.0, Vec::new());
-    for (i, pixel) in truth.iter().enumerate() {
-        let truth = grey(pixel);
+    let (mut squares, mut variance, mut bias) = (Vec::new(), 0.0, Vec::new());
+    for (i, &[first, second]) in truth.iter().enumerate() {
+        let truth = 0.5 * (first + second);
         let scale = truth * truth + 0.01 * mean_truth * mean_truth;
         let mean = pictures.iter().map(|picture| picture[i]).sum::<f64>() / count;
         let own = pictures.iter().map(|picture| (picture[i] - mean).powi(2)).sum::<f64>() / (count - 1.0);
         variance += own / scale;
         // The square of a mean of noise is no bias.
-        squared += ((mean - truth).powi(2) - own / count) / scale;
+        squares.push(((mean - first) * (mean - second) - own / count) / scale);
         bias.push((mean - truth) / scale.sqrt());
     }
     let pixels = truth.len() as f64;
-    let (squared, variance) = (squared / pixels, variance / pixels);
+    let (squared, variance) = (squares.iter().sum::<f64>() / pixels, variance / pixels);
+    // Pixels are nearly independent of each other in what is left of chance here.
+    let chance = (squares.iter().map(|s| (s - squared).powi(2)).sum::<f64>() / pixels / pixels).sqrt();
     let all = bias.iter().sum::<f64>() / pixels;
     bias.sort_by(f64::total_cmp);
     let least = films.iter().map(|(_, seconds)| *seconds).fold(f64::INFINITY, f64::min);
     println!(
-        "| {name} | {} | {:.1} | {:.2e} | {squared:.2e} | {variance:.2e} | {:.2} % | {:.0} % |",
+        "| {name} | {} | {:.1} | {:.2e} | {squared:.2e} | {chance:.1e} | {variance:.2e} | {:.2} % | {:.0} % |",
         job.passes,
         1e3 * least,
         squared + variance,

@@ -60,7 +60,7 @@ pub const BROKEN: [Field; 7] = [
 ];
 
 /// Photons expected in the first radius, where the field is 1.
-const EXPECTED: f64 = 20.0;
+pub const EXPECTED: f64 = 20.0;
 
 /// One film of a field.
 #[derive(Clone, Copy, Debug)]
@@ -158,6 +158,7 @@ pub fn films_of<B: TransportBackend>(
             kernel: Kernel::Epanechnikov,
             radius_scale: shrink as f32,
             min_normal_cosine: 0.7,
+            max_plane_distance: 1.0,
         };
         let photons = on.upload("photons", &trial.photons(field, shrink, &mut uniform))?;
         let map = builder.build(on, photons)?;

@@ -21,6 +21,7 @@ pub mod interreflection;
 pub mod numerics;
 pub mod paper;
 pub mod precision;
+pub mod sheets;
 pub mod stats;
 pub mod twin;
 
@@ -50,12 +51,13 @@ macro_rules! whole_suite {
             accuracy::{
                 e1_claims_hold_in_smooth_fields, e2_edges_and_folds_are_flagged, e3_noise_alone_does_not_cover,
                 e4_spread_of_known_photons, e5_errors_leave_the_picture_alone, e6_gathered_light_is_claimed,
-                e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached,
+                e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached, e9_what_an_error_takes_is_foretold,
             }
             debias::{
                 d1_light_at_edges_is_whole, d2_nothing_changes_within_a_surface, d3_irradiance_found_beforehand,
                 d4_radii_of_pixels_keep_the_mean,
             }
+            sheets::{ d5_a_sheet_beside_does_not_shine_through, d6_a_sheet_in_the_shade_is_dark }
             aiming::{
                 g1_aimed_photons_have_the_same_expectation, g2_all_ways_to_something_specular_are_marked,
                 g3_aimed_pictures_have_the_same_mean, g4_aimed_paths_are_accounted_for,

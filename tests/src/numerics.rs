@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use crate::harness::{TestBackend, Uniform, estimate, film, photon_at, query_at, trace, unit};
 
 fn gather(rule: Rule) -> Gather {
-    Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: 0.7 }
+    Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: 0.7, max_plane_distance: 1.0 }
 }
 
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];

@@ -73,7 +73,9 @@ fn share(scene: &CpuScene, pass: Pass, query: &Query, gather: &Gather, radius: f
             let Some((_, surface)) = opaque(scene, down) else { continue };
             let material = &scene.materials[surface.material as usize];
             let keeps = material.is_diffuse() && material.albedo != [0.0; 3];
-            let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
+            let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
+            let flat = !gather.is_flat() || off <= gather.max_plane_distance * radius;
+            let same = keeps && flat && surface.normal.dot(normal) >= gather.min_normal_cosine;
             if same && (away <= free || !enclosed(scene, &surface)) {
                 found += probe.weight;
             }

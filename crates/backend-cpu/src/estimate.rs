@@ -28,6 +28,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         gather: &Gather,
         estimates: &mut CpuBuffer<Estimate>,
     ) -> Result<()> {
+        gather.validate()?;
         estimates.clear();
         estimates.needed = queries.data.len() as u64;
         let fit = queries.data.len().min(estimates.capacity as usize);
@@ -123,18 +124,8 @@ pub(crate) fn estimate_at(
     let radius_squared = radius * radius;
     let accept = |slot: u32| map.arrived(slot).normal.dot(normal) >= gather.min_normal_cosine;
     match gather.rule {
-        Rule::Radius => {
-            let sum = Sum::new(radius_squared);
-            let scale = 1.0 / sum.radius_squared;
-            let sum = map.index().fold_within(position, radius_squared, sum, |sum, slot, d2| {
-                if !accept(slot) {
-                    return sum;
-                }
-                let weight = gather.kernel.weight((d2 * scale).min(1.0));
-                sum.and(map.arrived(slot).power, weight)
-            });
-            sum.finish()
-        }
+        Rule::Radius if gather.is_flat() => within::<true>(map, position, normal, radius, gather),
+        Rule::Radius => within::<false>(map, position, normal, radius, gather),
         Rule::Nearest { k } => {
             map.index().nearest(position, k as usize, radius_squared, accept, scratch);
             let nearest = scratch.as_slice();
@@ -178,6 +169,29 @@ pub(crate) fn estimate_at(
             sum.finish()
         }
     }
+}
+
+/// The estimate from all photons within a radius; if `FLAT`, from those near the query's plane.
+fn within<const FLAT: bool>(map: &CpuMap, position: [f32; 3], normal: Vec3, radius: f32, gather: &Gather) -> Estimate {
+    let radius_squared = radius * radius;
+    let most = gather.max_plane_distance * radius;
+    let sum = Sum::new(radius_squared);
+    let scale = 1.0 / sum.radius_squared;
+    let sum = map.index().fold_within(position, radius_squared, sum, |sum, slot, d2| {
+        let same = map.arrived(slot).normal.dot(normal) >= gather.min_normal_cosine;
+        if !same || (FLAT && off_plane(map, slot, position, normal) > most) {
+            return sum;
+        }
+        let weight = gather.kernel.weight((d2 * scale).min(1.0));
+        sum.and(map.arrived(slot).power, weight)
+    });
+    sum.finish()
+}
+
+/// How far a photon lies from the plane through a query.
+#[inline]
+pub(crate) fn off_plane(map: &CpuMap, slot: u32, position: [f32; 3], normal: Vec3) -> f32 {
+    (Vec3::from(map.index().position(slot)) - Vec3::from(position)).dot(normal).abs()
 }
 
 /// Σ weight·power, in f64, so that a million photons add up.

@@ -1,9 +1,11 @@
 //! An estimate, and what the same photons say about its error.
 
+use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
+
 use photon_core::glam::Vec3;
 use photon_core::{Estimate, Gather, Spread, sampling};
 
-use crate::estimate::Sum;
+use crate::estimate::{Sum, off_plane};
 use crate::map::CpuMap;
 
 /// A photon farther from the query's plane than this share of the wide radius is on another surface.
@@ -17,7 +19,23 @@ pub(crate) fn spread_at(
     radius: f32,
     gather: &Gather,
 ) -> (Estimate, Spread) {
+    if gather.is_flat() {
+        spread::<true>(map, position, normal, radius, gather)
+    } else {
+        spread::<false>(map, position, normal, radius, gather)
+    }
+}
+
+/// The same; if `FLAT`, of photons near the query's plane, each radius with its own share of itself.
+fn spread<const FLAT: bool>(
+    map: &CpuMap,
+    position: [f32; 3],
+    normal: Vec3,
+    radius: f32,
+    gather: &Gather,
+) -> (Estimate, Spread) {
     let radius_squared = radius * radius;
+    let most = gather.max_plane_distance * radius;
     let sum = Sum::new(radius_squared);
     let scale = 1.0 / sum.radius_squared;
     let wide_squared = 2.0 * radius_squared;
@@ -27,14 +45,15 @@ pub(crate) fn spread_at(
     let (sum, sums) = map.index().fold_within(position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
         let arrived = map.arrived(slot);
         let power = f64::from((arrived.power.x + arrived.power.y + arrived.power.z) * (1.0 / 3.0));
-        if arrived.normal.dot(normal) < gather.min_normal_cosine {
+        let off = if FLAT { off_plane(map, slot, position, normal) } else { 0.0 };
+        if arrived.normal.dot(normal) < gather.min_normal_cosine || (FLAT && off > SQRT_2 * most) {
             sums.stray += power;
             return (sum, sums);
         }
         let u = d2 * scale;
-        if d2 <= radius_squared {
+        if d2 <= radius_squared && !(FLAT && off > most) {
             sum = sum.and(arrived.power, gather.kernel.weight(u.min(1.0)));
-            if 2.0 * u <= 1.0 {
+            if 2.0 * u <= 1.0 && !(FLAT && off > FRAC_1_SQRT_2 * most) {
                 add(&mut sums.narrow, arrived.power, gather.kernel.weight(2.0 * u));
             }
         }

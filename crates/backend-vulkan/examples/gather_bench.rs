@@ -61,8 +61,15 @@ fn run(
         // Everything is within reach.
         radius_scale: 10.0 / radius,
         min_normal_cosine,
+        max_plane_distance: 1.0,
     };
-    let within = Gather { rule: Rule::Radius, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0 };
+    let within = Gather {
+        rule: Rule::Radius,
+        kernel: Kernel::Constant,
+        radius_scale: 1.0,
+        min_normal_cosine: -1.0,
+        max_plane_distance: 1.0,
+    };
     for (order, queries) in [("rows", rows.clone()), ("shuffled", shuffled(&rows))] {
         let queries = on.upload("queries", &queries)?;
         let mut work = vec![

@@ -131,7 +131,8 @@ fn map(
     for (figure, (rule, radius_scale)) in
         figures[1..].iter_mut().zip([nearest(50), nearest(200), (Rule::Radius, 1.0)]).take(searches)
     {
-        let gather = Gather { rule, kernel: Kernel::Constant, radius_scale, min_normal_cosine: -1.0 };
+        let gather =
+            Gather { rule, kernel: Kernel::Constant, radius_scale, min_normal_cosine: -1.0, max_plane_distance: 1.0 };
         let mut all = Vec::new();
         for _ in 0..WARM + RUNS {
             let _ = on.timings()?;

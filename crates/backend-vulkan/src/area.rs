@@ -29,6 +29,8 @@ struct Push {
     start: u32,
     min_cosine: f32,
     slope: f32,
+    max_plane_distance: f32,
+    padding: u32,
 }
 
 impl AreaProbe<Vulkan> for VulkanArea {
@@ -41,7 +43,8 @@ impl AreaProbe<Vulkan> for VulkanArea {
         gather: &Gather,
         estimates: &mut VulkanBuffer<Estimate>,
     ) -> Result<()> {
-        let kernel = on.kernel(&shaders::CAMERA_AREA, &[scene.features().bits(), GROUP, gather.kernel.number()])?;
+        let constants = [scene.features().bits(), GROUP, gather.kernel.number(), u32::from(gather.is_flat())];
+        let kernel = on.kernel(&shaders::CAMERA_AREA, &constants)?;
         // How many there are need not be known here: as many as fit.
         let capacity = queries.capacity().min(estimates.capacity());
         let stretch = (on.portions.shadow_rays / RAYS).max(1).next_multiple_of(u64::from(GROUP));
@@ -56,6 +59,8 @@ impl AreaProbe<Vulkan> for VulkanArea {
                 start: start as u32,
                 min_cosine: gather.min_normal_cosine,
                 slope: gather.kernel.slope(),
+                max_plane_distance: gather.max_plane_distance,
+                padding: 0,
             };
             on.dispatch(&kernel, &push, stretch.min(capacity - start).div_ceil(u64::from(GROUP)))?;
         }

@@ -190,6 +190,8 @@ pub struct Claim {
     pub bias: f64,
     /// Standard error of that.
     pub bias_error: f64,
+    /// Photons of equal power that would be as certain as those within reach, of all passes (Kish 1965).
+    pub photons: f64,
     /// `t·standard_error + 2·|bias|`, with t Student's for 95 %: the truth, which is the mean over the
     /// pixel, is that near. Infinite where nothing is claimed.
     pub half_width: f64,
@@ -202,7 +204,7 @@ pub struct Claim {
 const LEAST_PASSES: u32 = 8;
 
 /// Photons below which the sums are too far from normal.
-const LEAST_PHOTONS: f64 = 32.0;
+pub(crate) const LEAST_PHOTONS: f64 = 32.0;
 
 impl Film {
     /// What is claimed of each pixel; `None` if errors were not asked for.
@@ -245,6 +247,7 @@ impl Film {
                 standard_error: noise * to_user,
                 bias: bias * to_user,
                 bias_error: bias_error * to_user,
+                photons,
                 half_width,
                 flags,
             }

@@ -1,6 +1,6 @@
 //! What more passes will bring, from what those so far have told.
 
-use crate::errors::{Claim, student_975};
+use crate::errors::{Claim, Flags, LEAST_PHOTONS, student_975};
 use crate::schedule::Schedule;
 
 /// Pixels that a forecast looks at; so many tell a share to a hundredth.
@@ -21,13 +21,18 @@ pub struct Forecast {
     pub share: f64,
     /// What is to be reached, if anything.
     pub target: Option<f64>,
-    /// Passes after which the target should be reached, those so far included; `None` if 2³² are too
+    /// Passes after which the target should be reached at the latest, those so far included: with all
+    /// pixels that may come to be claimed, whose errors are larger than those of others. `None` if 2³² are too
     /// few, or there is no target.
     pub passes_needed: Option<u32>,
+    /// And at the earliest: of those pixels alone of which something is claimed now.
+    pub passes_least: Option<u32>,
     /// Passes that the limits of the plan allow.
     pub passes_possible: u32,
-    /// The error that these should come to.
+    /// The error that these should come to, at most.
     pub error_possible: f64,
+    /// And at least.
+    pub error_possible_least: f64,
     /// Seconds that a pass takes.
     pub seconds_per_pass: f64,
     /// What radii are multiplied by from here on, beside their shrinking; 1 where they are left alone.
@@ -41,13 +46,19 @@ impl Forecast {
         self.target.is_some_and(|target| self.error <= target)
     }
 
-    /// Whether it should be, within the limits of the plan.
+    /// Whether it should be, within the limits of the plan, at the latest.
     #[must_use]
     pub fn is_reachable(&self) -> bool {
         self.passes_needed.is_some_and(|needed| needed <= self.passes_possible)
     }
 
-    /// Seconds that this takes, from the first pass on.
+    /// Whether it may be, at the earliest.
+    #[must_use]
+    pub fn may_be_reached(&self) -> bool {
+        self.passes_least.is_some_and(|least| least <= self.passes_possible)
+    }
+
+    /// Seconds that this takes at the latest, from the first pass on.
     #[must_use]
     pub fn seconds_needed(&self) -> Option<f64> {
         self.passes_needed.map(|passes| f64::from(passes) * self.seconds_per_pass)
@@ -59,6 +70,10 @@ impl Forecast {
 pub struct Prospect {
     /// Of which something is claimed.
     pixels: Vec<Relative>,
+    /// Of which nothing is claimed yet.
+    waiting: Vec<Relative>,
+    /// How many pixels one of the former stands for, and one of the latter.
+    weights: [f64; 2],
     /// Mean squares over all pixels that were seen, flagged or not.
     mean: Parts,
     claimed: f64,
@@ -81,6 +96,10 @@ struct Relative {
     pooled: f64,
     /// A number of a normal distribution: the luck of the bias in passes to come.
     luck: f64,
+    /// Photons told by.
+    told_by: f64,
+    /// Whether another surface, or the end of the light, lies within reach.
+    at_edge: bool,
 }
 
 impl Relative {
@@ -121,12 +140,21 @@ impl Prospect {
                 bias_error: of(claim.bias_error),
                 pooled: 1.0,
                 luck: 0.0,
+                told_by: claim.photons,
+                at_edge: EDGES.iter().any(|&edge| claim.flags.contains(edge)),
             }
         };
         let step = |count: usize| count.div_ceil(SAMPLE).max(1);
-        let mut pixels: Vec<Relative> =
-            standing.iter().step_by(step(standing.len())).map(|&claim| relative(claim)).collect();
-        pool(&mut pixels, f64::from(schedule.passes()) - 1.0);
+        let sample = |claims: &[&Claim]| {
+            let mut pixels: Vec<Relative> =
+                claims.iter().step_by(step(claims.len())).map(|&claim| relative(claim)).collect();
+            pool(&mut pixels, f64::from(schedule.passes()) - 1.0);
+            let weight = claims.len() as f64 / pixels.len().max(1) as f64;
+            (pixels, weight)
+        };
+        let (pixels, weight) = sample(&standing);
+        let flagged: Vec<&Claim> = claims.iter().filter(|claim| !claim.flags.is_empty()).collect();
+        let (waiting, other) = sample(&flagged);
         let all: Vec<Relative> = claims.iter().step_by(step(claims.len())).map(relative).collect();
         let mut sum = all.iter().fold(Parts::default(), |sum, pixel| Parts {
             photons: sum.photons + pixel.photons * pixel.photons,
@@ -135,7 +163,8 @@ impl Prospect {
         });
         sum.steady = sum.steady.max(0.0);
         let claimed = standing.len() as f64 / claims.len().max(1) as f64;
-        (!pixels.is_empty()).then_some(Self { pixels, mean: sum, claimed, schedule, share })
+        let weights = [weight, other];
+        (!pixels.is_empty()).then_some(Self { pixels, waiting, weights, mean: sum, claimed, schedule, share })
     }
 
     /// With squared radii times `factor` from here on.
@@ -170,17 +199,41 @@ impl Prospect {
     /// these: at α = 2/3 both fall as the cube root of the passes, so that a target of ε takes ε⁻³. What
     /// is known of noise and bias is itself uncertain: the worst pixels of now are partly unlucky ones, and
     /// others will be. Both are spread over the pixels as they should be without that.
+    ///
+    /// Pixels of which nothing is claimed yet join in, with the errors that they have: those with an edge
+    /// within reach as the radius shrinks, since edges are lines, along which pixels are as many as the radius
+    /// is long; those with few photons when these are enough.
     #[must_use]
     pub fn error_after(&self, passes: u32) -> f64 {
+        self.after(passes, true).max(self.after(passes, false))
+    }
+
+    /// The same of the pixels alone of which something is claimed now, or of all that join in if these fare
+    /// better: at least that.
+    #[must_use]
+    pub fn least_error_after(&self, passes: u32) -> f64 {
+        self.after(passes, true).min(self.after(passes, false))
+    }
+
+    fn after(&self, passes: u32, joined: bool) -> f64 {
         let (bias, noise) = self.schedule.factors(passes);
         let then = f64::from(passes.max(self.schedule.passes()));
-        let other = (f64::from(self.schedule.passes()) / then).sqrt();
+        let more = then / f64::from(self.schedule.passes().max(1));
+        let other = more.recip().sqrt();
         let t = student_975(then - 1.0);
-        self.at_share(|pixel| {
+        let error = |pixel: &Relative| {
             let random = pixel.bias_error * pixel.pooled * noise * pixel.luck;
             t * pixel.pooled * (pixel.photons * noise).hypot(pixel.other * other)
                 + 2.0 * (pixel.steady * bias + random).abs()
-        })
+        };
+        let joins = |pixel: &Relative| {
+            let enough = pixel.told_by * more * bias >= LEAST_PHOTONS;
+            let free = if pixel.at_edge { 1.0 - bias.min(1.0).sqrt() } else { 1.0 };
+            if enough && joined { self.weights[1] * free } else { 0.0 }
+        };
+        let now = self.pixels.iter().map(|pixel| (error(pixel), self.weights[0]));
+        let later = self.waiting.iter().map(|pixel| (error(pixel), joins(pixel)));
+        quantile(now.chain(later).filter(|(_, weight)| *weight > 0.0).collect(), self.share)
     }
 
     /// Where matters stand, for passes of so many seconds of which so many are possible.
@@ -195,27 +248,29 @@ impl Prospect {
             error: self.error(),
             share: self.share,
             target,
-            passes_needed: target.and_then(|target| self.passes_needed(target)),
+            passes_needed: target.and_then(|target| self.passes_until(target, Self::error_after)),
+            passes_least: target.and_then(|target| self.passes_until(target, Self::least_error_after)),
             passes_possible,
             error_possible: self.error_after(passes_possible),
+            error_possible_least: self.least_error_after(passes_possible),
             seconds_per_pass,
             radius_factor: 1.0,
         }
     }
 
-    /// Passes after which the error should be within the target.
-    pub(crate) fn passes_needed(&self, target: f64) -> Option<u32> {
+    /// Passes after which that error should be within the target.
+    pub(crate) fn passes_until(&self, target: f64, error_after: impl Fn(&Self, u32) -> f64) -> Option<u32> {
         let (mut low, mut high) = (self.schedule.passes(), u32::MAX - 1);
         if self.error() <= target {
             return Some(low);
         }
-        if self.error_after(high) > target {
+        if error_after(self, high) > target {
             return None;
         }
         // Halving intervals of the logarithm, since nobody knows the order of magnitude.
         while high - low > 1 && f64::from(high) > f64::from(low) * 1.005 {
             let middle = ((f64::from(low) * f64::from(high)).sqrt() as u32).clamp(low + 1, high - 1);
-            if self.error_after(middle) <= target {
+            if error_after(self, middle) <= target {
                 high = middle
             } else {
                 low = middle
@@ -230,6 +285,21 @@ impl Prospect {
         let index = ((self.share * errors.len() as f64).ceil() as usize).clamp(1, errors.len()) - 1;
         *errors.select_nth_unstable_by(index, f64::total_cmp).1
     }
+}
+
+/// Why a pixel that is flagged has to wait for smaller radii.
+const EDGES: [Flags; 3] = [Flags::OTHER_SURFACE, Flags::UNEVEN, Flags::CURVED];
+
+/// The least number that a share of the weight of all is at most.
+fn quantile(mut weighted: Vec<(f64, f64)>, share: f64) -> f64 {
+    weighted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let all: f64 = weighted.iter().map(|(_, weight)| weight).sum();
+    let mut sum = 0.0;
+    let found = weighted.iter().find(|(_, weight)| {
+        sum += weight;
+        sum >= share * all * (1.0 - 1e-12)
+    });
+    found.or(weighted.last()).map_or(0.0, |(number, _)| *number)
 }
 
 /// Takes from noise and biases of pixels what is chance in them, told from passes with so many degrees of
@@ -272,97 +342,4 @@ fn normal_quantile(p: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::errors::Flags;
-
-    fn claims(noise: f64, bias: f64, bias_error: f64) -> Vec<Claim> {
-        let claim = Claim {
-            value: 2.0,
-            standard_error: 2.0 * noise,
-            bias: 2.0 * bias,
-            bias_error: 2.0 * bias_error,
-            half_width: 1.0,
-            flags: Flags::default(),
-        };
-        let mut claims = vec![claim; 90];
-        claims.extend(vec![Claim { flags: Flags::UNEVEN, half_width: f64::INFINITY, ..claim }; 10]);
-        claims
-    }
-
-    fn told(claims: &[Claim], passes: u32, alpha: f64) -> Option<Prospect> {
-        Prospect::new(claims, Schedule::of(passes, alpha), 0.95, 0.5)
-    }
-
-    #[test]
-    fn radii_go_to_where_noise_and_bias_balance() {
-        let best = |bias: f64, noise: f64| told(&claims(noise, bias, 0.5 * noise), 8, 1.0).unwrap().best_scale(10_000);
-        // Nothing but noise wants all that may be had, a bias that dwarfs it the least.
-        assert_eq!((best(0.05, 0.1), best(1.0, 0.01)), (2.0, 0.25));
-        // Squares of noise fall by 1250/c; what is left of the bias has a square of 0.0032 c². They balance
-        // at c³ = 1/1250/(2·0.0032) = 1/8.
-        assert!((best(0.2532_f64.sqrt(), 1.0) - 0.5).abs() < 1e-9);
-    }
-
-    #[test]
-    fn errors_fall_as_the_cube_root_of_passes() {
-        let prospect = told(&claims(0.1, 0.1, 0.05), 1000, 2.0 / 3.0).unwrap();
-        assert!((prospect.error() - (student_975(999.0) * 0.1 + 0.2)).abs() < 1e-12);
-        let half = f64::from(prospect.passes_needed(prospect.error_after(1000) / 2.0).unwrap());
-        assert!((half / 8000.0 - 1.0).abs() < 0.1, "{half}");
-        assert!((prospect.forecast(None, 1.0, 9).claimed - 0.9).abs() < 1e-12);
-    }
-
-    #[test]
-    fn noise_alone_at_a_fixed_radius_falls_as_the_square_root() {
-        let prospect = told(&claims(0.1, 0.05, 0.05), 1000, 1.0).unwrap();
-        let half = f64::from(prospect.passes_needed(prospect.error_after(1000) / 2.0).unwrap());
-        assert!((half / 4000.0 - 1.0).abs() < 0.02, "{half}");
-        // A bias that stays is a floor.
-        let floor = told(&claims(0.1, 0.05, 0.0), 1000, 1.0).unwrap();
-        assert_eq!(floor.passes_needed(0.09), None);
-        assert_eq!(floor.passes_needed(10.0), Some(1000));
-    }
-
-    /// Pixels that are alike, of which 8 passes tell different noise and biases by chance: 95 % of them come
-    /// to be within 1.96 standard errors for the noise, and twice 1.96 of half as much for the bias.
-    #[test]
-    fn luck_of_the_pilot_is_not_foretold() {
-        let normal = |index: usize| normal_quantile((index as f64 * 0.754_877_666_246_693 + 0.3).fract());
-        let told_by_chance = |pixel: usize| {
-            let draws: Vec<f64> = (0..8).map(|i| normal(pixel * 9 + i + 1)).collect();
-            let mean = draws.iter().sum::<f64>() / 8.0;
-            let spread = (draws.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 7.0).sqrt();
-            Claim {
-                value: 1.0,
-                standard_error: 0.1 * spread,
-                bias: 0.05 * normal(pixel * 9 + 9),
-                bias_error: 0.05 * spread,
-                half_width: 1.0,
-                flags: Flags::default(),
-            }
-        };
-        let claims: Vec<Claim> = (0..4000).map(told_by_chance).collect();
-        let prospect = told(&claims, 8, 1.0).unwrap();
-        let ratio = prospect.error_after(800) / (2.0 * student_975(799.0) * 0.01);
-        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
-        // Each pixel by itself, the unlucky ones foretell a bias that is not there.
-        let alone = claims.iter().map(|c| 2.0 * (c.bias * c.bias - c.bias_error * c.bias_error).max(0.0).sqrt());
-        let mut alone: Vec<f64> = alone.collect();
-        alone.sort_by(f64::total_cmp);
-        assert!(alone[3800] > 3.0 * prospect.error_after(800), "{}", alone[3800]);
-    }
-
-    #[test]
-    fn quantiles_of_the_normal_distribution() {
-        for (p, z) in [(0.5, 0.0), (0.975, 1.959_964), (0.025, -1.959_964), (0.999, 3.090_232)] {
-            assert!((normal_quantile(p) - z).abs() < 5e-4, "{p}: {}", normal_quantile(p));
-        }
-    }
-
-    #[test]
-    fn nothing_claimed_is_nothing_foretold() {
-        let none: Vec<Claim> = claims(0.1, 0.0, 0.0).iter().map(|c| Claim { flags: Flags::FEW_PASSES, ..*c }).collect();
-        assert!(told(&none, 7, 1.0).is_none() && told(&[], 7, 1.0).is_none());
-    }
-}
+mod tests;

@@ -209,7 +209,10 @@ fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Dura
     // promise the same bits everywhere.
     let mut radius_factor = 1.0;
     if outcome.predicted.is_none() && matches!(plan.until, Budget::Time(_) | Budget::Error { .. }) {
-        let needed = target.and_then(|target| prospect.passes_needed(target)).unwrap_or(possible).min(possible);
+        let needed = target
+            .and_then(|target| prospect.passes_until(target, Prospect::least_error_after))
+            .unwrap_or(possible)
+            .min(possible);
         let scale = prospect.best_scale(needed);
         if needed > 2 * outcome.passes && renderer.rescale(scale) {
             prospect = prospect.scaled(scale);
@@ -219,13 +222,13 @@ fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Dura
     Ok(Some(Forecast { radius_factor, ..prospect.forecast(target, pass, possible) }))
 }
 
-/// The pass after which to look again: when the target should be reached, but before the passes have
+/// The pass after which to look again: when the target should be reached at the earliest, but before the passes have
 /// doubled, since forecasts become better.
 fn after(plan: &Plan, passes: u32, forecast: Option<&Forecast>) -> u32 {
     if !matches!(plan.until, Budget::Error { .. }) {
         return u32::MAX;
     }
-    let needed = forecast.and_then(|forecast| forecast.passes_needed).unwrap_or(u32::MAX);
+    let needed = forecast.and_then(|forecast| forecast.passes_least).unwrap_or(u32::MAX);
     needed.min(passes.saturating_mul(2)).max(passes + passes.div_ceil(16))
 }
 
@@ -254,6 +257,7 @@ mod tests {
                 standard_error: noise,
                 bias: 0.0,
                 bias_error: 0.0,
+                photons: 1000.0,
                 half_width: 2.0 * noise,
                 flags: crate::Flags::default(),
             };

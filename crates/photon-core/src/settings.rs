@@ -185,6 +185,11 @@ pub struct Settings {
     /// A photon counts if its surface's normal and the query's have at least this cosine, in
     /// `[-1, 1]`.
     pub min_normal_cosine: f32,
+    /// A photon counts if its distance from the query's plane is at most this share of the radius, in
+    /// `(0, 1]`; 1: whatever lies in the ball. Below 1 a sheet beside the surface no longer shines
+    /// through, but a ball of less than `radius / (2 share)` loses its rim (Jensen 2001 flattens the ball
+    /// likewise). For [`Estimator::Radius`] alone.
+    pub max_plane_distance: f32,
     /// Photons that a map may hold; `None`: as many as land.
     pub photon_capacity: Option<u64>,
     /// Bytes that backend and pipeline may hold for the scene, the picture and the photons; `None`: as
@@ -219,6 +224,7 @@ impl Default for Settings {
             gather_rays: 16,
             irradiance_every: None,
             min_normal_cosine: 0.7,
+            max_plane_distance: 1.0,
             photon_capacity: None,
             memory: None,
             errors: false,
@@ -313,6 +319,10 @@ impl Settings {
         }
         let cosine = self.min_normal_cosine;
         ensure((-1.0..=1.0).contains(&cosine), "min-normal-cosine", cosine.to_string(), "must lie between -1 and 1")?;
+        let plane = self.max_plane_distance;
+        let mend = "must be above 0 and at most 1, and 1 with estimators other than that of a radius";
+        let good = plane == 1.0 || (plane > 0.0 && plane < 1.0 && matches!(self.estimator, Estimator::Radius { .. }));
+        ensure(good, "max-plane-distance", plane.to_string(), mend)?;
         Ok(())
     }
 }

@@ -52,6 +52,32 @@ pub struct Gather {
     /// A photon counts if its surface's normal and the query's have at least this cosine; −1 lets
     /// all count.
     pub min_normal_cosine: f32,
+    /// A photon counts if its distance from the query's plane is at most this share of the radius, > 0;
+    /// 1 lets all of the ball count. Below 1 for [`Rule::Radius`] alone.
+    pub max_plane_distance: f32,
+}
+
+impl Gather {
+    /// Whether photons are turned away for their distance from the query's plane.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.max_plane_distance < 1.0
+    }
+
+    /// Checks that photons are turned away for what the rule knows of.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] for a plane distance with a rule that has no radius of its own.
+    pub fn validate(&self) -> Result<()> {
+        if !self.is_flat() || self.rule == Rule::Radius {
+            return Ok(());
+        }
+        Err(Error::InvalidSetting {
+            name: "max-plane-distance",
+            value: format!("{}, with {:?}", self.max_plane_distance, self.rule),
+            mend: "is a share of a radius that is given: take the estimator of a radius, or 1",
+        })
+    }
 }
 
 /// Which photons count.

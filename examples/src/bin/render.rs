@@ -294,18 +294,36 @@ fn claimed(what: &str, forecast: &Forecast) -> String {
 }
 
 fn foretell(forecast: &Forecast, photons: u32) -> String {
-    let cost = |passes: u32| {
-        let (photons, seconds) =
-            (f64::from(passes) * f64::from(photons), f64::from(passes) * forecast.seconds_per_pass);
-        format!("{passes} passes, {:.1} million photons, {seconds:.0} s", photons / 1e6)
+    // From the least on, if that rounds to another number.
+    let from = |least: String, most: String| if least == most { most } else { format!("{least} to {most}") };
+    let cost = |least: u32, most: u32| {
+        let [least, most] = [least, most].map(|passes| {
+            let (passes, photons) = (f64::from(passes), f64::from(photons) / 1e6);
+            [
+                format!("{passes}"),
+                format!("{:.1}", passes * photons),
+                format!("{:.0}", passes * forecast.seconds_per_pass),
+            ]
+        });
+        let [passes, photons, seconds]: [String; 3] = std::array::from_fn(|i| from(least[i].clone(), most[i].clone()));
+        format!("{passes} passes, {photons} million photons, {seconds} s")
     };
-    let limit =
-        || format!("an error of {:.2} % with {}", 100.0 * forecast.error_possible, cost(forecast.passes_possible));
-    let line = match (forecast.target, forecast.passes_needed) {
-        (None, _) => format!("predicted: {}", limit()),
-        (Some(_), Some(needed)) if forecast.is_reachable() => format!("predicted: reached with {}", cost(needed)),
-        (Some(_), Some(needed)) => format!("out of reach: it takes {}; predicted: {}", cost(needed), limit()),
-        (Some(_), None) => format!("out of reach with any number of passes; predicted: {}", limit()),
+    let limit = || {
+        let [least, most] =
+            [forecast.error_possible_least, forecast.error_possible].map(|error| format!("{:.2}", 100.0 * error));
+        format!("an error of {} % with {}", from(least, most), cost(forecast.passes_possible, forecast.passes_possible))
+    };
+    let line = match (forecast.target, forecast.passes_least, forecast.passes_needed) {
+        (None, ..) => format!("predicted: {}", limit()),
+        (Some(_), Some(least), Some(most)) if forecast.is_reachable() => {
+            format!("predicted: reached with {}", cost(least, most))
+        }
+        (Some(_), Some(least), most) => {
+            let often = most.map_or_else(|| format!("{} or more", cost(least, least)), |most| cost(least, most));
+            let perhaps = if forecast.may_be_reached() { "perhaps " } else { "" };
+            format!("{perhaps}out of reach: it takes {often}; predicted: {}", limit())
+        }
+        (Some(_), None, _) => format!("out of reach with any number of passes; predicted: {}", limit()),
     };
     let radii = match forecast.radius_factor {
         factor if (factor - 1.0).abs() < 1e-9 => String::new(),

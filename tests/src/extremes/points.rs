@@ -99,7 +99,7 @@ fn sets(n: usize) -> Vec<(&'static str, Vec<[f32; 3]>)> {
 }
 
 fn gather(rule: Rule) -> Gather {
-    Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0 }
+    Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0, max_plane_distance: 1.0 }
 }
 
 /// S8, S27: counts within a radius and squared distances of the k-th, as by brute force, to the bit.

@@ -44,6 +44,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         gather: &Gather,
         estimates: &mut VulkanBuffer<Estimate>,
     ) -> Result<()> {
+        gather.validate()?;
         let mut question = radius_question(gather);
         match gather.rule {
             Rule::Radius => {}
@@ -117,8 +118,13 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         let mut estimates = VulkanBuffer::<Estimate>::new(on, "estimates", u64::from(count))?;
         // The photon itself is the nearest.
         let k = neighbours + 1;
-        let gather =
-            Gather { rule: Rule::Nearest { k }, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine };
+        let gather = Gather {
+            rule: Rule::Nearest { k },
+            kernel: Kernel::Constant,
+            radius_scale: 1.0,
+            min_normal_cosine,
+            max_plane_distance: 1.0,
+        };
         self.estimate(on, map, &queries, &gather, &mut estimates)?;
         let mut found = Vec::new();
         on.download(&estimates, &mut found)?;
@@ -133,9 +139,11 @@ fn radius_question(gather: &Gather) -> Question {
         mode: Mode::Radius,
         kernel: gather.kernel,
         filter: gather.min_normal_cosine > -1.0,
+        flat: gather.is_flat(),
         k: 0,
         radius: gather.radius_scale,
         min_cosine: gather.min_normal_cosine,
+        max_plane_distance: gather.max_plane_distance,
         parameter: gather.kernel.slope(),
         threshold: 0,
         spreads: 0,

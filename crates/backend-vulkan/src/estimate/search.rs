@@ -51,10 +51,14 @@ pub(super) struct Question {
     pub(super) kernel: Kernel,
     /// Whether photons are turned away for their normal or direction.
     pub(super) filter: bool,
+    /// Whether they are turned away for their distance from the query's plane.
+    pub(super) flat: bool,
     pub(super) k: u32,
     /// Rows and counts: the radius. Otherwise a factor on every query's.
     pub(super) radius: f32,
     pub(super) min_cosine: f32,
+    /// In shares of the radius.
+    pub(super) max_plane_distance: f32,
     /// The cone's slope, or the paper's factor.
     pub(super) parameter: f32,
     pub(super) threshold: u32,
@@ -86,7 +90,7 @@ struct Push {
     parameter: f32,
     threshold: u32,
     capacity: u32,
-    reserved: u32,
+    max_plane_distance: f32,
 }
 
 /// The push constants of `gather/sample.comp`.
@@ -160,7 +164,8 @@ impl Search {
             Mode::Radius => {
                 let filter = u32::from(question.filter);
                 let spread = u32::from(question.spreads != 0);
-                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, spread, 0, turns];
+                let flat = u32::from(question.flat);
+                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, spread, flat, turns];
                 on.kernel(&shaders::GATHER_RADIUS, &constants)?
             }
             Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
@@ -193,7 +198,7 @@ impl Search {
             parameter: question.parameter,
             threshold: question.threshold,
             capacity: capacity.min(u64::from(u32::MAX)) as u32,
-            reserved: 0,
+            max_plane_distance: question.max_plane_distance,
         };
         let portion = if turns > 0 { span * (SUBGROUPS / u64::from(TILES)) } else { PORTION / span * span };
         let kept = &mut self.kept;

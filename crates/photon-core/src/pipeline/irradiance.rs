@@ -95,6 +95,7 @@ impl<B: TransportBackend> Pipeline<B> {
             kernel: Kernel::Constant,
             radius_scale: reach * (every as f32 / 8.0).max(1.0).sqrt(),
             min_normal_cosine: self.settings.min_normal_cosine,
+            max_plane_distance: 1.0,
         };
         Ok(Some((built, gather)))
     }

@@ -74,7 +74,13 @@ fn work(args: &Args) -> Result<(), Fault> {
         let mut stages = on.map_stages(kind)?;
         let map = stages.builder.build(&mut on, photons)?;
         let mut answers = on.alloc::<Estimate>("estimates", queries)?;
-        let gather = Gather { rule: Rule::Radius, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: 0.7 };
+        let gather = Gather {
+            rule: Rule::Radius,
+            kernel: Kernel::Constant,
+            radius_scale: 1.0,
+            min_normal_cosine: 0.7,
+            max_plane_distance: 1.0,
+        };
         stages.estimator.estimate(&mut on, &map, &there, &gather, &mut answers)?;
         let mut found = Vec::new();
         on.download(&answers, &mut found)?;

@@ -92,7 +92,8 @@ fn ratio<B: Backend>(on: &mut B, rule: Rule, slanted: bool, radius: f32) -> Resu
         Query { position, radius, normal: [0.0, 0.0, 1.0], weight: [1.0; 3], ..Query::default() }
     };
     let queries: Vec<Query> = (0..SIDE * SIDE).map(query).collect();
-    let gather = Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: 0.7 };
+    let gather =
+        Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: 0.7, max_plane_distance: 1.0 };
     let mut stages = on.map_stages(IndexKind::Median)?;
     let queries = on.upload("queries", &queries)?;
     let mut estimates = on.alloc::<Estimate>("estimates", u64::from(SIDE * SIDE))?;

@@ -48,11 +48,16 @@ fn row(subject: &Subject, (plan, outcome, seconds): (Plan, &Outcome, f64), film:
     };
     let predicted = outcome.predicted.as_ref().map_or_else(
         || "–".to_owned(),
-        |forecast| match (forecast.passes_needed, forecast.seconds_needed()) {
-            (Some(passes), Some(_)) if passes > forecast.passes_possible => {
-                format!("out of reach: {passes} passes; {:.1} %", 100.0 * forecast.error_possible)
+        |forecast| match (forecast.passes_least, forecast.passes_needed, forecast.seconds_needed()) {
+            (Some(least), ..) if least > forecast.passes_possible => {
+                format!("out of reach: {least} passes at least; {:.1} %", 100.0 * forecast.error_possible_least)
             }
-            (Some(passes), Some(seconds)) => format!("{passes} passes, {seconds:.1} s"),
+            (Some(least), Some(most), Some(seconds)) => {
+                format!(
+                    "{least} to {most} passes, {:.1} to {seconds:.1} s",
+                    f64::from(least) * forecast.seconds_per_pass
+                )
+            }
             _ if forecast.target.is_some() => "out of reach".to_owned(),
             _ => format!("{:.1} %", 100.0 * forecast.error_possible),
         },

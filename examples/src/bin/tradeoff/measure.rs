@@ -145,6 +145,7 @@ mod tests {
     #[test]
     fn a_claim_that_is_wrong_is_not_covered() {
         let claim = |value: f64, half_width: f64| Claim {
+            photons: 1000.0,
             value,
             standard_error: 0.01,
             bias: 0.0,

@@ -76,12 +76,16 @@ fn check(
     for &rule in rules {
         for kernel in KERNELS {
             for &min_normal_cosine in cosines {
-                let gather = Gather { rule, kernel, radius_scale: 0.9, min_normal_cosine };
-                let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
-                let found = on_device(on, &photons, &queries, &gather, IndexKind::Morton);
-                // The greatest weight is 3.
-                if let Err(difference) = compare(&found, &expected, 3.0) {
-                    panic!("{name}, {} points, radius {radius}, {gather:?}: {difference}", points.len());
+                // A share of the radius goes with radii alone.
+                let shares: &[f32] = if rule == Rule::Radius { &[1.0, 0.2] } else { &[1.0] };
+                for &max_plane_distance in shares {
+                    let gather = Gather { rule, kernel, radius_scale: 0.9, min_normal_cosine, max_plane_distance };
+                    let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
+                    let found = on_device(on, &photons, &queries, &gather, IndexKind::Morton);
+                    // The greatest weight is 3.
+                    if let Err(difference) = compare(&found, &expected, 3.0) {
+                        panic!("{name}, {} points, radius {radius}, {gather:?}: {difference}", points.len());
+                    }
                 }
             }
         }
@@ -137,7 +141,13 @@ fn many_photons_add_up() {
             .collect();
         let queries = queries(&[[0.0; 3]], 3.0);
         let rule = if rule == Rule::Radius { rule } else { Rule::Nearest { k: count } };
-        let gather = Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0 };
+        let gather = Gather {
+            rule,
+            kernel: Kernel::Constant,
+            radius_scale: 1.0,
+            min_normal_cosine: -1.0,
+            max_plane_distance: 1.0,
+        };
         let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
         let found = on_device(&mut on, &photons, &queries, &gather, IndexKind::Morton);
         assert_eq!(found[0].photons, count);
@@ -161,7 +171,13 @@ fn sorted_queries_find_the_same() {
     let mut there = on.upload("queries", &[queries.clone(), vec![Query::default(); 90]].concat()).unwrap();
     on.set_length(&mut there, queries.len() as u64).unwrap();
     for rule in [Rule::Radius, Rule::Nearest { k: 30 }] {
-        let gather = Gather { rule, kernel: Kernel::Epanechnikov, radius_scale: 0.5, min_normal_cosine: 0.5 };
+        let gather = Gather {
+            rule,
+            kernel: Kernel::Epanechnikov,
+            radius_scale: 0.5,
+            min_normal_cosine: 0.5,
+            max_plane_distance: 1.0,
+        };
         let mut estimates = on.alloc("estimates", there.capacity()).unwrap();
         let mut estimator = VulkanEstimator { search: Search { worth_order: 0, ..Search::default() } };
         for _ in 0..2 {
@@ -182,8 +198,13 @@ fn wide_bins_find_the_same() {
     let queries = queries(&places(&walls(300))[..12], 0.5);
     let there = on.upload("queries", &queries).unwrap();
     for k in [20, 500] {
-        let gather =
-            Gather { rule: Rule::Nearest { k }, kernel: Kernel::Biweight, radius_scale: 1.0, min_normal_cosine: 0.5 };
+        let gather = Gather {
+            rule: Rule::Nearest { k },
+            kernel: Kernel::Biweight,
+            radius_scale: 1.0,
+            min_normal_cosine: 0.5,
+            max_plane_distance: 1.0,
+        };
         let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
         let mut estimator = VulkanEstimator { search: Search { narrow_bins: 10, ..Search::default() } };
         estimator.estimate(&mut on, &map, &there, &gather, &mut estimates).unwrap();
@@ -202,8 +223,13 @@ fn the_same_twice() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let photons = photons(&caustic(10_000, 0.05));
     let queries = queries(&places(&walls(3000)), 0.2);
-    let gather =
-        Gather { rule: Rule::Nearest { k: 60 }, kernel: Kernel::Biweight, radius_scale: 1.0, min_normal_cosine: 0.5 };
+    let gather = Gather {
+        rule: Rule::Nearest { k: 60 },
+        kernel: Kernel::Biweight,
+        radius_scale: 1.0,
+        min_normal_cosine: 0.5,
+        max_plane_distance: 1.0,
+    };
     let first = on_device(&mut on, &photons, &queries, &gather, IndexKind::Median);
     assert_eq!(first, on_device(&mut on, &photons, &queries, &gather, IndexKind::Median));
 }
@@ -230,8 +256,13 @@ fn the_comparison_can_fail() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let mut photons = photons(&walls(300));
     let queries = queries(&[[0.5, 0.0, 0.5]], 0.4);
-    let gather =
-        Gather { rule: Rule::Radius, kernel: Kernel::Epanechnikov, radius_scale: 1.0, min_normal_cosine: -1.0 };
+    let gather = Gather {
+        rule: Rule::Radius,
+        kernel: Kernel::Epanechnikov,
+        radius_scale: 1.0,
+        min_normal_cosine: -1.0,
+        max_plane_distance: 1.0,
+    };
     let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
     let mut same = |photons: &[Photon], gather: &Gather| {
         compare(&on_device(&mut on, photons, &queries, gather, IndexKind::Morton), &expected, 3.0)

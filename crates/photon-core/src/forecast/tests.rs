@@ -1,0 +1,153 @@
+//! Forecasts of what is known.
+
+use super::*;
+use crate::random::{Domain, Sampler};
+use crate::settings::RandomKind;
+
+fn claims(noise: f64, bias: f64, bias_error: f64) -> Vec<Claim> {
+    let claim = Claim {
+        value: 2.0,
+        standard_error: 2.0 * noise,
+        bias: 2.0 * bias,
+        bias_error: 2.0 * bias_error,
+        photons: 1000.0,
+        half_width: 1.0,
+        flags: Flags::default(),
+    };
+    let mut claims = vec![claim; 90];
+    claims.extend(vec![Claim { flags: Flags::UNEVEN, half_width: f64::INFINITY, ..claim }; 10]);
+    claims
+}
+
+fn told(claims: &[Claim], passes: u32, alpha: f64) -> Option<Prospect> {
+    Prospect::new(claims, Schedule::of(passes, alpha), 0.95, 0.5)
+}
+
+#[test]
+fn radii_go_to_where_noise_and_bias_balance() {
+    let best = |bias: f64, noise: f64| told(&claims(noise, bias, 0.5 * noise), 8, 1.0).unwrap().best_scale(10_000);
+    // Nothing but noise wants all that may be had, a bias that dwarfs it the least.
+    assert_eq!((best(0.05, 0.1), best(1.0, 0.01)), (2.0, 0.25));
+    // Squares of noise fall by 1250/c; what is left of the bias has a square of 0.0032 c². They balance
+    // at c³ = 1/1250/(2·0.0032) = 1/8.
+    assert!((best(0.2532_f64.sqrt(), 1.0) - 0.5).abs() < 1e-9);
+}
+
+#[test]
+fn errors_fall_as_the_cube_root_of_passes() {
+    let prospect = told(&claims(0.1, 0.1, 0.05), 1000, 2.0 / 3.0).unwrap();
+    assert!((prospect.error() - (student_975(999.0) * 0.1 + 0.2)).abs() < 1e-12);
+    let half = f64::from(prospect.passes_until(prospect.error_after(1000) / 2.0, Prospect::error_after).unwrap());
+    assert!((half / 8000.0 - 1.0).abs() < 0.1, "{half}");
+    assert!((prospect.forecast(None, 1.0, 9).claimed - 0.9).abs() < 1e-12);
+}
+
+#[test]
+fn noise_alone_at_a_fixed_radius_falls_as_the_square_root() {
+    let prospect = told(&claims(0.1, 0.05, 0.05), 1000, 1.0).unwrap();
+    let half = f64::from(prospect.passes_until(prospect.error_after(1000) / 2.0, Prospect::error_after).unwrap());
+    assert!((half / 4000.0 - 1.0).abs() < 0.02, "{half}");
+    // A bias that stays is a floor.
+    let floor = told(&claims(0.1, 0.05, 0.0), 1000, 1.0).unwrap();
+    assert_eq!(floor.passes_until(0.09, Prospect::error_after), None);
+    assert_eq!(floor.passes_until(10.0, Prospect::error_after), Some(1000));
+}
+
+/// Pixels that are alike, of which 8 passes tell different noise and biases by chance: 95 % of them come
+/// to be within 1.96 standard errors for the noise, and twice 1.96 of half as much for the bias.
+///
+/// What 8 passes leave open is whether there is a bias. With b for the noise of a pixel's, the mean of bias²
+/// less what chance adds to it is 0 with a standard error of τ = b² √((2 + 2/7)/4000): a normal deviate's
+/// square has the variance 2, a χ² of 7 degrees over 7 one of 2/7. After 100 times the passes at the
+/// same radius, noise is 1/10 and the bias what it was, so that z τ foretells the error times
+/// (1 + √(1 + 100 z τ/b²))/2 if z > 0, and no more than the error itself otherwise, in half of all pilots.
+/// The noise is known within 1/√(2·7·4000), the quantile within 1 %.
+#[test]
+fn luck_of_the_pilot_is_not_foretold() {
+    const PILOTS: usize = 32;
+    let tau = ((2.0 + 2.0 / 7.0) / 4000.0_f64).sqrt();
+    let highest = 0.5 * (1.0 + (1.0 + 100.0 * 4.5 * tau).sqrt());
+    let slack = 4.5 / (2.0 * 7.0 * 4000.0_f64).sqrt() + 0.01;
+    let mut near = 0;
+    for pilot in 0..PILOTS {
+        let claims: Vec<Claim> = (0..4000).map(|pixel| told_by_chance(pilot * 4000 + pixel)).collect();
+        let prospect = told(&claims, 8, 1.0).unwrap();
+        let ratio = prospect.error_after(800) / (2.0 * student_975(799.0) * 0.01);
+        assert!(ratio > 1.0 - slack && ratio < highest + slack, "{pilot}: {ratio}");
+        near += usize::from(ratio < 1.0 + slack);
+        // Each pixel by itself, the unlucky ones foretell a bias that is not there.
+        let alone = claims.iter().map(|c| 2.0 * (c.bias * c.bias - c.bias_error * c.bias_error).max(0.0).sqrt());
+        let mut alone: Vec<f64> = alone.collect();
+        alone.sort_by(f64::total_cmp);
+        assert!(alone[3800] / (2.0 * student_975(799.0) * 0.01) > highest + slack, "{}", alone[3800]);
+    }
+    // Binomial: √(32/4) is the standard error of a half of 32.
+    assert!((near as f64 - 16.0).abs() <= 4.5 * 8.0_f64.sqrt(), "{near} of {PILOTS}");
+}
+
+/// A pixel of noise 0.1 and no bias, as 8 passes tell it.
+fn told_by_chance(pixel: usize) -> Claim {
+    let mut sampler = Sampler::new(RandomKind::Counter, 5, 0, Domain::Gather, pixel as u32);
+    let mut normal = |index: u32| {
+        let [word, ..] = sampler.words(index);
+        normal_quantile((f64::from(word) + 0.5) / 4_294_967_296.0)
+    };
+    let draws: Vec<f64> = (0..8).map(&mut normal).collect();
+    let mean = draws.iter().sum::<f64>() / 8.0;
+    let spread = (draws.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 7.0).sqrt();
+    Claim {
+        value: 1.0,
+        standard_error: 0.1 * spread,
+        bias: 0.05 * normal(8),
+        bias_error: 0.05 * spread,
+        photons: 1000.0,
+        half_width: 1.0,
+        flags: Flags::default(),
+    }
+}
+
+/// 90 pixels of an error of 0.4 that are claimed and 10 of four times that, which join in as 1 − √b of
+/// themselves where bias falls as b, or with enough photons: from when they are a twentieth of all, 95 %
+/// are no longer within the error of the others.
+#[test]
+fn pixels_at_edges_join_in_as_radii_shrink() {
+    let of = |flags: Flags, photons: f64| {
+        let mut claims = claims(0.1, 0.1, 0.0);
+        for claim in claims.iter_mut().filter(|claim| !claim.flags.is_empty()) {
+            let wide = (4.0 * claim.standard_error, 4.0 * claim.bias);
+            (claim.flags, claim.photons, claim.standard_error, claim.bias) = (flags, photons, wide.0, wide.1);
+        }
+        told(&claims, 8, 2.0 / 3.0).unwrap()
+    };
+    let schedule = Schedule::of(8, 2.0 / 3.0);
+    // 10 (1 − √b) are a twentieth of themselves and 90 where √b is 1 − 0.45/0.95.
+    let join = (8..100_000).find(|&passes| schedule.factors(passes).0.sqrt() < 1.0 - 0.45 / 0.95).unwrap();
+    for flag in EDGES {
+        let prospect = of(flag, 1000.0);
+        let over = |passes| prospect.error_after(passes) / prospect.least_error_after(passes);
+        assert!(over(join - 1) < 1.0 + 1e-9 && over(join + 1) > 3.5, "{} {}", over(join - 1), over(join + 1));
+        let forecast = prospect.forecast(Some(prospect.least_error_after(2 * join)), 1.0, 3 * join);
+        assert!(forecast.may_be_reached() && !forecast.is_reachable(), "{forecast:?}");
+    }
+    // 16 photons are twice as many as soon as passes times squared radii are: before 32 passes.
+    let prospect = of(Flags::FEW_PHOTONS, 16.0);
+    let over = |passes| prospect.error_after(passes) / prospect.least_error_after(passes);
+    assert!(over(16) < 1.0 + 1e-9 && over(32) > 3.5, "{} {}", over(16), over(32));
+    // And nothing ever of none.
+    assert!(
+        (of(Flags::FEW_PHOTONS, 0.0).error_after(1 << 20) / prospect.least_error_after(1 << 20) - 1.0).abs() < 1e-9
+    );
+}
+
+#[test]
+fn quantiles_of_the_normal_distribution() {
+    for (p, z) in [(0.5, 0.0), (0.975, 1.959_964), (0.025, -1.959_964), (0.999, 3.090_232)] {
+        assert!((normal_quantile(p) - z).abs() < 5e-4, "{p}: {}", normal_quantile(p));
+    }
+}
+
+#[test]
+fn nothing_claimed_is_nothing_foretold() {
+    let none: Vec<Claim> = claims(0.1, 0.0, 0.0).iter().map(|c| Claim { flags: Flags::FEW_PASSES, ..*c }).collect();
+    assert!(told(&none, 7, 1.0).is_none() && told(&[], 7, 1.0).is_none());
+}

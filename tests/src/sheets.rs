@@ -1,0 +1,164 @@
+//! Photons near the query's plane alone: sheets that face the same way, closer than the radius.
+
+use std::f64::consts::PI;
+
+use photon_core::{
+    Area, Backend, Direct, Estimate, Estimator, Gather, IndexKind, Indirect, Kernel, Photon, Query, Rule, Settings,
+    Spread, TransportBackend,
+};
+use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
+
+use crate::estimators::poisson;
+use crate::harness::{TestBackend, look_at_point, per_pass, query_at};
+use crate::stats::{agrees, assert_agrees, moments, standard_error};
+
+/// Photons on the sheet that is looked at, per unit of area, and how many times as many on the other.
+const DENSITY: f64 = 20_000.0;
+const OTHER: f64 = 2.0;
+/// Radius of the estimates, and how far apart the sheets are, in radii.
+const RADIUS: f64 = 0.02;
+const APART: f64 = 0.4;
+/// The share of the radius, between which and √2 times which no sheet lies.
+const SHARE: f32 = 0.25;
+
+/// Both sheets' photons.
+fn photons(seed: u64) -> Vec<Photon> {
+    let mut photons = poisson(DENSITY, 2 * seed);
+    let below = (-APART * RADIUS) as f32;
+    let other = poisson(OTHER * DENSITY, 2 * seed + 1).into_iter();
+    photons.extend(other.map(|photon| Photon { position: [photon.position[0], photon.position[1], below], ..photon }));
+    photons
+}
+
+/// Estimates, by themselves and with what tells their errors.
+fn ask<B: TransportBackend>(
+    on: &mut B,
+    photons: &[Photon],
+    queries: &[Query],
+    gather: &Gather,
+) -> (Vec<Estimate>, Vec<Estimate>, Vec<Spread>) {
+    let mut stages = on.map_stages(IndexKind::Morton).unwrap();
+    let there = on.upload("photons", photons).unwrap();
+    let asked = on.upload("queries", queries).unwrap();
+    let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
+    let mut spreads = on.alloc("spreads", queries.len() as u64).unwrap();
+    let map = stages.builder.build(on, there).unwrap();
+    let (mut alone, mut told, mut spread) = (Vec::new(), Vec::new(), Vec::new());
+    stages.estimator.estimate(on, &map, &asked, gather, &mut estimates).unwrap();
+    on.download(&estimates, &mut alone).unwrap();
+    stages.estimator.estimate_spread(on, &map, &asked, gather, &mut estimates, &mut spreads).unwrap();
+    on.download(&estimates, &mut told).unwrap();
+    on.download(&spreads, &mut spread).unwrap();
+    (alone, told, spread)
+}
+
+/// D5: of two sheets, the estimate by the ball is the density of one and, with `t` the squared distance
+/// between them over the squared radius, (1−t), (1−t)² or (1−t)³ of the other's, by the kernel: the integral
+/// of its weights over `u` from `t` to 1. With photons near the plane alone it is the density of the one, and so are
+/// those within the second radii; the other's photons are told to lie elsewhere. 512 independent places;
+/// standard errors from the values themselves.
+pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
+    let mut on = T::make(2);
+    let queries: Vec<_> = (0..256)
+        .map(|i| query_at([(i % 16) as f32 * 0.06 - 0.45, (i / 16) as f32 * 0.06 - 0.45, 0.0], RADIUS as f32))
+        .collect();
+    let disc = PI * RADIUS * RADIUS;
+    let rest = 1.0 - APART * APART;
+    for (kernel, power) in [(Kernel::Constant, 1), (Kernel::Epanechnikov, 2), (Kernel::Biweight, 3)] {
+        let ball =
+            Gather { rule: Rule::Radius, kernel, radius_scale: 1.0, min_normal_cosine: 0.7, max_plane_distance: 1.0 };
+        let [mut near, mut wide, mut narrow, mut stray, mut all] = [(); 5].map(|()| Vec::new());
+        for seed in 0..2 {
+            let photons = photons(700 + seed);
+            let (alone, told, spread) = ask(&mut on, &photons, &queries, &Gather { max_plane_distance: SHARE, ..ball });
+            for (a, b) in alone.iter().zip(&told) {
+                // The same photons, summed in another order.
+                let same = a.photons == b.photons && (a.flux[0] - b.flux[0]).abs() <= 1e-5 * a.flux[0];
+                assert!(same, "{kernel:?}: {a:?} {b:?}");
+            }
+            near.extend(alone.iter().map(|e| e.irradiance(1)[0] / DENSITY));
+            let over = |flux: f32, area: f64| f64::from(flux) / (area * DENSITY);
+            wide.extend(spread.iter().map(|s| over(s.wide[0], 2.0 * disc)));
+            narrow.extend(spread.iter().map(|s| over(s.narrow[0], 0.5 * disc)));
+            stray.extend(spread.iter().map(|s| over(s.stray, disc)));
+            all.extend(ask(&mut on, &photons, &queries, &ball).0.iter().map(|e| e.irradiance(1)[0] / DENSITY));
+        }
+        let check = |what: &str, values: &[f64], truth: f64| {
+            assert_agrees(&format!("{kernel:?}, {what}"), moments(values).0, truth, standard_error(values), 0.0);
+        };
+        check("near the plane", &near, 1.0);
+        check("wide", &wide, 1.0);
+        check("narrow", &narrow, 1.0);
+        check("stray", &stray, OTHER * (2.0 - APART * APART));
+        check("in the ball", &all, 1.0 + OTHER * rest.powi(power));
+        assert!(!agrees(moments(&all).0, 1.0, standard_error(&all), 0.0), "{kernel:?}: nothing was to be seen");
+    }
+    // Where no radius is given there is no share of it.
+    let nearest = Gather {
+        rule: Rule::Nearest { k: 9 },
+        kernel: Kernel::Constant,
+        radius_scale: 1.0,
+        min_normal_cosine: 0.7,
+        max_plane_distance: SHARE,
+    };
+    let mut stages = on.map_stages(IndexKind::Morton).unwrap();
+    let there = on.upload("photons", &photons(1)).unwrap();
+    let map = stages.builder.build(&mut on, there).unwrap();
+    let asked = on.upload("queries", &queries).unwrap();
+    let mut estimates = on.alloc("estimates", 256).unwrap();
+    assert!(stages.estimator.estimate(&mut on, &map, &asked, &nearest, &mut estimates).is_err());
+}
+
+/// User length: the radius of the pictures below.
+const REACH: f64 = 0.25;
+
+/// A sheet under light from straight above, of irradiance 1 and albedo 1/2, which goes on below its end at
+/// `x`, `down` radii farther down; seen at the origin, or below it on the lower sheet, in the shade.
+fn sheets(x: f64, down: f64, below: bool) -> Scene {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
+    let lower = -down * REACH;
+    let mut tile = |name: &str, [x0, x1]: [f64; 2], z: f64| {
+        builder.quad(name, [[x0, -1.0, z], [x1, -1.0, z], [x1, 1.0, z], [x0, 1.0, z]], grey);
+    };
+    tile("upper", [-1.0, x], 0.0);
+    tile("lower", [-1.0, 1.0], lower);
+    builder.light("sun", LightDesc::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
+    let (point, away) = if below { ([-0.3, 0.0, lower], 0.5 * down * REACH) } else { ([-2e-5, 0.0, 0.0], 2.0) };
+    look_at_point(&mut builder, point, [0.0, 0.0, 1.0], away, 1e-5);
+    builder.build().unwrap()
+}
+
+/// Radiance over that of the sheet in the light, pass by pass; passes are independent.
+fn shares<T: TestBackend>(scene: &Scene, max_plane_distance: f32, area: Area, errors: bool) -> Vec<f64> {
+    let settings = Settings {
+        photons: 8_000,
+        estimator: Estimator::Radius { radius: Some(REACH) },
+        max_plane_distance,
+        area,
+        errors,
+        direct: Direct::Photons,
+        indirect: Indirect::None,
+        alpha: 1.0,
+        seed: 23,
+        ..Settings::default()
+    };
+    per_pass::<T>(scene, &settings, 8, 1).iter().map(|radiance| radiance * 2.0 * PI).collect()
+}
+
+/// D6: what lies in the shade of a sheet is dark to the bit, and by the ball as bright as D5 says. At an
+/// end half of the light is lost with the step beyond, which photons near the plane do not see; divided by
+/// what lies on the surface, which is then that near too, it is whole again, up to the 0.4 % of `area`.
+pub fn d6_a_sheet_in_the_shade_is_dark<T: TestBackend>() {
+    let scene = sheets(1.0, APART, true);
+    for errors in [false, true] {
+        assert_eq!(shares::<T>(&scene, SHARE, Area::Disc, errors), vec![0.0; 8]);
+        let lit = shares::<T>(&scene, 1.0, Area::Disc, errors);
+        assert_agrees("shade", moments(&lit).0, (1.0 - APART * APART).powi(2), standard_error(&lit), 0.0);
+    }
+    let step = sheets(0.0, 0.1, false);
+    let mended = shares::<T>(&step, 0.05, Area::Surface, false);
+    assert_agrees("step", moments(&mended).0, 1.0, standard_error(&mended), 4e-3);
+    let lost = shares::<T>(&step, 0.05, Area::Disc, false);
+    assert_agrees("end", moments(&lost).0, 0.5, standard_error(&lost), 1e-3);
+}

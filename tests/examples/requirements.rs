@@ -1,8 +1,8 @@
 //! What each feature costs a scene that has it, and one that has not: `cargo xtask requirements` puts that into
 //! `docs/requirements.md`.
 //!
-//! Without arguments: bytes, time and bits for each feature, derived beside widened, on every backend, in
-//! Markdown. `--work SCENE derived|widened PATHS PASSES`: so many passes of so many paths on one thread of the CPU,
+//! Bytes, time and bits for each feature, derived beside widened, on every backend, in Markdown; of all scenes,
+//! or of those named. `--work SCENE derived|widened PATHS PASSES`: so many passes of so many paths on one thread of the CPU,
 //! for a counter of instructions; `--scenes`: their names, line by line.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a program for measuring")]
 
@@ -50,10 +50,13 @@ fn main() {
                 renderer.pass(pass, &mut ()).unwrap();
             }
         }
-        _ => {
-            table("CPU", || Cpu::with_threads(2).unwrap(), 60_000);
+        ref named => {
+            assert!(named.iter().all(|name| SCENES.contains(name)), "the scenes are {SCENES:?}");
+            let scenes: Vec<&str> =
+                SCENES.into_iter().filter(|scene| named.is_empty() || named.contains(scene)).collect();
+            table("CPU", &scenes, || Cpu::with_threads(2).unwrap(), 60_000);
             if Vulkan::with_options(&Options::default()).is_ok() {
-                table("Vulkan", || Vulkan::with_options(&Options::default()).unwrap(), 20_000);
+                table("Vulkan", &scenes, || Vulkan::with_options(&Options::default()).unwrap(), 20_000);
             }
         }
     }
@@ -97,6 +100,8 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
         max_bounces: 16,
         estimator: Estimator::Radius { radius: Some(0.1) },
         gather_rays: 4,
+        // Glass and mirrors are to be seen without what aims at them.
+        caustic_photons: CausticPhotons::Shared,
         ..Settings::default()
     };
     match name {
@@ -121,10 +126,10 @@ fn start<B: TransportBackend>(on: B, scene: &Scene, settings: &Settings, require
     Pipeline::with_requirements(on, &scene.view(), view, settings.clone(), required).unwrap()
 }
 
-fn table<B: TransportBackend>(name: &str, make: impl Fn() -> B, photons: u32) {
+fn table<B: TransportBackend>(name: &str, scenes: &[&str], make: impl Fn() -> B, photons: u32) {
     println!("### Bytes and time on {name}: {}\n", make().device());
     println!("| scene | features | bytes | widened | ms a pass | widened | bits |\n|---|---|---|---|---|---|---|");
-    for scene_name in SCENES {
+    for &scene_name in scenes {
         let (scene, settings) = scene(scene_name, photons);
         let mut both = [false, true].map(|widened| {
             let required = required(&scene, &settings, widened);

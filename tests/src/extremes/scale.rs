@@ -40,7 +40,7 @@ fn leaks<T: TestBackend>(sheet: &mut Sheet) {
         let (_, tally) = trace::<T>(2, &scene, &Settings { max_bounces: 2000, ..Settings::default() }, &[paths]);
         let lost = tally.escaped + tally.dropped;
         let range = format!("{} bounces", tally.surfaces);
-        sheet.holds("S1", &format!("closed rotated {name}: paths that get out"), range, lost.to_string(), lost == 0);
+        sheet.holds("S1", format!("closed rotated {name}: paths that get out"), range, lost.to_string(), lost == 0);
     }
 }
 

@@ -15,7 +15,7 @@ use photon_core::{
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes};
 use photon_tests::harness::look_at_point;
 
-const SCENES: [&str; 15] = [
+const SCENES: [&str; 16] = [
     "diffuse",
     "mirror",
     "dielectric",
@@ -28,6 +28,7 @@ const SCENES: [&str; 15] = [
     "final gather",
     "aimed photons",
     "area of surfaces",
+    "photons near the plane",
     "errors",
     "radii of pixels",
     "irradiance beforehand",
@@ -109,6 +110,7 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
         "final gather" => settings.indirect = Indirect::Gather,
         "aimed photons" => settings.caustic_photons = CausticPhotons::Aimed(photons / 4),
         "area of surfaces" => settings.area = Area::Surface,
+        "photons near the plane" => settings.max_plane_distance = 0.25,
         "errors" => settings.errors = true,
         "radii of pixels" => (settings.errors, settings.bandwidth) = (true, Bandwidth::PerPixel),
         "irradiance beforehand" => (settings.indirect, settings.irradiance_every) = (Indirect::Gather, Some(8)),

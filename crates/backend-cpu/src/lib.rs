@@ -16,6 +16,8 @@ mod gather;
 pub mod index;
 mod irradiance;
 mod map;
+mod power;
+mod rows;
 mod scene;
 mod spread;
 mod trace;

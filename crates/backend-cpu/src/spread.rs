@@ -4,7 +4,8 @@ use photon_core::glam::Vec3;
 use photon_core::{Estimate, Gather, Spread, sampling};
 
 use crate::estimate::Sum;
-use crate::map::CpuMap;
+use crate::map::{CpuMap, Powers};
+use crate::power::Power;
 
 /// A photon farther from the query's plane than this share of the wide radius is on another surface.
 const OFF_PLANE: f32 = 0.25;
@@ -17,28 +18,42 @@ pub(crate) fn spread_at(
     radius: f32,
     gather: &Gather,
 ) -> (Estimate, Spread) {
+    match map.powers() {
+        Powers::Grey(powers) => spread_of(map, powers, (position, normal), radius, gather),
+        Powers::Colour(powers) => spread_of(map, powers, (position, normal), radius, gather),
+    }
+}
+
+/// The same of powers of one kind.
+fn spread_of<P: Power>(
+    map: &CpuMap,
+    powers: &[P],
+    (position, normal): ([f32; 3], Vec3),
+    radius: f32,
+    gather: &Gather,
+) -> (Estimate, Spread) {
     let radius_squared = radius * radius;
     let sum = Sum::new(radius_squared);
     let scale = 1.0 / sum.radius_squared;
     let wide_squared = 2.0 * radius_squared;
     let reach = 1.0 / (2.0 * sum.radius_squared).sqrt();
     let (tangent, bitangent) = sampling::basis(normal);
-    let state = (sum, Sums::default());
+    let state = (sum, Sums::<P::Sum>::default());
     let (sum, sums) = map.index().fold_within(position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
-        let arrived = map.arrived(slot);
-        let power = f64::from((arrived.power.x + arrived.power.y + arrived.power.z) * (1.0 / 3.0));
-        if arrived.normal.dot(normal) < gather.min_normal_cosine {
+        let carried = powers[slot as usize];
+        let power = f64::from(carried.mean());
+        if map.normal(slot).dot(normal) < gather.min_normal_cosine {
             sums.stray += power;
             return (sum, sums);
         }
         let u = d2 * scale;
         if d2 <= radius_squared {
-            sum = sum.and(arrived.power, gather.kernel.weight(u.min(1.0)));
+            sum = sum.and(carried, gather.kernel.weight(u.min(1.0)));
             if 2.0 * u <= 1.0 {
-                add(&mut sums.narrow, arrived.power, gather.kernel.weight(2.0 * u));
+                carried.add(&mut sums.narrow, gather.kernel.weight(2.0 * u));
             }
         }
-        add(&mut sums.wide, arrived.power, gather.kernel.weight((0.5 * u).min(1.0)));
+        carried.add(&mut sums.wide, gather.kernel.weight((0.5 * u).min(1.0)));
         let offset = (Vec3::from(map.index().position(slot)) - Vec3::from(position)) * reach;
         if offset.dot(normal).abs() > OFF_PLANE {
             sums.stray += power;
@@ -51,20 +66,14 @@ pub(crate) fn spread_at(
         sums.photons += 1;
         (sum, sums)
     });
-    (sum.finish(), sums.finish())
-}
-
-fn add(sum: &mut [f64; 3], power: Vec3, weight: f32) {
-    for (sum, p) in sum.iter_mut().zip(power.to_array()) {
-        *sum += f64::from(p) * f64::from(weight);
-    }
+    (sum.finish(), sums.finish(P::rgb))
 }
 
 /// [`Spread`] in f64.
 #[derive(Default)]
-struct Sums {
-    wide: [f64; 3],
-    narrow: [f64; 3],
+struct Sums<F> {
+    wide: F,
+    narrow: F,
     power: f64,
     power_squared: f64,
     slope: [f64; 2],
@@ -73,12 +82,12 @@ struct Sums {
     photons: u32,
 }
 
-impl Sums {
-    fn finish(self) -> Spread {
+impl<F> Sums<F> {
+    fn finish(self, rgb: impl Fn(F) -> [f64; 3]) -> Spread {
         Spread {
-            wide: self.wide.map(|x| x as f32),
+            wide: rgb(self.wide).map(|x| x as f32),
             power: self.power as f32,
-            narrow: self.narrow.map(|x| x as f32),
+            narrow: rgb(self.narrow).map(|x| x as f32),
             power_squared: self.power_squared as f32,
             slope: self.slope.map(|x| x as f32),
             stretch: self.stretch.map(|x| x as f32),

@@ -12,7 +12,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use photon_core::{Backend, Error, Estimate, Gather, Kernel, Query, RadianceEstimator, Result, Rule, Spread};
+use photon_core::{Backend, Error, Estimate, Gather, Kept, Kernel, Query, RadianceEstimator, Result, Rule, Spread};
 
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
@@ -61,6 +61,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
                 return Ok(());
             }
             Rule::Paper { max, threshold, factor } => {
+                directions(map)?;
                 question.mode = Mode::Paper;
                 question.kernel = Kernel::Constant;
                 question.filter = true;
@@ -135,6 +136,22 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         found.sort_unstable_by(f32::total_cmp);
         Ok(Some(found[found.len() / 2].max(LEAST).sqrt()))
     }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
+    }
+}
+
+/// Whether a map keeps directions.
+fn directions(map: &VulkanMap) -> Result<()> {
+    if map.kept() == Kept::Whole {
+        return Ok(());
+    }
+    Err(Error::InvalidSetting {
+        name: "the paper's estimator",
+        value: format!("asked of a map that keeps {}", map.kept().name()),
+        mend: "it reads directions: keep photons whole",
+    })
 }
 
 /// All within the radius.

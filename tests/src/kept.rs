@@ -8,8 +8,8 @@ use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes
 
 use crate::harness::{TestBackend, look_at_point};
 
-/// Photons that fit a map here.
-const CAPACITY: u64 = 20_000;
+/// Photons that fit a map here; as many surfaces can be met, and more.
+const CAPACITY: u64 = 15_000;
 
 /// A grey room with a ball of absorbing glass and a mirror ball, lit by a lamp and a bulb; `which` of them is
 /// not grey.

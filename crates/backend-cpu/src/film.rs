@@ -96,10 +96,11 @@ impl TransportBackend for Cpu {
 
     fn costs(&self, kept: Kept) -> Costs {
         // A photon: as stored; normal and flux in the order of its index, 22 of the index; 52 more while that is
-        // sorted. Under way: vectors that double, and the part of a buffer that is being made of them.
+        // sorted, and 4 for normals while they are counted. Under way: vectors that double, and the part of a
+        // buffer that is being made of them.
         // A pixel: a copy of the film when it is read.
         Costs {
-            photon: kept.bytes() + 12 + kept.flux_bytes() + 22 + 52,
+            photon: kept.bytes() + 12 + kept.flux_bytes() + 22 + 56,
             under_way: 96,
             path: 48,
             pixel: size_of::<FilmPixel>() as u64,

@@ -16,6 +16,7 @@ mod gather;
 pub mod index;
 mod irradiance;
 mod map;
+mod normals;
 mod power;
 mod rows;
 mod scene;

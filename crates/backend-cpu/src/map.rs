@@ -6,14 +6,14 @@ use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::index::{PointIndex, Workspace};
+use crate::normals::Normals;
 
 /// A photon map.
 #[derive(Debug)]
 pub struct CpuMap {
     index: PointIndex,
-    /// In the order of the index, as all that follows. To unpack each when it is asked for took a quarter of the
-    /// time of estimates.
-    normals: Vec<Vec3>,
+    /// In the order of the index, as all that follows.
+    normals: Normals,
     powers: Powers,
     /// Towards where photons came from, packed; none unless whole photons are kept.
     directions: Vec<u32>,
@@ -72,7 +72,7 @@ impl CpuMap {
 
     #[inline]
     pub(crate) fn normal(&self, slot: u32) -> Vec3 {
-        self.normals[slot as usize]
+        self.normals.of(slot)
     }
 
     #[inline]
@@ -88,17 +88,22 @@ impl CpuMap {
 
     fn arrange(index: PointIndex, photons: CpuBuffer<Photon>) -> Self {
         let order = index.order();
-        let normals = in_order(order, &photons, |photon| octahedral::unpack(photon.normal));
-        let (powers, directions) = match photons.kept() {
-            Kept::Grey => (Powers::Grey(in_order(order, &photons, |photon| photon.power[0])), Vec::new()),
-            kept => {
-                let powers = in_order(order, &photons, |photon| photon.power.into());
-                let whole = kept == Kept::Whole;
-                let directions = if whole { in_order(order, &photons, |photon| photon.direction) } else { Vec::new() };
-                (Powers::Colour(powers), directions)
+        let (normals, powers, directions) = match photons.kept() {
+            Kept::Grey => {
+                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power[0]));
+                (normals, Powers::Grey(powers), Vec::new())
+            }
+            Kept::Power => {
+                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()));
+                (normals, Powers::Colour(powers), Vec::new())
+            }
+            Kept::Whole => {
+                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()));
+                let (directions, _) = in_order(order, &photons, |photon| (photon.direction, ()));
+                (normals, Powers::Colour(powers), directions)
             }
         };
-        Self { index, normals, powers, directions, photons }
+        Self { index, normals: Normals::new(&normals), powers, directions, photons }
     }
 
     /// What is arranged for search, in bytes.
@@ -107,14 +112,20 @@ impl CpuMap {
             Powers::Grey(powers) => powers.len() * size_of::<f32>(),
             Powers::Colour(powers) => powers.len() * size_of::<Vec3>(),
         };
-        let (normals, directions) = (self.normals.len() * size_of::<Vec3>(), self.directions.len() * size_of::<u32>());
-        self.index.bytes() + (powers + normals + directions) as u64
+        self.index.bytes() + (self.normals.bytes() + powers + self.directions.len() * size_of::<u32>()) as u64
     }
 }
 
-/// A part of every photon.
-fn in_order<T: Send>(order: &[u32], photons: &CpuBuffer<Photon>, part: impl Fn(&Photon) -> T + Sync) -> Vec<T> {
-    order.par_iter().with_min_len(4096).map(|&id| part(&photons.photon(id as usize))).collect()
+/// Two parts of every photon, which may come from all over memory: each is fetched once for both.
+fn in_order<A: Send, B: Send>(
+    order: &[u32],
+    photons: &CpuBuffer<Photon>,
+    parts: impl Fn(&Photon) -> (A, B) + Sync,
+) -> (Vec<A>, Vec<B>) {
+    let (mut first, mut second) = (Vec::new(), Vec::new());
+    let both = order.par_iter().with_min_len(4096).map(|&id| parts(&photons.photon(id as usize)));
+    both.unzip_into_vecs(&mut first, &mut second);
+    (first, second)
 }
 
 /// Builds photon maps over an index of the kind that was chosen.

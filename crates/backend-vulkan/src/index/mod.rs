@@ -91,8 +91,8 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
                 nodes.arrange(on, &self.regular, ordered, vvh.splits.address())?;
             }
         }
-        let bytes = room.bytes() + photons.data.bytes();
-        on.note_memory(&format!("map of {}", photons.label()), bytes);
+        // The photons as they were stored have a line of their own.
+        on.note_memory(&format!("map of {}", photons.label()), room.bytes());
         let Room { positions, power, ids, nodes: of_nodes, totals } = room;
         Ok(VulkanMap {
             kind: self.kind,

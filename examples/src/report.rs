@@ -67,11 +67,18 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
             "features": required.features.names().collect::<Vec<_>>(),
             "shadow_rays": required.shadow_rays,
             "final_gather": required.final_gather,
+            "kept_of_photons": required.kept.name(),
         },
         "maps": {
             "direct": required.direct_map,
             "caustic": required.caustic_map,
             "global": required.global_map,
+        },
+        // Of a record; what it takes with all that searches need beside it is in `bytes_per_photon`.
+        "bytes_of_photon_in_map": {
+            "direct": required.direct_map.then(|| required.kept.bytes()),
+            "caustic": required.caustic_map.then(|| required.kept.bytes()),
+            "global": required.global_map.then(|| required.kept.bytes()),
         },
         "radius_of_last_pass": {
             "direct": last.and_then(|pass| pass.radius_direct),

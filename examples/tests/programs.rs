@@ -254,6 +254,7 @@ fn memory_is_capped_and_the_photons_are_all_there() {
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
     let number = |key: &str| report[key].as_u64().unwrap();
     assert!(number("peak_resident_bytes") <= cap, "{}", number("peak_resident_bytes"));
+    assert_eq!(report["bytes_of_photon_in_map"]["global"], 28, "{report:#}");
     assert!(number("paths_per_pass") < 1_500_000 && number("paths") >= 1_500_000, "{report:#}");
 }
 
@@ -267,6 +268,7 @@ fn explain_tells_what_is_left_out() {
     let text = String::from_utf8_lossy(&output.stdout);
     let (needed, left_out) = text.split_once("left out:").unwrap();
     assert!(output.status.success() && needed.contains("area-lights") && needed.contains("shadow rays"), "{text}");
+    assert!(needed.contains("colours of photons") && left_out.contains("directions of photons"), "{text}");
     assert!(left_out.contains("mirror") && left_out.contains("map of caustic photons"), "{text}");
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
 }

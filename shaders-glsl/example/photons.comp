@@ -9,9 +9,9 @@ layout(local_size_x = 128) in;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer Photons {
     vec3 position;
-    uint direction;
-    vec3 power;
     uint normal;
+    vec3 power;
+    uint direction;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer Queries {
@@ -57,9 +57,9 @@ void main() {
         vec2 at = (vec2(unit(first), unit(scramble(first ^ 0x9E3779B9u))) - 0.5) * push.side;
         Photons photon = push.photons[i];
         photon.position = vec3(at, 0.0);
-        photon.direction = UP;
-        photon.power = vec3(push.power);
         photon.normal = UP;
+        photon.power = vec3(push.power);
+        photon.direction = UP;
     }
     if (i < push.query_side * push.query_side) {
         // A border as wide as the radius stays free, so that no disc reaches over the edge.

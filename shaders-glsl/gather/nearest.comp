@@ -57,7 +57,7 @@ void stage(uint mode, uint place, uint slot) {
         return;
     }
     if (mode == COLLECT || MODE == PAPER) {
-        uvec4 power = push.power[slot].at;
+        uvec4 power = flux_at(KEPT, push.power, slot);
         goods[place] = power.xyz;
         if (MODE == PAPER) axes[place] = octahedral_unpack(power.w);
     }

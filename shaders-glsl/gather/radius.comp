@@ -48,7 +48,7 @@ uint photons;
 void stage(uint mode, uint place, uint slot) {
     uvec4 point = push.positions[slot].at;
     staged[place] = point;
-    powers[place] = uintBitsToFloat(push.power[slot].at.xyz);
+    powers[place] = uintBitsToFloat(flux_at(KEPT, push.power, slot).xyz);
     if (FILTER != 0) normals[place] = octahedral_unpack(point.w);
 }
 

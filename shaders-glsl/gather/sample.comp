@@ -9,10 +9,11 @@ layout(local_size_x_id = 1) in;
 
 #include "grid.glsl"
 #include "layout.glsl"
+#include "map_records.glsl"
 #include "octahedral.glsl"
 
 layout(push_constant, scalar) uniform Push {
-    Photons photons;
+    PhotonRows photons;
     Queries queries;
     uint points;
     uint count;
@@ -22,7 +23,7 @@ layout(push_constant, scalar) uniform Push {
 void main() {
     uint i = thread();
     if (i >= push.count) return;
-    Photon photon = push.photons[uint(uint64_t(i) * push.points / push.count)].at;
-    push.queries[i].at = Query(photon.position, push.radius, octahedral_unpack(photon.normal), i, vec3(0.0), 0u, 0u, i,
-        uint[2](0u, 0u));
+    uvec4 place = photon_place(push.photons, uint(uint64_t(i) * push.points / push.count));
+    push.queries[i].at = Query(uintBitsToFloat(place.xyz), push.radius, octahedral_unpack(place.w), i, vec3(0.0), 0u, 0u,
+        i, uint[2](0u, 0u));
 }

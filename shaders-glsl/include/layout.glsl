@@ -5,9 +5,9 @@
 
 struct Photon {
     vec3 position;
-    uint direction;
-    vec3 power;
     uint normal;
+    vec3 power;
+    uint direction;
 };
 
 struct PhotonRay {

@@ -3,16 +3,22 @@
 #define MAP_RECORDS_GLSL
 
 #include "float_bits.glsl"
+#include "kept.glsl"
 
 // Points to a leaf, and children of a node, at most.
 const uint MAP_WIDTH = 16;
 // Set in the count of a node that is a leaf.
 const uint MAP_LEAF = 0x80000000u;
 
-// The twin of `Photon`, as two rows: position and direction, power and normal.
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer PhotonRows {
+// How much is kept of the photons that a map is built from.
+layout(constant_id = 2) const uint KEPT = KEPT_WHOLE;
+
+// Photons as they are stored. Of whole ones each is two rows, as in `Photon`: position and normal, power and
+// direction. Otherwise all places come first, as many as fit the buffer, then what is kept besides.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer PhotonRows { uvec4 place; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WholePhotons {
     uvec4 place;
-    uvec4 carried;
+    uvec4 flux;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Rows { uvec4 row; };
@@ -38,9 +44,21 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PhotonCount
     uint bad_position;
 };
 
+// Position and normal of a photon.
+uvec4 photon_place(PhotonRows photons, uint id) {
+    if (KEPT == KEPT_WHOLE) return WholePhotons(photons)[id].place;
+    return photons[id].place;
+}
+
+// Power and direction of a photon in a buffer that has room for so many.
+uvec4 photon_flux(PhotonRows photons, uint capacity, uint id) {
+    if (KEPT == KEPT_WHOLE) return WholePhotons(photons)[id].flux;
+    return flux_at(KEPT, Fluxes(photons + capacity), id);
+}
+
 // Position of a photon, −0 as 0.
 uvec3 photon_position(PhotonRows photons, uint id) {
-    uvec3 bits = photons[id].place.xyz;
+    uvec3 bits = photon_place(photons, id).xyz;
     return uvec3(positive_zero(bits.x), positive_zero(bits.y), positive_zero(bits.z));
 }
 

@@ -7,6 +7,7 @@
 #define SEARCH_MAP_GLSL
 
 #include "grid.glsl"
+#include "kept.glsl"
 #include "layout.glsl"
 #include "map_nodes.glsl"
 
@@ -25,7 +26,7 @@ layout(push_constant, scalar) uniform Push {
     BoxNodes nodes;
     Words totals;
     Slots positions;
-    Slots power;
+    Fluxes power;
     Words ids;
     Queries queries;
     Words query_count;
@@ -53,6 +54,9 @@ layout(push_constant, scalar) uniform Push {
     // Of photons from a query's plane, in radii.
     float max_plane_distance;
 } push;
+
+// How much the map keeps of a photon.
+layout(constant_id = 9) const uint KEPT = KEPT_WHOLE;
 
 // Whether queries are taken in the order of `push.order`.
 layout(constant_id = 3) const uint ORDERED = 0;

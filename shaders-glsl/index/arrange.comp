@@ -16,12 +16,14 @@ layout(push_constant, scalar) uniform Push {
     // Slot to photon.
     Words order;
     Rows positions;
-    Rows power;
+    Fluxes power;
     Words ids;
     // Where the leaves begin.
     BoxNodes nodes;
     Words totals;
     uint count;
+    // Photons that fit.
+    uint capacity;
 } push;
 
 // Coordinates as ordered integers; a word between leaves, so that they lie in different banks.
@@ -33,9 +35,8 @@ void main() {
     if (slot < push.count) {
         uint id = push.order[slot].word;
         uvec3 position = photon_position(push.photons, id);
-        uvec4 carried = push.photons[id].carried;
-        push.positions[slot].row = uvec4(position, carried.w);
-        push.power[slot].row = uvec4(carried.xyz, push.photons[id].place.w);
+        push.positions[slot].row = uvec4(position, photon_place(push.photons, id).w);
+        flux_put(KEPT, push.power, slot, photon_flux(push.photons, push.capacity, id));
         push.ids[slot].word = id;
         uvec3 key = ordered3(position);
         for (uint axis = 0; axis < 3; axis++) keys[axis][local / 16 * 17 + local % 16] = key[axis];

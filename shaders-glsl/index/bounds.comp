@@ -30,7 +30,7 @@ void main() {
     for (uint i = thread(); i < push.count; i += push.stride) {
         uvec3 position = photon_position(push.photons, i);
         if (!finite3(position)) atomicMax(push.told.bad_position, ~i);
-        if (!finite3(push.photons[i].carried.xyz)) atomicMax(push.told.bad_power, ~i);
+        if (!finite3(photon_flux(push.photons, push.told.capacity, i).xyz)) atomicMax(push.told.bad_power, ~i);
         uvec3 key = ordered3(position);
         least = min(least, key);
         most = max(most, key);

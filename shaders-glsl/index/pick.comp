@@ -1,4 +1,4 @@
-// Photons by their numbers, as a set of their own.
+// Photons by their numbers, as a set of their own, of whole records.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -17,12 +17,14 @@ layout(push_constant, scalar) uniform Push {
     // Two rows for each.
     Rows picked;
     uint count;
+    // Photons that fit where they come from.
+    uint capacity;
 } push;
 
 void main() {
     uint i = thread();
     if (i >= push.count) return;
     uint id = push.ids[i].word;
-    push.picked[2 * i].row = push.photons[id].place;
-    push.picked[2 * i + 1].row = push.photons[id].carried;
+    push.picked[2 * i].row = photon_place(push.photons, id);
+    push.picked[2 * i + 1].row = photon_flux(push.photons, push.capacity, id);
 }

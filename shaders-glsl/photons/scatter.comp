@@ -1,4 +1,4 @@
-// Brings photons, stored in whatever order, into that of their paths and bounces.
+// Brings photons, stored in whatever order, into that of their paths and bounces, as much of each as its map keeps.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -6,10 +6,14 @@
 #extension GL_EXT_scalar_block_layout : require
 
 layout(local_size_x_id = 1) in;
+// What each map keeps of a photon, two bits each.
+layout(constant_id = 2) const uint KEPT = 42;
 
 #include "grid.glsl"
+#include "kept.glsl"
 #include "layout.glsl"
 
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Places { uvec4 row; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Owners { uvec2 at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Offsets { uint at; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Cursors { uint place; };
@@ -40,6 +44,15 @@ void main() {
         Photons to = map == 0u ? push.to[0] : map == 1u ? push.to[1] : push.to[2];
         uint place = fill.needed + push.offsets[map * push.count + owner.x].at + (owner.y >> 2);
         // What does not fit is counted all the same, and the pass done again.
-        if (place < fill.capacity) to[place].at = push.photons[i].at;
+        if (place >= fill.capacity) continue;
+        Photon photon = push.photons[i].at;
+        uint kept = KEPT >> 2u * map & 3u;
+        if (kept == KEPT_WHOLE) {
+            to[place].at = photon;
+        } else {
+            Places(to)[place].row = uvec4(floatBitsToUint(photon.position), photon.normal);
+            uvec4 flux = uvec4(floatBitsToUint(photon.power), photon.direction);
+            flux_put(kept, Fluxes(Places(to) + fill.capacity), place, flux);
+        }
     }
 }

@@ -18,6 +18,7 @@ pub mod extremes;
 pub mod fields;
 pub mod harness;
 pub mod interreflection;
+pub mod kept;
 pub mod numerics;
 pub mod paper;
 pub mod precision;
@@ -86,6 +87,9 @@ macro_rules! whole_suite {
                 s10_n1_many_small_numbers, s15_albedo_one_ends_at_the_cap, s4_s17_scale_and_brightness,
                 s19_random_numbers, s20_ends_of_the_unit_interval, s27_neighbour_sets_are_exact, s29_nothing_to_render,
                 s30_least_of_everything,
+            }
+            kept::{
+                m1_grey_is_what_treats_channels_alike, m2_less_is_the_same_picture, m3_too_little_is_refused,
             }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,

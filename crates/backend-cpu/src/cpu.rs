@@ -3,11 +3,13 @@
 use std::time::Instant;
 
 use photon_core::{
-    Backend, Element, Error, Fill, IndexKind, MapStages, RayCaster, Result, SceneView, Stage, StageTimings,
+    Backend, Element, Error, Fill, IndexKind, Kept, MapStages, Photon, RayCaster, Result, SceneView, Stage,
+    StageTimings,
 };
 
 use crate::estimate::CpuEstimator;
 use crate::map::{CpuBuilder, CpuMap};
+use crate::rows::Rows;
 
 /// Makes the ray caster of a scene.
 pub(crate) type MakeCaster = Box<dyn Fn(&SceneView<'_>) -> Result<Box<dyn RayCaster>> + Send>;
@@ -92,20 +94,29 @@ impl Cpu {
 #[derive(Debug)]
 pub struct CpuBuffer<T> {
     pub(crate) data: Vec<T>,
+    /// Photons that are cut short; then there is nothing in `data`.
+    short: Option<Rows>,
     pub(crate) label: &'static str,
     pub(crate) capacity: u64,
     pub(crate) needed: u64,
 }
 
 impl<T: Copy> CpuBuffer<T> {
-    /// What it holds.
+    /// What it holds; nothing of photons that are cut short ([`Backend::alloc_photons`]).
     #[must_use]
     pub fn as_slice(&self) -> &[T] {
         &self.data
     }
 
+    pub(crate) fn len(&self) -> usize {
+        self.data.len() + self.short.as_ref().map_or(0, Rows::len)
+    }
+
     pub(crate) fn clear(&mut self) {
         self.data.clear();
+        if let Some(rows) = &mut self.short {
+            rows.clear();
+        }
         self.needed = 0;
     }
 
@@ -114,6 +125,43 @@ impl<T: Copy> CpuBuffer<T> {
         let room = (self.capacity - self.data.len() as u64).min(more.len() as u64) as usize;
         self.data.extend_from_slice(&more[..room]);
         self.needed += more.len() as u64;
+    }
+}
+
+impl<T> CpuBuffer<T> {
+    /// How much it holds of a photon.
+    pub(crate) fn kept(&self) -> Kept {
+        self.short.as_ref().map_or(Kept::Whole, Rows::kept)
+    }
+
+    /// What to say to who asks for whole photons where there are none.
+    pub(crate) fn cut_short(&self) -> Error {
+        Error::InvalidSetting {
+            name: self.label,
+            value: format!("kept as {}", self.kept().name()),
+            mend: "whole photons were asked for: keep them whole",
+        }
+    }
+}
+
+impl CpuBuffer<Photon> {
+    /// Appends what fits, as much of it as is kept, and counts all.
+    pub(crate) fn append_photons(&mut self, more: &[Photon]) {
+        let room = (self.capacity - self.len() as u64).min(more.len() as u64) as usize;
+        match &mut self.short {
+            None => self.data.extend_from_slice(&more[..room]),
+            Some(rows) => rows.append(&more[..room]),
+        }
+        self.needed += more.len() as u64;
+    }
+
+    /// As much of a photon as is kept.
+    #[inline]
+    pub(crate) fn photon(&self, index: usize) -> Photon {
+        match &self.short {
+            None => self.data[index],
+            Some(rows) => rows.get(index),
+        }
     }
 }
 
@@ -135,7 +183,21 @@ impl Backend for Cpu {
         let count = usize::try_from(capacity).unwrap_or(usize::MAX);
         data.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { label, bytes })?;
         self.note_memory(label, bytes);
-        Ok(CpuBuffer { data, label, capacity, needed: 0 })
+        Ok(CpuBuffer { data, short: None, label, capacity, needed: 0 })
+    }
+
+    fn alloc_photons(&mut self, label: &'static str, capacity: u64, kept: Kept) -> Result<CpuBuffer<Photon>> {
+        if kept == Kept::Whole {
+            return self.alloc(label, capacity);
+        }
+        let bytes = capacity.saturating_mul(kept.bytes());
+        let count = usize::try_from(capacity).unwrap_or(usize::MAX);
+        let short = Rows::with_capacity(kept, count);
+        if short.is_none() {
+            return Err(Error::OutOfMemory { label, bytes });
+        }
+        self.note_memory(label, bytes);
+        Ok(CpuBuffer { data: Vec::new(), short, label, capacity, needed: 0 })
     }
 
     fn upload<T: Element>(&mut self, label: &'static str, data: &[T]) -> Result<CpuBuffer<T>> {
@@ -149,13 +211,16 @@ impl Backend for Cpu {
         if needed > capacity {
             return Err(Error::CapacityExceeded { label: from.label, needed, capacity });
         }
+        if from.short.is_some() {
+            return Err(from.cut_short());
+        }
         to.clear();
         to.extend_from_slice(&from.data);
         Ok(())
     }
 
     fn fill<T: Element>(&mut self, buffer: &CpuBuffer<T>) -> Result<Fill> {
-        Ok(Fill { length: buffer.data.len() as u64, needed: buffer.needed, capacity: buffer.capacity })
+        Ok(Fill { length: buffer.len() as u64, needed: buffer.needed, capacity: buffer.capacity })
     }
 
     fn clear<T: Element>(&mut self, buffer: &mut CpuBuffer<T>) -> Result<()> {

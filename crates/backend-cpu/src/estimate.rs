@@ -1,12 +1,13 @@
 //! Irradiance from the photons near a point.
 
 use photon_core::glam::Vec3;
-use photon_core::{Error, Estimate, Gather, Query, RadianceEstimator, Result, Rule, Spread, octahedral, typical};
+use photon_core::{Error, Estimate, Gather, Kept, Query, RadianceEstimator, Result, Rule, Spread, octahedral, typical};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::index::Neighbours;
-use crate::map::CpuMap;
+use crate::map::{CpuMap, Powers};
+use crate::power::Power;
 use crate::spread::spread_at;
 
 /// The least squared radius that an estimate divides by.
@@ -29,6 +30,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         estimates: &mut CpuBuffer<Estimate>,
     ) -> Result<()> {
         gather.validate()?;
+        check(map, gather)?;
         estimates.clear();
         estimates.needed = queries.data.len() as u64;
         let fit = queries.data.len().min(estimates.capacity as usize);
@@ -88,20 +90,20 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         neighbours: u32,
         min_normal_cosine: f32,
     ) -> Result<Option<f32>> {
+        // No photon is asked to look farther.
         const LIMIT: f32 = typical::WIDEST * typical::WIDEST;
-        let photons = map.photons();
-        let count = photons.len().min(typical::SAMPLE as usize);
-        if photons.len() <= neighbours as usize {
+        let count = map.len().min(typical::SAMPLE as usize);
+        if map.len() <= neighbours as usize {
             return Ok(None);
         }
         let found = on.pool.install(|| {
             (0..count)
                 .into_par_iter()
                 .filter_map(|i| {
-                    let photon = &photons[i * photons.len() / count];
+                    let photon = map.stored(i * map.len() / count);
                     let normal = octahedral::unpack(photon.normal);
                     let mut scratch = Neighbours::default();
-                    let accept = |slot| map.arrived(slot).normal.dot(normal) >= min_normal_cosine;
+                    let accept = |slot| map.normal(slot).dot(normal) >= min_normal_cosine;
                     map.index().nearest(photon.position, neighbours as usize + 1, LIMIT, accept, &mut scratch);
                     let nearest = scratch.as_slice();
                     (nearest.len() > neighbours as usize).then(|| nearest[neighbours as usize].d2)
@@ -110,6 +112,22 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         });
         Ok(Some(typical::radius(found, count as u32)))
     }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
+    }
+}
+
+/// Whether a map keeps what is read of its photons.
+pub(crate) fn check(map: &CpuMap, gather: &Gather) -> Result<()> {
+    if !matches!(gather.rule, Rule::Paper { .. }) || map.kept() == Kept::Whole {
+        return Ok(());
+    }
+    Err(Error::InvalidSetting {
+        name: "the paper's estimator",
+        value: format!("asked of a map that keeps {}", map.kept().name()),
+        mend: "it reads directions: keep photons whole",
+    })
 }
 
 /// The estimate at one point. `normal` is unit, on the side looked at.
@@ -121,11 +139,27 @@ pub(crate) fn estimate_at(
     gather: &Gather,
     scratch: &mut Neighbours,
 ) -> Estimate {
+    match map.powers() {
+        Powers::Grey(powers) => estimate_of(map, powers, (position, normal), radius, gather, scratch),
+        Powers::Colour(powers) => estimate_of(map, powers, (position, normal), radius, gather, scratch),
+    }
+}
+
+/// The same of powers of one kind.
+fn estimate_of<P: Power>(
+    map: &CpuMap,
+    powers: &[P],
+    (position, normal): ([f32; 3], Vec3),
+    radius: f32,
+    gather: &Gather,
+    scratch: &mut Neighbours,
+) -> Estimate {
     let radius_squared = radius * radius;
-    let accept = |slot: u32| map.arrived(slot).normal.dot(normal) >= gather.min_normal_cosine;
+    let accept = |slot: u32| map.normal(slot).dot(normal) >= gather.min_normal_cosine;
+    let power = |slot: u32| powers[slot as usize];
     match gather.rule {
-        Rule::Radius if gather.is_flat() => within::<true>(map, position, normal, radius, gather),
-        Rule::Radius => within::<false>(map, position, normal, radius, gather),
+        Rule::Radius if gather.is_flat() => within::<true, P>(map, powers, (position, normal), radius, gather),
+        Rule::Radius => within::<false, P>(map, powers, (position, normal), radius, gather),
         Rule::Nearest { k } => {
             map.index().nearest(position, k as usize, radius_squared, accept, scratch);
             let nearest = scratch.as_slice();
@@ -139,7 +173,7 @@ pub(crate) fn estimate_at(
             let scale = 1.0 / sum.radius_squared;
             for neighbour in kept {
                 let weight = gather.kernel.weight((neighbour.d2 * scale).min(1.0));
-                sum = sum.and(map.arrived(neighbour.slot).power, weight);
+                sum = sum.and(power(neighbour.slot), weight);
             }
             sum.photons = nearest.len() as u32;
             sum.finish()
@@ -147,16 +181,16 @@ pub(crate) fn estimate_at(
         Rule::Closest => {
             map.index().nearest(position, 1, radius_squared, accept, scratch);
             match scratch.as_slice() {
-                [] => Sum::new(radius_squared).finish(),
-                [nearest, ..] => Sum::new(nearest.d2).and(map.arrived(nearest.slot).power, 1.0).finish(),
+                [] => Sum::<P>::new(radius_squared).finish(),
+                [nearest, ..] => Sum::new(nearest.d2).and(power(nearest.slot), 1.0).finish(),
             }
         }
         Rule::Paper { max, threshold, factor } => {
-            let cosine = |slot: u32| octahedral::unpack(map.arrived(slot).direction).dot(normal);
+            let cosine = |slot: u32| map.direction(slot).dot(normal);
             map.index().nearest(position, max as usize, radius_squared, |slot| cosine(slot) > 0.0, scratch);
             let nearest = scratch.as_slice();
             if nearest.len() < threshold as usize {
-                return Sum::new(radius_squared).finish();
+                return Sum::<P>::new(radius_squared).finish();
             }
             let reach = match nearest.last() {
                 Some(last) if nearest.len() == max as usize => last.d2,
@@ -164,7 +198,7 @@ pub(crate) fn estimate_at(
             };
             let mut sum = Sum::new(reach);
             for neighbour in nearest {
-                sum = sum.and(map.arrived(neighbour.slot).power, cosine(neighbour.slot) * factor);
+                sum = sum.and(power(neighbour.slot), cosine(neighbour.slot) * factor);
             }
             sum.finish()
         }
@@ -172,18 +206,24 @@ pub(crate) fn estimate_at(
 }
 
 /// The estimate from all photons within a radius; if `FLAT`, from those near the query's plane.
-fn within<const FLAT: bool>(map: &CpuMap, position: [f32; 3], normal: Vec3, radius: f32, gather: &Gather) -> Estimate {
+fn within<const FLAT: bool, P: Power>(
+    map: &CpuMap,
+    powers: &[P],
+    (position, normal): ([f32; 3], Vec3),
+    radius: f32,
+    gather: &Gather,
+) -> Estimate {
     let radius_squared = radius * radius;
     let most = gather.max_plane_distance * radius;
     let sum = Sum::new(radius_squared);
     let scale = 1.0 / sum.radius_squared;
     let sum = map.index().fold_within(position, radius_squared, sum, |sum, slot, d2| {
-        let same = map.arrived(slot).normal.dot(normal) >= gather.min_normal_cosine;
+        let same = map.normal(slot).dot(normal) >= gather.min_normal_cosine;
         if !same || (FLAT && off_plane(map, slot, position, normal) > most) {
             return sum;
         }
         let weight = gather.kernel.weight((d2 * scale).min(1.0));
-        sum.and(map.arrived(slot).power, weight)
+        sum.and(powers[slot as usize], weight)
     });
     sum.finish()
 }
@@ -194,19 +234,19 @@ pub(crate) fn off_plane(map: &CpuMap, slot: u32, position: [f32; 3], normal: Vec
     (Vec3::from(map.index().position(slot)) - Vec3::from(position)).dot(normal).abs()
 }
 
-/// Σ weight·power, in f64, so that a million photons add up.
-pub(crate) struct Sum {
-    flux: [f64; 3],
+/// Σ weight·power.
+pub(crate) struct Sum<P: Power> {
+    flux: P::Sum,
     pub(crate) radius_squared: f32,
     photons: u32,
     flags: u32,
 }
 
-impl Sum {
+impl<P: Power> Sum<P> {
     pub(crate) fn new(radius_squared: f32) -> Self {
         let singular = radius_squared < LEAST;
         Self {
-            flux: [0.0; 3],
+            flux: P::Sum::default(),
             radius_squared: radius_squared.max(LEAST),
             photons: 0,
             flags: if singular { Estimate::SINGULAR } else { 0 },
@@ -215,17 +255,15 @@ impl Sum {
 
     /// With one photon more. By value, for it to stay in registers.
     #[inline]
-    pub(crate) fn and(mut self, power: Vec3, weight: f32) -> Self {
-        for (sum, p) in self.flux.iter_mut().zip(power.to_array()) {
-            *sum += f64::from(p) * f64::from(weight);
-        }
+    pub(crate) fn and(mut self, power: P, weight: f32) -> Self {
+        power.add(&mut self.flux, weight);
         self.photons += 1;
         self
     }
 
     pub(crate) fn finish(self) -> Estimate {
         Estimate {
-            flux: self.flux.map(|f| f as f32),
+            flux: P::rgb(self.flux).map(|f| f as f32),
             radius_squared: self.radius_squared,
             photons: self.photons,
             flags: self.flags,

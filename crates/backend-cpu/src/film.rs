@@ -1,8 +1,8 @@
 //! The picture in progress.
 
 use photon_core::{
-    Aim, AimedStages, Area, Backend as _, Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Layer, Query,
-    Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
+    Aim, AimedStages, Area, Backend as _, Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Kept, Layer,
+    Query, Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -94,11 +94,18 @@ impl TransportBackend for Cpu {
         Ok(Some((Box::new(CpuAimedEmitter::new(aim.clone())), Box::new(CpuTracer::aimed(settings, required.features)))))
     }
 
-    fn costs(&self) -> Costs {
-        // A photon: 32 as stored, 28 in the order of its index, 22 of the index; 52 more while that is
-        // sorted. Under way: vectors that double, and the part of a buffer that is being made of them.
+    fn costs(&self, kept: Kept) -> Costs {
+        // A photon: as stored; normal and flux in the order of its index, 22 of the index; 52 more while that is
+        // sorted, and 4 for normals while they are counted. Under way: vectors that double, and the part of a
+        // buffer that is being made of them.
         // A pixel: a copy of the film when it is read.
-        Costs { photon: 134, under_way: 96, path: 48, pixel: size_of::<FilmPixel>() as u64, query: 224 }
+        Costs {
+            photon: kept.bytes() + 12 + kept.flux_bytes() + 22 + 56,
+            under_way: 96,
+            path: 48,
+            pixel: size_of::<FilmPixel>() as u64,
+            query: 224,
+        }
     }
 
     fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<CpuFilm> {

@@ -3,11 +3,11 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Estimate, FinalGather, Layer, Maps, Material, Pass, Query, RandomKind, Result, Spread, bsdf, offset, sampling,
+    Estimate, FinalGather, Kept, Layer, Maps, Material, Pass, Query, RandomKind, Result, Spread, bsdf, offset, sampling,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::estimate::estimate_at;
+use crate::estimate::{check, estimate_at};
 use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::{CpuScene, VACUUM};
@@ -31,6 +31,9 @@ impl FinalGather<Cpu> for CpuGather {
         rays: u32,
         film: &mut CpuFilm,
     ) -> Result<()> {
+        for (map, gather) in [&maps.direct, &maps.caustic, &maps.global, &maps.irradiance].into_iter().flatten() {
+            check(map, gather)?;
+        }
         let max_bounces = self.max_bounces;
         on.pool.install(|| {
             film.for_queries(
@@ -52,6 +55,10 @@ impl FinalGather<Cpu> for CpuGather {
             );
         });
         Ok(())
+    }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
     }
 }
 

@@ -1,6 +1,6 @@
 //! Irradiance at the places of photons.
 
-use photon_core::{Estimate, IrradiancePoints, Photon, Query, Result, octahedral};
+use photon_core::{Estimate, IrradiancePoints, Kept, Photon, Query, Result, octahedral};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -13,7 +13,7 @@ pub(crate) struct CpuIrradiance;
 impl IrradiancePoints<Cpu> for CpuIrradiance {
     fn places(&mut self, on: &mut Cpu, map: &CpuMap, every: u32, queries: &mut CpuBuffer<Query>) -> Result<()> {
         let first = queries.data.len();
-        let count = map.photons().len().div_ceil(every as usize);
+        let count = map.len().div_ceil(every as usize);
         queries.needed += count as u64;
         let fit = count.min(queries.capacity as usize - first);
         queries.data.resize(first + fit, Query::default());
@@ -23,7 +23,7 @@ impl IrradiancePoints<Cpu> for CpuIrradiance {
                 *query = Query {
                     position: map.index().position(slot),
                     radius: 1.0,
-                    normal: map.arrived(slot).normal.into(),
+                    normal: map.normal(slot).into(),
                     path: (first + i) as u32,
                     ..Query::default()
                 };
@@ -59,5 +59,9 @@ impl IrradiancePoints<Cpu> for CpuIrradiance {
             });
         });
         Ok(())
+    }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
     }
 }

@@ -1,28 +1,30 @@
 //! Photons arranged for search.
 
 use photon_core::glam::Vec3;
-use photon_core::{Error, IndexKind, KdTreeBuilder, Photon, Result, octahedral};
+use photon_core::{Error, IndexKind, KdTreeBuilder, Kept, Photon, Result, octahedral};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::index::{PointIndex, Workspace};
+use crate::normals::Normals;
 
 /// A photon map.
 #[derive(Debug)]
 pub struct CpuMap {
     index: PointIndex,
-    /// In the order of the index.
-    arrived: Vec<Arrived>,
+    /// In the order of the index, as all that follows.
+    normals: Normals,
+    powers: Powers,
+    /// Towards where photons came from, packed; none unless whole photons are kept.
+    directions: Vec<u32>,
     photons: CpuBuffer<Photon>,
 }
 
-/// What an estimate needs to know of a photon besides where it is.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrived {
-    pub(crate) power: Vec3,
-    pub(crate) normal: Vec3,
-    /// Towards where it came from, packed.
-    pub(crate) direction: u32,
+/// One number for each photon, or three.
+#[derive(Debug)]
+pub(crate) enum Powers {
+    Grey(Vec<f32>),
+    Colour(Vec<Vec3>),
 }
 
 impl CpuMap {
@@ -32,25 +34,98 @@ impl CpuMap {
         &self.index
     }
 
-    /// The photons, in the order in which they were stored.
+    /// How much it keeps of a photon.
     #[must_use]
-    pub fn photons(&self) -> &[Photon] {
-        self.photons.as_slice()
+    pub fn kept(&self) -> Kept {
+        self.photons.kept()
+    }
+
+    /// The photons, in the order in which they were stored; `None` unless they are kept whole.
+    #[must_use]
+    pub fn photons(&self) -> Option<&[Photon]> {
+        (self.kept() == Kept::Whole).then(|| self.photons.as_slice())
     }
 
     /// Every photon within `radius` of `point` (normalised space), with its squared distance, for a
     /// renderer with BSDFs and acceptance rules of its own. The order is that of the index.
-    pub fn for_each_within(&self, point: [f32; 3], radius: f32, mut visit: impl FnMut(&Photon, f32)) {
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] unless photons are kept whole.
+    pub fn for_each_within(&self, point: [f32; 3], radius: f32, mut visit: impl FnMut(&Photon, f32)) -> Result<()> {
+        let photons = self.photons().ok_or_else(|| self.photons.cut_short())?;
         let order = self.index.order();
         self.index.within(point, radius * radius, |slot, distance_squared| {
-            visit(&self.photons.data[order[slot as usize] as usize], distance_squared);
+            visit(&photons[order[slot as usize] as usize], distance_squared);
         });
+        Ok(())
+    }
+
+    /// How many photons there are.
+    pub(crate) fn len(&self) -> usize {
+        self.normals.len()
+    }
+
+    /// A photon by its place among those stored, as much of it as is kept.
+    pub(crate) fn stored(&self, index: usize) -> Photon {
+        self.photons.photon(index)
     }
 
     #[inline]
-    pub(crate) fn arrived(&self, slot: u32) -> &Arrived {
-        &self.arrived[slot as usize]
+    pub(crate) fn normal(&self, slot: u32) -> Vec3 {
+        self.normals.of(slot)
     }
+
+    #[inline]
+    pub(crate) fn powers(&self) -> &Powers {
+        &self.powers
+    }
+
+    /// Of photons that are kept whole.
+    #[inline]
+    pub(crate) fn direction(&self, slot: u32) -> Vec3 {
+        octahedral::unpack(self.directions.get(slot as usize).copied().unwrap_or_default())
+    }
+
+    fn arrange(index: PointIndex, photons: CpuBuffer<Photon>) -> Self {
+        let order = index.order();
+        let (normals, powers, directions) = match photons.kept() {
+            Kept::Grey => {
+                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power[0]));
+                (normals, Powers::Grey(powers), Vec::new())
+            }
+            Kept::Power => {
+                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()));
+                (normals, Powers::Colour(powers), Vec::new())
+            }
+            Kept::Whole => {
+                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()));
+                let (directions, _) = in_order(order, &photons, |photon| (photon.direction, ()));
+                (normals, Powers::Colour(powers), directions)
+            }
+        };
+        Self { index, normals: Normals::new(&normals), powers, directions, photons }
+    }
+
+    /// What is arranged for search, in bytes.
+    fn bytes(&self) -> u64 {
+        let powers = match &self.powers {
+            Powers::Grey(powers) => powers.len() * size_of::<f32>(),
+            Powers::Colour(powers) => powers.len() * size_of::<Vec3>(),
+        };
+        self.index.bytes() + (self.normals.bytes() + powers + self.directions.len() * size_of::<u32>()) as u64
+    }
+}
+
+/// Two parts of every photon, which may come from all over memory: each is fetched once for both.
+fn in_order<A: Send, B: Send>(
+    order: &[u32],
+    photons: &CpuBuffer<Photon>,
+    parts: impl Fn(&Photon) -> (A, B) + Sync,
+) -> (Vec<A>, Vec<B>) {
+    let (mut first, mut second) = (Vec::new(), Vec::new());
+    let both = order.par_iter().with_min_len(4096).map(|&id| parts(&photons.photon(id as usize)));
+    both.unzip_into_vecs(&mut first, &mut second);
+    (first, second)
 }
 
 /// Builds photon maps over an index of the kind that was chosen.
@@ -69,16 +144,19 @@ impl CpuBuilder {
 
 impl KdTreeBuilder<Cpu> for CpuBuilder {
     fn build(&mut self, on: &mut Cpu, photons: CpuBuffer<Photon>) -> Result<CpuMap> {
-        let bad = photons.data.iter().position(|p| p.power.iter().any(|x| !x.is_finite()));
+        let count = photons.len();
+        let bad = (0..count).find(|&index| photons.photon(index).power.iter().any(|x| !x.is_finite()));
         if let Some(index) = bad {
             return Err(Error::InvalidInput {
                 what: "photon",
                 index: index as u64,
-                why: format!("power {:?} is not finite", photons.data[index].power),
+                why: format!("power {:?} is not finite", photons.photon(index).power),
             });
         }
-        let (index, arrived) = on.pool.install(|| {
-            photons.data.par_iter().with_min_len(4096).map(|p| p.position).collect_into_vec(&mut self.positions);
+        let label = photons.label;
+        let map = on.pool.install(|| {
+            let positions = (0..count).into_par_iter().with_min_len(4096).map(|index| photons.photon(index).position);
+            positions.collect_into_vec(&mut self.positions);
             let index =
                 PointIndex::build_in(&self.positions, self.kind, &mut self.workspace).map_err(|error| match error {
                     crate::index::IndexError::NotFinite { index, position } => Error::InvalidInput {
@@ -88,31 +166,21 @@ impl KdTreeBuilder<Cpu> for CpuBuilder {
                     },
                     other => Error::Backend { backend: "cpu: arranging photons", source: Box::new(other) },
                 })?;
-            let arrived = index
-                .order()
-                .par_iter()
-                .with_min_len(4096)
-                .map(|&id| {
-                    let photon = &photons.data[id as usize];
-                    Arrived {
-                        power: photon.power.into(),
-                        normal: octahedral::unpack(photon.normal),
-                        direction: photon.direction,
-                    }
-                })
-                .collect::<Vec<_>>();
-            Ok::<_, Error>((index, arrived))
+            Ok::<_, Error>(CpuMap::arrange(index, photons))
         })?;
-        let bytes = index.bytes() + (arrived.len() * size_of::<Arrived>()) as u64;
-        on.note_memory(&format!("map of {}", photons.label), bytes);
+        on.note_memory(&format!("map of {label}"), map.bytes());
         let kept = self.workspace.bytes() + (self.positions.capacity() * size_of::<[f32; 3]>()) as u64;
         on.note_memory("building maps", kept);
-        Ok(CpuMap { index, arrived, photons })
+        Ok(map)
     }
 
     fn reclaim(&mut self, map: CpuMap) -> CpuBuffer<Photon> {
         let mut photons = map.photons;
         photons.clear();
         photons
+    }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
     }
 }

@@ -6,7 +6,8 @@ use photon_core::glam::Vec3;
 use photon_core::{Estimate, Gather, Spread, sampling};
 
 use crate::estimate::{Sum, off_plane};
-use crate::map::CpuMap;
+use crate::map::{CpuMap, Powers};
+use crate::power::Power;
 
 /// A photon farther from the query's plane than this share of the wide radius is on another surface.
 const OFF_PLANE: f32 = 0.25;
@@ -19,18 +20,20 @@ pub(crate) fn spread_at(
     radius: f32,
     gather: &Gather,
 ) -> (Estimate, Spread) {
-    if gather.is_flat() {
-        spread::<true>(map, position, normal, radius, gather)
-    } else {
-        spread::<false>(map, position, normal, radius, gather)
+    match (map.powers(), gather.is_flat()) {
+        (Powers::Grey(powers), false) => spread_of::<false, _>(map, powers, (position, normal), radius, gather),
+        (Powers::Grey(powers), true) => spread_of::<true, _>(map, powers, (position, normal), radius, gather),
+        (Powers::Colour(powers), false) => spread_of::<false, _>(map, powers, (position, normal), radius, gather),
+        (Powers::Colour(powers), true) => spread_of::<true, _>(map, powers, (position, normal), radius, gather),
     }
 }
 
-/// The same; if `FLAT`, of photons near the query's plane, each radius with its own share of itself.
-fn spread<const FLAT: bool>(
+/// The same of powers of one kind; if `FLAT`, of photons near the query's plane, each radius with its own share of
+/// itself.
+fn spread_of<const FLAT: bool, P: Power>(
     map: &CpuMap,
-    position: [f32; 3],
-    normal: Vec3,
+    powers: &[P],
+    (position, normal): ([f32; 3], Vec3),
     radius: f32,
     gather: &Gather,
 ) -> (Estimate, Spread) {
@@ -41,23 +44,23 @@ fn spread<const FLAT: bool>(
     let wide_squared = 2.0 * radius_squared;
     let reach = 1.0 / (2.0 * sum.radius_squared).sqrt();
     let (tangent, bitangent) = sampling::basis(normal);
-    let state = (sum, Sums::default());
+    let state = (sum, Sums::<P::Sum>::default());
     let (sum, sums) = map.index().fold_within(position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
-        let arrived = map.arrived(slot);
-        let power = f64::from((arrived.power.x + arrived.power.y + arrived.power.z) * (1.0 / 3.0));
+        let carried = powers[slot as usize];
+        let power = f64::from(carried.mean());
         let off = if FLAT { off_plane(map, slot, position, normal) } else { 0.0 };
-        if arrived.normal.dot(normal) < gather.min_normal_cosine || (FLAT && off > SQRT_2 * most) {
+        if map.normal(slot).dot(normal) < gather.min_normal_cosine || (FLAT && off > SQRT_2 * most) {
             sums.stray += power;
             return (sum, sums);
         }
         let u = d2 * scale;
         if d2 <= radius_squared && !(FLAT && off > most) {
-            sum = sum.and(arrived.power, gather.kernel.weight(u.min(1.0)));
+            sum = sum.and(carried, gather.kernel.weight(u.min(1.0)));
             if 2.0 * u <= 1.0 && !(FLAT && off > FRAC_1_SQRT_2 * most) {
-                add(&mut sums.narrow, arrived.power, gather.kernel.weight(2.0 * u));
+                carried.add(&mut sums.narrow, gather.kernel.weight(2.0 * u));
             }
         }
-        add(&mut sums.wide, arrived.power, gather.kernel.weight((0.5 * u).min(1.0)));
+        carried.add(&mut sums.wide, gather.kernel.weight((0.5 * u).min(1.0)));
         let offset = (Vec3::from(map.index().position(slot)) - Vec3::from(position)) * reach;
         if offset.dot(normal).abs() > OFF_PLANE {
             sums.stray += power;
@@ -70,20 +73,14 @@ fn spread<const FLAT: bool>(
         sums.photons += 1;
         (sum, sums)
     });
-    (sum.finish(), sums.finish())
-}
-
-fn add(sum: &mut [f64; 3], power: Vec3, weight: f32) {
-    for (sum, p) in sum.iter_mut().zip(power.to_array()) {
-        *sum += f64::from(p) * f64::from(weight);
-    }
+    (sum.finish(), sums.finish(P::rgb))
 }
 
 /// [`Spread`] in f64.
 #[derive(Default)]
-struct Sums {
-    wide: [f64; 3],
-    narrow: [f64; 3],
+struct Sums<F> {
+    wide: F,
+    narrow: F,
     power: f64,
     power_squared: f64,
     slope: [f64; 2],
@@ -92,12 +89,12 @@ struct Sums {
     photons: u32,
 }
 
-impl Sums {
-    fn finish(self) -> Spread {
+impl<F> Sums<F> {
+    fn finish(self, rgb: impl Fn(F) -> [f64; 3]) -> Spread {
         Spread {
-            wide: self.wide.map(|x| x as f32),
+            wide: rgb(self.wide).map(|x| x as f32),
             power: self.power as f32,
-            narrow: self.narrow.map(|x| x as f32),
+            narrow: rgb(self.narrow).map(|x| x as f32),
             power_squared: self.power_squared as f32,
             slope: self.slope.map(|x| x as f32),
             stretch: self.stretch.map(|x| x as f32),

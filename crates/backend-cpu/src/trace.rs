@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Deposits, Fate, Features, FixedFlux, Material, Photon, PhotonRay, Ray, Result, Settings, Sharing, Tally,
-    Tracer, bsdf, octahedral, sampling,
+    Batch, Deposits, Fate, Features, FixedFlux, Kept, Material, Photon, PhotonRay, Ray, Result, Settings, Sharing,
+    Tally, Tracer, bsdf, octahedral, sampling,
 };
 use rayon::prelude::*;
 
@@ -70,7 +70,7 @@ impl Tracer<Cpu> for CpuTracer {
             let targets = [&mut deposits.direct, &mut deposits.caustic, &mut deposits.global];
             for (target, photons) in targets.into_iter().zip(&harvest.photons) {
                 if let Some(target) = target {
-                    target.append(photons);
+                    target.append_photons(photons);
                 }
             }
         }
@@ -79,6 +79,10 @@ impl Tracer<Cpu> for CpuTracer {
 
     fn take_tally(&mut self, _on: &mut Cpu) -> Result<Tally> {
         Ok(std::mem::take(&mut self.tally))
+    }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
     }
 }
 
@@ -232,9 +236,9 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
                         *stored.into_iter().nth(class).unwrap_or(&mut 0) += 1;
                         harvest.photons[class].push(Photon {
                             position: surface.point.into(),
-                            direction: octahedral::pack(-ray.direction),
-                            power: power.into(),
                             normal: octahedral::pack(surface.normal),
+                            power: power.into(),
+                            direction: octahedral::pack(-ray.direction),
                         });
                     }
                 }

@@ -1,7 +1,7 @@
 //! What every backend can do.
 
 use photon_core::{
-    Backend, Element, Error, Fill, IndexKind, KdTreeBuilder, MapStages, Photon, Result, Stage, StageTimings,
+    Backend, Element, Error, Fill, IndexKind, KdTreeBuilder, Kept, MapStages, Photon, Result, Stage, StageTimings,
 };
 
 use crate::buffer::VulkanBuffer;
@@ -26,6 +26,10 @@ impl Backend for Vulkan {
         VulkanBuffer::new(self, label, capacity)
     }
 
+    fn alloc_photons(&mut self, label: &'static str, capacity: u64, kept: Kept) -> Result<VulkanBuffer<Photon>> {
+        VulkanBuffer::photons(self, label, capacity, kept)
+    }
+
     fn upload<T: Element>(&mut self, label: &'static str, data: &[T]) -> Result<VulkanBuffer<T>> {
         let mut buffer = VulkanBuffer::new(self, label, data.len() as u64)?;
         self.write(&buffer.data, 0, bytemuck::cast_slice(data))?;
@@ -38,6 +42,13 @@ impl Backend for Vulkan {
         let Fill { length, needed, capacity } = Backend::fill(self, from)?;
         if needed > capacity {
             return Err(Error::CapacityExceeded { label: from.label(), needed, capacity });
+        }
+        if from.kept() != Kept::Whole {
+            return Err(Error::InvalidSetting {
+                name: from.label(),
+                value: format!("kept as {}", from.kept().name()),
+                mend: "whole photons were asked for: keep them whole",
+            });
         }
         to.clear();
         to.resize(length as usize, bytemuck::Zeroable::zeroed());
@@ -91,6 +102,10 @@ impl KdTreeBuilder<Vulkan> for CheckedBuilder {
 
     fn reclaim(&mut self, map: VulkanMap) -> VulkanBuffer<Photon> {
         self.0.reclaim(map)
+    }
+
+    fn least_kept(&self) -> Kept {
+        self.0.least_kept()
     }
 }
 

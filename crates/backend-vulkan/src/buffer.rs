@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 
 use ash::vk;
-use photon_core::{Element, Result};
+use photon_core::{Element, Kept, Photon, Result};
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
@@ -22,11 +22,13 @@ pub struct VulkanBuffer<T> {
     known: Cell<Option<u64>>,
     /// Whether its content came from the caller, and may be anything.
     pub(crate) foreign: bool,
+    kept: Kept,
     kind: PhantomData<fn() -> T>,
 }
 
 impl<T> VulkanBuffer<T> {
-    /// Where kernels find the elements.
+    /// Where kernels find the elements; if they are photons that are cut short, see
+    /// [`VulkanBuffer::kept`].
     #[must_use]
     pub fn data_address(&self) -> u64 {
         self.data.address()
@@ -42,6 +44,13 @@ impl<T> VulkanBuffer<T> {
     #[must_use]
     pub fn capacity(&self) -> u64 {
         self.capacity
+    }
+
+    /// How much it holds of a photon. Of whole ones each is a record; otherwise the places of all, rows of
+    /// position and normal, come first, as many as fit, then what is kept of their powers.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        self.kept
     }
 
     /// What it is for.
@@ -64,7 +73,12 @@ impl<T> VulkanBuffer<T> {
 impl<T: Element> VulkanBuffer<T> {
     /// An empty one.
     pub(crate) fn new(on: &mut Vulkan, label: &'static str, capacity: u64) -> Result<Self> {
-        let bytes = capacity.saturating_mul(size_of::<T>() as u64);
+        Self::of(on, label, capacity, size_of::<T>() as u64)
+    }
+
+    /// The same, with so many bytes to an element.
+    fn of(on: &mut Vulkan, label: &'static str, capacity: u64, each: u64) -> Result<Self> {
+        let bytes = capacity.saturating_mul(each);
         // Numbers of elements are words on the device.
         if capacity > u64::from(u32::MAX) {
             return Err(photon_core::Error::OutOfMemory { label, bytes });
@@ -81,8 +95,16 @@ impl<T: Element> VulkanBuffer<T> {
 
     fn around(on: &mut Vulkan, data: Memory, label: &'static str, capacity: u64, length: u64) -> Result<Self> {
         let count = on.memory("count", 16)?;
-        let mut buffer =
-            Self { data, count, capacity, label, known: Cell::new(None), foreign: false, kind: PhantomData };
+        let mut buffer = Self {
+            data,
+            count,
+            capacity,
+            label,
+            known: Cell::new(None),
+            foreign: false,
+            kept: Kept::Whole,
+            kind: PhantomData,
+        };
         on.set_length(&mut buffer, length)?;
         Ok(buffer)
     }
@@ -111,6 +133,22 @@ impl<T: Element> VulkanBuffer<T> {
         let mut buffer = Self::around(on, data, "a host's", length, length)?;
         buffer.foreign = true;
         Ok(buffer)
+    }
+}
+
+impl VulkanBuffer<Photon> {
+    /// An empty one for so much of each photon.
+    pub(crate) fn photons(on: &mut Vulkan, label: &'static str, capacity: u64, kept: Kept) -> Result<Self> {
+        Ok(Self { kept, ..Self::of(on, label, capacity, kept.bytes())? })
+    }
+
+    /// Where position and power of a photon stand, in bytes.
+    pub(crate) fn offsets(&self, index: u64) -> [u64; 2] {
+        let (place, flux) = (Kept::PLACE_BYTES, self.kept.flux_bytes());
+        match self.kept {
+            Kept::Whole => [index * (place + flux), index * (place + flux) + place],
+            Kept::Power | Kept::Grey => [index * place, self.capacity * place + index * flux],
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Indirect light by final gathering (Jensen 1996).
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Estimate, FinalGather, Layer, Maps, Pass, Query, RadianceEstimator, Result, Spread};
+use photon_core::{Estimate, FinalGather, Kept, Layer, Maps, Pass, Query, RadianceEstimator, Result, Spread};
 
 use crate::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
@@ -174,5 +174,9 @@ impl FinalGather<Vulkan> for VulkanGather {
             self.told = Some(told);
         }
         film::fold_values(on, film, Layer::Indirect, queries)
+    }
+
+    fn least_kept(&self) -> Kept {
+        self.estimator.least_kept()
     }
 }

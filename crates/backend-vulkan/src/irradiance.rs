@@ -1,7 +1,7 @@
 //! Irradiance at the places of photons.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Estimate, IrradiancePoints, Photon, Query, Result};
+use photon_core::{Estimate, IrradiancePoints, Kept, Photon, Query, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
@@ -84,5 +84,9 @@ impl IrradiancePoints<Vulkan> for VulkanIrradiance {
         };
         on.dispatch(&kernel, &push, count.div_ceil(u64::from(GROUP)))?;
         on.set_length(points, count)
+    }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
     }
 }

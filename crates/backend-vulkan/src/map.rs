@@ -1,6 +1,6 @@
 //! Photons arranged for search, on the device.
 
-use photon_core::{Error, IndexKind, Photon, Result};
+use photon_core::{Error, IndexKind, Kept, Photon, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
@@ -17,7 +17,7 @@ pub struct VulkanMap {
     pub(crate) length: u32,
     /// A `vec4` per slot: position, and the bits of the packed normal.
     pub(crate) positions: Memory,
-    /// A `vec4` per slot: power, and the bits of the packed direction.
+    /// Per slot what is kept besides: power, and the bits of the packed direction; power; or a `float`.
     pub(crate) power: Memory,
     /// A word per slot: index into `photons`.
     pub(crate) ids: Memory,
@@ -35,6 +35,12 @@ impl VulkanMap {
     #[must_use]
     pub fn kind(&self) -> IndexKind {
         self.kind
+    }
+
+    /// How much it keeps of a photon.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        self.photons.kept()
     }
 
     /// Photons in the map.
@@ -56,10 +62,16 @@ impl VulkanMap {
             return Ok(());
         }
         let index = u64::from(!word);
-        let mut photon: Photon = bytemuck::Zeroable::zeroed();
-        let size = size_of::<Photon>() as u64;
-        on.read(&self.photons.data, index * size, bytemuck::bytes_of_mut(&mut photon))?;
-        let value = if words[0] != 0 { photon.power } else { photon.position };
+        let [position, power] = self.photons.offsets(index);
+        let mut value = [0.0_f32; 3];
+        if words[0] == 0 {
+            on.read(&self.photons.data, position, bytemuck::bytes_of_mut(&mut value))?;
+        } else if self.kept() == Kept::Grey {
+            on.read(&self.photons.data, power, bytemuck::bytes_of_mut(&mut value[0]))?;
+            value = [value[0]; 3];
+        } else {
+            on.read(&self.photons.data, power, bytemuck::bytes_of_mut(&mut value))?;
+        }
         Err(Error::InvalidInput { what: "photon", index, why: format!("{name} {value:?} is not finite") })
     }
 }

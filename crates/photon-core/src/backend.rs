@@ -3,7 +3,8 @@
 use crate::aim::Aim;
 use crate::error::Result;
 use crate::film::{Film, Layer};
-use crate::layout::{Element, Estimate, Query, Spread};
+use crate::kept::Kept;
+use crate::layout::{Element, Estimate, Photon, Query, Spread};
 use crate::memory::Costs;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
@@ -30,6 +31,17 @@ pub trait Backend: Sized + Send + 'static {
     /// [`crate::Error::OutOfMemory`].
     fn alloc<T: Element>(&mut self, label: &'static str, capacity: u64) -> Result<Self::Buffer<T>>;
 
+    /// An empty buffer of photons of which no more than `kept` need be stored. What a tracer appends to it
+    /// is cut short; a map that is built from it keeps as much; it cannot be downloaded unless that is
+    /// [`Kept::Whole`]. A backend without shorter records stores whole ones.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    fn alloc_photons(&mut self, label: &'static str, capacity: u64, kept: Kept) -> Result<Self::Buffer<Photon>> {
+        let _ = kept;
+        self.alloc(label, capacity)
+    }
+
     /// A buffer that holds `data`.
     ///
     /// # Errors
@@ -39,7 +51,8 @@ pub trait Backend: Sized + Send + 'static {
     /// Replaces `to` with what the buffer holds. Blocks until everything enqueued before is done.
     ///
     /// # Errors
-    /// Deferred errors surface here; [`crate::Error::CapacityExceeded`] if more was appended than fits.
+    /// Deferred errors surface here; [`crate::Error::CapacityExceeded`] if more was appended than fits;
+    /// [`crate::Error::InvalidSetting`] of photons that were cut short: [`Backend::alloc_photons`].
     fn download<T: Element>(&mut self, from: &Self::Buffer<T>, to: &mut Vec<T>) -> Result<()>;
 
     /// How full a buffer is. Blocks likewise.
@@ -83,9 +96,11 @@ pub trait TransportBackend: Backend {
         1 << 18
     }
 
-    /// What it keeps in memory at the height of a pass.
-    fn costs(&self) -> Costs {
-        Costs { photon: 160, under_way: 100, path: 200, pixel: 1200, query: 200 }
+    /// What it keeps in memory at the height of a pass, if maps keep so much of a photon.
+    fn costs(&self, kept: Kept) -> Costs {
+        // As stored and as arranged for search.
+        let photon = 96 + 2 * kept.bytes();
+        Costs { photon, under_way: 100, path: 200, pixel: 1200, query: 200 }
     }
 
     /// Brings a scene to the device.

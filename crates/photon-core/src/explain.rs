@@ -2,11 +2,12 @@
 
 use crate::aim::{Aim, Unaimed};
 use crate::features::Features;
+use crate::kept::Kept;
 use crate::layout::Light;
 use crate::radii;
 use crate::requirements::{Requirements, light_features, material_features};
 use crate::scene::SceneView;
-use crate::settings::{Area, Direct, Indirect, Settings};
+use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
 
 /// One thing that a renderer can model, allocate or build.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -82,6 +83,26 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         "photons",
         any_map,
         if any_map { "the maps above are filled with them" } else { "no map is read, so that none is sent out" },
+    );
+    let paper = matches!(settings.estimator, Estimator::Paper(_));
+    say(
+        "colours of photons",
+        any_map && required.kept != Kept::Grey,
+        match (any_map, paper, required.kept) {
+            (false, ..) => "there are none",
+            (_, true, _) => "the paper's estimator takes whole records of 32 bytes",
+            (_, _, Kept::Grey) => "lights and surfaces are grey: one power is kept, and 20 bytes of each photon",
+            _ => "a light or a surface is not grey: 12 bytes of the 28 that are kept of each photon",
+        },
+    );
+    say(
+        "directions of photons",
+        any_map && required.kept == Kept::Whole,
+        match (any_map, paper) {
+            (false, _) => "there are none",
+            (true, true) => "the paper's estimator reads them",
+            (true, false) => "only the paper's estimator reads them",
+        },
     );
     let pilot = any_map && radii::need_pilot(settings);
     say(

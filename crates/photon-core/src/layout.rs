@@ -14,19 +14,19 @@ pub trait Element: Pod + Send + Sync {
 /// A photon that has landed on a surface.
 ///
 /// It has no identity of its own: its number is its place in the buffer that the tracer fills,
-/// which is in order of path, then bounce.
+/// which is in order of path, then bounce. Maps keep as much of its front as is read: [`crate::Kept`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Photon {
     /// Normalised space.
     pub position: [f32; 3],
-    /// Unit vector towards where it came from, packed by [`crate::octahedral::pack`].
-    pub direction: u32,
+    /// Geometric normal of the surface on the side where it arrived, packed by [`crate::octahedral::pack`].
+    pub normal: u32,
     /// Radiant flux that its path carries, linear RGB, in units of the scene's total power; *not*
     /// divided by the number of paths.
     pub power: [f32; 3],
-    /// Geometric normal of the surface on the side where it arrived, packed likewise.
-    pub normal: u32,
+    /// Unit vector towards where it came from, packed likewise.
+    pub direction: u32,
 }
 
 /// A photon that is about to leave a light.
@@ -294,8 +294,8 @@ mod tests {
     #[test]
     fn offsets_are_those_of_vector_and_scalar_rows() {
         let rows = [
-            (offset_of!(Photon, position), offset_of!(Photon, direction)),
-            (offset_of!(Photon, power), offset_of!(Photon, normal)),
+            (offset_of!(Photon, position), offset_of!(Photon, normal)),
+            (offset_of!(Photon, power), offset_of!(Photon, direction)),
             (offset_of!(PhotonRay, origin), offset_of!(PhotonRay, path)),
             (offset_of!(PhotonRay, direction), offset_of!(PhotonRay, light)),
             (offset_of!(PhotonRay, power), offset_of!(PhotonRay, reserved)),

@@ -66,6 +66,7 @@ mod end;
 mod estimate;
 mod fit;
 mod irradiance;
+mod kept;
 mod photons;
 
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
@@ -141,7 +142,10 @@ impl<B: TransportBackend> Pipeline<B> {
     ) -> Result<Self> {
         settings.validate()?;
         check::check_scene(scene)?;
-        required.check(Requirements::of(scene, &settings).features)?;
+        let needed = Requirements::of(scene, &settings);
+        required.check(needed.features)?;
+        required.check_kept(needed.kept)?;
+        let required = Requirements { kept: required.kept.max(kept::least(&stages)), ..required };
         let mut film = on.film(scene, view.width, view.height)?;
         if settings.errors {
             on.keep_errors(&mut film)?;
@@ -152,7 +156,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
-        let costs = irradiance::costs(aimed::costs(on.costs(), stages.aimed.is_some()), &settings);
+        let costs = irradiance::costs(&on, aimed::costs(on.costs(required.kept), stages.aimed.is_some()), &settings);
         let plan = match settings.memory {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
@@ -217,7 +221,7 @@ impl<B: TransportBackend> Pipeline<B> {
     fn allocate(&mut self, map: usize, capacity: u64) -> Result<()> {
         self.photons[map] = None;
         self.capacities[map] = capacity;
-        self.photons[map] = Some(self.on.alloc(LABELS[map], capacity)?);
+        self.photons[map] = Some(self.on.alloc_photons(LABELS[map], capacity, self.required.kept)?);
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::features::Features;
+use crate::kept::Kept;
 use crate::layout::{Light, Material};
 use crate::scene::SceneView;
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
@@ -27,6 +28,8 @@ pub struct Requirements {
     pub shadow_rays: bool,
     /// Indirect light is gathered.
     pub final_gather: bool,
+    /// How much of each photon the maps keep.
+    pub kept: Kept,
 }
 
 impl Requirements {
@@ -54,6 +57,7 @@ impl Requirements {
             global_map: settings.indirect != Indirect::None,
             shadow_rays: settings.direct == Direct::Nee,
             final_gather: gather,
+            kept: Kept::of(scene, settings),
         }
     }
 
@@ -69,6 +73,7 @@ impl Requirements {
             global_map: settings.indirect != Indirect::None,
             shadow_rays: settings.direct == Direct::Nee,
             final_gather: gather,
+            kept: Kept::Whole,
         }
     }
 
@@ -79,6 +84,21 @@ impl Requirements {
     pub fn check(&self, needed: Features) -> Result<()> {
         let missing = needed.without(self.features);
         if missing == Features::NONE { Ok(()) } else { Err(Error::MissingFeatures { missing }) }
+    }
+
+    /// Whether maps built for `self` keep what is `needed` of a photon.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`].
+    pub fn check_kept(&self, needed: Kept) -> Result<()> {
+        if self.kept >= needed {
+            return Ok(());
+        }
+        Err(Error::InvalidSetting {
+            name: "what maps keep of a photon",
+            value: self.kept.name().into(),
+            mend: "more of it is read; derive the requirements from this scene and these settings",
+        })
     }
 }
 

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::backend::{Backend, TransportBackend};
 use crate::error::{Error, Result};
+use crate::kept::Kept;
 use crate::kernel::Kernel;
 use crate::layout::{Camera, Estimate, Photon, PhotonRay, Query, Spread};
 use crate::settings::RandomKind;
@@ -119,7 +120,7 @@ pub trait Emitter<B: TransportBackend>: Send {
 /// Follows photons through the scene.
 pub trait Tracer<B: TransportBackend>: Send {
     /// Follows `rays` and appends a photon to one of `deposits` at each diffuse surface met, in
-    /// order of path, then bounce.
+    /// order of path, then bounce; of each as much as the buffer keeps.
     ///
     /// # Errors
     /// What the backend raises. A full buffer is no error here; it shows in [`Backend::fill`].
@@ -137,6 +138,12 @@ pub trait Tracer<B: TransportBackend>: Send {
     /// # Errors
     /// Deferred errors surface here.
     fn take_tally(&mut self, on: &mut B) -> Result<Tally>;
+
+    /// The least of a photon that this stage can work with. Whoever brings a stage of their own gets whole
+    /// records unless they override it; see [`Backend::alloc_photons`].
+    fn least_kept(&self) -> Kept {
+        Kept::Whole
+    }
 }
 
 /// Where photons go; `None` for a map that is not called for.
@@ -160,6 +167,11 @@ pub trait KdTreeBuilder<B: Backend>: Send {
 
     /// Gives the storage back, emptied, for the next pass.
     fn reclaim(&mut self, map: B::PhotonMap) -> B::Buffer<Photon>;
+
+    /// As [`Tracer::least_kept`].
+    fn least_kept(&self) -> Kept {
+        Kept::Whole
+    }
 }
 
 /// Estimates the irradiance at queries.
@@ -208,6 +220,11 @@ pub trait RadianceEstimator<B: Backend>: Send {
         neighbours: u32,
         min_normal_cosine: f32,
     ) -> Result<Option<f32>>;
+
+    /// As [`Tracer::least_kept`].
+    fn least_kept(&self) -> Kept {
+        Kept::Whole
+    }
 }
 
 /// What a stage says that knows nothing of errors.
@@ -314,6 +331,11 @@ pub trait IrradiancePoints<B: Backend>: Send {
         first: bool,
         points: &mut B::Buffer<Photon>,
     ) -> Result<()>;
+
+    /// As [`Tracer::least_kept`].
+    fn least_kept(&self) -> Kept {
+        Kept::Whole
+    }
 }
 
 /// Indirect light by final gathering.
@@ -337,6 +359,11 @@ pub trait FinalGather<B: TransportBackend>: Send {
         rays: u32,
         film: &mut B::Film,
     ) -> Result<()>;
+
+    /// As [`Tracer::least_kept`].
+    fn least_kept(&self) -> Kept {
+        Kept::Whole
+    }
 }
 
 /// The stages that need no scene. Swap a field to bring your own.

@@ -43,7 +43,7 @@ pub(super) fn ask(
     order: u64,
     estimates: &VulkanBuffer<Estimate>,
 ) -> Result<()> {
-    let kernel = on.kernel(&shaders::GATHER_CLOSEST, &[0, GROUP, u32::from(order != 0)])?;
+    let kernel = on.kernel(&shaders::GATHER_CLOSEST, &[0, GROUP, u32::from(order != 0), map.kept().number()])?;
     let mut push = Push {
         nodes: map.nodes.address(),
         positions: map.positions.address(),

@@ -12,7 +12,9 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use photon_core::{Backend, Error, Estimate, Gather, Kernel, Query, RadianceEstimator, Result, Rule, Spread, typical};
+use photon_core::{
+    Backend, Error, Estimate, Gather, Kept, Kernel, Query, RadianceEstimator, Result, Rule, Spread, typical,
+};
 
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
@@ -59,6 +61,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
                 return Ok(());
             }
             Rule::Paper { max, threshold, factor } => {
+                directions(map)?;
                 question.mode = Mode::Paper;
                 question.kernel = Kernel::Constant;
                 question.filter = true;
@@ -131,6 +134,22 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         let squares = found.iter().filter(|e| e.photons == k).map(|e| e.radius_squared).collect();
         Ok(Some(typical::radius(squares, count)))
     }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
+    }
+}
+
+/// Whether a map keeps directions.
+fn directions(map: &VulkanMap) -> Result<()> {
+    if map.kept() == Kept::Whole {
+        return Ok(());
+    }
+    Err(Error::InvalidSetting {
+        name: "the paper's estimator",
+        value: format!("asked of a map that keeps {}", map.kept().name()),
+        mend: "it reads directions: keep photons whole",
+    })
 }
 
 /// All within the radius.

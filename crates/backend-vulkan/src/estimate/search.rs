@@ -160,19 +160,22 @@ impl Search {
             let mend = "must be at most 131072 on this device, whose driver ends long loops";
             return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), mend });
         }
+        let kept = map.kept().number();
         let kernel = match question.mode {
             Mode::Radius => {
                 let filter = u32::from(question.filter);
                 let spread = u32::from(question.spreads != 0);
                 let flat = u32::from(question.flat);
-                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, spread, flat, turns];
+                let kernel = question.kernel.number();
+                let constants = [0, workgroup, TILES, ordered, kernel, filter, spread, flat, turns, kept];
                 on.kernel(&shaders::GATHER_RADIUS, &constants)?
             }
             Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
             Mode::Nearest | Mode::Paper | Mode::Rows => {
                 let mode = question.mode as u32 - Mode::Nearest as u32;
                 let (filter, wide) = (u32::from(question.filter), u32::from(question.k > self.narrow_bins));
-                let constants = [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide, turns];
+                let constants =
+                    [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide, turns, kept];
                 on.kernel(&shaders::GATHER_NEAREST, &constants)?
             }
         };
@@ -233,7 +236,7 @@ pub(super) fn sample(
     radius: f32,
 ) -> Result<()> {
     let (photons, queries) = (map.photons.data_address(), queries.data_address());
-    let kernel = on.kernel(&shaders::GATHER_SAMPLE, &[0, 64])?;
+    let kernel = on.kernel(&shaders::GATHER_SAMPLE, &[0, 64, map.kept().number()])?;
     on.dispatch(
         &kernel,
         &SamplePush { photons, queries, points: map.length, count, radius, reserved: 0 },

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
 
 use crate::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::Memory;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -15,7 +15,7 @@ const WORKGROUP: u32 = 256;
 /// Finds the box.
 #[derive(Debug)]
 pub(crate) struct BoundsOf {
-    kernel: Kernel,
+    workgroup: u32,
     /// The twin of `MapState`.
     pub(crate) state: Memory,
 }
@@ -32,15 +32,16 @@ struct BoundsPush {
 
 impl BoundsOf {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let size = WORKGROUP.min(on.limits().max_workgroup);
-        Ok(Self { kernel: on.kernel(&shaders::INDEX_BOUNDS, &[0, size])?, state: on.memory("map: box", 32)? })
+        let workgroup = WORKGROUP.min(on.limits().max_workgroup);
+        Ok(Self { workgroup, state: on.memory("map: box", 32)? })
     }
 
     /// Leaves the box in `state`, and tells in the photons' count which are not finite.
     pub(crate) fn find(&self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<()> {
         let none = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0, 0];
         on.write(&self.state, 0, bytemuck::cast_slice(&none))?;
-        let size = u64::from(self.kernel.workgroup);
+        let kernel = super::reading(on, &shaders::INDEX_BOUNDS, self.workgroup, photons)?;
+        let size = u64::from(kernel.workgroup);
         let groups = length.div_ceil(size).min(GROUPS);
         let push = BoundsPush {
             photons: photons.data_address(),
@@ -49,6 +50,6 @@ impl BoundsOf {
             count: length as u32,
             stride: (groups * size) as u32,
         };
-        on.dispatch(&self.kernel, &push, groups)
+        on.dispatch(&kernel, &push, groups)
     }
 }

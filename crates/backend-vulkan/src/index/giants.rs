@@ -29,7 +29,7 @@ struct PickPush {
     ids: u64,
     picked: u64,
     count: u32,
-    pad: u32,
+    capacity: u32,
 }
 
 /// Whether so many photons are worth a look for giants.
@@ -74,10 +74,11 @@ impl Morton {
         depth: u64,
     ) -> Result<()> {
         let picked = VulkanBuffer::<Photon>::new(on, "photons of one code", length)?;
-        let pick = on.kernel(&shaders::INDEX_PICK, &[0, self.gather.workgroup])?;
+        let pick = super::reading(on, &shaders::INDEX_PICK, self.gather.workgroup, photons)?;
         let groups = |kernel: &Kernel| length.div_ceil(u64::from(kernel.workgroup));
         let (ids, count) = (order.address() + 4 * first, length as u32);
-        let push = PickPush { photons: photons.data_address(), ids, picked: picked.data_address(), count, pad: 0 };
+        let capacity = photons.capacity() as u32;
+        let push = PickPush { photons: photons.data_address(), ids, picked: picked.data_address(), count, capacity };
         on.dispatch(&pick, &push, groups(&pick))?;
         let mut finer = Self::new(on)?;
         finer.bounds.find(on, &picked, length)?;

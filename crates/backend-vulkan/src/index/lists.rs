@@ -5,7 +5,7 @@ use photon_core::{Photon, Result};
 
 use super::room::grow;
 use crate::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::Memory;
 use crate::shaders;
 use crate::sort::{Pairs, Sort};
 use crate::vulkan::Vulkan;
@@ -19,7 +19,6 @@ pub(super) const WORKGROUP: u32 = 256;
 /// The lists, twice.
 #[derive(Debug)]
 pub(crate) struct Lists {
-    keys_of: Kernel,
     sort: Sort,
     /// Of one axis; then places of photons.
     pub(super) keys: [Memory; 2],
@@ -40,7 +39,6 @@ struct KeysPush {
 impl Lists {
     pub(super) fn new(on: &mut Vulkan) -> Result<Self> {
         Ok(Self {
-            keys_of: on.kernel(&shaders::INDEX_KEYS, &[0, WORKGROUP])?,
             sort: Sort::new(on)?,
             keys: [on.memory("map: keys", 16)?, on.memory("map: keys", 16)?],
             lists: [on.memory("map: lists", 16)?, on.memory("map: lists", 16)?],
@@ -60,12 +58,13 @@ impl Lists {
             grow(on, &mut self.keys[at], "map: keys", 4 * length)?;
             grow(on, &mut self.lists[at], "map: lists", 4 * count * length)?;
         }
+        let keys_of = super::reading(on, &shaders::INDEX_KEYS, WORKGROUP, photons)?;
         let keys = [0, 1].map(|at: usize| self.keys[at].address());
         self.at = 0;
         for axis in 0..3 {
             let push =
                 KeysPush { photons: photons.data_address(), keys: keys[0], count: length as u32, axis: axis as u32 };
-            on.dispatch(&self.keys_of, &push, length.div_ceil(u64::from(WORKGROUP)))?;
+            on.dispatch(&keys_of, &push, length.div_ceil(u64::from(WORKGROUP)))?;
             let values = [0, 1].map(|at: usize| self.lists[at].address() + 4 * length * axis);
             let pairs = Pairs { keys, values, count: length, words: 1, bits: 32, numbered: true, forget_keys: true };
             let at = self.sort.pairs(on, &pairs)?;
@@ -74,7 +73,7 @@ impl Lists {
         if count == 4 {
             let keys = self.lists[0].address() + 4 * length * 3;
             let push = KeysPush { photons: photons.data_address(), keys, count: length as u32, axis: 3 };
-            on.dispatch(&self.keys_of, &push, length.div_ceil(u64::from(WORKGROUP)))?;
+            on.dispatch(&keys_of, &push, length.div_ceil(u64::from(WORKGROUP)))?;
         }
         Ok(())
     }

@@ -19,10 +19,8 @@ use crate::vulkan::Vulkan;
 pub(crate) struct Median {
     bounds: BoundsOf,
     lists: Lists,
-    sides: Kernel,
     count: Kernel,
     part: Kernel,
-    finish: Kernel,
     /// A bit per photon.
     right: Memory,
     counts: Memory,
@@ -77,10 +75,8 @@ impl Median {
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             lists: Lists::new(on)?,
-            sides: on.kernel(&shaders::INDEX_MEDIAN_SIDES, &constants)?,
             count: on.kernel(&shaders::INDEX_MEDIAN_COUNT, &constants)?,
             part: on.kernel(&shaders::INDEX_MEDIAN_PART, &constants)?,
-            finish: on.kernel(&shaders::INDEX_MEDIAN_FINISH, &constants)?,
             right: on.memory("map: sides", 16)?,
             counts: on.memory("map: counts", 16)?,
         })
@@ -95,6 +91,8 @@ impl Median {
         self.bounds.find(on, photons, length)?;
         self.lists.fill(on, photons, length, 3)?;
 
+        let sides = super::reading(on, &shaders::INDEX_MEDIAN_SIDES, WORKGROUP, photons)?;
+        let finish = super::reading(on, &shaders::INDEX_MEDIAN_FINISH, WORKGROUP, photons)?;
         let (data, count) = (photons.data_address(), length as u32);
         let (right, counts, tiles_word) = (self.right.address(), self.counts.address(), tiles as u32);
         // Of a segment of more than 16·2^j photons, so many are its left part: the size of a level.
@@ -103,7 +101,7 @@ impl Median {
             let lists = self.lists.address();
             let size_word = size as u32;
             on.fill(&self.right, 0, sides_bytes, 0)?;
-            on.dispatch(&self.sides, &SidesPush { photons: data, lists, right, count, size: size_word }, tiles)?;
+            on.dispatch(&sides, &SidesPush { photons: data, lists, right, count, size: size_word }, tiles)?;
             on.dispatch(&self.count, &CountPush { lists, right, counts, count, tiles: tiles_word }, 3 * tiles)?;
             let parted = self.lists.other();
             let push = PartPush { lists, parted, counts, count, tiles: tiles_word, size: size_word, pad: 0 };
@@ -114,7 +112,7 @@ impl Median {
         let order = self.lists.other();
         let places = self.lists.keys[0].address();
         let push = FinishPush { photons: data, lists: self.lists.address(), places, order, count, pad: 0 };
-        on.dispatch(&self.finish, &push, length.div_ceil(SHORT))?;
+        on.dispatch(&finish, &push, length.div_ceil(SHORT))?;
         Ok(order)
     }
 }

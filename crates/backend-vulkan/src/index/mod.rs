@@ -15,9 +15,10 @@ mod tests;
 mod vvh;
 mod vvh_nodes;
 
-use photon_core::{IndexKind, KdTreeBuilder, Photon, Result};
+use photon_core::{IndexKind, KdTreeBuilder, Kept, Photon, Result};
 
 use crate::buffer::VulkanBuffer;
+use crate::device::{Kernel, Module};
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
 use median::Median;
@@ -29,6 +30,11 @@ use vvh_nodes::VvhNodes;
 
 /// Points to a leaf, children of a node.
 const WIDTH: u64 = 16;
+
+/// The kernel of a module that reads photons, for those of a buffer.
+fn reading(on: &mut Vulkan, module: &'static Module, workgroup: u32, photons: &VulkanBuffer<Photon>) -> Result<Kernel> {
+    on.kernel(module, &[0, workgroup, photons.kept().number()])
+}
 
 /// Builds photon maps.
 #[derive(Debug)]
@@ -71,7 +77,7 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
         let words = [0, photons.capacity().min(u64::from(u32::MAX)) as u32, 0, 0];
         on.write(&photons.count, 0, bytemuck::cast_slice(&words))?;
         let mut room = self.spare.pop().map_or_else(|| Room::new(on), Ok)?;
-        room.grow(on, length, nodes)?;
+        room.grow(on, length, nodes, photons.kept())?;
         let order = match &mut self.arrange {
             Arrange::Median(median) => median.order(on, &photons, length)?,
             Arrange::Morton(morton) => morton.order(on, &photons, length)?,
@@ -85,8 +91,8 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
                 nodes.arrange(on, &self.regular, ordered, vvh.splits.address())?;
             }
         }
-        let bytes = room.bytes() + photons.data.bytes();
-        on.note_memory(&format!("map of {}", photons.label()), bytes);
+        // The photons as they were stored have a line of their own.
+        on.note_memory(&format!("map of {}", photons.label()), room.bytes());
         let Room { positions, power, ids, nodes: of_nodes, totals } = room;
         Ok(VulkanMap {
             kind: self.kind,
@@ -107,5 +113,9 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
         // As `build` has told the device.
         photons.is_now(0);
         photons
+    }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
     }
 }

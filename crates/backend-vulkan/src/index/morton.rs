@@ -26,10 +26,10 @@ const ROUND: u64 = 16;
 #[derive(Debug)]
 pub(crate) struct Morton {
     pub(super) bounds: BoundsOf,
-    codes: Kernel,
     pub(super) gather: Kernel,
     long_runs: Kernel,
-    refine: Kernel,
+    /// Invocations that arrange a run.
+    tile: u32,
     sort: Sort,
     /// Room for two words to a photon, each: what is sorted, and both words of the codes.
     keys: Memory,
@@ -95,10 +95,9 @@ impl Morton {
             |on: &mut Vulkan, label| -> Result<[Memory; 2]> { Ok([on.memory(label, 16)?, on.memory(label, 16)?]) };
         Ok(Self {
             bounds: BoundsOf::new(on)?,
-            codes: on.kernel(&shaders::INDEX_CODES, &[0, size])?,
             gather: on.kernel(&shaders::INDEX_GATHER, &[0, size])?,
             long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, &[0, size])?,
-            refine: on.kernel(&shaders::INDEX_REFINE, &[0, tile])?,
+            tile,
             sort: Sort::new(on)?,
             keys: on.memory("map: keys", 16)?,
             words: on.memory("map: codes", 16)?,
@@ -135,7 +134,8 @@ impl Morton {
         let groups = |kernel: &Kernel| length.div_ceil(u64::from(kernel.workgroup));
         let state = self.bounds.state.address();
         let push = CodesPush { photons: data, state, keys: keys[0], low, high, count, pad: 0 };
-        on.dispatch(&self.codes, &push, groups(&self.codes))?;
+        let codes = super::reading(on, &shaders::INDEX_CODES, self.gather.workgroup, photons)?;
+        on.dispatch(&codes, &push, groups(&codes))?;
         let pairs = Pairs { keys, values, count: length, words: 1, bits: 32, numbered: true, forget_keys: true };
         if self.sort.pairs(on, &pairs)? == 1 {
             values.swap(0, 1);
@@ -156,6 +156,7 @@ impl Morton {
             let here = usize::from(self.ids[0].address() != order);
             self.giants(on, photons, &self.ids[here], depth)?;
         }
+        let refine = super::reading(on, &shaders::INDEX_REFINE, self.tile, photons)?;
         for number in 0..ROUNDS {
             let push = RefinePush {
                 photons: data,
@@ -168,7 +169,7 @@ impl Morton {
                 next_round: round(number + 1),
                 next_runs: runs(number + 1),
             };
-            on.dispatch_indirect(&self.refine, &push, &self.rounds, ROUND * number)?;
+            on.dispatch_indirect(&refine, &push, &self.rounds, ROUND * number)?;
         }
         Ok(order)
     }

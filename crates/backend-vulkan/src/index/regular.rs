@@ -16,7 +16,8 @@ const WORKGROUP: u32 = 256;
 /// Brings photons into their slots and puts boxes around them.
 #[derive(Debug)]
 pub(crate) struct Regular {
-    arrange: Kernel,
+    /// Invocations that fill slots.
+    workgroup: u32,
     parents: Kernel,
 }
 
@@ -31,7 +32,7 @@ struct ArrangePush {
     nodes: u64,
     totals: u64,
     count: u32,
-    pad: u32,
+    capacity: u32,
 }
 
 #[repr(C)]
@@ -59,10 +60,7 @@ pub(crate) struct Ordered<'a> {
 impl Regular {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = WORKGROUP.min(on.limits().max_workgroup);
-        Ok(Self {
-            arrange: on.kernel(&shaders::INDEX_ARRANGE, &[0, size])?,
-            parents: on.kernel(&shaders::INDEX_PARENTS, &[0, size])?,
-        })
+        Ok(Self { workgroup: size, parents: on.kernel(&shaders::INDEX_PARENTS, &[0, size])? })
     }
 
     /// Nodes per level, leaves first.
@@ -91,9 +89,10 @@ impl Regular {
             nodes: leaves[0],
             totals: leaves[1],
             count: length as u32,
-            pad: 0,
+            capacity: photons.capacity() as u32,
         };
-        on.dispatch(&self.arrange, &push, length.div_ceil(u64::from(self.arrange.workgroup)))
+        let arrange = super::reading(on, &shaders::INDEX_ARRANGE, self.workgroup, photons)?;
+        on.dispatch(&arrange, &push, length.div_ceil(u64::from(arrange.workgroup)))
     }
 
     /// Fills the slots and all nodes.

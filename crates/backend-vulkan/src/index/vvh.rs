@@ -29,11 +29,9 @@ const SEGMENT: u64 = 32;
 pub(crate) struct Vvh {
     bounds: BoundsOf,
     lists: Lists,
-    plan: Kernel,
     sides: Kernel,
     count: Kernel,
     part: Kernel,
-    finish: Kernel,
     /// A level after the other; the last is that of short segments.
     levels: Memory,
     jobs: Memory,
@@ -135,11 +133,9 @@ impl Vvh {
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             lists: Lists::new(on)?,
-            plan: on.kernel(&shaders::INDEX_VVH_PLAN, &[0, PLAN_WORKGROUP])?,
             sides: on.kernel(&shaders::INDEX_VVH_SIDES, &constants)?,
             count: on.kernel(&shaders::INDEX_VVH_COUNT, &constants)?,
             part: on.kernel(&shaders::INDEX_VVH_PART, &constants)?,
-            finish: on.kernel(&shaders::INDEX_VVH_FINISH, &constants)?,
             levels,
             jobs,
             segments,
@@ -200,7 +196,8 @@ impl Vvh {
             count: length as u32,
             pad: 0,
         };
-        on.dispatch_indirect(&self.finish, &push, &self.levels, LEVEL * (count + 1))?;
+        let finish = super::reading(on, &shaders::INDEX_VVH_FINISH, WORKGROUP, photons)?;
+        on.dispatch_indirect(&finish, &push, &self.levels, LEVEL * (count + 1))?;
         Ok(order)
     }
 
@@ -234,7 +231,8 @@ impl Vvh {
             count,
             parity: (1 - self.lists.at as u32) << 31,
         };
-        on.dispatch_indirect(&self.plan, &push, &self.levels, LEVEL * level)?;
+        let plan = super::reading(on, &shaders::INDEX_VVH_PLAN, PLAN_WORKGROUP, photons)?;
+        on.dispatch_indirect(&plan, &push, &self.levels, LEVEL * level)?;
         on.fill(&self.right, 0, 4 * length.div_ceil(32), 0)?;
         let push = SidesPush { lists, segments, jobs, tiles, right, count, pad: 0 };
         on.dispatch_indirect(&self.sides, &push, &self.jobs, JOBS * level)?;

@@ -7,7 +7,7 @@
 //! [`TracePlan::surfaces`] and [`TracePlan::quota`] mind.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Batch, Deposits, Features, Photon, PhotonRay, Result, Settings, Sharing, Tally, Tracer};
+use photon_core::{Batch, Deposits, Features, Kept, Photon, PhotonRay, Result, Settings, Sharing, Tally, Tracer};
 
 use super::ends::{AIMED_FATES, FATES, tally, words};
 use super::random_number;
@@ -219,6 +219,10 @@ impl Tracer<Vulkan> for VulkanTracer {
         on.fill(&self.sums, 0, 4 * words.len() as u64, 0)?;
         Ok(tally(&words, self.fates, std::mem::take(&mut self.emitted)))
     }
+
+    fn least_kept(&self) -> Kept {
+        Kept::Grey
+    }
 }
 
 impl VulkanTracer {
@@ -388,7 +392,8 @@ impl VulkanTracer {
             count: count as u32,
             places: room.places as u32,
         };
-        let scatter = on.kernel(&shaders::PHOTONS_SCATTER, &[0, 256])?;
+        let kept = targets.iter().rev().fold(0, |bits, target| bits << 2 | target.map_or(0, |to| to.kept().number()));
+        let scatter = on.kernel(&shaders::PHOTONS_SCATTER, &[0, 256, kept])?;
         on.dispatch(&scatter, &push, room.places.div_ceil(256).min(2048))?;
         let push =
             AdvancePush { totals: room.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };

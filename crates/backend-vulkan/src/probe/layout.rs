@@ -41,7 +41,7 @@ macro_rules! record {
 
 fn records() -> Vec<Record> {
     vec![
-        record!(Photon: position direction power normal),
+        record!(Photon: position normal power direction),
         record!(PhotonRay: origin path direction light power reserved),
         record!(Query: position radius normal pixel weight material outgoing path reserved),
         record!(Estimate: flux radius_squared photons flags reserved),

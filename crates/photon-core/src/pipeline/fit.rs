@@ -20,8 +20,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let paths = self.settings.photons.min(PILOT_PATHS).min(plan.batch);
         let per_path = self.emit_and_count(paths, plan.batch)?.map(|needed| needed as f64 / f64::from(paths));
         let all: f64 = per_path.iter().sum();
-        let costs = aimed::costs(self.on.costs(), self.stages.aimed.is_some());
-        plan.share(all, &irradiance::costs(costs, &self.settings));
+        let costs = aimed::costs(self.on.costs(self.required.kept), self.stages.aimed.is_some());
+        plan.share(all, &irradiance::costs(&self.on, costs, &self.settings));
         self.batch = self.batch.min(plan.batch);
         self.settings.photons = plan.paths(all, self.settings.photons);
         for map in 0..3 {

@@ -3,6 +3,7 @@
 use super::Pipeline;
 use crate::backend::{Backend, Stage, TransportBackend};
 use crate::error::Result;
+use crate::kept::Kept;
 use crate::kernel::Kernel;
 use crate::layout::{Estimate, Photon, Query};
 use crate::memory::Costs;
@@ -26,8 +27,9 @@ pub(super) struct Points<B: Backend> {
 const POINT_KERNEL: Kernel = Kernel::Constant;
 
 /// What the backend keeps, points included.
-pub(super) fn costs(costs: Costs, settings: &Settings) -> Costs {
-    let point = size_of::<Query>() as u64 + size_of::<Estimate>() as u64 + costs.photon;
+pub(super) fn costs<B: TransportBackend>(on: &B, costs: Costs, settings: &Settings) -> Costs {
+    // Points are whole records.
+    let point = size_of::<Query>() as u64 + size_of::<Estimate>() as u64 + on.costs(Kept::Whole).photon;
     let points = settings.irradiance_every.map_or(0, |every| (point + point / 8).div_ceil(u64::from(every.max(1))));
     Costs { photon: costs.photon + points, ..costs }
 }

@@ -1,0 +1,104 @@
+//! How much of a photon is kept in maps: what somebody reads, and no more.
+
+use crate::features::Features;
+use crate::layout::{Light, Material, Photon};
+use crate::scene::SceneView;
+use crate::settings::{Estimator, Settings};
+
+/// So many bytes from the front of [`Photon`] on: its members stand in the order in which they are read.
+/// Position and normal decide which photons count, the power is what they add, and directions few ask for.
+///
+/// In that order too: what is less is compared as less.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kept {
+    /// Position, normal, and one power that stands for three equal ones: 20 bytes.
+    Grey,
+    /// Position, normal and power: 28 bytes.
+    Power,
+    /// All of it, the direction too: 32 bytes.
+    #[default]
+    Whole,
+}
+
+impl Kept {
+    /// From the least to the most.
+    pub const ALL: [Self; 3] = [Self::Grey, Self::Power, Self::Whole];
+
+    /// The least that pictures of `scene` by `settings` are made of.
+    ///
+    /// Directions are read by the paper's estimator alone. One power is enough where no light and no surface
+    /// in use treats channels differently, since equal numbers stay equal through the same operations.
+    #[must_use]
+    pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
+        if matches!(settings.estimator, Estimator::Paper(_)) {
+            return Self::Whole;
+        }
+        if is_grey(scene) { Self::Grey } else { Self::Power }
+    }
+
+    /// Bytes of a photon.
+    #[must_use]
+    pub const fn bytes(self) -> u64 {
+        Self::PLACE_BYTES + self.flux_bytes()
+    }
+
+    /// Of those, position and normal.
+    pub const PLACE_BYTES: u64 = 16;
+
+    /// Of those, what follows them: 4, 12 or 16.
+    #[must_use]
+    pub const fn flux_bytes(self) -> u64 {
+        match self {
+            Self::Grey => 4,
+            Self::Power => 12,
+            Self::Whole => size_of::<Photon>() as u64 - Self::PLACE_BYTES,
+        }
+    }
+
+    /// For kernels: 0, 1, 2.
+    #[must_use]
+    pub const fn number(self) -> u32 {
+        self as u32
+    }
+
+    /// In words, for reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Grey => "position, normal and one power",
+            Self::Power => "position, normal and power",
+            Self::Whole => "position, normal, power and direction",
+        }
+    }
+}
+
+/// Whether light of three equal channels is all that there ever is: what no surface has is not looked at.
+fn is_grey(scene: &SceneView<'_>) -> bool {
+    let equal = |[r, g, b]: [f32; 3]| r.to_bits() == g.to_bits() && g.to_bits() == b.to_bits();
+    let mut used = vec![false; scene.materials.len()];
+    for facet in scene.facets {
+        used[facet.material as usize] = true;
+    }
+    let surface = |material: &Material| {
+        let absorbs = crate::requirements::material_features(material).contains(Features::ABSORPTION);
+        equal(material.albedo) && (!absorbs || equal(material.absorption))
+    };
+    let light = |light: &Light| equal(light.power);
+    scene.lights.iter().all(light)
+        && scene.materials.iter().zip(used).filter(|(_, used)| *used).all(|(material, _)| surface(material))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+
+    #[test]
+    fn what_is_kept_is_the_front_of_the_record() {
+        assert_eq!(Kept::ALL.map(Kept::bytes), [20, 28, 32]);
+        assert_eq!(Kept::Whole.bytes() as usize, size_of::<Photon>());
+        assert_eq!(Kept::PLACE_BYTES as usize, offset_of!(Photon, power));
+        assert_eq!(Kept::Power.bytes() as usize, offset_of!(Photon, direction));
+        assert!(Kept::ALL.is_sorted() && Kept::ALL.map(Kept::number) == [0, 1, 2]);
+    }
+}

@@ -1,0 +1,143 @@
+//! How much of photons maps keep: what is read, and the same picture as from whole ones.
+
+use photon_core::{
+    Budget, CausticPhotons, Direct, Error, ErrorPixel, Estimator, FilmPixel, Gather, IndexKind, Indirect, Kept, Kernel,
+    Paper, Photon, Pipeline, Render, Requirements, Rule, Settings, View, render,
+};
+use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes};
+
+use crate::harness::{TestBackend, look_at_point};
+
+/// Photons that fit a map here; as many surfaces can be met, and more.
+const CAPACITY: u64 = 15_000;
+
+/// A grey room with a ball of absorbing glass and a mirror ball, lit by a lamp and a bulb; `which` of them is
+/// not grey.
+fn room(which: Option<&str>) -> Scene {
+    let of = |name: &str, value: f64| if which == Some(name) { [value, value, 0.5 * value] } else { [value; 3] };
+    let mut builder = SceneBuilder::new();
+    let wall = builder.material(MaterialDesc::lambert("wall", of("wall", 0.6)));
+    let (positions, triangles) = shapes::flip(shapes::cuboid([-1.0; 3], [1.0; 3]));
+    builder.mesh("room", positions, triangles, wall);
+    let glass = Surface::Dielectric { ior: 1.5, absorption: of("absorption", 0.5), tint: of("tint", 1.0) };
+    let glass = builder.material(MaterialDesc::new("glass", glass));
+    let mirror = builder.material(MaterialDesc::mirror("mirror", of("mirror", 0.9)));
+    for (x, material) in [(-0.5, glass), (0.5, mirror)] {
+        let (positions, triangles) = shapes::icosphere(2, [x, -0.6, 0.0], 0.3);
+        builder.mesh("ball", positions, triangles, material);
+    }
+    let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], of("lamp", 1.0)));
+    let (y, h) = (0.9, 0.3);
+    builder.quad("lamp", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], lamp);
+    builder.light("bulb", LightDesc::Point { position: [0.1, 0.3, 0.2], intensity: of("bulb", 0.1) });
+    // What no surface has does not count.
+    builder.material(MaterialDesc::lambert("unused", [0.1, 0.2, 0.3]));
+    look_at_point(&mut builder, [0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.05, 0.8);
+    builder.build().unwrap()
+}
+
+fn settings() -> Settings {
+    Settings {
+        photons: 3000,
+        photon_capacity: Some(CAPACITY),
+        max_bounces: 6,
+        direct: Direct::Photons,
+        caustic_photons: CausticPhotons::Aimed(1000),
+        estimator: Estimator::Radius { radius: Some(0.2) },
+        gather_rays: 2,
+        ..Settings::default()
+    }
+}
+
+/// Pixels, what tells their errors, and what is allocated.
+fn picture<T: TestBackend>(scene: &Scene, settings: &Settings, kept: Kept) -> Result<Picture, Error> {
+    let view = View { camera: scene.camera(None, 12, 12).unwrap(), width: 12, height: 12 };
+    let required = Requirements { kept, ..Requirements::of(&scene.view(), settings) };
+    let mut renderer = Pipeline::with_requirements(T::make(2), &scene.view(), view, settings.clone(), required)?;
+    render(&mut renderer, Budget::passes(2), &mut ())?;
+    let facts = renderer.facts();
+    assert_eq!(facts.required.kept, kept);
+    let film = renderer.film()?;
+    Ok((film.pixels, film.errors, facts.memory))
+}
+
+type Picture = (Vec<FilmPixel>, Option<Vec<ErrorPixel>>, Vec<(String, u64)>);
+
+/// Everything that is not grey is found, whatever it is.
+pub fn m1_grey_is_what_treats_channels_alike<T: TestBackend>() {
+    let kept = |which| Requirements::of(&room(which).view(), &settings()).kept;
+    assert_eq!(kept(None), Kept::Grey);
+    for which in ["wall", "absorption", "tint", "mirror", "lamp", "bulb"] {
+        assert_eq!(kept(Some(which)), Kept::Power, "{which}");
+    }
+    let paper = Settings { estimator: Estimator::Paper(Paper::default()), ..settings() };
+    assert_eq!(Requirements::of(&room(None).view(), &paper).kept, Kept::Whole);
+}
+
+/// By every way in which maps are built and read, of one power and of three in turns: the same bits as from whole
+/// photons, in so many bytes as are said.
+pub fn m2_less_is_the_same_picture<T: TestBackend>() {
+    let radius = settings();
+    let knn = Estimator::Knn { k: 12, max_radius: Some(0.4) };
+    let gather = Indirect::Gather;
+    let ways = [
+        radius.clone(),
+        Settings { index: IndexKind::Median, estimator: knn, kernel: Kernel::Biweight, ..settings() },
+        Settings { index: IndexKind::Vvh, errors: true, estimator: Estimator::Radius { radius: None }, ..settings() },
+        Settings { indirect: gather, ..settings() },
+        Settings { indirect: gather, irradiance_every: Some(4), ..settings() },
+    ];
+    for (number, way) in ways.iter().enumerate() {
+        let (scene, least) = if number % 2 == 0 { (room(None), Kept::Grey) } else { (room(Some("wall")), Kept::Power) };
+        assert_eq!(Requirements::of(&scene.view(), way).kept, least);
+        let whole = picture::<T>(&scene, way, Kept::Whole).unwrap();
+        let short = picture::<T>(&scene, way, least).unwrap();
+        assert!(short.0 == whole.0 && short.1 == whole.1, "way {number}");
+        for map in ["direct", "caustic", "global"] {
+            let bytes = |of: &Picture, label: &str| {
+                let line = of.2.iter().find(|(known, _)| known == label);
+                line.map(|(_, bytes)| *bytes).unwrap()
+            };
+            let stored = format!("photons: {map}");
+            assert_eq!(bytes(&short, &stored), CAPACITY * least.bytes(), "way {number}, {map}");
+            assert_eq!(bytes(&whole, &stored), CAPACITY * 32);
+            // And as arranged for search.
+            let arranged = format!("map of {stored}");
+            assert!(bytes(&short, &arranged) < bytes(&whole, &arranged), "way {number}, {map}");
+        }
+    }
+}
+
+/// Less than is read is an error, wherever it is asked for.
+pub fn m3_too_little_is_refused<T: TestBackend>() {
+    use photon_core::Backend;
+    let refused = |error: &Error| matches!(error, Error::InvalidSetting { .. });
+    let coloured = room(Some("wall"));
+    assert!(picture::<T>(&coloured, &settings(), Kept::Grey).is_err_and(|error| refused(&error)));
+    let paper = Settings { estimator: Estimator::Paper(Paper::default()), ..settings() };
+    assert!(picture::<T>(&room(None), &paper, Kept::Power).is_err_and(|error| refused(&error)));
+
+    let mut on = T::make(1);
+    for kept in [Kept::Grey, Kept::Power] {
+        let photons = on.alloc_photons("photons", 10, kept).unwrap();
+        let mut whole = Vec::<Photon>::new();
+        assert!(on.download(&photons, &mut whole).is_err_and(|error| refused(&error)), "{kept:?}");
+        let mut stages = on.map_stages(IndexKind::Morton).unwrap();
+        let map = stages.builder.build(&mut on, photons).unwrap();
+        let queries = on.upload("queries", &[crate::harness::query_at([0.0; 3], 1.0)]).unwrap();
+        let mut estimates = on.alloc("estimates", 1).unwrap();
+        let mut ask = |rule| {
+            let gather = Gather {
+                rule,
+                kernel: Kernel::Constant,
+                radius_scale: 1.0,
+                min_normal_cosine: 0.5,
+                max_plane_distance: 1.0,
+            };
+            stages.estimator.estimate(&mut on, &map, &queries, &gather, &mut estimates)
+        };
+        assert!(ask(Rule::Radius).is_ok(), "{kept:?}");
+        let paper = Rule::Paper { max: 4, threshold: 1, factor: 1.0 };
+        assert!(ask(paper).is_err_and(|error| refused(&error)), "{kept:?}");
+    }
+}

@@ -1,8 +1,8 @@
 //! The same seed gives the same bits, however the work is shared out.
 
 use photon_core::{
-    Backend, Budget, CausticPhotons, Error, Indirect, Pipeline, Plan, Render, Requirements, Settings, Sharing, View,
-    render,
+    Backend, Bandwidth, Budget, CausticPhotons, Error, Indirect, Pipeline, Plan, Render, Requirements, Settings,
+    Sharing, View, render,
 };
 use photon_scene::Scene;
 
@@ -141,6 +141,29 @@ pub fn one_backend_renders_again<T: TestBackend>() {
         assert!(pixels == fresh);
         assert_eq!(memory, fresh_memory);
         on = back;
+    }
+}
+
+/// A pipeline that begins anew with another seed gives the bits of one made for it, whatever it keeps from pass to pass.
+pub fn a_restart_is_a_fresh_start<T: TestBackend>() {
+    let scene = scene();
+    let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+    let kept = Settings { errors: true, photons: 3000, ..Settings::default() };
+    let per_pixel = Settings { bandwidth: Bandwidth::PerPixel, ..kept.clone() };
+    let beforehand = Settings { irradiance_every: Some(4), indirect: Indirect::Gather, gather_rays: 4, ..settings() };
+    for settings in [settings(), kept, per_pixel, beforehand] {
+        let make =
+            |seed| Pipeline::new(T::make(2), &scene.view(), view, Settings { seed, ..settings.clone() }).unwrap();
+        let draw = |pipeline: &mut Pipeline<T::On>| {
+            render(pipeline, Budget::passes(10), &mut ()).unwrap();
+            let film = pipeline.film().unwrap();
+            (film.pixels, film.errors)
+        };
+        let expected = draw(&mut make(12));
+        let mut pipeline = make(11);
+        assert!(draw(&mut pipeline) != expected);
+        pipeline.restart(&scene.view(), 12).unwrap();
+        assert!(draw(&mut pipeline) == expected);
     }
 }
 

@@ -177,10 +177,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
         let spreads = if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
         let schedule = Schedule::new(settings.alpha);
-        let own_radii = (settings.bandwidth == Bandwidth::PerPixel).then(|| {
-            let share = settings.kernel.second_radius_noise();
-            (bandwidth::Radii::new(pixels as usize, settings.alpha, share), None)
-        });
+        let own_radii = Self::own_radii(&settings, &view);
         let mut pipeline = Self {
             radii: radii::given(&settings, &scene.units),
             units: scene.units,
@@ -215,6 +212,14 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         pipeline.setup = pipeline.on.timings()?;
         Ok(pipeline)
+    }
+
+    /// Where each pixel has a radius of its own.
+    fn own_radii(settings: &Settings, view: &View) -> Option<(bandwidth::Radii, Option<B::Buffer<u32>>)> {
+        (settings.bandwidth == Bandwidth::PerPixel).then(|| {
+            let pixels = view.width as usize * view.height as usize;
+            (bandwidth::Radii::new(pixels, settings.alpha, settings.kernel.second_radius_noise()), None)
+        })
     }
 
     /// A buffer for the photons of a map, in the place of what there was.

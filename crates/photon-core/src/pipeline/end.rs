@@ -1,8 +1,11 @@
-//! How it goes on after a pass that failed, and how it ends.
+//! How it goes on after a pass that failed, how it begins anew, and how it ends.
 
 use super::Pipeline;
 use crate::backend::TransportBackend;
 use crate::error::Result;
+use crate::radii;
+use crate::scene::SceneView;
+use crate::schedule::Schedule;
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Ends it, and gives back what it worked on, ready for another render; all that this one had in
@@ -17,6 +20,32 @@ impl<B: TransportBackend> Pipeline<B> {
         drop((scene, stages, film, rays, photons, queries, estimates, spreads, points, bandwidth));
         on.renew()?;
         Ok(on)
+    }
+
+    /// Begins another picture of the same scene with other random numbers: the same bits as of a new pipeline with that
+    /// seed, without building the scene's tree and the kernels again. `scene` is the one it was made with.
+    ///
+    /// # Errors
+    /// What the backend raises; to be begun anew or dropped then.
+    pub fn restart(&mut self, scene: &SceneView<'_>, seed: u64) -> Result<()> {
+        self.recover()?;
+        self.failed = true;
+        self.settings.seed = seed;
+        self.film = self.on.film(scene, self.view.width, self.view.height)?;
+        if self.settings.errors {
+            self.on.keep_errors(&mut self.film)?;
+        }
+        self.radii = radii::given(&self.settings, &self.units);
+        self.schedule = Schedule::new(self.settings.alpha);
+        self.passes = 0;
+        self.points = None;
+        self.bandwidth = Self::own_radii(&self.settings, &self.view);
+        if self.estimates.is_some() && radii::need_pilot(&self.settings) {
+            self.pilot()?;
+        }
+        self.setup = self.on.timings()?;
+        self.failed = false;
+        Ok(())
     }
 
     /// Puts back what a pass that failed had in its hands: photons that were in a map when it was given

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
-use photon_core::{Film, Outcome, Pipeline, Plan, Render, Settings, TransportBackend, View, render};
+use photon_core::{Budget, Film, Outcome, Pipeline, Plan, Render, Settings, TransportBackend, View, render};
 use photon_examples::args::BackendName;
 use photon_examples::backend::{self, Chosen};
 use photon_examples::fault::Fault;
@@ -80,6 +80,27 @@ impl Engine {
         }
     }
 
+    /// Renders once for each seed from 1 on. Scene and kernels are made ready once, and a pass goes before that nobody
+    /// sees; `each` takes what comes.
+    pub(crate) fn films(
+        &mut self,
+        subject: &Subject,
+        (settings, passes): (&Settings, u32),
+        seeds: u32,
+        each: impl FnMut(&Film, Told),
+    ) -> Result<(), Fault> {
+        match self {
+            Self::Cpu(place) => {
+                *place = Some(runs(place.take().ok_or_else(gone)?, subject, (settings, passes), seeds, each)?);
+            }
+            Self::Vulkan(place) => {
+                let on = runs(*place.take().ok_or_else(gone)?, subject, (settings, passes), seeds, each)?;
+                *place = Some(Box::new(on));
+            }
+        }
+        Ok(())
+    }
+
     /// Calls `work` with the backend.
     pub(crate) fn with<W: Work>(&mut self, work: W) -> Result<W::Output, Fault> {
         match self {
@@ -111,4 +132,24 @@ fn run<B: TransportBackend>(
     let seconds = begun.elapsed().as_secs_f64();
     let film = pipeline.film()?;
     Ok((film, Told { seconds, outcome }, pipeline.into_backend()?))
+}
+
+fn runs<B: TransportBackend>(
+    on: B,
+    subject: &Subject,
+    (settings, passes): (&Settings, u32),
+    seeds: u32,
+    mut each: impl FnMut(&Film, Told),
+) -> Result<B, Fault> {
+    let scene = subject.scene.view();
+    let mut pipeline = Pipeline::new(on, &scene, subject.view, settings.clone())?;
+    render(&mut pipeline, Budget::Passes(1), &mut ())?;
+    for seed in 1..=seeds {
+        pipeline.restart(&scene, u64::from(seed))?;
+        let begun = Instant::now();
+        let outcome = render(&mut pipeline, Budget::Passes(passes), &mut ())?;
+        let seconds = begun.elapsed().as_secs_f64();
+        each(&pipeline.film()?, Told { seconds, outcome });
+    }
+    Ok(pipeline.into_backend()?)
 }

@@ -121,17 +121,12 @@ pub(crate) fn rows(
     truth: &Truth,
 ) -> Result<Vec<Row>, Fault> {
     let points = points(base);
-    for point in &points {
-        engine.film(subject, &point.settings, Budget::Passes(1))?;
-    }
     let mut runs: Vec<Vec<Run>> = points.iter().map(|_| Vec::new()).collect();
-    for seed in 1..=seeds {
-        for (point, runs) in points.iter().zip(&mut runs) {
-            let settings = Settings { seed: u64::from(seed), ..point.settings.clone() };
-            let (film, told) = engine.film(subject, &settings, Budget::Passes(point.passes))?;
-            runs.push(Run::new(&film, told.seconds, told.outcome.paths));
-        }
-        crate::progress(&format!("{}: seed {seed} of {seeds}", subject.name));
+    for (number, (point, runs)) in points.iter().zip(&mut runs).enumerate() {
+        engine.films(subject, (&point.settings, point.passes), seeds, |film, told| {
+            runs.push(Run::new(film, told.seconds, told.outcome.paths));
+        })?;
+        crate::progress(&format!("{}: setting {} of {}", subject.name, number + 1, points.len()));
     }
     let row = |(point, runs): (Point, Vec<Run>)| Row {
         knob: point.knob.to_owned(),

@@ -23,16 +23,17 @@ vec2 above_edge(vec3 corner, vec3 from, vec3 to) {
     precise vec3 side = corner - from;
     precise vec3 edge = to - from;
     float squared = dot3(edge, edge);
-    float along = squared > 0.0 ? dot3(side, edge) / squared : 0.0;
+    float along = dot3(side, edge) / (squared > 0.0 ? squared : 1.0);
     precise vec3 height = side - edge * along;
     vec3 size = abs(height);
-    return vec2(min(OFFSET_MARGIN / max(max(size.x, size.y), size.z), OFFSET_MOST), clamp(along, 0.0, 1.0));
+    float tallest = max(max(size.x, size.y), max(size.z, OFFSET_MARGIN / OFFSET_MOST));
+    return vec2(OFFSET_MARGIN / tallest, clamp(along, 0.0, 1.0));
 }
 
 // The weights of a corner and the two after it, moved so that the first is what it should be.
 vec3 raised(vec3 weights, vec2 above, float least, float next_least) {
     precise float lack = above.x - weights.x;
-    if (lack <= 0.0) return weights;
+    if (!(lack > 0.0)) return weights;
     precise float spare = max(weights.y - least, 0.0);
     precise float next_spare = max(weights.z - next_least, 0.0);
     precise float across = lack * (1.0 - above.y);
@@ -52,15 +53,15 @@ vec3 inward(vec3 a, vec3 b, vec3 c, float u, float v) {
     precise vec3 way = (b - a) * (weights.y - u) + (c - a) * (weights.z - v);
     vec3 size = abs(way);
     float length = max(max(size.x, size.y), size.z);
-    precise vec3 limited = way * (4.0 * OFFSET_MARGIN / length);
-    return length > 4.0 * OFFSET_MARGIN ? limited : way;
+    precise vec3 limited = way * (4.0 * OFFSET_MARGIN / max(length, 4.0 * OFFSET_MARGIN));
+    return limited;
 }
 
-// The point of a triangle that a ray begins at, two steps at least from its edges.
-vec3 within(vec3 a, vec3 b, vec3 c, float u, float v) {
+// The point of a triangle that a ray begins at, two steps at least from its edges. The host has the margin.
+vec3 within(vec3 a, vec3 b, vec3 c, float margin, float u, float v) {
     precise vec3 point = barycentric(a, b, c, u, v);
     precise float w = 1.0 - u - v;
-    if (min(min(u, v), w) < OFFSET_MOST) point = point + inward(a, b, c, u, v);
+    if (min(min(u, v), w) < margin) point = point + inward(a, b, c, u, v);
     return point;
 }
 

@@ -27,7 +27,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Wi
     uvec4 words[5];
 };
 
-// A triangle, as the tree orders them: three vertices, and its index in the last word of the first.
+// A triangle, as the tree orders them: three vertices; in the last word of the first its index, of the second its margin.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Corners {
     vec4 a;
     vec4 b;
@@ -35,7 +35,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Co
 };
 
 // What a light's record leaves out: its power over the probability that it is picked, that
-// probability, and the corners of its triangle.
+// probability, and the corners of its triangle with its margin.
 struct Emission {
     vec3 carried;
     float probability;
@@ -43,6 +43,7 @@ struct Emission {
     vec3 b;
     vec3 c;
     vec3 normal;
+    float margin;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Emissions { Emission at; };
@@ -88,7 +89,7 @@ Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     Surface found;
     found.t = hit.t;
     found.point = barycentric(corners.a.xyz, corners.b.xyz, corners.c.xyz, hit.u, hit.v);
-    found.start = within(corners.a.xyz, corners.b.xyz, corners.c.xyz, hit.u, hit.v);
+    found.start = within(corners.a.xyz, corners.b.xyz, corners.c.xyz, corners.b.w, hit.u, hit.v);
     found.normal = front ? facet.normal : -facet.normal;
     found.cosine = abs(cosine);
     found.front = front;

@@ -73,7 +73,7 @@ void main() {
         origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
     } else if ((FEATURES & FEATURE_AREA_LIGHTS) != 0u) {
         vec2 weights = sampling_triangle(a, b);
-        vec3 point = within(emission.a, emission.b, emission.c, weights.x, weights.y);
+        vec3 point = within(emission.a, emission.b, emission.c, emission.margin, weights.x, weights.y);
         bool back = (light.flags & LIGHT_BOTH_SIDES) != 0u && choice.w >> 31 == 1u;
         vec3 normal = back ? -emission.normal : emission.normal;
         origin = off_surface(point, normal);

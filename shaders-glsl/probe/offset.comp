@@ -13,6 +13,6 @@ layout(local_size_x_id = 1) in;
 
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 0u) return floats(vec4(barycentric(a.xyz, b.xyz, c.xyz, a.w, b.w), 0.0), vec4(0.0));
-    if (FUNCTION == 2u) return floats(vec4(within(a.xyz, b.xyz, c.xyz, a.w, b.w), 0.0), vec4(0.0));
+    if (FUNCTION == 2u) return floats(vec4(within(a.xyz, b.xyz, c.xyz, c.w, a.w, b.w), 0.0), vec4(0.0));
     return floats(vec4(off_surface(a.xyz, b.xyz), 0.0), vec4(0.0));
 }

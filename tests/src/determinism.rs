@@ -146,24 +146,38 @@ pub fn one_backend_renders_again<T: TestBackend>() {
 
 /// A pipeline that begins anew with another seed gives the bits of one made for it, whatever it keeps from pass to pass.
 pub fn a_restart_is_a_fresh_start<T: TestBackend>() {
-    let scene = scene();
-    let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+    let [glass, cornell, ring] = ["cornell-glass", "cornell", "ring"]
+        .map(|name| photon_scene::builtin(name).expect("a built-in scene").build().unwrap());
     let kept = Settings { errors: true, photons: 3000, ..Settings::default() };
     let per_pixel = Settings { bandwidth: Bandwidth::PerPixel, ..kept.clone() };
-    let beforehand = Settings { irradiance_every: Some(4), indirect: Indirect::Gather, gather_rays: 4, ..settings() };
-    for settings in [settings(), kept, per_pixel, beforehand] {
+    let beforehand = Settings { irradiance_every: Some(4), ..settings() };
+    // More than fits: how many do is counted by photons of the seed.
+    let capped = Settings { memory: Some(8 << 20), photons: 200_000, ..Settings::default() };
+    // Pixels have radii of their own from the ninth pass on.
+    let cases = [
+        (&glass, settings(), 2),
+        (&cornell, kept, 2),
+        (&cornell, per_pixel, 10),
+        (&cornell, beforehand, 2),
+        (&cornell, capped, 2),
+    ];
+    for (scene, settings, passes) in cases {
+        let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
         let make =
             |seed| Pipeline::new(T::make(2), &scene.view(), view, Settings { seed, ..settings.clone() }).unwrap();
         let draw = |pipeline: &mut Pipeline<T::On>| {
-            render(pipeline, Budget::passes(10), &mut ()).unwrap();
+            render(pipeline, Budget::passes(passes), &mut ()).unwrap();
             let film = pipeline.film().unwrap();
-            (film.pixels, film.errors)
+            (film.pixels, film.errors, pipeline.facts().photons)
         };
         let expected = draw(&mut make(12));
         let mut pipeline = make(11);
         assert!(draw(&mut pipeline) != expected);
         pipeline.restart(&scene.view(), 12).unwrap();
         assert!(draw(&mut pipeline) == expected);
+        assert!(settings.memory.is_none() || expected.2 < settings.photons, "{}", expected.2);
+        let other = pipeline.restart(&ring.view(), 12);
+        assert!(matches!(other, Err(Error::InvalidInput { what: "scene", .. })));
     }
 }
 

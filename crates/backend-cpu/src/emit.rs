@@ -103,7 +103,7 @@ fn leave<const AIMED: bool>(
         _ => {
             let primitive = light.primitive as usize;
             let (u, v) = sampling::triangle(a, b);
-            let point = offset::within(scene.vertices[primitive], u, v);
+            let point = offset::within(scene.vertices[primitive], scene.margins[primitive], u, v);
             let front = Vec3::from(scene.facets[primitive].normal);
             let back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
             let normal = if back { -front } else { front };

@@ -65,6 +65,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
                 mend: "can be told of estimates within a radius alone",
             });
         }
+        gather.validate()?;
         estimates.clear();
         spreads.clear();
         (estimates.needed, spreads.needed) = (queries.data.len() as u64, queries.data.len() as u64);

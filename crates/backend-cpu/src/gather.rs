@@ -32,6 +32,7 @@ impl FinalGather<Cpu> for CpuGather {
         film: &mut CpuFilm,
     ) -> Result<()> {
         for (map, gather) in [&maps.direct, &maps.caustic, &maps.global, &maps.irradiance].into_iter().flatten() {
+            gather.validate()?;
             check(map, gather)?;
         }
         let max_bounces = self.max_bounces;

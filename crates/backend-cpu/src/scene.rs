@@ -13,6 +13,8 @@ use crate::cpu::Cpu;
 #[expect(missing_debug_implementations, reason = "holds a foreign ray caster")]
 pub struct CpuScene {
     pub(crate) vertices: Vec<[Vec3; 3]>,
+    /// Of each triangle, what `offset::margin` says.
+    pub(crate) margins: Vec<f32>,
     pub(crate) facets: Vec<Facet>,
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
@@ -46,8 +48,10 @@ impl CpuScene {
             })?,
         };
         let vertex = |index: u32| Vec3::from(view.positions[index as usize]);
+        let vertices: Vec<[Vec3; 3]> = view.triangles.iter().map(|triangle| triangle.map(vertex)).collect();
         Ok(Self {
-            vertices: view.triangles.iter().map(|triangle| triangle.map(vertex)).collect(),
+            margins: vertices.iter().map(|&corners| offset::margin(corners)).collect(),
+            vertices,
             facets: view.facets.to_vec(),
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
@@ -66,10 +70,11 @@ impl CpuScene {
         let normal = Vec3::from(facet.normal);
         let cosine = -ray.direction.dot(normal);
         let front = cosine > 0.0;
+        let (vertices, margin) = (self.vertices[primitive as usize], self.margins[primitive as usize]);
         Some(Surface {
             t,
-            point: offset::barycentric(self.vertices[primitive as usize], u, v),
-            start: offset::within(self.vertices[primitive as usize], u, v),
+            point: offset::barycentric(vertices, u, v),
+            start: offset::within(vertices, margin, u, v),
             normal: if front { normal } else { -normal },
             cosine: cosine.abs(),
             front,

@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Error, Features, Requirements, Result, SceneView, Settings, light_probability};
+use photon_core::glam::Vec3;
+use photon_core::{Error, Features, Requirements, Result, SceneView, Settings, light_probability, offset};
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
@@ -52,6 +53,7 @@ struct Emission {
     probability: f32,
     corners: [[f32; 3]; 3],
     normal: [f32; 3],
+    margin: f32,
 }
 
 impl VulkanScene {
@@ -142,11 +144,15 @@ fn check(view: &SceneView<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Three vertices; beside the first, the index of the triangle.
+/// Three vertices; beside the first the index of the triangle, beside the second its margin.
 fn corners(view: &SceneView<'_>, id: u32) -> [[f32; 4]; 3] {
     let [a, b, c] = view.triangles[id as usize].map(|vertex| view.positions[vertex as usize]);
     let with = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
-    [with(a, f32::from_bits(id)), with(b, 0.0), with(c, 0.0)]
+    [with(a, f32::from_bits(id)), with(b, margin([a, b, c])), with(c, 0.0)]
+}
+
+fn margin(corners: [[f32; 3]; 3]) -> f32 {
+    offset::margin(corners.map(Vec3::from))
 }
 
 /// What a path from a light carries, and where it starts if the light is a triangle.
@@ -154,15 +160,15 @@ fn emission(view: &SceneView<'_>, index: usize) -> Emission {
     let light = &view.lights[index];
     let share = light_probability(view.light_starts, index);
     let area = light.kind == photon_core::Light::TRIANGLE;
-    let (corners, normal) = if area {
+    let (corners, normal, margin) = if area {
         let primitive = light.primitive as usize;
         let corners = view.triangles[primitive].map(|vertex| view.positions[vertex as usize]);
-        (corners, view.facets[primitive].normal)
+        (corners, view.facets[primitive].normal, margin(corners))
     } else {
-        ([[0.0; 3]; 3], [0.0; 3])
+        ([[0.0; 3]; 3], [0.0; 3], 0.0)
     };
     let carried = light.power.map(|power| (f64::from(power) / share) as f32);
-    Emission { carried, probability: share as f32, corners, normal }
+    Emission { carried, probability: share as f32, corners, normal, margin }
 }
 
 /// Tables on their way to the device.

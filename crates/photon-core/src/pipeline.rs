@@ -52,6 +52,10 @@ pub struct Pipeline<B: TransportBackend> {
     capacities: [u64; 3],
     /// The last pass ended in an error.
     failed: bool,
+    /// A restart ended in one: what there is belongs to two pictures.
+    torn: bool,
+    /// What a cap on memory left before photons were counted, and the batch then.
+    cap: Option<(Plan, u32)>,
     queries: B::Buffer<Query>,
     estimates: Option<B::Buffer<Estimate>>,
     spreads: Option<B::Buffer<Spread>>,
@@ -185,6 +189,8 @@ impl<B: TransportBackend> Pipeline<B> {
             photons: [None, None, None],
             capacities: [0; 3],
             failed: false,
+            torn: false,
+            cap: plan.filter(|_| any_map).map(|plan| (plan, batch)),
             on,
             stages,
             required,
@@ -203,9 +209,9 @@ impl<B: TransportBackend> Pipeline<B> {
             points: None,
             bandwidth: own_radii,
         };
-        match plan {
-            Some(plan) if any_map => pipeline.fit(plan)?,
-            _ => pipeline.allocate_maps(2.0)?,
+        match pipeline.cap {
+            Some((plan, _)) => pipeline.fit(plan)?,
+            None => pipeline.allocate_maps(2.0)?,
         }
         if any_map && radii::need_pilot(&pipeline.settings) {
             pipeline.pilot()?;
@@ -272,6 +278,13 @@ impl<B: TransportBackend> Pipeline<B> {
 
 impl<B: TransportBackend> Render for Pipeline<B> {
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
+        if self.torn {
+            return Err(Error::InvalidSetting {
+                name: "pass",
+                value: "after a restart that ended in an error".into(),
+                mend: "restart once more, or make another pipeline",
+            });
+        }
         if self.failed {
             self.recover()?;
         }

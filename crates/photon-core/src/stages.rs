@@ -68,8 +68,17 @@ impl Gather {
     /// Checks that photons are turned away for what the rule knows of.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] for a plane distance with a rule that has no radius of its own.
+    /// [`Error::InvalidSetting`] for a plane distance that is no positive number, or with a rule that has no radius of
+    /// its own.
     pub fn validate(&self) -> Result<()> {
+        // NaN is not greater either.
+        if !(self.max_plane_distance > 0.0) {
+            return Err(Error::InvalidSetting {
+                name: "max-plane-distance",
+                value: self.max_plane_distance.to_string(),
+                mend: "must be greater than 0; 1 takes the whole ball",
+            });
+        }
         if !self.is_flat() || self.rule == Rule::Radius {
             return Ok(());
         }

@@ -94,6 +94,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
                 mend: "can be told of estimates within a radius alone",
             });
         }
+        gather.validate()?;
         let question = Question { spreads: spreads.data_address(), ..radius_question(gather) };
         let capacity = estimates.capacity().min(spreads.capacity());
         let result = (estimates.data_address(), estimates.count_address(), capacity);

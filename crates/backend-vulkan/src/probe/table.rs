@@ -226,7 +226,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
         // A division where a weight is raised, of what is no more than two steps of the offset.
         row("within", points, 2, Bound::Within(2e-7), near_edges, |i| {
             let vertices = [i.vector(0), i.vector(4), i.vector(8)];
-            vector_output(offset::within(vertices, i.float(3), i.float(7)))
+            vector_output(offset::within(vertices, i.float(11), i.float(3), i.float(7)))
         }),
         row(
             "off_surface",
@@ -248,7 +248,7 @@ fn near_edges(d: &mut Draw) -> Input {
     let (u, rest) = (weight(d), weight(d));
     let v = (1.0 - u) * rest;
     let [a, b, c] = [d.point(), d.point(), d.point()];
-    input([a.x, a.y, a.z, u], [b.x, b.y, b.z, v], four(c))
+    input([a.x, a.y, a.z, u], [b.x, b.y, b.z, v], [c.x, c.y, c.z, offset::margin([a, b, c])])
 }
 
 /// What [`offset::barycentric`] would be with one rounding less.

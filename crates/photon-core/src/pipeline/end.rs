@@ -2,7 +2,7 @@
 
 use super::Pipeline;
 use crate::backend::TransportBackend;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::radii;
 use crate::scene::SceneView;
 use crate::schedule::Schedule;
@@ -23,28 +23,38 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 
     /// Begins another picture of the same scene with other random numbers: the same bits as of a new pipeline with that
-    /// seed, without building the scene's tree and the kernels again. `scene` is the one it was made with.
+    /// seed, without building the scene's tree and the kernels again. `scene` is the one it was made with; for a moment
+    /// there are two films.
     ///
     /// # Errors
-    /// What the backend raises; to be begun anew or dropped then.
+    /// [`Error::InvalidInput`] for a scene of another size or power, and what the backend raises; to be begun anew once
+    /// more, or dropped, then.
     pub fn restart(&mut self, scene: &SceneView<'_>, seed: u64) -> Result<()> {
+        if scene.units != self.units {
+            let why = format!("has {:?}, and the pipeline was made with {:?}", scene.units, self.units);
+            return Err(Error::InvalidInput { what: "scene", index: 0, why });
+        }
         self.recover()?;
-        self.failed = true;
-        self.settings.seed = seed;
+        self.torn = true;
         self.film = self.on.film(scene, self.view.width, self.view.height)?;
         if self.settings.errors {
             self.on.keep_errors(&mut self.film)?;
         }
+        self.settings.seed = seed;
         self.radii = radii::given(&self.settings, &self.units);
         self.schedule = Schedule::new(self.settings.alpha);
         self.passes = 0;
         self.points = None;
         self.bandwidth = Self::own_radii(&self.settings, &self.view);
+        if let Some((plan, batch)) = self.cap {
+            (self.settings.photons, self.batch) = (self.asked, batch);
+            self.fit(plan)?;
+        }
         if self.estimates.is_some() && radii::need_pilot(&self.settings) {
             self.pilot()?;
         }
         self.setup = self.on.timings()?;
-        self.failed = false;
+        self.torn = false;
         Ok(())
     }
 

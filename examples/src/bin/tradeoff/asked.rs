@@ -58,6 +58,7 @@ fn row(subject: &Subject, (plan, outcome, seconds): (Plan, &Outcome, f64), film:
                     f64::from(least) * forecast.seconds_per_pass
                 )
             }
+            (Some(least), None, _) => format!("{least} passes or more, perhaps out of reach"),
             _ if forecast.target.is_some() => "out of reach".to_owned(),
             _ => format!("{:.1} %", 100.0 * forecast.error_possible),
         },

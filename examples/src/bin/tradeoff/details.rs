@@ -59,7 +59,7 @@ pub(crate) fn every_row(parts: &[Part]) -> String {
     for scene in scenes(parts) {
         let here: Vec<(&Part, &Sweep)> = sweeps(parts).into_iter().filter(|(_, sweep)| sweep.scene == scene).collect();
         let Some(&(_, first)) = here.first() else { continue };
-        let _ = writeln!(text, "\n### {scene}\n\n{}", truth(&here));
+        let _ = writeln!(text, "\n## {scene}\n\n{}", truth(&here));
         let mut names = vec!["knob".to_owned(), "value".to_owned(), "passes".to_owned()];
         for (part, _) in &here {
             names.extend(["time", "relMSE", "bias²", "variance"].map(|name| format!("{name}, {}", part.backend)));

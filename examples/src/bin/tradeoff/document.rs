@@ -9,8 +9,16 @@ use crate::{details, tables};
 const HEAD: &str = include_str!("head.md");
 const READING: &str = include_str!("reading.md");
 
-/// The document, in the folder where its pictures are.
-pub(crate) fn markdown(parts: &[Part], folder: &Path) -> String {
+/// Every row of every scene, a document of its own beside the one of that name.
+pub(crate) fn rows(parts: &[Part], beside: &str) -> String {
+    format!(
+        "# Every row of every scene\n\nWhat it means is in [{beside}.md]({beside}.md).\n{}",
+        details::every_row(parts)
+    )
+}
+
+/// The document of that name, in the folder where its pictures are.
+pub(crate) fn markdown(parts: &[Part], folder: &Path, name: &str) -> String {
     let mut text = format!("{HEAD}\n{READING}\n## Results\n\n");
     for backend in tables::backends(parts) {
         let mut here: Vec<&Part> = parts.iter().filter(|part| part.backend == backend).collect();
@@ -41,9 +49,9 @@ pub(crate) fn markdown(parts: &[Part], folder: &Path) -> String {
         tables::fronts(parts),
         details::pictures(folder),
         details::tracer(parts),
-        details::every_row(parts),
     ] {
         text += &table;
     }
+    let _ = writeln!(text, "\n### Every row of every scene\n\nThey are in [{name}-rows.md]({name}-rows.md).");
     text
 }

@@ -44,7 +44,7 @@ struct Args {
     /// Where results and plots go.
     #[arg(long, default_value = "out/tradeoff")]
     out: PathBuf,
-    /// The document to write, tables included.
+    /// The document to write, tables included; every row goes into another beside it, `NAME-rows.md`.
     #[arg(long)]
     document: Option<PathBuf>,
     /// Measure nothing: only document and plots of what is in this folder.
@@ -129,10 +129,10 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     write(&folder.join("tradeoff.csv"), &details::csv(&parts))?;
     let home = args.document.as_deref().and_then(Path::parent).unwrap_or(folder);
-    let text = document::markdown(&parts, home);
-    write(&folder.join("tradeoff.md"), &text)?;
-    if let Some(path) = &args.document {
-        write(path, &text)?;
+    for path in [Some(folder.join("tradeoff.md")), args.document.clone()].into_iter().flatten() {
+        let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        write(&path, &document::markdown(&parts, home, &name))?;
+        write(&path.with_file_name(format!("{name}-rows.md")), &document::rows(&parts, &name))?;
     }
     Ok(())
 }

@@ -44,6 +44,7 @@ struct Emission {
     vec3 c;
     vec3 normal;
     float margin;
+    uvec3 reserved;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Emissions { Emission at; };

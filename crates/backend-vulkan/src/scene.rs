@@ -54,6 +54,8 @@ struct Emission {
     corners: [[f32; 3]; 3],
     normal: [f32; 3],
     margin: f32,
+    // Records behind an address are multiples of its alignment apart, 16 bytes.
+    reserved: [u32; 3],
 }
 
 impl VulkanScene {
@@ -168,7 +170,7 @@ fn emission(view: &SceneView<'_>, index: usize) -> Emission {
         ([[0.0; 3]; 3], [0.0; 3], 0.0)
     };
     let carried = light.power.map(|power| (f64::from(power) / share) as f32);
-    Emission { carried, probability: share as f32, corners, normal, margin }
+    Emission { carried, probability: share as f32, corners, normal, margin, reserved: [0; 3] }
 }
 
 /// Tables on their way to the device.

@@ -101,14 +101,14 @@ fn truth(here: &[(&Part, &Sweep)]) -> String {
     let Some((_, sweep)) = here.first() else { return String::new() };
     match &sweep.truth {
         Note::Constant(radiance) => format!("Truth: {radiance:.6} everywhere."),
-        Note::Reference { passes, photons, error, flagged } => {
+        Note::Reference { passes, photons, error, bias } => {
             let rows = here.iter().flat_map(|(_, sweep)| &sweep.rows);
             let least = rows.map(|row| row.summary.error).fold(f64::INFINITY, f64::min);
             format!(
-                "Truth: a run of {passes} passes and {:.0} million paths, which claims a relMSE of {error:.1e} for itself, {:.1} % of the\nleast below; in {:.0} % of its pixels a flag says that its bias is not told for certain.",
+                "Truth: a run of {passes} passes and {:.0} million paths, which claims a relMSE of {error:.1e} for itself, {:.1} % of the\nleast below; {:.0} % of it is squared bias, told by its first sixteenth and the rest.",
                 *photons as f64 / 1e6,
                 100.0 * error / least,
-                100.0 * flagged
+                100.0 * bias / error
             )
         }
     }

@@ -80,6 +80,27 @@ impl Engine {
         }
     }
 
+    /// Renders so many passes in two parts: the film after the first, and that of all.
+    pub(crate) fn film_in_two(
+        &mut self,
+        subject: &Subject,
+        settings: &Settings,
+        passes: (u32, u32),
+    ) -> Result<(Film, Film, Told), Fault> {
+        match self {
+            Self::Cpu(place) => {
+                let (films, told, on) = halves(place.take().ok_or_else(gone)?, subject, settings, passes)?;
+                *place = Some(on);
+                Ok((films.0, films.1, told))
+            }
+            Self::Vulkan(place) => {
+                let (films, told, on) = halves(*place.take().ok_or_else(gone)?, subject, settings, passes)?;
+                *place = Some(Box::new(on));
+                Ok((films.0, films.1, told))
+            }
+        }
+    }
+
     /// Renders once for each seed from 1 on. Scene and kernels are made ready once, and a pass goes before that nobody
     /// sees; `each` takes what comes.
     pub(crate) fn films(
@@ -132,6 +153,25 @@ fn run<B: TransportBackend>(
     let seconds = begun.elapsed().as_secs_f64();
     let film = pipeline.film()?;
     Ok((film, Told { seconds, outcome }, pipeline.into_backend()?))
+}
+
+fn halves<B: TransportBackend>(
+    on: B,
+    subject: &Subject,
+    settings: &Settings,
+    (early, passes): (u32, u32),
+) -> Result<((Film, Film), Told, B), Fault> {
+    let mut pipeline = Pipeline::new(on, &subject.scene.view(), subject.view, settings.clone())?;
+    let begun = Instant::now();
+    let before = render(&mut pipeline, Budget::Passes(early), &mut ())?;
+    let first = pipeline.film()?;
+    let plan = Plan { first: early, ..Plan::from(Budget::Passes(passes - early)) };
+    let mut outcome = render(&mut pipeline, plan, &mut ())?;
+    outcome.passes += before.passes;
+    outcome.paths += before.paths;
+    let seconds = begun.elapsed().as_secs_f64();
+    let film = pipeline.film()?;
+    Ok(((first, film), Told { seconds, outcome }, pipeline.into_backend()?))
 }
 
 fn runs<B: TransportBackend>(

@@ -46,10 +46,10 @@ pub(crate) enum Note {
     Reference {
         passes: u32,
         photons: u64,
-        /// The relMSE that it claims of itself.
+        /// The relMSE that it claims of itself: noise, and squared bias.
         error: f64,
-        /// Share of its pixels whose bias it cannot tell.
-        flagged: f64,
+        /// The latter.
+        bias: f64,
     },
 }
 

@@ -11,6 +11,8 @@ layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint KERNEL = 0;
 // Whether photons off the query's plane are turned away, and surfaces with them.
 layout(constant_id = 3) const uint FLAT = 0;
+// Whether errors are told: shares of the second radii are found too, and divided out.
+layout(constant_id = 4) const uint SECOND = 0;
 
 #include "area.glsl"
 #include "constants.glsl"
@@ -29,6 +31,7 @@ layout(push_constant, scalar) uniform Push {
     Queries queries;
     Count count;
     Estimates estimates;
+    Spreads spreads;
     uvec2 seed;
     uint pass;
     uint start;
@@ -60,7 +63,7 @@ bool opaque(Ray ray, out Surface found) {
 void main() {
     uint i = push.start + thread();
     if (i >= min(push.count.needed, push.count.capacity)) return;
-    if (push.estimates[i].at.photons == 0) return;
+    if ((SECOND != 0 ? push.spreads[i].at.photons : push.estimates[i].at.photons) == 0) return;
     float squared = push.estimates[i].at.radius_squared;
     float radius = sqrt(squared);
     if (!(radius >= AREA_LEAST_RADIUS)) return;
@@ -75,26 +78,39 @@ void main() {
     float height = AREA_HEIGHT * radius;
     if (opaque(Ray(from, normal, height), at)) height = 0.5 * at.t;
     vec3 apex = from + normal * height;
-    float found = 0.0, all = 0.0;
+    float far = SECOND != 0 ? 1.41421356 * radius : radius;
+    // By the first radius, √2 of it and 1/√2 of it.
+    vec3 found = vec3(0.0), all = vec3(0.0);
     for (uint spoke = 0; spoke < AREA_SPOKES; spoke++) {
         vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
         vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
-        float free = opaque(Ray(apex, direction, radius), at) ? at.t : radius;
-        for (uint ring = 0; ring < AREA_RINGS; ring++) {
-            vec2 probe = area_probe(KERNEL, push.slope, spoke, ring, shift);
-            all += probe.y;
+        float free = opaque(Ray(apex, direction, far), at) ? at.t : far;
+        for (uint ring = 0; ring < AREA_RINGS + SECOND; ring++) {
+            vec2 probe = ring < AREA_RINGS ? area_probe(KERNEL, push.slope, spoke, ring, shift)
+                                           : vec2(area_outer_distance(spoke, shift), 0.0);
+            vec3 weights = vec3(probe.y, 0.0, 0.0);
+            if (SECOND != 0) weights.yz = area_second_weights(KERNEL, push.slope, probe.x);
+            all += weights;
             float away = probe.x * radius;
             if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
             Material material = push.scene.materials[at.material].at;
             bool keeps = material.kind == MATERIAL_LAMBERT && material.albedo != vec3(0.0);
             if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
-            if (FLAT != 0 && abs(dot3(at.point - push.queries[i].at.position, normal)) > push.max_plane_distance * radius) {
-                continue;
+            if (FLAT != 0) {
+                float off = abs(dot3(at.point - push.queries[i].at.position, normal));
+                vec3 most = push.max_plane_distance * (vec3(1.0, 1.41421356, 0.70710678) * radius);
+                weights *= vec3(lessThanEqual(vec3(off), most));
+                if (weights == vec3(0.0)) continue;
             }
             // Behind something, it may lie within a solid, where no photon lands.
             if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
-            found += probe.y;
+            found += weights;
         }
     }
-    push.estimates[i].at.radius_squared = squared * area_share(found, all);
+    float share = area_share(found.x, all.x);
+    push.estimates[i].at.radius_squared = squared * share;
+    if (SECOND != 0) {
+        push.spreads[i].at.wide *= share / area_share(found.y, all.y);
+        push.spreads[i].at.narrow *= share / area_share(found.z, all.z);
+    }
 }

@@ -1,11 +1,11 @@
 //! How much of each estimate's disc lies on the surface.
 
-use photon_core::area::{self, HEIGHT, LEAST_RADIUS, RINGS, SHEETS, SPOKES};
+use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+use photon_core::area::{self, HEIGHT, LEAST_RADIUS, Probe, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{
-    AreaProbe, Estimate, Gather, Material, Pass, Query, RandomKind, Ray, Result, math, offset, sampling,
-};
+use photon_core::{AreaProbe, Gather, Material, Pass, Query, RandomKind, Ray, Result, Told, math, offset, sampling};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -13,6 +13,9 @@ use crate::scene::{CpuScene, Surface};
 
 /// Queries that a thread takes at a time.
 const BLOCK: usize = 64;
+
+/// The first radius, and the second ones, over the first.
+const RADII: [f32; 3] = [1.0, SQRT_2, FRAC_1_SQRT_2];
 
 /// Short rays about each query.
 #[derive(Debug)]
@@ -26,62 +29,99 @@ impl AreaProbe<Cpu> for CpuArea {
         pass: Pass,
         queries: &CpuBuffer<Query>,
         gather: &Gather,
-        estimates: &mut CpuBuffer<Estimate>,
+        told: Told<'_, Cpu>,
     ) -> Result<()> {
-        on.pool.install(|| {
-            estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK)).for_each(
-                |(estimates, queries)| {
-                    for (estimate, query) in estimates.iter_mut().zip(queries) {
-                        // Where there is no light there is none to be mended.
-                        if estimate.photons > 0 {
-                            estimate.radius_squared *=
-                                share(scene, pass, query, gather, estimate.radius_squared.sqrt());
+        let estimates = told.estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK));
+        on.pool.install(|| match told.spreads {
+            None => estimates.for_each(|(estimates, queries)| {
+                for (estimate, query) in estimates.iter_mut().zip(queries) {
+                    // Where there is no light there is none to be mended.
+                    if estimate.photons > 0 {
+                        let radius = estimate.radius_squared.sqrt();
+                        estimate.radius_squared *= Disc { scene, pass, query, gather, radius }.shares::<false>()[0];
+                    }
+                }
+            }),
+            Some(spreads) => {
+                estimates.zip(spreads.data.par_chunks_mut(BLOCK)).for_each(|((estimates, queries), spreads)| {
+                    for ((estimate, query), spread) in estimates.iter_mut().zip(queries).zip(spreads) {
+                        if spread.photons > 0 {
+                            let radius = estimate.radius_squared.sqrt();
+                            let [share, wide, narrow] =
+                                Disc { scene, pass, query, gather, radius }.shares::<true>();
+                            estimate.radius_squared *= share;
+                            spread.wide = spread.wide.map(|flux| flux * (share / wide));
+                            spread.narrow = spread.narrow.map(|flux| flux * (share / narrow));
                         }
                     }
-                },
-            );
+                });
+            }
         });
         Ok(())
     }
 }
 
-/// The share of the disc of that radius about the query that lies on its surface.
-fn share(scene: &CpuScene, pass: Pass, query: &Query, gather: &Gather, radius: f32) -> f32 {
-    if radius < LEAST_RADIUS {
-        return 1.0;
-    }
-    let normal = Vec3::from(query.normal);
-    let (tangent, bitangent) = sampling::basis(normal);
-    let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Area, query.path);
-    let [turn, shift, ..] = sampler.words(0).map(unit_f32);
-    let from = offset::off_surface(query.position.into(), normal);
-    // Under a ceiling, from half its height.
-    let up = Ray { origin: from, direction: normal, t_max: HEIGHT * radius };
-    let height = opaque(scene, up).map_or(HEIGHT * radius, |(t, _)| 0.5 * t);
-    let apex = from + normal * height;
-    let (mut found, mut all) = (0.0, 0.0);
-    for spoke in 0..SPOKES {
-        let (sine, cosine) = math::sin_cos_turns(area::spoke_turns(spoke, turn));
-        let direction = tangent * cosine + bitangent * sine;
-        let along = Ray { origin: apex, direction, t_max: radius };
-        let free = opaque(scene, along).map_or(radius, |(t, _)| t);
-        for ring in 0..RINGS {
-            let probe = area::probe(gather.kernel, spoke, ring, shift);
-            all += probe.weight;
-            let away = probe.distance * radius;
-            let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
-            let Some((_, surface)) = opaque(scene, down) else { continue };
-            let material = &scene.materials[surface.material as usize];
-            let keeps = material.is_diffuse() && material.albedo != [0.0; 3];
-            let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
-            let flat = !gather.is_flat() || off <= gather.max_plane_distance * radius;
-            let same = keeps && flat && surface.normal.dot(normal) >= gather.min_normal_cosine;
-            if same && (away <= free || !enclosed(scene, &surface)) {
-                found += probe.weight;
+/// A disc about a query.
+struct Disc<'a> {
+    scene: &'a CpuScene,
+    pass: Pass,
+    query: &'a Query,
+    gather: &'a Gather,
+    radius: f32,
+}
+
+impl Disc<'_> {
+    /// The share of it that lies on its query's surface; with `SECOND` those of the discs of √2 and 1/√2 of its
+    /// radius too, else 1.
+    fn shares<const SECOND: bool>(&self) -> [f32; 3] {
+        let Self { scene, query, gather, radius, .. } = *self;
+        if radius < LEAST_RADIUS {
+            return [1.0; 3];
+        }
+        let normal = Vec3::from(query.normal);
+        let (tangent, bitangent) = sampling::basis(normal);
+        let mut sampler =
+            Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Area, query.path);
+        let [turn, shift, ..] = sampler.words(0).map(unit_f32);
+        let from = offset::off_surface(query.position.into(), normal);
+        // Under a ceiling, from half its height.
+        let up = Ray { origin: from, direction: normal, t_max: HEIGHT * radius };
+        let height = opaque(scene, up).map_or(HEIGHT * radius, |(t, _)| 0.5 * t);
+        let apex = from + normal * height;
+        let far = if SECOND { SQRT_2 * radius } else { radius };
+        let (mut found, mut all) = ([0.0; 3], [0.0; 3]);
+        let discs = if SECOND { 3 } else { 1 };
+        for spoke in 0..SPOKES {
+            let (sine, cosine) = math::sin_cos_turns(area::spoke_turns(spoke, turn));
+            let direction = tangent * cosine + bitangent * sine;
+            let free = opaque(scene, Ray { origin: apex, direction, t_max: far }).map_or(far, |(t, _)| t);
+            for ring in 0..RINGS + u32::from(SECOND) {
+                let probe = if ring < RINGS {
+                    area::probe(gather.kernel, spoke, ring, shift)
+                } else {
+                    Probe { distance: area::outer_distance(spoke, shift), weight: 0.0 }
+                };
+                let [wide, narrow] =
+                    if SECOND { area::second_weights(gather.kernel, probe.distance) } else { [0.0; 2] };
+                let weights = [probe.weight, wide, narrow];
+                (0..discs).for_each(|i| all[i] += weights[i]);
+                let away = probe.distance * radius;
+                let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
+                let Some((_, surface)) = opaque(scene, down) else { continue };
+                let material = &scene.materials[surface.material as usize];
+                let keeps = material.is_diffuse() && material.albedo != [0.0; 3];
+                let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
+                let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
+                if same && (away <= free || !enclosed(scene, &surface)) {
+                    for i in 0..discs {
+                        let most = gather.max_plane_distance * (RADII[i] * radius);
+                        found[i] += if !gather.is_flat() || off <= most { weights[i] } else { 0.0 };
+                    }
+                }
             }
         }
+        [0, 1, 2].map(|i| area::share(found[i], all[i]))
     }
-    area::share(found, all)
 }
 
 /// Whether it lies within a solid, where no photon lands: what is above it turns its back.

@@ -1,7 +1,7 @@
 //! How much of each estimate's disc lies on the surface.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{AreaProbe, Estimate, Gather, Pass, Query, Result};
+use photon_core::{AreaProbe, Gather, Pass, Query, Result, Told};
 
 use crate::buffer::VulkanBuffer;
 use crate::scene::VulkanScene;
@@ -24,6 +24,7 @@ struct Push {
     queries: u64,
     count: u64,
     estimates: u64,
+    spreads: u64,
     seed: u64,
     pass: u32,
     start: u32,
@@ -41,9 +42,11 @@ impl AreaProbe<Vulkan> for VulkanArea {
         pass: Pass,
         queries: &VulkanBuffer<Query>,
         gather: &Gather,
-        estimates: &mut VulkanBuffer<Estimate>,
+        told: Told<'_, Vulkan>,
     ) -> Result<()> {
-        let constants = [scene.features().bits(), GROUP, gather.kernel.number(), u32::from(gather.is_flat())];
+        let Told { estimates, spreads } = told;
+        let [flat, second] = [gather.is_flat(), spreads.is_some()].map(u32::from);
+        let constants = [scene.features().bits(), GROUP, gather.kernel.number(), flat, second];
         let kernel = on.kernel(&shaders::CAMERA_AREA, &constants)?;
         // How many there are need not be known here: as many as fit.
         let capacity = queries.capacity().min(estimates.capacity());
@@ -54,6 +57,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
                 queries: queries.data_address(),
                 count: queries.count_address(),
                 estimates: estimates.data_address(),
+                spreads: spreads.as_ref().map_or(0, |spreads| spreads.data_address()),
                 seed: pass.seed,
                 pass: pass.index,
                 start: start as u32,

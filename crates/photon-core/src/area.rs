@@ -9,6 +9,9 @@
 //! on the surface is the share of the probes' weights, 1 to the bit where all are on it. One over an
 //! estimate is too large on average by its relative variance: at edges and corners by less than 0.4 % with
 //! Epanechnikov's kernel, by less than 1 % with any.
+//!
+//! Where errors are told, estimates within the second radii lose light in the same places, and other shares of it.
+//! The same probes tell them, each counted as these radii weigh photons, and one more on each spoke, farther out.
 
 use crate::kernel::Kernel;
 
@@ -73,6 +76,35 @@ pub fn share(found: f32, all: f32) -> f32 {
     if found > 0.0 && found < all { (found / all).max(LEAST_SHARE) } else { 1.0 }
 }
 
+/// The squared distance from which on the outer probes stand, in squared radii; they end at 2, and are evenly dense.
+const OUTER: f32 = 0.75;
+
+/// The probe of a spoke that is for the second radius alone: how far out, in radii, up to √2.
+#[inline]
+#[must_use]
+pub fn outer_distance(spoke: u32, random: f32) -> f32 {
+    let shift = (random + spoke as f32 * 0.618_034).fract();
+    (OUTER + (2.0 - OUTER) * shift).sqrt()
+}
+
+/// What a probe at that distance, in radii, counts for within √2 of the radius, and within 1/√2 of it: the kernel
+/// there over the density of all probes that may stand there, which are those of [`probe`] and, for the former,
+/// of [`outer_distance`] (the balance heuristic of Veach and Guibas 1995).
+#[inline]
+#[must_use]
+pub fn second_weights(kernel: Kernel, distance: f32) -> [f32; 2] {
+    let square = distance * distance;
+    let falls = matches!(kernel, Kernel::Epanechnikov | Kernel::Biweight);
+    let inner = match square < 1.0 {
+        true if falls => RINGS as f32 * 2.0 * (1.0 - square),
+        true => RINGS as f32,
+        false => 0.0,
+    };
+    let outer = if square >= OUTER { 1.0 / (2.0 - OUTER) } else { 0.0 };
+    let wide = kernel.weight((0.5 * square).min(1.0)) / (inner + outer);
+    [wide, if square < 0.5 { kernel.weight(2.0 * square) / inner } else { 0.0 }]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,6 +155,63 @@ mod tests {
             assert_eq!(means(kernel, |_, _| false).1, 1.0);
             let (mean, reciprocal) = means(kernel, |x, y| x < 0.0 && y < 0.0);
             assert!((mean - 0.25).abs() < 2e-3 && (reciprocal - 4.0).abs() < 0.04, "{kernel:?}: {mean} {reciprocal}");
+        }
+    }
+
+    /// Means over random numbers of the shares of the second radii, and of one over each.
+    fn second_means(kernel: Kernel, inside: impl Fn(f64, f64) -> bool) -> [[f64; 2]; 2] {
+        const STEPS: u32 = 61;
+        let mut means = [[0.0; 2]; 2];
+        for step in 0..STEPS * STEPS {
+            let number = |step: u32| (step as f32 + 0.5) / STEPS as f32;
+            let (turn, shift) = (number(step % STEPS), number(step / STEPS));
+            let (mut found, mut all) = ([0.0_f32; 2], [0.0_f32; 2]);
+            for spoke in 0..SPOKES {
+                let angle = f64::from(spoke_turns(spoke, turn)) * std::f64::consts::TAU;
+                let rings = (0..RINGS).map(|ring| probe(kernel, spoke, ring, shift).distance);
+                for distance in rings.chain([outer_distance(spoke, shift)]) {
+                    let (x, y) = (f64::from(distance) * angle.cos(), f64::from(distance) * angle.sin());
+                    for (i, weight) in second_weights(kernel, distance).into_iter().enumerate() {
+                        // The narrow disc is asked by inner probes alone.
+                        all[i] += weight;
+                        found[i] += if inside(x, y) { weight } else { 0.0 };
+                    }
+                }
+            }
+            for i in 0..2 {
+                means[i][0] += f64::from(found[i] / all[i]);
+                means[i][1] += 1.0 / f64::from(share(found[i], all[i]));
+            }
+        }
+        means.map(|pair| pair.map(|sum| sum / f64::from(STEPS * STEPS)))
+    }
+
+    /// The same fractions within √2 and 1/√2 of the radius: within 0.5 % at edges, and 1.5 % for one over them.
+    #[test]
+    fn shares_of_second_radii_are_the_closed_forms() {
+        let edges = [
+            (Kernel::Constant, 0.25, 0.657_481),
+            (Kernel::Constant, 0.5, 0.804_499),
+            (Kernel::Epanechnikov, 0.0, 0.5),
+            (Kernel::Epanechnikov, 0.25, 0.705_638),
+            (Kernel::Epanechnikov, 0.5, 0.873_415),
+            (Kernel::Epanechnikov, 0.75, 0.973_909),
+        ];
+        for (kernel, at, truth) in edges {
+            for (i, radius) in [2.0_f64.sqrt(), 0.5_f64.sqrt()].into_iter().enumerate() {
+                let [mean, reciprocal] = second_means(kernel, |x, _| x < at * radius)[i];
+                assert!((mean - truth).abs() < 5e-3, "{kernel:?}, {at}, {radius}: {mean} instead of {truth}");
+                assert!((reciprocal * truth - 1.0).abs() < 1.5e-2, "{kernel:?}, {at}, {radius}: {reciprocal}");
+                // By the first radius another share lies within.
+                let first = means(kernel, |x, _| x < at * radius).0;
+                assert!(at == 0.0 || (first - truth).abs() > 0.015, "{kernel:?}, {at}: nothing was to be seen");
+            }
+        }
+        for kernel in [Kernel::Constant, Kernel::Epanechnikov, Kernel::Biweight, Kernel::Cone { slope: 1.1 }] {
+            assert_eq!(second_means(kernel, |_, _| true), [[1.0; 2]; 2]);
+            for [mean, _] in second_means(kernel, |x, y| x < 0.0 && y < 0.0) {
+                assert!((mean - 0.25).abs() < 5e-3, "{kernel:?}: {mean}");
+            }
         }
     }
 

@@ -72,7 +72,7 @@ pub use settings::{
 };
 pub use stages::{
     Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, IrradiancePoints,
-    KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Rule, Stages, Tracer, View,
+    KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Rule, Stages, Told, Tracer, View,
 };
 pub use tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use units::Units;

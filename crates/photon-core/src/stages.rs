@@ -279,11 +279,21 @@ pub trait DirectLight<B: TransportBackend>: Send {
     ) -> Result<()>;
 }
 
+/// What an estimator told of each query.
+#[derive(Debug)]
+pub struct Told<'a, B: Backend> {
+    /// As many as there are queries.
+    pub estimates: &'a mut B::Buffer<Estimate>,
+    /// Likewise, if errors are told.
+    pub spreads: Option<&'a mut B::Buffer<Spread>>,
+}
+
 /// Finds out how much of an estimate's disc lies on the surface.
 pub trait AreaProbe<B: TransportBackend>: Send {
     /// Multiplies each estimate's [`Estimate::radius_squared`] by the share of its disc that lies on the
     /// query's surface and can be seen from above the query, as [`crate::area`] says; `gather` is how
-    /// the estimates were made.
+    /// the estimates were made. What errors are told by, if it is there, is divided by the shares of its own
+    /// discs: [`Spread::wide`] and [`Spread::narrow`] are multiplied by the first share over theirs.
     ///
     /// # Errors
     /// What the backend raises.
@@ -294,7 +304,7 @@ pub trait AreaProbe<B: TransportBackend>: Send {
         pass: Pass,
         queries: &B::Buffer<Query>,
         gather: &Gather,
-        estimates: &mut B::Buffer<Estimate>,
+        told: Told<'_, B>,
     ) -> Result<()>;
 }
 

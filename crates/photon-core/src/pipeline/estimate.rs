@@ -5,7 +5,7 @@ use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::film::Layer;
 use crate::radii;
-use crate::stages::{Maps, Pass};
+use crate::stages::{Maps, Pass, Told};
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Reads the maps, of so many paths each, at the queries, into the film.
@@ -46,7 +46,8 @@ impl<B: TransportBackend> Pipeline<B> {
                     }
                 }
                 if let Some(area) = &mut self.stages.area {
-                    area.correct(on, &self.scene, pass, &self.queries, &gathers[i], estimates)?;
+                    let told = Told { estimates, spreads: self.spreads.as_mut() };
+                    area.correct(on, &self.scene, pass, &self.queries, &gathers[i], told)?;
                 }
                 on.mark(Some(Stage::Film));
                 if let Some(spreads) = &self.spreads {

@@ -114,13 +114,7 @@ pub fn e4_spread_of_known_photons<T: TestBackend>() {
             .to_vec();
     photons[3].normal = wall;
     let queries = [query_at([0.0; 3], 0.1)];
-    let gather = Gather {
-        rule: Rule::Radius,
-        kernel: Kernel::Epanechnikov,
-        radius_scale: 1.0,
-        min_normal_cosine: 0.7,
-        max_plane_distance: 1.0,
-    };
+    let gather = Gather { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) };
     let mut on = T::make(2);
     let mut stages = on.map_stages(IndexKind::Morton).unwrap();
     let there = on.upload("photons", &photons).unwrap();

@@ -127,13 +127,7 @@ pub fn m3_too_little_is_refused<T: TestBackend>() {
         let queries = on.upload("queries", &[crate::harness::query_at([0.0; 3], 1.0)]).unwrap();
         let mut estimates = on.alloc("estimates", 1).unwrap();
         let mut ask = |rule| {
-            let gather = Gather {
-                rule,
-                kernel: Kernel::Constant,
-                radius_scale: 1.0,
-                min_normal_cosine: 0.5,
-                max_plane_distance: 1.0,
-            };
+            let gather = Gather { min_normal_cosine: 0.5, ..Gather::by(rule) };
             stages.estimator.estimate(&mut on, &map, &queries, &gather, &mut estimates)
         };
         assert!(ask(Rule::Radius).is_ok(), "{kept:?}");

@@ -59,6 +59,15 @@ pub struct Gather {
 }
 
 impl Gather {
+    /// By `rule` alone: over each query's own radius, with equal weights, and no photon turned away for its
+    /// normal or its distance from the query's plane.
+    ///
+    /// What differs is said by struct update: `Gather { min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) }`.
+    #[must_use]
+    pub const fn by(rule: Rule) -> Self {
+        Self { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0, max_plane_distance: 1.0 }
+    }
+
     /// Whether photons are turned away for their distance from the query's plane.
     #[must_use]
     pub fn is_flat(&self) -> bool {

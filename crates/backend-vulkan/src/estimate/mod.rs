@@ -122,13 +122,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         let mut estimates = VulkanBuffer::<Estimate>::new(on, "estimates", u64::from(count))?;
         // The photon itself is the nearest.
         let k = neighbours + 1;
-        let gather = Gather {
-            rule: Rule::Nearest { k },
-            kernel: Kernel::Constant,
-            radius_scale: 1.0,
-            min_normal_cosine,
-            max_plane_distance: 1.0,
-        };
+        let gather = Gather { min_normal_cosine, ..Gather::by(Rule::Nearest { k }) };
         self.estimate(on, map, &queries, &gather, &mut estimates)?;
         let mut found = Vec::new();
         on.download(&estimates, &mut found)?;

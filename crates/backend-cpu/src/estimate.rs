@@ -1,7 +1,7 @@
 //! Irradiance from the photons near a point.
 
 use photon_core::glam::Vec3;
-use photon_core::{Error, Estimate, Gather, Kept, Query, RadianceEstimator, Result, Rule, Spread, octahedral, typical};
+use photon_core::{Estimate, Gather, Kept, Query, RadianceEstimator, Result, Rule, Spread, octahedral, typical};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -29,8 +29,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         gather: &Gather,
         estimates: &mut CpuBuffer<Estimate>,
     ) -> Result<()> {
-        gather.validate()?;
-        check(map, gather)?;
+        gather.validate_for(map.kept())?;
         estimates.clear();
         estimates.needed = queries.data.len() as u64;
         let fit = queries.data.len().min(estimates.capacity as usize);
@@ -58,14 +57,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         estimates: &mut CpuBuffer<Estimate>,
         spreads: &mut CpuBuffer<Spread>,
     ) -> Result<()> {
-        if gather.rule != Rule::Radius {
-            return Err(Error::InvalidSetting {
-                name: "errors",
-                value: format!("asked of {:?}", gather.rule),
-                mend: "can be told of estimates within a radius alone",
-            });
-        }
-        gather.validate()?;
+        gather.validate_spread()?;
         estimates.clear();
         spreads.clear();
         (estimates.needed, spreads.needed) = (queries.data.len() as u64, queries.data.len() as u64);
@@ -117,18 +109,6 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
     fn least_kept(&self) -> Kept {
         Kept::Grey
     }
-}
-
-/// Whether a map keeps what is read of its photons.
-pub(crate) fn check(map: &CpuMap, gather: &Gather) -> Result<()> {
-    if !matches!(gather.rule, Rule::Paper { .. }) || map.kept() == Kept::Whole {
-        return Ok(());
-    }
-    Err(Error::InvalidSetting {
-        name: "the paper's estimator",
-        value: format!("asked of a map that keeps {}", map.kept().name()),
-        mend: "it reads directions: keep photons whole",
-    })
 }
 
 /// The estimate at one point. `normal` is unit, on the side looked at.

@@ -7,7 +7,7 @@ use photon_core::{
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::estimate::{check, estimate_at};
+use crate::estimate::estimate_at;
 use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::{CpuScene, VACUUM};
@@ -32,8 +32,7 @@ impl FinalGather<Cpu> for CpuGather {
         film: &mut CpuFilm,
     ) -> Result<()> {
         for (map, gather) in [&maps.direct, &maps.caustic, &maps.global, &maps.irradiance].into_iter().flatten() {
-            gather.validate()?;
-            check(map, gather)?;
+            gather.validate_for(map.kept())?;
         }
         let max_bounces = self.max_bounces;
         on.pool.install(|| {

@@ -97,6 +97,37 @@ impl Gather {
             mend: "is a share of a radius that is given: take the estimator of a radius, or 1",
         })
     }
+
+    /// [`Self::validate`], of a map that keeps so much of its photons: [`Rule::Paper`] reads their directions.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`].
+    pub fn validate_for(&self, kept: Kept) -> Result<()> {
+        self.validate()?;
+        if !matches!(self.rule, Rule::Paper { .. }) || kept == Kept::Whole {
+            return Ok(());
+        }
+        Err(Error::InvalidSetting {
+            name: "the paper's estimator",
+            value: format!("asked of a map that keeps {}", kept.name()),
+            mend: "it reads directions: keep photons whole",
+        })
+    }
+
+    /// [`Self::validate`], for [`RadianceEstimator::estimate_spread`].
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`], for every rule but [`Rule::Radius`] too.
+    pub fn validate_spread(&self) -> Result<()> {
+        if self.rule != Rule::Radius {
+            return Err(Error::InvalidSetting {
+                name: "errors",
+                value: format!("asked of {:?}", self.rule),
+                mend: "can be told of estimates within a radius alone",
+            });
+        }
+        self.validate()
+    }
 }
 
 /// Which photons count.

@@ -4,8 +4,8 @@
 #   run.sh SECONDS [JOBS] [FOLDER]
 #
 # FOLDER holds `bin/`, `seeds/` and `dictionaries/`; it is that of this script unless given, and takes `corpus/`,
-# `crashes/` and `logs/`. `bin.tar.gz` and `corpus.tar.gz` are unpacked where the folder is not there. No Rust is needed:
-# the binaries are made by `build.sh`. Exits with 1 if anything was found.
+# `crashes/` and `logs/`. `bin.tar.gz` and `corpus.tar.gz` are unpacked where the folder is not there. No Rust is
+# needed: the binaries are made by `build.sh`. Exits with 1 if anything was found.
 set -u
 seconds=${1:?how many seconds for each target}
 jobs=${2:-1}

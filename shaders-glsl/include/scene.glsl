@@ -27,7 +27,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Wi
     uvec4 words[5];
 };
 
-// A triangle, as the tree orders them: three vertices; in the last word of the first its index, of the second its margin.
+// A triangle, as the tree orders them: three vertices; in the last word of the first its index, of the second its
+// margin.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Corners {
     vec4 a;
     vec4 b;

@@ -50,8 +50,8 @@ void spread_eight_end() {
 }
 
 // A photon of `u` squared distances over squared radii, at `offset` from the query; whether it counts as
-// on the query's surface, and near enough to its plane for the estimate and for the narrow one. Adds to `sum` and `photons` what the estimate itself has of it. No
-// early end: on some devices a subgroup would not come together again.
+// on the query's surface, and near enough to its plane for the estimate and for the narrow one. Adds to `sum` and
+// `photons` what the estimate itself has of it. No early end: on some devices a subgroup would not come together again.
 void spread_add(
     uint kernel, float slope, vec3 offset, vec3 normal, vec3 power, float d2, float u, bool same, bvec2 flat_enough,
     inout vec3 sum, inout uint photons) {

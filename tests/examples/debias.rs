@@ -3,8 +3,9 @@
 //! `debias SCENE [--backend cpu|vulkan] [--size N] [--seeds N] [--passes N] [--photons N] [--reference N]
 //! [--part area|gather|bandwidth|plane]`: Markdown rows of error, with and without. Errors are squared over the
 //! square of the reference plus that of a tenth of its mean; the reference is two runs of `--reference` passes
-//! of eight times the photons on the CPU, divided by the surface: by the disc it would be too dark itself. Two,
-//! since the product of the differences from each has none of their noise.
+//! of eight times the photons on the CPU, divided by the surface: by the disc it would be too dark itself. Each is
+//! dealt out among four films. Products of the differences from two films have none of their noise, and what
+//! chance is left in their mean is told by the spread between seeds, and between films.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a program for measuring")]
 
 use std::time::Instant;
@@ -15,6 +16,9 @@ use photon_core::{
     Area, Bandwidth, Film, Indirect, PassEnd, Pipeline, Render, Settings, Stage, TransportBackend, View,
 };
 use photon_scene::{Scene, builtin};
+
+/// Films among which a run of the reference is dealt out.
+const PARTS: u32 = 4;
 
 /// What the command line says.
 struct Job {
@@ -59,10 +63,15 @@ fn main() {
     let job = job();
     let scene = builtin(&job.scene).unwrap().build().unwrap();
     let base = Settings { photons: job.photons, ..Settings::default() };
-    let truths = [1 << 40, 1 << 41].map(|seed| {
-        let long = Settings { photons: 8 * job.photons, seed, area: Area::Surface, ..base.clone() };
-        run(Cpu::new().unwrap(), &scene, &long, job.reference, job.size).0.beauty()
-    });
+    let truths: Pictures = (0..2 * PARTS)
+        .map(|film| {
+            let seed = (1 << 40) + u64::from(film / PARTS);
+            let long = Settings { photons: 8 * job.photons, seed, area: Area::Surface, ..base.clone() };
+            // Every fourth pass, so that the radii of all films shrink alike.
+            let passes = (film % PARTS..job.reference).step_by(PARTS as usize);
+            grey(&run(Cpu::new().unwrap(), &scene, &long, passes, job.size).0)
+        })
+        .collect();
     println!("| {} | passes | ms a pass | relMSE | bias² | ± | variance | bias | darkest bias |", job.scene);
     println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|");
     for (name, settings) in settings(&job, &base) {
@@ -72,9 +81,9 @@ fn main() {
                 match job.backend.as_str() {
                     "vulkan" => {
                         let on = Vulkan::with_options(&Options::default()).unwrap();
-                        run(on, &scene, &settings, job.passes, job.size)
+                        run(on, &scene, &settings, 0..job.passes, job.size)
                     }
-                    _ => run(Cpu::new().unwrap(), &scene, &settings, job.passes, job.size),
+                    _ => run(Cpu::new().unwrap(), &scene, &settings, 0..job.passes, job.size),
                 }
             })
             .collect();
@@ -109,46 +118,83 @@ fn settings(job: &Job, base: &Settings) -> Vec<(String, Settings)> {
     }
 }
 
-/// The film of so many passes, and the least seconds of one.
-fn run<B: TransportBackend>(on: B, scene: &Scene, settings: &Settings, passes: u32, size: u32) -> (Film, f64) {
+/// The film of those passes, and the least seconds of one.
+fn run<B: TransportBackend>(
+    on: B,
+    scene: &Scene,
+    settings: &Settings,
+    passes: impl Iterator<Item = u32>,
+    size: u32,
+) -> (Film, f64) {
     let view = View { camera: scene.camera(None, size, size).unwrap(), width: size, height: size };
     let mut renderer = Pipeline::new(on, &scene.view(), view, settings.clone()).unwrap();
-    let mut least = f64::INFINITY;
-    for pass in 0..passes {
+    let (mut least, mut last) = (f64::INFINITY, None);
+    for pass in passes {
         let start = Instant::now();
-        let end = renderer.pass(pass, &mut ()).unwrap();
+        last = Some(renderer.pass(pass, &mut ()).unwrap());
         least = least.min(start.elapsed().as_secs_f64());
-        if let (true, PassEnd::Done(report)) = (pass + 1 == passes, end) {
-            let part = |stage: Stage| format!("{} {:.1}", stage.name(), 1e3 * report.seconds.get(stage));
-            eprintln!("last pass, ms: {}", Stage::ALL.map(part).join(", "));
-        }
+    }
+    if let Some(PassEnd::Done(report)) = last {
+        let part = |stage: Stage| format!("{} {:.1}", stage.name(), 1e3 * report.seconds.get(stage));
+        eprintln!("last pass, ms: {}", Stage::ALL.map(part).join(", "));
     }
     (renderer.film().unwrap(), least)
 }
 
+/// The mean of RGB of each pixel of each film.
+type Pictures = Vec<Vec<f64>>;
+
+fn grey(film: &Film) -> Vec<f64> {
+    film.beauty().iter().map(|pixel| pixel.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0).collect()
+}
+
+/// Of one pixel in each picture but one: the mean, and its variance.
+fn moments(pictures: &[Vec<f64>], pixel: usize, without: Option<usize>) -> (f64, f64) {
+    let values = || pictures.iter().enumerate().filter(|(index, _)| Some(*index) != without).map(|(_, all)| all[pixel]);
+    let count = values().count() as f64;
+    let mean = values().sum::<f64>() / count;
+    (mean, values().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0) / count)
+}
+
+/// The mean over pixels of their squared bias over their scale: the squared difference of two means, less
+/// what their noise adds to it. That is the mean of products over all pairs of pictures and all pairs of truths.
+fn bias_squared(pictures: &[Vec<f64>], truths: &[Vec<f64>], scales: &[f64], without: [Option<usize>; 2]) -> f64 {
+    let of = |(pixel, scale): (usize, &f64)| {
+        let (found, noise) = moments(pictures, pixel, without[0]);
+        let (truth, its_noise) = moments(truths, pixel, without[1]);
+        ((found - truth).powi(2) - noise - its_noise) / scale
+    };
+    scales.iter().enumerate().map(of).sum::<f64>() / scales.len() as f64
+}
+
+/// The standard error of that, by leaving out one film after the other (Quenouille 1956, Tukey 1958), of the
+/// pictures and of the truths, which are independent.
+fn chance(pictures: &[Vec<f64>], truths: &[Vec<f64>], scales: &[f64]) -> f64 {
+    let variance = |count: usize, leave: &dyn Fn(usize) -> [Option<usize>; 2]| {
+        let found: Vec<f64> = (0..count).map(|film| bias_squared(pictures, truths, scales, leave(film))).collect();
+        let mean = found.iter().sum::<f64>() / count as f64;
+        found.iter().map(|value| (value - mean).powi(2)).sum::<f64>() * (count as f64 - 1.0) / count as f64
+    };
+    let by_seed = variance(pictures.len(), &|film| [Some(film), None]);
+    (by_seed + variance(truths.len(), &|film| [None, Some(film)])).sqrt()
+}
+
 /// Mean squares over pixels of the bias and of the noise of films that differ in their seed.
-fn row(name: &str, films: &[(Film, f64)], truths: &[Vec<[f32; 3]>; 2], job: &Job) {
-    let grey = |pixel: &[f32; 3]| pixel.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
-    let truth: Vec<[f64; 2]> = truths[0].iter().zip(&truths[1]).map(|(a, b)| [grey(a), grey(b)]).collect();
-    let mean_truth = truth.iter().flatten().sum::<f64>() / (2 * truth.len()) as f64;
-    let pictures: Vec<Vec<f64>> = films.iter().map(|(film, _)| film.beauty().iter().map(grey).collect()).collect();
-    let count = pictures.len() as f64;
-    let (mut squares, mut variance, mut bias) = (Vec::new(), 0.0, Vec::new());
-    for (i, &[first, second]) in truth.iter().enumerate() {
-        let truth = 0.5 * (first + second);
-        let scale = truth * truth + 0.01 * mean_truth * mean_truth;
-        let mean = pictures.iter().map(|picture| picture[i]).sum::<f64>() / count;
-        let own = pictures.iter().map(|picture| (picture[i] - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        variance += own / scale;
-        // The square of a mean of noise is no bias.
-        squares.push(((mean - first) * (mean - second) - own / count) / scale);
+fn row(name: &str, films: &[(Film, f64)], truths: &[Vec<f64>], job: &Job) {
+    let pictures: Pictures = films.iter().map(|(film, _)| grey(film)).collect();
+    let pixels = pictures[0].len();
+    let truth: Vec<f64> = (0..pixels).map(|pixel| moments(truths, pixel, None).0).collect();
+    let mean_truth = truth.iter().sum::<f64>() / pixels as f64;
+    let scales: Vec<f64> = truth.iter().map(|truth| truth * truth + 0.01 * mean_truth * mean_truth).collect();
+    let (mut variance, mut bias) = (0.0, Vec::new());
+    for (pixel, (truth, scale)) in truth.iter().zip(&scales).enumerate() {
+        let (mean, noise) = moments(&pictures, pixel, None);
+        variance += noise * pictures.len() as f64 / scale / pixels as f64;
         bias.push((mean - truth) / scale.sqrt());
     }
-    let pixels = truth.len() as f64;
-    let (squared, variance) = (squares.iter().sum::<f64>() / pixels, variance / pixels);
-    // Pixels are nearly independent of each other in what is left of chance here.
-    let chance = (squares.iter().map(|s| (s - squared).powi(2)).sum::<f64>() / pixels / pixels).sqrt();
-    let all = bias.iter().sum::<f64>() / pixels;
+    let squared = bias_squared(&pictures, truths, &scales, [None; 2]);
+    let chance = chance(&pictures, truths, &scales);
+    let all = bias.iter().sum::<f64>() / pixels as f64;
     bias.sort_by(f64::total_cmp);
     let least = films.iter().map(|(_, seconds)| *seconds).fold(f64::INFINITY, f64::min);
     println!(

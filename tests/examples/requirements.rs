@@ -2,8 +2,8 @@
 //! `docs/requirements.md`.
 //!
 //! Bytes, time and bits for each feature, derived beside widened, on every backend, in Markdown; of all scenes,
-//! or of those named. `--work SCENE derived|widened PATHS PASSES`: so many passes of so many paths on one thread of the CPU,
-//! for a counter of instructions; `--scenes`: their names, line by line.
+//! or of those named. `--work SCENE derived|widened PATHS PASSES`: so many passes of so many paths on one thread of the
+//! CPU, for a counter of instructions; `--scenes`: their names, line by line.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a program for measuring")]
 
 use backend_cpu::Cpu;

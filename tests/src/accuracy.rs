@@ -1,12 +1,11 @@
 //! What a film claims of its own error, against fields whose truth is known, and scenes.
 
 use photon_core::{
-    Backend, Budget, Claim, Flags, Gather, IndexKind, Kernel, Photon, Plan, Prospect, RandomKind, Rule, Schedule,
-    Settings, Spread, radius_squared_factor, render, student_975,
+    Backend, Budget, Claim, Flags, Gather, IndexKind, Kernel, Photon, Plan, RandomKind, Rule, Settings, Spread, render,
 };
 use photon_scene::builtin;
 
-use crate::fields::{BROKEN, EXPECTED, Field, SMOOTH, Trial, film_of, films_of, judge};
+use crate::fields::{BROKEN, Field, SMOOTH, Trial, film_of, judge};
 use crate::harness::{TestBackend, estimate, film, per_pass, photon_at, query_at, renderer};
 use crate::stats::{SIGMAS, assert_agrees, moments};
 
@@ -58,52 +57,6 @@ pub fn e3_noise_alone_does_not_cover<T: TestBackend>() {
     assert!(claims(8).iter().all(|claim| !claim.flags.contains(Flags::FEW_PASSES)));
 }
 
-/// E9: under even light, whose bias is 0, the passes that an error takes are known. An estimate has the variance
-/// R(K)/(λr²) of A6, 4/3 over the photons expected; n passes the mean of theirs over n; and what a second radius
-/// tells of a bias that is not there is half as large, so that 95 % of pixels claim errors up to
-/// `(t + 2·1.96/2) σ`. From 8 passes of 256 pixels σ is known to 1/√(2·7·256); and squared biases to
-/// `σ²/4 √((2 + 2/7)/256)`, which a pilot takes for bias that stays, if it is lucky by as much.
-pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
-    let alpha = 2.0 / 3.0;
-    let schedule = Schedule::of(8, alpha);
-    let claimed = |passes: u32| {
-        let inverse: f64 = (0..passes).map(|pass| radius_squared_factor(pass, alpha).recip()).sum();
-        let noise = (4.0 / 3.0 / EXPECTED * inverse).sqrt() / f64::from(passes);
-        noise * (student_975(f64::from(passes) - 1.0) + 1.96)
-    };
-    // By how much the error may be foretold too large or too small at that pass.
-    let bounds = |passes: u32| {
-        let (bias, noise) = schedule.factors(passes);
-        let (chance, known) =
-            (SIGMAS * ((2.0 + 2.0 / 7.0) / 256.0_f64).sqrt(), SIGMAS / (14.0 * 256.0_f64).sqrt() + 0.02);
-        let lucky = 1.96 * ((1.0 + chance * (bias / noise).powi(2)).sqrt() - 1.0) / 3.92;
-        [1.0 - known, 1.0 + lucky + known]
-    };
-    let trial = Trial { passes: 64, alpha, side: 16, seed: 92 };
-    let mut claims = Vec::new();
-    films_of(&mut T::make(2), &SMOOTH[0], &trial, &[8, 64], &mut |film| claims.push(film.claims().unwrap())).unwrap();
-    let second = Kernel::Epanechnikov.second_radius_noise();
-    let prospect = Prospect::new(&claims[0], schedule, 0.95, second).unwrap();
-    for passes in [64, 512, 4096] {
-        let [low, high] = bounds(passes);
-        let ratio = prospect.least_error_after(passes) / claimed(passes);
-        assert!(ratio >= low && ratio <= high, "{passes} passes: {ratio}, not within {low} and {high}");
-        // Seen from the other side: what is claimed after so many is the target, within the bounds of there.
-        let forecast = prospect.forecast(Some(claimed(passes)), 1.0, 1 << 20);
-        let least = forecast.passes_least.unwrap();
-        let ([low, high], ratio) = (bounds(least), claimed(passes) / claimed(least));
-        assert!(ratio >= low - 0.005 && ratio <= high + 0.005, "{least} instead of {passes} passes: {ratio}");
-        assert!(forecast.passes_needed.unwrap() >= least);
-    }
-    let now = Prospect::new(&claims[1], Schedule::of(64, alpha), 0.95, second).unwrap();
-    let [_, high] = bounds(64);
-    let ratio = now.error() / claimed(64);
-    assert!((1.0 / high..=high).contains(&ratio), "reached {ratio} of what was known");
-    // What forgets that radii shrink foretells too little.
-    let still = Prospect::new(&claims[0], Schedule::of(8, 1.0), 0.95, second).unwrap();
-    assert!(still.least_error_after(4096) < bounds(4096)[0] * claimed(4096));
-}
-
 /// The second sums on photons that are counted by hand: two within the radius, one of them within the
 /// half, one without; one photon on a wall, one on a step.
 pub fn e4_spread_of_known_photons<T: TestBackend>() {
@@ -114,13 +67,7 @@ pub fn e4_spread_of_known_photons<T: TestBackend>() {
             .to_vec();
     photons[3].normal = wall;
     let queries = [query_at([0.0; 3], 0.1)];
-    let gather = Gather {
-        rule: Rule::Radius,
-        kernel: Kernel::Epanechnikov,
-        radius_scale: 1.0,
-        min_normal_cosine: 0.7,
-        max_plane_distance: 1.0,
-    };
+    let gather = Gather { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) };
     let mut on = T::make(2);
     let mut stages = on.map_stages(IndexKind::Morton).unwrap();
     let there = on.upload("photons", &photons).unwrap();

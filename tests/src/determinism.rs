@@ -144,7 +144,8 @@ pub fn one_backend_renders_again<T: TestBackend>() {
     }
 }
 
-/// A pipeline that begins anew with another seed gives the bits of one made for it, whatever it keeps from pass to pass.
+/// A pipeline that begins anew with another seed gives the bits of one made for it, whatever it keeps from pass to
+/// pass.
 pub fn a_restart_is_a_fresh_start<T: TestBackend>() {
     let [glass, cornell, ring] = ["cornell-glass", "cornell", "ring"]
         .map(|name| photon_scene::builtin(name).expect("a built-in scene").build().unwrap());

@@ -169,13 +169,7 @@ pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>(
             Rule::Nearest { k: 500 },
             Rule::Paper { max: 100, threshold: 8, factor: 1.0 },
         ] {
-            gathers.extend(KERNELS.map(|kernel| Gather {
-                rule,
-                kernel,
-                radius_scale: 1.0,
-                min_normal_cosine: 0.9,
-                max_plane_distance: 1.0,
-            }));
+            gathers.extend(KERNELS.map(|kernel| Gather { kernel, min_normal_cosine: 0.9, ..Gather::by(rule) }));
         }
         for kind in [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton] {
             let a = estimates::<A>(kind, &photons, &queries, &gathers);
@@ -259,13 +253,7 @@ pub fn uniform_plane_replays<A: TestBackend, B: TestBackend>() {
     let mut draw = || (uniform.draw() * 2.0 - 1.0) as f32;
     let photons: Vec<_> = (0..20_000).map(|_| photon_at([draw(), draw(), 0.0])).collect();
     let queries: Vec<_> = (0..500).map(|_| query_at([draw(), draw(), 0.0], 0.1)).collect();
-    let gather = Gather {
-        rule: Rule::Radius,
-        kernel: Kernel::Constant,
-        radius_scale: 1.0,
-        min_normal_cosine: -1.0,
-        max_plane_distance: 1.0,
-    };
+    let gather = Gather::by(Rule::Radius);
     let a = estimate::<A>(IndexKind::Morton, &photons, &queries, &gather);
     let b = estimate::<B>(IndexKind::Morton, &photons, &queries, &gather);
     // Powers of 1: the sums are whole numbers, and exact.

@@ -32,7 +32,7 @@ pub fn poisson(density: f64, seed: u64) -> Vec<Photon> {
 }
 
 fn gather(rule: Rule, kernel: Kernel) -> Gather {
-    Gather { rule, kernel, radius_scale: 1.0, min_normal_cosine: 0.7, max_plane_distance: 1.0 }
+    Gather { kernel, min_normal_cosine: 0.7, ..Gather::by(rule) }
 }
 
 /// Estimates over the truth at 256 places, far enough apart to be independent, in `fields` fields.

@@ -154,11 +154,10 @@ pub fn films_of<B: TransportBackend>(
     for pass in 0..trial.passes {
         let shrink = radius_squared_factor(pass, trial.alpha).sqrt();
         let gather = Gather {
-            rule: Rule::Radius,
             kernel: Kernel::Epanechnikov,
             radius_scale: shrink as f32,
             min_normal_cosine: 0.7,
-            max_plane_distance: 1.0,
+            ..Gather::by(Rule::Radius)
         };
         let photons = on.upload("photons", &trial.photons(field, shrink, &mut uniform))?;
         let map = builder.build(on, photons)?;

@@ -8,6 +8,7 @@
 
 pub mod accuracy;
 pub mod aiming;
+pub mod cut;
 pub mod debias;
 pub mod determinism;
 pub mod dielectrics;
@@ -16,6 +17,7 @@ pub mod equivalence;
 pub mod estimators;
 pub mod extremes;
 pub mod fields;
+pub mod foretold;
 pub mod harness;
 pub mod interreflection;
 pub mod kept;
@@ -52,8 +54,9 @@ macro_rules! whole_suite {
             accuracy::{
                 e1_claims_hold_in_smooth_fields, e2_edges_and_folds_are_flagged, e3_noise_alone_does_not_cover,
                 e4_spread_of_known_photons, e5_errors_leave_the_picture_alone, e6_gathered_light_is_claimed,
-                e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached, e9_what_an_error_takes_is_foretold,
+                e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached,
             }
+            foretold::{ e9_what_an_error_takes_is_foretold }
             debias::{
                 d1_light_at_edges_is_whole, d2_nothing_changes_within_a_surface, d3_irradiance_found_beforehand,
                 d4_radii_of_pixels_keep_the_mean, d7_second_radii_at_ends_tell_no_bias,
@@ -91,6 +94,7 @@ macro_rules! whole_suite {
             kept::{
                 m1_grey_is_what_treats_channels_alike, m2_less_is_the_same_picture, m3_too_little_is_refused,
             }
+            cut::{ m4_the_same_photons_are_found }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,
                 wider_requirements_change_nothing, passes_merge, one_backend_renders_again, a_restart_is_a_fresh_start, s31_full_photon_buffers,

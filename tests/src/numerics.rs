@@ -2,8 +2,7 @@
 
 use photon_core::random::{Domain, Sampler, lcg};
 use photon_core::{
-    Backend, Budget, Error, Estimate, Gather, IndexKind, Kernel, Photon, Pipeline, RandomKind, Rule, Settings, View,
-    render,
+    Backend, Budget, Error, Estimate, Gather, IndexKind, Photon, Pipeline, RandomKind, Rule, Settings, View, render,
 };
 use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, SceneError, shapes};
 use std::f64::consts::PI;
@@ -11,7 +10,7 @@ use std::f64::consts::PI;
 use crate::harness::{TestBackend, Uniform, estimate, film, photon_at, query_at, trace, unit};
 
 fn gather(rule: Rule) -> Gather {
-    Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: 0.7, max_plane_distance: 1.0 }
+    Gather { min_normal_cosine: 0.7, ..Gather::by(rule) }
 }
 
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];

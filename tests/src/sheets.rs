@@ -65,8 +65,7 @@ pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
     let disc = PI * RADIUS * RADIUS;
     let rest = 1.0 - APART * APART;
     for (kernel, power) in [(Kernel::Constant, 1), (Kernel::Epanechnikov, 2), (Kernel::Biweight, 3)] {
-        let ball =
-            Gather { rule: Rule::Radius, kernel, radius_scale: 1.0, min_normal_cosine: 0.7, max_plane_distance: 1.0 };
+        let ball = Gather { kernel, min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) };
         let [mut near, mut wide, mut narrow, mut stray, mut all] = [(); 5].map(|()| Vec::new());
         for seed in 0..2 {
             let photons = photons(700 + seed);
@@ -94,13 +93,7 @@ pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
         assert!(!agrees(moments(&all).0, 1.0, standard_error(&all), 0.0), "{kernel:?}: nothing was to be seen");
     }
     // Where no radius is given there is no share of it.
-    let nearest = Gather {
-        rule: Rule::Nearest { k: 9 },
-        kernel: Kernel::Constant,
-        radius_scale: 1.0,
-        min_normal_cosine: 0.7,
-        max_plane_distance: SHARE,
-    };
+    let nearest = Gather { min_normal_cosine: 0.7, max_plane_distance: SHARE, ..Gather::by(Rule::Nearest { k: 9 }) };
     let mut stages = on.map_stages(IndexKind::Morton).unwrap();
     let there = on.upload("photons", &photons(1)).unwrap();
     let map = stages.builder.build(&mut on, there).unwrap();

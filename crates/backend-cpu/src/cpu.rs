@@ -134,13 +134,9 @@ impl<T> CpuBuffer<T> {
         self.short.as_ref().map_or(Kept::Whole, Rows::kept)
     }
 
-    /// What to say to who asks for whole photons where there are none.
-    pub(crate) fn cut_short(&self) -> Error {
-        Error::InvalidSetting {
-            name: self.label,
-            value: format!("kept as {}", self.kept().name()),
-            mend: "whole photons were asked for: keep them whole",
-        }
+    /// Checks that it holds whole photons.
+    pub(crate) fn check_whole(&self) -> Result<()> {
+        self.kept().check_whole(self.label)
     }
 }
 
@@ -211,9 +207,7 @@ impl Backend for Cpu {
         if needed > capacity {
             return Err(Error::CapacityExceeded { label: from.label, needed, capacity });
         }
-        if from.short.is_some() {
-            return Err(from.cut_short());
-        }
+        from.check_whole()?;
         to.clear();
         to.extend_from_slice(&from.data);
         Ok(())

@@ -1,7 +1,7 @@
 //! Irradiance from the photons near a point.
 
 use photon_core::glam::Vec3;
-use photon_core::{Error, Estimate, Gather, Kept, Query, RadianceEstimator, Result, Rule, Spread, octahedral, typical};
+use photon_core::{Estimate, Gather, Kept, Query, RadianceEstimator, Result, Rule, Spread, octahedral, typical};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -29,8 +29,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         gather: &Gather,
         estimates: &mut CpuBuffer<Estimate>,
     ) -> Result<()> {
-        gather.validate()?;
-        check(map, gather)?;
+        gather.validate_for(map.kept())?;
         estimates.clear();
         estimates.needed = queries.data.len() as u64;
         let fit = queries.data.len().min(estimates.capacity as usize);
@@ -40,9 +39,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
                 // Neighbouring queries have similar radii, which the scratch remembers.
                 let mut scratch = Neighbours::default();
                 for (estimate, query) in out.iter_mut().zip(queries) {
-                    let radius = query.radius * gather.radius_scale;
-                    let normal = Vec3::from(query.normal);
-                    *estimate = estimate_at(map, query.position, normal, radius, gather, &mut scratch);
+                    *estimate = estimate_at(map, Place::of(query, gather), gather, &mut scratch);
                 }
             });
         });
@@ -58,14 +55,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         estimates: &mut CpuBuffer<Estimate>,
         spreads: &mut CpuBuffer<Spread>,
     ) -> Result<()> {
-        if gather.rule != Rule::Radius {
-            return Err(Error::InvalidSetting {
-                name: "errors",
-                value: format!("asked of {:?}", gather.rule),
-                mend: "can be told of estimates within a radius alone",
-            });
-        }
-        gather.validate()?;
+        gather.validate_spread()?;
         estimates.clear();
         spreads.clear();
         (estimates.needed, spreads.needed) = (queries.data.len() as u64, queries.data.len() as u64);
@@ -76,8 +66,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
             let out = estimates.data.par_chunks_mut(BLOCK).zip(spreads.data.par_chunks_mut(BLOCK));
             out.zip(queries.data.par_chunks(BLOCK)).for_each(|((estimates, spreads), queries)| {
                 for ((estimate, spread), query) in estimates.iter_mut().zip(spreads).zip(queries) {
-                    let radius = query.radius * gather.radius_scale;
-                    (*estimate, *spread) = spread_at(map, query.position, query.normal.into(), radius, gather);
+                    (*estimate, *spread) = spread_at(map, Place::of(query, gather), gather);
                 }
             });
         });
@@ -119,30 +108,39 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
     }
 }
 
-/// Whether a map keeps what is read of its photons.
-pub(crate) fn check(map: &CpuMap, gather: &Gather) -> Result<()> {
-    if !matches!(gather.rule, Rule::Paper { .. }) || map.kept() == Kept::Whole {
-        return Ok(());
-    }
-    Err(Error::InvalidSetting {
-        name: "the paper's estimator",
-        value: format!("asked of a map that keeps {}", map.kept().name()),
-        mend: "it reads directions: keep photons whole",
-    })
+/// Where an estimate is asked for.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) position: [f32; 3],
+    /// Unit, on the side looked at.
+    pub(crate) normal: Vec3,
+    pub(crate) radius: f32,
 }
 
-/// The estimate at one point. `normal` is unit, on the side looked at.
-pub(crate) fn estimate_at(
-    map: &CpuMap,
-    position: [f32; 3],
-    normal: Vec3,
-    radius: f32,
-    gather: &Gather,
-    scratch: &mut Neighbours,
-) -> Estimate {
+impl Place {
+    fn of(query: &Query, gather: &Gather) -> Self {
+        let radius = query.radius * gather.radius_scale;
+        Self { position: query.position, normal: query.normal.into(), radius }
+    }
+
+    /// From there to a photon.
+    #[inline]
+    pub(crate) fn to(&self, map: &CpuMap, slot: u32) -> Vec3 {
+        Vec3::from(map.index().position(slot)) - Vec3::from(self.position)
+    }
+
+    /// How far a photon lies from the plane through it.
+    #[inline]
+    pub(crate) fn off_plane(&self, map: &CpuMap, slot: u32) -> f32 {
+        self.to(map, slot).dot(self.normal).abs()
+    }
+}
+
+/// The estimate at one place.
+pub(crate) fn estimate_at(map: &CpuMap, place: Place, gather: &Gather, scratch: &mut Neighbours) -> Estimate {
     match map.powers() {
-        Powers::Grey(powers) => estimate_of(map, powers, (position, normal), radius, gather, scratch),
-        Powers::Colour(powers) => estimate_of(map, powers, (position, normal), radius, gather, scratch),
+        Powers::Grey(powers) => estimate_of(map, powers, place, gather, scratch),
+        Powers::Colour(powers) => estimate_of(map, powers, place, gather, scratch),
     }
 }
 
@@ -150,17 +148,17 @@ pub(crate) fn estimate_at(
 fn estimate_of<P: Power>(
     map: &CpuMap,
     powers: &[P],
-    (position, normal): ([f32; 3], Vec3),
-    radius: f32,
+    place: Place,
     gather: &Gather,
     scratch: &mut Neighbours,
 ) -> Estimate {
+    let Place { position, normal, radius } = place;
     let radius_squared = radius * radius;
     let accept = |slot: u32| map.normal(slot).dot(normal) >= gather.min_normal_cosine;
     let power = |slot: u32| powers[slot as usize];
     match gather.rule {
-        Rule::Radius if gather.is_flat() => within::<true, P>(map, powers, (position, normal), radius, gather),
-        Rule::Radius => within::<false, P>(map, powers, (position, normal), radius, gather),
+        Rule::Radius if gather.is_flat() => within::<true, P>(map, powers, place, gather),
+        Rule::Radius => within::<false, P>(map, powers, place, gather),
         Rule::Nearest { k } => {
             map.index().nearest(position, k as usize, radius_squared, accept, scratch);
             let nearest = scratch.as_slice();
@@ -207,32 +205,20 @@ fn estimate_of<P: Power>(
 }
 
 /// The estimate from all photons within a radius; if `FLAT`, from those near the query's plane.
-fn within<const FLAT: bool, P: Power>(
-    map: &CpuMap,
-    powers: &[P],
-    (position, normal): ([f32; 3], Vec3),
-    radius: f32,
-    gather: &Gather,
-) -> Estimate {
-    let radius_squared = radius * radius;
-    let most = gather.max_plane_distance * radius;
+fn within<const FLAT: bool, P: Power>(map: &CpuMap, powers: &[P], place: Place, gather: &Gather) -> Estimate {
+    let radius_squared = place.radius * place.radius;
+    let most = gather.max_plane_distance * place.radius;
     let sum = Sum::new(radius_squared);
     let scale = 1.0 / sum.radius_squared;
-    let sum = map.index().fold_within(position, radius_squared, sum, |sum, slot, d2| {
-        let same = map.normal(slot).dot(normal) >= gather.min_normal_cosine;
-        if !same || (FLAT && off_plane(map, slot, position, normal) > most) {
+    let sum = map.index().fold_within(place.position, radius_squared, sum, |sum, slot, d2| {
+        let same = map.normal(slot).dot(place.normal) >= gather.min_normal_cosine;
+        if !same || (FLAT && place.off_plane(map, slot) > most) {
             return sum;
         }
         let weight = gather.kernel.weight((d2 * scale).min(1.0));
         sum.and(powers[slot as usize], weight)
     });
     sum.finish()
-}
-
-/// How far a photon lies from the plane through a query.
-#[inline]
-pub(crate) fn off_plane(map: &CpuMap, slot: u32, position: [f32; 3], normal: Vec3) -> f32 {
-    (Vec3::from(map.index().position(slot)) - Vec3::from(position)).dot(normal).abs()
 }
 
 /// Σ weight·power.

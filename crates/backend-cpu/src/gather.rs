@@ -3,11 +3,12 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Estimate, FinalGather, Kept, Layer, Maps, Material, Pass, Query, RandomKind, Result, Spread, bsdf, offset, sampling,
+    Estimate, FinalGather, Gather, Kept, Layer, Maps, Material, Pass, Query, RandomKind, Result, Spread, bsdf, offset,
+    sampling,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::estimate::{check, estimate_at};
+use crate::estimate::{Place, estimate_at};
 use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::{CpuScene, VACUUM};
@@ -32,8 +33,7 @@ impl FinalGather<Cpu> for CpuGather {
         film: &mut CpuFilm,
     ) -> Result<()> {
         for (map, gather) in [&maps.direct, &maps.caustic, &maps.global, &maps.irradiance].into_iter().flatten() {
-            gather.validate()?;
-            check(map, gather)?;
+            gather.validate_for(map.kept())?;
         }
         let max_bounces = self.max_bounces;
         on.pool.install(|| {
@@ -161,9 +161,13 @@ fn follow(
             }
             _ => {
                 let mut found = Found::default();
+                let at = |gather: &Gather| Place {
+                    position: surface.point.into(),
+                    normal: surface.normal,
+                    radius: gather.radius_scale,
+                };
                 if let Some((map, gather)) = &maps.irradiance {
-                    let (point, normal, radius) = (surface.point.into(), surface.normal, gather.radius_scale);
-                    let estimate = estimate_at(map, point, normal, radius, gather, &mut scratch[0]);
+                    let estimate = estimate_at(map, at(gather), gather, &mut scratch[0]);
                     found.irradiance = estimate.flux.map(f64::from);
                     return found.times((weight * albedo).to_array());
                 }
@@ -171,13 +175,12 @@ fn follow(
                     [(&maps.direct, maps.paths), (&maps.caustic, maps.caustic_paths), (&maps.global, maps.paths)];
                 for ((map, paths), scratch) in each.into_iter().zip(scratch) {
                     let Some((map, gather)) = map else { continue };
-                    let (point, normal, radius) = (surface.point.into(), surface.normal, gather.radius_scale);
                     let estimate = if told {
-                        let (estimate, spread) = spread_at(map, point, normal, radius, gather);
+                        let (estimate, spread) = spread_at(map, at(gather), gather);
                         found.tell(&estimate, &spread, paths);
                         estimate
                     } else {
-                        estimate_at(map, point, normal, radius, gather, scratch)
+                        estimate_at(map, at(gather), gather, scratch)
                     };
                     for (sum, e) in found.irradiance.iter_mut().zip(estimate.irradiance(paths)) {
                         *sum += e;

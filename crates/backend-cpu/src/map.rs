@@ -52,7 +52,8 @@ impl CpuMap {
     /// # Errors
     /// [`Error::InvalidSetting`] unless photons are kept whole.
     pub fn for_each_within(&self, point: [f32; 3], radius: f32, mut visit: impl FnMut(&Photon, f32)) -> Result<()> {
-        let photons = self.photons().ok_or_else(|| self.photons.cut_short())?;
+        self.photons.check_whole()?;
+        let photons = self.photons.as_slice();
         let order = self.index.order();
         self.index.within(point, radius * radius, |slot, distance_squared| {
             visit(&photons[order[slot as usize] as usize], distance_squared);

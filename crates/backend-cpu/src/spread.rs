@@ -2,10 +2,9 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use photon_core::glam::Vec3;
 use photon_core::{Estimate, Gather, Spread, sampling};
 
-use crate::estimate::{Sum, off_plane};
+use crate::estimate::{Place, Sum};
 use crate::map::{CpuMap, Powers};
 use crate::power::Power;
 
@@ -13,18 +12,12 @@ use crate::power::Power;
 const OFF_PLANE: f32 = 0.25;
 
 /// The estimate of `Rule::Radius`, to the bit, and what the photons within √2 times the radius tell.
-pub(crate) fn spread_at(
-    map: &CpuMap,
-    position: [f32; 3],
-    normal: Vec3,
-    radius: f32,
-    gather: &Gather,
-) -> (Estimate, Spread) {
+pub(crate) fn spread_at(map: &CpuMap, place: Place, gather: &Gather) -> (Estimate, Spread) {
     match (map.powers(), gather.is_flat()) {
-        (Powers::Grey(powers), false) => spread_of::<false, _>(map, powers, (position, normal), radius, gather),
-        (Powers::Grey(powers), true) => spread_of::<true, _>(map, powers, (position, normal), radius, gather),
-        (Powers::Colour(powers), false) => spread_of::<false, _>(map, powers, (position, normal), radius, gather),
-        (Powers::Colour(powers), true) => spread_of::<true, _>(map, powers, (position, normal), radius, gather),
+        (Powers::Grey(powers), false) => spread_of::<false, _>(map, powers, place, gather),
+        (Powers::Grey(powers), true) => spread_of::<true, _>(map, powers, place, gather),
+        (Powers::Colour(powers), false) => spread_of::<false, _>(map, powers, place, gather),
+        (Powers::Colour(powers), true) => spread_of::<true, _>(map, powers, place, gather),
     }
 }
 
@@ -33,22 +26,22 @@ pub(crate) fn spread_at(
 fn spread_of<const FLAT: bool, P: Power>(
     map: &CpuMap,
     powers: &[P],
-    (position, normal): ([f32; 3], Vec3),
-    radius: f32,
+    place: Place,
     gather: &Gather,
 ) -> (Estimate, Spread) {
-    let radius_squared = radius * radius;
-    let most = gather.max_plane_distance * radius;
+    let normal = place.normal;
+    let radius_squared = place.radius * place.radius;
+    let most = gather.max_plane_distance * place.radius;
     let sum = Sum::new(radius_squared);
     let scale = 1.0 / sum.radius_squared;
     let wide_squared = 2.0 * radius_squared;
     let reach = 1.0 / (2.0 * sum.radius_squared).sqrt();
     let (tangent, bitangent) = sampling::basis(normal);
     let state = (sum, Sums::<P::Sum>::default());
-    let (sum, sums) = map.index().fold_within(position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
+    let (sum, sums) = map.index().fold_within(place.position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
         let carried = powers[slot as usize];
         let power = f64::from(carried.mean());
-        let off = if FLAT { off_plane(map, slot, position, normal) } else { 0.0 };
+        let off = if FLAT { place.off_plane(map, slot) } else { 0.0 };
         if map.normal(slot).dot(normal) < gather.min_normal_cosine || (FLAT && off > SQRT_2 * most) {
             sums.stray += power;
             return (sum, sums);
@@ -61,7 +54,7 @@ fn spread_of<const FLAT: bool, P: Power>(
             }
         }
         carried.add(&mut sums.wide, gather.kernel.weight((0.5 * u).min(1.0)));
-        let offset = (Vec3::from(map.index().position(slot)) - Vec3::from(position)) * reach;
+        let offset = place.to(map, slot) * reach;
         if offset.dot(normal).abs() > OFF_PLANE {
             sums.stray += power;
         }

@@ -56,20 +56,13 @@ fn run(
     let radius = (50.0 / (PI * photons.len() as f32 / 5.0)).sqrt();
     let rows = rows(width, height, radius);
     let nearest = |k: u32, kernel: Kernel, min_normal_cosine: f32| Gather {
-        rule: Rule::Nearest { k },
         kernel,
         // Everything is within reach.
         radius_scale: 10.0 / radius,
         min_normal_cosine,
-        max_plane_distance: 1.0,
+        ..Gather::by(Rule::Nearest { k })
     };
-    let within = Gather {
-        rule: Rule::Radius,
-        kernel: Kernel::Constant,
-        radius_scale: 1.0,
-        min_normal_cosine: -1.0,
-        max_plane_distance: 1.0,
-    };
+    let within = Gather::by(Rule::Radius);
     for (order, queries) in [("rows", rows.clone()), ("shuffled", shuffled(&rows))] {
         let queries = on.upload("queries", &queries)?;
         let mut work = vec![

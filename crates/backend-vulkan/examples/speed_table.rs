@@ -18,8 +18,8 @@ use std::time::Instant;
 use backend_cpu::Cpu;
 use backend_vulkan::{RayPlan, Vulkan, VulkanMap};
 use photon_core::{
-    Backend, Estimate, Gather, IndexKind, Kernel, PassEnd, Photon, Pipeline, Render, Requirements, Rule, Settings,
-    Stage, TransportBackend, View,
+    Backend, Estimate, Gather, IndexKind, PassEnd, Photon, Pipeline, Render, Requirements, Rule, Settings, Stage,
+    TransportBackend, View,
 };
 
 const KINDS: [IndexKind; 3] = [IndexKind::Morton, IndexKind::Median, IndexKind::Vvh];
@@ -131,8 +131,7 @@ fn map(
     for (figure, (rule, radius_scale)) in
         figures[1..].iter_mut().zip([nearest(50), nearest(200), (Rule::Radius, 1.0)]).take(searches)
     {
-        let gather =
-            Gather { rule, kernel: Kernel::Constant, radius_scale, min_normal_cosine: -1.0, max_plane_distance: 1.0 };
+        let gather = Gather { radius_scale, ..Gather::by(rule) };
         let mut all = Vec::new();
         for _ in 0..WARM + RUNS {
             let _ = on.timings()?;

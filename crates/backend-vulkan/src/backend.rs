@@ -43,13 +43,7 @@ impl Backend for Vulkan {
         if needed > capacity {
             return Err(Error::CapacityExceeded { label: from.label(), needed, capacity });
         }
-        if from.kept() != Kept::Whole {
-            return Err(Error::InvalidSetting {
-                name: from.label(),
-                value: format!("kept as {}", from.kept().name()),
-                mend: "whole photons were asked for: keep them whole",
-            });
-        }
+        from.kept().check_whole(from.label())?;
         to.clear();
         to.resize(length as usize, bytemuck::Zeroable::zeroed());
         self.read(&from.data, 0, bytemuck::cast_slice_mut(to))?;

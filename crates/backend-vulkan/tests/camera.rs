@@ -328,13 +328,8 @@ fn gather<B: TransportBackend, const N: usize>(
     let [direct, caustic, global] = &built;
     let stage = stages.gather.as_mut().unwrap();
     asked.map(|(rule, rays)| {
-        let how = Gather {
-            rule,
-            kernel: Kernel::Epanechnikov,
-            radius_scale: 0.05,
-            min_normal_cosine: 0.7,
-            max_plane_distance: 1.0,
-        };
+        let how =
+            Gather { kernel: Kernel::Epanechnikov, radius_scale: 0.05, min_normal_cosine: 0.7, ..Gather::by(rule) };
         let maps = Maps {
             direct: direct.as_ref().map(|map| (map, how)),
             caustic: caustic.as_ref().map(|map| (map, how)),

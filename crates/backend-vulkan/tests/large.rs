@@ -2,7 +2,7 @@
 
 use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
-use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Photon, Query, Result, Rule};
+use photon_core::{Backend, Estimate, Gather, IndexKind, Photon, Query, Result, Rule};
 
 const BINDING: u64 = 128 << 20;
 
@@ -38,13 +38,7 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, photons: &[Photon], queries: &[Q
     let map = stages.builder.build(on, there)?;
     let mut found = Vec::new();
     for rule in [Rule::Radius, Rule::Nearest { k: 30 }] {
-        let gather = Gather {
-            rule,
-            kernel: Kernel::Constant,
-            radius_scale: 1.0,
-            min_normal_cosine: -1.0,
-            max_plane_distance: 1.0,
-        };
+        let gather = Gather::by(rule);
         stages.estimator.estimate(on, &map, &asked, &gather, &mut estimates)?;
         let mut some = Vec::new();
         on.download(&estimates, &mut some)?;

@@ -201,7 +201,8 @@ fn overflow_counts_what_there_was() {
     assert_eq!(few.tally, all.tally);
 }
 
-/// Most paths end at the bound on bounces, whatever rounding does to where they go: what is under way between dispatches is kept.
+/// Most paths end at the bound on bounces, whatever rounding does to where they go: what is under way between
+/// dispatches is kept.
 #[test]
 fn long_paths_are_followed_to_their_end() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };

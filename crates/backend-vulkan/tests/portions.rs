@@ -4,8 +4,8 @@
 use backend_cpu::Cpu;
 use backend_vulkan::{Portions, Vulkan};
 use photon_core::{
-    Backend, Budget, Estimate, Film, Gather, IndexKind, Indirect, Kernel, Photon, Pipeline, Query, Render, Rule,
-    Settings, View, render,
+    Backend, Budget, Estimate, Film, Gather, IndexKind, Indirect, Photon, Pipeline, Query, Render, Rule, Settings,
+    View, render,
 };
 
 fn film(portions: Portions, width: u32, height: u32) -> Film {
@@ -64,13 +64,7 @@ fn ask<B: Backend>(on: &mut B, photons: &[Photon], queries: &[Query]) -> Vec<Est
     let asked = on.upload("queries", queries).unwrap();
     let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
     let map = stages.builder.build(on, there).unwrap();
-    let gather = Gather {
-        rule: Rule::Radius,
-        kernel: Kernel::Constant,
-        radius_scale: 1.0,
-        min_normal_cosine: -1.0,
-        max_plane_distance: 1.0,
-    };
+    let gather = Gather::by(Rule::Radius);
     stages.estimator.estimate(on, &map, &asked, &gather, &mut estimates).unwrap();
     let mut found = Vec::new();
     on.download(&estimates, &mut found).unwrap();

@@ -1,5 +1,6 @@
 //! How much of a photon is kept in maps: what somebody reads, and no more.
 
+use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::layout::{Light, Material, Photon};
 use crate::scene::SceneView;
@@ -61,6 +62,21 @@ impl Kept {
         self as u32
     }
 
+    /// Checks that whole photons, which are asked for, are what `label` keeps.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] names it and what it keeps.
+    pub fn check_whole(self, label: &'static str) -> Result<()> {
+        if self == Self::Whole {
+            return Ok(());
+        }
+        Err(Error::InvalidSetting {
+            name: label,
+            value: format!("kept as {}", self.name()),
+            mend: "whole photons were asked for: keep them whole",
+        })
+    }
+
     /// In words, for reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -75,17 +91,12 @@ impl Kept {
 /// Whether light of three equal channels is all that there ever is: what no surface has is not looked at.
 fn is_grey(scene: &SceneView<'_>) -> bool {
     let equal = |[r, g, b]: [f32; 3]| r.to_bits() == g.to_bits() && g.to_bits() == b.to_bits();
-    let mut used = vec![false; scene.materials.len()];
-    for facet in scene.facets {
-        used[facet.material as usize] = true;
-    }
     let surface = |material: &Material| {
         let absorbs = crate::requirements::material_features(material).contains(Features::ABSORPTION);
         equal(material.albedo) && (!absorbs || equal(material.absorption))
     };
     let light = |light: &Light| equal(light.power);
-    scene.lights.iter().all(light)
-        && scene.materials.iter().zip(used).filter(|(_, used)| *used).all(|(material, _)| surface(material))
+    scene.lights.iter().all(light) && scene.materials_in_use().all(surface)
 }
 
 #[cfg(test)]

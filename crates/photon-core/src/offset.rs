@@ -34,8 +34,8 @@ const MOST: f32 = 1.0 / 16.0;
 ///
 /// Rounding may put a point beside an edge behind the wall that begins there, which the next ray then
 /// never meets: 21 of 4·10⁸ bounces left a rotated room. Straight away from an edge unless another is near, and never
-/// farther than eight steps along an axis: along the sides of a sliver the way could be as long as the sliver, and a point of
-/// a wall that stands in a table could end below the table. So the sharp corners of slivers are not kept from.
+/// farther than eight steps along an axis: along the sides of a sliver the way could be as long as the sliver, and a
+/// point of a wall that stands in a table could end below the table. So the sharp corners of slivers are not kept from.
 ///
 /// `margin` is that of the triangle by [`margin`], so that nearly all points cost a comparison.
 #[inline]

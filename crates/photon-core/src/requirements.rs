@@ -36,12 +36,8 @@ impl Requirements {
     /// The least that renders `scene` exactly.
     #[must_use]
     pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
-        let mut used = vec![false; scene.materials.len()];
-        for facet in scene.facets {
-            used[facet.material as usize] = true;
-        }
         let mut features = Features::NONE;
-        for (material, _) in scene.materials.iter().zip(&used).filter(|(_, used)| **used) {
+        for material in scene.materials_in_use() {
             features = features.union(material_features(material));
         }
         for light in scene.lights {

@@ -28,6 +28,17 @@ pub struct SceneView<'a> {
     pub units: Units,
 }
 
+impl<'a> SceneView<'a> {
+    /// The materials that some triangle has, in their order.
+    pub(crate) fn materials_in_use(&self) -> impl Iterator<Item = &'a Material> + use<'a> {
+        let mut used = vec![false; self.materials.len()];
+        for facet in self.facets {
+            used[facet.material as usize] = true;
+        }
+        self.materials.iter().zip(used).filter_map(|(material, used)| used.then_some(material))
+    }
+}
+
 /// What all lights share evenly, of the photons that are sent out; the rest goes by power.
 const EVEN: f64 = 1.0 / 64.0;
 

@@ -180,7 +180,8 @@ pub struct Settings {
     pub gather_rays: u32,
     /// Irradiance is found once a pass at the places of every so-manieth photon, and final-gather rays
     /// take that of the nearest (Christensen 1999), ≥ 1; `None`: each ray asks the maps. Smaller is
-    /// finer; there all photons within a radius count alike. For [`Indirect::Gather`] alone, and not with [`Settings::errors`].
+    /// finer; there all photons within a radius count alike. For [`Indirect::Gather`] alone, and not with
+    /// [`Settings::errors`].
     pub irradiance_every: Option<u32>,
     /// A photon counts if its surface's normal and the query's have at least this cosine, in
     /// `[-1, 1]`.

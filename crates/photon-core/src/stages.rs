@@ -59,6 +59,15 @@ pub struct Gather {
 }
 
 impl Gather {
+    /// By `rule` alone: over each query's own radius, with equal weights, and no photon turned away for its
+    /// normal or its distance from the query's plane.
+    ///
+    /// What differs is said by struct update: `Gather { min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) }`.
+    #[must_use]
+    pub const fn by(rule: Rule) -> Self {
+        Self { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0, max_plane_distance: 1.0 }
+    }
+
     /// Whether photons are turned away for their distance from the query's plane.
     #[must_use]
     pub fn is_flat(&self) -> bool {
@@ -87,6 +96,37 @@ impl Gather {
             value: format!("{}, with {:?}", self.max_plane_distance, self.rule),
             mend: "is a share of a radius that is given: take the estimator of a radius, or 1",
         })
+    }
+
+    /// [`Self::validate`], of a map that keeps so much of its photons: [`Rule::Paper`] reads their directions.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`].
+    pub fn validate_for(&self, kept: Kept) -> Result<()> {
+        self.validate()?;
+        if !matches!(self.rule, Rule::Paper { .. }) || kept == Kept::Whole {
+            return Ok(());
+        }
+        Err(Error::InvalidSetting {
+            name: "the paper's estimator",
+            value: format!("asked of a map that keeps {}", kept.name()),
+            mend: "it reads directions: keep photons whole",
+        })
+    }
+
+    /// [`Self::validate`], for [`RadianceEstimator::estimate_spread`].
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`], for every rule but [`Rule::Radius`] too.
+    pub fn validate_spread(&self) -> Result<()> {
+        if self.rule != Rule::Radius {
+            return Err(Error::InvalidSetting {
+                name: "errors",
+                value: format!("asked of {:?}", self.rule),
+                mend: "can be told of estimates within a radius alone",
+            });
+        }
+        self.validate()
     }
 }
 

@@ -116,8 +116,8 @@ impl SceneBuilder {
 
     /// Checks everything and moves it to normalised space.
     ///
-    /// Triangles without area, and those that light passes unchanged, are dropped and counted; a scene without triangles, or without any
-    /// light, is not an error here.
+    /// Triangles without area, and those that light passes unchanged, are dropped and counted; a scene without
+    /// triangles, or without any light, is not an error here.
     ///
     /// # Errors
     /// Whatever is out of range, by the name of the material, mesh, light or camera.

@@ -1,6 +1,6 @@
 //! S10, S11: maps of as many photons as the memory holds.
 
-use photon_core::{Backend, Error, Estimate, Gather, IndexKind, Kernel, Photon, Query, Result, Rule};
+use photon_core::{Backend, Error, Estimate, Gather, IndexKind, Photon, Query, Result, Rule};
 
 use super::sheet::Sheet;
 use crate::harness::{TestBackend, photon_at, query_at};
@@ -98,13 +98,7 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, side: u32, queries: &[Query]) ->
     for (rule, found) in [Rule::Radius, Rule::Nearest { k: K }].into_iter().zip(&mut found) {
         let asked = on.upload("queries", queries)?;
         let mut estimates = on.alloc("estimates", queries.len() as u64)?;
-        let gather = Gather {
-            rule,
-            kernel: Kernel::Constant,
-            radius_scale: 1.0,
-            min_normal_cosine: -1.0,
-            max_plane_distance: 1.0,
-        };
+        let gather = Gather::by(rule);
         stages.estimator.estimate(on, &map, &asked, &gather, &mut estimates)?;
         on.download(&estimates, found)?;
     }

@@ -1,6 +1,6 @@
 //! S6, S8, S24, S27: photons where nobody would put them.
 
-use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Photon, Query, Rule};
+use photon_core::{Backend, Estimate, Gather, IndexKind, Photon, Query, Rule};
 
 use super::sheet::Sheet;
 use crate::harness::{TestBackend, Uniform, photon_at, query_at};
@@ -98,10 +98,6 @@ fn sets(n: usize) -> Vec<(&'static str, Vec<[f32; 3]>)> {
     ]
 }
 
-fn gather(rule: Rule) -> Gather {
-    Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0, max_plane_distance: 1.0 }
-}
-
 /// S8, S27: counts within a radius and squared distances of the k-th, as by brute force, to the bit.
 fn degenerate_sets<T: TestBackend>(sheet: &mut Sheet) {
     let n = sheet.either(1500, 20_000);
@@ -142,7 +138,7 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, photons: &[Photon], queries: &[Q
     let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
     let map = stages.builder.build(on, there).unwrap();
     [Rule::Radius, Rule::Nearest { k: 20 }].map(|rule| {
-        stages.estimator.estimate(on, &map, &queries_there, &gather(rule), &mut estimates).unwrap();
+        stages.estimator.estimate(on, &map, &queries_there, &Gather::by(rule), &mut estimates).unwrap();
         let mut found = Vec::new();
         on.download(&estimates, &mut found).unwrap();
         found

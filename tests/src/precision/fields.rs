@@ -43,13 +43,7 @@ impl Field {
     fn ask(&self, rule: Rule, reach: f64) -> Vec<photon_core::Estimate> {
         let queries: Vec<_> =
             self.queries.iter().map(|&[x, y]| query_at([x as f32, y as f32, 0.0], reach as f32)).collect();
-        let gather = Gather {
-            rule,
-            kernel: Kernel::Epanechnikov,
-            radius_scale: 1.0,
-            min_normal_cosine: 0.0,
-            max_plane_distance: 1.0,
-        };
+        let gather = Gather { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.0, ..Gather::by(rule) };
         estimate::<OnCpu>(IndexKind::Morton, &self.photons(), &queries, &gather)
     }
 

@@ -27,8 +27,8 @@ pub(crate) fn keep_lowest(keys: &mut Vec<Key>, k: usize, order: &[u32]) {
     let (below, &mut last, above) = keys.select_nth_unstable(k - 1);
     let tied = d2_bits(last);
     if above.iter().chain(&*below).any(|&key| d2_bits(key) == tied) {
-        // The cut goes through a tie, or ends with one, which slots decided: ids must. Of a tie that is kept whole, too,
-        // the last must be the one of the highest id, since others may still come to displace it.
+        // The cut goes through a tie, or ends with one, which slots decided: ids must. Of a tie that is kept whole,
+        // too, the last must be the one of the highest id, since others may still come to displace it.
         keys.select_nth_unstable_by_key(k - 1, |&key| (d2_bits(key), order[slot(key) as usize]));
     }
     keys.truncate(k);

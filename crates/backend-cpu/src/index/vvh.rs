@@ -85,7 +85,8 @@ fn segment(
 fn plane(items: &[Item], axis: usize, lo: f32, extent: f32) -> usize {
     let blocks = items.len().div_ceil(WIDTH);
     let scale = SLABS as f32 / extent;
-    // Two blocks leave no choice. Extents of zero, of almost zero and beyond the range of f32 have no slabs to speak of.
+    // Two blocks leave no choice. Extents of zero, of almost zero and beyond the range of f32 have no slabs to speak
+    // of.
     if blocks == 2 || !(scale > 0.0 && scale < f32::INFINITY) {
         return left_size(items.len());
     }

@@ -46,7 +46,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         gather: &Gather,
         estimates: &mut VulkanBuffer<Estimate>,
     ) -> Result<()> {
-        gather.validate()?;
+        gather.validate_for(map.kept())?;
         let mut question = radius_question(gather);
         match gather.rule {
             Rule::Radius => {}
@@ -61,7 +61,6 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
                 return Ok(());
             }
             Rule::Paper { max, threshold, factor } => {
-                directions(map)?;
                 question.mode = Mode::Paper;
                 question.kernel = Kernel::Constant;
                 question.filter = true;
@@ -87,14 +86,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         estimates: &mut VulkanBuffer<Estimate>,
         spreads: &mut VulkanBuffer<Spread>,
     ) -> Result<()> {
-        if gather.rule != Rule::Radius {
-            return Err(Error::InvalidSetting {
-                name: "errors",
-                value: format!("asked of {:?}", gather.rule),
-                mend: "can be told of estimates within a radius alone",
-            });
-        }
-        gather.validate()?;
+        gather.validate_spread()?;
         let question = Question { spreads: spreads.data_address(), ..radius_question(gather) };
         let capacity = estimates.capacity().min(spreads.capacity());
         let result = (estimates.data_address(), estimates.count_address(), capacity);
@@ -122,13 +114,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         let mut estimates = VulkanBuffer::<Estimate>::new(on, "estimates", u64::from(count))?;
         // The photon itself is the nearest.
         let k = neighbours + 1;
-        let gather = Gather {
-            rule: Rule::Nearest { k },
-            kernel: Kernel::Constant,
-            radius_scale: 1.0,
-            min_normal_cosine,
-            max_plane_distance: 1.0,
-        };
+        let gather = Gather { min_normal_cosine, ..Gather::by(Rule::Nearest { k }) };
         self.estimate(on, map, &queries, &gather, &mut estimates)?;
         let mut found = Vec::new();
         on.download(&estimates, &mut found)?;
@@ -139,18 +125,6 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
     fn least_kept(&self) -> Kept {
         Kept::Grey
     }
-}
-
-/// Whether a map keeps directions.
-fn directions(map: &VulkanMap) -> Result<()> {
-    if map.kept() == Kept::Whole {
-        return Ok(());
-    }
-    Err(Error::InvalidSetting {
-        name: "the paper's estimator",
-        value: format!("asked of a map that keeps {}", map.kept().name()),
-        mend: "it reads directions: keep photons whole",
-    })
 }
 
 /// All within the radius.

@@ -1,8 +1,8 @@
 //! What a scene lacks is in no kernel, and what a render had is not in memory after it.
 
 use photon_core::{
-    Backend, Bandwidth, Batch, Deposits, Direct, Features, Gather, Indirect, Kernel, Maps, Pass, Photon, PhotonRay,
-    Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Rule, Settings, TransportBackend, View,
+    Backend, Bandwidth, Batch, Deposits, Direct, Features, Gather, Indirect, Maps, Pass, Photon, PhotonRay, Pipeline,
+    QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Rule, Settings, TransportBackend, View,
 };
 use photon_scene::{Scene, builtin};
 
@@ -27,13 +27,7 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     stages.eye.trace_eye(&mut on, &prepared, &view, pass, &mut film, &mut queries).unwrap();
     stages.direct.as_mut().unwrap().light(&mut on, &prepared, pass, &queries, 1, &mut film).unwrap();
     let map = stages.map.builder.build(&mut on, photons).unwrap();
-    let gather = Gather {
-        rule: Rule::Radius,
-        kernel: Kernel::Constant,
-        radius_scale: 0.1,
-        min_normal_cosine: 0.5,
-        max_plane_distance: 1.0,
-    };
+    let gather = Gather { radius_scale: 0.1, min_normal_cosine: 0.5, ..Gather::by(Rule::Radius) };
     let global = Some((&map, gather));
     let maps = Maps { direct: None, caustic: None, global, irradiance: None, paths: 500, caustic_paths: 500 };
     stages.gather.as_mut().unwrap().gather(&mut on, &prepared, &maps, pass, &queries, 1, &mut film).unwrap();

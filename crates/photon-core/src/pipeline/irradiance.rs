@@ -94,11 +94,9 @@ impl<B: TransportBackend> Pipeline<B> {
         // The nearest that faces the same way, within what holds a few points wherever a search by
         // `reach` is worth anything.
         let gather = Gather {
-            rule: Rule::Closest,
-            kernel: Kernel::Constant,
             radius_scale: reach * (every as f32 / 8.0).max(1.0).sqrt(),
             min_normal_cosine: self.settings.min_normal_cosine,
-            max_plane_distance: 1.0,
+            ..Gather::by(Rule::Closest)
         };
         Ok(Some((built, gather)))
     }

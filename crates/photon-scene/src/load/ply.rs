@@ -12,8 +12,8 @@ use std::path::Path;
 
 /// Reads the vertices and polygons of a PLY file, ASCII or binary of either byte order.
 ///
-/// Polygons become fans of triangles, the report says where those stick out, and strips of triangles are resolved. The mesh is named after
-/// the file.
+/// Polygons become fans of triangles, the report says where those stick out, and strips of triangles are resolved.
+/// The mesh is named after the file.
 ///
 /// # Errors
 /// A file that cannot be read or makes no sense, by its line where it has lines; a polygon that

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use backend_vulkan::{Vulkan, VulkanBuffer};
 use clap::Parser;
 use host::{Host, Push};
-use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Photon, Query, Rule};
+use photon_core::{Backend, Estimate, Gather, IndexKind, Photon, Query, Rule};
 use photon_examples::args::IndexName;
 use photon_examples::fault::{self, Fault};
 
@@ -74,13 +74,7 @@ fn work(args: &Args) -> Result<(), Fault> {
         let mut stages = on.map_stages(kind)?;
         let map = stages.builder.build(&mut on, photons)?;
         let mut answers = on.alloc::<Estimate>("estimates", queries)?;
-        let gather = Gather {
-            rule: Rule::Radius,
-            kernel: Kernel::Constant,
-            radius_scale: 1.0,
-            min_normal_cosine: 0.7,
-            max_plane_distance: 1.0,
-        };
+        let gather = Gather { min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) };
         stages.estimator.estimate(&mut on, &map, &there, &gather, &mut answers)?;
         let mut found = Vec::new();
         on.download(&answers, &mut found)?;

@@ -3,7 +3,7 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Backend, Estimate, Gather, IndexKind, Kernel, Photon, Query, RandomKind, Result, Rule, octahedral, sampling,
+    Backend, Estimate, Gather, IndexKind, Photon, Query, RandomKind, Result, Rule, octahedral, sampling,
 };
 
 /// One error.
@@ -92,8 +92,7 @@ fn ratio<B: Backend>(on: &mut B, rule: Rule, slanted: bool, radius: f32) -> Resu
         Query { position, radius, normal: [0.0, 0.0, 1.0], weight: [1.0; 3], ..Query::default() }
     };
     let queries: Vec<Query> = (0..SIDE * SIDE).map(query).collect();
-    let gather =
-        Gather { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: 0.7, max_plane_distance: 1.0 };
+    let gather = Gather { min_normal_cosine: 0.7, ..Gather::by(rule) };
     let mut stages = on.map_stages(IndexKind::Median)?;
     let queries = on.upload("queries", &queries)?;
     let mut estimates = on.alloc::<Estimate>("estimates", u64::from(SIDE * SIDE))?;

@@ -157,7 +157,7 @@ impl Plan {
         let kernel = if map.rule == Rule::Radius { self.settings.kernel } else { Kernel::Constant };
         // The paper has no test of normals but that of its equation (2).
         let min_normal_cosine = if map.rule == Rule::Radius { self.settings.min_normal_cosine } else { -1.0 };
-        Gather { rule: map.rule, kernel, radius_scale: radius, min_normal_cosine, max_plane_distance: 1.0 }
+        Gather { kernel, radius_scale: radius, min_normal_cosine, ..Gather::by(map.rule) }
     }
 }
 

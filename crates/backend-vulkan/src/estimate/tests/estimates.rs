@@ -141,13 +141,7 @@ fn many_photons_add_up() {
             .collect();
         let queries = queries(&[[0.0; 3]], 3.0);
         let rule = if rule == Rule::Radius { rule } else { Rule::Nearest { k: count } };
-        let gather = Gather {
-            rule,
-            kernel: Kernel::Constant,
-            radius_scale: 1.0,
-            min_normal_cosine: -1.0,
-            max_plane_distance: 1.0,
-        };
+        let gather = Gather::by(rule);
         let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
         let found = on_device(&mut on, &photons, &queries, &gather, IndexKind::Morton);
         assert_eq!(found[0].photons, count);
@@ -171,13 +165,8 @@ fn sorted_queries_find_the_same() {
     let mut there = on.upload("queries", &[queries.clone(), vec![Query::default(); 90]].concat()).unwrap();
     on.set_length(&mut there, queries.len() as u64).unwrap();
     for rule in [Rule::Radius, Rule::Nearest { k: 30 }] {
-        let gather = Gather {
-            rule,
-            kernel: Kernel::Epanechnikov,
-            radius_scale: 0.5,
-            min_normal_cosine: 0.5,
-            max_plane_distance: 1.0,
-        };
+        let gather =
+            Gather { kernel: Kernel::Epanechnikov, radius_scale: 0.5, min_normal_cosine: 0.5, ..Gather::by(rule) };
         let mut estimates = on.alloc("estimates", there.capacity()).unwrap();
         let mut estimator = VulkanEstimator { search: Search { worth_order: 0, ..Search::default() } };
         for _ in 0..2 {
@@ -198,13 +187,7 @@ fn wide_bins_find_the_same() {
     let queries = queries(&places(&walls(300))[..12], 0.5);
     let there = on.upload("queries", &queries).unwrap();
     for k in [20, 500] {
-        let gather = Gather {
-            rule: Rule::Nearest { k },
-            kernel: Kernel::Biweight,
-            radius_scale: 1.0,
-            min_normal_cosine: 0.5,
-            max_plane_distance: 1.0,
-        };
+        let gather = Gather { kernel: Kernel::Biweight, min_normal_cosine: 0.5, ..Gather::by(Rule::Nearest { k }) };
         let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
         let mut estimator = VulkanEstimator { search: Search { narrow_bins: 10, ..Search::default() } };
         estimator.estimate(&mut on, &map, &there, &gather, &mut estimates).unwrap();
@@ -223,13 +206,7 @@ fn the_same_twice() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let photons = photons(&caustic(10_000, 0.05));
     let queries = queries(&places(&walls(3000)), 0.2);
-    let gather = Gather {
-        rule: Rule::Nearest { k: 60 },
-        kernel: Kernel::Biweight,
-        radius_scale: 1.0,
-        min_normal_cosine: 0.5,
-        max_plane_distance: 1.0,
-    };
+    let gather = Gather { kernel: Kernel::Biweight, min_normal_cosine: 0.5, ..Gather::by(Rule::Nearest { k: 60 }) };
     let first = on_device(&mut on, &photons, &queries, &gather, IndexKind::Median);
     assert_eq!(first, on_device(&mut on, &photons, &queries, &gather, IndexKind::Median));
 }
@@ -256,13 +233,7 @@ fn the_comparison_can_fail() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let mut photons = photons(&walls(300));
     let queries = queries(&[[0.5, 0.0, 0.5]], 0.4);
-    let gather = Gather {
-        rule: Rule::Radius,
-        kernel: Kernel::Epanechnikov,
-        radius_scale: 1.0,
-        min_normal_cosine: -1.0,
-        max_plane_distance: 1.0,
-    };
+    let gather = Gather { kernel: Kernel::Epanechnikov, ..Gather::by(Rule::Radius) };
     let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
     let mut same = |photons: &[Photon], gather: &Gather| {
         compare(&on_device(&mut on, photons, &queries, gather, IndexKind::Morton), &expected, 3.0)

@@ -22,8 +22,7 @@ fn estimates(
     rule: Rule,
     search: Search,
 ) -> Vec<Estimate> {
-    let gather =
-        Gather { rule, kernel: Kernel::Biweight, radius_scale: 1.0, min_normal_cosine: 0.3, max_plane_distance: 1.0 };
+    let gather = Gather { kernel: Kernel::Biweight, min_normal_cosine: 0.3, ..Gather::by(rule) };
     let mut estimates = on.alloc("estimates", queries.capacity()).unwrap();
     VulkanEstimator { search }.estimate(on, map, queries, &gather, &mut estimates).unwrap();
     let mut found = Vec::new();

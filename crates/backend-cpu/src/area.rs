@@ -47,8 +47,7 @@ impl AreaProbe<Cpu> for CpuArea {
                     for ((estimate, query), spread) in estimates.iter_mut().zip(queries).zip(spreads) {
                         if spread.photons > 0 {
                             let radius = estimate.radius_squared.sqrt();
-                            let [share, wide, narrow] =
-                                Disc { scene, pass, query, gather, radius }.shares::<true>();
+                            let [share, wide, narrow] = Disc { scene, pass, query, gather, radius }.shares::<true>();
                             estimate.radius_squared *= share;
                             spread.wide = spread.wide.map(|flux| flux * (share / wide));
                             spread.narrow = spread.narrow.map(|flux| flux * (share / narrow));
@@ -80,8 +79,7 @@ impl Disc<'_> {
         }
         let normal = Vec3::from(query.normal);
         let (tangent, bitangent) = sampling::basis(normal);
-        let mut sampler =
-            Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Area, query.path);
+        let mut sampler = Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Area, query.path);
         let [turn, shift, ..] = sampler.words(0).map(unit_f32);
         let from = offset::off_surface(query.position.into(), normal);
         // Under a ceiling, from half its height.

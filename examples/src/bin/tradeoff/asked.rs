@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use photon_core::{Budget, Film, Outcome, Plan, Settings};
+use photon_core::{Area, Bandwidth, Budget, Film, Outcome, Plan, Settings};
 use photon_examples::fault::Fault;
 
 use crate::engine::{Engine, Subject};
@@ -12,11 +12,28 @@ use crate::truth::Truth;
 /// Seconds after which an error is given up.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// What is asked for.
-fn plans() -> Vec<Plan> {
-    let error = |target| Plan { most_time: Some(PATIENCE), ..Budget::Error { target, share_of_pixels: 0.95 }.into() };
-    let time = |seconds| Budget::Time(Duration::from_secs(seconds)).into();
-    vec![error(0.2), error(0.1), error(0.05), time(1), time(5)]
+/// What is asked for, with which settings, and how that is called.
+fn plans(base: &Settings) -> Vec<(String, Settings, Plan)> {
+    let plain = Settings { errors: true, seed: 77, ..base.clone() };
+    let mut plans = Vec::new();
+    for target in [0.2, 0.1, 0.05] {
+        let until = Budget::Error { target, share_of_pixels: 0.95 };
+        let plan = Plan { most_time: Some(PATIENCE), ..until.into() };
+        plans.push((format!("error of {:.0} %", 100.0 * target), plain.clone(), plan));
+    }
+    // A time is spent as the presets are; beside that the other ways of which these were chosen.
+    for seconds in [1, 5] {
+        for (name, area, bandwidth) in [
+            ("", Area::Surface, Bandwidth::PerPixel),
+            (", shared radii", Area::Surface, Bandwidth::Shared),
+            (", disc", Area::Disc, Bandwidth::PerPixel),
+            (", disc and shared radii", Area::Disc, Bandwidth::Shared),
+        ] {
+            let settings = Settings { area, bandwidth, ..plain.clone() };
+            plans.push((format!("{seconds} s{name}"), settings, Budget::Time(Duration::from_secs(seconds)).into()));
+        }
+    }
+    plans
 }
 
 /// The lines of one scene.
@@ -26,26 +43,20 @@ pub(crate) fn rows(
     base: &Settings,
     truth: &Truth,
 ) -> Result<Vec<AskedRow>, Fault> {
-    let settings = Settings { errors: true, seed: 77, ..base.clone() };
-    // Whatever is compiled for the first time is not what is timed.
-    engine.film(subject, &settings, Budget::Passes(2))?;
-    plans()
+    plans(base)
         .into_iter()
-        .map(|plan| {
+        .map(|(asked, settings, plan)| {
+            // Whatever is compiled for the first time is not what is timed.
+            engine.film(subject, &settings, Budget::Passes(2))?;
             let (film, told) = engine.film(subject, &settings, plan)?;
-            let row = row(subject, (plan, &told.outcome, told.seconds), &film, truth);
+            let row = row(subject, asked, (&told.outcome, told.seconds), &film, truth);
             crate::progress(&format!("{}: {}: {}, {}", row.scene, row.asked, row.predicted, row.took));
             Ok(row)
         })
         .collect()
 }
 
-fn row(subject: &Subject, (plan, outcome, seconds): (Plan, &Outcome, f64), film: &Film, truth: &Truth) -> AskedRow {
-    let asked = match plan.until {
-        Budget::Error { target, .. } => format!("error of {:.0} %", 100.0 * target),
-        Budget::Time(time) => format!("{} s", time.as_secs()),
-        Budget::Passes(_) | Budget::Photons(_) => String::new(),
-    };
+fn row(subject: &Subject, asked: String, (outcome, seconds): (&Outcome, f64), film: &Film, truth: &Truth) -> AskedRow {
     let predicted = outcome.predicted.as_ref().map_or_else(
         || "–".to_owned(),
         |forecast| match (forecast.passes_least, forecast.passes_needed, forecast.seconds_needed()) {
@@ -67,7 +78,13 @@ fn row(subject: &Subject, (plan, outcome, seconds): (Plan, &Outcome, f64), film:
     let standing = || claims.iter().enumerate().filter(|(_, claim)| claim.flags.is_empty());
     let held = standing().filter(|(pixel, claim)| (claim.value - truth.at(*pixel)).abs() <= claim.half_width).count();
     let count = standing().count();
+    let floor = truth.floor(claims.len());
+    let squares = claims.iter().enumerate().map(|(pixel, claim)| {
+        let truth = truth.at(pixel);
+        (claim.value - truth).powi(2) / (truth * truth + floor)
+    });
     AskedRow {
+        error: Some(squares.sum::<f64>() / claims.len().max(1) as f64),
         scene: subject.name.clone(),
         asked,
         predicted,

@@ -118,6 +118,8 @@ pub(crate) struct AskedRow {
     pub(crate) took: String,
     /// Error claimed at the end.
     pub(crate) reached: Option<f64>,
+    /// relMSE.
+    pub(crate) error: Option<f64>,
     pub(crate) claimed: f64,
     /// Share of claims that hold, where that can be told.
     pub(crate) covered: Option<f64>,

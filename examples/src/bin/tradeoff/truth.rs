@@ -156,8 +156,7 @@ fn told_by_halves(first: &Film, whole: &Film, alpha: f64) -> [f64; 2] {
             };
             let (value, noise) = of(sum(whole), whole.square, passes);
             let (early_value, early_noise) = of(sum(first), first.square, early);
-            let (late_value, late_noise) =
-                of(sum(whole) - sum(first), whole.square - first.square, passes - early);
+            let (late_value, late_noise) = of(sum(whole) - sum(first), whole.square - first.square, passes - early);
             let difference = (early_value - late_value).powi(2) - early_noise - late_noise;
             [value, noise, difference]
         })

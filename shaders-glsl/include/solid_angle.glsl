@@ -5,18 +5,29 @@
 #include "math.glsl"
 
 // How often the spread of its corners a triangle must be away, in squares, not to be near.
-const float SOLID_ANGLE_NEAR = 18.0;
+const float SOLID_ANGLE_NEAR = 32.0;
 
 // Nearer than this to its plane a triangle is not seen.
 const float SOLID_ANGLE_LEAST_HEIGHT = 1.0 / 2097152.0;
 
-// Whether a triangle is nearer than three times its radius.
+// Whether a triangle is nearer than four times its radius.
 bool solid_angle_is_near(vec3 a, vec3 b, vec3 c) {
     precise vec3 sum = a + b + c;
     precise float away = dot3(sum, sum) * 0.33333334;
     precise float spread = (dot3(a, a) + dot3(b, b) + dot3(c, c)) - away;
     precise float limit = SOLID_ANGLE_NEAR * spread;
     return away < limit;
+}
+
+// The solid angle of a triangle.
+float solid_angle_of(vec3 a, vec3 b, vec3 c, float height, float area) {
+    float x = sqrt(dot3(a, a));
+    float y = sqrt(dot3(b, b));
+    float z = sqrt(dot3(c, c));
+    precise float rest = x * y * z + dot3(a, b) * z + dot3(b, c) * x + dot3(c, a) * y;
+    precise float volume = 2.0 * area * height;
+    precise float angle = 12.566371 * turns_of(volume, rest);
+    return angle;
 }
 
 // The first of two lengths over both, 0 where there are none.
@@ -63,7 +74,7 @@ bool solid_angle_sample(
     precise vec3 side = finish - start;
     precise vec3 across = side - from * dot3(side, from);
     float breadth = sqrt(dot3(across, across));
-    if (!(half_turns > 0.0 && breadth > 0.0)) return false;
+    if (!(half_turns > 0.0 && volume > 0.0 && breadth > 0.0)) return false;
     precise vec3 tangent = across * (1.0 / breadth);
     precise float turns = u * half_turns;
     vec2 sin_cos = sin_cos_turns(turns);

@@ -16,6 +16,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 0u) {
         return Output(uvec4(uint(solid_angle_is_near(a.xyz, b.xyz, c.xyz)), 0u, 0u, 0u), uvec4(0u));
     }
+    if (FUNCTION == 1u) return floats(vec4(solid_angle_of(a.xyz, b.xyz, c.xyz, a.w, b.w), 0.0, 0.0, 0.0), vec4(0.0));
     uint packed = floatBitsToUint(c.w);
     vec2 weights;
     float angle;

@@ -23,10 +23,18 @@ pub(super) fn rows() -> Vec<Row> {
             twin: |i| words([solid_angle::is_near(corners(i)).into()]),
         },
         Row {
-            name: "solid_angle_sample",
+            name: "solid_angle_of",
             module,
             function: 1,
-            bound: Bound::Conditioned(2e-6, "its condition", condition),
+            bound: Bound::Conditioned(4e-6, "its condition", |i| condition(i, angle)),
+            draw: view,
+            twin: |i| angle(corners(i), i),
+        },
+        Row {
+            name: "solid_angle_sample",
+            module,
+            function: 2,
+            bound: Bound::Conditioned(2e-6, "its condition", |i| condition(i, sampled)),
             draw: view,
             twin: |i| sampled(corners(i), i),
         },
@@ -56,6 +64,10 @@ fn view(d: &mut Draw) -> Input {
     made
 }
 
+fn angle(corners: [Vec3; 3], i: &Input) -> Output {
+    output([solid_angle::of(corners, i.float(3), i.float(7))])
+}
+
 fn sampled(corners: [Vec3; 3], i: &Input) -> Output {
     let packed = i.0[11];
     let (u, v) = (unit_f32(packed & 0xFFFF_0000), unit_f32(packed << 16));
@@ -66,15 +78,15 @@ fn sampled(corners: [Vec3; 3], i: &Input) -> Output {
 }
 
 /// What changes of 1e-6 of the corners change, over that; infinite where they make another corner the pole.
-fn condition(i: &Input) -> f64 {
+fn condition(i: &Input, function: fn([Vec3; 3], &Input) -> Output) -> f64 {
     const CHANGE: f32 = 1e-6;
-    let before = sampled(corners(i), i);
+    let before = function(corners(i), i);
     let mut condition = 1.0_f64;
     for (which, axis) in (0..9).map(|k| (k / 3, k % 3)) {
         let mut moved = corners(i);
         let size = moved[which].length();
         moved[which][axis] += CHANGE * size;
-        let after = sampled(moved, i);
+        let after = function(moved, i);
         for (a, b) in before.iter().zip(after) {
             let apart = f64::from(f32::from_bits(*a)) - f64::from(f32::from_bits(b));
             condition = condition.max(apart.abs() / f64::from(CHANGE));

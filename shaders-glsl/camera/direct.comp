@@ -18,6 +18,7 @@ layout(constant_id = 2) const uint WEIGHED = 0;
 #include "offset.glsl"
 #include "random.glsl"
 #include "sampling.glsl"
+#include "solid_angle.glsl"
 #include "scene.glsl"
 #include "two_float.glsl"
 #include "choice.glsl"
@@ -62,35 +63,68 @@ uint stratum(uint ray, uint rays, uint random) {
     return quotient;
 }
 
+// A point that a shadow ray goes to.
+struct Aim {
+    vec3 to;
+    // The normal of a lamp on the side that the ray arrives at.
+    vec3 front;
+    // Of the whole lamp, where the point is uniform in that; 0 where it is uniform in area.
+    float solid_angle;
+};
+
+// A point of a triangle, on the side that faces the query; false if none does.
+bool at_lamp(Emission lamp, Light light, vec3 from, float u, float v, out Aim aim) {
+    aim.front = lamp.normal;
+    aim.solid_angle = 0.0;
+    aim.to = lamp.a;
+    if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(lamp.normal, from - lamp.a) < 0.0) aim.front = -lamp.normal;
+    // As seen from as far behind as rays end above the lamp.
+    vec3 eye = off_surface(from, -aim.front);
+    vec3 a = lamp.a - eye, b = lamp.b - eye, c = lamp.c - eye;
+    float height = -dot3(aim.front, a);
+    bool near = solid_angle_is_near(a, b, c);
+    if (!(height > (near ? SOLID_ANGLE_LEAST_HEIGHT : 0.0))) return false;
+    vec2 weights;
+    if (!near
+        || !solid_angle_sample(a, b, c, height, light.area, u, v, weights, aim.solid_angle)) {
+        weights = sampling_triangle(u, v);
+    }
+    aim.to = off_surface(barycentric(lamp.a, lamp.b, lamp.c, weights.x, weights.y), aim.front);
+    return true;
+}
+
 // Unoccluded irradiance from one point of a light over the density of that point, and the ray that
 // must be free. False if the light is on the other side.
 bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 value, out Ray ray) {
     Light light = push.scene.lights[index].at;
     vec3 from = off_surface(position, normal);
+    value = vec3(0.0);
+    ray = Ray(from, normal, 0.0);
     if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0 && light.kind == LIGHT_DIRECTIONAL) {
         float cosine = -dot3(normal, light.direction);
         value = light.power * (cosine / (3.14159265 * light.radius * light.radius));
         ray = Ray(from, -light.direction, NO_LIMIT);
         return cosine > 0.0;
     }
-    vec3 to = light.position;
-    vec3 front = vec3(0.0);
-    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE) {
-        vec2 weights = sampling_triangle(unit_f32(words.y), unit_f32(words.z));
-        Emission lamp = push.scene.emissions[index].at;
-        vec3 point = barycentric(lamp.a, lamp.b, lamp.c, weights.x, weights.y);
-        front = lamp.normal;
-        if ((light.flags & LIGHT_BOTH_SIDES) != 0 && words.w >> 31 == 1) front = -front;
-        to = off_surface(point, front);
+    Aim aim = Aim(light.position, vec3(0.0), 0.0);
+    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE
+        && !at_lamp(push.scene.emissions[index].at, light, from, unit_f32(words.y), unit_f32(words.z), aim)) {
+        return false;
     }
-    vec3 gap = to - from;
+    vec3 gap = aim.to - from;
     float square = dot3(gap, gap);
     float far = sqrt(square);
     vec3 direction = gap / far;
     float cosine = dot3(normal, direction);
     ray = Ray(from, direction, far);
-    value = vec3(0.0);
     if (!(cosine > 0.0)) return false;
+    // Both sides share the power; it is the one that faces the query.
+    float sides = (light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0;
+    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && aim.solid_angle > 0.0) {
+        // The radiance is the power over π and the area.
+        value = light.power * sides * (aim.solid_angle * 0.318309886 / light.area * cosine);
+        return true;
+    }
     // Radiant intensity towards the query.
     vec3 intensity;
     if ((FEATURES & FEATURE_POINT_LIGHTS) != 0 && light.kind == LIGHT_POINT) {
@@ -101,7 +135,7 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
         intensity = light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
     } else {
         // All its power, as if it left this point with the cosine of Lambert.
-        intensity = light.power * max(-dot3(direction, front) * 0.318309886, 0.0);
+        intensity = light.power * sides * max(-dot3(direction, aim.front) * 0.318309886, 0.0);
     }
     value = intensity * (cosine / square);
     return intensity != vec3(0.0);

@@ -5,6 +5,7 @@
 #include "layout.glsl"
 #include "sampling.glsl"
 #include "scene.glsl"
+#include "solid_angle.glsl"
 
 // Up to so many lights are weighed for each query; more are chosen by power alone.
 const uint FEW = 16;
@@ -18,7 +19,8 @@ struct Choices {
     uint count;
 };
 
-// Roughly the unoccluded irradiance from a light, mean of RGB; 0 only where it is 0.
+// Roughly the unoccluded irradiance from a light, mean of RGB; 0 only where it is 0 or the light is in the plane but
+// for roundings.
 float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
     Light light = scene.lights[index].at;
     float power = (light.power.x + light.power.y + light.power.z) / 3.0;
@@ -27,9 +29,20 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
     }
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE) {
         Emission lamp = scene.emissions[index].at;
-        vec3 gap = (lamp.a + lamp.b + lamp.c) / 3.0 - position;
-        // Within its own size a lamp is no longer a point; its cosines vary, and are left out.
-        return power / (4.0 * max(dot3(gap, gap), light.area));
+        vec3 a = lamp.a - position, b = lamp.b - position, c = lamp.c - position;
+        float height = -dot3(a, lamp.normal);
+        if ((light.flags & LIGHT_BOTH_SIDES) != 0) {
+            height = abs(height);
+            power = 0.5 * power;
+        }
+        if (!(height > SOLID_ANGLE_LEAST_HEIGHT)) return 0.0;
+        // The radiance times the solid angle: its cosine here varies within a lamp near by, and is left out.
+        if (solid_angle_is_near(a, b, c)) {
+            return power * solid_angle_of(a, b, c, height, light.area) / (3.14159265 * light.area);
+        }
+        vec3 gap = (a + b + c) / 3.0;
+        float square = dot3(gap, gap);
+        return power * height / (3.14159265 * (square * sqrt(square)));
     }
     vec3 gap = light.position - position;
     float square = dot3(gap, gap);

@@ -90,6 +90,27 @@ float math_ln(float x) {
     return sum;
 }
 
+// The angle of (x, y), y >= 0, from the first axis, in turns; 0 for a vector without length.
+float turns_of(float y, float x) {
+    float along = abs(x);
+    bool steep = y > along;
+    float low = steep ? along : y;
+    float high = steep ? y : along;
+    precise float edge = 0.41421356 * high;
+    bool diagonal = low > edge;
+    precise float opposite = diagonal ? low - high : low;
+    precise float adjacent = diagonal ? low + high : high;
+    if (!is_positive_finite(adjacent)) return 0.0;
+    precise float t = opposite / adjacent;
+    precise float s = t * t;
+    precise float near =
+        t * (0.15915494 + s * (-0.05305078 + s * (0.031789843 + s * (-0.02204153 + s * 0.0126974825))));
+    precise float low_turns = diagonal ? near + 0.125 : near;
+    precise float turns = steep ? 0.25 - low_turns : low_turns;
+    precise float result = x < 0.0 ? 0.5 - turns : turns;
+    return result;
+}
+
 // Cube root of `x` >= 0, normal or 0.
 float cube_root(float x) {
     uint bits = floatBitsToUint(x);

@@ -21,6 +21,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         case 4u: return floats(vec4(sin_cos_turns(a.x), 0.0, 0.0), vec4(0.0));
         case 5u: return floats(vec4(exp_neg(a.x), 0.0, 0.0, 0.0), vec4(0.0));
         case 6u: return floats(vec4(math_ln(a.x), 0.0, 0.0, 0.0), vec4(0.0));
+        case 7u: return floats(vec4(turns_of(a.x, a.y), 0.0, 0.0, 0.0), vec4(0.0));
         default: return floats(vec4(cube_root(a.x), 0.0, 0.0, 0.0), vec4(0.0));
     }
 }

@@ -1,6 +1,6 @@
 //! B: direct light.
 
-use photon_core::{Direct, Indirect, Layer, Settings};
+use photon_core::{Direct, Film, Indirect, Layer, Settings, random, sampling};
 use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, shapes};
 use std::f64::consts::PI;
 
@@ -20,18 +20,23 @@ fn floor() -> SceneBuilder {
 
 /// Irradiance at a point of the floor by shadow rays, and its standard error: `√Σs²/n` over pixels,
 /// which draw numbers of their own.
-fn irradiance<T: TestBackend>(mut builder: SceneBuilder, x: f64, shadow_rays: u32) -> (f64, f64) {
-    look_at_point(&mut builder, [x, 0.0, 0.0], [0.0, 1.0, 0.0], 1e-3, 1e-6);
-    let scene = builder.build().unwrap();
-    let settings =
-        Settings { indirect: Indirect::None, caustics: false, shadow_rays, photons: 1, ..Settings::default() };
-    let film = film::<T>(&scene, &settings, 16, 8);
+fn irradiance<T: TestBackend>(builder: SceneBuilder, x: f64, shadow_rays: u32) -> (f64, f64) {
+    let film = point::<T>(builder, x, shadow_rays, 16, 8);
     let pixels = film.layer(Layer::Direct);
     let n = pixels.len() as f64;
     let factor = PI / ALBEDO;
     let mean = pixels.iter().map(|p| f64::from(p[0])).sum::<f64>() / n;
     let error = film.standard_error().iter().map(|&e| f64::from(e).powi(2)).sum::<f64>().sqrt() / n;
     (mean * factor, error * factor)
+}
+
+/// A film all of whose pixels see one point of the floor.
+fn point<T: TestBackend>(mut builder: SceneBuilder, x: f64, shadow_rays: u32, passes: u32, size: u32) -> Film {
+    look_at_point(&mut builder, [x, 0.0, 0.0], [0.0, 1.0, 0.0], 1e-3, 1e-6);
+    let scene = builder.build().unwrap();
+    let settings =
+        Settings { indirect: Indirect::None, caustics: false, shadow_rays, photons: 1, ..Settings::default() };
+    film::<T>(&scene, &settings, passes, size)
 }
 
 fn with_lamp(name: &str, (positions, triangles): shapes::Shape, radiance: f64) -> SceneBuilder {
@@ -123,6 +128,66 @@ pub fn b5_form_factors<T: TestBackend>() {
         let found = tally.absorbed as f64 / f64::from(n);
         assert_agrees("form factor", found, factor, (factor * (1.0 - factor) / f64::from(n)).sqrt(), 5e-5);
     }
+}
+
+/// A wall of light on the floor at x = 0, `2·half` long and `high`, that shines towards larger x; or to both sides.
+fn wall_of_light(half: f64, high: f64, both: bool) -> SceneBuilder {
+    let mut builder = floor();
+    let lamp = MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]);
+    let lamp = builder.material(MaterialDesc { emits_both_sides: both, ..lamp });
+    builder.quad("wall", [[0.0, 0.0, half], [0.0, 0.0, -half], [0.0, high, -half], [0.0, high, half]], lamp);
+    builder
+}
+
+/// B9: lamps near by. A wall of light, seen from `x` before its middle, twice the configuration of an element and a rectangle
+/// that stands on its plane, a corner opposite: `E = atan(b/x) − x/√(a² + x²) atan(b/√(a² + x²))` for height a and
+/// half its length b; to 3·10⁻⁵ of π/2 of it, of the steps off both surfaces, 8·10⁻⁶ m each where E falls by 2 per metre. A
+/// ceiling of light: four times that of B4.
+pub fn b9_lamps_near_by<T: TestBackend>() {
+    for (x, half, high, both) in [
+        (0.5, 1.0, 1.0, false),
+        (1e-2, 1.0, 1.0, false),
+        (1e-2, 1.0, 1.0, true),
+        (-1e-2, 1.0, 1.0, true),
+        (1e-4, 1.0, 1.0, false),
+        (0.02, 3.0, 0.02, false),
+    ] {
+        let (away, slant) = (f64::abs(x), f64::hypot(x, high));
+        let truth = (half / away).atan() - away / slant * (half / slant).atan();
+        let (found, error) = irradiance::<T>(wall_of_light(half, high, both), x, 64);
+        assert_agrees("wall of light", found, truth, error, 5e-5);
+        // Values between 0 and b deviate by b/2 at most, b as in B10; 65 536 of them.
+        assert!(error * 256.0 <= 1.8, "{x}: {error}");
+    }
+    for high in [0.3, 3e-3] {
+        let quad = shapes::quad([[-1.0, high, -1.0], [1.0, high, -1.0], [1.0, high, 1.0], [-1.0, high, 1.0]]);
+        let root = 1.0_f64.hypot(high);
+        let truth = 4.0 / root * (1.0 / root).atan();
+        let (found, error) = irradiance::<T>(with_lamp("ceiling", quad, 1.0), 0.0, 64);
+        assert_agrees("ceiling of light", found, truth, error, 5e-5);
+    }
+}
+
+/// B10: no shadow ray brings more than the radiance times the solid angle of all that shines, over the 0.9 of the choice among lamps
+/// that go by it. Points uniform in area would.
+pub fn b10_no_shadow_ray_outshines_its_lamp<T: TestBackend>() {
+    let x = 1e-2;
+    // A wall of light that meets the floor fills half of the hemisphere at most.
+    let most = PI / 0.9 * 1.001;
+    let film = point::<T>(wall_of_light(1.0, 1.0, false), x, 1, 1, 64);
+    let largest = film.layer(Layer::Direct).iter().map(|p| f64::from(p[0]) * PI / ALBEDO).fold(0.0, f64::max);
+    assert!(largest > 0.5 * PI && largest <= most, "{largest}");
+    let by_area = (0..4096_u32).map(|i| {
+        let [u, v, half, _] = random::philox4x32([i, 0, 0, 0], [9, 0]).map(random::unit_f32);
+        // Corners of the wall: one on the floor, one above it, and one at the other end of either.
+        let (b, c) = sampling::triangle(u, v);
+        let (b, c) = (f64::from(b), f64::from(c));
+        let (y, z) = if half < 0.5 { (c, 2.0 * b + 2.0 * c - 1.0) } else { (b + c, 2.0 * b - 1.0) };
+        let squared = x * x + y * y + z * z;
+        2.0 * y * x / (squared * squared)
+    });
+    let largest = by_area.fold(0.0, f64::max);
+    assert!(largest > 2.0 * most, "{largest}");
 }
 
 /// B8: the power of emitters.

@@ -74,7 +74,8 @@ macro_rules! whole_suite {
             }
             direct::{
                 b1_point_light, b2_flux_through_a_disc, b3_lambertian_disc, b4_rectangle, b5_form_factors,
-                b8_power_of_emitters, direct_light_by_photons_agrees,
+                b8_power_of_emitters, b9_lamps_near_by, b10_no_shadow_ray_outshines_its_lamp,
+                direct_light_by_photons_agrees,
             }
             interreflection::{
                 c1_furnace, c1_furnace_of_high_albedo, c1_depth_cap, c2_integrating_sphere, c3_sphere_of_two_halves,

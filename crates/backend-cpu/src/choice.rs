@@ -1,7 +1,7 @@
 //! Which light a shadow ray goes to.
 
 use photon_core::glam::Vec3;
-use photon_core::{Light, Query, light_probability, pick_light, sampling};
+use photon_core::{Light, Query, light_probability, pick_light, sampling, solid_angle};
 
 use crate::scene::CpuScene;
 
@@ -62,7 +62,8 @@ impl Choices {
     }
 }
 
-/// Roughly the unoccluded irradiance from a light, mean of RGB; 0 only where it is 0.
+/// Roughly the unoccluded irradiance from a light, mean of RGB; 0 only where it is 0 or the light is in the plane
+/// but for roundings.
 fn weigh(scene: &CpuScene, light: &Light, query: &Query) -> f32 {
     let power = light.power.iter().sum::<f32>() / 3.0;
     let normal = Vec3::from(query.normal);
@@ -73,10 +74,20 @@ fn weigh(scene: &CpuScene, light: &Light, query: &Query) -> f32 {
             power * cosine.max(0.0) / (std::f32::consts::PI * light.radius * light.radius)
         }
         Light::TRIANGLE => {
-            let [a, b, c] = scene.vertices[light.primitive as usize];
-            let gap = (a + b + c) / 3.0 - position;
-            // Within its own size a lamp is no longer a point; its cosines vary, and are left out.
-            power / (4.0 * gap.length_squared().max(light.area))
+            let corners = scene.vertices[light.primitive as usize].map(|corner| corner - position);
+            let height = -corners[0].dot(scene.facets[light.primitive as usize].normal.into());
+            let both = light.flags & Light::BOTH_SIDES != 0;
+            let (height, power) = if both { (height.abs(), 0.5 * power) } else { (height, power) };
+            if !(height > solid_angle::LEAST_HEIGHT) {
+                return 0.0;
+            }
+            // The radiance times the solid angle: its cosine here varies within a lamp near by, and is left out.
+            if solid_angle::is_near(corners) {
+                return power * solid_angle::of(corners, height, light.area) / (std::f32::consts::PI * light.area);
+            }
+            let gap = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let squared = gap.length_squared();
+            power * height / (std::f32::consts::PI * (squared * squared.sqrt()))
         }
         _ => {
             let gap = Vec3::from(light.position) - position;

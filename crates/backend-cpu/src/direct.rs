@@ -2,6 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
+use photon_core::solid_angle::{self, Seen};
 use photon_core::{DirectLight, Layer, Light, Pass, Query, RandomKind, Ray, Result, offset, sampling};
 
 use crate::choice::Choices;
@@ -43,11 +44,11 @@ fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3
     let choices = Choices::at(scene, query);
     let mut sum = [0.0; 3];
     for ray in 0..rays {
-        let [choice, u, v, side] = sampler.words(ray);
+        let [choice, u, v, _] = sampler.words(ray);
         // One stratum of the lights for each ray.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
         let (index, share) = choices.pick(scene, choice);
-        let sample = sample(scene, &scene.lights[index], query, unit_f32(u), unit_f32(v), side);
+        let sample = sample(scene, &scene.lights[index], query, unit_f32(u), unit_f32(v));
         let Some((value, ray)) = sample else { continue };
         if !scene.caster.occluded(&ray) {
             for c in 0..3 {
@@ -60,7 +61,7 @@ fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3
 
 /// Unoccluded irradiance from one point of a light over the density of that point, and the ray that
 /// must be free. `None` if the light is on the other side.
-fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32, side: u32) -> Option<(Vec3, Ray)> {
+fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Option<(Vec3, Ray)> {
     let normal = Vec3::from(query.normal);
     let from = offset::off_surface(query.position.into(), normal);
     let power = Vec3::from(light.power);
@@ -71,16 +72,10 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32, side: 
         let ray = Ray { origin: from, direction, t_max: f32::INFINITY };
         return (cosine > 0.0).then(|| (power * (cosine / area), ray));
     }
-    let (to, front) = if light.kind == Light::TRIANGLE {
-        let primitive = light.primitive as usize;
-        let (b, c) = sampling::triangle(u, v);
-        let point = offset::barycentric(scene.vertices[primitive], b, c);
-        let both = light.flags & Light::BOTH_SIDES != 0;
-        let front = Vec3::from(scene.facets[primitive].normal);
-        let front = if both && side >> 31 == 1 { -front } else { front };
-        (offset::off_surface(point, front), front)
+    let Aim { to, front, solid_angle } = if light.kind == Light::TRIANGLE {
+        at_lamp(scene, light, from, u, v)?
     } else {
-        (Vec3::from(light.position), Vec3::ZERO)
+        Aim { to: Vec3::from(light.position), front: Vec3::ZERO, solid_angle: 0.0 }
     };
     let gap = to - from;
     let squared = gap.length_squared();
@@ -89,6 +84,14 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32, side: 
     let cosine = normal.dot(direction);
     if !(cosine > 0.0) {
         return None;
+    }
+    let ray = Ray { origin: from, direction, t_max: distance };
+    // Both sides share the power; it is the one that faces the query.
+    let sides = if light.flags & Light::BOTH_SIDES != 0 { 0.5 } else { 1.0 };
+    if solid_angle > 0.0 {
+        // The radiance is the power over π and the area.
+        let per_power = solid_angle * std::f32::consts::FRAC_1_PI / light.area;
+        return Some((power * sides * (per_power * cosine), ray));
     }
     // Radiant intensity towards the query.
     let intensity = match light.kind {
@@ -99,10 +102,43 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32, side: 
             power * (falloff / sampling::spot_solid_angle(light.versine_inner, light.versine_outer) as f32)
         }
         // All its power, as if it left this point with the cosine of Lambert.
-        _ => power * (-direction.dot(front) * std::f32::consts::FRAC_1_PI).max(0.0),
+        _ => power * sides * (-direction.dot(front) * std::f32::consts::FRAC_1_PI).max(0.0),
     };
     if intensity == Vec3::ZERO {
         return None;
     }
-    Some((intensity * (cosine / squared), Ray { origin: from, direction, t_max: distance }))
+    Some((intensity * (cosine / squared), ray))
+}
+
+/// A point that a shadow ray goes to.
+struct Aim {
+    to: Vec3,
+    /// The normal of a lamp on the side that the ray arrives at.
+    front: Vec3,
+    /// Of the whole lamp, where the point is uniform in that; 0 where it is uniform in area.
+    solid_angle: f32,
+}
+
+/// A point of a triangle, on the side that faces the query; `None` if none does.
+fn at_lamp(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Aim> {
+    let primitive = light.primitive as usize;
+    let vertices = scene.vertices[primitive];
+    let mut front = Vec3::from(scene.facets[primitive].normal);
+    if light.flags & Light::BOTH_SIDES != 0 && front.dot(from - vertices[0]) < 0.0 {
+        front = -front;
+    }
+    // As seen from as far behind as rays end above the lamp.
+    let eye = offset::off_surface(from, -front);
+    let corners = vertices.map(|vertex| vertex - eye);
+    let height = -front.dot(corners[0]);
+    let near = solid_angle::is_near(corners);
+    if !(height > if near { solid_angle::LEAST_HEIGHT } else { 0.0 }) {
+        return None;
+    }
+    let seen = if near { solid_angle::sample(corners, height, light.area, u, v) } else { None };
+    let ((b, c), solid_angle) = match seen {
+        Some(Seen { b, c, solid_angle }) => ((b, c), solid_angle),
+        None => (sampling::triangle(u, v), 0.0),
+    };
+    Some(Aim { to: offset::off_surface(offset::barycentric(vertices, b, c), front), front, solid_angle })
 }

@@ -163,6 +163,9 @@ pub(crate) static PROBE_RANDOM: Module =
 pub(crate) static PROBE_SAMPLING: Module =
     Module { name: "probe_sampling", bytes: include_bytes!("../spirv/probe_sampling.spv") };
 
+pub(crate) static PROBE_SOLID_ANGLE: Module =
+    Module { name: "probe_solid_angle", bytes: include_bytes!("../spirv/probe_solid_angle.spv") };
+
 pub(crate) static PROBE_TRIANGLE: Module =
     Module { name: "probe_triangle", bytes: include_bytes!("../spirv/probe_triangle.spv") };
 
@@ -184,7 +187,7 @@ pub(crate) static SORT_SCATTER: Module =
     Module { name: "sort_scatter", bytes: include_bytes!("../spirv/sort_scatter.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 64] = [
+pub(crate) static ALL: [&Module; 65] = [
     &CAMERA_AREA,
     &CAMERA_COMPACT,
     &CAMERA_DIRECT,
@@ -241,6 +244,7 @@ pub(crate) static ALL: [&Module; 64] = [
     &PROBE_OFFSET,
     &PROBE_RANDOM,
     &PROBE_SAMPLING,
+    &PROBE_SOLID_ANGLE,
     &PROBE_TRIANGLE,
     &RAYS_NEAREST,
     &SCAN_ALONE,

@@ -38,6 +38,7 @@ mod scene;
 mod schedule;
 mod settings;
 pub mod sobol;
+pub mod solid_angle;
 mod stages;
 mod tally;
 pub mod typical;

@@ -6,6 +6,7 @@ mod compare;
 mod draw;
 mod layout;
 mod rules;
+mod solid_angle;
 mod spirv;
 mod table;
 mod triangle;

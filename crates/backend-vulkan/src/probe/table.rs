@@ -9,7 +9,7 @@ use photon_core::{Kernel, RandomKind, bsdf, math, octahedral, offset, sampling};
 
 use super::compare::Bound;
 use super::draw::{Draw, LAST, input};
-use super::{Input, Output};
+use super::{Input, Output, solid_angle};
 use crate::device::Module;
 use crate::shaders;
 
@@ -28,7 +28,7 @@ pub(super) struct Row {
 /// Everything in `shaders-glsl/include` that photon-core has a twin of.
 pub(super) fn rows() -> Vec<Row> {
     let row = |name, module, function, bound, draw, twin| Row { name, module, function, bound, draw, twin };
-    [math_rows(row), random_rows(row), direction_rows(row), surface_rows(row)].concat()
+    [math_rows(row), random_rows(row), direction_rows(row), surface_rows(row), solid_angle::rows()].concat()
 }
 
 type Twin = fn(&Input) -> Output;
@@ -97,7 +97,9 @@ fn math_rows(row: Make) -> Vec<Row> {
             |d| input([normal(d), 0.0, 0.0, 0.0], Z, Z),
             |i| output([math::ln(i.float(0))]),
         ),
-        row("cube_root", module, 7, Bound::Bits, root, |i| output([math::cube_root(i.float(0))])),
+        // A division of the smaller by the larger.
+        row("turns_of", module, 7, Bound::Relative(7e-7), angle, |i| output([math::turns_of(i.float(0), i.float(1))])),
+        row("cube_root", module, 8, Bound::Bits, root, |i| output([math::cube_root(i.float(0))])),
     ]
 }
 
@@ -291,6 +293,14 @@ fn root(d: &mut Draw) -> Input {
     input([x, 0.0, 0.0, 0.0], Z, Z)
 }
 
+/// A vector whose second coordinate, which comes first, is not negative; eighths of a turn and their neighbours among them.
+fn angle(d: &mut Draw) -> Input {
+    let special = [0.0, -0.0, 1e-20, 0.414_213_56, 0.414_213_6, 1.0 - LAST, 1.0, 1.000_000_1, 2.414_213_7, 1e20];
+    let mut length = || if d.now_and_then() { d.pick(&special) } else { d.magnitude(-20, 20) };
+    let (y, x) = (length(), length());
+    input([y.abs(), x * d.pick(&[1.0, -1.0]), 0.0, 0.0], Z, Z)
+}
+
 fn exponent(d: &mut Draw) -> Input {
     let below = f32::from_bits(87.0_f32.to_bits() - 1);
     let special = [0.0, -0.0, 1e-40, 1e-7, below, 87.0, 1e4, f32::INFINITY, f32::NAN];
@@ -366,7 +376,7 @@ fn weight(i: &Input) -> Output {
     output([kernel.weight(i.float(2))])
 }
 
-fn words<const N: usize>(words: [u32; N]) -> Output {
+pub(super) fn words<const N: usize>(words: [u32; N]) -> Output {
     let mut output = [0; 8];
     output[..N].copy_from_slice(&words);
     output

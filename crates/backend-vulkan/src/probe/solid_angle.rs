@@ -1,0 +1,97 @@
+//! Triangles as seen from near by against photon-core's.
+
+use photon_core::glam::Vec3;
+use photon_core::random::unit_f32;
+use photon_core::solid_angle;
+
+use super::compare::Bound;
+use super::draw::{Draw, input};
+use super::table::{Row, output, words};
+use super::{Input, Output};
+use crate::shaders;
+
+/// The functions, their twins and their bounds.
+pub(super) fn rows() -> Vec<Row> {
+    let module = &shaders::PROBE_SOLID_ANGLE;
+    vec![
+        Row {
+            name: "solid_angle_is_near",
+            module,
+            function: 0,
+            bound: Bound::Words,
+            draw: view,
+            twin: |i| words([solid_angle::is_near(corners(i)).into()]),
+        },
+        Row {
+            name: "solid_angle_of",
+            module,
+            function: 1,
+            bound: Bound::Conditioned(4e-6, "its condition", |i| condition(i, angle)),
+            draw: view,
+            twin: |i| angle(corners(i), i),
+        },
+        Row {
+            name: "solid_angle_sample",
+            module,
+            function: 2,
+            bound: Bound::Conditioned(2e-6, "its condition", |i| condition(i, sampled)),
+            draw: view,
+            twin: |i| sampled(corners(i), i),
+        },
+    ]
+}
+
+fn corners(i: &Input) -> [Vec3; 3] {
+    [i.vector(0), i.vector(4), i.vector(8)]
+}
+
+/// A triangle, thin ones among them, and an eye before its inside, its edges and corners, or beyond them.
+fn view(d: &mut Draw) -> Input {
+    let [a, b, mut c] = [d.point(), d.point(), d.point()];
+    if d.now_and_then() {
+        c = a + (b - a) * d.between(0.0, 1.0) + (c - a) * 1e-3;
+    }
+    let normal = (b - a).cross(c - a);
+    let weights = [0.0, 1.0, 0.5, -0.5];
+    let mut weight = || if d.now_and_then() { d.pick(&weights) } else { d.between(-0.5, 1.5) };
+    let foot = a + (b - a) * weight() + (c - a) * weight();
+    let height = d.magnitude(-20, 2);
+    let eye = foot - normal.normalize_or(Vec3::X) * height;
+    let area = 0.5 * normal.length();
+    let mut made =
+        input((a - eye).extend(height).to_array(), (b - eye).extend(area).to_array(), (c - eye).extend(0.0).to_array());
+    made.0[11] = d.word();
+    made
+}
+
+fn angle(corners: [Vec3; 3], i: &Input) -> Output {
+    output([solid_angle::of(corners, i.float(3), i.float(7))])
+}
+
+fn sampled(corners: [Vec3; 3], i: &Input) -> Output {
+    let packed = i.0[11];
+    let (u, v) = (unit_f32(packed & 0xFFFF_0000), unit_f32(packed << 16));
+    match solid_angle::sample(corners, i.float(3), i.float(7), u, v) {
+        Some(seen) => output([1.0, seen.b, seen.c, seen.solid_angle]),
+        None => output([0.0]),
+    }
+}
+
+/// What changes of 1e-6 of the corners change, over that; infinite where they make another corner the pole.
+fn condition(i: &Input, function: fn([Vec3; 3], &Input) -> Output) -> f64 {
+    const CHANGE: f32 = 1e-6;
+    let before = function(corners(i), i);
+    let mut condition = 1.0_f64;
+    for (which, axis) in (0..9).map(|k| (k / 3, k % 3)) {
+        let mut moved = corners(i);
+        let size = moved[which].length();
+        moved[which][axis] += CHANGE * size;
+        let after = function(moved, i);
+        for (a, b) in before.iter().zip(after) {
+            let apart = f64::from(f32::from_bits(*a)) - f64::from(f32::from_bits(b));
+            condition = condition.max(apart.abs() / f64::from(CHANGE));
+        }
+    }
+    // Another pole is another point altogether.
+    if condition > 1e4 { f64::INFINITY } else { condition }
+}

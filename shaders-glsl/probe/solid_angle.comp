@@ -1,0 +1,26 @@
+// Calls what is in solid_angle.glsl.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+
+layout(local_size_x_id = 1) in;
+
+#include "probe.glsl"
+#include "random.glsl"
+#include "solid_angle.glsl"
+
+// Corners; in the last numbers of their rows the height, the area, and two words of 16 bits in one.
+Output probe(vec4 a, vec4 b, vec4 c, Input words) {
+    if (FUNCTION == 0u) {
+        return Output(uvec4(uint(solid_angle_is_near(a.xyz, b.xyz, c.xyz)), 0u, 0u, 0u), uvec4(0u));
+    }
+    if (FUNCTION == 1u) return floats(vec4(solid_angle_of(a.xyz, b.xyz, c.xyz, a.w, b.w), 0.0, 0.0, 0.0), vec4(0.0));
+    uint packed = floatBitsToUint(c.w);
+    vec2 weights;
+    float angle;
+    bool wide = solid_angle_sample(
+        a.xyz, b.xyz, c.xyz, a.w, b.w, unit_f32(packed & 0xFFFF0000u), unit_f32(packed << 16), weights, angle);
+    return floats(vec4(wide ? 1.0 : 0.0, weights, angle), vec4(0.0));
+}

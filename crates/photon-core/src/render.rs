@@ -262,7 +262,7 @@ mod tests {
                 flags: crate::Flags::default(),
             };
             Ok(if self.tells {
-                Prospect::new(&[claim], crate::Schedule::of(self.passes, 1.0), share, 0.5)
+                Prospect::new(&vec![claim; 10_000], crate::Schedule::of(self.passes, 1.0), share, 0.5)
             } else {
                 None
             })
@@ -293,14 +293,16 @@ mod tests {
         let (predicted, reached) = (outcome.predicted.unwrap(), outcome.reached.unwrap());
         assert_eq!(predicted.passes, 8);
         let needed = predicted.passes_needed.unwrap();
-        assert!((384..=412).contains(&needed), "{needed}");
+        // A variance of 7 degrees of freedom is foretold e^(1/7) larger, since its logarithm is that much too low on
+        // average; and that of 10 000 by e^(2 √(0.33/10 000)) at most.
+        assert!((443..=456).contains(&needed), "{needed}");
         assert!(reached.is_reached() && reached.error <= 0.1 && !predicted.is_reached());
         // What cannot be reached is foretold, and the limit is kept.
         let plan = Plan { most_passes: Some(100), ..budget.into() };
         let outcome = render(&mut Idle { passes: 0, tells: true }, plan, &mut ()).unwrap();
         let predicted = outcome.predicted.unwrap();
         assert_eq!((outcome.passes, predicted.passes_possible), (100, 100));
-        assert!(!predicted.is_reachable() && (predicted.error_possible - 0.198).abs() < 0.002, "{predicted:?}");
+        assert!(!predicted.is_reachable() && (predicted.error_possible - 0.214).abs() < 0.002, "{predicted:?}");
     }
 
     #[test]

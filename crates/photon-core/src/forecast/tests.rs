@@ -1,5 +1,6 @@
 //! Forecasts of what is known.
 
+use super::group::normal_quantile;
 use super::*;
 use crate::random::{Domain, Sampler};
 use crate::settings::RandomKind;
@@ -16,6 +17,8 @@ fn claims(noise: f64, bias: f64, bias_error: f64) -> Vec<Claim> {
     };
     let mut claims = vec![claim; 90];
     claims.extend(vec![Claim { flags: Flags::UNEVEN, half_width: f64::INFINITY, ..claim }; 10]);
+    // Each by itself.
+    claims.iter_mut().step_by(2).for_each(|claim| claim.bias *= -1.0);
     claims
 }
 
@@ -37,8 +40,15 @@ fn radii_go_to_where_noise_and_bias_balance() {
 fn errors_fall_as_the_cube_root_of_passes() {
     let prospect = told(&claims(0.1, 0.1, 0.05), 1000, 2.0 / 3.0).unwrap();
     assert!((prospect.error() - (student_975(999.0) * 0.1 + 0.2)).abs() < 1e-12);
-    let half = f64::from(prospect.passes_until(prospect.error_after(1000) / 2.0, Prospect::error_after).unwrap());
+    let least = Prospect::least_error_after;
+    let half = f64::from(prospect.passes_until(least(&prospect, 1000) / 2.0, least).unwrap());
     assert!((half / 8000.0 - 1.0).abs() < 0.1, "{half}");
+    // At most, a bias without noise falls as the fourth root.
+    let biased = told(&claims(0.0, 0.1, 0.0), 100_000, 2.0 / 3.0).unwrap();
+    for (of, power) in [(Prospect::error_after as fn(&Prospect, u32) -> f64, 0.25), (least, 1.0 / 3.0)] {
+        let half = f64::from(biased.passes_until(0.1, of).unwrap());
+        assert!((half / 100_000.0 / 2.0_f64.powf(1.0 / power) - 1.0).abs() < 0.05, "{half} {power}");
+    }
     assert!((prospect.forecast(None, 1.0, 9).claimed - 0.9).abs() < 1e-12);
 }
 
@@ -59,30 +69,38 @@ fn noise_alone_at_a_fixed_radius_falls_as_the_square_root() {
 /// What 8 passes leave open is whether there is a bias. With b for the noise of a pixel's, the mean of bias²
 /// less what chance adds to it is 0 with a standard error of τ = b² √((2 + 2/7)/4000): a normal deviate's
 /// square has the variance 2, a χ² of 7 degrees over 7 one of 2/7. After 100 times the passes at the
-/// same radius, noise is 1/10 and the bias what it was, so that z τ foretells the error times
-/// (1 + √(1 + 100 z τ/b²))/2 if z > 0, and no more than the error itself otherwise, in half of all pilots.
-/// The noise is known within 1/√(2·7·4000), the quantile within 1 %.
+/// same radius, noise is 1/10 and the bias what it was, so that a bias² of z τ foretells the error times
+/// (1 + √(1 + 100 z τ/b²))/2. Two standard errors are added or taken away, and noise is known within 1/√(2·7·4000),
+/// the quantile within 1 %: truth lies between the ends, in all but 0.05 of pilots by the former and 0.05 by the latter.
 #[test]
 fn luck_of_the_pilot_is_not_foretold() {
     const PILOTS: usize = 32;
     let tau = ((2.0 + 2.0 / 7.0) / 4000.0_f64).sqrt();
-    let highest = 0.5 * (1.0 + (1.0 + 100.0 * 4.5 * tau).sqrt());
-    let slack = 4.5 / (2.0 * 7.0 * 4000.0_f64).sqrt() + 0.01;
-    let mut near = 0;
+    let highest = |z: f64| 0.5 * (1.0 + (1.0 + 100.0 * z * tau).sqrt());
+    let slack = 6.5 / (2.0 * 7.0 * 4000.0_f64).sqrt() + 0.01;
+    let (mut within, mut off) = (0, 0);
     for pilot in 0..PILOTS {
         let claims: Vec<Claim> = (0..4000).map(|pixel| told_by_chance(pilot * 4000 + pixel)).collect();
         let prospect = told(&claims, 8, 1.0).unwrap();
-        let ratio = prospect.error_after(800) / (2.0 * student_975(799.0) * 0.01);
-        assert!(ratio > 1.0 - slack && ratio < highest + slack, "{pilot}: {ratio}");
-        near += usize::from(ratio < 1.0 + slack);
-        // Each pixel by itself, the unlucky ones foretell a bias that is not there.
+        let truth = 2.0 * student_975(799.0) * 0.01;
+        let (least, most) = (prospect.least_error_after(800) / truth, prospect.error_after(800) / truth);
+        assert!(least > 1.0 - slack && least < highest(2.5) + slack, "{pilot}: {least}");
+        assert!(most > 1.0 - slack && most < highest(6.5) + slack, "{pilot}: {most}");
+        within += usize::from(least <= 1.01 && most >= 0.99);
+        // Without luck of their own, the unlucky ones foretell a bias that is not there.
         let alone = claims.iter().map(|c| 2.0 * (c.bias * c.bias - c.bias_error * c.bias_error).max(0.0).sqrt());
         let mut alone: Vec<f64> = alone.collect();
         alone.sort_by(f64::total_cmp);
-        assert!(alone[3800] / (2.0 * student_975(799.0) * 0.01) > highest + slack, "{}", alone[3800]);
+        assert!(alone[3800] / truth > highest(6.5) + slack, "{}", alone[3800]);
+        // And neighbours that saw the same photons are no more than one pixel: who takes them for many is too sure.
+        let shared: Vec<Claim> = claims.iter().step_by(40).flat_map(|claim| [*claim; 40]).collect();
+        let shared = told(&shared, 8, 1.0).unwrap();
+        off += usize::from(shared.least_error_after(800) / truth > 1.01 || shared.error_after(800) / truth < 0.99);
+        assert!(shared.error_after(800) / shared.least_error_after(800) > 1.5 * most / least);
     }
-    // Binomial: √(32/4) is the standard error of a half of 32.
-    assert!((near as f64 - 16.0).abs() <= 4.5 * 8.0_f64.sqrt(), "{near} of {PILOTS}");
+    // Binomial: of 32 at 0.9, 4.5 √(32·0.9·0.1) fewer than 28.8.
+    let few = 4.5 * (32.0 * 0.9 * 0.1_f64).sqrt();
+    assert!(within as f64 >= 28.8 - few && (off as f64) <= 3.2 + few, "{within} within, {off} off, of {PILOTS}");
 }
 
 /// A pixel of noise 0.1 and no bias, as 8 passes tell it.
@@ -111,32 +129,69 @@ fn told_by_chance(pixel: usize) -> Claim {
 /// are no longer within the error of the others.
 #[test]
 fn pixels_at_edges_join_in_as_radii_shrink() {
-    let of = |flags: Flags, photons: f64| {
-        let mut claims = claims(0.1, 0.1, 0.0);
-        for claim in claims.iter_mut().filter(|claim| !claim.flags.is_empty()) {
-            let wide = (4.0 * claim.standard_error, 4.0 * claim.bias);
-            (claim.flags, claim.photons, claim.standard_error, claim.bias) = (flags, photons, wide.0, wide.1);
-        }
-        told(&claims, 8, 2.0 / 3.0).unwrap()
-    };
+    let of = |flags: Flags, photons: f64| joining(flags, photons, 4.0);
     let schedule = Schedule::of(8, 2.0 / 3.0);
     // 10 (1 − √b) are a twentieth of themselves and 90 where √b is 1 − 0.45/0.95.
     let join = (8..100_000).find(|&passes| schedule.factors(passes).0.sqrt() < 1.0 - 0.45 / 0.95).unwrap();
     for flag in EDGES {
         let prospect = of(flag, 1000.0);
         let over = |passes| prospect.error_after(passes) / prospect.least_error_after(passes);
-        assert!(over(join - 1) < 1.0 + 1e-9 && over(join + 1) > 3.5, "{} {}", over(join - 1), over(join + 1));
+        assert!(over(join - 1) < 2.0 && over(join + 1) > 3.5, "{} {}", over(join - 1), over(join + 1));
         let forecast = prospect.forecast(Some(prospect.least_error_after(2 * join)), 1.0, 3 * join);
         assert!(forecast.may_be_reached() && !forecast.is_reachable(), "{forecast:?}");
     }
     // 16 photons are twice as many as soon as passes times squared radii are: before 32 passes.
     let prospect = of(Flags::FEW_PHOTONS, 16.0);
     let over = |passes| prospect.error_after(passes) / prospect.least_error_after(passes);
-    assert!(over(16) < 1.0 + 1e-9 && over(32) > 3.5, "{} {}", over(16), over(32));
+    assert!(over(16) < 1.5 && over(32) > 3.5, "{} {}", over(16), over(32));
     // And nothing ever of none.
-    assert!(
-        (of(Flags::FEW_PHOTONS, 0.0).error_after(1 << 20) / prospect.least_error_after(1 << 20) - 1.0).abs() < 1e-9
-    );
+    let never = of(Flags::FEW_PHOTONS, 0.0).error_after(1 << 20);
+    assert!(never / prospect.least_error_after(1 << 20) < 3.0, "{never}");
+}
+
+/// 10 of 100 pixels whose errors are `times` those of the others, and why nothing is claimed of them.
+fn joining(flags: Flags, photons: f64, times: f64) -> Prospect {
+    let mut claims = claims(0.1, 0.1, 0.0);
+    for claim in claims.iter_mut().filter(|claim| !claim.flags.is_empty()) {
+        (claim.flags, claim.photons) = (flags, photons);
+        (claim.standard_error, claim.bias) = (times * claim.standard_error, times * claim.bias);
+    }
+    told(&claims, 8, 2.0 / 3.0).unwrap()
+}
+
+/// Pixels that lack photons alone are foretold to come, and may do better than those that are claimed: of 95
+/// pixels, 5 and 85 of small errors, the 95 % come to be theirs. With an edge within reach, nobody knows.
+#[test]
+fn pixels_that_lack_photons_can_be_the_better_ones() {
+    let mut few = claims(0.1, 0.1, 0.0);
+    for claim in few.iter_mut().skip(4) {
+        (claim.standard_error, claim.bias) = (0.1 * claim.standard_error, 0.1 * claim.bias);
+        (claim.flags, claim.photons) = (Flags::FEW_PHOTONS, 16.0);
+    }
+    let ratio = |claims: &[Claim], passes| {
+        let (whole, alone) = (told(claims, 8, 2.0 / 3.0).unwrap(), told(&claims[..4], 8, 2.0 / 3.0).unwrap());
+        whole.least_error_after(passes) / alone.least_error_after(passes)
+    };
+    // Of 16 photons, 4 fewer are 32 when passes times squared radii are 8/3 of what they were.
+    assert!(ratio(&few, 16) > 0.9 && ratio(&few, 64) < 0.2, "{} {}", ratio(&few, 16), ratio(&few, 64));
+    for lost in [Flags::UNEVEN, Flags::FEW_PHOTONS] {
+        let mut none = few.clone();
+        let flagged = none.iter_mut().filter(|claim| !claim.flags.is_empty());
+        flagged.for_each(|claim| (claim.flags, claim.photons) = (lost, if lost == Flags::UNEVEN { 16.0 } else { 1.0 }));
+        assert!(ratio(&none, 16) > 0.9, "{lost:?}");
+    }
+}
+
+/// A target that is met, missed again as pixels join in, and met for good is met when it first is.
+#[test]
+fn the_first_time_counts() {
+    let prospect = told(&claims(0.1, 0.0, 0.0), 8, 1.0).unwrap();
+    let wave = |_: &Prospect, passes: u32| if (20..25).contains(&passes) || passes > 1000 { 0.1 } else { 1.0 };
+    let found = prospect.passes_until(0.15, wave).unwrap();
+    assert!(found > 1000 && found < 1010, "{found}");
+    let wide = |_: &Prospect, passes: u32| if (20..200).contains(&passes) || passes > 1000 { 0.1 } else { 1.0 };
+    assert_eq!(prospect.passes_until(0.15, wide), Some(20));
+    assert_eq!(prospect.passes_until(0.15, |_, _| 1.0), None);
 }
 
 #[test]

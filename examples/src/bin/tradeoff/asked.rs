@@ -71,7 +71,7 @@ fn row(subject: &Subject, asked: String, (outcome, seconds): (&Outcome, f64), fi
             }
             (Some(least), None, _) => format!("{least} passes or more, perhaps out of reach"),
             _ if forecast.target.is_some() => "out of reach".to_owned(),
-            _ => format!("{:.1} %", 100.0 * forecast.error_possible),
+            _ => format!("{:.1} to {:.1} %", 100.0 * forecast.error_possible_least, 100.0 * forecast.error_possible),
         },
     );
     let claims = film.claims().unwrap_or_default();

@@ -1,0 +1,167 @@
+//! Pixels of one kind, as a pilot tells them, and what of it is chance.
+
+use super::End;
+use crate::errors::Claim;
+
+/// Standard errors by which what is known of all pixels together may be off.
+const DOUBT: f64 = 2.0;
+
+/// Of one pixel, in fractions of its radiance.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Relative {
+    /// Noise of the photons, which depends on radii.
+    pub(super) photons: f64,
+    /// All other noise.
+    pub(super) other: f64,
+    /// With its sign.
+    signed: f64,
+    pub(super) bias: f64,
+    /// What of the bias is no noise of its own, at least and at most.
+    steady: [f64; 2],
+    pub(super) bias_error: f64,
+    /// What noise has to be multiplied by to be spread over the pixels as the truth is.
+    pooled: f64,
+    /// Noise of the bias, spread likewise.
+    random: f64,
+    /// A number of a normal distribution: the luck of the bias in passes to come.
+    luck: f64,
+    /// Photons told by.
+    pub(super) told_by: f64,
+}
+
+impl Relative {
+    /// Of a claim; errors of pixels darker than `least` are fractions of that.
+    pub(super) fn new(claim: &Claim, least: f64, second: f64) -> Self {
+        let unit = claim.value.abs().max(least);
+        // A pixel that is black in a black picture is as good as it gets.
+        let of = |x: f64| if x > 0.0 { x / unit } else { 0.0 };
+        // The bias is told by photons alone: its noise tells theirs.
+        let photons = (claim.bias_error / second).min(claim.standard_error);
+        let other = (claim.standard_error * claim.standard_error - photons * photons).max(0.0).sqrt();
+        Self {
+            photons: of(photons),
+            other: of(other),
+            signed: of(claim.bias.abs()).copysign(claim.bias),
+            bias: of(claim.bias.abs()),
+            steady: [0.0; 2],
+            bias_error: of(claim.bias_error),
+            pooled: 1.0,
+            random: 0.0,
+            luck: 0.0,
+            told_by: claim.photons,
+        }
+    }
+
+    pub(super) fn noise(&self) -> f64 {
+        self.photons.hypot(self.other)
+    }
+}
+
+/// By what the parts of an error change.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Factors {
+    pub(super) bias: f64,
+    pub(super) noise: f64,
+    pub(super) other: f64,
+    /// Of Student's distribution, then.
+    pub(super) quantile: f64,
+}
+
+/// A sample of pixels of one kind.
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    pub(super) pixels: Vec<Relative>,
+    /// How many pixels one of these stands for.
+    weight: f64,
+    /// On all noise, at least and at most.
+    level: [f64; 2],
+}
+
+impl Group {
+    /// Of pixels that stand for so `many`, told from passes with so many degrees of freedom.
+    ///
+    /// Takes from noise and biases what is chance in them, so that their spread over the pixels, of which
+    /// quantiles are asked, is that of the truth (constrained empirical Bayes, Louis 1984); and gives each
+    /// pixel its luck.
+    pub(super) fn new(mut pixels: Vec<Relative>, many: usize, freedom: f64) -> Self {
+        // The logarithm of a variance from ν degrees of freedom has a variance of ψ′(ν/2), here to its third term.
+        // Of few photons, m in all, the variance has the kurtosis of Poisson's distribution besides: 1/m.
+        let half = 0.5 * freedom.max(1.0);
+        let passes = 1.0 / half + 0.5 / (half * half) + 1.0 / (6.0 * half * half * half);
+        let few = |pixel: &Relative| pixel.told_by.max(1.0).recip();
+        let dark = |pixel: &Relative| (pixel.photons / pixel.noise().max(f64::MIN_POSITIVE)).powi(4);
+        let noise: Vec<_> = pixels.iter().map(|pixel| (pixel.noise(), passes + dark(pixel) * few(pixel))).collect();
+        let biases: Vec<_> = pixels.iter().map(|pixel| (pixel.bias_error, passes + few(pixel))).collect();
+        let (noise, biases) = (without_chance(&noise, freedom), without_chance(&biases, freedom));
+        let (typical, independent) = typical(&pixels);
+        for (index, pixel) in pixels.iter_mut().enumerate() {
+            pixel.pooled = noise[index];
+            pixel.random = pixel.bias_error * biases[index];
+            let share = |square: f64| square / (square + pixel.bias_error.powi(2)).max(f64::MIN_POSITIVE);
+            pixel.steady = typical.map(|square| share(square).sqrt() * pixel.bias);
+            // Multiples of the golden ratio leave no gaps.
+            pixel.luck = normal_quantile(((index as f64 + 0.5) * 0.618_033_988_749_895).fract());
+        }
+        let doubt = (0.5 * DOUBT * (passes / independent).sqrt()).exp();
+        let weight = many as f64 / pixels.len().max(1) as f64;
+        Self { pixels, weight, level: [doubt.recip(), doubt] }
+    }
+
+    /// What the errors come to, and how many pixels each stands for.
+    pub(super) fn errors(&self, factors: &Factors, end: End) -> impl Iterator<Item = (f64, f64)> {
+        let level = self.level[end as usize];
+        self.pixels.iter().map(move |pixel| {
+            let noise = pixel.pooled * (pixel.photons * factors.noise).hypot(pixel.other * factors.other);
+            let random = level * pixel.random * factors.noise * pixel.luck;
+            let steady = pixel.steady[end as usize] * factors.bias;
+            (factors.quantile * level * noise + 2.0 * (steady + random).abs(), self.weight)
+        })
+    }
+}
+
+/// What standard errors, each with the variance by chance of the logarithm of its square, have to be multiplied by to
+/// be spread as the truth is. By chance, logarithms are 1/ν too low on average.
+fn without_chance(errors: &[(f64, f64)], freedom: f64) -> Vec<f64> {
+    let log = |error: f64| 2.0 * error.ln();
+    let known = |error: f64| error > 0.0 && error.is_finite();
+    let logs: Vec<_> = errors.iter().filter(|(error, _)| known(*error)).map(|&(error, by)| (log(error), by)).collect();
+    if logs.len() < 2 {
+        return vec![1.0; errors.len()];
+    }
+    let count = logs.len() as f64;
+    let mean = logs.iter().map(|(log, _)| log).sum::<f64>() / count;
+    let truth = (logs.iter().map(|(log, by)| (log - mean).powi(2) - by).sum::<f64>() / count).max(0.0);
+    let factor = |error: f64, by: f64| {
+        let kept = (truth / (truth + by).max(f64::MIN_POSITIVE)).sqrt();
+        (0.5 * ((kept - 1.0) * (log(error) - mean) + freedom.max(1.0).recip())).exp()
+    };
+    errors.iter().map(|&(error, by)| if known(error) { factor(error, by) } else { 1.0 }).collect()
+}
+
+/// The mean squared bias, at least and at most, and how many pixels there would be if none shared its luck
+/// with others.
+///
+/// Squares of what is told are too large by that of their chance, on average. Neighbours see partly the
+/// same photons: if their biases correlate by ρ, by chance or not, squares of normal numbers do by ρ²; with ρ² to the
+/// power of the distance, along rows and columns, as many are independent as there are times ((1 − ρ²)/(1 + ρ²))².
+fn typical(pixels: &[Relative]) -> ([f64; 2], f64) {
+    let count = pixels.len().max(1) as f64;
+    let excess = |pixel: &Relative| pixel.bias.powi(2) - pixel.bias_error.powi(2);
+    let mean = pixels.iter().map(excess).sum::<f64>() / count;
+    let variance = pixels.iter().map(|pixel| (excess(pixel) - mean).powi(2)).sum::<f64>() / count;
+    let whole = pixels.iter().map(|pixel| pixel.bias.powi(2)).sum::<f64>();
+    let shared: f64 = pixels.windows(2).map(|pair| pair[0].signed * pair[1].signed).sum();
+    let square = (shared / whole.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0).powi(2);
+    let independent = (count * ((1.0 - square) / (1.0 + square)).powi(2)).max(1.0);
+    let doubt = DOUBT * (variance / independent).sqrt();
+    ([(mean - doubt).max(0.0), (mean + doubt).max(0.0)], independent)
+}
+
+/// Of the standard normal distribution, within 4.5·10⁻⁴ (Hastings 1955; Abramowitz and Stegun 26.2.23).
+pub(super) fn normal_quantile(p: f64) -> f64 {
+    let tail = p.min(1.0 - p).max(1e-12);
+    let t = (-2.0 * tail.ln()).sqrt();
+    let above = (0.010_328 * t + 0.802_853) * t + 2.515_517;
+    let below = ((0.001_308 * t + 0.189_269) * t + 1.432_788) * t + 1.0;
+    (t - above / below).copysign(p - 0.5)
+}

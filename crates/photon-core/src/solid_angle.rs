@@ -144,7 +144,7 @@ mod tests {
 
     /// By the excess of the angles between the planes of the sides (Girard), in f64: neither product nor half angles.
     fn by_excess(corners: [DVec3; 3]) -> f64 {
-        let [a, b, c] = corners.map(DVec3::normalize);
+        let [a, b, c] = corners.map(DVec3::normalize_or_zero);
         let angle = |at: DVec3, one: DVec3, other: DVec3| at.cross(one).angle_between(at.cross(other));
         angle(a, b, c) + angle(b, c, a) + angle(c, a, b) - std::f64::consts::PI
     }

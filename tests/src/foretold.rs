@@ -145,6 +145,11 @@ pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
         let least = forecast.passes_least.unwrap();
         let before = (f64::from(least) / 1.005).floor().min(f64::from(least - 1)) as u32;
         assert!(pilot.least_error_after(least) <= target && pilot.least_error_after(before) > target, "{least}");
+        // Truth is between the ends, unless the pilot is off by the other 2.5 standard errors.
+        let most = prospect.error_after(passes) / claimed(passes);
+        let slack = (SIGMAS - 2.0) / (14.0 * 256.0_f64).sqrt() + 0.02;
+        let ratio = prospect.least_error_after(passes) / claimed(passes);
+        assert!(most >= 1.0 - slack && ratio <= 1.0 + slack, "{passes} passes: from {ratio} to {most}");
         assert!(forecast.passes_needed.unwrap() >= least);
     }
     // What must fail does: noise too small or too large by a quarter, and radii that are not known to shrink.

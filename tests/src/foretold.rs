@@ -71,39 +71,18 @@ fn normal_within(z: f64) -> f64 {
     sum * step / 3.0 * (2.0 / std::f64::consts::PI).sqrt()
 }
 
-/// By which factor forecasts are too large on average, from pilots of 256 pixels, for two reasons.
-///
-/// The noise of the bias is taken from each pixel by itself, in units of that of the pixel: X, whose square is the ratio w
-/// of two variances of ν = 7 degrees of freedom that correlate by r² = 9/16 (estimates and their differences from
-/// those of twice the area correlate by r = −1/2 / √(4/3 · 1/3)). Its density is that of Bose (1935),
-/// `(1−r²)^(ν/2) / B(ν/2, ν/2) · w^(ν/2−1) (1+w) / ((1+w)² − 4 r² w)^((ν+1)/2)`. Where X < 1, what the photons lack of the
-/// noise is taken for noise that falls as the root of the passes.
-///
-/// And squared biases, less their noise, are known to `c = √((2 + 2/7)/256)` of that noise. If they are too large
-/// by chance, they are taken for bias that stays: on average `c/√(2π)`, half of which goes into the root.
-fn too_large(passes: u32) -> f64 {
-    const STEPS: i32 = 160;
-    let (bias, noise) = Schedule::of(PILOT, ALPHA).factors(passes);
-    let (t, z) = quantiles(passes);
-    let (nu, r2) = (f64::from(PILOT) - 1.0, 9.0 / 16.0);
-    let other = (f64::from(PILOT) / f64::from(passes)).sqrt() / noise;
-    // Steps of the logarithm of w; the factors that do not depend on w cancel.
-    let part = |step: i32| {
-        let w = (f64::from(step) / 16.0).exp();
-        let density = w.powf(nu / 2.0 - 1.0) * (1.0 + w) / ((1.0 + w).powi(2) - 4.0 * r2 * w).powf((nu + 1.0) / 2.0);
-        let photons = w.min(1.0);
-        [density * w, t * (photons + (1.0 - photons) * other * other).sqrt(), w.sqrt()]
-    };
-    let wide = Mixture((-STEPS..=STEPS).map(part).collect()).quantile() / (t + z);
-    let lucky = ((2.0 + 2.0 / nu) / PIXELS as f64).sqrt() / (2.0 * std::f64::consts::PI).sqrt();
-    wide + z * 0.5 * lucky * (bias / noise).powi(2) / (t + z)
+/// What a forecast at least is of what is known: noise is taken for two standard errors less than told. The logarithm of a
+/// variance of 7 degrees of freedom has the variance ψ′(7/2) = 0.3304; that of noise is a half as large.
+fn least_of() -> f64 {
+    (-(0.3304 / PIXELS as f64).sqrt()).exp()
 }
 
-/// Whether what is foretold for so many passes, over what is known, is 1 on average or more, but by no more than is
-/// known of forecasts too; `ratios` are independent, and know their mean to `√(s²/n)`.
-fn is_foretold(ratios: &[f64], passes: u32) -> Result<(), String> {
-    let (mean, chance) = (moments(ratios).0, SIGMAS * standard_error(ratios));
-    let (low, high) = (1.0 - chance, too_large(passes) + chance);
+/// Whether what is foretold at least for so many passes, over what is known, is that on average; `ratios` are
+/// independent, and know their mean to `√(s²/n)`. Neighbours that seem to share their luck by chance, correlations of
+/// which the square is 1/256, and the quantile of a sample are within a hundredth.
+fn is_foretold(ratios: &[f64]) -> Result<(), String> {
+    let (mean, chance) = (moments(ratios).0, SIGMAS * standard_error(ratios) + 0.01);
+    let (low, high) = (least_of() - chance, least_of() + chance);
     if (low..=high).contains(&mean) { Ok(()) } else { Err(format!("{mean} is not within {low} and {high}")) }
 }
 
@@ -136,7 +115,11 @@ pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
     let schedule = Schedule::of(PILOT, ALPHA);
     let pilots_of_8 = pilots(schedule, 1.0);
     for passes in [64, 512, 4096] {
-        is_foretold(&ratios(&pilots_of_8, passes), passes).unwrap();
+        is_foretold(&ratios(&pilots_of_8, passes)).unwrap();
+        // Truth is beyond the most, which a bias that may be there raises, no more often than one pilot in 44 by two
+        // standard errors of the noise: of 16, 6 or more by chance less than once in a million.
+        let beyond = pilots_of_8.iter().filter(|pilot| pilot.error_after(passes) < known(passes)).count();
+        assert!(beyond < 6, "{beyond} of 16 foretell too little");
         // Seen from the other side: that error is reached after so many passes. They are searched for until the next that
         // is tried is the next at all, or within a half percent.
         let pilot = &pilots_of_8[0];
@@ -149,9 +132,9 @@ pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
     }
     // What must fail does: noise too small or too large by a quarter, and radii that are not known to shrink.
     for factor in [0.75, 1.25] {
-        assert!(is_foretold(&ratios(&pilots(schedule, factor), 64), 64).is_err(), "{factor}");
+        assert!(is_foretold(&ratios(&pilots(schedule, factor), 64)).is_err(), "{factor}");
     }
-    assert!(is_foretold(&ratios(&pilots(Schedule::of(PILOT, 1.0), 1.0), 64), 64).is_err());
+    assert!(is_foretold(&ratios(&pilots(Schedule::of(PILOT, 1.0), 1.0), 64)).is_err());
 
     // What has been reached after 24 passes is what was known, by the noise of each pixel: a variance from 23 degrees of
     // freedom has a relative one of 2/23, its root the quarter of that.

@@ -118,7 +118,7 @@ impl Prospect {
             let members: Vec<&Claim> = claims.iter().filter(|claim| of(claim.flags)).collect();
             let step = members.len().div_ceil(SAMPLE).max(1);
             let pixels: Vec<Relative> = members.iter().step_by(step).map(|&claim| relative(claim)).collect();
-            Group::new(pixels, members.len(), f64::from(schedule.passes()) - 1.0)
+            Group::new(pixels, members.len(), f64::from(schedule.passes()) - 1.0, second)
         };
         let at_edge = |flags: Flags| EDGES.iter().any(|&edge| flags.contains(edge));
         let groups = [

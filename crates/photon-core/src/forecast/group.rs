@@ -13,15 +13,14 @@ pub(super) struct Relative {
     pub(super) photons: f64,
     /// All other noise.
     pub(super) other: f64,
+    told: f64,
     /// With its sign.
     signed: f64,
     pub(super) bias: f64,
     /// What of the bias is no noise of its own, at least and at most.
     steady: [f64; 2],
     pub(super) bias_error: f64,
-    /// What noise has to be multiplied by to be spread over the pixels as the truth is.
-    pooled: f64,
-    /// Noise of the bias, spread likewise.
+    /// Noise of the bias, as that of the pixel spread as the truth is.
     random: f64,
     /// A number of a normal distribution: the luck of the bias in passes to come.
     luck: f64,
@@ -41,19 +40,20 @@ impl Relative {
         Self {
             photons: of(photons),
             other: of(other),
+            told: of(claim.standard_error),
             signed: of(claim.bias.abs()).copysign(claim.bias),
             bias: of(claim.bias.abs()),
             steady: [0.0; 2],
             bias_error: of(claim.bias_error),
-            pooled: 1.0,
             random: 0.0,
             luck: 0.0,
             told_by: claim.photons,
         }
     }
 
+    /// All noise, as told.
     pub(super) fn noise(&self) -> f64 {
-        self.photons.hypot(self.other)
+        self.told
     }
 }
 
@@ -83,7 +83,7 @@ impl Group {
     /// Takes from noise and biases what is chance in them, so that their spread over the pixels, of which
     /// quantiles are asked, is that of the truth (constrained empirical Bayes, Louis 1984); and gives each
     /// pixel its luck.
-    pub(super) fn new(mut pixels: Vec<Relative>, many: usize, freedom: f64) -> Self {
+    pub(super) fn new(mut pixels: Vec<Relative>, many: usize, freedom: f64, second: f64) -> Self {
         // The logarithm of a variance from ν degrees of freedom has a variance of ψ′(ν/2), here to its third term.
         // Of few photons, m in all, the variance has the kurtosis of Poisson's distribution besides: 1/m.
         let half = 0.5 * freedom.max(1.0);
@@ -95,8 +95,11 @@ impl Group {
         let (noise, biases) = (without_chance(&noise, freedom), without_chance(&biases, freedom));
         let (typical, independent) = typical(&pixels);
         for (index, pixel) in pixels.iter_mut().enumerate() {
-            pixel.pooled = noise[index];
+            let whole = pixel.noise() * noise[index];
             pixel.random = pixel.bias_error * biases[index];
+            // The bias is told by photons alone: its noise tells theirs.
+            pixel.photons = (pixel.random / second).min(whole);
+            pixel.other = (whole * whole - pixel.photons * pixel.photons).max(0.0).sqrt();
             let share = |square: f64| square / (square + pixel.bias_error.powi(2)).max(f64::MIN_POSITIVE);
             pixel.steady = typical.map(|square| share(square).sqrt() * pixel.bias);
             // Multiples of the golden ratio leave no gaps.
@@ -111,7 +114,7 @@ impl Group {
     pub(super) fn errors(&self, factors: &Factors, end: End) -> impl Iterator<Item = (f64, f64)> {
         let level = self.level[end as usize];
         self.pixels.iter().map(move |pixel| {
-            let noise = pixel.pooled * (pixel.photons * factors.noise).hypot(pixel.other * factors.other);
+            let noise = (pixel.photons * factors.noise).hypot(pixel.other * factors.other);
             let random = level * pixel.random * factors.noise * pixel.luck;
             let steady = pixel.steady[end as usize] * factors.bias;
             (factors.quantile * level * noise + 2.0 * (steady + random).abs(), self.weight)

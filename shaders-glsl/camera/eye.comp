@@ -154,8 +154,9 @@ void main() {
                 vec3 weight = path.weight * material.albedo * 0.318309886;
                 if (weight != vec3(0.0)) {
                     uint key = (pixel << PATHS_LOG2) + path.branch;
+                    // Off edges, beside which rounding may put it behind the next wall, out of its shadow.
                     push.found[(pixel << MAX_SPLITS) + found].at = Query(
-                        at.point, 1.0, at.normal, pixel, weight, at.material,
+                        at.start, 1.0, at.normal, pixel, weight, at.material,
                         octahedral_pack(-path.ray.direction), key, uint[2](0u, 0u));
                     found++;
                 }

@@ -85,13 +85,18 @@ struct Surface {
 // All that shading needs of a hit of a ray in this direction.
 Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     Facet facet = scene.facets[hit.slot].at;
+    // Each as a whole: llvmpipe of Mesa 22.3 reads the third component of a vector for the fourth, if that alone is
+    // asked for where the first three are too.
     Corners corners = scene.corners[hit.slot];
+    vec4 a = corners.a;
+    vec4 b = corners.b;
+    vec4 c = corners.c;
     float cosine = -dot3(direction, facet.normal);
     bool front = cosine > 0.0;
     Surface found;
     found.t = hit.t;
-    found.point = barycentric(corners.a.xyz, corners.b.xyz, corners.c.xyz, hit.u, hit.v);
-    found.start = within(corners.a.xyz, corners.b.xyz, corners.c.xyz, corners.b.w, hit.u, hit.v);
+    found.point = barycentric(a.xyz, b.xyz, c.xyz, hit.u, hit.v);
+    found.start = within(a.xyz, b.xyz, c.xyz, b.w, hit.u, hit.v);
     found.normal = front ? facet.normal : -facet.normal;
     found.cosine = abs(cosine);
     found.front = front;

@@ -13,6 +13,7 @@ pub mod debias;
 pub mod determinism;
 pub mod dielectrics;
 pub mod direct;
+pub mod edges;
 pub mod equivalence;
 pub mod estimators;
 pub mod extremes;
@@ -67,6 +68,7 @@ macro_rules! whole_suite {
                 g3_aimed_pictures_have_the_same_mean, g4_aimed_paths_are_accounted_for,
                 g5_directions_about_poles_are_fine,
             }
+            edges::{ s1_no_light_through_edges }
             estimators::{
                 a1_naive_knn_is_too_bright, a2_corrected_knn_is_unbiased, a3_a4_kernels_in_knn_are_unbiased,
                 a6_fixed_radius_mean_and_variance, a7_bias_of_curvature, a8_loss_at_edges, a9_no_bias_on_a_sphere,

@@ -137,7 +137,8 @@ impl Eye<'_> {
             let weight = path.weight * albedo * std::f32::consts::FRAC_1_PI;
             if weight != Vec3::ZERO {
                 queries.push(Query {
-                    position: surface.point.into(),
+                    // Off edges, beside which rounding may put it behind the next wall, out of its shadow.
+                    position: surface.start.into(),
                     radius: 1.0,
                     normal: surface.normal.into(),
                     pixel: number,

@@ -244,9 +244,10 @@ fn surface_rows(row: Make) -> Vec<Row> {
     ]
 }
 
-/// Corners, and weights of the second and the third, many of them on an edge or beside it.
+/// Corners, and weights of the second and the third, many of them on any of the three edges or beside it.
 fn near_edges(d: &mut Draw) -> Input {
-    let weight = |d: &mut Draw| if d.now_and_then() { d.pick(&[0.0, 1e-8, 1e-6, 1e-3]) } else { d.unit() };
+    let ends = [0.0, 1e-8, 1e-6, 1e-3, 1.0, 1.0 - LAST, 0.999_999, 0.999];
+    let weight = |d: &mut Draw| if d.now_and_then() { d.pick(&ends) } else { d.unit() };
     let (u, rest) = (weight(d), weight(d));
     let v = (1.0 - u) * rest;
     let [a, b, c] = [d.point(), d.point(), d.point()];

@@ -220,14 +220,11 @@ impl Args {
         });
         // What is measured to be best in a time is what the presets for more than a look have.
         let timed = adapts && self.target_error.is_none() && self.preset.is_none();
-        let kind = if timed { Settings::preset(Preset::Balanced, pixels) } else { base.clone() };
-        let bandwidth = match self.bandwidth {
-            Some(BandwidthName::Shared) => Bandwidth::Shared,
-            Some(BandwidthName::PerPixel) => Bandwidth::PerPixel,
-            // Light that is gathered elsewhere has no radius of the pixel's own.
-            None if indirect == Indirect::Gather => Bandwidth::Shared,
-            None => kind.bandwidth,
-        };
+        let area = if timed { Settings::preset(Preset::Balanced, pixels).area } else { base.area };
+        let bandwidth = self.bandwidth.map_or(base.bandwidth, |bandwidth| match bandwidth {
+            BandwidthName::Shared => Bandwidth::Shared,
+            BandwidthName::PerPixel => Bandwidth::PerPixel,
+        });
         let settings = Settings {
             errors: self.errors || self.target_error.is_some() || adapts || bandwidth == Bandwidth::PerPixel,
             photons: self.photons.unwrap_or(base.photons),
@@ -246,7 +243,7 @@ impl Args {
             },
             indirect,
             bandwidth,
-            area: self.area.map_or(kind.area, |area| match area {
+            area: self.area.map_or(area, |area| match area {
                 AreaName::Disc => Area::Disc,
                 AreaName::Surface => Area::Surface,
             }),
@@ -385,12 +382,10 @@ mod tests {
         let asked = ["--preset", "final", "--size", "64x32"];
         assert_eq!(settings(&asked).unwrap(), expected);
         let more = [&asked[..], &["--photons", "7k", "--indirect", "gather"]].concat();
-        let shared = Settings { bandwidth: Bandwidth::Shared, errors: false, ..expected };
-        let given = Settings { photons: 7000, indirect: Indirect::Gather, ..shared };
+        let given = Settings { photons: 7000, indirect: Indirect::Gather, ..expected };
         assert_eq!(settings(&more).unwrap(), given);
         assert!(settings(&[&more[..], &["--bandwidth", "per-pixel"]].concat()).is_err());
-        let plain = settings(&[&asked[..], &["--bandwidth", "shared", "--area", "disc"]].concat()).unwrap();
-        assert_eq!((plain.bandwidth, plain.area, plain.errors), (Bandwidth::Shared, Area::Disc, false));
+        assert_eq!(settings(&[&asked[..], &["--area", "disc"]].concat()).unwrap().area, Area::Disc);
         let args = Args::try_parse_from([&["render"], &asked[..]].concat()).unwrap();
         assert_eq!(args.plan(None).until, Budget::Passes(Preset::Final.passes()));
         assert!(settings(&["--preset", "final", "--estimator", "paper"]).is_err());
@@ -413,19 +408,18 @@ mod tests {
 
     #[test]
     fn a_time_is_spent_as_was_measured_to_be_best() {
-        let of = |arguments: &[&str]| {
-            let s = settings(arguments).unwrap();
-            (s.area, s.bandwidth, s.errors)
-        };
-        let plain = (Area::Disc, Bandwidth::Shared, false);
-        assert_eq!(of(&["--time", "5"]), (Area::Surface, Bandwidth::PerPixel, true));
-        assert_eq!(of(&["--time", "5", "--area", "disc", "--bandwidth", "shared"]), (plain.0, plain.1, true));
-        assert_eq!(of(&["--time", "5", "--indirect", "gather"]), (Area::Surface, Bandwidth::Shared, true));
-        assert_eq!(of(&["--time", "5", "--target-error", "0.1"]), (plain.0, plain.1, true));
-        assert_eq!(of(&["--time", "5", "--preset", "preview"]), (plain.0, plain.1, true));
-        for given in [&["--passes", "7"][..], &["--radius", "0.1"], &[]] {
-            assert_eq!(of(&[&["--time", "5"], given].concat()) == plain, !given.is_empty());
+        let area = |arguments: &[&str]| settings(&[&["--time", "5"], arguments].concat()).unwrap().area;
+        assert_eq!(area(&[]), Area::Surface);
+        for given in [
+            &["--area", "disc"][..],
+            &["--target-error", "0.1"],
+            &["--preset", "preview"],
+            &["--passes", "7"],
+            &["--radius", "0.1"],
+        ] {
+            assert_eq!(area(given), Area::Disc, "{given:?}");
         }
+        assert!(settings(&["--time", "5"]).unwrap().errors);
     }
 
     #[test]

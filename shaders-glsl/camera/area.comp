@@ -85,12 +85,19 @@ void main() {
         vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
         vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
         float free = opaque(Ray(apex, direction, far), at) ? at.t : far;
-        for (uint ring = 0; ring < AREA_RINGS + SECOND; ring++) {
+        // From the outermost on: where that lies on the surface and nothing is in the way, so do all within.
+        bool whole = false;
+        for (uint left = AREA_RINGS + SECOND; left > 0; left--) {
+            uint ring = left - 1;
             vec2 probe = ring < AREA_RINGS ? area_probe(KERNEL, push.slope, spoke, ring, shift)
                                            : vec2(area_outer_distance(spoke, shift), 0.0);
             vec3 weights = vec3(probe.y, 0.0, 0.0);
             if (SECOND != 0) weights.yz = area_second_weights(KERNEL, push.slope, probe.x);
             all += weights;
+            if (whole) {
+                found += weights;
+                continue;
+            }
             float away = probe.x * radius;
             if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
             Material material = push.scene.materials[at.material].at;
@@ -105,6 +112,7 @@ void main() {
             // Behind something, it may lie within a solid, where no photon lands.
             if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
             found += weights;
+            whole = FLAT == 0 && away <= free;
         }
     }
     float share = area_share(found.x, all.x);

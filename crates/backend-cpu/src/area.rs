@@ -93,7 +93,9 @@ impl Disc<'_> {
             let (sine, cosine) = math::sin_cos_turns(area::spoke_turns(spoke, turn));
             let direction = tangent * cosine + bitangent * sine;
             let free = opaque(scene, Ray { origin: apex, direction, t_max: far }).map_or(far, |(t, _)| t);
-            for ring in 0..RINGS + u32::from(SECOND) {
+            // From the outermost on: where that lies on the surface and nothing is in the way, so do all within.
+            let mut whole = false;
+            for ring in (0..RINGS + u32::from(SECOND)).rev() {
                 let probe = if ring < RINGS {
                     area::probe(gather.kernel, spoke, ring, shift)
                 } else {
@@ -103,6 +105,10 @@ impl Disc<'_> {
                     if SECOND { area::second_weights(gather.kernel, probe.distance) } else { [0.0; 2] };
                 let weights = [probe.weight, wide, narrow];
                 (0..discs).for_each(|i| all[i] += weights[i]);
+                if whole {
+                    (0..discs).for_each(|i| found[i] += weights[i]);
+                    continue;
+                }
                 let away = probe.distance * radius;
                 let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
                 let Some((_, surface)) = opaque(scene, down) else { continue };
@@ -111,6 +117,7 @@ impl Disc<'_> {
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
                 let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
                 if same && (away <= free || !enclosed(scene, &surface)) {
+                    whole = !gather.is_flat() && away <= free;
                     for i in 0..discs {
                         let most = gather.max_plane_distance * (RADII[i] * radius);
                         found[i] += if !gather.is_flat() || off <= most { weights[i] } else { 0.0 };

@@ -1,6 +1,6 @@
 //! Settings for a need, from what was measured.
 
-use crate::settings::{Area, Bandwidth, Settings};
+use crate::settings::{Area, Settings};
 
 /// How good a picture is to be. The numbers come from `docs/accuracy.md`, which has the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,11 +37,14 @@ impl Preset {
         }
     }
 
-    /// Paths per pass for each pixel. Noise is that of shadow rays and of rays through the pixel as much as that
-    /// of photons: half as many save little time, twice as many bring little.
+    /// Paths per pass for each pixel. Its other rays cost as much as one or two paths, and their noise falls with
+    /// the passes alone; more paths are worth most where a GPU would be idle otherwise, and where passes are many.
     #[must_use]
     pub fn photons_per_pixel(self) -> f64 {
-        1.0
+        match self {
+            Self::Preview | Self::Balanced => 2.0,
+            Self::Final => 4.0,
+        }
     }
 }
 
@@ -53,14 +56,9 @@ const MOST: f64 = 16e6;
 impl Settings {
     /// The settings of a preset for a picture of so many pixels.
     ///
-    /// Radii and kernel are the default ones. From [`Preset::Balanced`]
-    /// on each pixel finds a radius of its own, for which errors are told, and what is lost at the ends of surfaces is
-    /// given back: the former pays where caustics and smooth light are, the latter in boxes, and both together are ahead
-    /// of either in nearly every scene that was measured, at the same time. A few passes cannot tell radii apart, and
-    /// are better spent without.
-    ///
-    /// Radii of pixels do not go with [`Indirect::Gather`](crate::Indirect::Gather): who asks for that takes
-    /// [`Bandwidth::Shared`].
+    /// Radii and kernel are the default ones. From [`Preset::Balanced`] on what is lost at the ends of surfaces is
+    /// given back: nearly all of the bias in a box, for less time than as many passes would take. Few passes are
+    /// noise above all, and are better off without.
     ///
     /// ```
     /// use photon_core::{Budget, Preset, Settings};
@@ -71,12 +69,7 @@ impl Settings {
     #[must_use]
     pub fn preset(preset: Preset, pixels: u64) -> Self {
         let photons = (preset.photons_per_pixel() * pixels as f64).clamp(FEWEST, MOST) as u32;
-        let base = Self { photons, ..Self::default() };
-        match preset {
-            Preset::Preview => base,
-            Preset::Balanced | Preset::Final => {
-                Self { area: Area::Surface, bandwidth: Bandwidth::PerPixel, errors: true, ..base }
-            }
-        }
+        let area = if preset == Preset::Preview { Area::Disc } else { Area::Surface };
+        Self { photons, area, ..Self::default() }
     }
 }

@@ -21,16 +21,19 @@ fn plans(base: &Settings) -> Vec<(String, Settings, Plan)> {
         let plan = Plan { most_time: Some(PATIENCE), ..until.into() };
         plans.push((format!("error of {:.0} %", 100.0 * target), plain.clone(), plan));
     }
-    // A time is spent as the presets are; beside that the other ways of which these were chosen.
+    // In how many ways a time can be spent. Radii are adapted to it where errors tell how.
     for seconds in [1, 5] {
-        for (name, area, bandwidth) in [
-            ("", Area::Surface, Bandwidth::PerPixel),
-            (", shared radii", Area::Surface, Bandwidth::Shared),
-            (", disc", Area::Disc, Bandwidth::PerPixel),
-            (", disc and shared radii", Area::Disc, Bandwidth::Shared),
+        for (name, area, bandwidth, errors) in [
+            ("surface, radii adapted", Area::Surface, Bandwidth::Shared, true),
+            ("disc, radii adapted", Area::Disc, Bandwidth::Shared, true),
+            ("surface, radii per pixel", Area::Surface, Bandwidth::PerPixel, true),
+            ("disc, radii per pixel", Area::Disc, Bandwidth::PerPixel, true),
+            ("surface, radii as they are", Area::Surface, Bandwidth::Shared, false),
+            ("disc, radii as they are", Area::Disc, Bandwidth::Shared, false),
         ] {
-            let settings = Settings { area, bandwidth, ..plain.clone() };
-            plans.push((format!("{seconds} s{name}"), settings, Budget::Time(Duration::from_secs(seconds)).into()));
+            let settings = Settings { area, bandwidth, errors, ..plain.clone() };
+            let plan = Budget::Time(Duration::from_secs(seconds)).into();
+            plans.push((format!("{seconds} s: {name}"), settings, plan));
         }
     }
     plans
@@ -78,13 +81,14 @@ fn row(subject: &Subject, asked: String, (outcome, seconds): (&Outcome, f64), fi
     let standing = || claims.iter().enumerate().filter(|(_, claim)| claim.flags.is_empty());
     let held = standing().filter(|(pixel, claim)| (claim.value - truth.at(*pixel)).abs() <= claim.half_width).count();
     let count = standing().count();
-    let floor = truth.floor(claims.len());
-    let squares = claims.iter().enumerate().map(|(pixel, claim)| {
-        let truth = truth.at(pixel);
-        (claim.value - truth).powi(2) / (truth * truth + floor)
+    let picture = film.beauty();
+    let floor = truth.floor(picture.len());
+    let squares = picture.iter().enumerate().map(|(pixel, rgb)| {
+        let (value, truth) = (rgb.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0, truth.at(pixel));
+        (value - truth).powi(2) / (truth * truth + floor)
     });
     AskedRow {
-        error: Some(squares.sum::<f64>() / claims.len().max(1) as f64),
+        error: Some(squares.sum::<f64>() / picture.len().max(1) as f64),
         scene: subject.name.clone(),
         asked,
         predicted,

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::records::{Body, Part};
-use crate::{details, tables};
+use crate::{details, presets, tables};
 
 const HEAD: &str = include_str!("head.md");
 const READING: &str = include_str!("reading.md");
@@ -42,6 +42,7 @@ pub(crate) fn markdown(parts: &[Part], folder: &Path, name: &str) -> String {
     }
     for table in [
         tables::merits(parts),
+        presets::table(parts),
         tables::fields(parts),
         tables::rates(parts),
         tables::claims(parts),

@@ -8,6 +8,7 @@ mod engine;
 mod fields;
 mod measure;
 mod plot;
+mod presets;
 mod records;
 mod sweep;
 mod tables;
@@ -88,6 +89,8 @@ enum PartName {
     Sweep,
     /// Claims about scenes of known truth.
     Claims,
+    /// What presets are chosen from.
+    Presets,
     /// What comes of asking for an error or a time.
     Asked,
     /// Claims in fields of known truth.
@@ -176,7 +179,7 @@ fn measure(args: &Args) -> Result<(), Fault> {
                 let rows = claims(args, &mut engine, &subject, &base, &Truth::constant(radiance))?;
                 save(args, &engine, &format!("claims-{name}"), Body::Claims(rows))?;
             }
-            let judged = [PartName::Reference, PartName::Sweep, PartName::Asked, PartName::Pictures];
+            let judged = [PartName::Reference, PartName::Sweep, PartName::Presets, PartName::Asked, PartName::Pictures];
             if !judged.into_iter().any(wanted) {
                 continue;
             }
@@ -194,6 +197,10 @@ fn measure(args: &Args) -> Result<(), Fault> {
                     rows,
                 };
                 save(args, &engine, &format!("sweep-{name}"), Body::Sweep(body))?;
+            }
+            if wanted(PartName::Presets) {
+                let rows = presets::rows(&mut engine, &subject, &base, &truth)?;
+                save(args, &engine, &format!("presets-{name}"), Body::Presets(rows))?;
             }
             if wanted(PartName::Pictures) && !truth.colours.is_empty() {
                 let (backend, size) = (engine.names().0.to_owned(), args.size);

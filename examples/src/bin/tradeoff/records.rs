@@ -6,6 +6,8 @@ use photon_examples::fault::Fault;
 use photon_examples::whole;
 use serde::{Deserialize, Serialize};
 
+use crate::presets::PresetRow;
+
 /// One file of results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Part {
@@ -25,6 +27,7 @@ pub(crate) enum Body {
     Fields(Vec<FieldRow>),
     Rates(Vec<RateRow>),
     Tracer(Vec<TracerRow>),
+    Presets(Vec<PresetRow>),
 }
 
 /// Every setting of one scene.

@@ -86,10 +86,11 @@ fn points(base: &Settings) -> Vec<Point> {
     let places = Settings { irradiance_every: Some(4), ..gather(16) };
     add("indirect", "gather, 16 rays to places", places, PASSES);
     let per_pixel = with(&|s| (s.bandwidth, s.errors) = (Bandwidth::PerPixel, true));
-    for passes in [PASSES, 4 * PASSES] {
-        add("bandwidth", &format!("per pixel, {passes} passes"), per_pixel.clone(), passes);
+    for (area, name) in [(Area::Disc, "per pixel"), (Area::Surface, "per pixel, area surface")] {
+        for passes in [PASSES, 4 * PASSES] {
+            add("bandwidth", &format!("{name}, {passes} passes"), Settings { area, ..per_pixel.clone() }, passes);
+        }
     }
-    add("bandwidth", "per pixel, area surface, 16 passes", Settings { area: Area::Surface, ..per_pixel }, PASSES);
     add("sharing", "static", with(&|s| s.sharing = Sharing::Static), PASSES);
     add("generator", "LCG", with(&|s| s.random = RandomKind::Lcg), PASSES);
     for passes in [4, PASSES] {
@@ -97,43 +98,11 @@ fn points(base: &Settings) -> Vec<Point> {
     }
     add("errors", "told", with(&|s| s.errors = true), PASSES);
     add("errors", "told, passes x4", with(&|s| s.errors = true), 4 * PASSES);
-    points.extend(presets(base));
-    points
-}
-
-/// The presets, as if each pixel had one of the middle setting's paths, and what they were chosen from: each with one
-/// thing changed.
-fn presets(base: &Settings) -> Vec<Point> {
-    let of = |preset: Preset| {
-        let photons = (preset.photons_per_pixel() * f64::from(base.photons)) as u32;
-        Settings { photons, direct: base.direct, ..Settings::preset(preset, 0) }
-    };
-    let point = |preset: Preset, but: &str, settings: Settings| Point {
-        knob: if but.is_empty() { "preset" } else { preset.name() },
-        value: if but.is_empty() { preset.name().to_owned() } else { format!("but {but}") },
-        settings,
-        passes: preset.passes(),
-    };
-    let mut points = Vec::new();
+    // As if each pixel had one of the middle setting's paths where a preset has one.
     for preset in Preset::ALL {
-        let settings = of(preset);
-        let photons = settings.photons;
-        points.push(point(preset, "", settings.clone()));
-        if preset != Preset::Final {
-            points.push(point(preset, "half the photons", Settings { photons: photons / 2, ..settings.clone() }));
-            points.push(point(preset, "twice the photons", Settings { photons: photons * 2, ..settings.clone() }));
-            points.push(point(preset, "radii x0.71", Settings { radius_factor: 0.71, ..settings.clone() }));
-        }
-        if preset == Preset::Balanced {
-            let caustic_photons = CausticPhotons::Aimed(photons);
-            points.push(point(preset, "as many aimed", Settings { caustic_photons, ..settings.clone() }));
-        }
-        if preset == Preset::Final {
-            let shared = Settings { bandwidth: Bandwidth::Shared, errors: false, ..settings.clone() };
-            points.push(point(preset, "disc and shared radii", Settings { area: Area::Disc, ..shared.clone() }));
-            points.push(point(preset, "shared radii", shared));
-            points.push(point(preset, "disc", Settings { area: Area::Disc, ..settings }));
-        }
+        let photons = (preset.photons_per_pixel() * f64::from(base.photons)) as u32;
+        let settings = Settings { photons, direct: base.direct, ..Settings::preset(preset, 0) };
+        points.push(Point { knob: "preset", value: preset.name().to_owned(), settings, passes: preset.passes() });
     }
     points
 }
@@ -208,9 +177,7 @@ mod tests {
         let all = points(&base("ring", 4000));
         for (i, point) in all.iter().enumerate() {
             point.settings.validate().unwrap();
-            // A preset may be a row of a knob as well.
-            let once = |p: &Point| p.knob == "preset" || (&p.settings, p.passes) != (&point.settings, point.passes);
-            assert!(point.knob == "preset" || all[..i].iter().all(once), "{point:?}");
+            assert!(all[..i].iter().all(|p| (&p.settings, p.passes) != (&point.settings, point.passes)), "{point:?}");
         }
     }
 }

@@ -184,7 +184,7 @@ pub(crate) fn claims(parts: &[Part]) -> String {
 /// What came of asking.
 pub(crate) fn asked(parts: &[Part]) -> String {
     let mut text = String::from(
-        "\n### Asked for\n\nAn error in 95 % of the pixels of which anything is claimed, within 20 s; or a time, which is spent\nas by the presets, with other ways below. *Reached* is the error claimed, of pixels that differ from way to way.\nNothing is said of what is covered where the reference has not 27 times the photons of the run, which is a third of its\nerror.\n",
+        "\n### Asked for\n\nAn error in 95 % of the pixels of which anything is claimed, within 20 s; or a time, spent in several\nways. *Reached* is the error claimed, of pixels that differ from way to way.\nNothing is said of what is covered where the reference has not 27 times the photons of the run, which is a third of its\nerror.\n",
     );
     let columns = ["scene", "asked", "backend", "predicted", "took", "reached", "claimed", "covered", "relMSE"]
         .map(str::to_owned);

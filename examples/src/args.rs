@@ -218,13 +218,16 @@ impl Args {
             IndirectName::Gather => Indirect::Gather,
             IndirectName::None => Indirect::None,
         });
-        // What is measured to be best in a time is what the presets for more than a look have.
+        // What is measured to be best in a time is what the last preset has.
         let timed = adapts && self.target_error.is_none() && self.preset.is_none();
-        let area = if timed { Settings::preset(Preset::Balanced, pixels).area } else { base.area };
-        let bandwidth = self.bandwidth.map_or(base.bandwidth, |bandwidth| match bandwidth {
-            BandwidthName::Shared => Bandwidth::Shared,
-            BandwidthName::PerPixel => Bandwidth::PerPixel,
-        });
+        let kind = if timed { Settings::preset(Preset::Final, pixels) } else { base.clone() };
+        let bandwidth = match self.bandwidth {
+            Some(BandwidthName::Shared) => Bandwidth::Shared,
+            Some(BandwidthName::PerPixel) => Bandwidth::PerPixel,
+            // Light that is gathered elsewhere has no radius of the pixel's own.
+            None if indirect == Indirect::Gather => Bandwidth::Shared,
+            None => kind.bandwidth,
+        };
         let settings = Settings {
             errors: self.errors || self.target_error.is_some() || adapts || bandwidth == Bandwidth::PerPixel,
             photons: self.photons.unwrap_or(base.photons),
@@ -243,7 +246,7 @@ impl Args {
             },
             indirect,
             bandwidth,
-            area: self.area.map_or(area, |area| match area {
+            area: self.area.map_or(kind.area, |area| match area {
                 AreaName::Disc => Area::Disc,
                 AreaName::Surface => Area::Surface,
             }),
@@ -382,7 +385,8 @@ mod tests {
         let asked = ["--preset", "final", "--size", "64x32"];
         assert_eq!(settings(&asked).unwrap(), expected);
         let more = [&asked[..], &["--photons", "7k", "--indirect", "gather"]].concat();
-        let given = Settings { photons: 7000, indirect: Indirect::Gather, ..expected };
+        let shared = Settings { bandwidth: Bandwidth::Shared, errors: false, ..expected };
+        let given = Settings { photons: 7000, indirect: Indirect::Gather, ..shared };
         assert_eq!(settings(&more).unwrap(), given);
         assert!(settings(&[&more[..], &["--bandwidth", "per-pixel"]].concat()).is_err());
         assert_eq!(settings(&[&asked[..], &["--area", "disc"]].concat()).unwrap().area, Area::Disc);
@@ -408,16 +412,16 @@ mod tests {
 
     #[test]
     fn a_time_is_spent_as_was_measured_to_be_best() {
-        let area = |arguments: &[&str]| settings(&[&["--time", "5"], arguments].concat()).unwrap().area;
-        assert_eq!(area(&[]), Area::Surface);
-        for given in [
-            &["--area", "disc"][..],
-            &["--target-error", "0.1"],
-            &["--preset", "preview"],
-            &["--passes", "7"],
-            &["--radius", "0.1"],
-        ] {
-            assert_eq!(area(given), Area::Disc, "{given:?}");
+        let of = |arguments: &[&str]| {
+            let s = settings(&[&["--time", "5"], arguments].concat()).unwrap();
+            (s.area, s.bandwidth)
+        };
+        assert_eq!(of(&[]), (Area::Surface, Bandwidth::PerPixel));
+        assert_eq!(of(&["--indirect", "gather"]), (Area::Surface, Bandwidth::Shared));
+        assert_eq!(of(&["--area", "disc"]), (Area::Disc, Bandwidth::PerPixel));
+        assert_eq!(of(&["--bandwidth", "shared"]), (Area::Surface, Bandwidth::Shared));
+        for given in [["--target-error", "0.1"], ["--preset", "preview"], ["--passes", "7"], ["--radius", "0.1"]] {
+            assert_eq!(of(&given), (Area::Disc, Bandwidth::Shared), "{given:?}");
         }
         assert!(settings(&["--time", "5"]).unwrap().errors);
     }

@@ -1,6 +1,6 @@
 //! Settings for a need, from what was measured.
 
-use crate::settings::{Area, Settings};
+use crate::settings::{Area, Bandwidth, Settings};
 
 /// How good a picture is to be. The numbers come from `docs/accuracy.md`, which has the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,12 +38,12 @@ impl Preset {
     }
 
     /// Paths per pass for each pixel. Its other rays cost as much as one or two paths, and their noise falls with
-    /// the passes alone; more paths are worth most where a GPU would be idle otherwise, and where passes are many.
+    /// the passes alone.
     #[must_use]
     pub fn photons_per_pixel(self) -> f64 {
         match self {
-            Self::Preview | Self::Balanced => 2.0,
-            Self::Final => 4.0,
+            Self::Preview => 1.0,
+            Self::Balanced | Self::Final => 2.0,
         }
     }
 }
@@ -58,7 +58,11 @@ impl Settings {
     ///
     /// Radii and kernel are the default ones. From [`Preset::Balanced`] on what is lost at the ends of surfaces is
     /// given back: nearly all of the bias in a box, for less time than as many passes would take. Few passes are
-    /// noise above all, and are better off without.
+    /// noise above all, and are better off without. For [`Preset::Final`] each pixel finds a radius of its own, for which
+    /// errors are told; that takes passes, and is worth most where light is smooth or sharp.
+    ///
+    /// Radii of pixels do not go with [`Indirect::Gather`](crate::Indirect::Gather): who asks for that takes
+    /// [`Bandwidth::Shared`].
     ///
     /// ```
     /// use photon_core::{Budget, Preset, Settings};
@@ -69,7 +73,11 @@ impl Settings {
     #[must_use]
     pub fn preset(preset: Preset, pixels: u64) -> Self {
         let photons = (preset.photons_per_pixel() * pixels as f64).clamp(FEWEST, MOST) as u32;
-        let area = if preset == Preset::Preview { Area::Disc } else { Area::Surface };
-        Self { photons, area, ..Self::default() }
+        let base = Self { photons, ..Self::default() };
+        match preset {
+            Preset::Preview => base,
+            Preset::Balanced => Self { area: Area::Surface, ..base },
+            Preset::Final => Self { area: Area::Surface, bandwidth: Bandwidth::PerPixel, errors: true, ..base },
+        }
     }
 }

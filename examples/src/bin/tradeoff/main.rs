@@ -76,7 +76,7 @@ struct Args {
     #[arg(long, default_value_t = 32)]
     rate_side: u32,
     /// How many times the photons of the longest run those of a reference are, where the truth is not known.
-    #[arg(long, default_value_t = 1000)]
+    #[arg(long, default_value_t = 6000)]
     reference: u32,
 }
 

@@ -1,8 +1,8 @@
 //! The settings that are tried: each knob by itself, about a middle setting.
 
 use photon_core::{
-    Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind,
-    Settings, Sharing,
+    Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, RandomKind, Settings,
+    Sharing,
 };
 use photon_examples::fault::Fault;
 
@@ -98,12 +98,9 @@ fn points(base: &Settings) -> Vec<Point> {
     }
     add("errors", "told", with(&|s| s.errors = true), PASSES);
     add("errors", "told, passes x4", with(&|s| s.errors = true), 4 * PASSES);
-    // As if each pixel had one of the middle setting's paths where a preset has one.
-    for preset in Preset::ALL {
-        let photons = (preset.photons_per_pixel() * f64::from(base.photons)) as u32;
-        let settings = Settings { photons, direct: base.direct, ..Settings::preset(preset, 0) };
-        points.push(Point { knob: "preset", value: preset.name().to_owned(), settings, passes: preset.passes() });
-    }
+    add("photons per pass", "x2, 4 passes", with(&|s| s.photons *= 2), 4);
+    let twice = with(&|s| (s.area, s.photons) = (Area::Surface, 2 * s.photons));
+    add("area", "surface, 64 passes, photons x2", twice, 4 * PASSES);
     points
 }
 

@@ -108,7 +108,8 @@ pub(crate) fn closed_form(scene: &str) -> Option<f64> {
 
 /// A run with more and larger passes, and a seed that no other run has. The squared errors of photons fall as
 /// the power −2/3 of their number, those of shadow rays and of rays through a pixel as −1: a thousand times
-/// the photons are a hundredth of the error if a hundred times the passes go with them.
+/// the photons are a hundredth of the error if a hundred times the passes go with them. Longer than that, since many of
+/// the rows have larger passes or less bias.
 fn long_run(engine: &mut Engine, subject: &Subject, base: &Settings, effort: Effort) -> Result<Reference, Fault> {
     let passes = (f64::from(effort.passes) * f64::from(effort.times).powf(2.0 / 3.0) * 1.28).ceil();
     let photons = (effort.photons as f64 * f64::from(effort.times) / passes).ceil().max(1.0);

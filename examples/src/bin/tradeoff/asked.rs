@@ -12,6 +12,9 @@ use crate::truth::Truth;
 /// Seconds after which an error is given up.
 const PATIENCE: Duration = Duration::from_secs(20);
 
+/// The way in which `render --time` spends it.
+pub(crate) const DEFAULT_WAY: &str = "surface, radii per pixel";
+
 /// What is asked for, with which settings, and how that is called.
 fn plans(base: &Settings) -> Vec<(String, Settings, Plan)> {
     let plain = Settings { errors: true, seed: 77, ..base.clone() };
@@ -26,7 +29,7 @@ fn plans(base: &Settings) -> Vec<(String, Settings, Plan)> {
         for (name, area, bandwidth, errors) in [
             ("surface, radii adapted", Area::Surface, Bandwidth::Shared, true),
             ("disc, radii adapted", Area::Disc, Bandwidth::Shared, true),
-            ("surface, radii per pixel", Area::Surface, Bandwidth::PerPixel, true),
+            (DEFAULT_WAY, Area::Surface, Bandwidth::PerPixel, true),
             ("disc, radii per pixel", Area::Disc, Bandwidth::PerPixel, true),
             ("surface, radii as they are", Area::Surface, Bandwidth::Shared, false),
             ("disc, radii as they are", Area::Disc, Bandwidth::Shared, false),

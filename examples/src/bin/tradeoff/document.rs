@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::records::{Body, Part};
-use crate::{details, presets, tables};
+use crate::{answers, details, presets, tables};
 
 const HEAD: &str = include_str!("head.md");
 const READING: &str = include_str!("reading.md");
+const CLAIMS: &str = include_str!("claims.md");
 
 /// Every row of every scene, a document of its own beside the one of that name.
 pub(crate) fn rows(parts: &[Part], beside: &str) -> String {
@@ -15,6 +16,15 @@ pub(crate) fn rows(parts: &[Part], beside: &str) -> String {
         "# Every row of every scene\n\nWhat it means is in [{beside}.md]({beside}.md).\n{}",
         details::every_row(parts)
     )
+}
+
+/// What films claim of themselves, a document of its own.
+pub(crate) fn claims(parts: &[Part]) -> String {
+    let mut text = format!("{CLAIMS}\n## Results\n");
+    for table in [tables::fields(parts), tables::rates(parts), tables::claims(parts), answers::asked(parts)] {
+        text += &table;
+    }
+    text
 }
 
 /// The document of that name, in the folder where its pictures are.
@@ -43,10 +53,7 @@ pub(crate) fn markdown(parts: &[Part], folder: &Path, name: &str) -> String {
     for table in [
         tables::merits(parts),
         presets::table(parts),
-        tables::fields(parts),
-        tables::rates(parts),
-        tables::claims(parts),
-        tables::asked(parts),
+        answers::ways(parts),
         tables::fronts(parts),
         details::pictures(folder),
         details::tracer(parts),

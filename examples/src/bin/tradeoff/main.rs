@@ -1,6 +1,7 @@
 //! The price list: what error is had for what time, by every setting that trades one for the other.
 #![expect(clippy::print_stderr, reason = "progress goes to stderr")]
 
+mod answers;
 mod asked;
 mod details;
 mod document;
@@ -136,6 +137,7 @@ fn work(args: &Args) -> Result<(), Fault> {
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         write(&path, &document::markdown(&parts, home, &name))?;
         write(&path.with_file_name(format!("{name}-rows.md")), &document::rows(&parts, &name))?;
+        write(&path.with_file_name(format!("{name}-claims.md")), &document::claims(&parts))?;
     }
     Ok(())
 }

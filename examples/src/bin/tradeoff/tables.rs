@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::measure::{pareto, slope};
-use crate::records::{AskedRow, Body, Claims, Note, Part, Row, Summary, Sweep};
+use crate::records::{Body, Claims, Note, Part, Row, Summary, Sweep};
 
 /// Sweeps, with the parts they are from.
 pub(crate) fn sweeps(parts: &[Part]) -> Vec<(&Part, &Sweep)> {
@@ -76,7 +76,7 @@ fn lines<'a, R>(rows: &[(String, Vec<Option<&'a R>>)], cell: impl Fn(&'a R) -> S
     text
 }
 
-fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
@@ -177,47 +177,6 @@ pub(crate) fn claims(parts: &[Part]) -> String {
         text += "\nAgainst references:\n";
         text += &head(&columns(parts, &["scene", "passes", "seeds"], &each), 1);
         text += &lines(&told, cells, "– | – | – | –");
-    }
-    text
-}
-
-/// What came of asking.
-pub(crate) fn asked(parts: &[Part]) -> String {
-    let mut text = String::from(
-        "\n### Asked for\n\nAn error in 95 % of the pixels of which anything is claimed, within 20 s; or a time, spent in several\nways. *Reached* is the error claimed, of pixels that differ from way to way.\nNothing is said of what is covered where the reference has not 27 times the photons of the run, which is a third of its\nerror.\n",
-    );
-    let columns = ["scene", "asked", "backend", "predicted", "took", "reached", "claimed", "covered", "relMSE"]
-        .map(str::to_owned);
-    text += &head(&columns, 5);
-    let mut rows: Vec<(&str, &AskedRow)> = Vec::new();
-    for part in parts {
-        if let Body::Asked(asked) = &part.body {
-            rows.extend(asked.iter().map(|row| (part.backend.as_str(), row)));
-        }
-    }
-    if rows.is_empty() {
-        return String::new();
-    }
-    // Backends beside each other: by scene, then in the order of what was asked.
-    let order = |row: &AskedRow| {
-        let same = rows.iter().filter(|(_, other)| other.scene == row.scene);
-        same.map(|(_, other)| &other.asked).position(|asked| *asked == row.asked)
-    };
-    let mut sorted = rows.clone();
-    sorted.sort_by(|(a, x), (b, y)| x.scene.cmp(&y.scene).then(order(x).cmp(&order(y))).then(a.cmp(b)));
-    for (backend, row) in sorted {
-        let reached = row.reached.map_or_else(|| "–".to_owned(), percent);
-        let covered = row.covered.map_or_else(|| "–".to_owned(), percent);
-        let error = row.error.map_or_else(|| "–".to_owned(), |error| format!("{error:.2e}"));
-        let _ = writeln!(
-            text,
-            "| {} | {} | {backend} | {} | {} | {reached} | {:.0} % | {covered} | {error} |",
-            row.scene,
-            row.asked,
-            row.predicted,
-            row.took,
-            100.0 * row.claimed
-        );
     }
     text
 }

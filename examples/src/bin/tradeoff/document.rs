@@ -32,6 +32,7 @@ pub(crate) fn markdown(parts: &[Part], folder: &Path, name: &str) -> String {
     let mut text = format!("{HEAD}\n{READING}\n## Results\n\n");
     for backend in tables::backends(parts) {
         let mut here: Vec<&Part> = parts.iter().filter(|part| part.backend == backend).collect();
+        here.sort_by(|a, b| a.device.cmp(&b.device));
         here.dedup_by(|a, b| a.device == b.device);
         for part in here {
             let _ = writeln!(text, "- **{backend}**: {}", part.device);

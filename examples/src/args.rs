@@ -63,8 +63,8 @@ pub struct Args {
     /// Paths emitted altogether, in whole passes; `k` and `M` are understood.
     #[arg(long, value_name = "N", value_parser = total)]
     pub total_photons: Option<u64>,
-    /// Seconds from start to finish, as nearly as whole passes allow; radii are then adapted, unless --passes
-    /// or --radius is given.
+    /// Seconds from start to finish, as nearly as whole passes allow. Unless --passes, --radius or a budget is given,
+    /// radii are adapted, and what the preset `final` says of --area and --bandwidth is the default.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Stop when errors are claimed to be at most this fraction of a pixel's radiance, or of a tenth of the
@@ -93,14 +93,14 @@ pub struct Args {
     #[arg(long, value_name = "NAME", value_parser = kernel)]
     pub kernel: Option<Kernel>,
     /// What their flux is divided by: the disc about a point, or what of it lies on the surface
-    /// [default: disc].
+    /// [default: disc, or by --preset or --time].
     #[arg(long, value_enum)]
     pub area: Option<AreaName>,
     /// How far from a point's plane they may lie, in radii: below 1 no other sheet shines through [default: 1].
     #[arg(long, value_name = "SHARE")]
     pub max_plane_distance: Option<f32>,
     /// Whose radius they have: one for a map, or one for each pixel, from its own noise and bias; the latter
-    /// tells errors too [default: shared].
+    /// tells errors too [default: shared, or by --preset or --time].
     #[arg(long, value_enum)]
     pub bandwidth: Option<BandwidthName>,
     /// How photons are arranged.
@@ -219,13 +219,13 @@ impl Args {
             IndirectName::None => Indirect::None,
         });
         // What is measured to be best in a time is what the last preset has.
-        let timed = adapts && self.target_error.is_none() && self.preset.is_none();
+        let timed = adapts && self.target_error.is_none() && self.total_photons.is_none() && self.preset.is_none();
         let kind = if timed { Settings::preset(Preset::Final, pixels) } else { base.clone() };
         let bandwidth = match self.bandwidth {
             Some(BandwidthName::Shared) => Bandwidth::Shared,
             Some(BandwidthName::PerPixel) => Bandwidth::PerPixel,
-            // Light that is gathered elsewhere has no radius of the pixel's own.
-            None if indirect == Indirect::Gather => Bandwidth::Shared,
+            // Light that is gathered elsewhere has no radius of the pixel's own, nor have the nearest photons.
+            None if indirect == Indirect::Gather || !matches!(estimator, Estimator::Radius { .. }) => Bandwidth::Shared,
             None => kind.bandwidth,
         };
         let settings = Settings {
@@ -389,6 +389,8 @@ mod tests {
         let given = Settings { photons: 7000, indirect: Indirect::Gather, ..shared };
         assert_eq!(settings(&more).unwrap(), given);
         assert!(settings(&[&more[..], &["--bandwidth", "per-pixel"]].concat()).is_err());
+        let nearest = settings(&[&asked[..], &["--estimator", "knn"]].concat()).unwrap();
+        assert_eq!((nearest.bandwidth, nearest.errors, nearest.area), (Bandwidth::Shared, false, Area::Surface));
         assert_eq!(settings(&[&asked[..], &["--area", "disc"]].concat()).unwrap().area, Area::Disc);
         let args = Args::try_parse_from([&["render"], &asked[..]].concat()).unwrap();
         assert_eq!(args.plan(None).until, Budget::Passes(Preset::Final.passes()));
@@ -420,7 +422,13 @@ mod tests {
         assert_eq!(of(&["--indirect", "gather"]), (Area::Surface, Bandwidth::Shared));
         assert_eq!(of(&["--area", "disc"]), (Area::Disc, Bandwidth::PerPixel));
         assert_eq!(of(&["--bandwidth", "shared"]), (Area::Surface, Bandwidth::Shared));
-        for given in [["--target-error", "0.1"], ["--preset", "preview"], ["--passes", "7"], ["--radius", "0.1"]] {
+        for given in [
+            ["--target-error", "0.1"],
+            ["--total-photons", "1M"],
+            ["--preset", "preview"],
+            ["--passes", "7"],
+            ["--radius", "0.1"],
+        ] {
             assert_eq!(of(&given), (Area::Disc, Bandwidth::Shared), "{given:?}");
         }
         assert!(settings(&["--time", "5"]).unwrap().errors);

@@ -112,7 +112,8 @@ void main() {
             // Behind something, it may lie within a solid, where no photon lands.
             if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
             found += weights;
-            whole = FLAT == 0 && away <= free;
+            // The outer probe is not asked where no errors are told, and the picture is to be the same.
+            whole = ring < AREA_RINGS && FLAT == 0 && away <= free;
         }
     }
     float share = area_share(found.x, all.x);

@@ -26,6 +26,8 @@ enum Beside {
     Mirror(f64),
     /// It is black from x on.
     Black(f64),
+    /// It is black from x for a tenth of the radius, and goes on.
+    Strip(f64),
     /// A sheet of glass lies a little above it.
     Glass,
     /// A wall without thickness stands on it.
@@ -51,6 +53,10 @@ fn floor(beside: Beside) -> Scene {
             tile("floor", [-1.0, x], all, 0.0, grey);
             tile("lower", [x, 1.0], all, -0.1 * RADIUS, grey);
         }
+        Beside::Strip(x) => {
+            tile("floor", [-1.0, x], all, 0.0, grey);
+            tile("beyond", [x + 0.1 * RADIUS, 1.0], all, 0.0, grey);
+        }
     }
     match beside {
         Beside::Box(x) => {
@@ -67,6 +73,11 @@ fn floor(beside: Beside) -> Scene {
             };
             let other = builder.material(other);
             builder.quad("other", [[x, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [x, 1.0, 0.0]], other);
+        }
+        Beside::Strip(x) => {
+            let black = builder.material(MaterialDesc::lambert("black", [0.0; 3]));
+            let y = x + 0.1 * RADIUS;
+            builder.quad("strip", [[x, -1.0, 0.0], [y, -1.0, 0.0], [y, 1.0, 0.0], [x, 1.0, 0.0]], black);
         }
         Beside::Glass => {
             // An index of nearly 1: light goes through as if it were not there, but is refracted.
@@ -128,6 +139,13 @@ pub fn d1_light_at_edges_is_whole<T: TestBackend>() {
         assert_agrees(&format!("{beside:?}, share"), moments(&ratios).0, lost, error, 4e-3);
         assert!(!agrees(moments(&plain).0, 1.0, standard_error(&plain), 4e-3), "{beside:?}: nothing was to be seen");
     }
+    // A strip that a spoke ends beyond is overlooked there: of the light that it takes, some stays lost; none is added.
+    let [mended, plain] = [Area::Surface, Area::Disc]
+        .map(|area| shares::<T>(Beside::Strip(0.3 * RADIUS), &settings(area, round, within())));
+    // But for the order of sums.
+    let gained: Vec<f64> = mended.iter().zip(&plain).map(|(mended, plain)| mended / plain - 1.0).collect();
+    assert!(gained.iter().all(|&gain| gain > -1e-5) && moments(&gained).0 > 1e-3, "{gained:?}");
+    assert!(moments(&mended).0 < 1.0 + SIGMAS * standard_error(&mended) + 4e-3, "{mended:?}");
     // The nearest photons' disc reaches as far as there are photons.
     let knn = Estimator::Knn { k: 100, max_radius: None };
     let mended = shares::<T>(Beside::End(0.0), &settings(Area::Surface, round, knn));
@@ -250,6 +268,20 @@ pub fn d7_second_radii_at_ends_tell_no_bias<T: TestBackend>() {
             let [(bias, error), (half, half_error)] = plain;
             assert_agrees("wide, by the disc", bias, wide - first, error, 0.0);
             assert_agrees("narrow, by the disc", half, first - narrow, half_error, 0.0);
+        }
+    }
+}
+
+/// D8: errors leave the picture alone where what a spoke passes is not its surface all along.
+pub fn d8_errors_change_no_share_of_the_picture<T: TestBackend>() {
+    for beside in [Beside::Strip(0.65 * RADIUS), Beside::Strip(0.2 * RADIUS), Beside::End(0.5 * RADIUS)] {
+        let of = |errors| {
+            let settings = Settings { errors, ..settings(Area::Surface, Kernel::Epanechnikov, within()) };
+            film::<T>(&floor(beside), &settings, 4, 8).beauty()
+        };
+        for (with, without) in of(true).iter().flatten().zip(of(false).iter().flatten()) {
+            // The same photons, summed in another order.
+            assert!((with - without).abs() <= 1e-5 * without, "{beside:?}: {with} {without}");
         }
     }
 }

@@ -76,7 +76,7 @@ fn pixels<B: TransportBackend>(mut on: B, (scene, cameras): &(Scene, Vec<String>
         direct: Direct::Nee,
         indirect: Indirect::Gather,
         gather_rays: 4,
-        estimator: Estimator::Radius { radius: Some(0.05) },
+        estimator: Estimator::Radius { radius: Some(0.5) },
         ..Settings::default()
     };
     let mut all = Vec::new();
@@ -106,6 +106,7 @@ pub fn s1_no_light_through_edges<T: TestBackend>() {
         }
         let (bright, back) = pixels(back, &nested(shape, 1, true));
         assert_eq!(bright.iter().filter(lit(Layer::Direct)).count(), bright.len());
+        assert!(bright.iter().filter(lit(Layer::Indirect)).count() * 2 > bright.len());
         on = back;
     }
 }

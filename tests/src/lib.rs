@@ -61,6 +61,7 @@ macro_rules! whole_suite {
             debias::{
                 d1_light_at_edges_is_whole, d2_nothing_changes_within_a_surface, d3_irradiance_found_beforehand,
                 d4_radii_of_pixels_keep_the_mean, d7_second_radii_at_ends_tell_no_bias,
+                d8_errors_change_no_share_of_the_picture,
             }
             sheets::{ d5_a_sheet_beside_does_not_shine_through, d6_a_sheet_in_the_shade_is_dark }
             aiming::{

@@ -117,7 +117,8 @@ impl Disc<'_> {
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
                 let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
                 if same && (away <= free || !enclosed(scene, &surface)) {
-                    whole = !gather.is_flat() && away <= free;
+                    // The outer probe is not asked where no errors are told, and the picture is to be the same.
+                    whole = ring < RINGS && !gather.is_flat() && away <= free;
                     for i in 0..discs {
                         let most = gather.max_plane_distance * (RADII[i] * radius);
                         found[i] += if !gather.is_flat() || off <= most { weights[i] } else { 0.0 };

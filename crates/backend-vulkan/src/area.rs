@@ -50,6 +50,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
         let kernel = on.kernel(&shaders::CAMERA_AREA, &constants)?;
         // How many there are need not be known here: as many as fit.
         let capacity = queries.capacity().min(estimates.capacity());
+        let capacity = spreads.as_ref().map_or(capacity, |spreads| capacity.min(spreads.capacity()));
         let stretch = (on.portions.shadow_rays / RAYS).max(1).next_multiple_of(u64::from(GROUP));
         for start in (0..capacity).step_by(stretch as usize) {
             let push = Push {

@@ -57,12 +57,13 @@ impl Settings {
     /// The settings of a preset for a picture of so many pixels.
     ///
     /// Radii and kernel are the default ones. From [`Preset::Balanced`] on what is lost at the ends of surfaces is
-    /// given back: nearly all of the bias in a box, for less time than as many passes would take. Few passes are
+    /// given back: nearly all of the bias in a box, for less time than the passes that would come to as little error. Few passes are
     /// noise above all, and are better off without. For [`Preset::Final`] each pixel finds a radius of its own, for which
     /// errors are told; that takes passes, and is worth most where light is smooth or sharp.
     ///
-    /// Radii of pixels do not go with [`Indirect::Gather`](crate::Indirect::Gather): who asks for that takes
-    /// [`Bandwidth::Shared`].
+    /// With radii of pixels passes depend on those before them, so that films of parts are not what one run gives.
+    /// They are for [`Estimator::Radius`](crate::Estimator::Radius), and do not go with
+    /// [`Indirect::Gather`](crate::Indirect::Gather): who asks for either of these takes [`Bandwidth::Shared`].
     ///
     /// ```
     /// use photon_core::{Budget, Preset, Settings};

@@ -16,8 +16,8 @@ const NEAR: f32 = 32.0;
 /// light, as roundings have it.
 pub const LEAST_HEIGHT: f32 = 1.0 / 2_097_152.0;
 
-/// Whether a triangle, its corners relative to the eye, is nearer than four times its radius: the largest distance of
-/// a corner from the centroid.
+/// Whether a triangle, its corners relative to the eye, is nearer than four times its radius, the largest distance of
+/// a corner from the centroid, or a little more where its corners are as far as each other.
 ///
 /// Where it is not, the distances of its points differ by less than a factor of 5/3, and the values of points uniform in
 /// area, cosine over squared distance, by less than 5 (from the centroid at `d`, 4 radii `r` away, `((d + r)/(d − r))³`).

@@ -5,7 +5,7 @@ use photon_core::random::unit_f32;
 use photon_core::solid_angle;
 
 use super::compare::Bound;
-use super::draw::{Draw, input};
+use super::draw::{Draw, input, inputs};
 use super::table::{Row, output, words};
 use super::{Input, Output};
 use crate::shaders;
@@ -94,4 +94,16 @@ fn condition(i: &Input, function: fn([Vec3; 3], &Input) -> Output) -> f64 {
     }
     // Another pole is another point altogether.
     if condition > 1e4 { f64::INFINITY } else { condition }
+}
+
+/// The bounds ask something: most views are decided, and most are seen under a solid angle.
+#[test]
+fn most_views_are_decided() {
+    let inputs = inputs(view);
+    for function in [angle, sampled] {
+        let decided = inputs.iter().filter(|input| condition(input, function).is_finite()).count();
+        assert!(decided * 2 > inputs.len(), "{decided} of {}", inputs.len());
+    }
+    let seen = inputs.iter().filter(|input| sampled(corners(input), input)[0] != 0).count();
+    assert!(seen * 2 > inputs.len(), "{seen} of {}", inputs.len());
 }

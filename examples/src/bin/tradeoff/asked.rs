@@ -53,7 +53,7 @@ pub(crate) fn rows(
         .into_iter()
         .map(|(asked, settings, plan)| {
             // Whatever is compiled for the first time is not what is timed.
-            engine.film(subject, &settings, Budget::Passes(2))?;
+            engine.film(subject, &settings, Budget::Passes(9))?;
             let (film, told) = engine.film(subject, &settings, plan)?;
             let row = row(subject, asked, (&told.outcome, told.seconds), &film, truth);
             crate::progress(&format!("{}: {}: {}, {}", row.scene, row.asked, row.predicted, row.took));

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::records::{Body, Part};
-use crate::{answers, details, presets, tables};
+use crate::{answers, details, indices, presets, tables};
 
 const HEAD: &str = include_str!("head.md");
 const READING: &str = include_str!("reading.md");
@@ -54,6 +54,7 @@ pub(crate) fn markdown(parts: &[Part], folder: &Path, name: &str) -> String {
     for table in [
         tables::merits(parts),
         presets::table(parts),
+        indices::table(parts),
         answers::ways(parts),
         tables::fronts(parts),
         details::pictures(folder),

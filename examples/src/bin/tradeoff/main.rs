@@ -7,6 +7,7 @@ mod details;
 mod document;
 mod engine;
 mod fields;
+mod indices;
 mod measure;
 mod plot;
 mod presets;
@@ -92,6 +93,8 @@ enum PartName {
     Claims,
     /// What presets are chosen from.
     Presets,
+    /// Build and query time per index.
+    Indices,
     /// What comes of asking for an error or a time.
     Asked,
     /// Claims in fields of known truth.
@@ -132,6 +135,10 @@ fn work(args: &Args) -> Result<(), Fault> {
         write(&folder.join("rates.svg"), &svg)?;
     }
     write(&folder.join("tradeoff.csv"), &details::csv(&parts))?;
+    if let Some(svg) = plot::indices(&parts) {
+        write(&folder.join("indices.svg"), &svg)?;
+        write(&folder.join("indices.csv"), &indices::csv(&parts))?;
+    }
     let home = args.document.as_deref().and_then(Path::parent).unwrap_or(folder);
     for path in [Some(folder.join("tradeoff.md")), args.document.clone()].into_iter().flatten() {
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -180,6 +187,10 @@ fn measure(args: &Args) -> Result<(), Fault> {
             {
                 let rows = claims(args, &mut engine, &subject, &base, &Truth::constant(radiance))?;
                 save(args, &engine, &format!("claims-{name}"), Body::Claims(rows))?;
+            }
+            if wanted(PartName::Indices) {
+                let rows = indices::rows(&mut engine, name, &base)?;
+                save(args, &engine, &format!("indices-{name}"), Body::Indices(rows))?;
             }
             let judged = [PartName::Reference, PartName::Sweep, PartName::Presets, PartName::Asked, PartName::Pictures];
             if !judged.into_iter().any(wanted) {

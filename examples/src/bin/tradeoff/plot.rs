@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 
+use crate::indices::IndexRow;
 use crate::measure::{pareto, slope};
 use crate::records::{Body, Part, Summary, Sweep};
 
@@ -159,6 +160,37 @@ pub(crate) fn rates(parts: &[Part]) -> Option<String> {
             if let (Some(first), Some(last)) = (row.points.first(), row.points.last()) {
                 let theory = first.1 * (last.0 / first.0).powf(row.theory);
                 panel.line(&mut svg, &[*first, (last.0, theory)], colour, "3 3");
+            }
+        }
+    }
+    names.iter().enumerate().for_each(|(number, name)| legend(&mut svg, number, name));
+    svg.push_str("</svg>\n");
+    (!rows.is_empty()).then_some(svg)
+}
+
+/// Build time and query time of each index over the photons in the maps.
+pub(crate) fn indices(parts: &[Part]) -> Option<String> {
+    let rows = crate::indices::all(parts);
+    let mut svg = begin();
+    let mut names: Vec<String> = Vec::new();
+    for (left, title, build) in [(0.0, "build", true), (WIDTH, "query", false)] {
+        let point = |row: &IndexRow| (row.photons as f64, if build { row.build } else { row.query });
+        let panel = Panel::new(left, &rows.iter().map(|(_, row)| point(row)).collect::<Vec<_>>());
+        panel.frame(&mut svg, title, "photons", "seconds of a pass");
+        for (backend, row) in &rows {
+            let name = format!("{}, {backend}", row.index);
+            let number = names.iter().position(|known| *known == name).unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            });
+            let same = |(of, other): &&(&str, &IndexRow)| {
+                (*of, &other.index, &other.scene) == (*backend, &row.index, &row.scene)
+            };
+            let line: Vec<(f64, f64)> = rows.iter().filter(same).map(|(_, other)| point(other)).collect();
+            let colour = COLOURS[number % COLOURS.len()];
+            panel.dot(&mut svg, point(row), colour, &format!("{}: {}, {backend}", row.scene, row.index));
+            if line.first() == Some(&point(row)) {
+                panel.line(&mut svg, &line, colour, "");
             }
         }
     }

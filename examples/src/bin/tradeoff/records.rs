@@ -6,6 +6,7 @@ use photon_examples::fault::Fault;
 use photon_examples::whole;
 use serde::{Deserialize, Serialize};
 
+use crate::indices::IndexRow;
 use crate::presets::PresetRow;
 
 /// One file of results.
@@ -28,6 +29,7 @@ pub(crate) enum Body {
     Rates(Vec<RateRow>),
     Tracer(Vec<TracerRow>),
     Presets(Vec<PresetRow>),
+    Indices(Vec<IndexRow>),
 }
 
 /// Every setting of one scene.

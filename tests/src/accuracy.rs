@@ -1,8 +1,7 @@
 //! What a film claims of its own error, against fields whose truth is known, and scenes.
 
 use photon_core::{
-    Area, Backend, Budget, Claim, Flags, Gather, IndexKind, Kernel, Photon, Plan, RandomKind, Rule, Settings, Spread,
-    render,
+    Backend, Budget, Claim, Flags, Gather, IndexKind, Kernel, Photon, Plan, RandomKind, Rule, Settings, Spread, render,
 };
 use photon_scene::builtin;
 
@@ -101,14 +100,8 @@ pub fn e4_spread_of_known_photons<T: TestBackend>() {
 
 /// Errors come with the same picture, merge as it does, and are not there unless they are asked for.
 pub fn e5_errors_leave_the_picture_alone<T: TestBackend>() {
-    for area in [Area::Disc, Area::Surface] {
-        errors_leave_the_picture_alone::<T>(area);
-    }
-}
-
-fn errors_leave_the_picture_alone<T: TestBackend>(area: Area) {
     let scene = builtin("cornell-glass").unwrap().build().unwrap();
-    let plain = Settings { photons: 5_000, seed: 5, area, ..Settings::default() };
+    let plain = Settings { photons: 5_000, seed: 5, ..Settings::default() };
     let asked = Settings { errors: true, ..plain.clone() };
     let (without, with) = (film::<T>(&scene, &plain, 4, 16), film::<T>(&scene, &asked, 4, 16));
     assert!(without.errors.is_none() && without.claims().is_none());

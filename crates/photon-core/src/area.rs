@@ -110,6 +110,16 @@ pub fn second_weights(kernel: Kernel, distance: f32) -> [f32; 2] {
 mod tests {
     use super::*;
 
+    /// A8: of a disc, the part this side of a line so many radii from its middle, as each kernel weighs it.
+    const EDGES: [(Kernel, f64, f64); 6] = [
+        (Kernel::Constant, 0.25, 0.657_481),
+        (Kernel::Constant, 0.5, 0.804_499),
+        (Kernel::Epanechnikov, 0.0, 0.5),
+        (Kernel::Epanechnikov, 0.25, 0.705_638),
+        (Kernel::Epanechnikov, 0.5, 0.873_415),
+        (Kernel::Epanechnikov, 0.75, 0.973_909),
+    ];
+
     /// Mean over random numbers of the share itself, and of its reciprocal.
     fn means(kernel: Kernel, inside: impl Fn(f64, f64) -> bool) -> (f64, f64) {
         const STEPS: u32 = 61;
@@ -138,15 +148,7 @@ mod tests {
     /// multiplied, within 0.5 % for edges and 1 % for a corner.
     #[test]
     fn shares_at_edges_and_corners_are_the_closed_forms() {
-        let edges = [
-            (Kernel::Constant, 0.25, 0.657_481),
-            (Kernel::Constant, 0.5, 0.804_499),
-            (Kernel::Epanechnikov, 0.0, 0.5),
-            (Kernel::Epanechnikov, 0.25, 0.705_638),
-            (Kernel::Epanechnikov, 0.5, 0.873_415),
-            (Kernel::Epanechnikov, 0.75, 0.973_909),
-        ];
-        for (kernel, at, truth) in edges {
+        for (kernel, at, truth) in EDGES {
             let (mean, reciprocal) = means(kernel, |x, _| x < at);
             assert!((mean - truth).abs() < 2e-3, "{kernel:?}, {at}: {mean} instead of {truth}");
             assert!((reciprocal * truth - 1.0).abs() < 5e-3, "{kernel:?}, {at}: {reciprocal}");
@@ -190,15 +192,7 @@ mod tests {
     /// The same fractions within √2 and 1/√2 of the radius: within 0.5 % at edges, and 1.5 % for one over them.
     #[test]
     fn shares_of_second_radii_are_the_closed_forms() {
-        let edges = [
-            (Kernel::Constant, 0.25, 0.657_481),
-            (Kernel::Constant, 0.5, 0.804_499),
-            (Kernel::Epanechnikov, 0.0, 0.5),
-            (Kernel::Epanechnikov, 0.25, 0.705_638),
-            (Kernel::Epanechnikov, 0.5, 0.873_415),
-            (Kernel::Epanechnikov, 0.75, 0.973_909),
-        ];
-        for (kernel, at, truth) in edges {
+        for (kernel, at, truth) in EDGES {
             for (i, radius) in [2.0_f64.sqrt(), 0.5_f64.sqrt()].into_iter().enumerate() {
                 let [mean, reciprocal] = second_means(kernel, |x, _| x < at * radius)[i];
                 assert!((mean - truth).abs() < 5e-3, "{kernel:?}, {at}, {radius}: {mean} instead of {truth}");

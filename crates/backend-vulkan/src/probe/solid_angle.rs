@@ -13,31 +13,15 @@ use crate::shaders;
 /// The functions, their twins and their bounds.
 pub(super) fn rows() -> Vec<Row> {
     let module = &shaders::PROBE_SOLID_ANGLE;
+    let row = |name, function, bound, twin| Row { name, module, function, bound, draw: view, twin };
     vec![
-        Row {
-            name: "solid_angle_is_near",
-            module,
-            function: 0,
-            bound: Bound::Words,
-            draw: view,
-            twin: |i| words([solid_angle::is_near(corners(i)).into()]),
-        },
-        Row {
-            name: "solid_angle_of",
-            module,
-            function: 1,
-            bound: Bound::Conditioned(4e-6, "its condition", |i| condition(i, angle)),
-            draw: view,
-            twin: |i| angle(corners(i), i),
-        },
-        Row {
-            name: "solid_angle_sample",
-            module,
-            function: 2,
-            bound: Bound::Conditioned(2e-6, "its condition", |i| condition(i, sampled)),
-            draw: view,
-            twin: |i| sampled(corners(i), i),
-        },
+        row("solid_angle_is_near", 0, Bound::Words, |i| words([solid_angle::is_near(corners(i)).into()])),
+        row("solid_angle_of", 1, Bound::Conditioned(4e-6, "its condition", |i| condition(i, angle)), |i| {
+            angle(corners(i), i)
+        }),
+        row("solid_angle_sample", 2, Bound::Conditioned(2e-6, "its condition", |i| condition(i, sampled)), |i| {
+            sampled(corners(i), i)
+        }),
     ]
 }
 

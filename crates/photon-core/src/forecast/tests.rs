@@ -182,7 +182,8 @@ fn pixels_that_lack_photons_can_be_the_better_ones() {
     }
 }
 
-/// A target that is met, missed again as pixels join in, and met for good is met when it first is.
+/// A target that is met, missed again as pixels join in, and met for good is met when it first is, if that lasts until
+/// passes have doubled: nothing between is looked at.
 #[test]
 fn the_first_time_counts() {
     let prospect = told(&claims(0.1, 0.0, 0.0), 8, 1.0).unwrap();

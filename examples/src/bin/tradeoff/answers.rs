@@ -16,16 +16,11 @@ fn rows(parts: &[Part]) -> Vec<(&str, &AskedRow)> {
     }
     let order = |row: &AskedRow| {
         let same = rows.iter().filter(|(_, other)| other.scene == row.scene);
-        same.map(|(_, other)| &other.asked).position(|asked| *asked == row.asked)
+        same.map(|(_, other)| (&other.asked, &other.way)).position(|asked| asked == (&row.asked, &row.way))
     };
     let mut sorted = rows.clone();
     sorted.sort_by(|(a, x), (b, y)| x.scene.cmp(&y.scene).then(order(x).cmp(&order(y))).then(a.cmp(b)));
     sorted
-}
-
-/// A time in the words of a row, and the way it was spent.
-fn way(row: &AskedRow) -> Option<(&str, &str)> {
-    row.asked.split_once(": ")
 }
 
 /// What was predicted and what was reached; a time as `render --time` spends it.
@@ -36,7 +31,7 @@ pub(crate) fn asked(parts: &[Part]) -> String {
     let columns = ["scene", "asked", "backend", "predicted", "took", "reached", "claimed", "covered", "relMSE"];
     text += &head(&columns.map(str::to_owned), 5);
     let rows = rows(parts);
-    let shown = rows.iter().filter(|(_, row)| way(row).is_none_or(|(_, way)| way == DEFAULT_WAY));
+    let shown = rows.iter().filter(|(_, row)| row.way.as_deref().is_none_or(|way| way == DEFAULT_WAY));
     let mut any = false;
     for (backend, row) in shown {
         any = true;
@@ -47,7 +42,7 @@ pub(crate) fn asked(parts: &[Part]) -> String {
             text,
             "| {} | {} | {backend} | {} | {} | {reached} | {:.0} % | {covered} | {error} |",
             row.scene,
-            way(row).map_or(row.asked.as_str(), |(time, _)| time),
+            row.asked,
             row.predicted,
             row.took,
             100.0 * row.claimed
@@ -60,7 +55,7 @@ pub(crate) fn asked(parts: &[Part]) -> String {
 pub(crate) fn ways(parts: &[Part]) -> String {
     let rows = rows(parts);
     let mut names: Vec<&str> = Vec::new();
-    for (_, name) in rows.iter().filter_map(|(_, row)| way(row)) {
+    for name in rows.iter().filter_map(|(_, row)| row.way.as_deref()) {
         if !names.contains(&name) {
             names.push(name);
         }
@@ -76,23 +71,24 @@ pub(crate) fn ways(parts: &[Part]) -> String {
     text += &head(&columns, 3);
     let mut seen: Vec<(&str, &str)> = Vec::new();
     for (_, row) in &rows {
-        let Some((time, _)) = way(row) else { continue };
-        if seen.contains(&(&row.scene, time)) {
+        if row.way.is_none() || seen.contains(&(&row.scene, &row.asked)) {
             continue;
         }
-        seen.push((&row.scene, time));
+        seen.push((&row.scene, &row.asked));
         for backend in backends(parts) {
             let cells: Vec<String> = names
                 .iter()
                 .map(|name| {
                     let same = |(of, other): &&(&str, &AskedRow)| {
-                        *of == backend && other.scene == row.scene && way(other) == Some((time, *name))
+                        *of == backend
+                            && (&other.scene, &other.asked, other.way.as_deref())
+                                == (&row.scene, &row.asked, Some(*name))
                     };
                     let error = rows.iter().find(same).and_then(|(_, other)| other.error);
                     error.map_or_else(|| "–".to_owned(), |error| format!("{error:.2e}"))
                 })
                 .collect();
-            let _ = writeln!(text, "| {} | {time} | {backend} | {} |", row.scene, cells.join(" | "));
+            let _ = writeln!(text, "| {} | {} | {backend} | {} |", row.scene, row.asked, cells.join(" | "));
         }
     }
     text

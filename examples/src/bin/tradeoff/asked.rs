@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use photon_core::{Area, Bandwidth, Budget, Film, Outcome, Plan, Settings};
+use photon_core::{Area, Bandwidth, Budget, Outcome, Plan, Settings};
 use photon_examples::fault::Fault;
 
 use crate::engine::{Engine, Subject};
+use crate::measure::{self, Run};
 use crate::records::AskedRow;
 use crate::truth::Truth;
 
@@ -15,14 +16,14 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// The way in which `render --time` spends it.
 pub(crate) const DEFAULT_WAY: &str = "surface, radii per pixel";
 
-/// What is asked for, with which settings, and how that is called.
-fn plans(base: &Settings) -> Vec<(String, Settings, Plan)> {
+/// What is asked for, in words and as a plan; the way in which a time is spent, and with which settings.
+fn plans(base: &Settings) -> Vec<(String, Option<String>, Settings, Plan)> {
     let plain = Settings { errors: true, seed: 77, ..base.clone() };
     let mut plans = Vec::new();
     for target in [0.2, 0.1, 0.05] {
         let until = Budget::Error { target, share_of_pixels: 0.95 };
         let plan = Plan { most_time: Some(PATIENCE), ..until.into() };
-        plans.push((format!("error of {:.0} %", 100.0 * target), plain.clone(), plan));
+        plans.push((format!("error of {:.0} %", 100.0 * target), None, plain.clone(), plan));
     }
     // In how many ways a time can be spent. Radii are adapted to it where errors tell how.
     for seconds in [1, 5] {
@@ -36,7 +37,7 @@ fn plans(base: &Settings) -> Vec<(String, Settings, Plan)> {
         ] {
             let settings = Settings { area, bandwidth, errors, ..plain.clone() };
             let plan = Budget::Time(Duration::from_secs(seconds)).into();
-            plans.push((format!("{seconds} s: {name}"), settings, plan));
+            plans.push((format!("{seconds} s"), Some(name.to_owned()), settings, plan));
         }
     }
     plans
@@ -51,18 +52,25 @@ pub(crate) fn rows(
 ) -> Result<Vec<AskedRow>, Fault> {
     plans(base)
         .into_iter()
-        .map(|(asked, settings, plan)| {
+        .map(|(asked, way, settings, plan)| {
             // Whatever is compiled for the first time is not what is timed.
             engine.film(subject, &settings, Budget::Passes(9))?;
             let (film, told) = engine.film(subject, &settings, plan)?;
-            let row = row(subject, asked, (&told.outcome, told.seconds), &film, truth);
+            let run = Run::new(&film, told.seconds, told.outcome.paths);
+            let row = row(subject, (asked, way), &told.outcome, &run, truth);
             crate::progress(&format!("{}: {}: {}, {}", row.scene, row.asked, row.predicted, row.took));
             Ok(row)
         })
         .collect()
 }
 
-fn row(subject: &Subject, asked: String, (outcome, seconds): (&Outcome, f64), film: &Film, truth: &Truth) -> AskedRow {
+fn row(
+    subject: &Subject,
+    (asked, way): (String, Option<String>),
+    outcome: &Outcome,
+    run: &Run,
+    truth: &Truth,
+) -> AskedRow {
     let predicted = outcome.predicted.as_ref().map_or_else(
         || "–".to_owned(),
         |forecast| match (forecast.passes_least, forecast.passes_needed, forecast.seconds_needed()) {
@@ -80,24 +88,16 @@ fn row(subject: &Subject, asked: String, (outcome, seconds): (&Outcome, f64), fi
             _ => format!("{:.1} to {:.1} %", 100.0 * forecast.error_possible_least, 100.0 * forecast.error_possible),
         },
     );
-    let claims = film.claims().unwrap_or_default();
-    let standing = || claims.iter().enumerate().filter(|(_, claim)| claim.flags.is_empty());
-    let held = standing().filter(|(pixel, claim)| (claim.value - truth.at(*pixel)).abs() <= claim.half_width).count();
-    let count = standing().count();
-    let picture = film.beauty();
-    let floor = truth.floor(picture.len());
-    let squares = picture.iter().enumerate().map(|(pixel, rgb)| {
-        let (value, truth) = (rgb.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0, truth.at(pixel));
-        (value - truth).powi(2) / (truth * truth + floor)
-    });
+    let claims = measure::claims(std::slice::from_ref(run), &|pixel| truth.at(pixel));
     AskedRow {
-        error: Some(squares.sum::<f64>() / picture.len().max(1) as f64),
+        error: Some(measure::error(run, truth)),
         scene: subject.name.clone(),
         asked,
+        way,
         predicted,
-        took: format!("{} passes, {seconds:.2} s", outcome.passes),
+        took: format!("{} passes, {:.2} s", outcome.passes, run.seconds),
         reached: outcome.reached.as_ref().map(|forecast| forecast.error),
-        claimed: count as f64 / claims.len().max(1) as f64,
-        covered: (truth.judges(outcome.paths) && count > 0).then(|| held as f64 / count as f64),
+        claimed: claims.claimed,
+        covered: (truth.judges(outcome.paths) && claims.claimed > 0.0).then_some(claims.covered),
     }
 }

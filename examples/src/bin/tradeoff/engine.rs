@@ -66,37 +66,27 @@ impl Engine {
         settings: &Settings,
         plan: impl Into<Plan>,
     ) -> Result<(Film, Told), Fault> {
-        match self {
-            Self::Cpu(place) => {
-                let (film, told, on) = run(place.take().ok_or_else(gone)?, subject, settings, plan.into())?;
-                *place = Some(on);
-                Ok((film, told))
-            }
-            Self::Vulkan(place) => {
-                let (film, told, on) = run(*place.take().ok_or_else(gone)?, subject, settings, plan.into())?;
-                *place = Some(Box::new(on));
-                Ok((film, told))
-            }
-        }
+        let (mut films, told) = self.stretches(subject, settings, &[plan.into()])?;
+        Ok((films.pop().ok_or_else(gone)?, told))
     }
 
-    /// Renders so many passes in two parts: the film after the first, and that of all.
-    pub(crate) fn film_in_two(
+    /// Renders one plan after another: the film after each, and what the last one tells, with all passes and paths.
+    pub(crate) fn stretches(
         &mut self,
         subject: &Subject,
         settings: &Settings,
-        passes: (u32, u32),
-    ) -> Result<(Film, Film, Told), Fault> {
+        plans: &[Plan],
+    ) -> Result<(Vec<Film>, Told), Fault> {
         match self {
             Self::Cpu(place) => {
-                let (films, told, on) = halves(place.take().ok_or_else(gone)?, subject, settings, passes)?;
+                let (films, told, on) = run(place.take().ok_or_else(gone)?, subject, settings, plans)?;
                 *place = Some(on);
-                Ok((films.0, films.1, told))
+                Ok((films, told))
             }
             Self::Vulkan(place) => {
-                let (films, told, on) = halves(*place.take().ok_or_else(gone)?, subject, settings, passes)?;
+                let (films, told, on) = run(*place.take().ok_or_else(gone)?, subject, settings, plans)?;
                 *place = Some(Box::new(on));
-                Ok((films.0, films.1, told))
+                Ok((films, told))
             }
         }
     }
@@ -145,33 +135,20 @@ fn run<B: TransportBackend>(
     on: B,
     subject: &Subject,
     settings: &Settings,
-    plan: Plan,
-) -> Result<(Film, Told, B), Fault> {
+    plans: &[Plan],
+) -> Result<(Vec<Film>, Told, B), Fault> {
     let mut pipeline = Pipeline::new(on, &subject.scene.view(), subject.view, settings.clone())?;
-    let begun = Instant::now();
-    let outcome = render(&mut pipeline, plan, &mut ())?;
-    let seconds = begun.elapsed().as_secs_f64();
-    let film = pipeline.film()?;
-    Ok((film, Told { seconds, outcome }, pipeline.into_backend()?))
-}
-
-fn halves<B: TransportBackend>(
-    on: B,
-    subject: &Subject,
-    settings: &Settings,
-    (early, passes): (u32, u32),
-) -> Result<((Film, Film), Told, B), Fault> {
-    let mut pipeline = Pipeline::new(on, &subject.scene.view(), subject.view, settings.clone())?;
-    let begun = Instant::now();
-    let before = render(&mut pipeline, Budget::Passes(early), &mut ())?;
-    let first = pipeline.film()?;
-    let plan = Plan { first: early, ..Plan::from(Budget::Passes(passes - early)) };
-    let mut outcome = render(&mut pipeline, plan, &mut ())?;
-    outcome.passes += before.passes;
-    outcome.paths += before.paths;
-    let seconds = begun.elapsed().as_secs_f64();
-    let film = pipeline.film()?;
-    Ok(((first, film), Told { seconds, outcome }, pipeline.into_backend()?))
+    let (mut films, mut told) = (Vec::new(), Told { seconds: 0.0, outcome: Outcome::default() });
+    for plan in plans {
+        let begun = Instant::now();
+        let mut outcome = render(&mut pipeline, *plan, &mut ())?;
+        told.seconds += begun.elapsed().as_secs_f64();
+        outcome.passes += told.outcome.passes;
+        outcome.paths += told.outcome.paths;
+        told.outcome = outcome;
+        films.push(pipeline.film()?);
+    }
+    Ok((films, told, pipeline.into_backend()?))
 }
 
 fn runs<B: TransportBackend>(

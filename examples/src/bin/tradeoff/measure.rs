@@ -21,21 +21,28 @@ impl Run {
     }
 }
 
+/// relMSE of one run: the mean over pixels of `(x − y)²/(y² + ȳ²/100)`.
+pub(crate) fn error(run: &Run, truth: &Truth) -> f64 {
+    run.grey.iter().zip(weights(run.grey.len(), truth)).map(|(x, (y, weight))| weight * (x - y).powi(2)).sum()
+}
+
+/// The truth of each of so many pixels, and what its squared error counts for.
+fn weights(count: usize, truth: &Truth) -> impl Iterator<Item = (f64, f64)> {
+    let floor = truth.floor(count);
+    (0..count).map(move |pixel| (truth.at(pixel), 1.0 / ((truth.at(pixel).powi(2) + floor) * count as f64)))
+}
+
 /// Errors of runs that differ by their seeds.
 pub(crate) fn summarise(runs: &[Run], truth: &Truth) -> Summary {
     let count = runs.first().map_or(0, |run| run.grey.len());
-    let (n, floor) = (runs.len() as f64, truth.floor(count));
-    let weight = |pixel: usize| 1.0 / ((truth.at(pixel).powi(2) + floor) * count as f64);
-    let errors: Vec<f64> = runs
-        .iter()
-        .map(|run| run.grey.iter().enumerate().map(|(pixel, x)| weight(pixel) * (x - truth.at(pixel)).powi(2)).sum())
-        .collect();
+    let n = runs.len() as f64;
+    let errors: Vec<f64> = runs.iter().map(|run| error(run, truth)).collect();
     let (mut bias, mut variance) = (0.0, 0.0);
-    for pixel in 0..count {
+    for (pixel, (y, weight)) in weights(count, truth).enumerate() {
         let mean = runs.iter().map(|run| run.grey[pixel]).sum::<f64>() / n;
         let spread = runs.iter().map(|run| (run.grey[pixel] - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        variance += weight(pixel) * spread;
-        bias += weight(pixel) * ((mean - truth.at(pixel)).powi(2) - spread / n);
+        variance += weight * spread;
+        bias += weight * ((mean - y).powi(2) - spread / n);
     }
     let error = errors.iter().sum::<f64>() / n;
     let mut seconds: Vec<f64> = runs.iter().map(|run| run.seconds).collect();

@@ -119,6 +119,8 @@ pub(crate) struct ClaimRow {
 pub(crate) struct AskedRow {
     pub(crate) scene: String,
     pub(crate) asked: String,
+    /// How a time is spent; `None` for an error.
+    pub(crate) way: Option<String>,
     pub(crate) predicted: String,
     pub(crate) took: String,
     /// Error claimed at the end.

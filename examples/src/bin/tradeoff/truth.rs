@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_PI;
 use std::path::Path;
 
-use photon_core::{Area, Film, FilmPixel, Settings, View, radius_squared_factor};
+use photon_core::{Area, Budget, Film, FilmPixel, Plan, Settings, View, radius_squared_factor};
 use photon_examples::fault::Fault;
 use photon_scene::IntegratingSphere;
 
@@ -118,8 +118,11 @@ fn long_run(engine: &mut Engine, subject: &Subject, base: &Settings, effort: Eff
     let settings = Settings { photons: photons as u32, seed: u64::MAX, area: Area::Surface, ..base.clone() };
     crate::progress(&format!("{}: a reference of {passes} passes of {photons} paths", subject.name));
     let early = passes / EARLY;
-    let (first, film, told) = engine.film_in_two(subject, &settings, (early, passes))?;
-    let [noise, bias] = told_by_halves(&first, &film, settings.alpha);
+    let plans = [(0, early), (early, passes - early)]
+        .map(|(first, passes)| Plan { first, ..Plan::from(Budget::Passes(passes)) });
+    let (films, told) = engine.stretches(subject, &settings, &plans)?;
+    let [first, film] = &films[..] else { return Err(Fault::Failure("a film for each stretch was to be had".into())) };
+    let [noise, bias] = told_by_parts(first, film, settings.alpha);
     Ok(Reference {
         scene: subject.name.clone(),
         size: subject.view.width,
@@ -138,7 +141,7 @@ const EARLY: u32 = 16;
 /// Noise is the spread of the passes. The bias falls with the radii: at the ends of surfaces and of light as the radius,
 /// elsewhere as its square. The first and the other passes differ by noise, which is known, and by bias; what there is
 /// of the latter, by the slower law, is the most that is left in the whole.
-fn told_by_halves(first: &Film, whole: &Film, alpha: f64) -> [f64; 2] {
+fn told_by_parts(first: &Film, whole: &Film, alpha: f64) -> [f64; 2] {
     let mean_radius = |from: u32, to: u32| {
         (from..to).map(|index| radius_squared_factor(index, alpha).sqrt()).sum::<f64>() / f64::from(to - from)
     };
@@ -202,7 +205,7 @@ mod tests {
     fn noise_and_bias_of_a_long_run_are_told_apart() {
         for (bias, deviation) in [(0.1, 0.2), (0.0, 0.2), (0.2, 0.4)] {
             let [first, film] = films(256, bias, deviation);
-            let [noise, bias_squared] = told_by_halves(&first, &film, 2.0 / 3.0);
+            let [noise, bias_squared] = told_by_parts(&first, &film, 2.0 / 3.0);
             let mean = |pixel: &FilmPixel| pixel.layers[Layer::Indirect as usize][0] / 256.0 - 1.0;
             let whole = mean(&film.pixels[0]);
             let truth = film.pixels.iter().map(mean).sum::<f64>() / 4096.0;

@@ -64,7 +64,7 @@ uint stratum(uint ray, uint rays, uint random) {
 }
 
 // A point that a shadow ray goes to.
-struct Aim {
+struct Target {
     vec3 to;
     // The normal of a lamp on the side that the ray arrives at.
     vec3 front;
@@ -73,23 +73,23 @@ struct Aim {
 };
 
 // A point of a triangle, on the side that faces the query; false if none does.
-bool at_lamp(Emission lamp, Light light, vec3 from, float u, float v, out Aim aim) {
-    aim.front = lamp.normal;
-    aim.solid_angle = 0.0;
-    aim.to = lamp.a;
-    if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(lamp.normal, from - lamp.a) < 0.0) aim.front = -lamp.normal;
+bool at_lamp(Emission lamp, Light light, vec3 from, float u, float v, out Target target) {
+    target.front = lamp.normal;
+    target.solid_angle = 0.0;
+    target.to = lamp.a;
+    if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(lamp.normal, from - lamp.a) < 0.0) target.front = -lamp.normal;
     // As seen from as far behind as rays end above the lamp.
-    vec3 eye = off_surface(from, -aim.front);
+    vec3 eye = off_surface(from, -target.front);
     vec3 a = lamp.a - eye, b = lamp.b - eye, c = lamp.c - eye;
-    float height = -dot3(aim.front, a);
+    float height = -dot3(target.front, a);
     bool near = solid_angle_is_near(a, b, c);
     if (!(height > (near ? SOLID_ANGLE_LEAST_HEIGHT : 0.0))) return false;
     vec2 weights;
     if (!near
-        || !solid_angle_sample(a, b, c, height, light.area, u, v, weights, aim.solid_angle)) {
+        || !solid_angle_sample(a, b, c, height, light.area, u, v, weights, target.solid_angle)) {
         weights = sampling_triangle(u, v);
     }
-    aim.to = off_surface(barycentric(lamp.a, lamp.b, lamp.c, weights.x, weights.y), aim.front);
+    target.to = off_surface(barycentric(lamp.a, lamp.b, lamp.c, weights.x, weights.y), target.front);
     return true;
 }
 
@@ -106,12 +106,12 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
         ray = Ray(from, -light.direction, NO_LIMIT);
         return cosine > 0.0;
     }
-    Aim aim = Aim(light.position, vec3(0.0), 0.0);
+    Target target = Target(light.position, vec3(0.0), 0.0);
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE
-        && !at_lamp(push.scene.emissions[index].at, light, from, unit_f32(words.y), unit_f32(words.z), aim)) {
+        && !at_lamp(push.scene.emissions[index].at, light, from, unit_f32(words.y), unit_f32(words.z), target)) {
         return false;
     }
-    vec3 gap = aim.to - from;
+    vec3 gap = target.to - from;
     float square = dot3(gap, gap);
     float far = sqrt(square);
     vec3 direction = gap / far;
@@ -120,9 +120,9 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
     if (!(cosine > 0.0)) return false;
     // Both sides share the power; it is the one that faces the query.
     float sides = (light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0;
-    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && aim.solid_angle > 0.0) {
+    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && target.solid_angle > 0.0) {
         // The radiance is the power over π and the area.
-        value = light.power * sides * (aim.solid_angle * 0.318309886 / light.area * cosine);
+        value = light.power * sides * (target.solid_angle * 0.318309886 / light.area * cosine);
         return true;
     }
     // Radiant intensity towards the query.
@@ -135,7 +135,7 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
         intensity = light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
     } else {
         // All its power, as if it left this point with the cosine of Lambert.
-        intensity = light.power * sides * max(-dot3(direction, aim.front) * 0.318309886, 0.0);
+        intensity = light.power * sides * max(-dot3(direction, target.front) * 0.318309886, 0.0);
     }
     value = intensity * (cosine / square);
     return intensity != vec3(0.0);

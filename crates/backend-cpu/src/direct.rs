@@ -72,10 +72,10 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Opt
         let ray = Ray { origin: from, direction, t_max: f32::INFINITY };
         return (cosine > 0.0).then(|| (power * (cosine / area), ray));
     }
-    let Aim { to, front, solid_angle } = if light.kind == Light::TRIANGLE {
+    let Target { to, front, solid_angle } = if light.kind == Light::TRIANGLE {
         at_lamp(scene, light, from, u, v)?
     } else {
-        Aim { to: Vec3::from(light.position), front: Vec3::ZERO, solid_angle: 0.0 }
+        Target { to: Vec3::from(light.position), front: Vec3::ZERO, solid_angle: 0.0 }
     };
     let gap = to - from;
     let squared = gap.length_squared();
@@ -111,7 +111,7 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Opt
 }
 
 /// A point that a shadow ray goes to.
-struct Aim {
+struct Target {
     to: Vec3,
     /// The normal of a lamp on the side that the ray arrives at.
     front: Vec3,
@@ -120,7 +120,7 @@ struct Aim {
 }
 
 /// A point of a triangle, on the side that faces the query; `None` if none does.
-fn at_lamp(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Aim> {
+fn at_lamp(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Target> {
     let primitive = light.primitive as usize;
     let vertices = scene.vertices[primitive];
     let mut front = Vec3::from(scene.facets[primitive].normal);
@@ -140,5 +140,5 @@ fn at_lamp(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Optio
         Some(Seen { b, c, solid_angle }) => ((b, c), solid_angle),
         None => (sampling::triangle(u, v), 0.0),
     };
-    Some(Aim { to: offset::off_surface(offset::barycentric(vertices, b, c), front), front, solid_angle })
+    Some(Target { to: offset::off_surface(offset::barycentric(vertices, b, c), front), front, solid_angle })
 }

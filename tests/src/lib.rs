@@ -20,8 +20,10 @@ pub mod extremes;
 pub mod fields;
 pub mod foretold;
 pub mod harness;
+pub mod inside;
 pub mod interreflection;
 pub mod kept;
+pub mod nesting;
 pub mod numerics;
 pub mod paper;
 pub mod precision;
@@ -87,6 +89,14 @@ macro_rules! whole_suite {
             dielectrics::{
                 t1_t2_t3_fresnel, t4_slab, t6_light_at_the_centre, t7_trapped_light, t9_ball_lens,
                 t13_ior_one_is_invisible,
+            }
+            inside::{
+                g1_even_sky_over_glass, light_inside_glass, furnace_with_glass, glow_from_inside,
+                light_through_an_absorber, light_in_an_absorber,
+            }
+            nesting::{
+                p20_glass_on_water, camera_in_three_solids, light_in_two_solids, a_fifth_solid_is_counted,
+                nesting_is_required_where_it_is,
             }
             paper::{a14_extra_cosine_loses_a_third, the_clamp_is_the_papers}
             numerics::{

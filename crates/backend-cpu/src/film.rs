@@ -71,7 +71,7 @@ impl TransportBackend for Cpu {
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {
         Ok(Stages {
             emitter: Box::new(CpuEmitter),
-            tracer: Box::new(CpuTracer::new(settings, required.features)),
+            tracer: Box::new(CpuTracer::new(settings, required)),
             eye: Box::new(CpuEye { max_bounces: settings.max_bounces }),
             direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
             gather: if required.final_gather {
@@ -91,7 +91,7 @@ impl TransportBackend for Cpu {
 
     fn aimed(&mut self, required: &Requirements, settings: &Settings, aim: &Aim) -> Result<Option<AimedStages<Self>>> {
         self.note_memory("aimed photons", aim.bytes());
-        Ok(Some((Box::new(CpuAimedEmitter::new(aim.clone())), Box::new(CpuTracer::aimed(settings, required.features)))))
+        Ok(Some((Box::new(CpuAimedEmitter::new(aim.clone())), Box::new(CpuTracer::aimed(settings, required)))))
     }
 
     fn costs(&self, kept: Kept) -> Costs {

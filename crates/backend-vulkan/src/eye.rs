@@ -121,7 +121,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as may be.
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
-        let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows];
+        let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows, scene.media().bits()];
         let look = on.kernel(&shaders::CAMERA_EYE, &constants)?;
         let rows = (on.portions.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
         for start_row in (0..view.height).step_by(rows as usize) {

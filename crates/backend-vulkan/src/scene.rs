@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
-use photon_core::{Error, Features, Requirements, Result, SceneView, Settings, light_probability, offset};
+use photon_core::{
+    Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Settings, Solids, light_probability, offset,
+};
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
@@ -21,6 +23,7 @@ pub struct VulkanScene {
     /// What it points to.
     _tables: Vec<Memory>,
     features: Features,
+    media: MediaFeatures,
     light_count: u32,
     /// Labels and bytes of the tables.
     bytes: Vec<(&'static str, u64)>,
@@ -39,10 +42,10 @@ struct Record {
     lights: u64,
     light_starts: u64,
     emissions: u64,
+    media: u64,
     triangles: u32,
     light_count: u32,
-    material_count: u32,
-    reserved: u32,
+    reserved: [u32; 2],
 }
 
 /// `Emission` of scene.glsl.
@@ -54,8 +57,10 @@ struct Emission {
     corners: [[f32; 3]; 3],
     normal: [f32; 3],
     margin: f32,
+    /// Media that paths start in, on the front and on the back.
+    media: [u32; 2],
     // Records behind an address are multiples of its alignment apart, 16 bytes.
-    reserved: [u32; 3],
+    reserved: u32,
 }
 
 impl VulkanScene {
@@ -65,6 +70,10 @@ impl VulkanScene {
     pub(crate) fn new(on: &mut Vulkan, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
         required.check(Requirements::of(view, &Settings::default()).features)?;
         check(view)?;
+        let solids = Solids::of(view);
+        required.check_media(solids.features())?;
+        let inside = required.media.contains(MediaFeatures::NESTED) || required.features.contains(Features::ABSORPTION);
+        let locator = inside.then(|| solids.locate());
         let start = Instant::now();
         let tree = WideTree::build(view.positions, view.triangles)
             .map_err(|source| Error::Backend { backend: "vulkan: building the BVH", source: Box::new(source) })?;
@@ -73,7 +82,7 @@ impl VulkanScene {
         let nodes = upload.table("BVH nodes", &tree.nodes)?;
         let corners = upload.by_triangle("triangles", &tree.order, |id| corners(view, id))?;
         let facets = upload.by_triangle("facets", &tree.order, |id| view.facets[id as usize])?;
-        let emissions: Vec<Emission> = (0..view.lights.len()).map(|index| emission(view, index)).collect();
+        let emissions: Vec<Emission> = (0..view.lights.len()).map(|index| emission(view, index, locator.as_ref())).collect();
         let record = Record {
             nodes,
             corners,
@@ -82,16 +91,17 @@ impl VulkanScene {
             lights: upload.table("lights", view.lights)?,
             light_starts: upload.table("lights", view.light_starts)?,
             emissions: upload.table("lights", &emissions)?,
+            media: upload.table("media", view.media)?,
             triangles: view.triangles.len() as u32,
             light_count: view.lights.len() as u32,
-            material_count: view.materials.len() as u32,
-            reserved: 0,
+            reserved: [0; 2],
         };
         upload.table("scene", &[record])?;
         let Upload { mut tables, bytes, .. } = upload;
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
         let light_count = view.lights.len() as u32;
-        Ok(Self { record, _tables: tables, features: required.features, light_count, bytes, build_seconds })
+        let (features, media) = (required.features, required.media);
+        Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
     }
 
     /// The address of the record that kernels take.
@@ -102,6 +112,11 @@ impl VulkanScene {
     /// What kernels must model.
     pub(crate) fn features(&self) -> Features {
         self.features
+    }
+
+    /// What kernels must model of media.
+    pub(crate) fn media(&self) -> MediaFeatures {
+        self.media
     }
 
     /// How many lights there are.
@@ -158,7 +173,7 @@ fn margin(corners: [[f32; 3]; 3]) -> f32 {
 }
 
 /// What a path from a light carries, and where it starts if the light is a triangle.
-fn emission(view: &SceneView<'_>, index: usize) -> Emission {
+fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -> Emission {
     let light = &view.lights[index];
     let share = light_probability(view.light_starts, index);
     let area = light.kind == photon_core::Light::TRIANGLE;
@@ -170,7 +185,8 @@ fn emission(view: &SceneView<'_>, index: usize) -> Emission {
         ([[0.0; 3]; 3], [0.0; 3], 0.0)
     };
     let carried = light.power.map(|power| (f64::from(power) / share) as f32);
-    Emission { carried, probability: share as f32, corners, normal, margin, reserved: [0; 3] }
+    let media = locator.map_or([0; 2], |locator| locator.of_light(light).map(|stack| stack.bits()));
+    Emission { carried, probability: share as f32, corners, normal, margin, media, reserved: 0 }
 }
 
 /// Tables on their way to the device.

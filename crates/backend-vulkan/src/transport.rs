@@ -33,7 +33,7 @@ impl TransportBackend for Vulkan {
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {
         Ok(Stages {
             emitter: Box::new(VulkanEmitter),
-            tracer: Box::new(VulkanTracer::new(self, settings, required.features)?),
+            tracer: Box::new(VulkanTracer::new(self, settings, required)?),
             eye: Box::new(VulkanEye::new(self, settings.max_bounces)?),
             direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
             gather: if required.final_gather {
@@ -49,7 +49,7 @@ impl TransportBackend for Vulkan {
     }
 
     fn aimed(&mut self, required: &Requirements, settings: &Settings, aim: &Aim) -> Result<Option<AimedStages<Self>>> {
-        let tracer = VulkanTracer::aimed(self, settings, required.features)?;
+        let tracer = VulkanTracer::aimed(self, settings, required)?;
         Ok(Some((Box::new(VulkanAimedEmitter::new(self, aim)?), Box::new(tracer))))
     }
 

@@ -148,6 +148,8 @@ impl<B: TransportBackend> Pipeline<B> {
         check::check_scene(scene)?;
         let needed = Requirements::of(scene, &settings);
         required.check(needed.features)?;
+        required.check_media(needed.media)?;
+        let view = view.within(scene);
         required.check_kept(needed.kept)?;
         let required = Requirements { kept: required.kept.max(kept::least(&stages)), ..required };
         let mut film = on.film(scene, view.width, view.height)?;

@@ -3,8 +3,10 @@
 use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::kept::Kept;
-use crate::layout::{Light, Material};
+use crate::layout::{Light, Material, MaterialKind, Medium};
+use crate::media::MediaFeatures;
 use crate::scene::SceneView;
+use crate::solids::Solids;
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 
 /// What stages are built for.
@@ -15,6 +17,8 @@ use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 pub struct Requirements {
     /// Lobes and lights.
     pub features: Features,
+    /// What solids need that lie within each other, or overlap.
+    pub media: MediaFeatures,
     /// Photons straight from a light are kept in a map.
     pub direct_map: bool,
     /// Photons that came from a light by specular surfaces alone are kept in a map.
@@ -38,7 +42,7 @@ impl Requirements {
     pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
         let mut features = Features::NONE;
         for material in scene.materials_in_use() {
-            features = features.union(material_features(material));
+            features = features.union(material_features(material, scene.media));
         }
         for light in scene.lights {
             features = features.union(light_features(light));
@@ -47,6 +51,7 @@ impl Requirements {
         let caustic_map = (settings.caustics || gather) && specular_is_lit(scene);
         Self {
             features,
+            media: Solids::of(scene).features(),
             direct_map: settings.direct == Direct::Photons || gather,
             caustic_map,
             aimed: caustic_map && settings.caustic_photons != CausticPhotons::Shared,
@@ -63,6 +68,7 @@ impl Requirements {
         let gather = settings.indirect == Indirect::Gather;
         Self {
             features: Features::ALL,
+            media: MediaFeatures::ALL,
             direct_map: settings.direct == Direct::Photons || gather,
             caustic_map: settings.caustics || gather,
             aimed: (settings.caustics || gather) && settings.caustic_photons != CausticPhotons::Shared,
@@ -82,6 +88,21 @@ impl Requirements {
         if missing == Features::NONE { Ok(()) } else { Err(Error::MissingFeatures { missing }) }
     }
 
+    /// Whether stages built for `self` can follow paths through media that need `needed`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`].
+    pub fn check_media(&self, needed: MediaFeatures) -> Result<()> {
+        if self.media.contains(needed) {
+            return Ok(());
+        }
+        Err(Error::InvalidSetting {
+            name: "what stages model of media",
+            value: self.media.to_string(),
+            mend: "solids of this scene lie within each other or overlap; derive the requirements from it",
+        })
+    }
+
     /// Whether maps built for `self` keep what is `needed` of a photon.
     ///
     /// # Errors
@@ -98,17 +119,18 @@ impl Requirements {
     }
 }
 
-/// What one material makes a kernel do.
+/// What one material makes a kernel do; `media` is the scene's table.
 #[must_use]
-pub fn material_features(material: &Material) -> Features {
-    let lobe = match material.kind {
-        Material::MIRROR => Features::MIRROR,
-        Material::DIELECTRIC => Features::DIELECTRIC,
-        Material::THIN => Features::THIN,
-        _ => Features::DIFFUSE,
-    };
-    let absorbs = material.kind == Material::DIELECTRIC && material.absorption != [0.0; 3];
-    if absorbs { lobe.union(Features::ABSORPTION) } else { lobe }
+pub fn material_features(material: &Material, media: &[Medium]) -> Features {
+    match material.kind() {
+        MaterialKind::Lambert => Features::DIFFUSE,
+        MaterialKind::Mirror => Features::MIRROR,
+        MaterialKind::Thin => Features::THIN,
+        MaterialKind::Dielectric => {
+            let absorbs = media[material.medium as usize].absorption != [0.0; 3];
+            if absorbs { Features::DIELECTRIC.union(Features::ABSORPTION) } else { Features::DIELECTRIC }
+        }
+    }
 }
 
 /// What one light makes a kernel do.

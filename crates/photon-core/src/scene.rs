@@ -1,6 +1,6 @@
 //! What a backend is lent of a scene: plain slices.
 
-use crate::layout::{Facet, Light, Material};
+use crate::layout::{Facet, Light, Material, Medium};
 use crate::units::Units;
 
 /// A scene in normalised space, borrowed.
@@ -18,6 +18,8 @@ pub struct SceneView<'a> {
     pub facets: &'a [Facet],
     /// Indexed by [`Facet::material`].
     pub materials: &'a [Material],
+    /// Indexed by [`Material::medium`]; the first is [`Medium::VACUUM`], and at most 255 others follow.
+    pub media: &'a [Medium],
     /// Everything that emits photons.
     pub lights: &'a [Light],
     /// Where each light's share of the range of a random `u32` begins; first 0, strictly rising.

@@ -128,7 +128,7 @@ impl SceneBuilder {
         let mut warnings = Vec::new();
         frame.warn(&mut warnings);
         let lit = lights::table(&self.lights, &self.materials, &geometry, frame, &mut warnings)?;
-        let materials = lights::materials(&self.materials, &geometry, &lit, frame);
+        let (materials, media) = lights::materials(&self.materials, &geometry, &lit, frame)?;
         let units = Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power };
         warn_of_radiance(units, &mut warnings);
         if geometry.triangles.is_empty() {
@@ -154,6 +154,7 @@ impl SceneBuilder {
             mesh_names: self.meshes.into_iter().map(|mesh| mesh.name).collect(),
             material_names: self.materials.into_iter().map(|material| material.name).collect(),
             materials,
+            media,
             lights: lit.lights,
             cameras: self.cameras,
             dropped: geometry.dropped,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use photon_core::{Camera, Light, Material};
+use photon_core::{Camera, Light, Material, MaterialKind};
 use photon_examples::fault::{self, Fault};
 use photon_examples::whole;
 use photon_scene::Scene;
@@ -54,11 +54,11 @@ fn work(args: &Args) -> Result<(), Fault> {
 
 fn describe(scene: &Scene, material: &Material, file: &str, triangles: usize) -> Value {
     let units = scene.units();
-    let kind = match material.kind {
-        Material::LAMBERT => "lambert",
-        Material::MIRROR => "mirror",
-        Material::DIELECTRIC => "dielectric",
-        _ => "thin",
+    let kind = match material.kind() {
+        MaterialKind::Lambert => "lambert",
+        MaterialKind::Mirror => "mirror",
+        MaterialKind::Dielectric => "dielectric",
+        MaterialKind::Thin => "thin",
     };
     json!({
         "file": file,
@@ -67,7 +67,7 @@ fn describe(scene: &Scene, material: &Material, file: &str, triangles: usize) ->
         "albedo": material.albedo,
         "radiance": material.emission.map(|c| f64::from(c) * units.radiance_to_user()),
         "both_sides": material.flags & Material::EMITS_BOTH_SIDES != 0,
-        "absorption": material.absorption.map(|c| f64::from(c) / units.scale),
+        "absorption": scene.view().media[material.medium as usize].absorption.map(|c| f64::from(c) / units.scale),
         "ior": material.ior,
     })
 }

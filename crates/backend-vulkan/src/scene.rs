@@ -5,10 +5,10 @@ use std::time::Instant;
 use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
 use photon_core::{Error, Features, Requirements, Result, SceneView, Settings, light_probability, offset};
+use photon_scene::CompressedTree;
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
-use crate::wide::WideTree;
 
 /// Triangles that are brought to the device at a time.
 const BLOCK: usize = 1 << 20;
@@ -66,7 +66,7 @@ impl VulkanScene {
         required.check(Requirements::of(view, &Settings::default()).features)?;
         check(view)?;
         let start = Instant::now();
-        let tree = WideTree::build(view.positions, view.triangles)
+        let tree = CompressedTree::build(view.positions, view.triangles)
             .map_err(|source| Error::Backend { backend: "vulkan: building the BVH", source: Box::new(source) })?;
         let build_seconds = start.elapsed().as_secs_f64();
         let mut upload = Upload { on, tables: Vec::new(), bytes: Vec::new() };

@@ -103,10 +103,10 @@ pub trait TransportBackend: Backend {
         Costs { photon, under_way: 100, path: 200, pixel: 1200, query: 200 }
     }
 
-    /// Brings a scene to the device.
+    /// Brings a scene to the device, after [`SceneView::validate`].
     ///
     /// # Errors
-    /// [`crate::Error::MissingFeatures`] if it needs more than `required`;
+    /// What that finds; [`crate::Error::MissingFeatures`] if it needs more than `required`;
     /// [`crate::Error::OutOfMemory`].
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<Self::Scene>;
 

@@ -10,10 +10,12 @@ mod builtin;
 mod bvh;
 mod camera;
 mod describe;
+mod edges;
 mod error;
 mod lights;
 #[cfg(feature = "files")]
 mod load;
+mod mesh;
 mod normalise;
 mod report;
 mod scene;

@@ -30,6 +30,7 @@ pub mod precision;
 pub mod sheets;
 pub mod stats;
 pub mod twin;
+pub mod views;
 
 /// Makes a `#[test]` of each function for one backend.
 #[macro_export]
@@ -109,6 +110,7 @@ macro_rules! whole_suite {
                 m1_grey_is_what_treats_channels_alike, m2_less_is_the_same_picture, m3_too_little_is_refused,
             }
             cut::{ m4_the_same_photons_are_found }
+            views::{ v1_hand_filled_views_are_checked }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,
                 wider_requirements_change_nothing, passes_merge, one_backend_renders_again, a_restart_is_a_fresh_start, s31_full_photon_buffers,

@@ -32,17 +32,8 @@ pub struct CpuScene {
 
 impl CpuScene {
     pub(crate) fn new(on: &Cpu, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
-        let features = photon_core::Requirements::of(view, &photon_core::Settings::default()).features;
-        required.check(features)?;
-        for (index, triangle) in view.triangles.iter().enumerate() {
-            if triangle.iter().any(|&v| v as usize >= view.positions.len()) {
-                return Err(Error::InvalidInput {
-                    what: "triangle",
-                    index: index as u64,
-                    why: format!("{triangle:?} names a vertex that is not among the {}", view.positions.len()),
-                });
-            }
-        }
+        view.validate()?;
+        required.check(Features::of(view))?;
         let solids = Solids::of(view);
         required.check_media(solids.features())?;
         let nested = required.media.contains(MediaFeatures::NESTED);

@@ -103,7 +103,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
     ) -> Result<()> {
         film.check_size(view.width, view.height)?;
         let features = scene.features();
-        let splits = if splits(features) { SPLITS } else { 0 };
+        let splits = if features.splits_camera_paths() { SPLITS } else { 0 };
         let pixels = view.width * view.height;
         let places = u64::from(pixels) << splits;
         let in_place = queries.capacity() >= places;
@@ -204,11 +204,6 @@ impl Room {
         let (words, bytes) = (u64::from(pixels) * 4, queries * size_of::<Query>() as u64);
         self.counts.bytes() >= words && self.queries.bytes() >= bytes
     }
-}
-
-/// Whether camera paths can split.
-fn splits(features: Features) -> bool {
-    features.intersects(Features::DIELECTRIC.union(Features::THIN))
 }
 
 #[repr(C)]

@@ -5,12 +5,12 @@ use std::time::Instant;
 use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
 use photon_core::{
-    Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Settings, Solids, light_probability, offset,
+    Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability, offset,
 };
+use photon_scene::CompressedTree;
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
-use crate::wide::WideTree;
 
 /// Triangles that are brought to the device at a time.
 const BLOCK: usize = 1 << 20;
@@ -65,17 +65,17 @@ struct Emission {
 
 impl VulkanScene {
     /// # Errors
-    /// [`Error::MissingFeatures`], [`Error::InvalidInput`] names the triangle, [`Error::Backend`] what
-    /// kept the tree from being built, [`Error::OutOfMemory`].
+    /// As [`SceneView::validate`]; [`Error::MissingFeatures`], [`Error::Backend`] what kept the tree from being
+    /// built, [`Error::OutOfMemory`].
     pub(crate) fn new(on: &mut Vulkan, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
-        required.check(Requirements::of(view, &Settings::default()).features)?;
-        check(view)?;
+        view.validate()?;
+        required.check(Features::of(view))?;
         let solids = Solids::of(view);
         required.check_media(solids.features())?;
         let inside = required.media.contains(MediaFeatures::NESTED) || required.features.contains(Features::ABSORPTION);
         let locator = inside.then(|| solids.locate());
         let start = Instant::now();
-        let tree = WideTree::build(view.positions, view.triangles)
+        let tree = CompressedTree::build(view.positions, view.triangles)
             .map_err(|source| Error::Backend { backend: "vulkan: building the BVH", source: Box::new(source) })?;
         let build_seconds = start.elapsed().as_secs_f64();
         let mut upload = Upload { on, tables: Vec::new(), bytes: Vec::new() };
@@ -128,37 +128,6 @@ impl VulkanScene {
     pub(crate) fn bytes(&self) -> &[(&'static str, u64)] {
         &self.bytes
     }
-}
-
-/// Indices that kernels would follow without looking.
-fn check(view: &SceneView<'_>) -> Result<()> {
-    let invalid = |what, index: usize, why| Err(Error::InvalidInput { what, index: index as u64, why });
-    let (vertices, materials) = (view.positions.len(), view.materials.len());
-    for (index, triangle) in view.triangles.iter().enumerate() {
-        if triangle.iter().any(|&vertex| vertex as usize >= vertices) {
-            let why = format!("{triangle:?} names a vertex that is not among the {vertices}");
-            return invalid("triangle", index, why);
-        }
-    }
-    if view.facets.len() != view.triangles.len() {
-        let why = format!("there are {} of them for {} triangles", view.facets.len(), view.triangles.len());
-        return invalid("facet", view.facets.len(), why);
-    }
-    if let Some(index) = view.facets.iter().position(|facet| facet.material as usize >= materials) {
-        let why = format!("material {} is not among the {materials}", view.facets[index].material);
-        return invalid("facet", index, why);
-    }
-    let shines = |light: &photon_core::Light| light.kind == photon_core::Light::TRIANGLE;
-    let lost = |light: &photon_core::Light| shines(light) && light.primitive as usize >= view.triangles.len();
-    if let Some(index) = view.lights.iter().position(lost) {
-        let why = format!("triangle {} is not there", view.lights[index].primitive);
-        return invalid("light", index, why);
-    }
-    if view.light_starts.len() != view.lights.len() {
-        let why = format!("there are {} shares for {} lights", view.light_starts.len(), view.lights.len());
-        return invalid("light", view.lights.len(), why);
-    }
-    Ok(())
 }
 
 /// Three vertices; beside the first the index of the triangle, beside the second its margin.

@@ -7,8 +7,8 @@ use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
 use photon_core::glam::Vec3;
 use photon_core::{
-    Backend, Batch, Deposits, Film, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, Photon, PhotonRay, Query,
-    RandomKind, Requirements, Rule, Settings, TransportBackend, View,
+    Backend, Batch, Deposits, Film, FilmBackend, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, Photon,
+    PhotonRay, Query, RandomKind, Requirements, Rule, Settings, TransportBackend, View,
 };
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, builtin};
 

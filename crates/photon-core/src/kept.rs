@@ -93,8 +93,8 @@ fn is_grey(scene: &SceneView<'_>) -> bool {
     let equal = |[r, g, b]: [f32; 3]| r.to_bits() == g.to_bits() && g.to_bits() == b.to_bits();
     let surface = |material: &Material| {
         let features = crate::requirements::material_features(material, scene.media);
-        let absorption = scene.media[material.medium as usize].absorption;
-        equal(material.albedo) && (!features.contains(Features::ABSORPTION) || equal(absorption))
+        let even = scene.media.get(material.medium as usize).is_none_or(|medium| equal(medium.absorption));
+        equal(material.albedo) && (even || !features.contains(Features::ABSORPTION))
     };
     let light = |light: &Light| equal(light.power);
     scene.lights.iter().all(light) && scene.materials_in_use().all(surface)

@@ -49,7 +49,7 @@ pub mod typical;
 mod units;
 
 pub use aim::{Aim, Launch, Target, Unaimed};
-pub use backend::{AimedStages, Backend, Fill, Stage, StageTimings, TransportBackend};
+pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, TransportBackend};
 pub use bsdf::{Bsdf, Lobe};
 pub use budget::{Budget, Plan};
 pub use caster::{Hit, Ray, RayCaster};

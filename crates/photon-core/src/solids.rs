@@ -27,15 +27,18 @@ pub struct Solids<'a> {
 }
 
 impl<'a> Solids<'a> {
-    /// Sorts the dielectric triangles of a valid scene into closed boundaries; none of them costs nothing. Triangles
-    /// belong together where they share a vertex, by place, and a medium.
+    /// Sorts the dielectric triangles of a scene into closed boundaries; none of them costs nothing. Triangles belong
+    /// together where they share a vertex, by place, and a medium. Of a scene that [`SceneView::validate`] refuses,
+    /// triangles with indices out of range are skipped.
     #[must_use]
     pub fn of(scene: &SceneView<'a>) -> Self {
         let boundary: Vec<(u32, u32)> = (0..)
             .zip(scene.facets)
             .filter_map(|(triangle, facet)| {
-                let material = &scene.materials[facet.material as usize];
-                (material.kind() == MaterialKind::Dielectric).then_some((triangle, material.medium))
+                let material = scene.materials.get(facet.material as usize)?;
+                let corners = scene.triangles.get(triangle as usize)?;
+                let fits = corners.iter().all(|&vertex| (vertex as usize) < scene.positions.len());
+                (fits && material.kind() == MaterialKind::Dielectric).then_some((triangle, material.medium))
             })
             .collect();
         if boundary.is_empty() {

@@ -2,6 +2,7 @@
 
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
 use crate::error::SceneError;
+use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::{camera, lights, normalise, solids, validate};
 use photon_core::{Facet, Units, light_starts};
@@ -9,15 +10,6 @@ use photon_core::{Facet, Units, light_starts};
 /// A material of one [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub(crate) u32);
-
-/// Triangles that share a name and a material, user space.
-#[derive(Clone, Debug)]
-pub(crate) struct Mesh {
-    pub(crate) name: String,
-    pub(crate) positions: Vec<[f64; 3]>,
-    pub(crate) triangles: Vec<[u32; 3]>,
-    pub(crate) material: MaterialId,
-}
 
 /// A scene in the making.
 ///

@@ -7,26 +7,28 @@
 
 mod builder;
 mod builtin;
+mod bvh;
 mod camera;
 mod describe;
+mod edges;
 mod error;
 mod lights;
 #[cfg(feature = "files")]
 mod load;
+mod mesh;
 mod normalise;
 mod report;
 mod scene;
 pub mod shapes;
 mod solids;
 mod validate;
-mod wide;
 
 pub use builder::{MaterialId, SceneBuilder};
 pub use builtin::{FurnaceShape, IntegratingSphere, builtin, builtin_names, furnace, plates};
+pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode, CompressedTree};
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 pub use error::SceneError;
 #[cfg(feature = "files")]
 pub use load::{Overrides, load, load_gltf, load_obj, load_ply};
 pub use report::{LoadReport, ReportKind, ReportLine};
 pub use scene::Scene;
-pub use wide::{Accel, AccelError, Binary, BinaryTree, BruteForce};

@@ -1,8 +1,8 @@
 //! From user space to the unit box about the origin.
 
-use crate::builder::Mesh;
 use crate::describe::{LightDesc, MaterialDesc, Surface};
 use crate::error::SceneError;
+use crate::mesh::Mesh;
 use glam::DVec3;
 
 /// The similarity that recentres and scales the scene.

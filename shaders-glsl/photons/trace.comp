@@ -35,7 +35,7 @@ layout(constant_id = 6) const bool AIMED = false;
 #include "scene.glsl"
 #include "tally.glsl"
 
-// Path, and ordinal << 2 | map.
+// Path, and ordinal << MAP_BITS | map.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Owners { uvec2 at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counts { uint at; };
 // Next path to be taken in a dispatch, and paths that it was given: two counters.
@@ -52,7 +52,8 @@ struct State {
     uint medium;
     vec3 power;
     uint specular_only;
-    uvec3 stored;
+    // Photons stored in each map so far.
+    uint stored[MAP_COUNT];
     uint numbers;
 };
 
@@ -61,7 +62,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Waiting { ui
 
 // What one stretch of paths works on, the same for all its dispatches.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Stretch {
-    // Three arrays of `count` words: photons that each path stored in each map.
+    // An array of `count` words for each map: photons that each path stored in it.
     Counts stored;
     Endings endings;
     States states;
@@ -136,7 +137,7 @@ struct Path {
     uint bounce;
     uint medium;
     bool specular_only;
-    uvec3 stored;
+    uint stored[MAP_COUNT];
 };
 
 Path begin(uint number) {
@@ -156,7 +157,7 @@ Path begin(uint number) {
         path.bounce = 0u;
         path.medium = VACUUM;
         path.specular_only = true;
-        path.stored = uvec3(0u);
+        [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) path.stored[map] = 0u;
         return path;
     }
     State state = push.stretch.states[path.index].at;
@@ -184,10 +185,17 @@ void keep(Path path) {
     push.left[counter_take(Counter(push.then) + 1)].at = path.index;
 }
 
+// How many photons a path has stored in a map.
+uint stored_in(uint stored[MAP_COUNT], uint map) {
+    uint count = stored[0];
+    [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) count = map == m ? stored[m] : count;
+    return count;
+}
+
 void store(inout Path path, Surface at) {
-    uint map = !path.specular_only ? 2u : path.bounce > 0u ? 1u : 0u;
+    uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
-    uint ordinal = map == 2u ? path.stored.z : map == 1u ? path.stored.y : path.stored.x;
+    uint ordinal = stored_in(path.stored, map);
     uint place = counter_take(push.place);
     if (place < push.places) {
         Photon photon;
@@ -196,9 +204,9 @@ void store(inout Path path, Surface at) {
         photon.power = path.power;
         photon.normal = octahedral_pack(at.normal);
         push.photons[place].at = photon;
-        push.owners[place].at = uvec2(path.index, ordinal << 2 | map);
+        push.owners[place].at = uvec2(path.index, ordinal << MAP_BITS | map);
     }
-    path.stored += uvec3(map == 0u, map == 1u, map == 2u);
+    [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? 1u : 0u;
 }
 
 // Whether the path's numbers can be gone on with.
@@ -255,9 +263,9 @@ uint step_path(inout Path path, Hit hit) {
 
 void finish(Path path, uint fate) {
     uint count = push.stretch.count;
-    if ((WANTED & 1u) != 0u) push.stretch.stored[path.index].at = path.stored.x;
-    if ((WANTED & 2u) != 0u) push.stretch.stored[count + path.index].at = path.stored.y;
-    if ((WANTED & 4u) != 0u) push.stretch.stored[2u * count + path.index].at = path.stored.z;
+    [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
+        if ((WANTED >> map & 1u) != 0u) push.stretch.stored[map * count + path.index].at = path.stored[map];
+    }
     Ending ending;
     ending.power = path.power;
     ending.fate_surfaces = fate << 28 | min(path.bounce, 0x0FFFFFFFu);

@@ -2,7 +2,7 @@
 
 use photon_core::{
     Aim, AimedStages, Area, Backend as _, Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Kept, Layer,
-    Query, Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
+    MapKind, Query, Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -157,7 +157,7 @@ impl TransportBackend for Cpu {
     fn fold_errors(
         &mut self,
         film: &mut CpuFilm,
-        layer: Layer,
+        kind: MapKind,
         queries: &CpuBuffer<Query>,
         estimates: &CpuBuffer<Estimate>,
         spreads: &CpuBuffer<Spread>,
@@ -172,7 +172,7 @@ impl TransportBackend for Cpu {
                     if let (Some(errors), Some(estimate), Some(spread)) =
                         (errors, estimates.get(index), spreads.get(index))
                     {
-                        errors.deposit(layer, query, estimate, spread, paths);
+                        errors.deposit(kind, query, estimate, spread, paths);
                     }
                 },
             );

@@ -3,8 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Estimate, FinalGather, Gather, Kept, Layer, Maps, Material, Pass, Query, RandomKind, Result, Spread, bsdf, offset,
-    sampling,
+    Estimate, FinalGather, Gather, Kept, Layer, MapKind, Maps, Material, Pass, PerMap, Query, RandomKind, Result,
+    Spread, bsdf, offset, sampling,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -32,28 +32,24 @@ impl FinalGather<Cpu> for CpuGather {
         rays: u32,
         film: &mut CpuFilm,
     ) -> Result<()> {
-        for (map, gather) in [&maps.direct, &maps.caustic, &maps.global, &maps.irradiance].into_iter().flatten() {
+        for (map, gather) in maps.photons.values().chain([&maps.irradiance]).flatten() {
             gather.validate_for(map.kept())?;
         }
         let max_bounces = self.max_bounces;
         on.pool.install(|| {
-            film.for_queries(
-                queries.as_slice(),
-                || [Neighbours::default(), Neighbours::default(), Neighbours::default()],
-                |scratch, _, query, pixel, errors| {
-                    let key = query.path;
-                    let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
-                    let mut sum = Found::default();
-                    for ray in 0..rays {
-                        let ray = (ray, rays, errors.is_some());
-                        sum.add(&follow(scene, maps, query, sampler, ray, max_bounces, scratch), 1.0 / f64::from(rays));
-                    }
-                    deposit(pixel, Layer::Indirect, query.weight, sum.irradiance);
-                    if let Some(errors) = errors {
-                        errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
-                    }
-                },
-            );
+            film.for_queries(queries.as_slice(), PerMap::<Neighbours>::default, |scratch, _, query, pixel, errors| {
+                let key = query.path;
+                let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
+                let mut sum = Found::default();
+                for ray in 0..rays {
+                    let ray = (ray, rays, errors.is_some());
+                    sum.add(&follow(scene, maps, query, sampler, ray, max_bounces, scratch), 1.0 / f64::from(rays));
+                }
+                deposit(pixel, Layer::Indirect, query.weight, sum.irradiance);
+                if let Some(errors) = errors {
+                    errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
+                }
+            });
         });
         Ok(())
     }
@@ -124,7 +120,7 @@ fn follow(
     mut sampler: Sampler,
     (index, rays, told): (u32, u32, bool),
     max_bounces: u32,
-    scratch: &mut [Neighbours; 3],
+    scratch: &mut PerMap<Neighbours>,
 ) -> Found {
     let block = index * max_bounces.saturating_add(1);
     let [u, v, ..] = sampler.words(block);
@@ -167,20 +163,19 @@ fn follow(
                     radius: gather.radius_scale,
                 };
                 if let Some((map, gather)) = &maps.irradiance {
-                    let estimate = estimate_at(map, at(gather), gather, &mut scratch[0]);
+                    let estimate = estimate_at(map, at(gather), gather, &mut scratch[MapKind::Global]);
                     found.irradiance = estimate.flux.map(f64::from);
                     return found.times((weight * albedo).to_array());
                 }
-                let each =
-                    [(&maps.direct, maps.paths), (&maps.caustic, maps.caustic_paths), (&maps.global, maps.paths)];
-                for ((map, paths), scratch) in each.into_iter().zip(scratch) {
+                for (kind, map) in maps.photons.iter() {
                     let Some((map, gather)) = map else { continue };
+                    let paths = maps.paths[kind];
                     let estimate = if told {
                         let (estimate, spread) = spread_at(map, at(gather), gather);
                         found.tell(&estimate, &spread, paths);
                         estimate
                     } else {
-                        estimate_at(map, at(gather), gather, scratch)
+                        estimate_at(map, at(gather), gather, &mut scratch[kind])
                     };
                     for (sum, e) in found.irradiance.iter_mut().zip(estimate.irradiance(paths)) {
                         *sum += e;

@@ -1,8 +1,8 @@
 //! Every stage of a pass.
 
 use photon_core::{
-    Aim, AimedStages, Area, Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Spread,
-    Stages, TransportBackend,
+    Aim, AimedStages, Area, Backend, Estimate, Film, Layer, MapKind, Query, Requirements, Result, SceneView, Settings,
+    Spread, Stages, TransportBackend,
 };
 
 use crate::area::VulkanArea;
@@ -75,13 +75,13 @@ impl TransportBackend for Vulkan {
     fn fold_errors(
         &mut self,
         film: &mut VulkanFilm,
-        layer: Layer,
+        kind: MapKind,
         queries: &VulkanBuffer<Query>,
         estimates: &VulkanBuffer<Estimate>,
         spreads: &VulkanBuffer<Spread>,
         paths: u64,
     ) -> Result<()> {
-        film::errors::fold(self, film, layer, queries, estimates, spreads, paths)
+        film::errors::fold(self, film, kind, queries, estimates, spreads, paths)
     }
 
     fn scale_radii(&mut self, queries: &mut VulkanBuffer<Query>, factors: &VulkanBuffer<u32>) -> Result<()> {

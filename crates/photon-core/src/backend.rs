@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::film::{Film, Layer};
 use crate::kept::Kept;
 use crate::layout::{Element, Estimate, Photon, Query, Spread};
+use crate::map_kind::MapKind;
 use crate::memory::Costs;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
@@ -158,14 +159,14 @@ pub trait TransportBackend: Backend {
         Err(no_errors())
     }
 
-    /// Adds to each query's pixel what `spreads` tell of the `estimates` that were folded into `layer`.
+    /// Adds to each query's pixel what `spreads` tell of the `estimates` of a map that were folded into its layer.
     ///
     /// # Errors
     /// As [`TransportBackend::keep_errors`].
     fn fold_errors(
         &mut self,
         _film: &mut Self::Film,
-        _layer: Layer,
+        _kind: MapKind,
         _queries: &Self::Buffer<Query>,
         _estimates: &Self::Buffer<Estimate>,
         _spreads: &Self::Buffer<Spread>,

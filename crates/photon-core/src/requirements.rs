@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::kept::Kept;
 use crate::layout::{Light, Material};
+use crate::map_kind::{MapKind, PerMap};
 use crate::scene::SceneView;
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 
@@ -15,15 +16,11 @@ use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 pub struct Requirements {
     /// Lobes and lights.
     pub features: Features,
-    /// Photons straight from a light are kept in a map.
-    pub direct_map: bool,
-    /// Photons that came from a light by specular surfaces alone are kept in a map.
-    pub caustic_map: bool,
-    /// That map has paths of light of its own, which are aimed: unless [`crate::Aim`] finds that it does
+    /// Which photon maps are filled.
+    pub maps: PerMap<bool>,
+    /// The caustic map has paths of light of its own, which are aimed: unless [`crate::Aim`] finds that it does
     /// not pay.
     pub aimed: bool,
-    /// Photons that have been scattered diffusely are kept in a map.
-    pub global_map: bool,
     /// Direct light is asked for with shadow rays.
     pub shadow_rays: bool,
     /// Indirect light is gathered.
@@ -43,16 +40,16 @@ impl Requirements {
         for light in scene.lights {
             features = features.union(light_features(light));
         }
-        let gather = settings.indirect == Indirect::Gather;
-        let caustic_map = (settings.caustics || gather) && specular_is_lit(scene);
+        let maps = PerMap::from_fn(|kind| match kind {
+            MapKind::Caustic => reads(settings, kind) && specular_is_lit(scene),
+            MapKind::Direct | MapKind::Global => reads(settings, kind),
+        });
         Self {
             features,
-            direct_map: settings.direct == Direct::Photons || gather,
-            caustic_map,
-            aimed: caustic_map && settings.caustic_photons != CausticPhotons::Shared,
-            global_map: settings.indirect != Indirect::None,
+            maps,
+            aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
             shadow_rays: settings.direct == Direct::Nee,
-            final_gather: gather,
+            final_gather: settings.indirect == Indirect::Gather,
             kept: Kept::of(scene, settings),
         }
     }
@@ -60,15 +57,13 @@ impl Requirements {
     /// Everything that the settings allow, whatever the scene: the same picture, more work.
     #[must_use]
     pub fn everything(settings: &Settings) -> Self {
-        let gather = settings.indirect == Indirect::Gather;
+        let maps = PerMap::from_fn(|kind| reads(settings, kind));
         Self {
             features: Features::ALL,
-            direct_map: settings.direct == Direct::Photons || gather,
-            caustic_map: settings.caustics || gather,
-            aimed: (settings.caustics || gather) && settings.caustic_photons != CausticPhotons::Shared,
-            global_map: settings.indirect != Indirect::None,
+            maps,
+            aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
             shadow_rays: settings.direct == Direct::Nee,
-            final_gather: gather,
+            final_gather: settings.indirect == Indirect::Gather,
             kept: Kept::Whole,
         }
     }
@@ -95,6 +90,16 @@ impl Requirements {
             value: self.kept.name().into(),
             mend: "more of it is read; derive the requirements from this scene and these settings",
         })
+    }
+}
+
+/// Whether the settings read a map: at what the camera sees, or where final-gather rays land.
+fn reads(settings: &Settings, kind: MapKind) -> bool {
+    let gather = settings.indirect == Indirect::Gather;
+    match kind {
+        MapKind::Direct => settings.direct == Direct::Photons || gather,
+        MapKind::Caustic => settings.caustics || gather,
+        MapKind::Global => settings.indirect != Indirect::None,
     }
 }
 

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::kept::Kept;
 use crate::kernel::Kernel;
 use crate::layout::{Camera, Estimate, Photon, PhotonRay, Query, Spread};
+use crate::map_kind::PerMap;
 use crate::settings::RandomKind;
 use crate::tally::Tally;
 
@@ -195,16 +196,8 @@ pub trait Tracer<B: TransportBackend>: Send {
     }
 }
 
-/// Where photons go; `None` for a map that is not called for.
-#[derive(Debug)]
-pub struct Deposits<'a, B: Backend> {
-    /// Straight from a light.
-    pub direct: Option<&'a mut B::Buffer<Photon>>,
-    /// From a light by specular surfaces alone.
-    pub caustic: Option<&'a mut B::Buffer<Photon>>,
-    /// After a diffuse surface.
-    pub global: Option<&'a mut B::Buffer<Photon>>,
-}
+/// Where the photons of each map go; `None` for a map that is not called for.
+pub type Deposits<'a, B> = PerMap<Option<&'a mut <B as Backend>::Buffer<Photon>>>;
 
 /// Arranges photons for search.
 pub trait KdTreeBuilder<B: Backend>: Send {
@@ -351,19 +344,13 @@ pub trait AreaProbe<B: TransportBackend>: Send {
 /// The photon maps of a pass, each with how it is read.
 #[derive(Debug)]
 pub struct Maps<'a, B: Backend> {
-    /// Photons straight from a light.
-    pub direct: Option<(&'a B::PhotonMap, Gather)>,
-    /// Photons by specular surfaces alone.
-    pub caustic: Option<(&'a B::PhotonMap, Gather)>,
-    /// Photons after a diffuse surface.
-    pub global: Option<(&'a B::PhotonMap, Gather)>,
+    /// Those that were built.
+    pub photons: PerMap<Option<(&'a B::PhotonMap, Gather)>>,
     /// Irradiance by all of them, at every so-manieth photon, as its power: if it is there, rays ask
     /// it alone, for what [`Estimate::flux`] says.
     pub irradiance: Option<(&'a B::PhotonMap, Gather)>,
-    /// Paths emitted.
-    pub paths: u64,
-    /// Those that filled the caustic map: the same, or as many as were aimed.
-    pub caustic_paths: u64,
+    /// Paths that filled each map: all that were emitted, or those that were aimed.
+    pub paths: PerMap<u64>,
 }
 
 /// Finds irradiance at the places of photons, for final-gather rays (Christensen 1999).

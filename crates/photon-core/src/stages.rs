@@ -217,6 +217,9 @@ pub trait KdTreeBuilder<B: Backend>: Send {
 }
 
 /// Estimates the irradiance at queries.
+///
+/// Swapped in [`MapStages`], it reads the maps at what the camera sees, finds the derived radii, and fills irradiance
+/// points. It is not asked where final-gather rays land: see [`FinalGather`].
 pub trait RadianceEstimator<B: Backend>: Send {
     /// Replaces `estimates` with one per query.
     ///
@@ -385,6 +388,10 @@ pub trait IrradiancePoints<B: Backend>: Send {
 }
 
 /// Indirect light by final gathering.
+///
+/// The stage reads the maps with an estimator of its own, not with [`MapStages::estimator`]: on the CPU rays and
+/// estimates are one loop, on Vulkan the stage owns an estimator whose buffers are sized for its rays. Whoever swaps
+/// the estimator and gathers has to swap this stage too. Only [`IrradiancePoints`] are filled by the swapped one.
 pub trait FinalGather<B: TransportBackend>: Send {
     /// Adds to [`crate::Layer::Indirect`] of the film what `rays` rays per query find in the maps
     /// where they land.
@@ -417,7 +424,7 @@ pub trait FinalGather<B: TransportBackend>: Send {
 pub struct MapStages<B: Backend> {
     /// Arranges photons.
     pub builder: Box<dyn KdTreeBuilder<B>>,
-    /// Asks them.
+    /// Reads them, but not for final-gather rays: see [`FinalGather`].
     pub estimator: Box<dyn RadianceEstimator<B>>,
 }
 
@@ -433,6 +440,9 @@ pub struct Aimed<B: TransportBackend> {
 }
 
 /// All stages. Swap a field to bring your own.
+///
+/// Fields are independent with one exception: [`Stages::gather`] does not use the estimator of [`Stages::map`] but
+/// reads the maps itself, so that another estimator needs another [`FinalGather`] where indirect light is gathered.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Stages<B: TransportBackend> {
     /// Sends photons out.

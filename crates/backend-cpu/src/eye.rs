@@ -9,7 +9,7 @@ use photon_core::{
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::film::{CpuFilm, deposit, splits};
+use crate::film::{CpuFilm, deposit};
 use crate::scene::{CpuScene, VACUUM};
 use crate::trace::{boundary, entered};
 
@@ -34,7 +34,7 @@ impl EyeTracer<Cpu> for CpuEye {
         film: &mut CpuFilm,
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
-        let max_splits = if splits(scene.features) { SPLITS } else { 0 };
+        let max_splits = if scene.features.split_camera_paths() { SPLITS } else { 0 };
         let eye = Eye { scene, view, pass, max_bounces: self.max_bounces, max_splits };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending

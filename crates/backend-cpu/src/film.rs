@@ -1,8 +1,8 @@
 //! The picture in progress.
 
 use photon_core::{
-    Aim, AimedStages, Area, Backend as _, Costs, Error, ErrorPixel, Estimate, Features, Film, FilmPixel, Kept, Layer,
-    MapKind, Query, Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
+    Aim, AimedStages, Area, Backend as _, Costs, Error, ErrorPixel, Estimate, Film, FilmPixel, Kept, Layer, MapKind,
+    Query, Requirements, Result, SceneView, Settings, Spread, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -201,16 +201,7 @@ impl TransportBackend for Cpu {
             let sums = film.film.pixels.par_iter_mut().with_min_len(4096);
             sums.zip(&mut film.pending).for_each(|(sum, pass)| {
                 let radiance = pass.layers.iter().flatten().sum::<f64>() / 3.0;
-                for (a, b) in sum.layers.iter_mut().flatten().zip(pass.layers.iter().flatten()) {
-                    *a += b;
-                }
-                for axis in 0..3 {
-                    sum.normal[axis] += pass.normal[axis];
-                    sum.albedo[axis] += pass.albedo[axis];
-                }
-                sum.square += radiance * radiance;
-                sum.depth += pass.depth;
-                sum.hits += pass.hits;
+                sum.add(&FilmPixel { square: radiance * radiance, ..*pass });
                 *pass = FilmPixel::default();
             });
         });
@@ -244,9 +235,4 @@ impl TransportBackend for Cpu {
         self.forget_memory();
         self.timings().map(drop)
     }
-}
-
-/// Whether camera paths can split.
-pub(crate) fn splits(features: Features) -> bool {
-    features.intersects(Features::DIELECTRIC.union(Features::THIN))
 }

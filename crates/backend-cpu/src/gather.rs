@@ -88,10 +88,10 @@ impl Found {
             return;
         }
         let area = std::f64::consts::PI * f64::from(estimate.radius_squared) * paths as f64;
+        let (bias, narrow) = spread.biases(estimate);
         for c in 0..3 {
-            let flux = f64::from(estimate.flux[c]);
-            self.bias[c] += (0.5 * f64::from(spread.wide[c]) - flux) / area;
-            self.narrow[c] += (flux - 2.0 * f64::from(spread.narrow[c])) / area;
+            self.bias[c] += bias[c] / area;
+            self.narrow[c] += narrow[c] / area;
         }
         self.powers[0] += f64::from(spread.power);
         self.powers[1] += f64::from(spread.power_squared);

@@ -34,6 +34,11 @@ struct Push {
     padding: u32,
 }
 
+pushed!(
+    push_layout: Push => CAMERA_DIRECT,
+    scene queries count values seed pass rays start start_ray end_ray padding
+);
+
 impl DirectLight<Vulkan> for VulkanDirect {
     fn light(
         &mut self,

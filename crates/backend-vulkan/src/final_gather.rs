@@ -44,6 +44,11 @@ struct GatherPush {
     padding: u32,
 }
 
+pushed!(
+    gather_push_layout: GatherPush => CAMERA_GATHER,
+    scene queries landings seed pass rays start_ray count_rays start_query count_queries max_bounces padding
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct GatheredPush {
@@ -59,6 +64,11 @@ struct GatheredPush {
     share: f32,
     padding: u32,
 }
+
+pushed!(
+    gathered_push_layout: GatheredPush => CAMERA_GATHERED,
+    landings estimates values spreads told count_rays start_query count_queries scale share padding
+);
 
 impl VulkanGather {
     /// For paths of so many surfaces at most; `estimator` reads the maps.

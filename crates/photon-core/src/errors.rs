@@ -85,11 +85,11 @@ impl ErrorPixel {
             return;
         }
         let area = std::f64::consts::PI * f64::from(estimate.radius_squared) * paths as f64;
+        let (bias, narrow) = spread.biases(estimate);
         for c in 0..3 {
             let weight = f64::from(query.weight[c]) / (3.0 * area);
-            let flux = f64::from(estimate.flux[c]);
-            self.bias += weight * (0.5 * f64::from(spread.wide[c]) - flux);
-            self.narrow += weight * (flux - 2.0 * f64::from(spread.narrow[c]));
+            self.bias += weight * bias[c];
+            self.narrow += weight * narrow[c];
         }
         let weight = query.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
         let shape = &mut self.shapes[kind];

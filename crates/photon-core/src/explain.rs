@@ -128,7 +128,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             (true, false) => "estimates are divided by their disc",
         },
     );
-    let splits = required.features.intersects(Features::DIELECTRIC.union(Features::THIN));
+    let splits = required.features.split_camera_paths();
     say(
         "split camera paths",
         splits,

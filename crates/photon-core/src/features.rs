@@ -83,6 +83,12 @@ impl Features {
         Self(self.0 & !other.0)
     }
 
+    /// Whether camera paths can split in two: at sheets and boundaries of glass, which reflect and transmit.
+    #[must_use]
+    pub const fn split_camera_paths(self) -> bool {
+        self.intersects(Self::DIELECTRIC.union(Self::THIN))
+    }
+
     /// Names of its members, in fixed order.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
         Self::NAMES.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, name)| name)

@@ -154,7 +154,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let prepared = on.prepare(scene, &required)?;
         on.mark(None);
         let pixels = u64::from(view.width) * u64::from(view.height);
-        let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
+        let splits = required.features.split_camera_paths();
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
         let costs = irradiance::costs(&on, aimed::costs(on.costs(required.kept), stages.aimed.is_some()), &settings);
         let plan = match settings.memory {

@@ -41,6 +41,11 @@ struct FoldPush {
     scale: f32,
 }
 
+pushed!(
+    fold_push_layout: FoldPush => FILM_ERRORS,
+    queries query_count estimates spreads found_count pass shape pixels scale
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct EndPush {
@@ -51,6 +56,8 @@ struct EndPush {
     pixels: u32,
     padding: u32,
 }
+
+pushed!(end_push_layout: EndPush => FILM_END_ERRORS, pass sum pass_shapes sum_shapes pixels padding);
 
 impl Errors {
     fn new(on: &mut Vulkan, pixels: u64) -> Result<Self> {

@@ -112,6 +112,11 @@ struct TracePush {
     pad: u32,
 }
 
+pushed!(
+    trace_push_layout: TracePush => PHOTONS_TRACE,
+    stretch scene rays photons owners place now then waiting left quota surfaces begins places max_bounces pad
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct TallyPush {
@@ -122,6 +127,8 @@ struct TallyPush {
     first: u32,
     count: u32,
 }
+
+pushed!(tally_push_layout: TallyPush => PHOTONS_TALLY, rays endings stored sums first count);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -136,12 +143,16 @@ struct ScatterPush {
     places: u32,
 }
 
+pushed!(scatter_push_layout: ScatterPush => PHOTONS_SCATTER, photons owners offsets cursors to fills count places);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct AdvancePush {
     totals: u64,
     needed: [u64; MAPS],
 }
+
+pushed!(advance_push_layout: AdvancePush => PHOTONS_ADVANCE, totals needed);
 
 impl VulkanTracer {
     pub(crate) fn new(on: &mut Vulkan, settings: &Settings, features: Features) -> Result<Self> {

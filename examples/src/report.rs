@@ -1,6 +1,6 @@
 //! What a render did, as JSON.
 
-use photon_core::{FluxSum, Forecast, LightShare, Outcome, Render, Settings, Stage, Tally};
+use photon_core::{FluxSum, Forecast, LightShare, Outcome, PerMap, Render, Settings, Stage, Tally};
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
@@ -69,22 +69,10 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
             "final_gather": required.final_gather,
             "kept_of_photons": required.kept.name(),
         },
-        "maps": {
-            "direct": required.direct_map,
-            "caustic": required.caustic_map,
-            "global": required.global_map,
-        },
+        "maps": by_name(required.maps),
         // Of a record; what it takes with all that searches need beside it is in `bytes_per_photon`.
-        "bytes_of_photon_in_map": {
-            "direct": required.direct_map.then(|| required.kept.bytes()),
-            "caustic": required.caustic_map.then(|| required.kept.bytes()),
-            "global": required.global_map.then(|| required.kept.bytes()),
-        },
-        "radius_of_last_pass": {
-            "direct": last.and_then(|pass| pass.radius_direct),
-            "caustic": last.and_then(|pass| pass.radius_caustic),
-            "global": last.and_then(|pass| pass.radius_global),
-        },
+        "bytes_of_photon_in_map": by_name(required.maps.map(|kept| kept.then(|| required.kept.bytes()))),
+        "radius_of_last_pass": by_name(last.map(|pass| pass.radius).unwrap_or_default()),
         "peak_resident_bytes": crate::memory::peak(),
         "paths_per_pass": facts.photons,
         "lights": told.lights.iter().map(|share| json!({
@@ -95,10 +83,7 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
         })).collect::<Vec<_>>(),
         "aimed_paths_per_pass": facts.aimed,
         "bytes_per_photon": bytes_per_photon(&facts.memory, last.map_or(0, |pass| {
-            pass.tally.stored_direct
-                + pass.tally.stored_caustic
-                + pass.tally.stored_global
-                + pass.aimed.stored_caustic
+            pass.tally.stored.values().chain(pass.aimed.stored.values()).sum()
         })),
         "passes": outcome.passes,
         "cancelled": outcome.cancelled,
@@ -112,11 +97,7 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
             "truncated": tally.truncated,
             "dropped": tally.dropped,
             "surfaces": tally.surfaces,
-            "stored": {
-                "direct": tally.stored_direct,
-                "caustic": tally.stored_caustic + outcome.aimed.stored_caustic,
-                "global": tally.stored_global,
-            },
+            "stored": by_name(PerMap::from_fn(|kind| tally.stored[kind] + outcome.aimed.stored[kind])),
             "balance": tally.balances(),
         },
         // Of aimed paths: those that met something diffuse told what they were sent for.
@@ -147,6 +128,12 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
         "report": told.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": told.warnings,
     })
+}
+
+/// One value for each map, by the map's name.
+fn by_name<T: Into<Value>>(values: PerMap<T>) -> Value {
+    let fields = values.into_iter().map(|(kind, value)| (kind.name().to_owned(), value.into()));
+    Value::Object(fields.collect())
 }
 
 /// What became of aimed paths; their flux is in fractions of the scene's power.

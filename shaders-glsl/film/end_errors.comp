@@ -4,19 +4,21 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 layout(local_size_x_id = 1) in;
 
 // Bit by bit, the maps that there are.
 layout(constant_id = 2) const uint MAPS = 7;
 
+#include "constants.glsl"
 #include "film.glsl"
 #include "grid.glsl"
 
 layout(push_constant, scalar) uniform Push {
     Planes pass;
     Planes sum;
-    Planes pass_shapes[3];
-    Planes sum_shapes[3];
+    Planes pass_shapes[MAP_COUNT];
+    Planes sum_shapes[MAP_COUNT];
     uint pixels;
 } push;
 
@@ -50,7 +52,7 @@ void main() {
     if (pixel >= push.pixels) return;
     end_number(0, ERROR_BIAS, ERROR_BIAS_SQUARE, pixel);
     end_number(1, ERROR_NARROW, ERROR_NARROW_SQUARE, pixel);
-    if ((MAPS & 1) != 0) end_shape(0, pixel);
-    if ((MAPS & 2) != 0) end_shape(1, pixel);
-    if ((MAPS & 4) != 0) end_shape(2, pixel);
+    [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
+        if ((MAPS >> map & 1u) != 0u) end_shape(map, pixel);
+    }
 }

@@ -73,6 +73,13 @@ const uint LAYER_DIRECT = 1u;
 const uint LAYER_CAUSTIC = 2u;
 const uint LAYER_INDIRECT = 3u;
 
+// MapKind, how many there are, and the bits that one takes beside an ordinal.
+const uint MAP_DIRECT = 0u;
+const uint MAP_CAUSTIC = 1u;
+const uint MAP_GLOBAL = 2u;
+const uint MAP_COUNT = 3u;
+const uint MAP_BITS = 3u;
+
 // Camera paths that one pixel of one pass may end in.
 const uint QUERIES_PER_PIXEL = 4u;
 

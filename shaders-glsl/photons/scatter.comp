@@ -4,11 +4,13 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 
 layout(local_size_x_id = 1) in;
 // What each map keeps of a photon, two bits each.
 layout(constant_id = 2) const uint KEPT = 42;
 
+#include "constants.glsl"
 #include "grid.glsl"
 #include "kept.glsl"
 #include "layout.glsl"
@@ -25,11 +27,11 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Fi
 layout(push_constant, scalar) uniform Push {
     Photons photons;
     Owners owners;
-    // Three arrays of `count` words: photons of each map before those of each path.
+    // An array of `count` words for each map: its photons before those of each path.
     Offsets offsets;
     Cursors cursors;
-    Photons to[3];
-    Fill fills[3];
+    Photons to[MAP_COUNT];
+    Fill fills[MAP_COUNT];
     uint count;
     uint places;
 } push;
@@ -39,10 +41,17 @@ void main() {
     uint threads = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
     for (uint i = thread(); i < stored; i += threads) {
         uvec2 owner = push.owners[i].at;
-        uint map = owner.y & 3u;
-        Fill fill = map == 0u ? push.fills[0] : map == 1u ? push.fills[1] : push.fills[2];
-        Photons to = map == 0u ? push.to[0] : map == 1u ? push.to[1] : push.to[2];
-        uint place = fill.needed + push.offsets[map * push.count + owner.x].at + (owner.y >> 2);
+        uint map = owner.y & (1u << MAP_BITS) - 1u;
+        // By constant numbers, since not every driver takes another for what is pushed.
+        Fill fill = push.fills[0];
+        Photons to = push.to[0];
+        [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) {
+            if (map == m) {
+                fill = push.fills[m];
+                to = push.to[m];
+            }
+        }
+        uint place = fill.needed + push.offsets[map * push.count + owner.x].at + (owner.y >> MAP_BITS);
         // What does not fit is counted all the same, and the pass done again.
         if (place >= fill.capacity) continue;
         Photon photon = push.photons[i].at;

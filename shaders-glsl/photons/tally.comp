@@ -12,6 +12,7 @@ layout(constant_id = 3) const uint WANTED = 7;
 // Ways in which paths end: one more if they are aimed.
 layout(constant_id = 4) const uint FATES = 4;
 
+#include "constants.glsl"
 #include "grid.glsl"
 #include "layout.glsl"
 #include "math.glsl"
@@ -31,7 +32,7 @@ layout(push_constant, scalar) uniform Push {
 
 // Two words each: paths by fate, surfaces, photons by map, paths in too many solids. Then three words for each channel of the
 // flux emitted, and by fate.
-const uint COUNTERS = FATES + 5u;
+const uint COUNTERS = FATES + 2u + MAP_COUNT;
 const uint FLUXES = 3u + 3u * FATES;
 const uint WORDS = 2u * COUNTERS + 3u * FLUXES;
 
@@ -99,8 +100,8 @@ void main() {
         }
         [[unroll]] for (uint f = 0u; f < FATES; ++f) counters[f] += fate == f ? 1u : 0u;
         counters[FATES] += ending.fate_surfaces & SURFACES_MASK;
-        counters[FATES + 4u] += (ending.fate_surfaces & TOO_DEEP) != 0u ? 1u : 0u;
-        [[unroll]] for (uint map = 0u; map < 3u; ++map) {
+        counters[FATES + 1u + MAP_COUNT] += (ending.fate_surfaces & TOO_DEEP) != 0u ? 1u : 0u;
+        [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
             if ((WANTED >> map & 1u) != 0u) counters[FATES + 1u + map] += push.stored[map * push.count + index].at;
         }
     }

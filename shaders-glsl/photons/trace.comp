@@ -35,7 +35,7 @@ layout(constant_id = 7) const uint MEDIA = 1;
 #include "scene.glsl"
 #include "tally.glsl"
 
-// Path, and ordinal << 2 | map.
+// Path, and ordinal << MAP_BITS | map.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Owners { uvec2 at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counts { uint at; };
 // Next path to be taken in a dispatch, and paths that it was given: two counters.
@@ -53,7 +53,8 @@ struct State {
     vec3 power;
     // Bits: only specular surfaces so far; a fifth solid was ignored.
     uint flags;
-    uvec3 stored;
+    // Photons stored in each map so far.
+    uint stored[MAP_COUNT];
     uint numbers;
 };
 
@@ -62,7 +63,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Waiting { ui
 
 // What one stretch of paths works on, the same for all its dispatches.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Stretch {
-    // Three arrays of `count` words: photons that each path stored in each map.
+    // An array of `count` words for each map: photons that each path stored in it.
     Counts stored;
     Endings endings;
     States states;
@@ -141,7 +142,7 @@ struct Path {
     uint media;
     bool specular_only;
     bool too_deep;
-    uvec3 stored;
+    uint stored[MAP_COUNT];
 };
 
 Path begin(uint number) {
@@ -162,7 +163,7 @@ Path begin(uint number) {
         path.media = start.media;
         path.specular_only = true;
         path.too_deep = false;
-        path.stored = uvec3(0u);
+        [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) path.stored[map] = 0u;
         return path;
     }
     State state = push.stretch.states[path.index].at;
@@ -191,10 +192,17 @@ void keep(Path path) {
     push.left[counter_take(Counter(push.then) + 1)].at = path.index;
 }
 
+// How many photons a path has stored in a map.
+uint stored_in(uint stored[MAP_COUNT], uint map) {
+    uint count = stored[0];
+    [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) count = map == m ? stored[m] : count;
+    return count;
+}
+
 void store(inout Path path, Surface at) {
-    uint map = !path.specular_only ? 2u : path.bounce > 0u ? 1u : 0u;
+    uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
-    uint ordinal = map == 2u ? path.stored.z : map == 1u ? path.stored.y : path.stored.x;
+    uint ordinal = stored_in(path.stored, map);
     uint place = counter_take(push.place);
     if (place < push.places) {
         Photon photon;
@@ -203,9 +211,9 @@ void store(inout Path path, Surface at) {
         photon.power = path.power;
         photon.normal = octahedral_pack(at.normal);
         push.photons[place].at = photon;
-        push.owners[place].at = uvec2(path.index, ordinal << 2 | map);
+        push.owners[place].at = uvec2(path.index, ordinal << MAP_BITS | map);
     }
-    path.stored += uvec3(map == 0u, map == 1u, map == 2u);
+    [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? 1u : 0u;
 }
 
 // Whether the path's numbers can be gone on with.
@@ -256,9 +264,9 @@ uint step_path(inout Path path, Hit hit) {
 
 void finish(Path path, uint fate) {
     uint count = push.stretch.count;
-    if ((WANTED & 1u) != 0u) push.stretch.stored[path.index].at = path.stored.x;
-    if ((WANTED & 2u) != 0u) push.stretch.stored[count + path.index].at = path.stored.y;
-    if ((WANTED & 4u) != 0u) push.stretch.stored[2u * count + path.index].at = path.stored.z;
+    [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
+        if ((WANTED >> map & 1u) != 0u) push.stretch.stored[map * count + path.index].at = path.stored[map];
+    }
     Ending ending;
     ending.power = path.power;
     ending.fate_surfaces = fate << 28 | (path.too_deep ? TOO_DEEP : 0u) | min(path.bounce, SURFACES_MASK);

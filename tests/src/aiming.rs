@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler};
 use photon_core::{
-    Aim, Backend, Batch, CausticPhotons, Deposits, Direct, Estimator, Indirect, Light, Pass, Photon, PhotonRay, Ray,
-    RayCaster, Render, Requirements, Settings, TransportBackend,
+    Aim, Backend, Batch, CausticPhotons, Direct, Estimator, Indirect, Light, MapKind, Pass, PerMap, Photon, PhotonRay,
+    Ray, RayCaster, Render, Requirements, Settings, TransportBackend,
 };
 use photon_scene::{Accel, CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
@@ -80,13 +80,16 @@ fn caustics<T: TestBackend>(scene: &Scene, aim: Option<&Aim>, passes: u32, paths
             let batch = Batch { pass, paths: 0..paths };
             on.clear(&mut kept).unwrap();
             emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
-            let deposits = Deposits { direct: None, caustic: Some(&mut kept), global: None };
+            let deposits = PerMap::only(MapKind::Caustic, &mut kept);
             tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
             let tally = tracer.take_tally(&mut on).unwrap();
-            assert!(tally.balances() && tally.stored_direct + tally.stored_global == 0, "{tally:?}");
+            assert!(
+                tally.balances() && tally.stored[MapKind::Direct] + tally.stored[MapKind::Global] == 0,
+                "{tally:?}"
+            );
             assert_eq!(tally.ceded > 0, aim.is_some());
             on.download(&kept, &mut home).unwrap();
-            assert_eq!(tally.stored_caustic, home.len() as u64);
+            assert_eq!(tally.stored[MapKind::Caustic], home.len() as u64);
             let mut sums = [0.0; 3];
             for photon in &home {
                 let power = photon.power.iter().map(|&p| f64::from(p)).sum::<f64>() / 3.0 / f64::from(paths);
@@ -232,8 +235,12 @@ pub fn g4_aimed_paths_are_accounted_for<T: TestBackend>() {
     assert!(facts.memory.iter().any(|(label, _)| label.contains("aimed")));
     assert_eq!((report.tally.emitted, report.aimed.emitted), (5000, 2500));
     assert!(report.tally.balances() && report.aimed.balances(), "{report:?}");
-    assert!(report.tally.stored_caustic == 0 && report.tally.ceded == 0 && report.aimed.stored_caustic > 100);
-    assert!(report.aimed.ceded >= report.aimed.stored_caustic);
+    assert!(
+        report.tally.stored[MapKind::Caustic] == 0
+            && report.tally.ceded == 0
+            && report.aimed.stored[MapKind::Caustic] > 100
+    );
+    assert!(report.aimed.ceded >= report.aimed.stored[MapKind::Caustic]);
     // Light leaves by marked cells as it should: two lamps of nearly the same share.
     let share = report.aimed.flux_emitted.value().iter().sum::<f64>() / 3.0 / 2500.0;
     assert!((share / Aim::of(&scene.view()).share() - 1.0).abs() < 0.02, "{share}");

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use photon_core::{
-    Backend, Batch, Deposits, Direct, Estimate, Gather, IndexKind, Kept, Pass, Photon, PhotonRay, Query, RandomKind,
-    Requirements, Rule, Settings, TransportBackend,
+    Backend, Batch, Direct, Estimate, Gather, IndexKind, Kept, MapKind, Pass, PerMap, Photon, PhotonRay, Query,
+    RandomKind, Requirements, Rule, Settings, TransportBackend,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
@@ -61,7 +61,7 @@ fn landed<B: TransportBackend>(on: &mut B, scene: &Scene, rays: &[PhotonRay], ke
     let mut photons = on.alloc_photons("photons", rays.len() as u64, kept).unwrap();
     let there = on.upload("rays", rays).unwrap();
     let batch = Batch { pass: Pass { seed: 1, index: 0, random: RandomKind::Counter }, paths: 0..rays.len() as u32 };
-    let deposits = Deposits { direct: Some(&mut photons), caustic: None, global: None };
+    let deposits = PerMap::only(MapKind::Direct, &mut photons);
     stages.tracer.trace(on, &prepared, &batch, &there, deposits).unwrap();
     assert_eq!(stages.tracer.take_tally(on).unwrap().surfaces, rays.len() as u64);
     photons

@@ -1,8 +1,8 @@
 //! The same seed gives the same bits, however the work is shared out.
 
 use photon_core::{
-    Backend, Bandwidth, Budget, CausticPhotons, Error, Indirect, Pipeline, Plan, Render, Requirements, Settings,
-    Sharing, View, render,
+    Backend, Bandwidth, Budget, CausticPhotons, Error, Indirect, MapKind, Pipeline, Plan, Render, Requirements,
+    Settings, Sharing, View, render,
 };
 use photon_scene::Scene;
 
@@ -30,7 +30,7 @@ pub fn photons_do_not_depend_on_sharing<T: TestBackend>() {
     let of =
         |threads, sharing, batches: &[u32]| trace::<T>(threads, &scene, &Settings { sharing, ..settings() }, batches);
     let expected = of(1, Sharing::Static, &[9000]);
-    assert!(expected.0.iter().all(|photons| !photons.is_empty()));
+    assert!(expected.0.values().all(|photons| !photons.is_empty()));
     for (threads, sharing, batches) in [
         (1, Sharing::Dynamic, vec![9000]),
         (2, Sharing::Static, vec![9000]),
@@ -92,7 +92,7 @@ pub fn wider_requirements_change_nothing<T: TestBackend>() {
         let (most, _) = picture(Requirements::everything(&settings)).unwrap();
         assert!(least == most, "{name}");
         let caustic = memory.iter().any(|(label, _)| label.contains("caustic"));
-        assert_eq!(caustic, derived.caustic_map, "{name}: {memory:?}");
+        assert_eq!(caustic, derived.maps[MapKind::Caustic], "{name}: {memory:?}");
         let less = Requirements { features: photon_core::Features::NONE, ..derived };
         assert!(matches!(picture(less), Err(Error::MissingFeatures { .. })), "{name}");
     }

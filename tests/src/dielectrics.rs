@@ -1,7 +1,7 @@
 //! T: glass.
 
 use photon_core::fresnel::fresnel;
-use photon_core::{Estimator, Settings};
+use photon_core::{Estimator, MapKind, Settings};
 use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, Surface, shapes};
 use std::f64::consts::PI;
 
@@ -131,8 +131,8 @@ pub fn t9_ball_lens<T: TestBackend>() {
     builder.light("sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [1.0; 3] });
     let scene = builder.build().unwrap();
     let n = 3_000_000;
-    let ([_, caustic, _], _) = trace::<T>(2, &scene, &Settings { max_bounces: 3, ..Settings::default() }, &[n]);
-    let squares: Vec<f64> = caustic
+    let (photons, _) = trace::<T>(2, &scene, &Settings { max_bounces: 3, ..Settings::default() }, &[n]);
+    let squares: Vec<f64> = photons[MapKind::Caustic]
         .iter()
         .map(|photon| {
             let [x, _, z] = scene.units().point_to_user(photon.position);

@@ -1,6 +1,6 @@
 //! B: direct light.
 
-use photon_core::{Direct, Film, Indirect, Layer, Settings, random, sampling};
+use photon_core::{Direct, Film, Indirect, Layer, MapKind, Settings, random, sampling};
 use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, shapes};
 use std::f64::consts::PI;
 
@@ -63,8 +63,8 @@ pub fn b2_flux_through_a_disc<T: TestBackend>() {
     let scene = builder.build().unwrap();
     let n = 400_000;
     let settings = Settings { max_bounces: 1, ..Settings::default() };
-    let ([direct, ..], tally) = trace::<T>(2, &scene, &settings, &[n]);
-    let inside = direct.iter().filter(|photon| {
+    let (photons, tally) = trace::<T>(2, &scene, &settings, &[n]);
+    let inside = photons[MapKind::Direct].iter().filter(|photon| {
         let [x, _, z] = scene.units().point_to_user(photon.position);
         x * x + z * z <= 1.0
     });

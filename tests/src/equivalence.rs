@@ -93,7 +93,7 @@ fn of_bounce<T: TestBackend>(scene: &Scene, depth: u32) -> Vec<Photon> {
     let all = |max_bounces: u32| {
         let settings = Settings { max_bounces, seed: 5, direct: Direct::Photons, ..Settings::default() };
         let (photons, _) = trace::<T>(2, scene, &settings, &[20_000]);
-        photons.concat()
+        photons.into_array().concat()
     };
     let before = if depth > 1 { all(depth - 1) } else { Vec::new() };
     let mut before = before.iter().peekable();
@@ -153,7 +153,7 @@ const KERNELS: [Kernel; 4] = [Kernel::Constant, Kernel::Epanechnikov, Kernel::Co
 pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>() {
     let scene = builtin("cornell-glass").unwrap().build().unwrap();
     let (maps, _) = trace::<A>(2, &scene, &Settings::default(), &[30_000]);
-    for photons in maps {
+    for (_, photons) in maps {
         let queries: Vec<_> = photons
             .iter()
             .step_by(photons.len() / 300 + 1)

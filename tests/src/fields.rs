@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use photon_core::{
-    Claim, Estimate, Film, Gather, IndexKind, Kernel, Layer, MapStages, Photon, Query, Result, Rule, Spread,
+    Claim, Estimate, Film, Gather, IndexKind, Kernel, Layer, MapKind, MapStages, Photon, Query, Result, Rule, Spread,
     TransportBackend, Units, radius_squared_factor,
 };
 use photon_scene::{MaterialDesc, SceneBuilder};
@@ -163,7 +163,7 @@ pub fn films_of<B: TransportBackend>(
         let map = builder.build(on, photons)?;
         estimator.estimate_spread(on, &map, &queries, &gather, &mut estimates, &mut spreads)?;
         on.fold(&mut there, Layer::Indirect, &queries, &estimates, 1)?;
-        on.fold_errors(&mut there, Layer::Indirect, &queries, &estimates, &spreads, 1)?;
+        on.fold_errors(&mut there, MapKind::Global, &queries, &estimates, &spreads, 1)?;
         on.end_pass(&mut there)?;
         if after.contains(&(pass + 1)) {
             let mut film = on.read_film(&there)?;

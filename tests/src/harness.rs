@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Backend, Batch, Deposits, Estimate, Film, Gather, IndexKind, Pass, Photon, PhotonRay, Pipeline, Query, RandomKind,
+    Backend, Batch, Estimate, Film, Gather, IndexKind, Pass, PerMap, Photon, PhotonRay, Pipeline, Query, RandomKind,
     Render, Requirements, Settings, Stages, Tally, TransportBackend, View, octahedral,
 };
 use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
@@ -95,13 +95,13 @@ pub fn estimates<T: TestBackend>(
     gathers.iter().map(ask).collect()
 }
 
-/// Photons of the direct, caustic and global map, normalised space, and what became of all.
+/// Photons of each map, normalised space, and what became of all.
 pub fn trace<T: TestBackend>(
     threads: usize,
     scene: &Scene,
     settings: &Settings,
     batches: &[u32],
-) -> ([Vec<Photon>; 3], Tally) {
+) -> (PerMap<Vec<Photon>>, Tally) {
     let total: u32 = batches.iter().sum();
     let capacity = u64::from(total) * u64::from(settings.max_bounces.min(256)) + 1;
     let mut tracing = Tracing::new(T::make(threads), scene, settings, capacity);
@@ -116,7 +116,7 @@ pub fn trace<T: TestBackend>(
     tracing.end()
 }
 
-/// A backend with a scene, and room for the photons of all three maps.
+/// A backend with a scene, and room for the photons of all maps.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Tracing<B: TransportBackend> {
     /// What it works on.
@@ -124,32 +124,30 @@ pub struct Tracing<B: TransportBackend> {
     prepared: B::Scene,
     stages: Stages<B>,
     pass: Pass,
-    photons: [B::Buffer<Photon>; 3],
+    photons: PerMap<B::Buffer<Photon>>,
 }
 
 impl<B: TransportBackend> Tracing<B> {
     /// Ready for the first pass, with room for so many photons in each map.
     pub fn new(mut on: B, scene: &Scene, settings: &Settings, capacity: u64) -> Self {
         let view = scene.view();
-        let required =
-            Requirements { direct_map: true, caustic_map: true, global_map: true, ..Requirements::of(&view, settings) };
+        let required = Requirements { maps: PerMap::splat(true), ..Requirements::of(&view, settings) };
         let prepared = on.prepare(&view, &required).unwrap();
         let stages = on.stages(&required, settings).unwrap();
         let pass = Pass { seed: settings.seed, index: 0, random: settings.random };
-        let photons = ["direct", "caustic", "global"].map(|label| on.alloc(label, capacity).unwrap());
+        let photons = PerMap::from_fn(|kind| on.alloc(kind.name(), capacity).unwrap());
         Self { on, prepared, stages, pass, photons }
     }
 
     /// Follows rays that are the first of those paths.
     pub fn follow(&mut self, paths: Range<u32>, rays: &B::Buffer<PhotonRay>) {
-        let [direct, caustic, global] = &mut self.photons;
-        let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
+        let deposits = self.photons.each_mut().map(Some);
         let batch = Batch { pass: self.pass, paths };
         self.stages.tracer.trace(&mut self.on, &self.prepared, &batch, rays, deposits).unwrap();
     }
 
-    /// Photons of the direct, caustic and global map, and what became of all.
-    pub fn end(mut self) -> ([Vec<Photon>; 3], Tally) {
+    /// Photons of each map, and what became of all.
+    pub fn end(mut self) -> (PerMap<Vec<Photon>>, Tally) {
         let tally = self.stages.tracer.take_tally(&mut self.on).unwrap();
         let photons = self.photons.map(|buffer| {
             let mut out = Vec::new();

@@ -21,9 +21,8 @@ fn shaft(n: f64, floor: (f64, f64), ceiling: (f64, f64)) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let mirror = builder.material(MaterialDesc::mirror("mirror", [1.0; 3]));
     let glass = builder.material(MaterialDesc::glass("glass", n));
-    let [floor, ceiling] = [("floor", floor), ("ceiling", ceiling)].map(|(name, (albedo, radiance))| {
-        builder.material(MaterialDesc::emissive(name, [albedo; 3], [radiance; 3]))
-    });
+    let [floor, ceiling] = [("floor", floor), ("ceiling", ceiling)]
+        .map(|(name, (albedo, radiance))| builder.material(MaterialDesc::emissive(name, [albedo; 3], [radiance; 3])));
     let plane = |y: f64| [[-1.0, y, 1.0], [1.0, y, 1.0], [1.0, y, -1.0], [-1.0, y, -1.0]];
     builder.quad("floor", plane(-0.5), floor);
     let mut above = plane(1.0);

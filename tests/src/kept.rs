@@ -2,7 +2,8 @@
 
 use photon_core::{
     Backend, Budget, CausticPhotons, Direct, Error, ErrorPixel, Estimator, FilmPixel, Gather, IndexKind, Indirect,
-    Kept, Kernel, Paper, Photon, Pipeline, Render, Requirements, Rule, Settings, TransportBackend, View, render,
+    Kept, Kernel, MapKind, Paper, Photon, Pipeline, Render, Requirements, Rule, Settings, TransportBackend, View,
+    render,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes};
 
@@ -103,7 +104,7 @@ pub fn m2_less_is_the_same_picture<T: TestBackend>() {
         let (short, back) = picture(back, &scene, way, least).unwrap();
         on = back;
         assert!(short.0 == whole.0 && short.1 == whole.1, "way {number}");
-        for map in ["direct", "caustic", "global"] {
+        for map in MapKind::ALL.map(MapKind::name) {
             let bytes = |of: &Picture, label: &str| {
                 let line = of.2.iter().find(|(known, _)| known == label);
                 line.map(|(_, bytes)| *bytes).unwrap()

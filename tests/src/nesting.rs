@@ -2,8 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Direct, Error, Indirect, MediaFeatures, PhotonRay, Pipeline, Requirements, Settings, Solids, TransportBackend,
-    View,
+    Direct, Error, Indirect, MediaFeatures, PhotonRay, Pipeline, Requirements, Settings, Solids, TransportBackend, View,
 };
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, SceneError, Surface, shapes};
 
@@ -146,9 +145,8 @@ pub fn a_fifth_solid_is_counted<T: TestBackend>() {
         }
         builder.light("lamp", LightDesc::Point { position: [0.0, 1.4, 0.0], intensity: [1.0; 3] });
         let scene = builder.build().unwrap();
-        let mut rays: Vec<PhotonRay> = (0..1000)
-            .map(|i| ray(scene.units().point([f64::from(i) * 1e-4, 1.4, 0.05]).into(), Vec3::NEG_Y))
-            .collect();
+        let mut rays: Vec<PhotonRay> =
+            (0..1000).map(|i| ray(scene.units().point([f64::from(i) * 1e-4, 1.4, 0.05]).into(), Vec3::NEG_Y)).collect();
         let (_, tally) = follow::<T>(&scene, &Settings { max_bounces: 64, ..Settings::default() }, &mut rays);
         assert!(tally.balances());
         tally

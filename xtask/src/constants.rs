@@ -5,7 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain};
-use photon_core::{Camera, Estimate, Features, Kernel, Layer, Light, Material, MaterialKind, MediaFeatures, QUERIES_PER_PIXEL, RandomKind};
+use photon_core::{
+    Camera, Estimate, Features, Kernel, Layer, Light, MapKind, Material, MaterialKind, MediaFeatures,
+    QUERIES_PER_PIXEL, RandomKind,
+};
 
 use crate::shell;
 
@@ -96,6 +99,16 @@ fn groups() -> Vec<Group> {
                 ("LAYER_DIRECT", Layer::Direct as u32),
                 ("LAYER_CAUSTIC", Layer::Caustic as u32),
                 ("LAYER_INDIRECT", Layer::Indirect as u32),
+            ],
+        ),
+        (
+            "MapKind, how many there are, and the bits that one takes beside an ordinal.",
+            vec![
+                ("MAP_DIRECT", MapKind::Direct as u32),
+                ("MAP_CAUSTIC", MapKind::Caustic as u32),
+                ("MAP_GLOBAL", MapKind::Global as u32),
+                ("MAP_COUNT", MapKind::COUNT as u32),
+                ("MAP_BITS", MapKind::BITS),
             ],
         ),
         ("Camera paths that one pixel of one pass may end in.", vec![("QUERIES_PER_PIXEL", QUERIES_PER_PIXEL)]),

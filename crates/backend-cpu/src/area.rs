@@ -5,7 +5,9 @@ use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 use photon_core::area::{self, HEIGHT, LEAST_RADIUS, Probe, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{AreaProbe, Gather, Lobe, Pass, Query, RandomKind, Ray, Result, SurfaceInteraction, Told, math, offset, sampling};
+use photon_core::{
+    AreaProbe, Gather, Lobe, Pass, Query, RandomKind, Ray, Result, SurfaceInteraction, Told, math, offset, sampling,
+};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};

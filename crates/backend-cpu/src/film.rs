@@ -1,6 +1,8 @@
 //! The picture in progress.
 
-use photon_core::{Error, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, Query, Result, SceneView, Spread};
+use photon_core::{
+    Error, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind, Query, Result, SceneView, Spread,
+};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -99,7 +101,7 @@ impl FilmBackend for Cpu {
     fn fold_errors(
         &mut self,
         film: &mut CpuFilm,
-        layer: Layer,
+        kind: MapKind,
         queries: &CpuBuffer<Query>,
         estimates: &CpuBuffer<Estimate>,
         spreads: &CpuBuffer<Spread>,
@@ -114,7 +116,7 @@ impl FilmBackend for Cpu {
                     if let (Some(errors), Some(estimate), Some(spread)) =
                         (errors, estimates.get(index), spreads.get(index))
                     {
-                        errors.deposit(layer, query, estimate, spread, paths);
+                        errors.deposit(kind, query, estimate, spread, paths);
                     }
                 },
             );
@@ -134,16 +136,7 @@ impl FilmBackend for Cpu {
             let sums = film.film.pixels.par_iter_mut().with_min_len(4096);
             sums.zip(&mut film.pending).for_each(|(sum, pass)| {
                 let radiance = pass.layers.iter().flatten().sum::<f64>() / 3.0;
-                for (a, b) in sum.layers.iter_mut().flatten().zip(pass.layers.iter().flatten()) {
-                    *a += b;
-                }
-                for axis in 0..3 {
-                    sum.normal[axis] += pass.normal[axis];
-                    sum.albedo[axis] += pass.albedo[axis];
-                }
-                sum.square += radiance * radiance;
-                sum.depth += pass.depth;
-                sum.hits += pass.hits;
+                sum.add(&FilmPixel { square: radiance * radiance, ..*pass });
                 *pass = FilmPixel::default();
             });
         });

@@ -3,8 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Estimate, FinalGather, Gather, Kept, Layer, Lobe, Maps, MediumStack, Pass, Query, RandomKind, Result, Spread,
-    offset, sampling,
+    Estimate, FinalGather, Gather, Kept, Layer, Lobe, MapKind, Maps, MediumStack, Pass, PerMap, Query, RandomKind,
+    Result, Spread, offset, sampling,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -31,28 +31,24 @@ impl FinalGather<Cpu> for CpuGather {
         rays: u32,
         film: &mut CpuFilm,
     ) -> Result<()> {
-        for (map, gather) in [&maps.direct, &maps.caustic, &maps.global, &maps.irradiance].into_iter().flatten() {
+        for (map, gather) in maps.photons.values().chain([&maps.irradiance]).flatten() {
             gather.validate_for(map.kept())?;
         }
         let max_bounces = self.max_bounces;
         on.pool.install(|| {
-            film.for_queries(
-                queries.as_slice(),
-                || [Neighbours::default(), Neighbours::default(), Neighbours::default()],
-                |scratch, _, query, pixel, errors| {
-                    let key = query.path;
-                    let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
-                    let mut sum = Found::default();
-                    for ray in 0..rays {
-                        let ray = (ray, rays, errors.is_some());
-                        sum.add(&follow(scene, maps, query, sampler, ray, max_bounces, scratch), 1.0 / f64::from(rays));
-                    }
-                    deposit(pixel, Layer::Indirect, query.weight, sum.irradiance);
-                    if let Some(errors) = errors {
-                        errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
-                    }
-                },
-            );
+            film.for_queries(queries.as_slice(), PerMap::<Neighbours>::default, |scratch, _, query, pixel, errors| {
+                let key = query.path;
+                let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
+                let mut sum = Found::default();
+                for ray in 0..rays {
+                    let ray = (ray, rays, errors.is_some());
+                    sum.add(&follow(scene, maps, query, sampler, ray, max_bounces, scratch), 1.0 / f64::from(rays));
+                }
+                deposit(pixel, Layer::Indirect, query.weight, sum.irradiance);
+                if let Some(errors) = errors {
+                    errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
+                }
+            });
         });
         Ok(())
     }
@@ -91,10 +87,10 @@ impl Found {
             return;
         }
         let area = std::f64::consts::PI * f64::from(estimate.radius_squared) * paths as f64;
+        let (bias, narrow) = spread.biases(estimate);
         for c in 0..3 {
-            let flux = f64::from(estimate.flux[c]);
-            self.bias[c] += (0.5 * f64::from(spread.wide[c]) - flux) / area;
-            self.narrow[c] += (flux - 2.0 * f64::from(spread.narrow[c])) / area;
+            self.bias[c] += bias[c] / area;
+            self.narrow[c] += narrow[c] / area;
         }
         self.powers[0] += f64::from(spread.power);
         self.powers[1] += f64::from(spread.power_squared);
@@ -123,7 +119,7 @@ fn follow(
     mut sampler: Sampler,
     (index, rays, told): (u32, u32, bool),
     max_bounces: u32,
-    scratch: &mut [Neighbours; 3],
+    scratch: &mut PerMap<Neighbours>,
 ) -> Found {
     let block = index * max_bounces.saturating_add(1);
     let [u, v, ..] = sampler.words(block);
@@ -168,20 +164,19 @@ fn follow(
                     radius: gather.radius_scale,
                 };
                 if let Some((map, gather)) = &maps.irradiance {
-                    let estimate = estimate_at(map, at(gather), gather, &mut scratch[0]);
+                    let estimate = estimate_at(map, at(gather), gather, &mut scratch[MapKind::Global]);
                     found.irradiance = estimate.flux.map(f64::from);
                     return found.times(weight.to_array());
                 }
-                let each =
-                    [(&maps.direct, maps.paths), (&maps.caustic, maps.caustic_paths), (&maps.global, maps.paths)];
-                for ((map, paths), scratch) in each.into_iter().zip(scratch) {
+                for (kind, map) in maps.photons.iter() {
                     let Some((map, gather)) = map else { continue };
+                    let paths = maps.paths[kind];
                     let estimate = if told {
                         let (estimate, spread) = spread_at(map, at(gather), gather);
                         found.tell(&estimate, &spread, paths);
                         estimate
                     } else {
-                        estimate_at(map, at(gather), gather, scratch)
+                        estimate_at(map, at(gather), gather, &mut scratch[kind])
                     };
                     for (sum, e) in found.irradiance.iter_mut().zip(estimate.irradiance(paths)) {
                         *sum += e;

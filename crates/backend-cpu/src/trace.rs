@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Kept, Lobe, MediaFeatures, MediumStack, Photon, PhotonRay, Ray,
-    Requirements, Result, Settings, Sharing, Tally, Tracer, octahedral,
+    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Kept, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
+    PhotonRay, Ray, Requirements, Result, Settings, Sharing, Tally, Tracer, octahedral,
 };
 use rayon::prelude::*;
 
@@ -43,10 +43,10 @@ impl CpuTracer {
     }
 }
 
-/// What a thread brings home from some paths: photons for the direct, caustic and global map.
+/// What a thread brings home from some paths: photons for each map.
 #[derive(Default)]
 struct Harvest {
-    photons: [Vec<Photon>; 3],
+    photons: PerMap<Vec<Photon>>,
     tally: Tally,
 }
 
@@ -59,7 +59,7 @@ impl Tracer<Cpu> for CpuTracer {
         rays: &CpuBuffer<PhotonRay>,
         mut deposits: Deposits<'_, Cpu>,
     ) -> Result<()> {
-        let wanted = [deposits.direct.is_some(), deposits.caustic.is_some(), deposits.global.is_some()];
+        let wanted = deposits.each_ref().map(|target| target.is_some());
         let follow = kernel(self.features, self.nested, self.aimed);
         let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow };
         let rays = rays.as_slice();
@@ -69,9 +69,8 @@ impl Tracer<Cpu> for CpuTracer {
         };
         for harvest in harvests {
             self.tally.merge(&harvest.tally);
-            let targets = [&mut deposits.direct, &mut deposits.caustic, &mut deposits.global];
-            for (target, photons) in targets.into_iter().zip(&harvest.photons) {
-                if let Some(target) = target {
+            for (kind, photons) in harvest.photons.iter() {
+                if let Some(target) = &mut deposits[kind] {
                     target.append_photons(photons);
                 }
             }
@@ -123,7 +122,7 @@ type Follow = fn(&Walk<'_>, &PhotonRay, &mut Harvest);
 struct Walk<'a> {
     scene: &'a CpuScene,
     batch: &'a Batch,
-    wanted: [bool; 3],
+    wanted: PerMap<bool>,
     max_bounces: u32,
     follow: Follow,
 }
@@ -223,11 +222,10 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
             Lobe::Diffuse => {
                 // What comes straight from a light is not theirs to keep.
                 if material.albedo != [0.0; 3] && !(aimed && bounce == 0) {
-                    let class = if !specular_only { 2 } else { usize::from(bounce > 0) };
-                    let stored = [&mut tally.stored_direct, &mut tally.stored_caustic, &mut tally.stored_global];
-                    if walk.wanted[class] {
-                        *stored.into_iter().nth(class).unwrap_or(&mut 0) += 1;
-                        harvest.photons[class].push(Photon {
+                    let kind = MapKind::of_path(specular_only, bounce);
+                    if walk.wanted[kind] {
+                        tally.stored[kind] += 1;
+                        harvest.photons[kind].push(Photon {
                             position: surface.point.into(),
                             normal: octahedral::pack(surface.normal),
                             power: power.into(),

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use backend_vulkan::{TracePlan, Vulkan};
 use photon_core::{
-    Backend, Batch, Deposits, Pass, Photon, PhotonRay, RandomKind, Requirements, Settings, Sharing, Stage,
+    Backend, Batch, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Settings, Sharing, Stage,
     TransportBackend,
 };
 
@@ -54,19 +54,15 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
         let mut stages = on.stages(&required, &settings)?;
         let mut rays = on.alloc::<PhotonRay>("photon rays", u64::from(paths))?;
         let capacity = u64::from(paths) * 4;
-        let mut maps = [
-            ("photons: direct", required.direct_map),
-            ("photons: caustic", required.caustic_map),
-            ("photons: global", required.global_map),
-        ]
-        .map(|(label, wanted)| wanted.then(|| on.alloc::<Photon>(label, capacity)));
+        let mut maps = PerMap::default();
+        for (kind, _) in required.maps.iter().filter(|(_, required)| **required) {
+            maps[kind] = Some(on.alloc::<Photon>(kind.label(), capacity)?);
+        }
         let mut times = [Vec::new(), Vec::new()];
         let mut surfaces = 0;
         for round in 0..=rounds {
-            for map in &mut maps {
-                if let Some(Ok(map)) = map {
-                    on.clear(map)?;
-                }
+            for map in maps.values_mut().flatten() {
+                on.clear(map)?;
             }
             on.timings()?;
             let pass = Pass { seed: 1, index: round, random: RandomKind::Counter };
@@ -74,8 +70,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
             on.mark(Some(Stage::Emit));
             stages.emitter.emit(&mut on, &prepared, &batch, &mut rays)?;
             on.mark(Some(Stage::Trace));
-            let [direct, caustic, global] = maps.each_mut().map(|map| map.as_mut().and_then(|map| map.as_mut().ok()));
-            stages.tracer.trace(&mut on, &prepared, &batch, &rays, Deposits { direct, caustic, global })?;
+            stages.tracer.trace(&mut on, &prepared, &batch, &rays, maps.each_mut().map(Option::as_mut))?;
             on.mark(None);
             let took = on.timings()?;
             let tally = stages.tracer.take_tally(&mut on)?;

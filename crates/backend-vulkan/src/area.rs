@@ -34,6 +34,11 @@ struct Push {
     padding: u32,
 }
 
+pushed!(
+    push_layout: Push => CAMERA_AREA,
+    scene queries count estimates spreads seed pass start min_cosine slope max_plane_distance padding
+);
+
 impl AreaProbe<Vulkan> for VulkanArea {
     fn correct(
         &mut self,

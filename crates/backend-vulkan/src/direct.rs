@@ -34,6 +34,11 @@ struct Push {
     padding: u32,
 }
 
+pushed!(
+    push_layout: Push => CAMERA_DIRECT,
+    scene queries count values seed pass rays start start_ray end_ray padding
+);
+
 impl DirectLight<Vulkan> for VulkanDirect {
     fn light(
         &mut self,
@@ -49,7 +54,8 @@ impl DirectLight<Vulkan> for VulkanDirect {
         }
         let lights = scene.light_count();
         let weighed = if (2..=FEW).contains(&lights) { lights } else { 0 };
-        let kernel = on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed, scene.media().bits()])?;
+        let kernel =
+            on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed, scene.media().bits()])?;
         // How many there are need not be known here yet: as many as fit.
         let capacity = queries.capacity();
         let rounds = shadow_rays.min(on.portions.shadow_rays_of_query);

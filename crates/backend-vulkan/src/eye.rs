@@ -57,6 +57,11 @@ struct EyePush {
     max_bounces: u32,
 }
 
+pushed!(
+    eye_push_layout: EyePush => CAMERA_EYE,
+    scene camera first emission found counts seed pass width height start_row end_row max_bounces
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct CompactPush {
@@ -70,6 +75,8 @@ struct CompactPush {
     padding: u32,
 }
 
+pushed!(compact_push_layout: CompactPush => CAMERA_COMPACT, found counts offsets to capacity start count padding);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct SettlePush {
@@ -82,6 +89,8 @@ struct SettlePush {
     pixels: u32,
     padding: u32,
 }
+
+pushed!(settle_push_layout: SettlePush => CAMERA_SETTLE, from queries offsets total start end pixels padding);
 
 impl VulkanEye {
     /// For paths of so many surfaces at most.
@@ -215,6 +224,8 @@ struct RadiiPush {
     pixels: u32,
     padding: u32,
 }
+
+pushed!(radii_push_layout: RadiiPush => CAMERA_RADII, queries count factors pixels padding);
 
 /// Multiplies each query's radius by its pixel's factor.
 pub(crate) fn scale_radii(on: &mut Vulkan, queries: &VulkanBuffer<Query>, factors: &VulkanBuffer<u32>) -> Result<()> {

@@ -69,6 +69,8 @@ struct FoldPush {
     scale: f32,
 }
 
+pushed!(fold_push_layout: FoldPush => FILM_FOLD, queries query_count estimates values found_count pass pixels scale);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct EndPush {
@@ -79,6 +81,8 @@ struct EndPush {
     pixels: u32,
     padding: u32,
 }
+
+pushed!(end_push_layout: EndPush => FILM_END, passes sums first_pass first_sum pixels padding);
 
 /// What a fold reads, constant 2 of its kernel.
 const FROM_ESTIMATES: u32 = 0;

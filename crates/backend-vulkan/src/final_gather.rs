@@ -44,6 +44,11 @@ struct GatherPush {
     padding: u32,
 }
 
+pushed!(
+    gather_push_layout: GatherPush => CAMERA_GATHER,
+    scene queries landings seed pass rays start_ray count_rays start_query count_queries max_bounces padding
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct GatheredPush {
@@ -59,6 +64,11 @@ struct GatheredPush {
     share: f32,
     padding: u32,
 }
+
+pushed!(
+    gathered_push_layout: GatheredPush => CAMERA_GATHERED,
+    landings estimates values spreads told count_rays start_query count_queries scale share padding
+);
 
 impl VulkanGather {
     /// For paths of so many surfaces at most; `estimator` reads the maps.
@@ -99,7 +109,7 @@ impl FinalGather<Vulkan> for VulkanGather {
     ) -> Result<()> {
         let length = on.length(queries)?;
         let rays = rays.max(1);
-        if length == 0 || maps.paths == 0 {
+        if length == 0 || maps.paths.values().all(|&paths| paths == 0) {
             return Ok(());
         }
         let portions = on.portions;
@@ -114,9 +124,13 @@ impl FinalGather<Vulkan> for VulkanGather {
         let mut told = self.told(on, film, room, queries.capacity())?;
         let (spread, found) = (u32::from(told.is_some()), u32::from(maps.irradiance.is_some()));
         let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP, spread, found])?;
-        let asked = match maps.irradiance {
-            Some(irradiance) => [(Some(irradiance), maps.paths), (None, 0), (None, 0)],
-            None => [(maps.direct, maps.paths), (maps.caustic, maps.caustic_paths), (maps.global, maps.paths)],
+        // What is known of irradiance is no sum over paths.
+        let asked: Vec<_> = match maps.irradiance {
+            Some(irradiance) => vec![(irradiance, 1)],
+            None => {
+                let each = maps.photons.iter();
+                each.filter_map(|(kind, map)| map.map(|map| (map, maps.paths[kind]))).collect()
+            }
         };
         // Whole queries at a time, unless one alone has too many rays.
         let per_query = rays.min(portions.gather_rays_of_query);
@@ -155,15 +169,14 @@ impl FinalGather<Vulkan> for VulkanGather {
                     share: 1.0 / rays as f32,
                     padding: 0,
                 };
-                for &(ref map, paths) in &asked {
-                    let Some((map, gather)) = map else { continue };
+                for ((map, gather), paths) in &asked {
                     match &mut told {
                         None => self.estimator.estimate(on, map, &landings, gather, &mut estimates)?,
                         Some(Told { spreads, .. }) => {
                             self.estimator.estimate_spread(on, map, &landings, gather, &mut estimates, spreads)?;
                         }
                     }
-                    let scale = (1.0 / (std::f64::consts::PI * paths.max(1) as f64 * f64::from(rays))) as f32;
+                    let scale = (1.0 / (std::f64::consts::PI * (*paths).max(1) as f64 * f64::from(rays))) as f32;
                     on.dispatch(&add, &GatheredPush { scale, ..push }, u64::from(count_queries.div_ceil(GROUP)))?;
                 }
             }

@@ -26,6 +26,8 @@ struct PlacesPush {
     padding: u32,
 }
 
+pushed!(places_push_layout: PlacesPush => GATHER_PLACES, positions queries first count every padding);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct AddPush {
@@ -37,6 +39,8 @@ struct AddPush {
     scale: f32,
     padding: u32,
 }
+
+pushed!(add_push_layout: AddPush => GATHER_IRRADIANCE, queries estimates points count first scale padding);
 
 impl IrradiancePoints<Vulkan> for VulkanIrradiance {
     fn places(

@@ -6,6 +6,9 @@
 //! Another renderer brings its own device ([`Vulkan::from_raw`]) and its own photons
 //! ([`VulkanBuffer::from_raw`]), which then never leave the card.
 
+#[macro_use]
+mod push;
+
 mod area;
 mod backend;
 mod buffer;

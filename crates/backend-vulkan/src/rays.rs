@@ -58,6 +58,8 @@ struct Push {
     quota: u32,
 }
 
+pushed!(push_layout: Push => RAYS_NEAREST, scene lines hits counter count quota);
+
 /// Rays on the device, and room for what they hit.
 struct Cast {
     lines: Memory,

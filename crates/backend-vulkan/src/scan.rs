@@ -36,6 +36,8 @@ struct SumsPush {
     pad: u32,
 }
 
+pushed!(sums_push_layout: SumsPush => SCAN_SUMS, from sums count pad);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct AlonePush {
@@ -46,6 +48,8 @@ struct AlonePush {
     has_total: u32,
 }
 
+pushed!(alone_push_layout: AlonePush => SCAN_ALONE, from to total count has_total);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct TilesPush {
@@ -55,6 +59,8 @@ struct TilesPush {
     count: u32,
     pad: u32,
 }
+
+pushed!(tiles_push_layout: TilesPush => SCAN_TILES, from to sums count pad);
 
 impl Scan {
     /// # Errors

@@ -82,7 +82,8 @@ impl VulkanScene {
         let nodes = upload.table("BVH nodes", &tree.nodes)?;
         let corners = upload.by_triangle("triangles", &tree.order, |id| corners(view, id))?;
         let facets = upload.by_triangle("facets", &tree.order, |id| view.facets[id as usize])?;
-        let emissions: Vec<Emission> = (0..view.lights.len()).map(|index| emission(view, index, locator.as_ref())).collect();
+        let emissions: Vec<Emission> =
+            (0..view.lights.len()).map(|index| emission(view, index, locator.as_ref())).collect();
         let record = Record {
             nodes,
             corners,

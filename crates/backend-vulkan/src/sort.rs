@@ -57,6 +57,8 @@ struct CountPush {
     pad: u32,
 }
 
+pushed!(count_push_layout: CountPush => SORT_COUNT, keys counts count tiles shift pad);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct OffsetsPush {
@@ -65,6 +67,8 @@ struct OffsetsPush {
     tiles: u32,
     pad: u32,
 }
+
+pushed!(offsets_push_layout: OffsetsPush => SORT_OFFSETS, counts totals tiles pad);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -80,6 +84,11 @@ struct ScatterPush {
     shift: u32,
     flags: u32,
 }
+
+pushed!(
+    scatter_push_layout: ScatterPush => SORT_SCATTER,
+    keys values sorted_keys sorted_values counts totals count tiles shift flags
+);
 
 /// The workgroup that sorts tiles: at most eight subgroups and 256 invocations, for the sake of shared
 /// memory.

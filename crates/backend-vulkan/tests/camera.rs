@@ -7,7 +7,7 @@ use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
 use photon_core::glam::Vec3;
 use photon_core::{
-    Backend, Batch, Deposits, Film, FilmBackend, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, Photon,
+    Backend, Batch, Film, FilmBackend, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, PerMap, Photon,
     PhotonRay, Query, RandomKind, Requirements, Rule, Settings, TransportBackend, View,
 };
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, builtin};
@@ -285,18 +285,17 @@ fn many_shadow_rays_keep_to_their_strata() {
 }
 
 /// Photons of the CPU, for both to gather from.
-fn photons(scene: &Scene, paths: u32) -> [Vec<Photon>; 3] {
+fn photons(scene: &Scene, paths: u32) -> PerMap<Vec<Photon>> {
     let mut on = Cpu::with_threads(2).unwrap();
     let scene_view = scene.view();
     let required = Requirements::everything(&settings());
     let prepared = on.prepare(&scene_view, &required).unwrap();
     let mut stages = on.stages(&required, &settings()).unwrap();
     let mut rays = on.alloc::<PhotonRay>("rays", u64::from(paths)).unwrap();
-    let mut buffers = ["direct", "caustic", "global"].map(|label| on.alloc::<Photon>(label, 1 << 22).unwrap());
+    let mut buffers = PerMap::from_fn(|kind| on.alloc::<Photon>(kind.name(), 1 << 22).unwrap());
     let batch = Batch { pass: pass(0), paths: 0..paths };
     stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
-    let [direct, caustic, global] = &mut buffers;
-    let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
+    let deposits = buffers.each_mut().map(Some);
     stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
     buffers.map(|buffer| buffer.as_slice().to_vec())
 }
@@ -308,7 +307,7 @@ const PATHS: u32 = 5000;
 fn gather<B: TransportBackend, const N: usize>(
     on: &mut B,
     scene: &Scene,
-    photons: &[Vec<Photon>; 3],
+    photons: &PerMap<Vec<Photon>>,
     queries: &[Query],
     asked: [(Rule, u32); N],
 ) -> [Film; N] {
@@ -325,18 +324,14 @@ fn gather<B: TransportBackend, const N: usize>(
         let there = on.upload("photons", photons).unwrap();
         Some(stages.map.builder.build(on, there).unwrap())
     });
-    let [direct, caustic, global] = &built;
     let stage = stages.gather.as_mut().unwrap();
     asked.map(|(rule, rays)| {
         let how =
             Gather { kernel: Kernel::Epanechnikov, radius_scale: 0.05, min_normal_cosine: 0.7, ..Gather::by(rule) };
         let maps = Maps {
-            direct: direct.as_ref().map(|map| (map, how)),
-            caustic: caustic.as_ref().map(|map| (map, how)),
-            global: global.as_ref().map(|map| (map, how)),
+            photons: built.each_ref().map(|map| map.as_ref().map(|map| (map, how))),
             irradiance: None,
-            paths: u64::from(PATHS),
-            caustic_paths: u64::from(PATHS),
+            paths: PerMap::splat(u64::from(PATHS)),
         };
         let mut film = on.film(&scene_view, SIZE, SIZE).unwrap();
         stage.gather(on, &prepared, &maps, pass(2), &queries, rays, &mut film).unwrap();

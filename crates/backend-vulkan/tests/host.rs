@@ -193,7 +193,7 @@ fn a_pass_stays_on_the_device() {
         let in_pass = copied(&mut || {
             if let Ok(PassEnd::Done(report)) = renderer.pass(1, &mut ()) {
                 let tally = report.tally;
-                stored = tally.stored_direct + tally.stored_caustic + tally.stored_global;
+                stored = tally.stored.values().sum();
             }
         });
         let in_film = copied(&mut || drop(renderer.film().unwrap()));

@@ -6,7 +6,8 @@ use backend_cpu::Cpu;
 use backend_vulkan::{TracePlan, Vulkan};
 use photon_core::glam::Vec3;
 use photon_core::{
-    Batch, Deposits, Pass, Photon, PhotonRay, RandomKind, Requirements, Settings, Sharing, Tally, TransportBackend,
+    Batch, MapKind, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Settings, Sharing, Tally,
+    TransportBackend,
 };
 use photon_scene::{Scene, builtin};
 
@@ -25,10 +26,10 @@ fn settings() -> Settings {
 #[derive(Debug, PartialEq)]
 struct Harvest {
     rays: Vec<PhotonRay>,
-    photons: [Vec<Photon>; 3],
+    photons: PerMap<Vec<Photon>>,
     tally: Tally,
     /// How many photons there were to be stored in each map.
-    needed: [u64; 3],
+    needed: PerMap<u64>,
 }
 
 /// How to go about it.
@@ -53,7 +54,7 @@ fn harvest<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> Harvest
     let required = Requirements::of(&view, &how.settings);
     let prepared = on.prepare(&view, &required).unwrap();
     let mut stages = on.stages(&required, &how.settings).unwrap();
-    let mut buffers = ["direct", "caustic", "global"].map(|label| on.alloc::<Photon>(label, how.capacity).unwrap());
+    let mut buffers = PerMap::from_fn(|kind| on.alloc::<Photon>(kind.name(), how.capacity).unwrap());
     let mut all = Vec::new();
     let mut starts = vec![0];
     starts.extend(&how.cuts);
@@ -63,18 +64,17 @@ fn harvest<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> Harvest
         let pass = Pass { seed: 11, index: 3, random: how.random };
         let batch = Batch { pass, paths: range[0]..range[1] };
         stages.emitter.emit(on, &prepared, &batch, &mut rays).unwrap();
-        let [direct, caustic, global] = &mut buffers;
-        let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
+        let deposits = buffers.each_mut().map(Some);
         stages.tracer.trace(on, &prepared, &batch, &rays, deposits).unwrap();
         let mut home = Vec::new();
         on.download(&rays, &mut home).unwrap();
         all.extend(home);
     }
-    let needed = [0, 1, 2].map(|map| on.fill(&buffers[map]).unwrap().needed);
-    let photons = [0, 1, 2].map(|map| {
+    let needed = buffers.each_ref().map(|buffer| on.fill(buffer).unwrap().needed);
+    let photons = PerMap::from_fn(|kind| {
         let mut photons = Vec::new();
-        if needed[map] <= how.capacity {
-            on.download(&buffers[map], &mut photons).unwrap();
+        if needed[kind] <= how.capacity {
+            on.download(&buffers[kind], &mut photons).unwrap();
         }
         photons
     });
@@ -131,16 +131,14 @@ fn photons_are_those_of_the_processor() {
         assert_eq!(rays, PATHS as usize, "{name}: rays");
         assert!(b.tally.balances(), "{name}: {:?}", b.tally);
         assert_eq!(a.tally.flux_emitted, b.tally.flux_emitted);
-        for map in 0..3 {
-            let share = share(&a.photons[map], &b.photons[map]);
-            let bits = a.photons[map].iter().zip(&b.photons[map]).filter(|(a, b)| a == b).count();
-            println!(
-                "{name}, {random:?}, map {map}: {} photons, {share:.5} near, {bits} the same",
-                b.photons[map].len()
-            );
+        for (kind, ours) in a.photons.iter() {
+            let (map, theirs) = (kind.name(), &b.photons[kind]);
+            let share = share(ours, theirs);
+            let bits = ours.iter().zip(theirs).filter(|(a, b)| a == b).count();
+            println!("{name}, {random:?}, {map} map: {} photons, {share:.5} near, {bits} the same", theirs.len());
             // A path that once goes another way stays away: some in ten thousand where surfaces are
             // curved, since a mirrored or refracted ray spreads what rounding began.
-            assert!(share > 0.99 || a.photons[map].is_empty(), "{name}: map {map}: {share}");
+            assert!(share > 0.99 || ours.is_empty(), "{name}: {map} map: {share}");
         }
     }
 }
@@ -151,11 +149,12 @@ fn photons_of_other_paths_are_noticed() {
     let scene = scene("cornell");
     let a = harvest(&mut cpu, &scene, &How::default());
     let b = harvest(&mut cpu, &scene, &How { random: RandomKind::Lcg, ..How::default() });
-    assert!(share(&a.photons[2], &b.photons[2]) < 0.01);
+    let (ours, theirs) = (&a.photons[MapKind::Global], &b.photons[MapKind::Global]);
+    assert!(share(ours, theirs) < 0.01);
     assert!(!same_ray(&a.rays[5], &b.rays[5]));
-    let mut brighter = a.photons[2].clone();
+    let mut brighter = ours.clone();
     brighter.iter_mut().for_each(|photon| photon.power[1] *= 1.01);
-    assert!(share(&a.photons[2], &brighter) < 0.1);
+    assert!(share(ours, &brighter) < 0.1);
 }
 
 #[test]
@@ -168,7 +167,7 @@ fn the_way_of_sharing_does_not_show() {
         let how = |sharing| How { settings: Settings { sharing, max_bounces, ..settings() }, ..How::default() };
         gpu.set_trace_plan(plain);
         let first = harvest(&mut gpu, &scene, &how(Sharing::Static));
-        assert!(first.needed.iter().sum::<u64>() > 5000, "{:?}", first.needed);
+        assert!(first.needed.values().sum::<u64>() > 5000, "{:?}", first.needed);
         for (sharing, plan) in [
             (Sharing::Static, plain),
             (Sharing::Dynamic, plain),

@@ -101,7 +101,7 @@ impl Aim {
     /// # Errors
     /// Why nothing is.
     pub fn chosen(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> Result<(Self, u32), Unaimed> {
-        let alone = !required.direct_map && !required.global_map;
+        let alone = required.maps.iter().all(|(kind, &filled)| kind.is_aimed() || !filled);
         let (most, paths) = match settings.caustic_photons {
             CausticPhotons::Shared => return Err(Unaimed::Shared),
             CausticPhotons::Auto if alone => (f64::INFINITY, settings.photons),

@@ -124,6 +124,7 @@ fn neighbours(pixel: usize, width: usize, height: usize, reach: usize) -> impl I
 mod tests {
     use super::*;
     use crate::errors::Shape;
+    use crate::map_kind::{MapKind, PerMap};
     use crate::units::Units;
 
     /// A film of 8 × 8 pixels whose bias is `bias` and its deviation in a pass `deviation`.
@@ -135,7 +136,7 @@ mod tests {
             for (i, error) in errors.iter_mut().enumerate() {
                 let sign = if (pass + i as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
                 let bias = bias + sign * deviation;
-                let shapes = [Shape::default(), Shape::default(), even];
+                let shapes = PerMap::from_fn(|kind| if kind == MapKind::Global { even } else { Shape::default() });
                 error.end_pass(&ErrorPixel { bias, narrow: 0.5 * bias, shapes, ..ErrorPixel::default() });
             }
         }

@@ -160,7 +160,8 @@ mod tests {
         for kind in MaterialKind::ALL {
             let material = Material { kind: kind as u32, albedo: [1.0; 3], ior: 1.5, ..Material::default() };
             for cosine in [0.0, 1e-3, 0.3, 1.0] {
-                let interface = Interface { eta: 1.5, before: vacuum, beyond: vacuum, is_active: true, is_too_deep: false };
+                let interface =
+                    Interface { eta: 1.5, before: vacuum, beyond: vacuum, is_active: true, is_too_deep: false };
                 let bsdf = Bsdf::new(Features::ALL, &material, cosine, &interface);
                 let total = match bsdf.split() {
                     None => bsdf.weight(bsdf.choose(0.5)),

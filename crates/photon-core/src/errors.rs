@@ -4,8 +4,9 @@
 //! Sums, like the film's, so that passes may be rendered anywhere and added. A variance from a sum of
 //! squares in f64 is lost only where the standard deviation of a pass is below 10⁻⁷ of the pixel.
 
-use crate::film::{Film, Layer};
+use crate::film::Film;
 use crate::layout::{Estimate, Query, Spread};
+use crate::map_kind::{MapKind, PerMap};
 
 /// What tells the error of a pixel, summed over passes. Normalised units, mean of RGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,8 +19,8 @@ pub struct ErrorPixel {
     pub narrow: f64,
     /// Its square, pass by pass.
     pub narrow_square: f64,
-    /// How the photons of each map lie about the pixel's queries: direct, caustic, global.
-    pub shapes: [Shape; 3],
+    /// How the photons of each map lie about the pixel's queries.
+    pub shapes: PerMap<Shape>,
 }
 
 /// How the photons of one map lie about a pixel's queries: sums of [`Spread`]'s, weighted as the
@@ -78,20 +79,20 @@ impl Shape {
 }
 
 impl ErrorPixel {
-    /// Adds what one query of a pass tells, to the pass by itself.
-    pub fn deposit(&mut self, layer: Layer, query: &Query, estimate: &Estimate, spread: &Spread, paths: u64) {
+    /// Adds what one query of a pass tells of a map, to the pass by itself.
+    pub fn deposit(&mut self, kind: MapKind, query: &Query, estimate: &Estimate, spread: &Spread, paths: u64) {
         if spread.photons == 0 || paths == 0 {
             return;
         }
         let area = std::f64::consts::PI * f64::from(estimate.radius_squared) * paths as f64;
+        let (bias, narrow) = spread.biases(estimate);
         for c in 0..3 {
             let weight = f64::from(query.weight[c]) / (3.0 * area);
-            let flux = f64::from(estimate.flux[c]);
-            self.bias += weight * (0.5 * f64::from(spread.wide[c]) - flux);
-            self.narrow += weight * (flux - 2.0 * f64::from(spread.narrow[c]));
+            self.bias += weight * bias[c];
+            self.narrow += weight * narrow[c];
         }
         let weight = query.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
-        let shape = &mut self.shapes[(layer as usize).saturating_sub(1)];
+        let shape = &mut self.shapes[kind];
         shape.power += weight * f64::from(spread.power);
         shape.power_squared += weight * weight * f64::from(spread.power_squared);
         for axis in 0..2 {
@@ -111,14 +112,14 @@ impl ErrorPixel {
             self.narrow += weight * narrow[c];
         }
         let weight = query.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
-        let shape = &mut self.shapes[Layer::Indirect as usize - 1];
+        let shape = &mut self.shapes[MapKind::Global];
         shape.power += weight * powers[0];
         shape.power_squared += weight * weight * powers[1];
     }
 
     /// Whether any photon was found.
     fn is_known(&self) -> bool {
-        self.shapes.iter().any(|shape| shape.power > 0.0)
+        self.shapes.values().any(|shape| shape.power > 0.0)
     }
 
     /// Adds a pass that has ended.
@@ -127,7 +128,7 @@ impl ErrorPixel {
         self.bias_square += pass.bias * pass.bias;
         self.narrow += pass.narrow;
         self.narrow_square += pass.narrow * pass.narrow;
-        self.shapes.iter_mut().zip(&pass.shapes).for_each(|(sum, shape)| sum.add(shape));
+        self.shapes.iter_mut().for_each(|(kind, sum)| sum.add(&pass.shapes[kind]));
     }
 
     /// Adds another's passes.
@@ -136,7 +137,7 @@ impl ErrorPixel {
         self.bias_square += other.bias_square;
         self.narrow += other.narrow;
         self.narrow_square += other.narrow_square;
-        self.shapes.iter_mut().zip(&other.shapes).for_each(|(sum, shape)| sum.add(shape));
+        self.shapes.iter_mut().for_each(|(kind, sum)| sum.add(&other.shapes[kind]));
     }
 }
 
@@ -233,12 +234,12 @@ impl Film {
             let (bias, bias_error) = (error.bias / n, standard_error(error.bias, error.bias_square));
             let (half, half_error) = (error.narrow / n, standard_error(error.narrow, error.narrow_square));
             let noise = standard_error(sum, pixel.square);
-            let photons: f64 = error.shapes.iter().map(Shape::photons).sum();
+            let photons: f64 = error.shapes.values().map(Shape::photons).sum();
             let mut flags = Flags::default();
             flags.set(Flags::FEW_PASSES, self.passes < LEAST_PASSES);
             flags.set(Flags::FEW_PHOTONS, photons < LEAST_PHOTONS && is_asked(error, pixel));
-            flags.set(Flags::OTHER_SURFACE, error.shapes.iter().any(Shape::strays));
-            flags.set(Flags::UNEVEN, error.shapes.iter().any(Shape::is_uneven));
+            flags.set(Flags::OTHER_SURFACE, error.shapes.values().any(Shape::strays));
+            flags.set(Flags::UNEVEN, error.shapes.values().any(Shape::is_uneven));
             flags.set(Flags::CURVED, differ(bias, bias_error, 2.0 * half, 2.0 * half_error));
             let half_width =
                 if flags.is_empty() { (quantile * noise + 2.0 * bias.abs()) * to_user } else { f64::INFINITY };
@@ -312,7 +313,7 @@ mod tests {
             error.end_pass(&ErrorPixel {
                 bias,
                 narrow,
-                shapes: [Shape::default(), Shape::default(), shape],
+                shapes: PerMap::from_fn(|kind| if kind == MapKind::Global { shape } else { Shape::default() }),
                 ..ErrorPixel::default()
             });
         }

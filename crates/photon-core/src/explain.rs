@@ -4,6 +4,7 @@ use crate::aim::{Aim, Unaimed};
 use crate::features::Features;
 use crate::kept::Kept;
 use crate::layout::Light;
+use crate::map_kind::MapKind;
 use crate::radii;
 use crate::requirements::{Requirements, light_features, material_features};
 use crate::scene::SceneView;
@@ -32,7 +33,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             let triangles = scene
                 .facets
                 .iter()
-                .filter(|facet| material_features(&scene.materials[facet.material as usize], scene.media).contains(feature))
+                .filter(|facet| {
+                    material_features(&scene.materials[facet.material as usize], scene.media).contains(feature)
+                })
                 .count();
             let lights = scene.lights.iter().filter(|light| light_features(light).contains(feature)).count();
             let why = match (triangles, lights) {
@@ -46,39 +49,15 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     let mut say = |what, needed, why: &str| needs.push(Need { what, needed, why: why.to_owned() });
 
     let gather = settings.indirect == Indirect::Gather;
-    say(
-        "map of direct photons",
-        required.direct_map,
-        match (settings.direct, gather) {
-            (Direct::Photons, _) => "direct light is read from it",
-            (_, true) => "final gathering reads it where its rays land",
-            (Direct::Nee, _) => "shadow rays count what it would hold",
-            (Direct::None, _) => "direct light is left out",
-        },
-    );
-    let specular = required.features.intersects(Features::SPECULAR);
-    say(
-        "map of caustic photons",
-        required.caustic_map,
-        match (required.caustic_map, specular) {
-            (true, _) => "mirrors or glass are in reach of a light",
-            (false, _) if !settings.caustics && !gather => "caustics are left out",
-            (false, false) => "nothing reflects or refracts",
-            (false, true) => "all mirrors and glass lie behind all lights",
-        },
-    );
-    let (aimed, why) = aiming(scene, settings, &required);
-    say("aimed photons", aimed, &why);
-    say(
-        "map of scattered photons",
-        required.global_map,
-        match settings.indirect {
-            Indirect::Map => "indirect light is read from it",
-            Indirect::Gather => "final gathering reads it where its rays land",
-            Indirect::None => "indirect light is left out",
-        },
-    );
-    let any_map = required.direct_map || required.caustic_map || required.global_map;
+    for (kind, &filled) in required.maps.iter() {
+        let (what, why) = map(kind, settings, &required);
+        say(what, filled, why);
+        if kind.is_aimed() {
+            let (aimed, why) = aiming(scene, settings, &required);
+            say("aimed photons", aimed, &why);
+        }
+    }
+    let any_map = required.maps.any();
     say(
         "photons",
         any_map,
@@ -171,9 +150,42 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     needs
 }
 
+/// What a map is called, and why it is filled or not.
+fn map(kind: MapKind, settings: &Settings, required: &Requirements) -> (&'static str, &'static str) {
+    let gather = settings.indirect == Indirect::Gather;
+    match kind {
+        MapKind::Direct => (
+            "map of direct photons",
+            match (settings.direct, gather) {
+                (Direct::Photons, _) => "direct light is read from it",
+                (_, true) => "final gathering reads it where its rays land",
+                (Direct::Nee, _) => "shadow rays count what it would hold",
+                (Direct::None, _) => "direct light is left out",
+            },
+        ),
+        MapKind::Caustic => (
+            "map of caustic photons",
+            match (required.maps[kind], required.features.intersects(Features::SPECULAR)) {
+                (true, _) => "mirrors or glass are in reach of a light",
+                (false, _) if !settings.caustics && !gather => "caustics are left out",
+                (false, false) => "nothing reflects or refracts",
+                (false, true) => "all mirrors and glass lie behind all lights",
+            },
+        ),
+        MapKind::Global => (
+            "map of scattered photons",
+            match settings.indirect {
+                Indirect::Map => "indirect light is read from it",
+                Indirect::Gather => "final gathering reads it where its rays land",
+                Indirect::None => "indirect light is left out",
+            },
+        ),
+    }
+}
+
 /// Whether paths are aimed at mirrors and glass, and why.
 fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> (bool, String) {
-    if !required.caustic_map {
+    if !required.maps[MapKind::Caustic] {
         return (false, "there is no map of caustic photons".to_owned());
     }
     let chosen = if required.aimed { Aim::chosen(scene, settings, required) } else { Err(Unaimed::Shared) };
@@ -232,8 +244,8 @@ mod tests {
                 let required = Requirements::of(&scene, &settings);
                 let needs = explain(&scene, &settings);
                 let needed = |what| needs.iter().find(|need| need.what == what).unwrap().needed;
-                assert_eq!(needed("map of direct photons"), required.direct_map);
-                assert_eq!(needed("map of scattered photons"), required.global_map);
+                assert_eq!(needed("map of direct photons"), required.maps[MapKind::Direct]);
+                assert_eq!(needed("map of scattered photons"), required.maps[MapKind::Global]);
                 assert_eq!(needed("final gathering"), required.final_gather);
                 assert!(needed("diffuse") && needed("point-lights") && !needed("mirror"));
                 assert!(needs.iter().all(|need| !need.why.is_empty()));

@@ -50,6 +50,22 @@ pub struct FilmPixel {
     pub hits: u64,
 }
 
+impl FilmPixel {
+    /// Adds another's sums.
+    pub fn add(&mut self, other: &Self) {
+        for (a, b) in self.layers.iter_mut().flatten().zip(other.layers.iter().flatten()) {
+            *a += b;
+        }
+        for axis in 0..3 {
+            self.normal[axis] += other.normal[axis];
+            self.albedo[axis] += other.albedo[axis];
+        }
+        self.square += other.square;
+        self.depth += other.depth;
+        self.hits += other.hits;
+    }
+}
+
 /// A picture in progress: sums over passes, top row first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
@@ -111,16 +127,7 @@ impl Film {
             }
         }
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
-            for (a, b) in mine.layers.iter_mut().flatten().zip(theirs.layers.iter().flatten()) {
-                *a += b;
-            }
-            for axis in 0..3 {
-                mine.normal[axis] += theirs.normal[axis];
-                mine.albedo[axis] += theirs.albedo[axis];
-            }
-            mine.square += theirs.square;
-            mine.depth += theirs.depth;
-            mine.hits += theirs.hits;
+            mine.add(theirs);
         }
         self.passes += other.passes;
         Ok(())

@@ -135,6 +135,17 @@ pub struct Spread {
     pub reserved: [u32; 2],
 }
 
+impl Spread {
+    /// What the second radii say of the bias of `estimate`, in units of its flux: of the estimate over twice the area,
+    /// less `estimate`; and of `estimate`, less the one over half the area. To be divided by π r² and the paths.
+    #[must_use]
+    pub fn biases(&self, estimate: &Estimate) -> ([f64; 3], [f64; 3]) {
+        let flux = estimate.flux.map(f64::from);
+        let wide = std::array::from_fn(|c| 0.5 * f64::from(self.wide[c]) - flux[c]);
+        (wide, std::array::from_fn(|c| flux[c] - 2.0 * f64::from(self.narrow[c])))
+    }
+}
+
 /// What the surface of a triangle is: its plane's orientation and its material.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

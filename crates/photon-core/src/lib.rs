@@ -23,6 +23,7 @@ mod kept;
 mod kernel;
 mod layout;
 mod light_shares;
+mod map_kind;
 pub mod math;
 mod media;
 mod memory;
@@ -60,13 +61,14 @@ pub use features::Features;
 pub use film::{Film, FilmPixel, Layer, check_size};
 pub use forecast::{Forecast, Prospect};
 pub use glam;
+pub use interaction::SurfaceInteraction;
 pub use kept::Kept;
 pub use kernel::Kernel;
-pub use interaction::SurfaceInteraction;
 pub use layout::{
     Camera, Element, Estimate, Facet, Light, Material, MaterialKind, Medium, Photon, PhotonRay, Query, Spread,
 };
 pub use light_shares::{LightShare, light_shares};
+pub use map_kind::{MapKind, PerMap};
 pub use media::{Interface, MediaFeatures, MediumStack, interface, radiance_scale};
 pub use memory::Costs;
 pub use observer::{Event, Observer, PassReport};

@@ -161,15 +161,14 @@ pub fn interface(
     nested: bool,
 ) -> Interface {
     match material.kind() {
-        MaterialKind::Lambert | MaterialKind::Mirror => {
-            around(1.0, media_here)
-        }
-        MaterialKind::Thin => {
-            around(material.ior, media_here)
-        }
+        MaterialKind::Lambert | MaterialKind::Mirror => around(1.0, media_here),
+        MaterialKind::Thin => around(material.ior, media_here),
         MaterialKind::Dielectric if nested => {
-            let before =
-                if front || media_here.contains(material.medium) { media_here } else { media_here.enter(material.medium) };
+            let before = if front || media_here.contains(material.medium) {
+                media_here
+            } else {
+                media_here.enter(material.medium)
+            };
             let beyond = if front { before.enter(material.medium) } else { before.leave(material.medium) };
             let (from, to) = (before.current(media), beyond.current(media));
             let eta = media[to as usize].ior / media[from as usize].ior;
@@ -272,7 +271,8 @@ mod tests {
         for medium in 1..5 {
             for front in [false, true] {
                 let here = if front { MediumStack::VACUUM } else { MediumStack::in_medium(medium) };
-                let [plain, nested] = [false, true].map(|nested| interface(&media, &solid(medium), front, here, nested));
+                let [plain, nested] =
+                    [false, true].map(|nested| interface(&media, &solid(medium), front, here, nested));
                 assert_eq!(plain, nested);
                 assert_eq!(plain.eta.to_bits(), nested.eta.to_bits());
             }

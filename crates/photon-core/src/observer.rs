@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::backend::StageTimings;
 use crate::forecast::Forecast;
+use crate::map_kind::PerMap;
 use crate::tally::Tally;
 
 /// What a renderer tells while it works.
@@ -58,11 +59,7 @@ pub struct PassReport {
     /// What became of those that were aimed, apart from these.
     pub aimed: Tally,
     /// Radius within which each map was searched, user space; `None`: the map was not built.
-    pub radius_direct: Option<f64>,
-    /// Likewise.
-    pub radius_caustic: Option<f64>,
-    /// Likewise.
-    pub radius_global: Option<f64>,
+    pub radius: PerMap<Option<f64>>,
     /// Points whose radiance was estimated.
     pub queries: u64,
     /// Seconds per stage.

@@ -8,10 +8,11 @@ use crate::error::{Error, Result};
 use crate::errors::ErrorPixel;
 use crate::film::Film;
 use crate::forecast::Prospect;
-use crate::layout::{Estimate, Photon, PhotonRay, Query, Spread};
+use crate::layout::{Estimate, PhotonRay, Query, Spread};
+use crate::map_kind::PerMap;
 use crate::memory::Plan;
 use crate::observer::{Event, Observer, PassReport};
-use crate::radii::{self, Radii};
+use crate::radii;
 use crate::render::{Facts, PassEnd, Render};
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
@@ -27,8 +28,6 @@ const PILOT_PATHS: u32 = 65_536;
 /// Camera paths split at the first two sheets or boundaries of glass, hence into four at most.
 pub const QUERIES_PER_PIXEL: u32 = 4;
 
-type Photons<B> = Option<<B as crate::Backend>::Buffer<Photon>>;
-
 /// Renders one scene through one camera on one backend.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Pipeline<B: TransportBackend> {
@@ -42,18 +41,14 @@ pub struct Pipeline<B: TransportBackend> {
     units: Units,
     view: View,
     film: B::Film,
-    radii: Radii,
     schedule: Schedule,
     passes: u32,
     batch: u32,
     setup: StageTimings,
     rays: B::Buffer<PhotonRay>,
-    photons: [Photons<B>; 3],
-    capacities: [u64; 3],
-    /// The last pass ended in an error.
-    failed: bool,
-    /// A restart ended in one: what there is belongs to two pictures.
-    torn: bool,
+    /// One for each map that is required.
+    maps: Vec<MapSlot<B>>,
+    state: State,
     /// What a cap on memory left before photons were counted, and the batch then.
     cap: Option<(Plan, u32)>,
     queries: B::Buffer<Query>,
@@ -72,8 +67,9 @@ mod fit;
 mod irradiance;
 mod kept;
 mod photons;
+mod slot;
 
-const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
+use slot::{MapSlot, State};
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Checks the scene, derives what it requires, brings it to the backend, and finds the radii.
@@ -195,19 +191,16 @@ impl<B: TransportBackend> Pipeline<B> {
         let most = settings.photons.max(PILOT_PATHS).max(aimed);
         let rays = on.alloc("photon rays", u64::from(batch.min(most)))?;
         let queries = on.alloc("queries", pixels * per_pixel)?;
-        let any_map = required.direct_map || required.caustic_map || required.global_map;
+        let any_map = required.maps.any();
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
         let spreads = if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
         let schedule = Schedule::new(settings.alpha);
         let own_radii = Self::own_radii(&settings, &view);
         let mut pipeline = Self {
-            radii: radii::given(&settings, &scene.units),
+            maps: MapSlot::of(&required.maps, radii::given(&settings, &scene.units)),
             units: scene.units,
             scene: prepared,
-            photons: [None, None, None],
-            capacities: [0; 3],
-            failed: false,
-            torn: false,
+            state: State::Ready,
             cap: plan.filter(|_| any_map).map(|plan| (plan, batch)),
             on,
             stages,
@@ -246,14 +239,6 @@ impl<B: TransportBackend> Pipeline<B> {
         })
     }
 
-    /// A buffer for the photons of a map, in the place of what there was.
-    fn allocate(&mut self, map: usize, capacity: u64) -> Result<()> {
-        self.photons[map] = None;
-        self.capacities[map] = capacity;
-        self.photons[map] = Some(self.on.alloc_photons(LABELS[map], capacity, self.required.kept)?);
-        Ok(())
-    }
-
     fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
         let paths = self.settings.photons.max(PILOT_PATHS);
         let guess = (f64::from(paths) * photons_per_path) as u64 + 1024;
@@ -261,13 +246,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let aimed = self.aimed_paths(self.settings.photons).unwrap_or(0);
         let most = u64::from(self.settings.photons.max(aimed)) * u64::from(self.settings.max_bounces);
         let capacity = self.settings.photon_capacity.map_or(guess, |given| given.min(most));
-        let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
-        for (map, wanted) in wanted.into_iter().enumerate() {
-            if wanted {
-                self.allocate(map, capacity)?;
-            }
-        }
-        Ok(())
+        self.maps.iter_mut().try_for_each(|slot| slot.allocate(&mut self.on, capacity, self.required.kept))
     }
 
     /// What the camera sees, and direct light.
@@ -296,19 +275,20 @@ impl<B: TransportBackend> Pipeline<B> {
 
 impl<B: TransportBackend> Render for Pipeline<B> {
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
-        if self.torn {
+        if self.state == State::RestartFailed {
             return Err(Error::InvalidSetting {
                 name: "pass",
                 value: "after a restart that ended in an error".into(),
                 mend: "restart once more, or make another pipeline",
             });
         }
-        if self.failed {
+        if self.state == State::PassFailed {
             self.recover()?;
         }
-        self.failed = true;
+        // Until it is known to have ended well.
+        self.state = State::PassFailed;
         let end = self.whole_pass(index, observer)?;
-        self.failed = false;
+        self.state = State::Ready;
         Ok(end)
     }
 
@@ -330,7 +310,9 @@ impl<B: TransportBackend> Render for Pipeline<B> {
     fn rescale(&mut self, factor: f64) -> bool {
         let derived = radii::need_pilot(&self.settings);
         if derived {
-            self.radii = self.radii.scaled(factor.sqrt() as f32);
+            for slot in &mut self.maps {
+                slot.radius = radii::scaled(slot.radius, factor.sqrt() as f32);
+            }
             self.schedule = self.schedule.scaled(factor);
         }
         derived
@@ -366,7 +348,7 @@ impl<B: TransportBackend> Pipeline<B> {
             return Ok(PassEnd::Cancelled);
         }
         let queries = self.look(index).and_then(|queries| {
-            self.estimate(index, sent.per_map(), queries)?;
+            self.estimate(index, &sent, queries)?;
             Ok(queries)
         });
         let queries = match queries {
@@ -386,17 +368,17 @@ impl<B: TransportBackend> Pipeline<B> {
             radii.learn(&self.on.read_film(&self.film)?);
             *factors = Some(self.on.upload("radii of pixels", &radii.bits())?);
         }
-        let to_user = |required: bool, radius: f32| {
-            required.then(|| self.units.length_to_user(radii::gather(&self.settings, radius, index).radius_scale))
-        };
+        let mut radius = PerMap::default();
+        for slot in &self.maps {
+            let normalised = radii::gather(&self.settings, slot.radius, index).radius_scale;
+            radius[slot.kind] = Some(self.units.length_to_user(normalised));
+        }
         let report = PassReport {
             index,
             paths: u64::from(sent.paths),
             tally: sent.tally,
             aimed: sent.aimed_tally,
-            radius_direct: to_user(self.required.direct_map, self.radii.direct),
-            radius_caustic: to_user(self.required.caustic_map, self.radii.caustic),
-            radius_global: to_user(self.required.global_map, self.radii.global),
+            radius,
             queries,
             seconds: self.on.timings()?,
         };

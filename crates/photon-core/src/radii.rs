@@ -1,15 +1,21 @@
 //! The radius within which each map is searched.
 
+use crate::map_kind::MapKind;
 use crate::progressive::radius_squared_factor;
 use crate::settings::{Estimator, Settings};
 use crate::stages::{Gather, Rule};
 use crate::typical;
 use crate::units::Units;
 
-/// Photons of the direct, caustic and global map that the first pass is to find within the derived
-/// radius, where a typical photon lies. Caustics are sharp, so that they are worth more noise per
-/// pass; light that has been scattered is smooth.
-pub(crate) const NEIGHBOURS: [u32; 3] = [24, 12, 64];
+/// Photons of a map that the first pass is to find within the derived radius, where a typical photon lies.
+/// Caustics are sharp, so that they are worth more noise per pass; light that has been scattered is smooth.
+pub(crate) const fn neighbours(kind: MapKind) -> u32 {
+    match kind {
+        MapKind::Direct => 24,
+        MapKind::Caustic => 12,
+        MapKind::Global => 64,
+    }
+}
 
 /// Where no map can tell: a fiftieth of the scene.
 const FALLBACK: f32 = 0.02;
@@ -18,20 +24,9 @@ const FALLBACK: f32 = 0.02;
 /// a query that few photons can serve would look through the whole map.
 const NEAREST_LIMIT: f32 = 0.1;
 
-/// One radius per map, normalised space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Radii {
-    pub(crate) direct: f32,
-    pub(crate) caustic: f32,
-    pub(crate) global: f32,
-}
-
-impl Radii {
-    /// All of them times a factor, within the bounds of those that are derived.
-    pub(crate) fn scaled(self, factor: f32) -> Self {
-        let scaled = |radius: f32| (radius * factor).clamp(1e-6, typical::WIDEST);
-        Self { direct: scaled(self.direct), caustic: scaled(self.caustic), global: scaled(self.global) }
-    }
+/// A radius times a factor, within the bounds of those that are derived. Normalised space.
+pub(crate) fn scaled(radius: f32, factor: f32) -> f32 {
+    (radius * factor).clamp(1e-6, typical::WIDEST)
 }
 
 /// Whether radii must be derived from photons.
@@ -43,8 +38,8 @@ pub(crate) fn need_pilot(settings: &Settings) -> bool {
     }
 }
 
-/// The same radius for all maps, where it is given.
-pub(crate) fn given(settings: &Settings, units: &Units) -> Radii {
+/// The radius of all maps where it is given, normalised space.
+pub(crate) fn given(settings: &Settings, units: &Units) -> f32 {
     let radius = match settings.estimator {
         Estimator::Radius { radius } => radius.map_or(FALLBACK, |r| units.length(r)),
         Estimator::Knn { max_radius, .. } => max_radius.map_or(NEAREST_LIMIT, |r| units.length(r)),
@@ -52,8 +47,7 @@ pub(crate) fn given(settings: &Settings, units: &Units) -> Radii {
     };
     // A normalised radius beyond the scene is as good as any other there; below it, as small as
     // the rounding of positions, nothing is found anyway but a square of it must not vanish.
-    let radius = radius.clamp(1e-12, 4.0);
-    Radii { direct: radius, caustic: radius, global: radius }
+    radius.clamp(1e-12, 4.0)
 }
 
 /// From a pilot's radius around `asked` photons of `pilot` paths to that around `wanted` of `photons`.

@@ -4,10 +4,11 @@ use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::kept::Kept;
 use crate::layout::{Light, Material, MaterialKind, Medium};
+use crate::map_kind::{MapKind, PerMap};
 use crate::media::MediaFeatures;
 use crate::scene::SceneView;
-use crate::solids::Solids;
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
+use crate::solids::Solids;
 
 /// What stages are built for.
 ///
@@ -19,15 +20,11 @@ pub struct Requirements {
     pub features: Features,
     /// What solids need that lie within each other, or overlap.
     pub media: MediaFeatures,
-    /// Photons straight from a light are kept in a map.
-    pub direct_map: bool,
-    /// Photons that came from a light by specular surfaces alone are kept in a map.
-    pub caustic_map: bool,
-    /// That map has paths of light of its own, which are aimed: unless [`crate::Aim`] finds that it does
+    /// Which photon maps are filled.
+    pub maps: PerMap<bool>,
+    /// The caustic map has paths of light of its own, which are aimed: unless [`crate::Aim`] finds that it does
     /// not pay.
     pub aimed: bool,
-    /// Photons that have been scattered diffusely are kept in a map.
-    pub global_map: bool,
     /// Direct light is asked for with shadow rays.
     pub shadow_rays: bool,
     /// Indirect light is gathered.
@@ -41,17 +38,17 @@ impl Requirements {
     /// range is skipped.
     #[must_use]
     pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
-        let gather = settings.indirect == Indirect::Gather;
-        let caustic_map = (settings.caustics || gather) && specular_is_lit(scene);
+        let maps = PerMap::from_fn(|kind| match kind {
+            MapKind::Caustic => reads(settings, kind) && specular_is_lit(scene),
+            MapKind::Direct | MapKind::Global => reads(settings, kind),
+        });
         Self {
             features: Features::of(scene),
             media: Solids::of(scene).features(),
-            direct_map: settings.direct == Direct::Photons || gather,
-            caustic_map,
-            aimed: caustic_map && settings.caustic_photons != CausticPhotons::Shared,
-            global_map: settings.indirect != Indirect::None,
+            maps,
+            aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
             shadow_rays: settings.direct == Direct::Nee,
-            final_gather: gather,
+            final_gather: settings.indirect == Indirect::Gather,
             kept: Kept::of(scene, settings),
         }
     }
@@ -59,16 +56,14 @@ impl Requirements {
     /// Everything that the settings allow, whatever the scene: the same picture, more work.
     #[must_use]
     pub fn everything(settings: &Settings) -> Self {
-        let gather = settings.indirect == Indirect::Gather;
+        let maps = PerMap::from_fn(|kind| reads(settings, kind));
         Self {
             features: Features::ALL,
             media: MediaFeatures::ALL,
-            direct_map: settings.direct == Direct::Photons || gather,
-            caustic_map: settings.caustics || gather,
-            aimed: (settings.caustics || gather) && settings.caustic_photons != CausticPhotons::Shared,
-            global_map: settings.indirect != Indirect::None,
+            maps,
+            aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
             shadow_rays: settings.direct == Direct::Nee,
-            final_gather: gather,
+            final_gather: settings.indirect == Indirect::Gather,
             kept: Kept::Whole,
         }
     }
@@ -120,6 +115,16 @@ impl Features {
     pub fn of(scene: &SceneView<'_>) -> Self {
         let materials = scene.materials_in_use().map(|material| material_features(material, scene.media));
         materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union)
+    }
+}
+
+/// Whether the settings read a map: at what the camera sees, or where final-gather rays land.
+fn reads(settings: &Settings, kind: MapKind) -> bool {
+    let gather = settings.indirect == Indirect::Gather;
+    match kind {
+        MapKind::Direct => settings.direct == Direct::Photons || gather,
+        MapKind::Caustic => settings.caustics || gather,
+        MapKind::Global => settings.indirect != Indirect::None,
     }
 }
 

@@ -88,9 +88,8 @@ pub struct Locator<'a> {
 
 impl<'a> Locator<'a> {
     fn new(solids: &'a Solids<'a>) -> Self {
-        let all = || {
-            (0..).zip(&solids.solids).flat_map(|(index, solid)| solid.triangles.iter().map(move |&id| (index, id)))
-        };
+        let all =
+            || (0..).zip(&solids.solids).flat_map(|(index, solid)| solid.triangles.iter().map(move |&id| (index, id)));
         let side = ((all().count() as f64).sqrt() as usize).clamp(1, 2048);
         let (low, high) = solids.solids.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), solid| {
             (low.min(across(solid.low.as_dvec3())), high.max(across(solid.high.as_dvec3())))
@@ -235,9 +234,7 @@ fn group(scene: &SceneView<'_>, boundary: &[(u32, u32)]) -> Vec<Solid> {
     // One node for each place and medium.
     let mut nodes: Vec<([u32; 3], u32)> = boundary
         .iter()
-        .flat_map(|&(triangle, medium)| {
-            scene.triangles[triangle as usize].map(|vertex| (place(vertex), medium))
-        })
+        .flat_map(|&(triangle, medium)| scene.triangles[triangle as usize].map(|vertex| (place(vertex), medium)))
         .collect();
     nodes.sort_unstable();
     nodes.dedup();
@@ -306,8 +303,7 @@ mod tests {
         lights: Vec<Light>,
     }
 
-    const FACES: [[usize; 4]; 6] =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    const FACES: [[usize; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
 
     fn tables(boxes: &[([f32; 3], [f32; 3], u32, bool)]) -> Tables {
         let solid = |medium| Material {

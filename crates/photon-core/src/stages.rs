@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::kept::Kept;
 use crate::kernel::Kernel;
 use crate::layout::{Camera, Estimate, Photon, PhotonRay, Query, Spread};
+use crate::map_kind::PerMap;
 use crate::scene::SceneView;
 use crate::settings::RandomKind;
 use crate::solids::Solids;
@@ -207,16 +208,8 @@ pub trait Tracer<B: TransportBackend>: Send {
     }
 }
 
-/// Where photons go; `None` for a map that is not called for.
-#[derive(Debug)]
-pub struct Deposits<'a, B: Backend> {
-    /// Straight from a light.
-    pub direct: Option<&'a mut B::Buffer<Photon>>,
-    /// From a light by specular surfaces alone.
-    pub caustic: Option<&'a mut B::Buffer<Photon>>,
-    /// After a diffuse surface.
-    pub global: Option<&'a mut B::Buffer<Photon>>,
-}
+/// Where the photons of each map go; `None` for a map that is not called for.
+pub type Deposits<'a, B> = PerMap<Option<&'a mut <B as Backend>::Buffer<Photon>>>;
 
 /// Arranges photons for search.
 pub trait KdTreeBuilder<B: Backend>: Send {
@@ -236,6 +229,9 @@ pub trait KdTreeBuilder<B: Backend>: Send {
 }
 
 /// Estimates the irradiance at queries.
+///
+/// Swapped in [`MapStages`], it reads the maps at what the camera sees, finds the derived radii, and fills irradiance
+/// points. It is not asked where final-gather rays land: see [`FinalGather`].
 pub trait RadianceEstimator<B: Backend>: Send {
     /// Replaces `estimates` with one per query.
     ///
@@ -363,19 +359,13 @@ pub trait AreaProbe<B: TransportBackend>: Send {
 /// The photon maps of a pass, each with how it is read.
 #[derive(Debug)]
 pub struct Maps<'a, B: Backend> {
-    /// Photons straight from a light.
-    pub direct: Option<(&'a B::PhotonMap, Gather)>,
-    /// Photons by specular surfaces alone.
-    pub caustic: Option<(&'a B::PhotonMap, Gather)>,
-    /// Photons after a diffuse surface.
-    pub global: Option<(&'a B::PhotonMap, Gather)>,
+    /// Those that were built.
+    pub photons: PerMap<Option<(&'a B::PhotonMap, Gather)>>,
     /// Irradiance by all of them, at every so-manieth photon, as its power: if it is there, rays ask
     /// it alone, for what [`Estimate::flux`] says.
     pub irradiance: Option<(&'a B::PhotonMap, Gather)>,
-    /// Paths emitted.
-    pub paths: u64,
-    /// Those that filled the caustic map: the same, or as many as were aimed.
-    pub caustic_paths: u64,
+    /// Paths that filled each map: all that were emitted, or those that were aimed.
+    pub paths: PerMap<u64>,
 }
 
 /// Finds irradiance at the places of photons, for final-gather rays (Christensen 1999).
@@ -410,6 +400,10 @@ pub trait IrradiancePoints<B: Backend>: Send {
 }
 
 /// Indirect light by final gathering.
+///
+/// The stage reads the maps with an estimator of its own, not with [`MapStages::estimator`]: on the CPU rays and
+/// estimates are one loop, on Vulkan the stage owns an estimator whose buffers are sized for its rays. Whoever swaps
+/// the estimator and gathers has to swap this stage too. Only [`IrradiancePoints`] are filled by the swapped one.
 pub trait FinalGather<B: TransportBackend>: Send {
     /// Adds to [`crate::Layer::Indirect`] of the film what `rays` rays per query find in the maps
     /// where they land.
@@ -442,7 +436,7 @@ pub trait FinalGather<B: TransportBackend>: Send {
 pub struct MapStages<B: Backend> {
     /// Arranges photons.
     pub builder: Box<dyn KdTreeBuilder<B>>,
-    /// Asks them.
+    /// Reads them, but not for final-gather rays: see [`FinalGather`].
     pub estimator: Box<dyn RadianceEstimator<B>>,
 }
 
@@ -458,6 +452,9 @@ pub struct Aimed<B: TransportBackend> {
 }
 
 /// All stages. Swap a field to bring your own.
+///
+/// Fields are independent with one exception: [`Stages::gather`] does not use the estimator of [`Stages::map`] but
+/// reads the maps itself, so that another estimator needs another [`FinalGather`] where indirect light is gathered.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Stages<B: TransportBackend> {
     /// Sends photons out.

@@ -1,5 +1,7 @@
 //! What became of the photons: nothing is lost.
 
+use crate::map_kind::PerMap;
+
 /// How the path of a photon ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
@@ -90,12 +92,8 @@ pub struct Tally {
     pub surfaces: u64,
     /// Paths that entered more than four solids at once, of which the fifth was ignored.
     pub too_deep: u64,
-    /// Photons stored in the direct map.
-    pub stored_direct: u64,
-    /// Photons stored in the caustic map.
-    pub stored_caustic: u64,
-    /// Photons stored in the global map.
-    pub stored_global: u64,
+    /// Photons stored in each map.
+    pub stored: PerMap<u64>,
     /// Flux that left the lights.
     pub flux_emitted: FluxSum,
     /// Flux that surfaces and solids took.
@@ -135,9 +133,9 @@ impl Tally {
         self.ceded += other.ceded;
         self.surfaces += other.surfaces;
         self.too_deep += other.too_deep;
-        self.stored_direct += other.stored_direct;
-        self.stored_caustic += other.stored_caustic;
-        self.stored_global += other.stored_global;
+        for (kind, stored) in self.stored.iter_mut() {
+            *stored += other.stored[kind];
+        }
         self.flux_emitted.merge(&other.flux_emitted);
         self.flux_absorbed.merge(&other.flux_absorbed);
         self.flux_escaped.merge(&other.flux_escaped);

@@ -1,7 +1,8 @@
 //! Requirements are derived from the scene and are the least that renders it.
 
 use photon_core::{
-    Direct, Error, Facet, Features, Indirect, Light, Material, MaterialKind, Medium, Requirements, SceneView, Settings, Units, light_starts,
+    Direct, Error, Facet, Features, Indirect, Light, MapKind, Material, MaterialKind, Medium, PerMap, Requirements,
+    SceneView, Settings, Units, light_starts,
 };
 
 /// A light facing down at height 0.5, a diffuse floor, and a triangle of `kind` at height `z`.
@@ -56,26 +57,31 @@ impl Tables {
     }
 }
 
+/// These maps and no others.
+fn only<const N: usize>(kinds: [MapKind; N]) -> PerMap<bool> {
+    PerMap::from_fn(|kind| kinds.contains(&kind))
+}
+
 #[test]
 fn only_materials_in_use_count() {
     let tables = Tables::new(MaterialKind::Lambert as u32, 0.0);
     let required = Requirements::of(&tables.view(), &Settings::default());
     assert_eq!(required.features, Features::DIFFUSE.union(Features::AREA_LIGHTS));
-    assert!(!required.caustic_map && required.global_map && !required.direct_map && required.shadow_rays);
+    assert!(required.maps == only([MapKind::Global]) && required.shadow_rays);
 }
 
 #[test]
 fn a_caustic_map_needs_a_specular_surface_that_a_light_can_reach() {
     let settings = Settings::default();
     for kind in [MaterialKind::Mirror as u32, MaterialKind::Dielectric as u32, MaterialKind::Thin as u32] {
-        assert!(Requirements::of(&Tables::new(kind, 0.0).view(), &settings).caustic_map);
+        assert!(Requirements::of(&Tables::new(kind, 0.0).view(), &settings).maps[MapKind::Caustic]);
         // Behind the light, which shines from its front only.
         let mut behind = Tables::new(kind, 0.45);
-        assert!(!Requirements::of(&behind.view(), &settings).caustic_map);
+        assert!(!Requirements::of(&behind.view(), &settings).maps[MapKind::Caustic]);
         behind.lights[0].flags = Light::BOTH_SIDES;
-        assert!(Requirements::of(&behind.view(), &settings).caustic_map);
+        assert!(Requirements::of(&behind.view(), &settings).maps[MapKind::Caustic]);
         behind.lights[0] = Light { kind: Light::POINT, power: [1.0; 3], ..Light::default() };
-        assert!(Requirements::of(&behind.view(), &settings).caustic_map);
+        assert!(Requirements::of(&behind.view(), &settings).maps[MapKind::Caustic]);
     }
 }
 
@@ -84,11 +90,11 @@ fn maps_follow_the_settings() {
     let tables = Tables::new(MaterialKind::Mirror as u32, 0.0);
     let of = |settings: Settings| Requirements::of(&tables.view(), &settings);
     let none = of(Settings { indirect: Indirect::None, caustics: false, ..Settings::default() });
-    assert!(!none.global_map && !none.caustic_map && !none.direct_map);
+    assert!(!none.maps.any());
     let photons = of(Settings { direct: Direct::Photons, ..Settings::default() });
-    assert!(photons.direct_map && !photons.shadow_rays);
+    assert!(photons.maps[MapKind::Direct] && !photons.shadow_rays);
     let gather = of(Settings { indirect: Indirect::Gather, caustics: false, ..Settings::default() });
-    assert!(gather.final_gather && gather.direct_map && gather.caustic_map && gather.global_map);
+    assert!(gather.final_gather && gather.maps == only(MapKind::ALL));
 }
 
 #[test]

@@ -176,9 +176,7 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
             let medium = if in_use { index_of(media, medium) } else { 0 };
             Material { albedo: colour(tint), ior: ior as f32, medium, ..of(MaterialKind::Dielectric) }
         }
-        Surface::Thin { ior, tint } => {
-            Material { albedo: colour(tint), ior: ior as f32, ..of(MaterialKind::Thin) }
-        }
+        Surface::Thin { ior, tint } => Material { albedo: colour(tint), ior: ior as f32, ..of(MaterialKind::Thin) },
     }
 }
 

@@ -179,7 +179,7 @@ fn explain(args: &Args, scene: &Scene, settings: &Settings) -> Result<(), Fault>
 fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
     let facts = renderer.facts();
     let required = &facts.required;
-    if !(required.direct_map || required.caustic_map || required.global_map) {
+    if !required.maps.any() {
         return Vec::new();
     }
     let shares = photon_core::light_shares(&scene.view());

@@ -87,7 +87,7 @@ fn slivers<T: TestBackend>(sheet: &mut Sheet) {
     builder.light("lamp", LightDesc::Point { position: [0.1; 3], intensity: [1.0; 3] });
     let settings = Settings { max_bounces: 2000, ..Settings::default() };
     let (photons, tally) = trace::<T>(2, &builder.build().unwrap(), &settings, &[sheet.either(1000, 10_000)]);
-    let sound = photons.iter().flatten().all(super::scenes::sound);
+    let sound = photons.values().flatten().all(super::scenes::sound);
     let out = tally.escaped + tally.dropped;
     let range = format!("{} bounces", tally.surfaces);
     let found = format!("{out} out; {}", if sound { "all photons sound" } else { "unsound photons" });

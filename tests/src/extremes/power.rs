@@ -1,7 +1,7 @@
 //! S7, S10, S11, S17, S18, S30, S31, S33: powers and numbers.
 
 use photon_core::{
-    Backend, Batch, Deposits, Direct, Error, Estimator, Indirect, Pass, PhotonRay, Pipeline, Render, Requirements,
+    Backend, Batch, Direct, Error, Estimator, Indirect, Pass, PerMap, PhotonRay, Pipeline, Render, Requirements,
     Settings, Tally, TransportBackend, View,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
@@ -157,7 +157,7 @@ pub(crate) fn trace_without_maps<T: TestBackend>(scene: &Scene, settings: &Setti
     let mut rays = on.alloc::<PhotonRay>("rays", u64::from(count)).unwrap();
     let batch = Batch { pass, paths: 0..count };
     stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
-    let deposits = Deposits { direct: None, caustic: None, global: None };
+    let deposits = PerMap::default();
     stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
     stages.tracer.take_tally(&mut on).unwrap()
 }

@@ -1,6 +1,6 @@
 //! S1, S3, S4: the same scene in every size, everywhere.
 
-use photon_core::{Film, Layer, Photon, Settings};
+use photon_core::{Film, Layer, PerMap, Photon, Settings};
 
 use super::scenes::{Put, mean, studio};
 use super::sheet::Sheet;
@@ -49,7 +49,7 @@ fn settings(sheet: &Sheet) -> Settings {
 }
 
 struct Seen {
-    photons: [Vec<Photon>; 3],
+    photons: PerMap<Vec<Photon>>,
     film: Film,
 }
 
@@ -63,7 +63,7 @@ fn see<T: TestBackend>(sheet: &Sheet, put: Put) -> Seen {
 
 /// Least share of photons, over the maps, that both have at the same place with the same power.
 fn share(a: &Seen, b: &Seen) -> f64 {
-    a.photons.iter().zip(&b.photons).map(|(a, b)| matched(a, b)).fold(1.0, f64::min)
+    a.photons.iter().map(|(kind, a)| matched(a, &b.photons[kind])).fold(1.0, f64::min)
 }
 
 /// How far two means are apart, relative.

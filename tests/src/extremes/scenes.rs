@@ -1,7 +1,7 @@
 //! Scenes that can be put anywhere, in any size, and ways to look at them.
 
 use photon_core::glam::Vec3;
-use photon_core::{Backend, Film, Layer, Photon, PhotonRay, Settings, Tally, octahedral};
+use photon_core::{Backend, Film, Layer, PerMap, Photon, PhotonRay, Settings, Tally, octahedral};
 use photon_scene::shapes::Shape;
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
@@ -91,7 +91,11 @@ pub fn ray(origin: Vec3, direction: Vec3) -> PhotonRay {
 }
 
 /// What becomes of rays of the caller's; they are numbered here.
-pub fn follow<T: TestBackend>(scene: &Scene, settings: &Settings, rays: &mut [PhotonRay]) -> ([Vec<Photon>; 3], Tally) {
+pub fn follow<T: TestBackend>(
+    scene: &Scene,
+    settings: &Settings,
+    rays: &mut [PhotonRay],
+) -> (PerMap<Vec<Photon>>, Tally) {
     for (path, ray) in rays.iter_mut().enumerate() {
         ray.path = path as u32;
     }

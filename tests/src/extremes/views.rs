@@ -160,7 +160,7 @@ fn cones<T: TestBackend>(sheet: &mut Sheet) {
         let power = scene.units().power / truth - 1.0;
         let settings = Settings { photons: 20_000, max_bounces: 1, ..Settings::default() };
         let (photons, _) = trace::<T>(2, &scene, &settings, &[20_000]);
-        let out = photons[0].iter().filter(|photon| {
+        let out = photons[photon_core::MapKind::Direct].iter().filter(|photon| {
             let [x, _, z] = scene.units().point_to_user(photon.position);
             (x * x + z * z).sqrt() > angle.tan() * 1.001 + 1e-6
         });

@@ -3,7 +3,8 @@
 use backend_cpu::Cpu;
 use photon_core::glam::{DVec3, Vec3};
 use photon_core::{
-    Backend, Batch, Deposits, Pass, Photon, PhotonRay, RandomKind, Requirements, Settings, TransportBackend, octahedral,
+    Backend, Batch, MapKind, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Settings, TransportBackend,
+    octahedral,
 };
 use photon_scene::shapes::Shape;
 use photon_scene::{LightDesc, MaterialDesc, Scene, shapes};
@@ -65,33 +66,27 @@ impl Shipped {
         let settings = Settings { max_bounces, seed: PASS.seed, ..Settings::default() };
         let mut on = Cpu::with_threads(1).unwrap();
         let view = scene.view();
-        let required = Requirements {
-            direct_map: true,
-            caustic_map: true,
-            global_map: true,
-            ..Requirements::of(&view, &settings)
-        };
+        let required = Requirements { maps: PerMap::splat(true), ..Requirements::of(&view, &settings) };
         let prepared = on.prepare(&view, &required).unwrap();
         Self { on, required, settings, prepared }
     }
 }
 
-/// Photons of each path in the order in which they landed, with their class, and how many paths got out.
+/// Photons of each path in the order in which they landed, with their map, and how many paths got out.
 #[must_use]
-pub fn photons(scene: &Scene, rays: &[PhotonRay], max_bounces: u32) -> (Vec<Vec<(usize, Photon)>>, u64) {
+pub fn photons(scene: &Scene, rays: &[PhotonRay], max_bounces: u32) -> (Vec<Vec<(MapKind, Photon)>>, u64) {
     let Shipped { mut on, required, settings, prepared } = Shipped::new(scene, max_bounces);
     let mut stages = on.stages(&required, &settings).unwrap();
     let room = rays.len() as u64 * u64::from(max_bounces) + 1;
-    let mut buffers = ["direct", "caustic", "global"].map(|label| on.alloc::<Photon>(label, room).unwrap());
+    let mut buffers = PerMap::from_fn(|kind| on.alloc::<Photon>(kind.name(), room).unwrap());
     // Photons do not say which path they are of: one batch for each.
     let mut lengths = Vec::with_capacity(rays.len());
     for (path, ray) in (0_u32..).zip(rays) {
-        let [direct, caustic, global] = &mut buffers;
-        let deposits = Deposits { direct: Some(direct), caustic: Some(caustic), global: Some(global) };
+        let deposits = buffers.each_mut().map(Some);
         let one = on.upload("ray", std::slice::from_ref(ray)).unwrap();
         let batch = Batch { pass: PASS, paths: path..path + 1 };
         stages.tracer.trace(&mut on, &prepared, &batch, &one, deposits).unwrap();
-        lengths.push(std::array::from_fn::<_, 3, _>(|map| on.fill(&buffers[map]).unwrap().length as usize));
+        lengths.push(buffers.each_ref().map(|buffer| on.fill(buffer).unwrap().length as usize));
     }
     let lost = stages.tracer.take_tally(&mut on).unwrap();
     let maps = buffers.map(|buffer| {
@@ -99,11 +94,13 @@ pub fn photons(scene: &Scene, rays: &[PhotonRay], max_bounces: u32) -> (Vec<Vec<
         on.download(&buffer, &mut out).unwrap();
         out
     });
-    let mut before = [0; 3];
-    let paths = lengths.into_iter().map(|lengths: [usize; 3]| {
+    let mut before = PerMap::<usize>::default();
+    let paths = lengths.into_iter().map(|lengths: PerMap<usize>| {
         // Direct or caustic comes first, and once at most; all that follow are global.
-        let photons =
-            (0..3).flat_map(|map| maps[map][before[map]..lengths[map]].iter().map(move |p| (map, *p))).collect();
+        let photons = maps
+            .iter()
+            .flat_map(|(map, photons)| photons[before[map]..lengths[map]].iter().map(move |p| (map, *p)))
+            .collect();
         before = lengths;
         photons
     });
@@ -150,7 +147,7 @@ pub fn upward(paths: &[Vec<Landing>]) -> impl Iterator<Item = f64> {
 #[derive(Debug)]
 pub struct Pair {
     /// By f32.
-    pub shipped: Vec<Vec<(usize, Photon)>>,
+    pub shipped: Vec<Vec<(MapKind, Photon)>>,
     /// By f64.
     pub twin: Vec<Vec<Landing>>,
     /// Paths of the shipped that got out of a closed room.
@@ -191,12 +188,12 @@ impl Pair {
             let most = shipped.len().max(twin.len());
             (0..most)
                 .map(|at| {
-                    let (Some((class, photon)), Some(landing)) = (shipped.get(at), twin.get(at)) else {
+                    let (Some((map, photon)), Some(landing)) = (shipped.get(at), twin.get(at)) else {
                         together = false;
                         return None;
                     };
                     let apart = (Vec3::from(photon.position).as_dvec3() - landing.point).length() / self.metre;
-                    together &= *class == landing.class && apart < 0.1;
+                    together &= *map == landing.map && apart < 0.1;
                     let back = octahedral::unpack(photon.direction).as_dvec3();
                     let mean = |power: DVec3| power.element_sum();
                     let power = super::relative(mean(Vec3::from(photon.power).as_dvec3()), mean(landing.power));
@@ -226,7 +223,7 @@ impl Pair {
     /// [`flux`] of what ships.
     #[must_use]
     pub fn flux(&self) -> (f64, f64) {
-        let of = |path: &Vec<(usize, Photon)>| {
+        let of = |path: &Vec<(MapKind, Photon)>| {
             let up = path.iter().filter(|(_, p)| faces_up(octahedral::unpack(p.normal).as_dvec3()));
             up.map(|(_, p)| Vec3::from(p.power).as_dvec3().element_sum()).sum::<f64>()
         };

@@ -2,7 +2,7 @@
 
 use photon_core::glam::DVec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, centred_f32, unit_f32};
-use photon_core::{Light, MaterialKind, MediumStack, Pass, interface, light_probability, pick_light};
+use photon_core::{Light, MapKind, MaterialKind, MediumStack, Pass, interface, light_probability, pick_light};
 
 use super::optics;
 use super::scene::Wide;
@@ -27,8 +27,8 @@ pub struct Start {
 pub struct Landing {
     /// Surfaces met before.
     pub bounce: u32,
-    /// Of the direct, the caustic or the global map.
-    pub class: usize,
+    /// The map that it belongs to.
+    pub map: MapKind,
     /// Normalised space.
     pub point: DVec3,
     /// Unit vector towards where it came from.
@@ -130,8 +130,7 @@ impl Twin<'_> {
                 MaterialKind::Dielectric | MaterialKind::Thin => {
                     let solid = material.kind() == MaterialKind::Dielectric;
                     let index = |stack: MediumStack| f64::from(scene.media[stack.current(&scene.media) as usize].ior);
-                    let eta =
-                        if solid { index(sides.beyond) / index(sides.before) } else { f64::from(material.ior) };
+                    let eta = if solid { index(sides.beyond) / index(sides.before) } else { f64::from(material.ior) };
                     let (single, transmitted) = optics::fresnel(cosine, eta);
                     let reflectance = if solid { single } else { optics::sheet(single) };
                     if choice < reflectance {
@@ -148,10 +147,10 @@ impl Twin<'_> {
                     }
                 }
                 MaterialKind::Lambert => {
-                    let class = if !specular_only { 2 } else { usize::from(bounce > 0) };
+                    let map = MapKind::of_path(specular_only, bounce);
                     if material.albedo != [0.0; 3] {
                         let primitive = hit.primitive;
-                        landings.push(Landing { bounce, class, point, back: -direction, power, normal, primitive });
+                        landings.push(Landing { bounce, map, point, back: -direction, power, normal, primitive });
                     }
                     let Some(next) = survive(power) else { return (landings, End::Absorbed) };
                     power = next;

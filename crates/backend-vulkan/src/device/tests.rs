@@ -15,6 +15,8 @@ struct CopyPush {
     plus: u32,
 }
 
+pushed!(copy_push_layout: CopyPush => DEVICE_COPY, from to count plus);
+
 /// Long chains of commands, every one of which needs the one before it.
 #[test]
 fn commands_wait_for_each_other() {

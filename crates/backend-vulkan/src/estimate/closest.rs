@@ -34,6 +34,12 @@ struct Push {
     padding: u32,
 }
 
+pushed!(
+    push_layout: Push => GATHER_CLOSEST,
+    nodes positions power ids queries query_count results result_count order points first capacity radius min_cosine
+    padding
+);
+
 /// Asks at all queries; `order` is the one to take them in, or 0.
 pub(super) fn ask(
     on: &mut Vulkan,

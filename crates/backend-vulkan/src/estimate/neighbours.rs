@@ -32,6 +32,8 @@ struct OrderPush {
     room: u32,
 }
 
+pushed!(order_push_layout: OrderPush => GATHER_ORDER, rows ids order first count k room);
+
 impl Vulkan {
     /// The `k` nearest photons of every query within `max_radius`, which may be infinite, whatever their
     /// normals: row by row their numbers in the order in which they were stored, nearest first, ties by

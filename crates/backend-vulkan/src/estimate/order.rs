@@ -22,6 +22,8 @@ struct CodesPush {
     reserved: u32,
 }
 
+pushed!(codes_push_layout: CodesPush => GATHER_CODES, nodes queries query_count codes count reserved);
+
 /// Puts queries into Morton order, without moving them.
 #[derive(Debug)]
 pub(super) struct Order {

@@ -93,6 +93,12 @@ struct Push {
     max_plane_distance: f32,
 }
 
+pushed!(
+    push_layout: Push => GATHER_COUNT GATHER_NEAREST GATHER_RADIUS,
+    nodes totals positions power ids queries query_count results result_count order kept points first end k radius
+    min_cosine parameter threshold capacity max_plane_distance
+);
+
 /// The push constants of `gather/sample.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -104,6 +110,8 @@ struct SamplePush {
     radius: f32,
     reserved: u32,
 }
+
+pushed!(sample_push_layout: SamplePush => GATHER_SAMPLE, photons queries points count radius reserved);
 
 /// Asks maps.
 #[derive(Debug)]

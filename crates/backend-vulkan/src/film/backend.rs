@@ -1,6 +1,6 @@
 //! The film as a backend's trait asks for it.
 
-use photon_core::{Estimate, Film, FilmBackend, Layer, Query, Result, SceneView, Spread};
+use photon_core::{Estimate, Film, FilmBackend, Layer, MapKind, Query, Result, SceneView, Spread};
 
 use super::VulkanFilm;
 use crate::buffer::VulkanBuffer;
@@ -31,13 +31,13 @@ impl FilmBackend for Vulkan {
     fn fold_errors(
         &mut self,
         film: &mut VulkanFilm,
-        layer: Layer,
+        kind: MapKind,
         queries: &VulkanBuffer<Query>,
         estimates: &VulkanBuffer<Estimate>,
         spreads: &VulkanBuffer<Spread>,
         paths: u64,
     ) -> Result<()> {
-        super::errors::fold(self, film, layer, queries, estimates, spreads, paths)
+        super::errors::fold(self, film, kind, queries, estimates, spreads, paths)
     }
 
     fn end_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {

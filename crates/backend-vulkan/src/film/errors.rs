@@ -2,7 +2,7 @@
 //! over passes in two floats each; what is known of a map is allocated when it is first read.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{ErrorPixel, Estimate, Film, Layer, Query, Result, Shape, Spread};
+use photon_core::{ErrorPixel, Estimate, Film, MapKind, PerMap, Query, Result, Shape, Spread};
 
 use super::{GROUP, VulkanFilm, home, zeroed};
 use crate::buffer::VulkanBuffer;
@@ -23,8 +23,8 @@ pub(super) struct Errors {
     /// Planes of bias and narrow.
     pass: Memory,
     sum: Memory,
-    /// Of the direct, caustic and global map: the present pass, and the sums.
-    shapes: [Option<(Memory, Memory)>; 3],
+    /// Of each map that was read: the present pass, and the sums.
+    shapes: PerMap<Option<(Memory, Memory)>>,
 }
 
 #[repr(C)]
@@ -41,31 +41,38 @@ struct FoldPush {
     scale: f32,
 }
 
+pushed!(
+    fold_push_layout: FoldPush => FILM_ERRORS,
+    queries query_count estimates spreads found_count pass shape pixels scale
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct EndPush {
     pass: u64,
     sum: u64,
-    pass_shapes: [u64; 3],
-    sum_shapes: [u64; 3],
+    pass_shapes: [u64; MapKind::COUNT],
+    sum_shapes: [u64; MapKind::COUNT],
     pixels: u32,
     padding: u32,
 }
 
+pushed!(end_push_layout: EndPush => FILM_END_ERRORS, pass sum pass_shapes sum_shapes pixels padding);
+
 impl Errors {
     fn new(on: &mut Vulkan, pixels: u64) -> Result<Self> {
         let (pass, sum) = (zeroed(on, pixels * 8)?, zeroed(on, pixels * 8 * SUMS as u64)?);
-        Ok(Self { pass, sum, shapes: [const { None }; 3] })
+        Ok(Self { pass, sum, shapes: PerMap::default() })
     }
 
     pub(super) fn bytes(&self) -> u64 {
-        let shapes = self.shapes.iter().flatten().map(|(pass, sum)| pass.bytes() + sum.bytes());
+        let shapes = self.shapes.values().flatten().map(|(pass, sum)| pass.bytes() + sum.bytes());
         self.pass.bytes() + self.sum.bytes() + shapes.sum::<u64>()
     }
 
     /// What is kept of the present pass.
     fn passes(&self) -> impl Iterator<Item = &Memory> {
-        std::iter::once(&self.pass).chain(self.shapes.iter().flatten().map(|(pass, _)| pass))
+        std::iter::once(&self.pass).chain(self.shapes.values().flatten().map(|(pass, _)| pass))
     }
 }
 
@@ -80,7 +87,7 @@ pub(crate) fn keep(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
 pub(crate) fn fold(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
-    layer: Layer,
+    kind: MapKind,
     queries: &VulkanBuffer<Query>,
     estimates: &VulkanBuffer<Estimate>,
     spreads: &VulkanBuffer<Spread>,
@@ -97,7 +104,7 @@ pub(crate) fn fold(
         scale,
         ..FoldPush::zeroed()
     };
-    dispatch(on, film, layer, queries, FROM_SPREADS, push)
+    dispatch(on, film, kind, queries, FROM_SPREADS, push)
 }
 
 /// Adds what final-gather rays were told, one record for each query.
@@ -113,29 +120,28 @@ pub(crate) fn fold_gathered(
         scale: 1.0 / 3.0,
         ..FoldPush::zeroed()
     };
-    dispatch(on, film, Layer::Indirect, queries, FROM_GATHERED, push)
+    dispatch(on, film, MapKind::Global, queries, FROM_GATHERED, push)
 }
 
 fn dispatch(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
-    layer: Layer,
+    kind: MapKind,
     queries: &VulkanBuffer<Query>,
     from: u32,
     push: FoldPush,
 ) -> Result<()> {
     let pixels = film.pixels();
     let Some(errors) = &mut film.errors else { return Ok(()) };
-    let map = (layer as usize).saturating_sub(1);
-    if errors.shapes[map].is_none() {
+    if errors.shapes[kind].is_none() {
         let pass = zeroed(on, pixels * 4 * SHAPE as u64)?;
-        errors.shapes[map] = Some((pass, zeroed(on, pixels * 8 * SHAPE as u64)?));
+        errors.shapes[kind] = Some((pass, zeroed(on, pixels * 8 * SHAPE as u64)?));
     }
     let push = FoldPush {
         queries: queries.data_address(),
         query_count: queries.count_address(),
         pass: errors.pass.address(),
-        shape: errors.shapes[map].as_ref().map_or(0, |(pass, _)| pass.address()),
+        shape: errors.shapes[kind].as_ref().map_or(0, |(pass, _)| pass.address()),
         pixels: pixels as u32,
         ..push
     };
@@ -149,7 +155,7 @@ fn dispatch(
 pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
     let Some(errors) = &film.errors else { return Ok(()) };
     let address = |of: fn(&(Memory, Memory)) -> &Memory| {
-        std::array::from_fn(|i| errors.shapes[i].as_ref().map_or(0, |shape| of(shape).address()))
+        errors.shapes.each_ref().map(|shape| shape.as_ref().map_or(0, |shape| of(shape).address())).into_array()
     };
     let push = EndPush {
         pass: errors.pass.address(),
@@ -159,7 +165,7 @@ pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
         pixels: film.pixels() as u32,
         padding: 0,
     };
-    let present = (0..3).filter(|&i| errors.shapes[i].is_some()).fold(0, |bits, i| bits | 1 << i);
+    let present = errors.shapes.each_ref().map(Option::is_some).bits();
     let kernel = on.kernel(&shaders::FILM_END_ERRORS, &[0, GROUP, present])?;
     on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))
 }
@@ -173,14 +179,14 @@ pub(super) fn abandon_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
 pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Result<()> {
     let Some(errors) = &film.errors else { return Ok(()) };
     let mut all = vec![ErrorPixel::default(); picture.pixels.len()];
-    let shapes = errors.shapes.iter().flatten().flat_map(|(_, sum)| (0..2 * SHAPE).map(move |i| (sum, i)));
+    let shapes = errors.shapes.values().flatten().flat_map(|(_, sum)| (0..2 * SHAPE).map(move |i| (sum, i)));
     let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(shapes).collect();
     home(on, &planes, picture.pixels.len(), |stretch| {
         for (i, pixel) in all[stretch.pixels.clone()].iter_mut().enumerate() {
             let [bias, bias_square, narrow, narrow_square] = std::array::from_fn(|plane| stretch.sum(plane, SUMS, i));
             *pixel = ErrorPixel { bias, bias_square, narrow, narrow_square, ..ErrorPixel::default() };
             let mut first = 2 * SUMS;
-            for (shape, _) in pixel.shapes.iter_mut().zip(&errors.shapes).filter(|(_, there)| there.is_some()) {
+            for (_, shape) in pixel.shapes.iter_mut().filter(|(kind, _)| errors.shapes[*kind].is_some()) {
                 let [power, power_squared, x, y, xx, xy, stray] =
                     std::array::from_fn(|plane| stretch.sum(first + plane, SHAPE, i));
                 *shape = Shape { power, power_squared, slope: [x, y], stretch: [xx, xy], stray };

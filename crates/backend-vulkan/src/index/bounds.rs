@@ -30,6 +30,8 @@ struct BoundsPush {
     stride: u32,
 }
 
+pushed!(bounds_push_layout: BoundsPush => INDEX_BOUNDS, photons state told count stride);
+
 impl BoundsOf {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let workgroup = WORKGROUP.min(on.limits().max_workgroup);

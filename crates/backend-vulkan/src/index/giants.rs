@@ -32,6 +32,8 @@ struct PickPush {
     capacity: u32,
 }
 
+pushed!(pick_push_layout: PickPush => INDEX_PICK, photons ids picked count capacity);
+
 /// Whether so many photons are worth a look for giants.
 pub(super) fn worth_a_look(on: &Vulkan, length: u64, depth: u64) -> bool {
     let large = length >= WORTH_WAITING || on.limits().subgroup_size < SOFTWARE;

@@ -36,6 +36,8 @@ struct KeysPush {
     axis: u32,
 }
 
+pushed!(keys_push_layout: KeysPush => INDEX_KEYS, photons keys count axis);
+
 impl Lists {
     pub(super) fn new(on: &mut Vulkan) -> Result<Self> {
         Ok(Self {

@@ -36,6 +36,8 @@ struct SidesPush {
     size: u32,
 }
 
+pushed!(sides_push_layout: SidesPush => INDEX_MEDIAN_SIDES, photons lists right count size);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct CountPush {
@@ -45,6 +47,8 @@ struct CountPush {
     count: u32,
     tiles: u32,
 }
+
+pushed!(count_push_layout: CountPush => INDEX_MEDIAN_COUNT, lists right counts count tiles);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -58,6 +62,8 @@ struct PartPush {
     pad: u32,
 }
 
+pushed!(part_push_layout: PartPush => INDEX_MEDIAN_PART, lists parted counts count tiles size pad);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct FinishPush {
@@ -68,6 +74,8 @@ struct FinishPush {
     count: u32,
     pad: u32,
 }
+
+pushed!(finish_push_layout: FinishPush => INDEX_MEDIAN_FINISH, photons lists places order count pad);
 
 impl Median {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {

@@ -51,6 +51,8 @@ struct CodesPush {
     pad: u32,
 }
 
+pushed!(codes_push_layout: CodesPush => INDEX_CODES, photons state keys low high count pad);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct GatherPush {
@@ -60,6 +62,8 @@ pub(super) struct GatherPush {
     pub(super) count: u32,
     pub(super) pad: u32,
 }
+
+pushed!(gather_push_layout: GatherPush => INDEX_GATHER, words order gathered count pad);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -72,6 +76,8 @@ struct LongRunsPush {
     count: u32,
     pad: u32,
 }
+
+pushed!(long_runs_push_layout: LongRunsPush => INDEX_LONG_RUNS, order sorted_high low round runs count pad);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -86,6 +92,11 @@ struct RefinePush {
     next_round: u64,
     next_runs: u64,
 }
+
+pushed!(
+    refine_push_layout: RefinePush => INDEX_REFINE,
+    photons ids other_ids codes other_codes round runs next_round next_runs
+);
 
 impl Morton {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {

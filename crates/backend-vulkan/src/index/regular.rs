@@ -35,6 +35,11 @@ struct ArrangePush {
     capacity: u32,
 }
 
+pushed!(
+    arrange_push_layout: ArrangePush => INDEX_ARRANGE,
+    photons order positions power ids nodes totals count capacity
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct ParentsPush {
@@ -45,6 +50,8 @@ struct ParentsPush {
     first_below: u32,
     count_below: u32,
 }
+
+pushed!(parents_push_layout: ParentsPush => INDEX_PARENTS, nodes totals first count first_below count_below);
 
 /// What is brought into order, and where to.
 #[derive(Clone, Copy, Debug)]

@@ -63,6 +63,11 @@ struct PlanPush {
     parity: u32,
 }
 
+pushed!(
+    plan_push_layout: PlanPush => INDEX_VVH_PLAN,
+    photons lists level segments next_level next_segments jobs tiles short_level shorts splits count parity
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct SidesPush {
@@ -74,6 +79,8 @@ struct SidesPush {
     count: u32,
     pad: u32,
 }
+
+pushed!(sides_push_layout: SidesPush => INDEX_VVH_SIDES, lists segments jobs tiles right count pad);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -88,6 +95,8 @@ struct CountPush {
     room: u32,
 }
 
+pushed!(count_push_layout: CountPush => INDEX_VVH_COUNT, lists segments jobs tiles right counts count room);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct PartPush {
@@ -100,6 +109,8 @@ struct PartPush {
     count: u32,
     room: u32,
 }
+
+pushed!(part_push_layout: PartPush => INDEX_VVH_PART, lists parted segments jobs tiles counts count room);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -115,6 +126,11 @@ struct FinishPush {
     count: u32,
     pad: u32,
 }
+
+pushed!(
+    finish_push_layout: FinishPush => INDEX_VVH_FINISH,
+    photons lists other_lists level shorts places splits order count pad
+);
 
 /// Levels that have segments longer than `SHORT`, at most.
 fn levels(length: u64) -> u64 {

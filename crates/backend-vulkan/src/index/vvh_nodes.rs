@@ -41,6 +41,11 @@ struct CollapsePush {
     totals: u64,
 }
 
+pushed!(
+    collapse_push_layout: CollapsePush => INDEX_VVH_COLLAPSE,
+    depth next_depth pending splits leaves nodes totals
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct BoxesPush {
@@ -49,6 +54,8 @@ struct BoxesPush {
     nodes: u64,
     totals: u64,
 }
+
+pushed!(boxes_push_layout: BoxesPush => INDEX_VVH_BOXES, depth pending nodes totals);
 
 impl VvhNodes {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {

@@ -30,6 +30,8 @@ struct Push {
     aim: u64,
 }
 
+pushed!(push_layout: Push => PHOTONS_EMIT, scene rays seed pass first count pad aim);
+
 impl Emitter<Vulkan> for VulkanEmitter {
     fn emit(
         &mut self,

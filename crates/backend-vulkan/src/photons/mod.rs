@@ -11,11 +11,7 @@ pub(crate) use trace::VulkanTracer;
 
 use photon_core::RandomKind;
 
-/// The kernels' number of a generator.
-fn random_number(kind: RandomKind) -> u32 {
-    match kind {
-        RandomKind::Counter => 0,
-        RandomKind::Lcg => 1,
-        RandomKind::Sobol => 2,
-    }
+/// The kernels' number of a generator: `RANDOM_*` of constants.glsl.
+const fn random_number(kind: RandomKind) -> u32 {
+    kind as u32
 }

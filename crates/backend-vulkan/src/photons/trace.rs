@@ -7,7 +7,9 @@
 //! [`TracePlan::surfaces`] and [`TracePlan::quota`] mind.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Batch, Deposits, Kept, Photon, PhotonRay, Requirements, Result, Settings, Sharing, Tally, Tracer};
+use photon_core::{
+    Batch, Deposits, Kept, MapKind, PerMap, Photon, PhotonRay, Requirements, Result, Settings, Sharing, Tally, Tracer,
+};
 
 use super::ends::{AIMED_FATES, FATES, tally, words};
 use super::random_number;
@@ -56,7 +58,7 @@ struct Room {
     states: Memory,
     /// Numbers of paths under way, twice.
     waiting: Memory,
-    /// Next free place; three words of photons per map; then two words for each of two rounds.
+    /// Next free place; a word of photons for each map; then two words for each of two rounds.
     cursors: Memory,
     stretch: Memory,
 }
@@ -64,8 +66,16 @@ struct Room {
 /// Bytes within `Room::cursors`.
 const PLACE: u64 = 0;
 const TOTALS: u64 = 4;
-const ROUNDS: u64 = 16;
-const CURSORS: u64 = 32;
+const ROUNDS: u64 = (TOTALS + 4 * MAPS as u64).next_multiple_of(8);
+const CURSORS: u64 = ROUNDS + 16;
+
+/// Maps that photons are stored in.
+const MAPS: usize = MapKind::COUNT;
+/// Bytes of `State` of trace.comp.
+const STATE: u64 = (4 * (13 + MAPS as u64)).next_multiple_of(16);
+
+/// The buffer of each map that is called for.
+type Targets<'a> = PerMap<Option<&'a VulkanBuffer<Photon>>>;
 
 /// `Stretch` of trace.comp.
 #[repr(C)]
@@ -102,6 +112,11 @@ struct TracePush {
     pad: u32,
 }
 
+pushed!(
+    trace_push_layout: TracePush => PHOTONS_TRACE,
+    stretch scene rays photons owners place now then waiting left quota surfaces begins places max_bounces pad
+);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct TallyPush {
@@ -113,6 +128,8 @@ struct TallyPush {
     count: u32,
 }
 
+pushed!(tally_push_layout: TallyPush => PHOTONS_TALLY, rays endings stored sums first count);
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct ScatterPush {
@@ -120,18 +137,22 @@ struct ScatterPush {
     owners: u64,
     offsets: u64,
     cursors: u64,
-    to: [u64; 3],
-    fills: [u64; 3],
+    to: [u64; MAPS],
+    fills: [u64; MAPS],
     count: u32,
     places: u32,
 }
+
+pushed!(scatter_push_layout: ScatterPush => PHOTONS_SCATTER, photons owners offsets cursors to fills count places);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct AdvancePush {
     totals: u64,
-    needed: [u64; 3],
+    needed: [u64; MAPS],
 }
+
+pushed!(advance_push_layout: AdvancePush => PHOTONS_ADVANCE, totals needed);
 
 impl VulkanTracer {
     pub(crate) fn new(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
@@ -172,15 +193,16 @@ impl VulkanTracer {
             places,
             photons: on.memory("photons in no order", places * size_of::<Photon>() as u64)?,
             owners: on.memory("owners of photons", places * 8)?,
-            stored: on.memory("photons per path", paths * 3 * 4)?,
+            stored: on.memory("photons per path", paths * MAPS as u64 * 4)?,
             endings: on.memory("ends of paths", paths * 16)?,
-            states: on.memory("paths under way", if long { paths * 64 } else { 0 })?,
+            states: on.memory("paths under way", if long { paths * STATE } else { 0 })?,
             waiting: on.memory("paths under way", if long { paths * 8 } else { 0 })?,
             cursors: on.memory("cursors", CURSORS)?,
             stretch: on.memory("stretch", size_of::<Stretch>() as u64)?,
         };
         let label = if self.fates == AIMED_FATES { "tracing aimed photons" } else { "tracing" };
-        on.note_memory(label, places * 40 + paths * if long { 100 } else { 28 });
+        let path = 4 * MAPS as u64 + 16 + if long { STATE + 8 } else { 0 };
+        on.note_memory(label, places * 40 + paths * path);
         self.room = Some(room);
         Ok(())
     }
@@ -199,7 +221,7 @@ impl Tracer<Vulkan> for VulkanTracer {
         let mut first = 0;
         while first < count {
             let stretch = self.longest.min(count - first);
-            let targets = [deposits.direct.as_deref(), deposits.caustic.as_deref(), deposits.global.as_deref()];
+            let targets = deposits.each_ref().map(Option::as_deref);
             let places = on.trace_plan.places.min(self.most(&targets, stretch));
             self.room(on, stretch, places)?;
             if self.stretch(on, scene, batch, rays, &mut deposits, first, stretch)? {
@@ -207,7 +229,8 @@ impl Tracer<Vulkan> for VulkanTracer {
             }
         }
         self.emitted += count;
-        for target in [deposits.direct, deposits.caustic, deposits.global].into_iter().flatten() {
+        for (_, target) in deposits {
+            let Some(target) = target else { continue };
             target.touch();
         }
         Ok(())
@@ -238,8 +261,8 @@ impl VulkanTracer {
         first: u64,
         count: u64,
     ) -> Result<bool> {
-        let targets = [deposits.direct.as_deref(), deposits.caustic.as_deref(), deposits.global.as_deref()];
-        let wanted = targets.iter().enumerate().map(|(map, target)| u32::from(target.is_some()) << map).sum::<u32>();
+        let targets = deposits.each_ref().map(Option::as_deref);
+        let wanted = targets.map(|target| target.is_some());
         let pass = batch.pass;
         let dynamic = self.sharing == Sharing::Dynamic;
         let plan = on.trace_plan;
@@ -248,7 +271,7 @@ impl VulkanTracer {
             self.required.features.bits(),
             plan.group,
             random_number(pass.random),
-            wanted,
+            wanted.bits(),
             u32::from(dynamic),
             plan.busy,
         ]);
@@ -287,14 +310,14 @@ impl VulkanTracer {
             }
             self.room(on, count, stored + stored / 8)?;
         }
-        self.arrange(on, rays, targets, wanted, first, count)?;
+        self.arrange(on, rays, targets, first, count)?;
         Ok(true)
     }
 
     /// Photons of `count` paths that need a place: if there are more than all maps hold, one of them
     /// has overflowed, and it does not matter which ones it holds.
-    fn most(&self, targets: &[Option<&VulkanBuffer<Photon>>; 3], count: u64) -> u64 {
-        let held = targets.iter().flatten().map(|target| target.capacity()).sum::<u64>();
+    fn most(&self, targets: &Targets<'_>, count: u64) -> u64 {
+        let held = targets.values().flatten().map(|target| target.capacity()).sum::<u64>();
         // An aimed path ends where it leaves one.
         let each = if self.fates == AIMED_FATES { 1 } else { u64::from(self.max_bounces) };
         held.min(count * each)
@@ -359,12 +382,12 @@ impl VulkanTracer {
         &mut self,
         on: &mut Vulkan,
         rays: &VulkanBuffer<PhotonRay>,
-        targets: [Option<&VulkanBuffer<Photon>>; 3],
-        wanted: u32,
+        targets: Targets<'_>,
         first: u64,
         count: u64,
     ) -> Result<()> {
         let Some(room) = &self.room else { return Ok(()) };
+        let wanted = targets.map(|target| target.is_some());
         let push = TallyPush {
             rays: rays.data_address(),
             endings: room.endings.address(),
@@ -373,16 +396,17 @@ impl VulkanTracer {
             first: first as u32,
             count: count as u32,
         };
-        let sum = on.kernel(&shaders::PHOTONS_TALLY, &[0, GROUP, 0, wanted, self.fates as u32])?;
+        let sum = on.kernel(&shaders::PHOTONS_TALLY, &[0, GROUP, 0, wanted.bits(), self.fates as u32])?;
         on.dispatch(&sum, &push, count.div_ceil(u64::from(GROUP) * 16).min(512))?;
-        if wanted == 0 {
+        if !wanted.any() {
             return Ok(());
         }
-        for map in (0..3).filter(|map| wanted >> map & 1 == 1) {
+        for (kind, _) in wanted.iter().filter(|(_, wanted)| **wanted) {
+            let map = kind as u64;
             let part = room.stored.address() + map * count * 4;
             self.scan.exclusive(on, part, part, count, room.cursors.address() + TOTALS + map * 4)?;
         }
-        let address = |of: fn(&VulkanBuffer<Photon>) -> u64| targets.map(|target| target.map_or(0, of));
+        let address = |of: fn(&VulkanBuffer<Photon>) -> u64| targets.map(|target| target.map_or(0, of)).into_array();
         let push = ScatterPush {
             photons: room.photons.address(),
             owners: room.owners.address(),
@@ -393,12 +417,15 @@ impl VulkanTracer {
             count: count as u32,
             places: room.places as u32,
         };
-        let kept = targets.iter().rev().fold(0, |bits, target| bits << 2 | target.map_or(0, |to| to.kept().number()));
+        let kept = |(kind, target): (MapKind, &Option<&VulkanBuffer<Photon>>)| {
+            target.map_or(0, |to| to.kept().number()) << (2 * kind as u32)
+        };
+        let kept = targets.iter().map(kept).sum();
         let scatter = on.kernel(&shaders::PHOTONS_SCATTER, &[0, 256, kept])?;
         on.dispatch(&scatter, &push, room.places.div_ceil(256).min(2048))?;
         let push =
             AdvancePush { totals: room.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };
-        let advance = on.kernel(&shaders::PHOTONS_ADVANCE, &[0, 32, 0, wanted])?;
+        let advance = on.kernel(&shaders::PHOTONS_ADVANCE, &[0, 32, 0, wanted.bits()])?;
         on.dispatch(&advance, &push, 1)
     }
 }

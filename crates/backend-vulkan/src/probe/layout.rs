@@ -119,6 +119,8 @@ struct Push {
     padding: u32,
 }
 
+pushed!(push_layout: Push => PROBE_LAYOUT, from to count padding);
+
 /// Arrays of each record, copied whole by the device: every byte arrives, at the right stride.
 #[test]
 fn arrays_of_records_are_copied_whole() {

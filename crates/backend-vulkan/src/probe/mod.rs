@@ -5,6 +5,7 @@
 mod compare;
 mod draw;
 mod layout;
+pub(crate) mod push;
 mod rules;
 mod solid_angle;
 mod spirv;
@@ -33,6 +34,11 @@ struct Push {
     count: u32,
     padding: u32,
 }
+
+pushed!(
+    push_layout: Push => PROBE_BSDF PROBE_KERNEL PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_RANDOM PROBE_SAMPLING PROBE_SOLID_ANGLE PROBE_TRIANGLE,
+    inputs outputs count padding
+);
 
 /// What function number `function` of a probe makes of the inputs.
 fn run(on: &mut Vulkan, module: &'static Module, function: u32, inputs: &[Input]) -> Result<Vec<Output>> {

@@ -21,9 +21,14 @@ const OP_TYPE_FLOAT: u32 = 22;
 const OP_TYPE_VECTOR: u32 = 23;
 const OP_TYPE_ARRAY: u32 = 28;
 const OP_TYPE_STRUCT: u32 = 30;
+const OP_TYPE_POINTER: u32 = 32;
+const OP_TYPE_FORWARD_POINTER: u32 = 39;
 const OP_CONSTANT: u32 = 43;
+const OP_VARIABLE: u32 = 59;
 const OP_MEMBER_DECORATE: u32 = 72;
 const DECORATION_OFFSET: u32 = 35;
+const STORAGE_PUSH_CONSTANT: u32 = 9;
+const STORAGE_PHYSICAL: u32 = 5349;
 
 /// The instructions of a module: number of the operation, and its operands.
 ///
@@ -95,6 +100,54 @@ pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, Strin
         }
     }
     Ok(found)
+}
+
+/// The push constants of a module: name, offset and bytes of each member; `None` if it has none.
+///
+/// # Errors
+/// What is not SPIR-V, and members of types that are not pushed.
+pub(super) fn push_members(words: &[u32]) -> Result<Option<Vec<(String, u32, u32)>>, String> {
+    let mut names = BTreeMap::new();
+    let mut offsets = BTreeMap::new();
+    let mut bytes = BTreeMap::new();
+    let mut constants = BTreeMap::new();
+    let mut members = BTreeMap::new();
+    let mut pointed = BTreeMap::new();
+    let mut block = None;
+    for (operation, operands) in instructions(words)? {
+        match (operation, operands) {
+            (OP_MEMBER_NAME, [id, member, text @ ..]) => _ = names.insert((*id, *member), string(text)),
+            (OP_MEMBER_DECORATE, [id, member, DECORATION_OFFSET, offset]) => {
+                _ = offsets.insert((*id, *member), *offset);
+            }
+            (OP_TYPE_INT | OP_TYPE_FLOAT, [id, bits, ..]) => _ = bytes.insert(*id, bits / 8),
+            (OP_CONSTANT, [_, id, value]) => _ = constants.insert(*id, *value),
+            (OP_TYPE_VECTOR, [id, of, count]) => {
+                _ = bytes.get(of).map(|of| of * count).map(|all| bytes.insert(*id, all))
+            }
+            (OP_TYPE_ARRAY, [id, of, count]) => {
+                if let (Some(of), Some(count)) = (bytes.get(of), constants.get(count)) {
+                    bytes.insert(*id, of * count);
+                }
+            }
+            // An address, which may be declared before what it points to.
+            (OP_TYPE_FORWARD_POINTER, [id, STORAGE_PHYSICAL]) | (OP_TYPE_POINTER, [id, STORAGE_PHYSICAL, _]) => {
+                bytes.insert(*id, 8);
+            }
+            (OP_TYPE_POINTER, [id, _, to]) => _ = pointed.insert(*id, *to),
+            (OP_TYPE_STRUCT, [id, types @ ..]) => _ = members.insert(*id, types.to_vec()),
+            (OP_VARIABLE, [of, _, STORAGE_PUSH_CONSTANT, ..]) => block = pointed.get(of).copied(),
+            _ => {}
+        }
+    }
+    let Some(block) = block else { return Ok(None) };
+    let types = members.remove(&block).ok_or("push constants that are no struct")?;
+    let member = |(of, number): (u32, u32)| {
+        let name = names.get(&(block, number)).cloned();
+        Some((name?, *offsets.get(&(block, number))?, *bytes.get(&of)?))
+    };
+    let all: Option<Vec<_>> = types.into_iter().zip(0..).map(member).collect();
+    all.map(Some).ok_or_else(|| "a push constant of a type that is not known".to_owned())
 }
 
 /// Text as it lies in words, up to its zero.

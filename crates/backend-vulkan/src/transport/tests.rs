@@ -1,9 +1,9 @@
 //! What a scene lacks is in no kernel, and what a render had is not in memory after it.
 
 use photon_core::{
-    Backend, Bandwidth, Batch, Deposits, Direct, Features, FilmBackend, Gather, Indirect, Maps, Pass, Photon,
-    PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Rule, Settings, TransportBackend,
-    View,
+    Backend, Bandwidth, Batch, Deposits, Direct, Features, FilmBackend, Gather, Indirect, MapKind, Maps, Pass, PerMap,
+    Photon, PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Rule, Settings,
+    TransportBackend, View,
 };
 use photon_scene::{Scene, builtin};
 
@@ -21,7 +21,7 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     let mut photons = on.alloc::<Photon>("photons", 1 << 16).unwrap();
     let batch = Batch { pass, paths: 0..500 };
     stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
-    let deposits = Deposits { direct: None, caustic: None, global: Some(&mut photons) };
+    let deposits = Deposits::<'_, Vulkan>::only(MapKind::Global, &mut photons);
     stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
     let mut film = on.film(&scene.view(), 8, 8).unwrap();
     let mut queries = on.alloc::<Query>("queries", u64::from(64 * QUERIES_PER_PIXEL)).unwrap();
@@ -29,8 +29,8 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     stages.direct.as_mut().unwrap().light(&mut on, &prepared, pass, &queries, 1, &mut film).unwrap();
     let map = stages.map.builder.build(&mut on, photons).unwrap();
     let gather = Gather { radius_scale: 0.1, min_normal_cosine: 0.5, ..Gather::by(Rule::Radius) };
-    let global = Some((&map, gather));
-    let maps = Maps { direct: None, caustic: None, global, irradiance: None, paths: 500, caustic_paths: 500 };
+    let photons = PerMap::only(MapKind::Global, (&map, gather));
+    let maps = Maps { photons, irradiance: None, paths: PerMap::splat(500) };
     stages.gather.as_mut().unwrap().gather(&mut on, &prepared, &maps, pass, &queries, 1, &mut film).unwrap();
     let names = ["photons_emit", "photons_trace", "camera_eye", "camera_direct", "camera_gather"];
     let mut found = Vec::new();
@@ -56,7 +56,8 @@ fn kernels_are_built_for_what_the_scene_requires() {
     let mut seen = Vec::new();
     for name in ["cornell", "ring", "cornell-glass"] {
         let scene = builtin(name).unwrap().build().unwrap();
-        let required = Requirements { global_map: true, ..Requirements::of(&scene.view(), &settings) };
+        let mut required = Requirements::of(&scene.view(), &settings);
+        required.maps[MapKind::Global] = true;
         for (kernel, features) in built_for(&scene, &settings, &required) {
             assert_eq!(features, required.features, "{name}: {kernel}");
         }

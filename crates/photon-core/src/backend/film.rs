@@ -4,6 +4,7 @@ use super::Backend;
 use crate::error::Result;
 use crate::film::{Film, Layer};
 use crate::layout::{Estimate, Query, Spread};
+use crate::map_kind::MapKind;
 use crate::scene::SceneView;
 use crate::stages::no_errors;
 
@@ -50,7 +51,7 @@ pub trait FilmBackend: Backend {
     fn fold_errors(
         &mut self,
         _film: &mut Self::Film,
-        _layer: Layer,
+        _kind: MapKind,
         _queries: &Self::Buffer<Query>,
         _estimates: &Self::Buffer<Estimate>,
         _spreads: &Self::Buffer<Spread>,

@@ -47,7 +47,7 @@ impl<B: TransportBackend> Pipeline<B> {
 
     /// Whether a map is filled by paths that are not aimed.
     pub(super) fn needs_others(&self) -> bool {
-        let caustic = self.required.caustic_map && self.stages.aimed.is_none();
-        self.required.direct_map || self.required.global_map || caustic
+        let aims = self.stages.aimed.is_some();
+        self.maps.iter().any(|slot| !(aims && slot.kind.is_aimed()))
     }
 }

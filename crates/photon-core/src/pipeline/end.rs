@@ -1,6 +1,6 @@
 //! How it goes on after a pass that failed, how it begins anew, and how it ends.
 
-use super::Pipeline;
+use super::{Pipeline, State};
 use crate::backend::TransportBackend;
 use crate::error::{Error, Result};
 use crate::radii;
@@ -15,9 +15,8 @@ impl<B: TransportBackend> Pipeline<B> {
     /// What the backend raises, deferred errors included; it is gone then.
     pub fn into_backend(self) -> Result<B> {
         // All that holds buffers: what is not named here would be dropped after the call below.
-        let Self { mut on, scene, stages, film, rays, photons, queries, estimates, spreads, points, bandwidth, .. } =
-            self;
-        drop((scene, stages, film, rays, photons, queries, estimates, spreads, points, bandwidth));
+        let Self { mut on, scene, stages, film, rays, maps, queries, estimates, spreads, points, bandwidth, .. } = self;
+        drop((scene, stages, film, rays, maps, queries, estimates, spreads, points, bandwidth));
         on.renew()?;
         Ok(on)
     }
@@ -35,13 +34,14 @@ impl<B: TransportBackend> Pipeline<B> {
             return Err(Error::InvalidInput { what: "scene", index: 0, why });
         }
         self.recover()?;
-        self.torn = true;
+        self.state = State::RestartFailed;
         self.film = self.on.film(scene, self.view.width, self.view.height)?;
         if self.settings.errors {
             self.on.keep_errors(&mut self.film)?;
         }
         self.settings.seed = seed;
-        self.radii = radii::given(&self.settings, &self.units);
+        let radius = radii::given(&self.settings, &self.units);
+        self.maps.iter_mut().for_each(|slot| slot.radius = radius);
         self.schedule = Schedule::new(self.settings.alpha);
         self.passes = 0;
         self.points = None;
@@ -54,25 +54,20 @@ impl<B: TransportBackend> Pipeline<B> {
             self.pilot()?;
         }
         self.setup = self.on.timings()?;
-        self.torn = false;
+        self.state = State::Ready;
         Ok(())
     }
 
     /// Puts back what a pass that failed had in its hands: photons that were in a map when it was given
     /// up are gone, and counts of paths that no film has.
     pub(super) fn recover(&mut self) -> Result<()> {
-        let wanted = [self.required.direct_map, self.required.caustic_map, self.required.global_map];
-        for map in (0..3).filter(|&map| wanted[map]) {
-            if self.photons[map].is_none() {
-                self.allocate(map, self.capacities[map])?;
-            }
+        for slot in self.maps.iter_mut().filter(|slot| slot.photons.is_none()) {
+            slot.allocate(&mut self.on, slot.capacity, self.required.kept)?;
         }
         self.stages.tracer.take_tally(&mut self.on)?;
         if let Some(aimed) = &mut self.stages.aimed {
             aimed.tracer.take_tally(&mut self.on)?;
         }
-        self.on.timings()?;
-        self.failed = false;
-        Ok(())
+        self.on.timings().map(drop)
     }
 }

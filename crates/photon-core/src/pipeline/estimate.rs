@@ -1,84 +1,95 @@
 //! Reading the maps of a pass.
 
 use super::Pipeline;
+use super::photons::Sent;
+use super::slot::BuiltMap;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
-use crate::film::Layer;
+use crate::map_kind::{MapKind, PerMap};
 use crate::radii;
+use crate::settings::{Direct, Indirect, Settings};
 use crate::stages::{Maps, Pass, Told};
 
+/// Whether the camera sees a map's light at once, and not by final-gather rays alone.
+fn is_shown(settings: &Settings, kind: MapKind) -> bool {
+    match kind {
+        MapKind::Direct => settings.direct == Direct::Photons,
+        MapKind::Caustic => settings.caustics,
+        MapKind::Global => settings.indirect == Indirect::Map,
+    }
+}
+
 impl<B: TransportBackend> Pipeline<B> {
-    /// Reads the maps, of so many paths each, at the queries, into the film.
-    pub(super) fn estimate(&mut self, index: u32, paths: [u64; 3], queries: u64) -> Result<()> {
+    /// Reads the maps at the queries, into the film.
+    pub(super) fn estimate(&mut self, index: u32, sent: &Sent, queries: u64) -> Result<()> {
         self.on.mark(Some(Stage::Build));
-        let mut maps: [Option<B::PhotonMap>; 3] = [None, None, None];
-        let mut lengths = [0; 3];
-        for (i, (photons, map)) in self.photons.iter_mut().zip(&mut maps).enumerate() {
-            // An empty map is not built: it has nothing to say.
-            if let Some(filled) = photons.take() {
-                let length = self.on.fill(&filled)?.length;
-                if length == 0 {
-                    *photons = Some(filled);
-                } else {
-                    lengths[i] = length;
-                    *map = Some(self.stages.map.builder.build(&mut self.on, filled)?);
-                }
-            }
-        }
-        let radii = [self.radii.direct, self.radii.caustic, self.radii.global];
-        let gathers = radii.map(|radius| radii::gather(&self.settings, radius, index));
-        let shown = [
-            self.settings.direct == crate::Direct::Photons,
-            self.settings.caustics,
-            self.settings.indirect == crate::Indirect::Map,
-        ];
-        let layers = [Layer::Direct, Layer::Caustic, Layer::Indirect];
+        let paths = sent.per_map();
+        let maps = self.build_maps(index, &paths)?;
         let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
-        if let (Some(estimates), true) = (&mut self.estimates, queries > 0) {
-            for i in 0..3 {
-                let (Some(map), true) = (&maps[i], shown[i]) else { continue };
-                self.on.mark(Some(Stage::Estimate));
-                let (on, estimator) = (&mut self.on, &mut self.stages.map.estimator);
-                match &mut self.spreads {
-                    None => estimator.estimate(on, map, &self.queries, &gathers[i], estimates)?,
-                    Some(spreads) => {
-                        estimator.estimate_spread(on, map, &self.queries, &gathers[i], estimates, spreads)?;
-                    }
+        if queries > 0 {
+            for built in &maps {
+                if is_shown(&self.settings, built.kind) {
+                    self.show(built, pass)?;
                 }
-                if let Some(area) = &mut self.stages.area {
-                    let told = Told { estimates, spreads: self.spreads.as_mut() };
-                    area.correct(on, &self.scene, pass, &self.queries, &gathers[i], told)?;
-                }
-                on.mark(Some(Stage::Film));
-                if let Some(spreads) = &self.spreads {
-                    on.fold_errors(&mut self.film, layers[i], &self.queries, estimates, spreads, paths[i])?;
-                }
-                self.on.fold(&mut self.film, layers[i], &self.queries, estimates, paths[i])?;
             }
         }
         let gathers_rays = self.stages.gather.is_some() && queries > 0;
         self.on.mark(gathers_rays.then_some(Stage::Gather));
-        let irradiance = if gathers_rays { self.irradiance(&maps, lengths, &gathers, pass, paths)? } else { None };
+        let irradiance = if gathers_rays { self.irradiance(&maps, pass)? } else { None };
         if let (Some(stage), true) = (&mut self.stages.gather, gathers_rays) {
-            let [direct, caustic, global] = &maps;
-            let lent = Maps {
-                direct: direct.as_ref().map(|map| (map, gathers[0])),
-                caustic: caustic.as_ref().map(|map| (map, gathers[1])),
-                global: global.as_ref().map(|map| (map, gathers[2])),
-                irradiance: irradiance.as_ref().map(|(map, gather)| (map, *gather)),
-                paths: paths[2],
-                caustic_paths: paths[1],
-            };
+            let mut photons = PerMap::default();
+            for built in &maps {
+                photons[built.kind] = Some((&built.map, built.gather));
+            }
+            let lent = Maps { photons, irradiance: irradiance.as_ref().map(|(map, gather)| (map, *gather)), paths };
             let rays = self.settings.gather_rays;
             stage.gather(&mut self.on, &self.scene, &lent, pass, &self.queries, rays, &mut self.film)?;
         }
         self.on.mark(None);
         self.reclaim_irradiance(irradiance);
-        for (photons, map) in self.photons.iter_mut().zip(maps) {
-            if let Some(map) = map {
-                *photons = Some(self.stages.map.builder.reclaim(map));
+        for built in maps {
+            if let Some(slot) = self.maps.iter_mut().find(|slot| slot.kind == built.kind) {
+                slot.photons = Some(self.stages.map.builder.reclaim(built.map));
             }
         }
         Ok(())
+    }
+
+    /// Arranges the photons of each map that has any: an empty one has nothing to say.
+    fn build_maps(&mut self, index: u32, paths: &PerMap<u64>) -> Result<Vec<BuiltMap<B>>> {
+        let mut maps = Vec::with_capacity(self.maps.len());
+        for slot in &mut self.maps {
+            let Some(filled) = slot.photons.take() else { continue };
+            let length = self.on.fill(&filled)?.length;
+            if length == 0 {
+                slot.photons = Some(filled);
+                continue;
+            }
+            let map = self.stages.map.builder.build(&mut self.on, filled)?;
+            let gather = radii::gather(&self.settings, slot.radius, index);
+            maps.push(BuiltMap { kind: slot.kind, map, length, gather, paths: paths[slot.kind] });
+        }
+        Ok(maps)
+    }
+
+    /// Adds what one map says at the queries to the film.
+    fn show(&mut self, built: &BuiltMap<B>, pass: Pass) -> Result<()> {
+        let BuiltMap { kind, map, gather, paths, .. } = built;
+        let Some(estimates) = &mut self.estimates else { return Ok(()) };
+        self.on.mark(Some(Stage::Estimate));
+        let (on, estimator) = (&mut self.on, &mut self.stages.map.estimator);
+        match &mut self.spreads {
+            None => estimator.estimate(on, map, &self.queries, gather, estimates)?,
+            Some(spreads) => estimator.estimate_spread(on, map, &self.queries, gather, estimates, spreads)?,
+        }
+        if let Some(area) = &mut self.stages.area {
+            let told = Told { estimates, spreads: self.spreads.as_mut() };
+            area.correct(on, &self.scene, pass, &self.queries, gather, told)?;
+        }
+        on.mark(Some(Stage::Film));
+        if let Some(spreads) = &self.spreads {
+            on.fold_errors(&mut self.film, *kind, &self.queries, estimates, spreads, *paths)?;
+        }
+        on.fold(&mut self.film, kind.layer(), &self.queries, estimates, *paths)
     }
 }

@@ -1,6 +1,7 @@
 //! Irradiance at the places of photons, before final-gather rays ask for it (Christensen 1999).
 
 use super::Pipeline;
+use super::slot::BuiltMap;
 use crate::backend::{Backend, Stage, TransportBackend};
 use crate::error::Result;
 use crate::kept::Kept;
@@ -35,20 +36,12 @@ pub(super) fn costs<B: TransportBackend>(on: &B, costs: Costs, settings: &Settin
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// A map of irradiance at every so-manieth photon of `maps`, whose lengths are given, and how it is
-    /// asked; `None` if that is not called for.
-    pub(super) fn irradiance(
-        &mut self,
-        maps: &[Option<B::PhotonMap>; 3],
-        lengths: [u64; 3],
-        gathers: &[Gather; 3],
-        pass: Pass,
-        paths: [u64; 3],
-    ) -> Result<Option<(B::PhotonMap, Gather)>> {
+    /// A map of irradiance at every n-th photon of `maps`, and how it is read; `None` if that is not called for.
+    pub(super) fn irradiance(&mut self, maps: &[BuiltMap<B>], pass: Pass) -> Result<Option<(B::PhotonMap, Gather)>> {
         let (Some(every), Some(stage)) = (self.settings.irradiance_every, &mut self.stages.irradiance) else {
             return Ok(None);
         };
-        let count: u64 = lengths.iter().map(|length| length.div_ceil(u64::from(every))).sum();
+        let count: u64 = maps.iter().map(|built| built.length.div_ceil(u64::from(every))).sum();
         if count == 0 {
             return Ok(None);
         }
@@ -71,20 +64,19 @@ impl<B: TransportBackend> Pipeline<B> {
             None => on.alloc("irradiance", points.capacity)?,
         };
         on.clear(&mut points.queries)?;
-        for map in maps.iter().flatten() {
+        for BuiltMap { map, .. } in maps {
             stage.places(on, map, every, &mut points.queries)?;
         }
         let mut reach = 0.0_f32;
         let mut first = true;
-        for ((map, gather), paths) in maps.iter().zip(gathers).zip(paths) {
-            let Some(map) = map else { continue };
+        for BuiltMap { map, gather, paths, .. } in maps {
             let gather = &Gather { kernel: POINT_KERNEL, ..*gather };
             self.stages.map.estimator.estimate(on, map, &points.queries, gather, &mut points.estimates)?;
             if let Some(area) = &mut self.stages.area {
                 let told = Told { estimates: &mut points.estimates, spreads: None };
                 area.correct(on, &self.scene, pass, &points.queries, gather, told)?;
             }
-            stage.add(on, &points.queries, &points.estimates, paths, first, &mut found)?;
+            stage.add(on, &points.queries, &points.estimates, *paths, first, &mut found)?;
             first = false;
             reach = reach.max(gather.radius_scale);
         }

@@ -1,10 +1,11 @@
 //! Photons of a pass: sent out, followed, kept.
 
-use super::{LABELS, PILOT, PILOT_PATHS, Pipeline};
+use super::{PILOT, PILOT_PATHS, Pipeline};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::{Error, Result};
+use crate::map_kind::PerMap;
 use crate::observer::{Event, Observer};
-use crate::radii::{self, Radii};
+use crate::radii;
 use crate::stages::{Batch, Deposits, Pass};
 use crate::tally::Tally;
 
@@ -22,11 +23,15 @@ pub(super) struct Sent {
 }
 
 impl Sent {
-    /// Paths that filled the direct, the caustic and the global map.
-    pub(super) fn per_map(&self) -> [u64; 3] {
-        let paths = u64::from(self.paths);
-        [paths, self.aimed.map_or(paths, u64::from), paths]
+    /// Paths that filled each map.
+    pub(super) fn per_map(&self) -> PerMap<u64> {
+        per_map(self.paths, self.aimed).map(u64::from)
     }
+}
+
+/// Paths that fill each map, if some are aimed.
+fn per_map(others: u32, aimed: Option<u32>) -> PerMap<u32> {
+    PerMap::from_fn(|kind| aimed.filter(|_| kind.is_aimed()).unwrap_or(others))
 }
 
 impl<B: TransportBackend> Pipeline<B> {
@@ -35,25 +40,24 @@ impl<B: TransportBackend> Pipeline<B> {
         let paths = self.settings.photons.min(PILOT_PATHS);
         let sent = self.emit_and_trace(PILOT, paths, &mut ())?;
         let all = self.settings.photons;
-        let wanted_paths = [all, self.aimed_paths(all).unwrap_or(all), all];
-        let mut found = [self.radii.direct, self.radii.caustic, self.radii.global];
-        for (map, radius) in found.iter_mut().enumerate() {
-            if let Some(photons) = self.photons[map].take() {
-                self.on.mark(Some(Stage::Build));
-                let built = self.stages.map.builder.build(&mut self.on, photons)?;
-                self.on.mark(Some(Stage::Estimate));
-                let cosine = self.settings.min_normal_cosine;
-                let (wanted, traced) = (radii::NEIGHBOURS[map], sent.per_map()[map] as u32);
-                let share = f64::from(traced) / f64::from(wanted_paths[map]);
-                let asked = ((f64::from(wanted) * share) as u32).max(8);
-                let typical = self.stages.map.estimator.typical_radius(&mut self.on, &built, asked, cosine)?;
-                *radius = radii::from_pilot(typical, asked, traced, wanted, wanted_paths[map]);
-                self.on.mark(None);
-                self.photons[map] = Some(self.stages.map.builder.reclaim(built));
-            }
+        let wanted_paths = per_map(all, self.aimed_paths(all));
+        let traced_paths = per_map(sent.paths, sent.aimed);
+        for slot in &mut self.maps {
+            let Some(photons) = slot.photons.take() else { continue };
+            self.on.mark(Some(Stage::Build));
+            let built = self.stages.map.builder.build(&mut self.on, photons)?;
+            self.on.mark(Some(Stage::Estimate));
+            let cosine = self.settings.min_normal_cosine;
+            let (wanted, wanted_paths) = (radii::neighbours(slot.kind), wanted_paths[slot.kind]);
+            let traced = traced_paths[slot.kind];
+            let share = f64::from(traced) / f64::from(wanted_paths);
+            let asked = ((f64::from(wanted) * share) as u32).max(8);
+            let typical = self.stages.map.estimator.typical_radius(&mut self.on, &built, asked, cosine)?;
+            let radius = radii::from_pilot(typical, asked, traced, wanted, wanted_paths);
+            slot.radius = radii::scaled(radius, self.settings.radius_factor as f32);
+            self.on.mark(None);
+            slot.photons = Some(self.stages.map.builder.reclaim(built));
         }
-        let [direct, caustic, global] = found;
-        self.radii = Radii { direct, caustic, global }.scaled(self.settings.radius_factor as f32);
         Ok(())
     }
 
@@ -61,7 +65,7 @@ impl<B: TransportBackend> Pipeline<B> {
     /// observer may stop it: then there are fewer, but some of each kind.
     pub(super) fn emit_and_trace(&mut self, index: u32, paths: u32, observer: &mut dyn Observer) -> Result<Sent> {
         loop {
-            for photons in self.photons.iter_mut().flatten() {
+            for photons in self.maps.iter_mut().filter_map(|slot| slot.photons.as_mut()) {
                 self.on.clear(photons)?;
             }
             let mut sent = Sent { paths, ..Sent::default() };
@@ -113,19 +117,18 @@ impl<B: TransportBackend> Pipeline<B> {
     pub(super) fn send_batch(&mut self, index: u32, aimed: bool, paths: std::ops::Range<u32>) -> Result<()> {
         let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
         let batch = Batch { pass, paths };
-        let [direct, caustic, global] = &mut self.photons;
         let stages = &mut self.stages;
-        // Light on its way to a caustic is told by one kind of paths, never by both.
-        let (emitter, tracer, deposits) = match &mut stages.aimed {
-            Some(stages) if aimed => {
-                let deposits = Deposits { direct: None, caustic: caustic.as_mut(), global: None };
-                (&mut stages.emitter, &mut stages.tracer, deposits)
+        let aims = stages.aimed.is_some();
+        let mut deposits: Deposits<'_, B> = PerMap::default();
+        for slot in &mut self.maps {
+            // A map is filled by one kind of paths, never by both.
+            if (aims && slot.kind.is_aimed()) == aimed {
+                deposits[slot.kind] = slot.photons.as_mut();
             }
-            others => {
-                let caustic = if others.is_none() { caustic.as_mut() } else { None };
-                let deposits = Deposits { direct: direct.as_mut(), caustic, global: global.as_mut() };
-                (&mut stages.emitter, &mut stages.tracer, deposits)
-            }
+        }
+        let (emitter, tracer) = match &mut stages.aimed {
+            Some(stages) if aimed => (&mut stages.emitter, &mut stages.tracer),
+            _ => (&mut stages.emitter, &mut stages.tracer),
         };
         self.on.mark(Some(Stage::Emit));
         emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;
@@ -138,15 +141,15 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Whether a buffer overflowed and was made anew, large enough for the pass to be repeated.
     fn grow_if_needed(&mut self) -> Result<bool> {
         let mut grew = false;
-        for map in 0..3 {
-            let Some(photons) = &self.photons[map] else { continue };
+        for slot in &mut self.maps {
+            let Some(photons) = &slot.photons else { continue };
             let fill = self.on.fill(photons)?;
             if fill.needed > fill.capacity {
                 if self.settings.photon_capacity.is_some() || self.settings.memory.is_some() {
-                    let label = LABELS[map];
+                    let label = slot.kind.label();
                     return Err(Error::CapacityExceeded { label, needed: fill.needed, capacity: fill.capacity });
                 }
-                self.allocate(map, fill.needed + fill.needed / 8)?;
+                slot.allocate(&mut self.on, fill.needed + fill.needed / 8, self.required.kept)?;
                 grew = true;
             }
         }

@@ -124,9 +124,7 @@ fn is_known_light(kind: u32) -> bool {
 
 fn check_medium(medium: &Medium) -> Check {
     not_negative("absorption", &medium.absorption)?;
-    require(medium.ior.is_normal() && medium.ior > 0.0, || {
-        format!("its ior {} must be finite and above 0", medium.ior)
-    })
+    require(medium.ior.is_normal() && medium.ior > 0.0, || format!("its ior {} must be finite and above 0", medium.ior))
 }
 
 fn check_material(material: &Material, media: &[Medium]) -> Check {

@@ -16,7 +16,10 @@ fn obj_and_mtl() {
     assert_eq!(corners(&scene, 2), corners(&scene, 0), "counted from the end, over two lines");
     assert_eq!((scene.mesh_of_triangle(1), scene.mesh_of_triangle(3)), ("room", "things"));
 
-    assert_eq!((material(&scene, "wall").kind, material(&scene, "wall").albedo), (MaterialKind::Lambert as u32, [0.6, 0.5, 0.4]));
+    assert_eq!(
+        (material(&scene, "wall").kind, material(&scene, "wall").albedo),
+        (MaterialKind::Lambert as u32, [0.6, 0.5, 0.4])
+    );
     assert_eq!(material(&scene, "shiny metal").kind, MaterialKind::Mirror as u32);
     assert_eq!(material(&scene, "shiny metal").albedo, [0.9, 0.8, 0.7]);
     let gem = material(&scene, "gem");

@@ -82,9 +82,14 @@ fn overrides_are_laid_over() {
 
     let wall = material(&scene, "wall");
     assert_eq!((wall.kind, wall.ior, wall.albedo), (MaterialKind::Dielectric as u32, 1.33, [1.0; 3]));
-    assert!((f64::from(scene.view().media[wall.medium as usize].absorption[0]) - 0.5 * scene.units().scale).abs() < 1e-6);
+    assert!(
+        (f64::from(scene.view().media[wall.medium as usize].absorption[0]) - 0.5 * scene.units().scale).abs() < 1e-6
+    );
     assert_eq!((material(&scene, "gem").ior, material(&scene, "gem").albedo), (1.7, [0.5; 3]));
-    assert_eq!((material(&scene, "rough").kind, material(&scene, "rough").albedo), (MaterialKind::Mirror as u32, [0.4; 3]));
+    assert_eq!(
+        (material(&scene, "rough").kind, material(&scene, "rough").albedo),
+        (MaterialKind::Mirror as u32, [0.4; 3])
+    );
     assert_eq!(material(&scene, "floor").albedo, [0.1, 0.2, 0.3]);
     assert_eq!(material(&scene, "glow").flags, Material::EMITS_BOTH_SIDES);
 

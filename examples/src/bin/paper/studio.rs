@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use photon_core::{
-    Batch, Deposits, Estimate, Film, Layer, Pass, Photon, PhotonRay, QUERIES_PER_PIXEL, Query, Requirements, Result,
-    Stage, StageTimings, TransportBackend, View,
+    Batch, Deposits, Estimate, Film, Layer, MapKind, Pass, PerMap, Photon, PhotonRay, QUERIES_PER_PIXEL, Query,
+    Requirements, Result, Stage, StageTimings, TransportBackend, View,
 };
 use photon_scene::Scene;
 
@@ -50,9 +50,9 @@ struct Lane<B: TransportBackend> {
 
 impl<'s, B: TransportBackend> Studio<'s, B> {
     pub(crate) fn new(mut on: B, source: &'s Scene, view: View) -> Result<Self> {
-        let least = Requirements::of(&source.view(), &Plan::large(1)[0].settings);
+        let mut required = Requirements::of(&source.view(), &Plan::large(1)[0].settings);
         // Both maps are asked for, also in a scene where one stays empty.
-        let required = Requirements { caustic_map: true, global_map: true, ..least };
+        (required.maps[MapKind::Caustic], required.maps[MapKind::Global]) = (true, true);
         let scene = on.prepare(&source.view(), &required)?;
         Ok(Self { on, source, scene, required, view })
     }
@@ -152,7 +152,9 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
             self.on.mark(Some(Stage::Emit));
             stages.emitter.emit(&mut self.on, &self.scene, &batch, rays)?;
             self.on.mark(Some(Stage::Trace));
-            let deposits = Deposits { direct: None, caustic: caustic.as_mut(), global: global.as_mut() };
+            let mut deposits: Deposits<'_, B> = PerMap::default();
+            deposits[MapKind::Caustic] = caustic.as_mut();
+            deposits[MapKind::Global] = global.as_mut();
             stages.tracer.trace(&mut self.on, &self.scene, &batch, rays, deposits)?;
             first = end;
         }

@@ -43,7 +43,7 @@ pub(crate) fn rows(engine: &mut Engine, name: &str, base: &Settings) -> Result<V
                 let seconds = |stage| told.outcome.seconds.get(stage) / f64::from(PASSES);
                 builds.push(seconds(Stage::Build));
                 queries.push(seconds(Stage::Estimate));
-                let stored = |tally: &Tally| tally.stored_direct + tally.stored_caustic + tally.stored_global;
+                let stored = |tally: &Tally| tally.stored.values().sum::<u64>();
                 photons = (stored(&told.outcome.tally) + stored(&told.outcome.aimed)) / u64::from(PASSES);
             })?;
             let median = |mut times: Vec<f64>| {

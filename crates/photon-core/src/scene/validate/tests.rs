@@ -159,7 +159,7 @@ fn materials() {
         (|t| t.media[1].absorption[1] = f32::INFINITY, "medium 1: its absorption"),
         (|t| t.media[1].absorption[1] = -1.0, "medium 1: its absorption"),
         (|t| t.media[1].ior = f32::NAN, "medium 1: its ior NaN"),
-        (|t| t.media[1].ior = 1.4, "material 2: its ior 1.5 is not that of its medium 1, 1.4"),
+        (|t| t.media[1].ior = 1.4, "material 2: its ior 1.5 is not that"),
         (|t| t.media[0].ior = 1.1, "media is a table of 2"),
         (|t| t.media.clear(), "media is a table of 0"),
         (|t| t.media.resize(257, Medium::VACUUM), "media is a table of 257"),
@@ -216,5 +216,5 @@ fn what_is_out_of_range_needs_no_feature() {
     };
     let features = crate::Features::of(&view);
     assert!(features.contains(crate::Features::DIFFUSE) && !features.intersects(crate::Features::SPECULAR));
-    assert!(crate::Requirements::of(&view, &crate::Settings::default()).global_map);
+    assert!(crate::Requirements::of(&view, &crate::Settings::default()).maps[crate::MapKind::Global]);
 }

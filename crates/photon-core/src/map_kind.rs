@@ -1,0 +1,229 @@
+//! The photon maps by what their photons have been through, and containers with one element for each.
+
+use std::ops::{Index, IndexMut};
+
+use crate::film::Layer;
+
+/// A photon map, by the history of its photons (Jensen 1996).
+///
+/// To add a map, add a variant: exhaustive matches then name every place that has to know of it. Packed words
+/// of the GPU have room for [`MapKind::BITS`] bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum MapKind {
+    /// Photons straight from a light.
+    Direct,
+    /// Photons from a light by specular surfaces alone.
+    Caustic,
+    /// Photons that have been scattered by a diffuse surface.
+    Global,
+}
+
+impl MapKind {
+    /// In the order in which maps are built and read.
+    pub const ALL: [Self; 3] = [Self::Direct, Self::Caustic, Self::Global];
+
+    /// How many there are.
+    pub const COUNT: usize = Self::ALL.len();
+
+    /// Bits that a kind takes beside an ordinal in a packed word: enough for eight.
+    pub const BITS: u32 = 3;
+
+    /// The name in reports: `direct`, `caustic`, `global`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Caustic => "caustic",
+            Self::Global => "global",
+        }
+    }
+
+    /// The label of the buffer of its photons, in reports and errors.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Direct => "photons: direct",
+            Self::Caustic => "photons: caustic",
+            Self::Global => "photons: global",
+        }
+    }
+
+    /// The layer of the film that the map's light belongs to where the camera sees it.
+    #[must_use]
+    pub const fn layer(self) -> Layer {
+        match self {
+            Self::Direct => Layer::Direct,
+            Self::Caustic => Layer::Caustic,
+            Self::Global => Layer::Indirect,
+        }
+    }
+
+    /// The map of a photon that lands after `bounce` surfaces, none of them diffuse if `specular_only`.
+    #[inline]
+    #[must_use]
+    pub const fn of_path(specular_only: bool, bounce: u32) -> Self {
+        match (specular_only, bounce) {
+            (false, _) => Self::Global,
+            (true, 0) => Self::Direct,
+            (true, _) => Self::Caustic,
+        }
+    }
+
+    /// Whether paths that are aimed at specular surfaces fill the map, where there are such paths.
+    #[must_use]
+    pub const fn is_aimed(self) -> bool {
+        match self {
+            Self::Caustic => true,
+            Self::Direct | Self::Global => false,
+        }
+    }
+}
+
+const _: () = assert!(MapKind::COUNT <= 1 << MapKind::BITS, "a kind no longer fits its bits");
+
+/// One element for each [`MapKind`], in the order of [`MapKind::ALL`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct PerMap<T>([T; MapKind::COUNT]);
+
+impl<T> PerMap<T> {
+    /// The elements that `of` gives for each kind.
+    #[must_use]
+    pub fn from_fn(mut of: impl FnMut(MapKind) -> T) -> Self {
+        Self(MapKind::ALL.map(&mut of))
+    }
+
+    /// The same for all.
+    #[must_use]
+    pub const fn splat(value: T) -> Self
+    where
+        T: Copy,
+    {
+        Self([value; MapKind::COUNT])
+    }
+
+    /// Each element by `of`.
+    #[must_use]
+    pub fn map<U>(self, of: impl FnMut(T) -> U) -> PerMap<U> {
+        PerMap(self.0.map(of))
+    }
+
+    /// References to all.
+    #[must_use]
+    pub fn each_ref(&self) -> PerMap<&T> {
+        PerMap(self.0.each_ref())
+    }
+
+    /// Mutable references to all.
+    #[must_use]
+    pub fn each_mut(&mut self) -> PerMap<&mut T> {
+        PerMap(self.0.each_mut())
+    }
+
+    /// Each with its kind.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = (MapKind, &T)> {
+        MapKind::ALL.into_iter().zip(&self.0)
+    }
+
+    /// Each with its kind.
+    pub fn iter_mut(&mut self) -> impl DoubleEndedIterator<Item = (MapKind, &mut T)> {
+        MapKind::ALL.into_iter().zip(&mut self.0)
+    }
+
+    /// The elements alone.
+    pub fn values(&self) -> std::slice::Iter<'_, T> {
+        self.0.iter()
+    }
+
+    /// The elements alone.
+    pub fn values_mut(&mut self) -> std::slice::IterMut<'_, T> {
+        self.0.iter_mut()
+    }
+
+    /// The elements as an array, in the order of [`MapKind::ALL`].
+    #[must_use]
+    pub fn into_array(self) -> [T; MapKind::COUNT] {
+        self.0
+    }
+}
+
+impl<T> PerMap<Option<T>> {
+    /// Something for one map, nothing for the others.
+    #[must_use]
+    pub fn only(kind: MapKind, value: T) -> Self {
+        let mut all = Self([const { None }; MapKind::COUNT]);
+        all[kind] = Some(value);
+        all
+    }
+}
+
+impl PerMap<bool> {
+    /// Whether it is so for any map.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        self.0.contains(&true)
+    }
+
+    /// Bit `kind as u32` for each map that it is so for.
+    #[must_use]
+    pub fn bits(&self) -> u32 {
+        self.iter().map(|(kind, &set)| u32::from(set) << kind as u32).sum()
+    }
+}
+
+impl<T> Index<MapKind> for PerMap<T> {
+    type Output = T;
+
+    #[inline]
+    fn index(&self, kind: MapKind) -> &T {
+        &self.0[kind as usize]
+    }
+}
+
+impl<T> IndexMut<MapKind> for PerMap<T> {
+    #[inline]
+    fn index_mut(&mut self, kind: MapKind) -> &mut T {
+        &mut self.0[kind as usize]
+    }
+}
+
+impl<T> IntoIterator for PerMap<T> {
+    type Item = (MapKind, T);
+    type IntoIter =
+        std::iter::Zip<std::array::IntoIter<MapKind, { MapKind::COUNT }>, std::array::IntoIter<T, { MapKind::COUNT }>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        MapKind::ALL.into_iter().zip(self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_stand_in_the_order_of_their_numbers() {
+        for (number, kind) in MapKind::ALL.into_iter().enumerate() {
+            assert_eq!(kind as usize, number);
+            assert!(kind.label().ends_with(kind.name()));
+        }
+        let numbers = PerMap::from_fn(|kind| kind as u32);
+        assert!(numbers.iter().all(|(kind, &number)| number == kind as u32 && numbers[kind] == number));
+        assert_eq!(numbers.into_array(), [0, 1, 2]);
+    }
+
+    #[test]
+    fn a_photon_belongs_to_the_map_of_its_path() {
+        assert_eq!(MapKind::of_path(true, 0), MapKind::Direct);
+        assert_eq!(MapKind::of_path(true, 3), MapKind::Caustic);
+        assert_eq!(MapKind::of_path(false, 1), MapKind::Global);
+    }
+
+    #[test]
+    fn bits_are_those_of_the_kinds() {
+        let set = PerMap::from_fn(|kind| kind != MapKind::Caustic);
+        assert_eq!((set.bits(), set.any()), (0b101, true));
+        assert!(!PerMap::<bool>::default().any());
+        let only = PerMap::only(MapKind::Global, 7);
+        assert_eq!(only.map(|value| value.is_some()).bits(), 1 << MapKind::Global as u32);
+    }
+}

@@ -219,4 +219,6 @@ impl Upload<'_> {
 }
 
 #[cfg(test)]
+mod silhouette;
+#[cfg(test)]
 mod tests;

@@ -25,9 +25,10 @@ pub(crate) struct Instance {
 static SHARED: [Mutex<Option<Arc<Instance>>>; 2] = [const { Mutex::new(None) }; 2];
 
 impl Instance {
-    /// The process's own, with or without the validation layer. It stays when the last device is gone: a loader
-    /// unloads a driver with its last instance, and NVIDIA's driver 580 does not survive that more than some
-    /// sixty times.
+    /// The process's own, with or without the validation layer. It is never destroyed: the loader unloads a driver
+    /// with its last instance, and NVIDIA's 580 cannot be loaded again after 30 times (static TLS that is not given
+    /// back), and leaves a destructor of thread-specific data in unloaded code, which ends threads with a
+    /// segmentation fault. With the layer and without: see `docs/testing.md`.
     pub(crate) fn shared(validation: bool) -> Result<Arc<Self>> {
         let mut shared = SHARED[usize::from(validation)].lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(instance) = &*shared {

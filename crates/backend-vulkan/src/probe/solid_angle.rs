@@ -1,6 +1,6 @@
 //! Triangles as seen from near by against photon-core's.
 
-use photon_core::glam::Vec3;
+use photon_core::glam::{DVec3, Vec3};
 use photon_core::random::unit_f32;
 use photon_core::solid_angle;
 
@@ -88,7 +88,7 @@ fn condition(i: &Input, function: fn([Vec3; 3], &Input) -> Output) -> f64 {
 fn condition_of_sample(i: &Input) -> f64 {
     const OFF: f64 = 2.0;
     let corners = corners(i).map(|corner| corner.as_dvec3());
-    let units = corners.map(|corner| corner.normalize());
+    let units = corners.map(DVec3::normalize_or_zero);
     let [a, b, c] = units;
     // By the corner opposite.
     let cosines = [b.dot(c), c.dot(a), a.dot(b)];

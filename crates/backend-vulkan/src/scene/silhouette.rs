@@ -192,17 +192,17 @@ impl Seen {
         Self { origin, direction, axes, farthest: f64::from(ray.t_max) }
     }
 
-    fn from_origin(&self, point: [f32; 3]) -> DVec3 {
+    fn relative(&self, point: [f32; 3]) -> DVec3 {
         Vec3::from(point).as_dvec3() - self.origin
     }
 
     fn distance(&self, point: [f32; 3]) -> f64 {
-        self.from_origin(point).length()
+        self.relative(point).length()
     }
 
     /// Where it is from the ray, in the plane across the largest axis.
     fn across(&self, point: [f32; 3]) -> DVec2 {
-        let p = self.from_origin(point);
+        let p = self.relative(point);
         let [x, y, z] = self.axes;
         let along = p[z] / self.direction[z];
         DVec2::new(p[x] - along * self.direction[x], p[y] - along * self.direction[y])
@@ -210,7 +210,7 @@ impl Seen {
 
     /// How far along the ray.
     fn along(&self, point: [f32; 3]) -> f64 {
-        self.from_origin(point)[self.axes[2]] / self.direction[self.axes[2]]
+        self.relative(point)[self.axes[2]] / self.direction[self.axes[2]]
     }
 }
 

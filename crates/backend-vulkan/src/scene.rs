@@ -205,4 +205,6 @@ impl Upload<'_> {
 }
 
 #[cfg(test)]
+mod silhouette;
+#[cfg(test)]
 mod tests;

@@ -88,10 +88,13 @@ impl Vulkan {
     #[expect(clippy::panic, reason = "a test that needs Vulkan fails where Vulkan is required")]
     pub fn for_tests() -> Option<Self> {
         let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
-        let validation = std::env::var_os("PHOTON_VALIDATION").is_none_or(|value| value != "0");
+        let validation = wants_validation(std::env::var_os("PHOTON_VALIDATION").as_deref());
         match Self::with_options(&Options { validation, ..Options::default() }) {
             Ok(mut on) => {
                 on.watched = validation;
+                if validation {
+                    on.device.set_strict();
+                }
                 Some(on)
             }
             Err(error) if required => panic!("Vulkan is required here: {}", chain(&error)),
@@ -142,7 +145,8 @@ impl Vulkan {
         self.device.injection.counts()
     }
 
-    /// What the validation layer has said, if it was asked to look on.
+    /// What the validation layer has said about this device, if it was asked to look on. Devices share an instance:
+    /// a message counts for the device whose objects it names, and for every device if it names none.
     #[must_use]
     pub fn validation_messages(&self) -> Vec<String> {
         self.device.messages()
@@ -258,6 +262,11 @@ fn check(memory: &Memory, offset: u64, bytes: u64) {
     assert!(end.is_some_and(|end| end <= memory.bytes()), "{offset} + {bytes} in a buffer of {}", memory.bytes());
 }
 
+/// Whether tests ask for the validation layer, by what `PHOTON_VALIDATION` says.
+fn wants_validation(value: Option<&std::ffi::OsStr>) -> bool {
+    value.is_none_or(|value| value != "0")
+}
+
 /// An error and what caused it, in one line.
 fn chain(error: &dyn std::error::Error) -> String {
     let causes = std::iter::successors(Some(error), |error| error.source());
@@ -270,8 +279,19 @@ impl Drop for Vulkan {
             log::error!("{error}");
         }
         if self.watched && !std::thread::panicking() {
-            let messages = self.validation_messages();
+            let messages = self.device.take_messages();
             assert!(messages.is_empty(), "the validation layer said:\n{}", messages.join("\n"));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wants_validation;
+
+    #[test]
+    fn only_0_switches_validation_off() {
+        assert!(wants_validation(None) && wants_validation(Some("1".as_ref())) && wants_validation(Some("".as_ref())));
+        assert!(!wants_validation(Some("0".as_ref())));
     }
 }

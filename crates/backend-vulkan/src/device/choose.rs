@@ -27,7 +27,7 @@ pub struct Candidate {
 /// # Errors
 /// [`photon_core::Error::Backend`] if there is no loader or no driver.
 pub fn devices() -> photon_core::Result<Vec<Candidate>> {
-    candidates(&super::instance::Instance::shared()?.raw)
+    candidates(&super::instance::Instance::shared(false)?.raw)
 }
 
 pub(crate) fn candidates(instance: &ash::Instance) -> photon_core::Result<Vec<Candidate>> {

@@ -1,4 +1,4 @@
-//! The instance: one for all devices of a process, or one that the validation layer watches.
+//! The instance: one for all devices of a process, and one for all that the validation layer checks.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -7,8 +7,9 @@ use photon_core::Result;
 
 use super::choose::has;
 use super::fault::{Fault, during};
+use super::listen::{Listeners, Object};
 
-/// An instance, and what hears its layers.
+/// An instance, and who hears its layers.
 pub(crate) struct Instance {
     /// Keeps the loader in memory, and goes after the instance.
     _entry: ash::Entry,
@@ -16,29 +17,26 @@ pub(crate) struct Instance {
     /// Whether objects can be given names.
     pub(crate) names: bool,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
-    messages: Box<Mutex<Vec<String>>>,
+    /// Where the messenger's callback finds it.
+    pub(crate) listeners: Box<Listeners>,
 }
 
-/// The one without layers, from the first that asked for it on.
-static SHARED: Mutex<Option<Arc<Instance>>> = Mutex::new(None);
+/// The one without layers and the one with the validation layer, each from the first that asked for it on.
+static SHARED: [Mutex<Option<Arc<Instance>>>; 2] = [const { Mutex::new(None) }; 2];
 
 impl Instance {
-    /// The process's own, without layers. It stays when the last device is gone: NVIDIA's driver 580 gives
-    /// a process some sixty instances in all, however few there are at a time, and then says that there is
-    /// no driver.
-    pub(crate) fn shared() -> Result<Arc<Self>> {
-        let mut shared = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
+    /// The process's own, with or without the validation layer. It is never destroyed: the loader unloads a driver
+    /// with its last instance, and NVIDIA's 580 cannot be loaded again after 30 times (static TLS that is not given
+    /// back), and leaves a destructor of thread-specific data in unloaded code, which ends threads with a
+    /// segmentation fault. With the layer and without: see `docs/testing.md`.
+    pub(crate) fn shared(validation: bool) -> Result<Arc<Self>> {
+        let mut shared = SHARED[usize::from(validation)].lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(instance) = &*shared {
             return Ok(Arc::clone(instance));
         }
-        let instance = Arc::new(Self::open(false)?);
+        let instance = Arc::new(Self::open(validation)?);
         *shared = Some(Arc::clone(&instance));
         Ok(instance)
-    }
-
-    /// A fresh one with the validation layer, so that nobody hears what others did.
-    pub(crate) fn watched() -> Result<Arc<Self>> {
-        Self::open(true).map(Arc::new)
     }
 
     fn open(validation: bool) -> Result<Self> {
@@ -52,8 +50,8 @@ impl Instance {
         let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }.unwrap_or_default();
         let names =
             validation || has(extensions.iter().map(|extension| extension.extension_name), ext::debug_utils::NAME);
-        let messages = Box::new(Mutex::new(Vec::new()));
-        let user = std::ptr::from_ref(&*messages).cast_mut().cast();
+        let listeners = Box::new(Listeners::default());
+        let user = std::ptr::from_ref(&*listeners).cast_mut().cast();
         let listen = || {
             vk::DebugUtilsMessengerCreateInfoEXT::default()
                 .message_severity(
@@ -66,19 +64,14 @@ impl Instance {
                 .user_data(user)
         };
         let raw = create_instance(&entry, validation, names, validation.then(listen).as_mut())?;
-        let mut instance = Self { _entry: entry, raw, names, messenger: None, messages };
+        let mut instance = Self { _entry: entry, raw, names, messenger: None, listeners };
         if validation {
             let functions = ext::debug_utils::Instance::new(&instance._entry, &instance.raw);
-            // SAFETY: the list outlives the messenger, see `Drop`.
+            // SAFETY: the listeners outlive the messenger, see `Drop`.
             let handle = unsafe { functions.create_debug_utils_messenger(&listen(), None) };
             instance.messenger = Some((functions, handle.map_err(during("listening to the validation layer"))?));
         }
         Ok(instance)
-    }
-
-    /// What the validation layer has said so far.
-    pub(crate) fn messages(&self) -> Vec<String> {
-        self.messages.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
@@ -137,16 +130,16 @@ fn create_instance(
     })
 }
 
-/// Collects what the layers say.
+/// Passes on what the layers say to whom it concerns.
 unsafe extern "system" fn hear(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _: vk::DebugUtilsMessageTypeFlagsEXT,
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     user: *mut std::ffi::c_void,
 ) -> vk::Bool32 {
-    // SAFETY: Vulkan passes a valid structure, and `user` is the list that the instance owns until
-    // after the messenger is destroyed.
-    let (data, messages) = unsafe { (&*data, &*user.cast::<Mutex<Vec<String>>>()) };
+    // SAFETY: Vulkan passes a valid structure, and `user` is what the instance owns until after the
+    // messenger is destroyed.
+    let (data, listeners) = unsafe { (&*data, &*user.cast::<Listeners>()) };
     // SAFETY: a message that is there is a string that ends.
     let text = unsafe { data.message_as_c_str() }.map_or_else(String::new, |text| text.to_string_lossy().into_owned());
     // None may be no pointer at all.
@@ -161,6 +154,13 @@ unsafe extern "system" fn hear(
     };
     let text = labels.iter().filter_map(label).fold(text, |text, label| text + &label);
     log::warn!("{severity:?}: {text}");
-    messages.lock().unwrap_or_else(PoisonError::into_inner).push(text);
+    let objects = match data.object_count {
+        0 => &[],
+        // SAFETY: as above.
+        count => unsafe { std::slice::from_raw_parts(data.p_objects, count as usize) },
+    };
+    let objects: Vec<Object> =
+        objects.iter().map(|object| (object.object_type.as_raw(), object.object_handle)).collect();
+    listeners.hear(&objects, &text);
     vk::FALSE
 }

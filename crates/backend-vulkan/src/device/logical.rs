@@ -1,5 +1,6 @@
 //! Logical device and queue: our own, or a host's.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
@@ -10,6 +11,7 @@ use super::choose::{candidates, choose};
 use super::fault::{Fault, during};
 use super::inject::Injection;
 use super::instance::Instance;
+use super::listen::Listener;
 use super::spare::{Spare, Spares};
 
 /// How to open a device.
@@ -45,6 +47,9 @@ pub struct Limits {
     /// Turns that all loops of an invocation may make together before the driver ends them in silence;
     /// 0 if it never does.
     pub loop_turns: u32,
+    /// Whether 32-bit floats below 2⁻¹²⁶ are kept: every kernel asks for it where the device offers that
+    /// (`shaderDenormPreserveFloat32`). Elsewhere the device may take them for 0.
+    pub keeps_denormals: bool,
     /// What tells this driver's compiled pipelines from others.
     pub(crate) cache_key: [u8; 16],
 }
@@ -67,6 +72,10 @@ pub(crate) struct Device {
     /// What has been named.
     #[cfg(test)]
     named: Mutex<Vec<(vk::ObjectType, String)>>,
+    /// Hears what the validation layer says about it, if that was asked for.
+    listener: Option<Listener>,
+    /// Whether a message that nobody has asked for ends the test.
+    strict: AtomicBool,
     /// What it was made from, which goes after it; `None` for a host's device.
     owned: Option<Arc<Instance>>,
 }
@@ -109,7 +118,8 @@ impl RawDevice {
 impl Device {
     /// Opens a device of our own.
     pub(crate) fn open(options: &Options) -> Result<Arc<Self>> {
-        let instance = if options.validation { Instance::watched()? } else { Instance::shared()? };
+        let instance = Instance::shared(options.validation)?;
+        let listener = options.validation.then(|| Listener::new(&instance));
         let from_environment = std::env::var("PHOTON_VK_DEVICE").ok().filter(|value| !value.is_empty());
         let wanted = options.device.clone().or(from_environment);
         let chosen = choose(candidates(&instance.raw)?, wanted.as_deref())?;
@@ -133,7 +143,7 @@ impl Device {
             queue,
             family: chosen.family,
         };
-        Self::assemble(parts, Some(instance))
+        Self::assemble(parts, Some(instance), listener)
     }
 
     /// Works on a host's device.
@@ -141,10 +151,10 @@ impl Device {
     /// # Safety
     /// As [`crate::Vulkan::from_raw`].
     pub(crate) unsafe fn borrow(raw: RawDevice) -> Result<Arc<Self>> {
-        Self::assemble(raw, None)
+        Self::assemble(raw, None, None)
     }
 
-    fn assemble(parts: RawDevice, owned: Option<Arc<Instance>>) -> Result<Arc<Self>> {
+    fn assemble(parts: RawDevice, owned: Option<Arc<Instance>>, listener: Option<Listener>) -> Result<Arc<Self>> {
         let RawDevice { instance, physical, device: raw, queue, family } = parts;
         let limits = limits(&instance, physical, family);
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -170,6 +180,8 @@ impl Device {
             injection: Injection::default(),
             #[cfg(test)]
             named: Mutex::default(),
+            listener,
+            strict: AtomicBool::new(false),
             owned,
         };
         device.name(device.raw.handle(), "photon mapping");
@@ -183,13 +195,27 @@ impl Device {
         self.named.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What the validation layer has said so far.
+    /// What the validation layer has said about this device so far.
     pub(crate) fn messages(&self) -> Vec<String> {
-        self.owned.as_ref().map(|instance| instance.messages()).unwrap_or_default()
+        self.listener.as_ref().map(Listener::messages).unwrap_or_default()
     }
 
-    /// Names an object, for debuggers and messages.
-    pub(crate) fn name<T: vk::Handle>(&self, handle: T, name: &str) {
+    /// The same, and forgets it.
+    pub(crate) fn take_messages(&self) -> Vec<String> {
+        self.listener.as_ref().map(Listener::take).unwrap_or_default()
+    }
+
+    /// From here on the device panics if it is destroyed with messages that were not taken.
+    pub(crate) fn set_strict(&self) {
+        self.strict.store(true, Ordering::Relaxed);
+    }
+
+    /// Names an object, for debuggers and messages. Each object must have a name: by it the validation layer's
+    /// messages find their device.
+    pub(crate) fn name<T: vk::Handle + Copy>(&self, handle: T, name: &str) {
+        if let Some(listener) = &self.listener {
+            listener.own(handle);
+        }
         #[cfg(test)]
         self.named.lock().unwrap_or_else(PoisonError::into_inner).push((T::TYPE, name.to_owned()));
         if let Some(debug) = &self.debug {
@@ -230,8 +256,12 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
     let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
     let mut three = vk::PhysicalDeviceMaintenance3Properties::default();
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
-    let mut all =
-        vk::PhysicalDeviceProperties2::default().push_next(&mut subgroup).push_next(&mut three).push_next(&mut driver);
+    let mut floats = vk::PhysicalDeviceFloatControlsProperties::default();
+    let mut all = vk::PhysicalDeviceProperties2::default()
+        .push_next(&mut subgroup)
+        .push_next(&mut three)
+        .push_next(&mut driver)
+        .push_next(&mut floats);
     // SAFETY: the device comes from the instance, and the chain is of structures of Vulkan 1.2.
     unsafe { instance.get_physical_device_properties2(physical, &mut all) };
     let properties = all.properties;
@@ -251,6 +281,9 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
         timestamp_period: if stamps { f64::from(properties.limits.timestamp_period) } else { 0.0 },
         // Mesa's LP_MAX_TGSI_LOOP_ITERATIONS.
         loop_turns: if driver.driver_id == vk::DriverId::MESA_LLVMPIPE { 65_535 } else { 0 },
+        // Without independence the request would have to be made for floats of all sizes.
+        keeps_denormals: floats.shader_denorm_preserve_float32 == vk::TRUE
+            && floats.denorm_behavior_independence != vk::ShaderFloatControlsIndependence::NONE,
         cache_key: properties.pipeline_cache_uuid,
     }
 }
@@ -269,6 +302,11 @@ impl Drop for Device {
         if self.owned.is_some() {
             // SAFETY: as above.
             unsafe { self.raw.destroy_device(None) };
+        }
+        if self.strict.load(Ordering::Relaxed) && !std::thread::panicking() {
+            // Of what was destroyed, or left over.
+            let messages = self.take_messages();
+            assert!(messages.is_empty(), "the validation layer said at the end:\n{}", messages.join("\n"));
         }
     }
 }

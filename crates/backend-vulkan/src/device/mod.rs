@@ -5,6 +5,7 @@ mod choose;
 mod fault;
 mod inject;
 mod instance;
+mod listen;
 mod logical;
 mod memory;
 mod module;

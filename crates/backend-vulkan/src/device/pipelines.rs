@@ -65,7 +65,8 @@ impl Pipelines {
         if let Some(kernel) = self.compiled.get(&key) {
             return Ok(*kernel);
         }
-        let words = module.words();
+        let keep = self.device.limits.keeps_denormals;
+        let words = if keep { module.words_that_keep_denormals() } else { module.words() };
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: our own SPIR-V, validated when it was committed.
         let shader = unsafe { self.device.raw.create_shader_module(&info, None) }.map_err(during(module.name))?;

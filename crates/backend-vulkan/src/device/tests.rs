@@ -1,9 +1,12 @@
 //! The device layer by itself.
 
+use std::sync::Arc;
+
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Error, Photon, Stage};
 
+use super::instance::Instance;
 use crate::{Vulkan, shaders};
 
 #[repr(C)]
@@ -219,19 +222,65 @@ fn pipelines_are_compiled_once() {
     assert_ne!(first, pipeline(&mut on, &shaders::INDEX_GATHER, &[0, 64]));
 }
 
-/// Drivers give a process only so many instances in all: those who do not ask for layers share one.
+/// A driver is not unloaded between one device and the next: all share an instance, and those that the validation
+/// layer looks at share another.
 #[test]
 fn devices_opened_one_after_another_share_an_instance() {
-    if Vulkan::for_tests().is_none() {
+    let Some(first) = Vulkan::for_tests() else { return };
+    let watched = first.is_watched();
+    drop(first);
+    for validation in [false, watched] {
+        let shared = Instance::shared(validation).unwrap();
+        for _ in 0..3 {
+            let on = Vulkan::with_options(&crate::Options { validation, ..crate::Options::default() }).unwrap();
+            assert!(on.validation_messages().is_empty());
+            assert!(Arc::ptr_eq(&shared, &Instance::shared(validation).unwrap()));
+        }
+    }
+    if watched {
+        assert!(!Arc::ptr_eq(&Instance::shared(false).unwrap(), &Instance::shared(true).unwrap()));
+    }
+}
+
+/// Each of many, as the layer must not tire of the same one: nobody would hear of what another device does.
+#[test]
+fn a_message_counts_for_its_own_device_alone() {
+    const TIMES: usize = 24;
+    let Some(before) = Vulkan::for_tests() else { return };
+    if !before.is_watched() {
         return;
     }
-    let shared = super::instance::Instance::shared().unwrap();
-    for _ in 0..3 {
-        let on = Vulkan::with_options(&crate::Options::default()).unwrap();
-        assert!(on.validation_messages().is_empty());
-        let again = super::instance::Instance::shared().unwrap();
-        assert!(std::sync::Arc::ptr_eq(&shared, &again));
+    let mut wrong = Vulkan::for_tests().unwrap();
+    let mut after = Vulkan::for_tests().unwrap();
+    let memory = wrong.memory("some buffer", 64).unwrap();
+    // Past the end, by way of the recorder, which does not check.
+    for _ in 0..TIMES {
+        wrong.recorder.fill(&memory, 0, 1 << 20, 0).unwrap();
     }
-    let watched = super::instance::Instance::watched().unwrap();
-    assert!(!std::sync::Arc::ptr_eq(&shared, &watched));
+    wrong.recorder.forget();
+    let said = wrong.validation_messages();
+    assert_eq!(said.iter().filter(|message| message.contains("some buffer")).count(), TIMES, "{said:?}");
+    // What is made and done later is heard as well, and is not mistaken for the other's.
+    let fine = after.memory("another", 64).unwrap();
+    after.fill(&fine, 0, 64, 1).unwrap();
+    after.finish().unwrap();
+    assert_eq!([before.validation_messages(), after.validation_messages()], [const { Vec::<String>::new() }; 2]);
+    assert_fails(wrong);
+    drop((before, after));
+}
+
+/// Of a buffer that is there when its device goes.
+#[test]
+fn what_is_left_over_is_a_message_too() {
+    let Some(on) = Vulkan::for_tests() else { return };
+    if !on.is_watched() || on.limits().loop_turns == 0 {
+        eprintln!("skipped: for lavapipe under the validation layer");
+        return;
+    }
+    let info = vk::BufferCreateInfo::default().size(64).usage(vk::BufferUsageFlags::TRANSFER_DST);
+    // SAFETY: the device is alive; that the buffer is never destroyed is what is tested.
+    let left = unsafe { on.device.raw.create_buffer(&info, None) }.unwrap();
+    on.device.name(left, "left over");
+    assert_eq!(on.validation_messages(), Vec::<String>::new());
+    assert_fails(on);
 }

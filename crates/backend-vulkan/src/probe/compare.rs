@@ -2,16 +2,20 @@
 
 use std::fmt;
 
+use super::draw::input;
 use super::table::Row;
-use super::{Input, Output};
+use super::{Input, Output, run};
+use crate::{Vulkan, shaders};
 
 /// How far a function may be from its twin, word by word.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Bound {
     /// Integers: the same.
     Words,
-    /// Floats: the same bits; but what is below the normal range may be 0, and 0 has no sign.
+    /// Floats: the same bits, but 0 has no sign. See [`Denormals`].
     Bits,
+    /// The same of a function that magnifies what it is given, so many times for an input.
+    BitsMagnified(fn(&Input) -> f64),
     /// Floats: so far apart.
     Within(f64),
     /// Floats: so far apart, as a share of the twin's.
@@ -26,7 +30,7 @@ impl fmt::Display for Bound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Words => write!(f, "the same"),
-            Self::Bits => write!(f, "the same bits"),
+            Self::Bits | Self::BitsMagnified(_) => write!(f, "the same bits"),
             Self::Within(most) => write!(f, "{most:e}"),
             Self::Relative(most) => write!(f, "{most:e} of the value"),
             Self::Conditioned(most, by, _) => write!(f, "{most:e} times {by}"),
@@ -35,17 +39,54 @@ impl fmt::Display for Bound {
     }
 }
 
+/// What a device does with floats below 2⁻¹²⁶, f32's smallest normal number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Denormals {
+    /// It computes with them as with others. Bounds hold as they stand.
+    Kept,
+    /// It may take any of them for 0: inputs, results, and what is between. Bounds hold of the twin's value for
+    /// the inputs or for the inputs with 0 for each of them, and [`FLUSHED`] is added to bounds of floats.
+    Flushed,
+}
+
+impl Denormals {
+    /// As the device says; of one that promises nothing, as a product of it shows.
+    pub(super) fn of(on: &mut Vulkan) -> photon_core::Result<Self> {
+        if on.limits().keeps_denormals {
+            return Ok(Self::Kept);
+        }
+        // Function 2 ends with the scalar product.
+        let tiny = input([1e-30, 1e-40, 0.0, 0.0], [1e-10, 0.0, 0.0, 0.0], [0.0; 4]);
+        let outputs = run(on, &shaders::PROBE_MATH, 2, &[tiny])?;
+        Ok(if f32::from_bits(outputs[0][3]) > 0.0 { Self::Kept } else { Self::Flushed })
+    }
+}
+
+/// What numbers that are taken for 0 may take from a result: a scalar product is three products and two sums, and
+/// no function that is compared by bits has more. One that magnifies them says how much.
+const FLUSHED: f64 = 5.0 * f32::MIN_POSITIVE as f64;
+
+/// The input with 0 for each float below the normal range; `None` if it has none. Small whole numbers stay.
+fn flushed(input: &Input) -> Option<Input> {
+    let below = |word: u32| (0x1_0000..0x80_0000).contains(&(word & 0x7FFF_FFFF));
+    let other = Input(input.0.map(|word| if below(word) { word & 0x8000_0000 } else { word }));
+    (other.0 != input.0).then_some(other)
+}
+
 /// The worst distance as a share of the bound; integers and bits give 0.
 ///
 /// # Errors
 /// The function, and the input that is farthest beyond the bound.
-pub(super) fn worst(row: &Row, inputs: &[Input], outputs: &[Output]) -> Result<f64, String> {
+pub(super) fn worst(row: &Row, inputs: &[Input], outputs: &[Output], denormals: Denormals) -> Result<f64, String> {
     let mut worst = 0.0;
     let mut culprit = None;
     for (input, output) in inputs.iter().zip(outputs) {
         let twin = (row.twin)(input);
-        for (&ours, &theirs) in output.iter().zip(&twin) {
-            let share = share(row.bound, input, ours, theirs);
+        let other = if denormals == Denormals::Flushed { flushed(input) } else { None };
+        let other = other.map_or(twin, |input| (row.twin)(&input));
+        for ((&ours, &theirs), &other) in output.iter().zip(&twin).zip(&other) {
+            let share = [theirs, other].map(|theirs| share(row.bound, denormals, input, ours, theirs));
+            let share = share[0].min(share[1]);
             if share > worst {
                 worst = share;
                 culprit = Some((input, output, twin));
@@ -70,23 +111,22 @@ pub(super) fn worst(row: &Row, inputs: &[Input], outputs: &[Output]) -> Result<f
 }
 
 /// The distance of two words as a share of the bound: above 1 is beyond it.
-fn share(bound: Bound, input: &Input, ours: u32, theirs: u32) -> f64 {
+fn share(bound: Bound, denormals: Denormals, input: &Input, ours: u32, theirs: u32) -> f64 {
     let verdict = |good: bool| if good { 0.0 } else { f64::INFINITY };
     if ours == theirs {
         return 0.0;
     }
     let (a, b) = (f64::from(f32::from_bits(ours)), f64::from(f32::from_bits(theirs)));
     // Neither infinity nor NaN is near anything but itself; the two zeros are.
+    let lost = if denormals == Denormals::Flushed { FLUSHED } else { 0.0 };
     let apart = |most: f64| match (a - b).abs() {
-        distance if distance > 0.0 && b.is_finite() => distance / most,
+        distance if distance > 0.0 && b.is_finite() => distance / (most + lost),
         distance => verdict(distance <= 0.0),
     };
     match bound {
         Bound::Words => f64::INFINITY,
-        Bound::Bits => {
-            let small = |x: f64| x.abs() < f64::from(f32::MIN_POSITIVE);
-            verdict(small(a) && small(b))
-        }
+        Bound::Bits => verdict((a - b).abs() <= lost),
+        Bound::BitsMagnified(times) => verdict((a - b).abs() <= lost * times(input)),
         Bound::Within(most) => apart(most),
         Bound::Relative(most) => apart(most * b.abs()),
         Bound::Conditioned(most, _, condition) => apart(most * condition(input)),
@@ -103,19 +143,37 @@ mod tests {
 
     #[test]
     fn each_bound_can_be_exceeded() {
-        let at = |bound, a: f32, b: f32| share(bound, &Input::default(), a.to_bits(), b.to_bits());
+        let at = |bound, a: f32, b: f32| share(bound, Denormals::Kept, &Input::default(), a.to_bits(), b.to_bits());
         let next = f32::from_bits(1.0_f32.to_bits() + 1);
         assert!(at(Bound::Words, 0.0, -0.0) > 1.0 && at(Bound::Words, 2.0, 2.0) <= 0.0);
-        assert!(at(Bound::Bits, 1.0, next) > 1.0);
-        assert!(at(Bound::Bits, 0.0, -0.0) <= 1.0 && at(Bound::Bits, 1e-40, 0.0) <= 1.0);
-        assert!(at(Bound::Bits, f32::NAN, 0.0) > 1.0);
+        assert!(at(Bound::Bits, 1.0, next) > 1.0 && at(Bound::BitsMagnified(|_| 1e30), 1.0, next) > 1.0);
+        assert!(at(Bound::Bits, 0.0, -0.0) <= 1.0);
+        assert!(at(Bound::Bits, 1e-40, 0.0) > 1.0 && at(Bound::Relative(1e-6), 1e-40, 0.0) > 1.0);
+        assert!(at(Bound::Bits, f32::NAN, 0.0) > 1.0 && at(Bound::Bits, f32::INFINITY, 0.0) > 1.0);
         for bound in [Bound::Within(1e-6), Bound::Relative(1e-6), Bound::Conditioned(1e-7, "ten", |_| 10.0)] {
             assert!(at(bound, 1.0, next) <= 1.0 && at(bound, 1.0, 1.000_01) > 1.0);
             assert!(at(bound, f32::INFINITY, 1.0) > 1.0 && at(bound, 1.0, f32::NAN) > 1.0);
         }
         assert!(at(Bound::Relative(1e-6), 1e-20, 0.0) > 1.0);
-        let step = |a, b| share(Bound::Step, &Input::default(), a, b);
+        let step = |a, b| share(Bound::Step, Denormals::Kept, &Input::default(), a, b);
         assert!(step(0x0001_FFFF, 0x0002_0000) <= 1.0);
         assert!(step(0, 2) > 1.0 && step(0x0002_0000, 0) > 1.0);
+    }
+
+    #[test]
+    fn what_is_flushed_is_small() {
+        let at = |bound, a: f32, b: f32| share(bound, Denormals::Flushed, &Input::default(), a.to_bits(), b.to_bits());
+        let least = f32::MIN_POSITIVE;
+        for bound in [Bound::Bits, Bound::Within(0.0), Bound::Relative(1e-7)] {
+            assert!(at(bound, 1e-40, 0.0) <= 1.0 && at(bound, 9.0 * least, 4.5 * least) <= 1.0);
+            assert!(at(bound, 9.0 * least, 3.5 * least) > 1.0 && at(bound, 1.0, 1.000_001) > 1.0);
+            assert!(at(bound, f32::NAN, 0.0) > 1.0 && at(bound, f32::INFINITY, 0.0) > 1.0);
+        }
+        let ten = Bound::BitsMagnified(|_| 10.0);
+        assert!(at(ten, 45.0 * least, 0.0) <= 1.0 && at(ten, 55.0 * least, 0.0) > 1.0);
+        assert!(at(Bound::Words, 1e-40, 0.0) > 1.0, "integers have no such range");
+        let some = input([1e-40, -1e-40, least, 1.0], [0.0; 4], [0.0; 4]);
+        assert_eq!(flushed(&some).map(|input| input.0), Some(input([0.0, -0.0, least, 1.0], [0.0; 4], [0.0; 4]).0));
+        assert!(flushed(&Input([3; 12])).is_none());
     }
 }

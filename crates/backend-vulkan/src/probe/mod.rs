@@ -4,6 +4,7 @@
 
 mod compare;
 mod draw;
+mod flushed;
 mod layout;
 pub(crate) mod push;
 mod rules;
@@ -15,6 +16,7 @@ mod triangle;
 use bytemuck::{Pod, Zeroable};
 use photon_core::Result;
 
+use self::compare::Denormals;
 use crate::Vulkan;
 use crate::device::Module;
 
@@ -59,11 +61,13 @@ fn run(on: &mut Vulkan, module: &'static Module, function: u32, inputs: &[Input]
 #[test]
 fn every_function_is_within_its_bound_of_its_twin() {
     let Some(mut on) = Vulkan::for_tests() else { return };
+    let denormals = Denormals::of(&mut on).unwrap();
+    eprintln!("{}, denormals {denormals:?}", on.limits().name);
     let mut failures = Vec::new();
     for row in table::rows() {
         let inputs = draw::inputs(row.draw);
         let outputs = run(&mut on, row.module, row.function, &inputs).unwrap();
-        match compare::worst(&row, &inputs, &outputs) {
+        match compare::worst(&row, &inputs, &outputs, denormals) {
             Ok(worst) => eprintln!("{:<24} {worst:>9.3e} of {}", row.name, row.bound),
             Err(message) => failures.push(message),
         }
@@ -87,11 +91,12 @@ fn the_documentation_states_the_bounds() {
 #[test]
 fn a_function_that_rounds_otherwise_fails() {
     let Some(mut on) = Vulkan::for_tests() else { return };
+    let denormals = Denormals::of(&mut on).unwrap();
     let mut row = table::rows().into_iter().find(|row| row.name == "barycentric").unwrap();
     let inputs = draw::inputs(row.draw);
     let outputs = run(&mut on, row.module, row.function, &inputs).unwrap();
-    compare::worst(&row, &inputs, &outputs).unwrap();
+    compare::worst(&row, &inputs, &outputs, denormals).unwrap();
     row.twin = table::fused_barycentric;
-    let message = compare::worst(&row, &inputs, &outputs).unwrap_err();
+    let message = compare::worst(&row, &inputs, &outputs, denormals).unwrap_err();
     assert!(message.starts_with("barycentric"), "{message}");
 }

@@ -99,7 +99,10 @@ fn math_rows(row: Make) -> Vec<Row> {
         ),
         // A division of the smaller by the larger.
         row("turns_of", module, 7, Bound::Relative(7e-7), angle, |i| output([math::turns_of(i.float(0), i.float(1))])),
-        row("cube_root", module, 8, Bound::Bits, root, |i| output([math::cube_root(i.float(0))])),
+        // The last step, which takes back roundings, is of what is left of the cube: 2⁻²³ of it, and less.
+        row("cube_root", module, 8, Bound::BitsMagnified(slope_of_root), root, |i| {
+            output([math::cube_root(i.float(0))])
+        }),
     ]
 }
 
@@ -292,6 +295,12 @@ fn normal(d: &mut Draw) -> f32 {
 fn root(d: &mut Draw) -> Input {
     let x = if d.now_and_then() { d.pick(&[0.0, -0.0, 1e-40, f32::INFINITY, f32::NAN, 1.0, 8.0]) } else { normal(d) };
     input([x, 0.0, 0.0, 0.0], Z, Z)
+}
+
+/// What a change of a number adds to its cube root, over that.
+fn slope_of_root(i: &Input) -> f64 {
+    let root = f64::from(i.float(0)).cbrt();
+    (3.0 * root * root).recip()
 }
 
 /// A vector whose second coordinate, which comes first, is not negative; eighths of a turn and their neighbours among them.

@@ -4,7 +4,7 @@ use photon_core::glam::{DVec3, Vec3};
 use photon_core::{Ray, RayCaster};
 use photon_scene::BruteForce;
 
-use super::compare::{Bound, worst};
+use super::compare::{Bound, Denormals, worst};
 use super::draw::{Draw, input, inputs};
 use super::table::{Row, output};
 use super::{Input, Output, run};
@@ -97,7 +97,8 @@ fn one_triangle_is_met_where_rust_meets_it() {
         input.0[10..].copy_from_slice(&[address as u32, (address >> 32) as u32]);
     }
     let outputs = run(&mut on, row.module, row.function, &inputs).unwrap();
-    let share = worst(&row, &inputs, &outputs).unwrap();
+    let denormals = Denormals::of(&mut on).unwrap();
+    let share = worst(&row, &inputs, &outputs, denormals).unwrap();
     let hits = outputs.iter().filter(|output| output[3] != 0).count();
     let decided = inputs.iter().filter(|input| condition(input).is_finite()).count();
     eprintln!("{:<24} {share:>9.3e} of {}; {hits} hits, {decided} decided", row.name, row.bound);
@@ -106,5 +107,5 @@ fn one_triangle_is_met_where_rust_meets_it() {
 
     // The comparator: weights that are swapped are found.
     let swapped: Vec<Output> = outputs.iter().map(|&[t, u, v, hit, ..]| [t, v, u, hit, 0, 0, 0, 0]).collect();
-    assert!(worst(&row, &inputs, &swapped).is_err());
+    assert!(worst(&row, &inputs, &swapped, denormals).is_err());
 }

@@ -6,6 +6,7 @@ use photon_core::{Facet, Hit, Material, Medium, Ray, RayCaster, Requirements, Sc
 use photon_scene::{Accel, BruteForce};
 
 use super::VulkanScene;
+use super::silhouette::{Judge, TOLERANCE};
 use crate::{RayPlan, Vulkan};
 
 type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
@@ -49,19 +50,6 @@ fn cast(on: &mut Vulkan, scene: &VulkanScene, rays: &[Ray]) -> (Vec<Option<Hit>>
         }
     }
     (hits, on.cast_shadow_rays(scene, rays).unwrap())
-}
-
-/// Rounding of division alone may tell hits apart: 2.5 units in the last place each for the shear's
-/// two quotients and the distance's, and what cancels in the edge functions on top.
-const TOLERANCE: f32 = 1e-5;
-
-/// Whether two answers are the same but for rounding.
-fn agrees(found: Option<Hit>, expected: Option<Hit>) -> bool {
-    match (found, expected) {
-        (None, None) => true,
-        (Some(a), Some(b)) => (a.t - b.t).abs() <= TOLERANCE * b.t.max(0.1),
-        _ => false,
-    }
 }
 
 fn soup(count: u32) -> Mesh {
@@ -131,29 +119,45 @@ fn hits_agree_with_those_of_the_processor() {
         let scene = prepare(&mut on, &mesh);
         let rays = rays_through(&mesh, 20_000);
         let (hits, shadows) = cast(&mut on, &scene, &rays);
-        let (mut apart, mut other, mut count) = (0, 0, 0);
-        for ((ray, &hit), &shadow) in rays.iter().zip(&hits).zip(&shadows) {
+        let judge = Judge::new(&mesh);
+        let (mut apart, mut open, mut count) = (0, 0, 0);
+        for (number, ((ray, &hit), &shadow)) in rays.iter().zip(&hits).zip(&shadows).enumerate() {
             let expected = caster.nearest(ray);
-            apart += u32::from(!agrees(hit, expected));
-            other += u32::from(hit.map(|h| h.primitive) != expected.map(|h| h.primitive));
-            count += u32::from(hit.is_some());
             assert_eq!(shadow, hit.is_some(), "{ray:?}: {hit:?}, and shadow {shadow}");
+            count += u32::from(hit.is_some());
+            apart += u32::from(hit.map(|hit| hit.primitive) != expected.map(|hit| hit.primitive));
+            // Every ray is judged, but where that takes too long those that the two do not agree about.
+            if mesh.1.len() > 1000 && agree(hit, expected) {
+                continue;
+            }
+            let verdict = judge.verdict(ray);
+            for answer in [hit, expected] {
+                assert!(verdict.allows(answer), "{ray:?}: {hit:?}, on the processor {expected:?}; {verdict:?}");
+            }
+            // Rounding decides nothing but about rays that are aimed at vertices, and a few by chance.
+            open += u32::from(verdict.is_open() && number % 5 != 1);
         }
-        println!("{} triangles: {count} hits, {apart} apart, {other} of another triangle", mesh.1.len());
+        println!("{} triangles: {count} hits, {apart} of another triangle or none, {open} open", mesh.1.len());
         assert!(count > 10, "{} triangles: {count} hits", mesh.1.len());
-        // Rays along an edge of a triangle that is alone may pass it on either side.
-        assert!(apart <= 2, "{} triangles: {apart} rays apart", mesh.1.len());
-        // A fifth of the rays aim at vertices, where several triangles are hit at once.
-        assert!(other <= count / 5, "{} triangles: {other} others of {count}", mesh.1.len());
+        assert!(open <= 20, "{} triangles: {open} rays by no vertex are open", mesh.1.len());
+    }
+}
+
+/// Whether two answers are the same but for rounding.
+fn agree(found: Option<Hit>, expected: Option<Hit>) -> bool {
+    match (found, expected) {
+        (None, None) => true,
+        (Some(a), Some(b)) => (a.t - b.t).abs() <= TOLERANCE as f32 * b.t.max(0.1),
+        _ => false,
     }
 }
 
 #[test]
 fn what_differs_is_noticed() {
     let hit = |t, primitive| Some(Hit { t, primitive, u: 0.2, v: 0.2 });
-    assert!(agrees(hit(0.5, 1), hit(0.5, 1)) && agrees(None, None));
-    assert!(!agrees(hit(0.5, 1), hit(0.5001, 1)));
-    assert!(!agrees(None, hit(0.5, 1)) && !agrees(hit(0.5, 1), None));
+    assert!(agree(hit(0.5, 1), hit(0.5, 1)) && agree(None, None));
+    assert!(!agree(hit(0.5, 1), hit(0.5001, 1)));
+    assert!(!agree(None, hit(0.5, 1)) && !agree(hit(0.5, 1), None));
 }
 
 /// No ray from inside a closed surface escapes, wherever it is aimed.

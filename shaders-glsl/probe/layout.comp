@@ -31,7 +31,8 @@ void main() {
         case 4u: COPY(Spreads); break;
         case 5u: COPY(Facets); break;
         case 6u: COPY(Materials); break;
-        case 7u: COPY(Lights); break;
+        case 7u: COPY(Media); break;
+        case 8u: COPY(Lights); break;
         default: COPY(Cameras); break;
     }
 }

@@ -1,5 +1,5 @@
 //! What each feature costs a scene that has it, and one that has not: `cargo xtask requirements` puts that into
-//! `docs/requirements.md`.
+//! `docs/studies/requirements.md`.
 //!
 //! Bytes, time and bits for each feature, derived beside widened, on every backend, in Markdown; of all scenes,
 //! or of those named. `--work SCENE derived|widened PATHS PASSES`: so many passes of so many paths on one thread of the

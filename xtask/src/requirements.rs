@@ -1,4 +1,4 @@
-//! `docs/requirements.md`: what is not required costs nothing. Instructions on the CPU by callgrind, of the
+//! `docs/studies/requirements.md`: what is not required costs nothing. Instructions on the CPU by callgrind, of the
 //! shaders by `spirv-opt`; bytes, time and bits by the program that the rows come from.
 
 use std::fmt::Write as _;
@@ -6,7 +6,7 @@ use std::fs;
 
 use crate::shell;
 
-const FILE: &str = "docs/requirements.md";
+const FILE: &str = "docs/studies/requirements.md";
 
 /// What stands before this line is written by hand and kept.
 const MARK: &str = "<!-- rows: written by `cargo xtask requirements` -->\n";

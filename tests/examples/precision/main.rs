@@ -1,4 +1,4 @@
-//! Writes the tables of `docs/precision.md`, behind what is written there by hand, and its plot. Run it in release:
+//! Writes the tables of `docs/studies/precision.md`, behind what is written there by hand, and its plot. Run it in release:
 //! some minutes.
 #![expect(clippy::print_stderr, reason = "progress goes to stderr")]
 
@@ -32,9 +32,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     add(&|| stages::near_one());
     add(&|| stages::pole(&[0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4]));
 
-    let file = root.join("docs/precision.md");
+    let file = root.join("docs/studies/precision.md");
     let text = std::fs::read_to_string(&file)?;
-    let head = text.find(MARK).map(|at| &text[..at]).ok_or("docs/precision.md has lost its mark")?;
+    let head = text.find(MARK).map(|at| &text[..at]).ok_or("docs/studies/precision.md has lost its mark")?;
     let body: Vec<String> = tables.iter().map(Table::markdown).collect();
     std::fs::write(&file, format!("{head}{MARK}\n{}", body.join("\n")))?;
     std::fs::write(root.join("docs/images/precision.svg"), picture(&tables))?;

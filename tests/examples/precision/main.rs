@@ -58,7 +58,7 @@ fn picture(tables: &[Table]) -> String {
             1,
             &[
                 ("first landing is off by, rooms, median", "first landing off by, rooms, median"),
-                ("at the fourth", "paths parted at the fourth landing"),
+                ("at the fourth", "paths diverged at the fourth landing"),
                 ("flux onto the floor, relative", "flux onto the floor, relative"),
                 ("± standard error", "its standard error"),
                 ("paths out of the closed room", "paths out of the closed room"),
@@ -71,7 +71,7 @@ fn picture(tables: &[Table]) -> String {
         lines: lines(
             3,
             &[
-                ("paths parted there or before", "paths parted"),
+                ("paths diverged there or before", "paths diverged"),
                 ("off by, rooms, median", "off by, rooms, median"),
                 ("power, relative, 99 of 100", "power, relative, 99 of 100"),
             ],

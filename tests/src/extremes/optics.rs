@@ -24,7 +24,7 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     refused(sheet);
     sheet.proved(
         "S12",
-        "an index of 1 is not there: the picture's bits are the same",
+        "a solid of index 1 is invisible: the picture's bits are the same",
         "ior 1",
         "exact",
         dielectrics::t13_ior_one_is_invisible::<T>,
@@ -298,7 +298,7 @@ fn refused(sheet: &mut Sheet) {
         indices.iter().all(|&ior| bad(MaterialDesc::glass("culprit", ior)) && bad(MaterialDesc::thin("culprit", ior)));
     sheet.holds(
         "S13",
-        "indices that are none are refused by name",
+        "invalid indices are refused by name",
         "0, −1.5, 1e-40, 1e39, NaN, ∞",
         "typed errors",
         good,

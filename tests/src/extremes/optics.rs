@@ -296,11 +296,5 @@ fn refused(sheet: &mut Sheet) {
     let indices = [0.0, -1.5, 1e-40, 1e39, f64::NAN, f64::INFINITY];
     let good =
         indices.iter().all(|&ior| bad(MaterialDesc::glass("culprit", ior)) && bad(MaterialDesc::thin("culprit", ior)));
-    sheet.holds(
-        "S13",
-        "invalid indices are refused by name",
-        "0, −1.5, 1e-40, 1e39, NaN, ∞",
-        "typed errors",
-        good,
-    );
+    sheet.holds("S13", "invalid indices are refused by name", "0, −1.5, 1e-40, 1e39, NaN, ∞", "typed errors", good);
 }

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::records::{Body, Note, Part, Row, Sweep};
 use crate::csv_tables;
+use crate::records::{Body, Note, Part, Row, Sweep};
 use crate::tables::{backends, head, scenes, sweeps, time};
 
 /// Truths beside an unbiased path tracer.

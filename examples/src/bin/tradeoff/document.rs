@@ -33,8 +33,10 @@ pub(crate) fn markdown(parts: &[Part], folder: &Path, name: &str) -> String {
     let mut sizes: Vec<String> = Vec::new();
     for part in parts {
         if let Body::Sweep(sweep) = &part.body {
-            let size =
-                format!("{0} × {0} pixels, {1} seeds per row, {2} paths per pass", sweep.size, sweep.seeds, sweep.photons);
+            let size = format!(
+                "{0} × {0} pixels, {1} seeds per row, {2} paths per pass",
+                sweep.size, sweep.seeds, sweep.photons
+            );
             if !sizes.contains(&size) {
                 sizes.push(size);
             }

@@ -8,7 +8,7 @@ use crate::shell;
 const QUICK: &str = "docs/studies/extremes.csv";
 const LONG: &str = "docs/studies/extremes-long.csv";
 
-const RUN: [&str; 7] = ["cargo", "run", "--quiet", "--locked", "-p", "photon-tests", "--example"];
+const RUN: [&str; 7] = ["cargo", "run", "--quiet", "--locked", "-p", "studies", "--bin"];
 
 /// The quick extent, a minute or two.
 pub(crate) fn quick() -> Result<(), String> {

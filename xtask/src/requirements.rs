@@ -44,7 +44,7 @@ pub(crate) fn write() -> Result<(), String> {
 }
 
 fn measured(arguments: &[&str]) -> Result<String, String> {
-    let run = ["cargo", "run", "--quiet", "--locked", "-p", "photon-tests", "--example", "requirements", "--"];
+    let run = ["cargo", "run", "--quiet", "--locked", "-p", "studies", "--bin", "requirements", "--"];
     shell::capture(&[&run, arguments].concat())
 }
 

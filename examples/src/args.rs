@@ -39,7 +39,7 @@ pub struct Args {
     /// List the devices that Vulkan offers, and what each lacks.
     #[arg(long)]
     pub devices: bool,
-    /// Lights, materials and cameras that the file lacks (see docs/overrides.md).
+    /// Lights, materials and cameras that the file lacks (see docs/scene-files.md).
     #[arg(long, value_name = "FILE.toml")]
     pub overrides: Option<PathBuf>,
     /// Where to render.

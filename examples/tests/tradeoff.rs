@@ -23,6 +23,8 @@ fn parts_of_several_calls_become_one_document() {
     let output = tradeoff(&["--assemble", out, "--document", document.to_str().unwrap()]);
     assert!(output.status.success(), "{output:?}");
     let text = std::fs::read_to_string(document.with_file_name("accuracy-claims.md")).unwrap();
+    let rows = std::fs::read_to_string(document.with_file_name("accuracy-rows.csv")).unwrap();
+    assert!(rows.starts_with("scene,knob,value,passes,"), "{rows}");
     assert!(std::fs::read_to_string(document).unwrap().contains("(accuracy-claims.md)"));
     for expected in ["| bump of 0.7 | 0.67 | bias² | 2 to 64 |", "| furnace | 64 | 2 |"] {
         assert!(text.contains(expected), "{expected} in\n{text}");

@@ -1,4 +1,4 @@
-//! What each tool against bias gains and costs: the tables of `docs/debiasing.md`.
+//! What each tool against bias gains and costs: the tables of `docs/studies/debiasing.md`.
 //!
 //! `debias SCENE [--backend cpu|vulkan] [--size N] [--seeds N] [--passes N] [--photons N] [--reference N]
 //! [--part area|gather|bandwidth|plane]`: Markdown rows of error, with and without. Errors are squared over the

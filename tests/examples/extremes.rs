@@ -1,5 +1,5 @@
 //! Runs the extremes on every backend that is here and prints them in Markdown: `cargo xtask extremes` puts
-//! that into `docs/extremes.md`. With `--long`, everything; `--only NAME` for one backend, `--group NAME` for one
+//! that into `docs/studies/extremes.csv`. With `--long`, everything; `--only NAME` for one backend, `--group NAME` for one
 //! group of cases.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "results go to stdout, progress to stderr")]
 

@@ -1,5 +1,5 @@
 //! What each feature costs a scene that has it, and one that has not: `cargo xtask requirements` puts that into
-//! `docs/requirements.md`.
+//! `docs/studies/requirements.md`.
 //!
 //! Bytes, time and bits for each feature, derived beside widened, on every backend, in Markdown; of all scenes,
 //! or of those named. `--work SCENE derived|widened PATHS PASSES`: so many passes of so many paths on one thread of the
@@ -27,11 +27,11 @@ const SCENES: [&str; 16] = [
     "direct map",
     "final gather",
     "aimed photons",
-    "area of surfaces",
-    "photons near the plane",
-    "errors",
-    "radii of pixels",
-    "irradiance beforehand",
+    "area correction",
+    "plane distance",
+    "error estimates",
+    "radius per pixel",
+    "precomputed irradiance",
 ];
 
 fn main() {
@@ -109,11 +109,11 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
         "direct map" => settings.direct = Direct::Photons,
         "final gather" => settings.indirect = Indirect::Gather,
         "aimed photons" => settings.caustic_photons = CausticPhotons::Aimed(photons / 4),
-        "area of surfaces" => settings.area = Area::Surface,
-        "photons near the plane" => settings.max_plane_distance = 0.25,
-        "errors" => settings.errors = true,
-        "radii of pixels" => (settings.errors, settings.bandwidth) = (true, Bandwidth::PerPixel),
-        "irradiance beforehand" => (settings.indirect, settings.irradiance_every) = (Indirect::Gather, Some(8)),
+        "area correction" => settings.area = Area::Surface,
+        "plane distance" => settings.max_plane_distance = 0.25,
+        "error estimates" => settings.errors = true,
+        "radius per pixel" => (settings.errors, settings.bandwidth) = (true, Bandwidth::PerPixel),
+        "precomputed irradiance" => (settings.indirect, settings.irradiance_every) = (Indirect::Gather, Some(8)),
         _ => {}
     }
     (builder.build().unwrap(), settings)

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use crate::{constants, duplicates, extremes, licences, loaders, msrv, requirements, shaders, shell, tidy};
+use crate::{book, constants, duplicates, extremes, licences, loaders, msrv, requirements, shaders, shell, tidy};
 
 /// Something that passes or fails.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub(crate) struct Step {
 
 /// In this order: what fails fastest comes first; the tests come last, so that the closing line of
 /// their runner ends the output.
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 13] = [
     Step { name: "fmt", what: "formatting", run: fmt },
     Step { name: "tidy", what: "rules for the files themselves", run: tidy::step },
     Step { name: "duplicates", what: "glam and ash in one version each", run: duplicates::step },
@@ -27,6 +27,7 @@ const STEPS: [Step; 12] = [
         what: "committed SPIR-V is what the GLSL compiles to, and valid",
         run: shaders::fresh,
     },
+    Step { name: "book", what: "links of the documentation; docs/ as a book in target/book", run: book::step },
     Step { name: "clippy", what: "lints, warnings are errors", run: clippy },
     Step { name: "features", what: "the libraries without their optional parts", run: features },
     Step { name: "doc", what: "documentation, warnings are errors", run: doc },
@@ -38,14 +39,14 @@ const STEPS: [Step; 12] = [
 const WRITERS: [Step; 6] = [
     Step { name: "constants", what: "write the numbers that GLSL shares with Rust", run: constants::write },
     Step { name: "shaders", what: "the same, then compile the GLSL, write the SPIR-V", run: shaders::write },
-    Step { name: "extremes", what: "write docs/extremes.md from a run, two minutes", run: extremes::quick },
-    Step { name: "extremes-long", what: "write docs/extremes-long.md, most of an hour", run: extremes::long },
+    Step { name: "extremes", what: "write docs/studies/extremes.csv from a run, two minutes", run: extremes::quick },
+    Step { name: "extremes-long", what: "write docs/studies/extremes-long.csv, most of an hour", run: extremes::long },
     Step {
         name: "extremes-rows",
         what: "write it from out/extremes-long.md, printed by `extremes --long` on another machine",
         run: extremes::elsewhere,
     },
-    Step { name: "requirements", what: "write docs/requirements.md, some minutes", run: requirements::write },
+    Step { name: "requirements", what: "write docs/studies/requirements.md, some minutes", run: requirements::write },
 ];
 
 /// The steps by their names, in the order given; `ci` stands for all.

@@ -1,4 +1,6 @@
 //! Licences of everything that the libraries and programs are linked with.
+//!
+//! `xtask-book` is a workspace of its own and not looked at: mdBook is MPL-2.0, but only renders the documentation.
 
 use crate::graph::{Graph, Kind};
 

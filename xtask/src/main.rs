@@ -1,12 +1,14 @@
 //! Chores of this workspace: `cargo xtask ci`, or any of its steps by name.
 #![forbid(unsafe_code)]
 
+mod book;
 mod ci;
 mod constants;
 mod duplicates;
 mod extremes;
 mod graph;
 mod licences;
+mod links;
 mod loaders;
 mod msrv;
 mod requirements;

@@ -1,12 +1,12 @@
-//! `docs/requirements.md`: what is not required costs nothing. Instructions on the CPU by callgrind, of the
-//! shaders by `spirv-opt`; bytes, time and bits by the program that the rows come from.
+//! `docs/studies/requirements.md`: what is not required costs nothing. Instructions on the CPU by callgrind, of the
+//! shaders by `spirv-opt`; bytes, time and equality of bits by the study that prints the rows.
 
 use std::fmt::Write as _;
 use std::fs;
 
 use crate::shell;
 
-const FILE: &str = "docs/requirements.md";
+const FILE: &str = "docs/studies/requirements.md";
 
 /// What stands before this line is written by hand and kept.
 const MARK: &str = "<!-- rows: written by `cargo xtask requirements` -->\n";
@@ -44,7 +44,7 @@ pub(crate) fn write() -> Result<(), String> {
 }
 
 fn measured(arguments: &[&str]) -> Result<String, String> {
-    let run = ["cargo", "run", "--quiet", "--locked", "-p", "photon-tests", "--example", "requirements", "--"];
+    let run = ["cargo", "run", "--quiet", "--locked", "-p", "studies", "--bin", "requirements", "--"];
     shell::capture(&[&run, arguments].concat())
 }
 
@@ -52,7 +52,7 @@ fn measured(arguments: &[&str]) -> Result<String, String> {
 /// runs of one pass and of two.
 fn cpu() -> Result<String, String> {
     let mut text = "### Instructions on the CPU (callgrind)\n\n\
-                    Per path of light, and of a pass of 2000 paths and 64×64 pixels as derived, in millions.\n\n\
+                    Per photon path; *a pass* is a whole pass of 2000 paths and 64×64 pixels as derived, in millions.\n\n\
                     | scene | derived | widened | more | a pass |\n|---|---|---|---|---|\n"
         .to_owned();
     let (short, long) = (2000_u32, 6000_u32);
@@ -98,7 +98,8 @@ fn instructions(scene: &str, how: &str, paths: u32, passes: u32) -> Result<u64, 
 /// GLSL that never had that feature.
 fn shaders() -> Result<String, String> {
     let mut text = "### Instructions of SPIR-V, specialised and with dead code removed\n\n\
-                    Without the feature, specialised / compiled without it from the start; less than with everything in per cent. What comes before the first function is not counted.\n\n\
+                    Without the feature: specialised / compiled without it from the start, and the reduction against all \
+                    features in per cent. Declarations before the first function are not counted.\n\n\
                     | without | "
         .to_owned();
     text += &KERNELS.join(" | ");

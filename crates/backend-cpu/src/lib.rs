@@ -30,7 +30,12 @@ pub use film::CpuFilm;
 pub use map::CpuMap;
 pub use scene::CpuScene;
 
-/// The README's example, compiled and run as a test of documentation; no part of the library.
+/// The examples of the README, compiled and run as doctests; not part of the library.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// The examples of the guide, likewise.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/getting-started.md")]
+struct GettingStarted;

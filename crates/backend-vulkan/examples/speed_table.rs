@@ -44,7 +44,7 @@ fn run(small: bool, cpu: bool) -> Outcome<()> {
     let mut on = Vulkan::new()?;
     println!("{}, {}", on.limits().name, on.limits().driver);
     println!("\n| work | asked | rival | Morton | median | VVH |\n|---|--:|--:|--:|--:|--:|");
-    // What is asked, and what rivals do (docs/performance.md says which): at 1 M, at 10 M.
+    // What is asked, and what rivals do (docs/studies/performance.md says which): at 1 M, at 10 M.
     let sizes = if small { [2_000, 10_000] } else { [1_000_000, 10_000_000] };
     for (at, count) in sizes.into_iter().enumerate() {
         maps(&mut on, count, at, if small { (64, 36) } else { (1920, 1080) })?;

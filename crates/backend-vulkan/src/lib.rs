@@ -1,7 +1,7 @@
 //! The pipeline on a GPU: Vulkan 1.2 compute shaders, from photon emission to the finished film.
 //!
 //! No rasterisation, no ray-tracing extension, no float atomics. See [`Vulkan`] for where to start,
-//! and `docs/shaders.md` for the kernels.
+//! and `docs/studies/shaders.md` for the kernels.
 //!
 //! Another renderer brings its own device ([`Vulkan::from_raw`]) and its own photons
 //! ([`VulkanBuffer::from_raw`]), which then never leave the card.

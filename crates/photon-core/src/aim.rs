@@ -87,7 +87,7 @@ struct Marking {
 
 impl Aim {
     /// Aiming pays beside other paths where no more than this share of the light could meet something specular:
-    /// where it is a seventh, they take more from the other layers than caustics gain (docs/requirements.md).
+    /// where it is a seventh, they take more from the other layers than caustics gain (docs/studies/requirements.md).
     pub const WORTH: f64 = 0.05;
 
     /// Marks the cells of all lights of `scene`.

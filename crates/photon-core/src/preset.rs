@@ -2,7 +2,7 @@
 
 use crate::settings::{Area, Bandwidth, Settings};
 
-/// How good a picture is to be. The numbers come from `docs/accuracy.md`, which has the rows.
+/// How good a picture is to be. The numbers come from `docs/studies/accuracy.md`, which has the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Preset {
     /// A first look.

@@ -1,4 +1,4 @@
-//! Writes the tables of `docs/precision.md`, behind what is written there by hand, and its plot. Run it in release:
+//! Writes the tables of `docs/studies/precision.md`, behind what is written there by hand, and its plot. Run it in release:
 //! some minutes.
 #![expect(clippy::print_stderr, reason = "progress goes to stderr")]
 
@@ -11,7 +11,7 @@ use photon_tests::precision::{Table, fields, stages, sweeps};
 use plot::{Line, Panel};
 
 /// What stands before this line is kept.
-const MARK: &str = "<!-- tables: written by `cargo run --release -p photon-tests --example precision` -->\n";
+const MARK: &str = "<!-- tables: written by `cargo run --release -p studies --bin precision` -->\n";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("no workspace")?;
@@ -32,9 +32,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     add(&|| stages::near_one());
     add(&|| stages::pole(&[0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4]));
 
-    let file = root.join("docs/precision.md");
+    let file = root.join("docs/studies/precision.md");
     let text = std::fs::read_to_string(&file)?;
-    let head = text.find(MARK).map(|at| &text[..at]).ok_or("docs/precision.md has lost its mark")?;
+    let head = text.find(MARK).map(|at| &text[..at]).ok_or("docs/studies/precision.md has lost its mark")?;
     let body: Vec<String> = tables.iter().map(Table::markdown).collect();
     std::fs::write(&file, format!("{head}{MARK}\n{}", body.join("\n")))?;
     std::fs::write(root.join("docs/images/precision.svg"), picture(&tables))?;
@@ -58,7 +58,7 @@ fn picture(tables: &[Table]) -> String {
             1,
             &[
                 ("first landing is off by, rooms, median", "first landing off by, rooms, median"),
-                ("at the fourth", "paths parted at the fourth landing"),
+                ("at the fourth", "paths diverged at the fourth landing"),
                 ("flux onto the floor, relative", "flux onto the floor, relative"),
                 ("± standard error", "its standard error"),
                 ("paths out of the closed room", "paths out of the closed room"),
@@ -71,7 +71,7 @@ fn picture(tables: &[Table]) -> String {
         lines: lines(
             3,
             &[
-                ("paths parted there or before", "paths parted"),
+                ("paths diverged there or before", "paths diverged"),
                 ("off by, rooms, median", "off by, rooms, median"),
                 ("power, relative, 99 of 100", "power, relative, 99 of 100"),
             ],

@@ -2,7 +2,7 @@
 //!
 //! Each group of cases fills a [`Sheet`] with rows: what was tried, over which range, what came of it. The quick
 //! extent runs in the ordinary tests; `cargo xtask extremes` writes the rows of every backend into
-//! `docs/extremes.md`.
+//! `docs/studies/extremes.csv`.
 
 pub mod geometry;
 pub mod large;

@@ -24,7 +24,7 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     refused(sheet);
     sheet.proved(
         "S12",
-        "an index of 1 is not there: the picture's bits are the same",
+        "a solid of index 1 is invisible: the picture's bits are the same",
         "ior 1",
         "exact",
         dielectrics::t13_ior_one_is_invisible::<T>,
@@ -296,11 +296,5 @@ fn refused(sheet: &mut Sheet) {
     let indices = [0.0, -1.5, 1e-40, 1e39, f64::NAN, f64::INFINITY];
     let good =
         indices.iter().all(|&ior| bad(MaterialDesc::glass("culprit", ior)) && bad(MaterialDesc::thin("culprit", ior)));
-    sheet.holds(
-        "S13",
-        "indices that are none are refused by name",
-        "0, −1.5, 1e-40, 1e39, NaN, ∞",
-        "typed errors",
-        good,
-    );
+    sheet.holds("S13", "invalid indices are refused by name", "0, −1.5, 1e-40, 1e39, NaN, ∞", "typed errors", good);
 }

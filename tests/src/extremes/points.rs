@@ -27,7 +27,7 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     sheet.proved("S8", "all photons equal; collinear", "1e6; 1e4", "exact", numerics::s8_degenerate_maps::<T>);
     sheet.proved(
         "S9",
-        "what is not finite is refused by name",
+        "non-finite input is refused by name",
         "NaN, ∞ in photons and vertices",
         "typed errors",
         numerics::s9_not_finite::<T>,
@@ -62,7 +62,7 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     );
     sheet.proved(
         "—",
-        "sharing of work changes no bit",
+        "scheduling changes no bit",
         "1 to 7 threads, batches",
         "exact",
         determinism::photons_do_not_depend_on_sharing::<T>,

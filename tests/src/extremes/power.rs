@@ -35,7 +35,7 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     );
     sheet.proved(
         "S29",
-        "nothing to render is named",
+        "empty scenes are refused by name",
         "no light, no receiver, no pixel, no area",
         "typed errors",
         numerics::s29_nothing_to_render::<T>,

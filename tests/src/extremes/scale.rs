@@ -29,7 +29,7 @@ fn leaks<T: TestBackend>(sheet: &mut Sheet) {
         lost += tally.escaped + tally.dropped;
     }
     let range = format!("10^k m, k = {exponents:?}, {met} bounces");
-    sheet.holds("S1", "closed rotated box, albedo 0.99: paths that get out", range, lost.to_string(), lost == 0);
+    sheet.holds("S1", "closed rotated box, albedo 0.99: paths that escape", range, lost.to_string(), lost == 0);
 
     let rooms = [
         ("drum of 512 sides, slivers", turned_drum(0.99, 1.0), sheet.either(300, 20_000)),
@@ -40,7 +40,7 @@ fn leaks<T: TestBackend>(sheet: &mut Sheet) {
         let (_, tally) = trace::<T>(2, &scene, &Settings { max_bounces: 2000, ..Settings::default() }, &[paths]);
         let lost = tally.escaped + tally.dropped;
         let range = format!("{} bounces", tally.surfaces);
-        sheet.holds("S1", format!("closed rotated {name}: paths that get out"), range, lost.to_string(), lost == 0);
+        sheet.holds("S1", format!("closed rotated {name}: paths that escape"), range, lost.to_string(), lost == 0);
     }
 }
 

@@ -60,7 +60,7 @@ fn fields_of_view<T: TestBackend>(sheet: &mut Sheet) {
     let all = vec![1e-3, 1.0, 90.0, 179.9];
     for degrees in sheet.choose(vec![1e-3, 179.9], all.clone(), all) {
         let error = worst::<T>(glowing(looking(degrees), |_| ()), 1.0, 24);
-        let what = "an even glow all round: largest error of a pixel";
+        let what = "uniform radiance all around: largest error of a pixel";
         sheet.holds("camera", what, format!("field of view {degrees}°"), format!("{error:.1e}"), error < 1e-5);
     }
     let half_height = 1e-6;
@@ -220,7 +220,7 @@ fn large_picture<T: TestBackend>(sheet: &mut Sheet) {
     let error = worst::<T>(glowing(looking(50.0), |_| ()), 1.0, size);
     sheet.holds(
         "S32",
-        "an even glow in every pixel of a large picture",
+        "uniform radiance in every pixel of a large picture",
         format!("{size} × {size}"),
         format!("{error:.1e}"),
         error < 1e-5,

@@ -78,7 +78,12 @@ impl Field {
 pub fn radius(decades: std::ops::RangeInclusive<i32>, queries: usize) -> Table {
     let mut table = Table::new(
         "Search and estimate over the radius, 50 photons within it, 99 of 100 queries",
-        &["radius / scene", "irradiance, relative", "photons on the wrong side of the rim", "r² of the 50th, relative"],
+        &[
+            "radius / scene",
+            "irradiance, relative",
+            "photons on the wrong side of the radius",
+            "r² of the 50th, relative",
+        ],
     );
     for k in decades {
         let errors = Field::new(10.0_f64.powi(-k), 50, queries).errors(50);
@@ -91,7 +96,7 @@ pub fn radius(decades: std::ops::RangeInclusive<i32>, queries: usize) -> Table {
 #[must_use]
 pub fn photons(decades: std::ops::RangeInclusive<u32>, queries: usize) -> Table {
     let columns =
-        ["photons", "irradiance, relative", "photons on the wrong side of the rim", "r² of the 10th, relative"];
+        ["photons", "irradiance, relative", "photons on the wrong side of the radius", "r² of the 10th, relative"];
     let mut table = Table::new("Sums over photons, radius of a tenth of the scene, 99 of 100 queries", &columns);
     for k in decades {
         let within = 10_usize.pow(k);

@@ -1,6 +1,6 @@
 //! Where f32 loses digits, and from where on that shows: the shipped stages of the CPU beside their twins in f64.
 //!
-//! `examples/precision.rs` writes the tables and the plot of `docs/precision.md`; a part of it runs in the ordinary
+//! `examples/precision.rs` writes the tables and the plot of `docs/studies/precision.md`; a part of it runs in the ordinary
 //! tests, with bounds.
 
 pub mod fields;

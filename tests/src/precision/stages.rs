@@ -35,7 +35,7 @@ pub fn all(count: u32) -> Table {
     let step = 1.0 / 1_048_576.0;
     let from_surface = |from: u32, n: DVec3| if from == u32::MAX { DVec3::ZERO } else { n * step };
     row(
-        "emission: origin, but for the step off the lamp",
+        "emission: origin, without the offset from the light",
         both()
             .map(|(ray, start)| {
                 let normal = rounded.normals.get(start.from as usize).copied().unwrap_or_default();

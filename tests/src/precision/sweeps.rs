@@ -15,7 +15,7 @@ pub fn detail(ratios: &[f64], paths: u32) -> Table {
         "scene / room",
         "first landing is off by, rooms, median",
         "99 of 100",
-        "paths parted at the first landing",
+        "paths diverged at the first landing",
         "at the fourth",
         "flux onto the floor, relative",
         "± standard error",
@@ -98,10 +98,10 @@ pub fn places(decades: std::ops::RangeInclusive<i32>, paths: u32) -> Table {
     let columns = [
         "offset / room",
         "f64 input: first landing is off by, rooms, median",
-        "paths parted at the first landing",
+        "paths diverged at the first landing",
         "flux onto the floor, relative",
         "f32 input: first landing is off by, rooms, median",
-        "paths parted at the first landing",
+        "paths diverged at the first landing",
         "flux onto the floor, relative",
     ];
     let mut table = Table::new("A room far from the origin", &columns);
@@ -127,7 +127,7 @@ pub fn places(decades: std::ops::RangeInclusive<i32>, paths: u32) -> Table {
 pub fn path(landings: &[usize], paths: u32) -> Table {
     let columns = [
         "landing",
-        "paths parted there or before",
+        "paths diverged there or before",
         "off by, rooms, median",
         "99 of 100",
         "direction, radians, median",

@@ -1,6 +1,6 @@
 //! Each function of the GLSL library, over a table of inputs, against its Rust twin.
 //!
-//! The bounds stand in [`table`], once for each function, and in `docs/shaders.md`.
+//! The bounds stand in [`table`], once for each function, and in `docs/studies/shaders.md`.
 
 mod compare;
 mod draw;
@@ -80,10 +80,10 @@ fn every_function_is_within_its_bound_of_its_twin() {
 fn the_documentation_states_the_bounds() {
     // Asked at run time: a target folder that was moved must not point back at the old checkout.
     let folder = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| "crates/backend-vulkan".into());
-    let text = std::fs::read_to_string(std::path::Path::new(&folder).join("../../docs/shaders.md")).unwrap();
+    let text = std::fs::read_to_string(std::path::Path::new(&folder).join("../../docs/studies/shaders.md")).unwrap();
     for row in table::rows().into_iter().chain([triangle::row()]) {
         let line = format!("| {} | {} |", row.name, row.bound);
-        assert!(text.lines().any(|known| known == line), "docs/shaders.md lacks: {line}");
+        assert!(text.lines().any(|known| known == line), "docs/studies/shaders.md lacks: {line}");
     }
 }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// Materials, lights, cameras and quadrilaterals to lay over a scene, read from TOML.
 ///
-/// The format is described in the project's `docs/overrides.md`.
+/// The format is described in the project's `docs/scene-files.md`.
 #[derive(Clone, Debug)]
 pub struct Overrides {
     /// For messages.
@@ -43,7 +43,7 @@ impl Overrides {
                     path,
                     line,
                     what,
-                    mend: "docs/overrides.md lists what may stand there".to_owned(),
+                    mend: "docs/scene-files.md lists what may stand there".to_owned(),
                 })
             }
         }

@@ -124,7 +124,7 @@ fn override_faults() {
     let fault = |text: &str| message(parse(text).and_then(|overrides| load(&obj, Some(&overrides))));
     names(
         &fault("\n[materials.wall]\nalbedoo = 1\n"),
-        &["over.toml, line 3", "albedoo", "`albedo`", "docs/overrides.md"],
+        &["over.toml, line 3", "albedoo", "`albedo`", "docs/scene-files.md"],
     );
     names(&fault("[[light]]\n"), &["line 1", "light"]);
     names(&fault("[materials.wal]\n"), &["'wal'", "'wall'", "'lamp'", "new = true"]);

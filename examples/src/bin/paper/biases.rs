@@ -48,7 +48,7 @@ pub(crate) fn all<B: Backend>(on: &mut B) -> Result<Vec<Bias>> {
         Ok(())
     };
     let wide = radius(100.0);
-    compare("extra cosine under even light: 2/3", 2.0 / 3.0, true, [paper(100_000, 0), Rule::Radius], wide)?;
+    compare("extra cosine under uniform light: 2/3", 2.0 / 3.0, true, [paper(100_000, 0), Rule::Radius], wide)?;
     let ten = [paper(10, 0), Rule::Nearest { k: 10 }];
     compare("k/(π r²) with r to the k-th, k = 10: k/(k−1)", 10.0 / 9.0, false, ten, radius(100.0))?;
     let two_hundred = [paper(200, 0), Rule::Nearest { k: 200 }];

@@ -112,7 +112,7 @@ impl Report {
     fn biases(&self) -> String {
         let mut text = String::new();
         for results in &self.all {
-            let mut table = Table::new(&["error", "predicted", "paper's way", "defaults", "as predicted"]);
+            let mut table = Table::new(&["error", "predicted", "paper's method", "defaults", "as predicted"]);
             for bias in &results.biases {
                 let with_error = |(value, error): (f64, f64)| format!("{value:.4} ± {error:.4}");
                 table.row(vec![

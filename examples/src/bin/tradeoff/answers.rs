@@ -26,7 +26,7 @@ fn rows(parts: &[Part]) -> Vec<(&str, &AskedRow)> {
 /// What was predicted and what was reached; a time as `render --time` spends it.
 pub(crate) fn asked(parts: &[Part]) -> String {
     let mut text = String::from(
-        "\n### Asked for\n\nAn error in 95 % of the pixels of which anything is claimed, within 20 s; or a time, spent as `render --time` does.\n*Reached* is the error claimed. Nothing is said of what is covered where the reference has not 27 times the photons of\nthe run, which is a third of its error.\n",
+        "\n### Error and time budgets\n\nAn error target for 95 % of the pixels that have an interval, within 20 s; or a time budget, as `--time` spends it.\n*Reached* is the estimated error. *Covered* is left out where the reference has fewer than 27 times the photons of\nthe run, at which its error is a third of the run's.\n",
     );
     let columns = ["scene", "asked", "backend", "predicted", "took", "reached", "claimed", "covered", "relMSE"];
     text += &head(&columns.map(str::to_owned), 5);
@@ -64,7 +64,7 @@ pub(crate) fn ways(parts: &[Part]) -> String {
         return String::new();
     }
     let mut text = String::from(
-        "\n### Ways to spend a time\n\nrelMSE of one run each, in pictures of 48 × 48 pixels with 20000 paths a pass. Radii are adapted once, after a pilot that\ntells errors; those per pixel likewise, and then again and again.\n",
+        "\n### Ways to spend a time\n\nrelMSE of one run each, for pictures of 48 × 48 pixels with 20000 paths per pass. Adapted radii are chosen once, after a pilot with\nerror estimates; radii per pixel are updated again whenever the number of passes has doubled.\n",
     );
     let mut columns = vec!["scene".to_owned(), "time".to_owned(), "backend".to_owned()];
     columns.extend(names.iter().map(|&name| name.to_owned()));

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use crate::csv_tables;
 use crate::records::{Body, Note, Part, Row, Sweep};
-use crate::tables::{head, scenes, sweeps, time};
+use crate::tables::{backends, head, scenes, sweeps, time};
 
 /// Truths beside an unbiased path tracer.
 pub(crate) fn tracer(parts: &[Part]) -> String {
@@ -14,10 +15,10 @@ pub(crate) fn tracer(parts: &[Part]) -> String {
         if text.is_empty() {
             let _ = writeln!(
                 text,
-                "\n### Truths beside a path tracer\n\n{}, unbiased, by `tests/mitsuba/check.py`; pixel by pixel. *Mean difference* is the\ntracer's less ours, over what errors are measured by, with z as if pixels were independent. *Expected* is its own\nnoise, by the spread of its runs, and what the reference claims of itself. Of `integrating-sphere` it is the light that\nwas scattered before. Spot light by way of a mirror (`ring`) and parallel light by way of water (`pool`) is what a path tracer\ncannot find.",
+                "\n### References against a path tracer\n\nCompared pixel by pixel with {}, an unbiased path tracer, by `tests/mitsuba/check.py`. *Mean difference* is the path\ntracer minus ours, relative to the radiance that errors are divided by; *z* treats pixels as independent. *Expected* is\nthe path tracer's own variance plus the estimated error of our reference. For `integrating-sphere` only indirect light is\ncompared. `ring` (spot light seen through a mirror) and `pool` (parallel light through water) are missing, because a path\ntracer cannot sample their light paths.",
                 part.device
             );
-            let columns = ["scene", "truth", "paths a pixel", "mean difference", "z", "relMSE", "expected"];
+            let columns = ["scene", "reference", "paths per pixel", "mean difference", "z", "relMSE", "expected"];
             text += &head(&columns.map(str::to_owned), 2);
         }
         for row in rows {
@@ -37,39 +38,41 @@ pub(crate) fn tracer(parts: &[Part]) -> String {
     text
 }
 
-/// What the pictures in `docs/images` show, for those that are there.
+/// What the pictures in `docs/images`, beside the folder of the document, show; for those that are there.
 pub(crate) fn pictures(folder: &Path) -> String {
     let mut text = String::new();
     for scene in ["cornell", "cornell-glass", "ring", "two-rooms"] {
         let name = format!("accuracy-{scene}.png");
-        if !folder.join("images").join(&name).exists() {
+        if !folder.join("../images").join(&name).exists() {
             continue;
         }
         if text.is_empty() {
-            text += "\n### Pictures\n\nThe truth, then 16 passes, radii × 0.5, without the loss at the ends of surfaces, the paper and 64\npasses; below them the signed difference, red where too bright and blue where too dark, full at a half, and\nFLIP (Andersson et al. 2020), by `tests/mitsuba/pictures.py`.\n";
+            text += "\n### Pictures\n\nLeft to right: the reference, 16 passes, radii × 0.5, area correction, the paper's estimator and 64 passes.\nBelow each: the signed difference (red too bright, blue too dark, saturated at one half) and\nFLIP (Andersson et al. 2020), computed by `tests/mitsuba/pictures.py`.\n";
         }
-        let _ = write!(text, "\n![{scene}](images/{name})\n");
+        let _ = write!(text, "\n![{scene}](../images/{name})\n");
     }
     text
 }
 
-/// Every row of every scene.
+/// Every row of every scene, as CSV.
 pub(crate) fn every_row(parts: &[Part]) -> String {
-    let mut text = String::new();
+    let names = backends(parts);
+    let mut columns = ["scene", "knob", "value", "passes"].map(str::to_owned).to_vec();
+    for name in &names {
+        columns.extend(["time", "relMSE", "bias²", "variance"].map(|column| format!("{column}, {name}")));
+    }
+    let mut text = head(&columns, 2).trim_start().to_owned();
     for scene in scenes(parts) {
         let here: Vec<(&Part, &Sweep)> = sweeps(parts).into_iter().filter(|(_, sweep)| sweep.scene == scene).collect();
         let Some(&(_, first)) = here.first() else { continue };
-        let _ = writeln!(text, "\n## {scene}\n\n{}", truth(&here));
-        let mut names = vec!["knob".to_owned(), "value".to_owned(), "passes".to_owned()];
-        for (part, _) in &here {
-            names.extend(["time", "relMSE", "bias²", "variance"].map(|name| format!("{name}, {}", part.backend)));
-        }
-        text += &head(&names, 2);
         for row in &first.rows {
-            let _ = write!(text, "| {} | {} | {} |", row.knob, row.value, row.passes);
-            for (_, sweep) in &here {
+            let _ = write!(text, "| {scene} | {} | {} | {} |", row.knob, row.value, row.passes);
+            for name in &names {
+                let sweep = here.iter().find(|(part, _)| part.backend == *name).map(|(_, sweep)| sweep);
                 let same = |r: &&Row| (&r.knob, &r.value, r.passes) == (&row.knob, &row.value, row.passes);
-                let Some(Row { summary: s, .. }) = sweep.rows.iter().find(same) else {
+                let Some((sweep, Row { summary: s, .. })) =
+                    sweep.and_then(|sweep| Some((sweep, sweep.rows.iter().find(same)?)))
+                else {
                     text += " – | – | – | – |";
                     continue;
                 };
@@ -87,6 +90,16 @@ pub(crate) fn every_row(parts: &[Part]) -> String {
             text.push('\n');
         }
     }
+    csv_tables::csv(&text.lines().collect::<Vec<_>>())
+}
+
+/// What the errors of each scene are measured against.
+pub(crate) fn truths(parts: &[Part]) -> String {
+    let mut text = String::from("\n### Reference of each scene\n\n");
+    for scene in scenes(parts) {
+        let here: Vec<(&Part, &Sweep)> = sweeps(parts).into_iter().filter(|(_, sweep)| sweep.scene == scene).collect();
+        let _ = writeln!(text, "- `{scene}`: {}", truth(&here));
+    }
     text
 }
 
@@ -100,12 +113,13 @@ fn floor(truth: &Note) -> f64 {
 fn truth(here: &[(&Part, &Sweep)]) -> String {
     let Some((_, sweep)) = here.first() else { return String::new() };
     match &sweep.truth {
-        Note::Constant(radiance) => format!("Truth: {radiance:.6} everywhere."),
+        Note::Constant(radiance) => format!("closed form, {radiance:.6} everywhere."),
         Note::Reference { passes, photons, error, bias } => {
             let rows = here.iter().flat_map(|(_, sweep)| &sweep.rows);
             let least = rows.map(|row| row.summary.error).fold(f64::INFINITY, f64::min);
             format!(
-                "Truth: a run of {passes} passes and {:.0} million paths, which claims a relMSE of {error:.1e} for itself, {:.1} % of the\nleast below; {:.0} % of it is squared bias, told by its first sixteenth and the rest.",
+                "a run of {passes} passes and {:.0} million paths, with an estimated relMSE of {error:.1e}, which is {:.1} % of the
+smallest relMSE measured against it; {:.0} % of it is squared bias, estimated from the difference between its first sixteenth and the rest.",
                 *photons as f64 / 1e6,
                 100.0 * error / least,
                 100.0 * bias / error

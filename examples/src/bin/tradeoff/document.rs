@@ -10,15 +10,7 @@ const HEAD: &str = include_str!("head.md");
 const READING: &str = include_str!("reading.md");
 const CLAIMS: &str = include_str!("claims.md");
 
-/// Every row of every scene, a document of its own beside the one of that name.
-pub(crate) fn rows(parts: &[Part], beside: &str) -> String {
-    format!(
-        "# Every row of every scene\n\nWhat it means is in [{beside}.md]({beside}.md).\n{}",
-        details::every_row(parts)
-    )
-}
-
-/// What films claim of themselves, a document of its own.
+/// How well the error estimates of films hold, a document of its own.
 pub(crate) fn claims(parts: &[Part]) -> String {
     let mut text = format!("{CLAIMS}\n## Results\n");
     for table in [tables::fields(parts), tables::rates(parts), tables::claims(parts), answers::asked(parts)] {
@@ -41,15 +33,17 @@ pub(crate) fn markdown(parts: &[Part], folder: &Path, name: &str) -> String {
     let mut sizes: Vec<String> = Vec::new();
     for part in parts {
         if let Body::Sweep(sweep) = &part.body {
-            let size =
-                format!("{0} × {0} pixels, {1} seeds a row, {2} paths a pass", sweep.size, sweep.seeds, sweep.photons);
+            let size = format!(
+                "{0} × {0} pixels, {1} seeds per row, {2} paths per pass",
+                sweep.size, sweep.seeds, sweep.photons
+            );
             if !sizes.contains(&size) {
                 sizes.push(size);
             }
         }
     }
     if !sizes.is_empty() {
-        let _ = writeln!(text, "\nSweeps: {}. Middle setting: 16 passes of the defaults.", sizes.join("; "));
+        let _ = writeln!(text, "\nSweeps: {}. Baseline: 16 passes with default settings.", sizes.join("; "));
     }
     for table in [
         tables::merits(parts),
@@ -62,6 +56,10 @@ pub(crate) fn markdown(parts: &[Part], folder: &Path, name: &str) -> String {
     ] {
         text += &table;
     }
-    let _ = writeln!(text, "\n### Every row of every scene\n\nThey are in [{name}-rows.md]({name}-rows.md).");
+    text += &details::truths(parts);
+    let _ = writeln!(
+        text,
+        "\n### All rows\n\nEvery setting of every scene, with time, relMSE, squared bias and variance, is in\n[{name}-rows.csv]({name}-rows.csv)."
+    );
     text
 }

@@ -76,7 +76,7 @@ pub(crate) fn table(parts: &[Part]) -> String {
         return String::new();
     }
     let mut text = format!(
-        "\n### Build and query time per index\n\nOf a pass, all maps together: arranging their photons, and radiance at the pixels of a picture of {SIDE} × {SIDE}, by the\nestimator of a radius, of which larger maps have smaller ones. Medians of {SEEDS} runs of {PASSES} passes.\n"
+        "\n### Build and query time per index\n\nPer pass, all maps together: building the index, and estimating radiance for the pixels of a picture of {SIDE} × {SIDE} with the\nradius estimator (larger maps have smaller radii). Medians of {SEEDS} runs of {PASSES} passes.\n"
     );
     let columns = ["scene", "backend", "device", "index", "paths", "photons", "build", "query"];
     text += &head(&columns.map(str::to_owned), 4);

@@ -3,6 +3,7 @@
 
 mod answers;
 mod asked;
+mod csv_tables;
 mod details;
 mod document;
 mod engine;
@@ -47,7 +48,7 @@ struct Args {
     /// Where results and plots go.
     #[arg(long, default_value = "out/tradeoff")]
     out: PathBuf,
-    /// The document to write, tables included; every row goes into another beside it, `NAME-rows.md`.
+    /// The document to write, tables included; every row goes into another beside it, `NAME-rows.csv`.
     #[arg(long)]
     document: Option<PathBuf>,
     /// Measure nothing: only document and plots of what is in this folder.
@@ -142,9 +143,15 @@ fn work(args: &Args) -> Result<(), Fault> {
     let home = args.document.as_deref().and_then(Path::parent).unwrap_or(folder);
     for path in [Some(folder.join("tradeoff.md")), args.document.clone()].into_iter().flatten() {
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        write(&path, &document::markdown(&parts, home, &name))?;
-        write(&path.with_file_name(format!("{name}-rows.md")), &document::rows(&parts, &name))?;
-        write(&path.with_file_name(format!("{name}-claims.md")), &document::claims(&parts))?;
+        let claims = format!("{name}-claims");
+        write(&path.with_file_name(format!("{name}-rows.csv")), &details::every_row(&parts))?;
+        for (name, text) in [(&name, document::markdown(&parts, home, &name)), (&claims, document::claims(&parts))] {
+            let document = csv_tables::separate(&text, name);
+            write(&path.with_file_name(format!("{name}.md")), &document.text)?;
+            for (file, csv) in document.files {
+                write(&path.with_file_name(file), &csv)?;
+            }
+        }
     }
     Ok(())
 }

@@ -107,7 +107,7 @@ pub(crate) fn table(parts: &[Part]) -> String {
     let Some((_, first)) = all.first() else { return String::new() };
     let backends = tables::backends(parts);
     let mut text = format!(
-        "\n### What presets are chosen from\n\nTimes are those of pictures of {SIDE} × {SIDE} pixels; errors those of small ones with as many photons, {SEEDS} seeds each. For each\nbackend the time over that of the first row of as many passes, and relMSE over what that row comes to in as much\ntime, as above: below 1 it pays.\n"
+        "\n### Candidates for the presets\n\nTimes are for pictures of {SIDE} × {SIDE} pixels; errors for small pictures with the same number of photons, {SEEDS} seeds each. For each\nbackend: time relative to the first row with the same number of passes, and relMSE relative to what that row would reach in the same\ntime, as above: below 1 it pays.\n"
     );
     let mut columns = vec!["passes".to_owned(), "area, radii".to_owned(), "paths per pixel".to_owned()];
     for backend in &backends {

@@ -103,7 +103,7 @@ pub(crate) fn fields(parts: &[Part]) -> String {
     let widest = smooth.map(|row| row.claims.sharpness).fold(0.0, f64::max);
     let most = all.iter().filter(|row| row.broken).map(|row| row.claims.claimed).fold(0.0, f64::max);
     let mut text = format!(
-        "\n### Claims in fields of known truth\n\n{} seeds a row with {} independent pixels each, 20 photons expected in the first radius. Distances are in first\nradii. *By noise* is the share of all pixels that the noise alone would cover. Where the field is smooth, {} of the claims\nor more hold, and none is wider than {widest:.2} errors; of edges, folds and corners at most {} of the pixels are claimed.\n",
+        "\n### Intervals in fields with a known answer\n\n{} seeds per row with {} independent pixels each, and 20 expected photons within the first radius, which is the unit of distances.\n*By noise* is the fraction of pixels that an interval from noise alone would cover. In smooth fields {} of the intervals\nor more hold, and none is wider than {widest:.2} root mean square errors; at edges, creases and corners at most {} of the pixels have an interval.\n",
         row.films,
         row.pixels,
         percent(least),
@@ -125,7 +125,7 @@ pub(crate) fn rates(parts: &[Part]) -> String {
         return String::new();
     }
     let mut text = String::from(
-        "\n### Rates in fields of known truth\n\nSlopes over passes in logarithms, fitted, with the error that leaving out pixels tells; theory is that of as many\npasses. With radii that stay the bias does, which is the floor.\n",
+        "\n### Convergence rates in fields with a known answer\n\nFitted slopes over passes in logarithms, with jackknife errors over pixels; *theory* is the slope over the same passes.\nWith constant radii (α = 1) the bias is constant.\n",
     );
     text += &head(&columns(parts, &["field", "α", "of", "passes", "theory"], &["slope"]), 3);
     text + &lines(&found, |row| format!("{:.3} ± {:.3}", row.slope, row.error), "–")
@@ -150,10 +150,10 @@ pub(crate) fn claims(parts: &[Part]) -> String {
             "0.0 % | – | – | –".to_owned()
         }
     };
-    let mut text = String::from("\n### Claims about scenes\n");
+    let mut text = String::from("\n### Intervals in scenes\n");
     let found = together(parts, rows, |row| format!("{} | {} | {}", row.scene, row.passes, row.seeds));
     if !found.is_empty() {
-        text += "\nWhere the truth is known:\n";
+        text += "\nAgainst closed forms:\n";
         text += &head(&columns(parts, &["scene", "passes", "seeds"], &each), 1);
         text += &lines(&found, |row| cells(&row.claims), "– | – | – | –");
     }
@@ -184,7 +184,7 @@ pub(crate) fn claims(parts: &[Part]) -> String {
 /// Slopes of errors over photons, and the fronts.
 pub(crate) fn fronts(parts: &[Part]) -> String {
     let mut text = String::from(
-        "\n### Error over photons\n\nSlopes in logarithms from 1 to 64 passes; theory has −0.67 of all three in the end.\n",
+        "\n### Error over photons\n\nSlopes in logarithms from 1 to 64 passes; the asymptotic value of all three is −0.67.\n",
     );
     text += &head(&["scene", "backend", "error", "bias²", "variance"].map(str::to_owned), 2);
     for (part, sweep) in sweeps(parts) {
@@ -201,7 +201,7 @@ pub(crate) fn fronts(parts: &[Part]) -> String {
         let (error, bias, variance) = (fit(&|s| s.error), fit(&|s| s.bias), fit(&|s| s.variance));
         let _ = writeln!(text, "| {} | {} | {error} | {bias} | {variance} |", sweep.scene, part.backend);
     }
-    text += "\n### The front\n\nWhat nothing beats in both time and error, from the fastest on.\n";
+    text += "\n### Pareto front\n\nSettings that no other setting beats in both time and error, from the fastest.\n";
     text += &head(&["scene", "backend", "setting", "passes", "time", "relMSE"].map(str::to_owned), 3);
     for (part, sweep) in sweeps(parts) {
         let places: Vec<(f64, f64)> = sweep.rows.iter().map(|row| (row.summary.seconds, row.summary.error)).collect();
@@ -239,7 +239,7 @@ pub(crate) fn merits(parts: &[Part]) -> String {
         return String::new();
     }
     let mut text = String::from(
-        "\n### What each step costs\n\nTime over that of the middle setting, and relMSE over what that setting comes to in as much time, errors falling as the\npower −2/3 of it: below 1 a step pays. Geometric means over all scenes, and each scene on the first backend.\n",
+        "\n### Cost and gain of each setting\n\n*Time* is relative to the baseline. *Error* is relMSE relative to what the baseline would reach in the same time, if errors fall as the\npower −2/3 of time: below 1 a setting pays. Geometric means over all scenes, and each scene on the first backend.\n",
     );
     let mut columns = columns(parts, &["knob", "value"], &["time", "error"]);
     columns.extend(scenes.iter().map(|&scene| scene.to_owned()));

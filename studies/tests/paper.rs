@@ -1,4 +1,4 @@
-//! The programs that need more than a scene: the paper's table, and a host's own device.
+//! The study of the paper: its table again.
 #![expect(clippy::unwrap_used, reason = "test code")]
 
 use std::path::{Path, PathBuf};
@@ -63,26 +63,5 @@ fn the_paper_names_what_is_wrong() {
         let text = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
         assert!(text.contains(culprit), "{arguments:?}: {text}");
-    }
-}
-
-#[test]
-fn a_hosts_photons_never_leave_the_card_and_the_answer_is_the_closed_form() {
-    let suitable = |found: &Vec<backend_vulkan::Candidate>| found.iter().any(|device| device.lacks.is_empty());
-    if !backend_vulkan::devices().as_ref().is_ok_and(suitable) {
-        let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
-        assert!(!required, "Vulkan is required here");
-        return eprintln!("skipped: no Vulkan");
-    }
-    // Where the validation layer is installed, the loader lets it look on; it writes to standard output.
-    for (index, photons) in [("morton", "100000"), ("median", "20000"), ("vvh", "20000")] {
-        let output = Command::new(env!("CARGO_BIN_EXE_host_device"))
-            .args(["--photons", photons, "--index", index])
-            .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
-            .output()
-            .unwrap();
-        let text = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success(), "{index}: {output:?}");
-        assert!(text.contains("irradiance") && !text.contains("Validation"), "{index}: {text}");
     }
 }

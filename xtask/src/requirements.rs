@@ -44,7 +44,7 @@ pub(crate) fn write() -> Result<(), String> {
 }
 
 fn measured(arguments: &[&str]) -> Result<String, String> {
-    let run = ["cargo", "run", "--quiet", "--locked", "-p", "photon-tests", "--example", "requirements", "--"];
+    let run = ["cargo", "run", "--quiet", "--locked", "-p", "studies", "--bin", "requirements", "--"];
     shell::capture(&[&run, arguments].concat())
 }
 
@@ -73,7 +73,7 @@ fn cpu() -> Result<String, String> {
 }
 
 fn instructions(scene: &str, how: &str, paths: u32, passes: u32) -> Result<u64, String> {
-    let program = shell::root().join("target/debug/examples/requirements");
+    let program = shell::root().join("target/debug/requirements");
     let (paths, passes) = (paths.to_string(), passes.to_string());
     let program = program.to_string_lossy();
     let command = [

@@ -10,11 +10,15 @@ mod builtin;
 mod camera;
 mod describe;
 mod error;
+#[cfg(feature = "files")]
+mod extras;
 mod lights;
 #[cfg(feature = "files")]
 mod load;
 mod normalise;
 mod report;
+#[cfg(feature = "files")]
+mod save;
 mod scene;
 pub mod shapes;
 mod solids;
@@ -26,7 +30,9 @@ pub use builtin::{FurnaceShape, IntegratingSphere, builtin, builtin_names, furna
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 pub use error::SceneError;
 #[cfg(feature = "files")]
-pub use load::{Overrides, load, load_gltf, load_obj, load_ply};
+pub use load::{Overrides, load, load_builder, load_gltf, load_obj, load_ply};
 pub use report::{LoadReport, ReportKind, ReportLine};
+#[cfg(feature = "files")]
+pub use save::glb;
 pub use scene::Scene;
 pub use wide::{Accel, AccelError, Binary, BinaryTree, BruteForce};

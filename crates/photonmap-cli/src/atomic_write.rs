@@ -1,67 +1,77 @@
-//! Files that appear whole or not at all: written under another name first, and renamed.
+//! Atomic file writes: a file appears complete under its name, or not at all.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+use tempfile::NamedTempFile;
 
 use crate::fault::Fault;
 
-/// What writes may raise.
+/// The errors that a writer may return.
 pub type Failure = Box<dyn std::error::Error>;
 
-/// Writes a file. Whatever fails, a full disk too, leaves what was there before, and nothing else.
+/// Writes a file through `save`. If anything fails, a full disk included, the previous file is left as it was and
+/// nothing else remains; only a process that is killed may leave a file named `.NAME.….partial`.
 ///
 /// # Errors
 /// [`Fault::Failure`] names the file and why it could not be written.
 pub fn write(path: &Path, save: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>) -> Result<(), Fault> {
-    let partial = partial(path);
     let all = || -> Result<(), Failure> {
-        let mut file = BufWriter::new(File::create(&partial)?);
+        let (file, partial) = create(path)?.into_parts();
+        let mut file = BufWriter::new(file);
         save(&mut file)?;
-        // What is still in memory may be what does not fit; dropping it would not say so.
+        // The last bytes may be those that do not fit; dropping the buffer would hide that.
         file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
-        Ok(fs::rename(&partial, path)?)
+        Ok(partial.persist(path)?)
     };
-    all().map_err(|why| {
-        let _ = fs::remove_file(&partial);
-        Fault::writing(path, why)
-    })
+    all().map_err(|why| Fault::writing(path, why))
 }
 
-/// Writes bytes, likewise.
+/// Writes bytes, with the same guarantees.
 ///
 /// # Errors
-/// Likewise.
+/// As [`write()`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
     write(path, |file| Ok(file.write_all(bytes)?))
 }
 
-/// Whether [`write()`] could begin: worth knowing before an hour's work.
+/// Checks that [`write()`] could start, so that a wrong path is found before an hour of rendering.
 ///
 /// # Errors
 /// [`Fault::Input`] names the file and why not.
 pub fn check(path: &Path) -> Result<(), Fault> {
-    let partial = partial(path);
-    let made = File::create(&partial).and_then(|_| fs::remove_file(&partial));
-    made.map_err(|why| Fault::input(format!("{}: cannot be written: {why}", path.display())))
+    let refused = |why: &dyn std::fmt::Display| Fault::input(format!("{}: cannot be written: {why}", path.display()));
+    if path.is_dir() {
+        return Err(refused(&"it is a folder"));
+    }
+    create(path).map(drop).map_err(|why| refused(&why))
 }
 
-/// Where a file is written before it gets its name.
-fn partial(path: &Path) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".partial");
-    path.with_file_name(name)
+/// A temporary file in the folder of `path`, since only there a rename is atomic.
+fn create(path: &Path) -> io::Result<NamedTempFile> {
+    let name = path.file_name().ok_or_else(|| io::Error::other("it has no file name"))?;
+    let mut prefix = std::ffi::OsString::from(".");
+    prefix.push(name);
+    prefix.push(".");
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".partial");
+    // Temporary files are private by default; pictures have the usual permissions of new files.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
-    fn what_fails_leaves_what_was_there() {
-        let folder = std::env::temp_dir().join(format!("photon-whole-{}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        let path = folder.join("a.txt");
+    fn a_failed_write_leaves_the_previous_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
         write_bytes(&path, b"good").unwrap();
         let failed = write(&path, |file| {
             file.write_all(b"half of")?;
@@ -70,9 +80,21 @@ mod tests {
         let words = failed.unwrap_err().to_string();
         assert!(words.contains("a.txt") && words.contains("no more"), "{words}");
         assert_eq!(fs::read(&path).unwrap(), b"good");
-        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "nothing else is left");
         check(&path).unwrap();
-        assert!(check(&folder.join("none/b.txt")).unwrap_err().to_string().contains("b.txt"));
-        fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
+        assert!(check(&folder.path().join("none/b.txt")).unwrap_err().to_string().contains("b.txt"));
+        assert!(check(folder.path()).unwrap_err().to_string().contains("folder"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_has_the_usual_permissions() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = tempfile::tempdir().unwrap();
+        let (ours, plain) = (folder.path().join("a"), folder.path().join("b"));
+        write_bytes(&ours, b"").unwrap();
+        File::create(&plain).unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&ours), mode(&plain));
     }
 }

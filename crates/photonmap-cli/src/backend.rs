@@ -1,28 +1,39 @@
-//! Where a program works: on the processor or on a GPU, and why.
+//! Selection of a backend: the CPU or a Vulkan device, and the reason for it.
 #![expect(clippy::print_stderr, reason = "one line says what was chosen and why")]
 
 use backend_cpu::Cpu;
 use backend_vulkan::{Candidate, Options, Vulkan};
+use clap::ValueEnum;
 
-use crate::args::BackendName;
 use crate::fault::{Fault, chain};
 
-/// The variable by which a user names a device.
+/// The choices of `--backend`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BackendName {
+    /// A GPU if there is a suitable one, else the CPU.
+    Auto,
+    /// The cores of the CPU.
+    Cpu,
+    /// A Vulkan device; the environment variable PHOTON_VK_DEVICE selects one of several.
+    Vulkan,
+}
+
+/// The environment variable that selects a device.
 const DEVICE: &str = "PHOTON_VK_DEVICE";
 
-/// What to work on.
+/// A backend that was opened.
 #[expect(missing_debug_implementations, reason = "a pool of threads")]
 pub enum Chosen {
-    /// The processor's cores.
+    /// The cores of the CPU.
     Cpu(Cpu),
     /// A GPU.
     Vulkan(Box<Vulkan>),
 }
 
-/// Opens what `name` asks for, and says on standard error what it took where there was a choice.
+/// Opens the backend `name`, and says on standard error which one was taken where there was a choice.
 ///
 /// # Errors
-/// [`Fault::Input`] where Vulkan is asked for and not to be had, with what is missing and the mend.
+/// [`Fault::Input`] where Vulkan is requested and not available, with what is missing and what to do.
 pub fn open(name: BackendName, threads: Option<usize>) -> Result<Chosen, Fault> {
     if threads == Some(0) {
         return Err(Fault::input("--threads is 0, but at least 1 is needed"));
@@ -54,7 +65,7 @@ fn cpu(threads: Option<usize>) -> Result<Chosen, Fault> {
     }))
 }
 
-/// The device that the library prefers, or that the user named, software or not.
+/// The device that the library prefers, or that the user selected; software drivers included.
 ///
 /// # Errors
 /// [`Fault::Input`]: no loader, no driver, or no suitable device with what each lacks.
@@ -63,7 +74,7 @@ pub fn vulkan() -> Result<Vulkan, Fault> {
     Vulkan::with_options(&options).map_err(|error| Fault::Input(format!("--backend vulkan: {}", why_not(&error))))
 }
 
-/// A device that is no software, or why there is none.
+/// A device that is not a software driver, or why there is none.
 fn gpu() -> Result<Vulkan, String> {
     let found = backend_vulkan::devices().map_err(|error| why_not(&error))?;
     worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>())?;
@@ -79,7 +90,7 @@ fn gpu() -> Result<Vulkan, String> {
 
 const SOFTWARE: &str = "software";
 
-/// What matters of a candidate here.
+/// The properties of a candidate that decide.
 struct Summary<'a> {
     name: &'a str,
     kind: &'a str,
@@ -92,7 +103,7 @@ impl<'a> From<&'a Candidate> for Summary<'a> {
     }
 }
 
-/// Whether some device is faster than the processor would be without it.
+/// Whether some device can be expected to be faster than the CPU.
 fn worth_it(found: &[Summary<'_>]) -> Result<(), String> {
     if found.iter().any(|device| device.lacks.is_empty() && device.kind != SOFTWARE) {
         return Ok(());
@@ -111,16 +122,16 @@ fn worth_it(found: &[Summary<'_>]) -> Result<(), String> {
     })
 }
 
-/// Why Vulkan is not to be had, and what to do about it.
+/// Why Vulkan is not available, and what to do about it.
 fn why_not(error: &photon_core::Error) -> String {
     let photon_core::Error::NoDevice { rejected } = error else { return chain(error) };
-    let mend =
-        format!("update its driver, name another by {DEVICE} (`render --devices` lists them), or use --backend cpu");
+    let hint =
+        format!("update its driver, name another by {DEVICE} (`photonmap devices` lists them), or use --backend cpu");
     if rejected.is_empty() {
-        return format!("Vulkan lists no device: {mend}");
+        return format!("Vulkan lists no device: {hint}");
     }
     let each: Vec<String> = rejected.iter().map(|(name, why)| format!("{name} {why}")).collect();
-    format!("no suitable Vulkan device: {}; {mend}", each.join("; "))
+    format!("no suitable Vulkan device: {}; {hint}", each.join("; "))
 }
 
 fn device(on: &Vulkan) -> String {

@@ -46,10 +46,16 @@ pub fn between(a: &Film, b: &Film) -> Difference {
 /// above or below it.
 #[must_use]
 pub fn picture(a: &Film, b: &Film, gain: f32) -> Vec<u8> {
-    let (left, right) = (a.beauty(), b.beauty());
+    signed(&a.beauty(), &b.beauty(), gain)
+}
+
+/// As [`picture`], of pixels; where the first is black all over, differences are absolute.
+#[must_use]
+pub fn signed(left: &[[f32; 3]], right: &[[f32; 3]], gain: f32) -> Vec<u8> {
     let level = left.iter().flatten().sum::<f32>() / (3 * left.len()) as f32;
+    let level = if level > 0.0 { level } else { 1.0 };
     let shade = |a: f32, b: f32| (127.5 + 127.5 * gain * (b - a) / level).clamp(0.0, 255.0) as u8;
-    left.iter().zip(&right).flat_map(|(a, b)| [shade(a[0], b[0]), shade(a[1], b[1]), shade(a[2], b[2])]).collect()
+    left.iter().zip(right).flat_map(|(a, b)| [shade(a[0], b[0]), shade(a[1], b[1]), shade(a[2], b[2])]).collect()
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use std::path::Path;
 use exr::prelude::*;
 use photon_core::{Claim, Film, Layer as Part};
 
+use crate::atomic_write;
 use crate::fault::Fault;
-use crate::whole;
 
 /// Writes one part of f32 channels: `R G B`, which is the sum of `emission.*`, `direct.*`,
 /// `caustic.*` and `indirect.*`, then `depth.Z`, `N.*`, `albedo.*` and `error.Y`, the standard error
@@ -47,11 +47,43 @@ pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::
         .collect();
     let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
     let mut layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(list));
-    layer.attributes.software_name = Text::new_or_none(concat!("photon-examples ", env!("CARGO_PKG_VERSION")));
+    layer.attributes.software_name = Text::new_or_none(concat!("photonmap ", env!("CARGO_PKG_VERSION")));
     for (name, value) in attributes {
         if let (Some(name), Some(value)) = (Text::new_or_none(name), Text::new_or_none(value)) {
             layer.attributes.other.insert(name, attribute::AttributeValue::Text(value));
         }
     }
-    whole::write(path, |file| Ok(Image::from_layer(layer).write().to_buffered(file)?))
+    atomic_write::write(path, |file| Ok(Image::from_layer(layer).write().to_buffered(file)?))
+}
+
+/// A picture read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// Linear RGB, row by row from the top.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// Reads the channels `R`, `G` and `B` of the first layer; whatever else is there is not looked at.
+///
+/// # Errors
+/// [`Fault::Input`] names the file: it cannot be read, is not an OpenEXR file, or lacks one of the channels.
+pub fn read(path: &Path) -> std::result::Result<Picture, Fault> {
+    let wrong = |what: String| Fault::input(format!("{}: {what}", path.display()));
+    let image = read_first_flat_layer_from_file(path)
+        .map_err(|why| wrong(format!("cannot be read as an OpenEXR picture: {why}")))?;
+    let layer = image.layer_data;
+    let (width, height) = (layer.size.width(), layer.size.height());
+    let channel = |name: &str| -> std::result::Result<Vec<f32>, Fault> {
+        let found = layer.channel_data.list.iter().find(|channel| channel.name.eq_case_insensitive(name));
+        let values: Option<Vec<f32>> = found.map(|channel| channel.sample_data.values_as_f32().collect());
+        let values = values.ok_or_else(|| wrong(format!("has no channel {name}")))?;
+        if values.len() == width * height { Ok(values) } else { Err(wrong(format!("channel {name} is subsampled"))) }
+    };
+    let (red, green, blue) = (channel("R")?, channel("G")?, channel("B")?);
+    let pixels = (0..width * height).map(|at| [red[at], green[at], blue[at]]).collect();
+    Ok(Picture { width, height, pixels })
 }

@@ -1,4 +1,4 @@
-//! NumPy's array files, as far as `map_only` needs them: two-dimensional, little-endian, in C order.
+//! NumPy's array files, as far as `photonmap map` needs them: two-dimensional, little-endian, in C order.
 
 use std::path::Path;
 
@@ -74,7 +74,7 @@ pub fn write_u32(path: &Path, values: &[u32], columns: Option<usize>) -> Result<
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
     bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-    crate::whole::write_bytes(path, &bytes)
+    crate::atomic_write::write_bytes(path, &bytes)
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use photon_core::Film;
 
+use crate::atomic_write;
 use crate::fault::Fault;
 use crate::tonemap::{self, ToneMap};
-use crate::whole;
 
 /// Writes the picture, tone-mapped, 8 bits, sRGB. The file appears whole or not at all.
 ///
@@ -23,7 +23,7 @@ pub fn write(path: &Path, film: &Film, curve: ToneMap, exposure: f32) -> Result<
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
 pub fn write_bytes(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), Fault> {
-    whole::write(path, |file| {
+    atomic_write::write(path, |file| {
         let mut encoder = png::Encoder::new(file, width, height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);

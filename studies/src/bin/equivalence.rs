@@ -10,11 +10,11 @@ use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
 use clap::Parser;
 use photon_core::{Budget, Film, Indirect, Pipeline, Settings, TransportBackend, View, render};
-use photon_examples::difference::{self, Difference};
-use photon_examples::fault::{self, Fault};
-use photon_examples::png_file;
-use photon_examples::tonemap::{self, ToneMap};
 use photon_scene::{Overrides, Scene};
+use photonmap_cli::difference::{self, Difference};
+use photonmap_cli::fault::{self, Fault};
+use photonmap_cli::png_file;
+use photonmap_cli::tonemap::{self, ToneMap};
 
 /// Renders scenes on both backends and compares the pictures.
 #[derive(Debug, Parser)]
@@ -75,7 +75,7 @@ fn work(args: &Args) -> Result<(), Fault> {
         save(args, &stem, &cpu, &vulkan)?;
     }
     let path = args.out.join("table.md");
-    photon_examples::whole::write_bytes(&path, table.as_bytes())?;
+    photonmap_cli::atomic_write::write_bytes(&path, table.as_bytes())?;
     print!("{table}");
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The search itself, on either backend.
+//! The search of `photonmap map`, on either backend.
 
 use std::path::Path;
 use std::time::Instant;
@@ -6,7 +6,8 @@ use std::time::Instant;
 use backend_cpu::index::PointIndex;
 use backend_vulkan::Vulkan;
 use photon_core::{Backend, IndexKind, Photon, Stage};
-use photon_examples::fault::Fault;
+
+use crate::fault::Fault;
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug)]
@@ -72,18 +73,11 @@ pub(crate) fn on_cpu(
 /// of kernels count.
 pub(crate) fn on_vulkan(
     mut on: Vulkan,
-    file: &Path,
     photons: &[[f32; 3]],
     queries: &[[f32; 3]],
     kind: IndexKind,
     wanted: Wanted,
 ) -> Result<Found, Fault> {
-    if let Some(index) = photons.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
-        let (file, position) = (file.display(), photons[index]);
-        return Err(Fault::input(format!(
-            "{file}: point {index} has the coordinates {position:?}, which are not finite"
-        )));
-    }
     // Only where they are matters to these searches.
     let records: Vec<Photon> = photons.iter().map(|&position| Photon { position, ..Photon::default() }).collect();
     let mut builder = on.map_stages(kind)?.builder;

@@ -17,11 +17,11 @@ use backend_cpu::Cpu;
 use calibrate::Calibration;
 use clap::{Parser, ValueEnum};
 use photon_core::{TransportBackend, View};
-use photon_examples::backend;
-use photon_examples::fault::{self, Fault};
-use photon_examples::png_file;
-use photon_examples::tonemap::ToneMap;
 use photon_scene::Scene;
+use photonmap_cli::backend;
+use photonmap_cli::fault::{self, Fault};
+use photonmap_cli::png_file;
+use photonmap_cli::tonemap::ToneMap;
 use plan::{FIGURES, Plan, Reading};
 use report::{Report, Results};
 use studio::Studio;
@@ -108,7 +108,7 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     for (name, text) in [("paper.csv", report.csv()), ("paper.md", report.markdown())] {
         let path = args.out.join(name);
-        photon_examples::whole::write_bytes(&path, text.as_bytes())?;
+        photonmap_cli::atomic_write::write_bytes(&path, text.as_bytes())?;
     }
     // The paper's own table stands last, where a terminal shows it.
     print!("{}", report.markdown());

@@ -11,7 +11,7 @@ use photon_tests::precision::{Table, fields, stages, sweeps};
 use plot::{Line, Panel};
 
 /// What stands before this line is kept.
-const MARK: &str = "<!-- tables: written by `cargo run --release -p photon-tests --example precision` -->\n";
+const MARK: &str = "<!-- tables: written by `cargo run --release -p studies --bin precision` -->\n";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("no workspace")?;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use photon_core::{Area, Bandwidth, Budget, Outcome, Plan, Settings};
-use photon_examples::fault::Fault;
+use photonmap_cli::fault::Fault;
 
 use crate::engine::{Engine, Subject};
 use crate::measure::{self, Run};

@@ -5,10 +5,10 @@ use std::time::Instant;
 use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
 use photon_core::{Budget, Film, Outcome, Pipeline, Plan, Render, Settings, TransportBackend, View, render};
-use photon_examples::args::BackendName;
-use photon_examples::backend::{self, Chosen};
-use photon_examples::fault::Fault;
 use photon_scene::Scene;
+use photonmap_cli::backend::BackendName;
+use photonmap_cli::backend::{self, Chosen};
+use photonmap_cli::fault::Fault;
 
 /// A backend between renders; nothing after one that failed.
 pub(crate) enum Engine {

@@ -1,8 +1,8 @@
 //! Claims and rates in fields whose truth is known exactly, those of the test suite.
 
 use photon_core::{Film, TransportBackend, inverse_radius_squared_sum, radius_squared_sum};
-use photon_examples::fault::Fault;
 use photon_tests::fields::{BROKEN, Field, SMOOTH, Trial, film_of, films_of, judge};
+use photonmap_cli::fault::Fault;
 
 use crate::engine::Work;
 use crate::measure::slope;

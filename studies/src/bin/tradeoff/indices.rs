@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use photon_core::{IndexKind, Settings, Stage, Tally};
-use photon_examples::fault::Fault;
+use photonmap_cli::fault::Fault;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::{Engine, Subject};

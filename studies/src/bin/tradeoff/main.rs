@@ -21,9 +21,9 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use photon_core::{Budget, Settings};
-use photon_examples::args::BackendName;
-use photon_examples::fault::{self, Fault};
-use photon_examples::whole;
+use photonmap_cli::atomic_write;
+use photonmap_cli::backend::BackendName;
+use photonmap_cli::fault::{self, Fault};
 
 use engine::{Engine, Subject};
 use measure::Run;
@@ -150,7 +150,7 @@ fn work(args: &Args) -> Result<(), Fault> {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Fault> {
-    whole::write_bytes(path, text.as_bytes())
+    atomic_write::write_bytes(path, text.as_bytes())
 }
 
 fn measure(args: &Args) -> Result<(), Fault> {

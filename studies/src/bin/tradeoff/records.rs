@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use photon_examples::fault::Fault;
-use photon_examples::whole;
+use photonmap_cli::atomic_write;
+use photonmap_cli::fault::Fault;
 use serde::{Deserialize, Serialize};
 
 use crate::indices::IndexRow;
@@ -213,7 +213,7 @@ pub(crate) struct Shot {
 /// Writes a record.
 pub(crate) fn write<T: Serialize>(path: &Path, record: &T) -> Result<(), Fault> {
     let text = serde_json::to_string(record).map_err(Fault::failure)?;
-    whole::write_bytes(path, text.as_bytes())
+    atomic_write::write_bytes(path, text.as_bytes())
 }
 
 /// Reads one back.

@@ -4,7 +4,7 @@ use photon_core::{
     Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, RandomKind, Settings,
     Sharing,
 };
-use photon_examples::fault::Fault;
+use photonmap_cli::fault::Fault;
 
 use crate::engine::{Engine, Subject};
 use crate::measure::{self, Run};

@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_1_PI;
 use std::path::Path;
 
 use photon_core::{Area, Budget, Film, FilmPixel, Plan, Settings, View, radius_squared_factor};
-use photon_examples::fault::Fault;
 use photon_scene::IntegratingSphere;
+use photonmap_cli::fault::Fault;
 
 use crate::engine::{Engine, Subject};
 use crate::records::{self, Note, Reference};

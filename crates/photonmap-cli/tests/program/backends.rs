@@ -1,24 +1,14 @@
 //! How programs choose where to work, and what they say where there is no Vulkan.
-#![expect(clippy::unwrap_used, reason = "test code")]
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&path);
-    std::fs::create_dir_all(&path).unwrap();
-    path
-}
+use crate::support::{folder, photonmap, refused, stderr};
 
 /// `render` with one variable of the environment set.
 fn render(arguments: &[&str], variable: (&str, &Path)) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_render"));
+    let mut command = photonmap("render");
     command.args(arguments).env_remove("PHOTON_VK_DEVICE").env(variable.0, variable.1).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// What takes Vulkan from a program: a variable, its value, and what the error must speak of.
@@ -41,7 +31,7 @@ fn obstacles(folder: &Path) -> Vec<(&'static str, PathBuf, &'static str)> {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn vulkan_that_is_not_there_is_an_error_with_its_mend() {
+fn vulkan_that_is_not_there_is_an_error_with_a_hint() {
     let folder = folder("no-vulkan");
     for (variable, value, culprit) in obstacles(&folder) {
         let output = render(&["cornell", "--backend", "vulkan"], (variable, &value));
@@ -51,9 +41,13 @@ fn vulkan_that_is_not_there_is_an_error_with_its_mend() {
         assert_eq!(text.lines().filter(|line| line.starts_with("error")).count(), 1, "{text}");
         // What is named by its variable is no obstacle to a list.
         if culprit != "no such card" {
-            let output = render(&["--devices"], (variable, &value));
-            assert_eq!(output.status.code(), Some(2), "{output:?}");
-            assert!(stderr(&output).contains(culprit), "{output:?}");
+            for mut list in [photonmap("devices"), photonmap("render")] {
+                if list.get_args().last().is_some_and(|name| name == "render") {
+                    list.arg("--devices");
+                }
+                let output = list.env_remove("PHOTON_VK_DEVICE").env(variable, &value).output().unwrap();
+                refused(&output, culprit);
+            }
         }
     }
 }
@@ -67,7 +61,7 @@ fn auto_says_in_one_line_what_it_took() {
     let picture = folder.join("a.png");
     let json = folder.join("a.json");
     let files = ["-o", picture.to_str().unwrap(), "--json", json.to_str().unwrap()];
-    let output = Command::new(env!("CARGO_BIN_EXE_render")).args(SMALL).args(files).output().unwrap();
+    let output = photonmap("render").args(SMALL).args(files).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let text = stderr(&output);
     let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("backend: ")).collect();
@@ -112,8 +106,7 @@ fn compiled_pipelines_are_kept_and_damage_is_survived() {
     let picture = folder.join("a.png");
     let arguments = [&SMALL[..], &["--backend", "vulkan", "-o", picture.to_str().unwrap()]].concat();
     let run = |cache: &Path| {
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_render")).args(&arguments).env("XDG_CACHE_HOME", cache).output().unwrap();
+        let output = photonmap("render").args(&arguments).env("XDG_CACHE_HOME", cache).output().unwrap();
         assert!(output.status.success(), "{output:?}");
         std::fs::read(&picture).unwrap()
     };
@@ -154,7 +147,7 @@ fn devices_are_listed_with_what_they_lack() {
         Ok(known) => known,
         Err(error) => return eprintln!("skipped: no Vulkan: {error}"),
     };
-    let output = Command::new(env!("CARGO_BIN_EXE_render")).arg("--devices").output().unwrap();
+    let output = photonmap("devices").output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(text.lines().count(), known.len());
@@ -174,7 +167,7 @@ fn a_picture_is_the_same_on_either_backend() {
     let folder = folder("either");
     let picture = |backend: &str| {
         let (exr, json) = (folder.join(format!("{backend}.exr")), folder.join(format!("{backend}.json")));
-        let output = Command::new(env!("CARGO_BIN_EXE_render"))
+        let output = photonmap("render")
             .args(["cornell-glass", "--backend", backend, "--size", "24x24", "--photons", "5000", "--passes", "2"])
             .args(["-o", exr.to_str().unwrap(), "--json", json.to_str().unwrap()])
             // Where the validation layer is installed, the loader lets it look on; it writes to standard output.

@@ -52,6 +52,8 @@ pub fn man(args: &ManArgs) -> Result<(), Fault> {
         }
         None => cli,
     };
+    // The manual says everything, also of options that `-h` leaves out.
+    let command = command.mut_args(|argument| argument.hide_short_help(false));
     let mut page = Vec::new();
     clap_mangen::Man::new(command).render(&mut page).map_err(Fault::failure)?;
     stdout::write(&page)

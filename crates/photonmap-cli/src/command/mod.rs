@@ -19,7 +19,7 @@ use crate::fault::{self, Fault};
 
 /// Photon mapping: renders scenes, searches photon maps, compares pictures.
 #[derive(Debug, Parser)]
-#[command(name = "photonmap", version, about, arg_required_else_help = true, after_help = AFTER)]
+#[command(name = "photonmap", version, propagate_version = true, arg_required_else_help = true, after_help = AFTER)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]

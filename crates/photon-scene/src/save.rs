@@ -60,7 +60,7 @@ struct File {
 impl File {
     /// Appends a buffer view, which begins at a multiple of 8 bytes, and returns its number.
     fn view(&mut self, bytes: impl Iterator<Item = u8>) -> usize {
-        while self.bin.len() % 8 != 0 {
+        while !self.bin.len().is_multiple_of(8) {
             self.bin.push(0);
         }
         let start = self.bin.len();
@@ -159,7 +159,7 @@ impl File {
     }
 
     fn finish(mut self, materials: Vec<Value>, lights: Vec<Value>, cameras: Vec<Value>) -> Result<Vec<u8>, SceneError> {
-        while self.bin.len() % 4 != 0 {
+        while !self.bin.len().is_multiple_of(4) {
             self.bin.push(0);
         }
         let mut root = json!({
@@ -203,7 +203,7 @@ impl File {
             root["extensionsUsed"] = json!(used);
         }
         let mut text = root.to_string().into_bytes();
-        while text.len() % 4 != 0 {
+        while !text.len().is_multiple_of(4) {
             text.push(b' ');
         }
         pack(&text, &self.bin)

@@ -30,7 +30,10 @@ const Q_F: f64 = 0.5;
 /// If a picture does not have `width × height` pixels.
 #[must_use]
 pub fn map(reference: &[[f32; 3]], test: &[[f32; 3]], width: usize, pixels_per_degree: f64) -> Vec<f64> {
-    assert!(reference.len() == test.len() && (width == 0 || reference.len() % width == 0), "pictures of one size");
+    assert!(
+        reference.len() == test.len() && (width == 0 || reference.len().is_multiple_of(width)),
+        "pictures of one size"
+    );
     if reference.is_empty() || width == 0 {
         return Vec::new();
     }

@@ -41,7 +41,7 @@ pub struct CompareArgs {
     /// Pixels per degree of the viewer's field of view, for FLIP.
     #[arg(long, value_name = "N", default_value_t = flip::PIXELS_PER_DEGREE)]
     pixels_per_degree: f64,
-    /// Write the figures in JSON; `-` for standard output.
+    /// Write the figures in JSON, null for infinity; `-` for standard output.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

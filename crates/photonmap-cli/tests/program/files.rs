@@ -1,6 +1,7 @@
 //! Files appear whole or not at all.
 
-use std::process::Command;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::support::{channels, folder, photonmap};
@@ -14,10 +15,15 @@ fn an_interrupt_leaves_a_valid_picture() {
     let mut child = photonmap("render")
         .args(["cornell", "--size", "32x32", "--photons", "20000", "--passes", "1000000"])
         .args(["-o", picture.to_str().unwrap(), "--json", json.to_str().unwrap()])
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(Duration::from_secs(2));
+    // The first line of progress comes after some passes, however busy the machine is.
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    assert!(lines.any(|line| line.starts_with("pass ")));
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let last = lines.last().unwrap();
+    assert!(last.starts_with("wrote ") && last.ends_with("interrupted"), "{last}");
     assert!(child.wait().unwrap().success());
     assert!(channels(&picture)["R"].iter().all(|v| v.is_finite()));
     let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();

@@ -93,7 +93,7 @@ fn bad_input_is_named_with_code_2_within_seconds() {
         (&["-o", &nowhere], "no/such"),
         (&["--json", &nowhere], "no/such"),
         (&["--memory", "2 ells"], "2GiB"),
-        (&["--memory", "50MiB", "--size", "512x512"], "allow more"),
+        (&["--memory", "50MiB", "--size", "512x512", "--backend", "cpu"], "allow more"),
         (&["--size", "0x0"], "size"),
         (&["--k", "0"], "k is 0"),
         (&["--estimator", "knn", "--k", "1"], "k is 1"),

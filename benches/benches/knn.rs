@@ -12,6 +12,7 @@
 use backend_cpu::index::{IndexKind, Neighbours, PointIndex};
 use kiddo::leaf_strategies::{FlatVec, VecOfArenas};
 use kiddo::{Donnelly, Eytzinger, KdTree, SquaredEuclidean};
+use photon_core::random::SplitMix64;
 use std::hint::black_box;
 use std::num::NonZero;
 use std::time::Instant;
@@ -272,33 +273,20 @@ fn compare(all: &mut Vec<Box<dyn Contestant>>, queries: &[[f32; 3]]) {
     });
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// Centre and radius of the caustic on the floor.
 const DISC: ([f64; 3], f64) = ([0.6, 0.0, 0.4], 0.05);
 
 /// Points on five walls of the unit box; as a caustic, nine of ten in the disc, density 1/r.
 fn points(count: usize, caustic: bool) -> Vec<[f32; 3]> {
-    let mut random = Random(7);
+    let mut random = SplitMix64(7);
     (0..count)
         .map(|_| {
-            if caustic && random.unit() < 0.9 {
-                let (r, angle) = (DISC.1 * random.unit(), std::f64::consts::TAU * random.unit());
+            if caustic && random.unit_f64() < 0.9 {
+                let (r, angle) = (DISC.1 * random.unit_f64(), std::f64::consts::TAU * random.unit_f64());
                 return [DISC.0[0] + r * angle.cos(), 0.0, DISC.0[2] + r * angle.sin()].map(|c| c as f32);
             }
-            let (u, v) = (random.unit(), random.unit());
-            match (random.unit() * 5.0) as u32 {
+            let (u, v) = (random.unit_f64(), random.unit_f64());
+            match (random.unit_f64() * 5.0) as u32 {
                 0 => [u, 0.0, v],
                 1 => [u, 1.0, v],
                 2 => [0.0, u, v],

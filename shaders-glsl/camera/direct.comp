@@ -10,11 +10,13 @@ layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = 511;
 // Lights that are weighed for each query; 0 if power alone decides.
 layout(constant_id = 2) const uint WEIGHED = 0;
+layout(constant_id = 3) const uint MEDIA = 1;
 
 #include "constants.glsl"
 #include "grid.glsl"
 #include "layout.glsl"
 #include "math.glsl"
+#include "media.glsl"
 #include "offset.glsl"
 #include "random.glsl"
 #include "sampling.glsl"
@@ -158,6 +160,10 @@ void main() {
         Ray ray;
         if (sample_light(index, position, normal, words, value, ray)
             && !occluded(push.scene, ray)) {
+            // Nothing is in between, so that all of the way is in the query's medium.
+            if ((FEATURES & FEATURE_ABSORPTION) != 0 && push.queries[i].at.media != VACUUM) {
+                value *= transmittance(push.scene, push.queries[i].at.media, ray.t_max);
+            }
             two_add(sum, low, value / share);
         }
     }

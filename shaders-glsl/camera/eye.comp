@@ -14,6 +14,7 @@ layout(constant_id = 2) const uint MAX_SPLITS = 2;
 layout(constant_id = 3) const uint PATHS_LOG2 = 2;
 // Neighbouring invocations look at tiles of 32 pixels, that is 2 to this power of rows.
 layout(constant_id = 4) const uint TILE_ROWS_LOG2 = 2;
+layout(constant_id = 5) const uint MEDIA = 1;
 
 #include "bsdf.glsl"
 #include "constants.glsl"
@@ -23,7 +24,6 @@ layout(constant_id = 4) const uint TILE_ROWS_LOG2 = 2;
 #include "octahedral.glsl"
 #include "random.glsl"
 #include "scene.glsl"
-#include "boundary.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
@@ -48,8 +48,9 @@ layout(push_constant, scalar) uniform Push {
 // A camera path under way.
 struct Path {
     Ray ray;
+    // Of radiance over n^2, which refraction leaves as it is.
     vec3 weight;
-    uint medium;
+    uint media;
     uint surfaces;
     uint splits;
     // Which of the pixel's paths this is; a key of random numbers.
@@ -73,40 +74,38 @@ Ray camera_ray(float x, float y) {
 }
 
 // Where the path goes on from `at`, and the other path in `other` if it splits there.
-bool go_on(inout Path path, out Path other, uint pixel, Surface at, Material material) {
+bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, uint beyond) {
     bool split = false;
-    if ((FEATURES & FEATURE_MIRROR) != 0 && material.kind == MATERIAL_MIRROR) {
-        path.weight *= material.albedo;
-        path.ray = surface_leave(at, bsdf_reflect(path.ray.direction, at.normal));
-    } else if ((FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0) {
-        vec3 beyond;
-        float reflectance = boundary(material, at, path.ray.direction, beyond);
-        Ray reflected = surface_leave(at, bsdf_reflect(path.ray.direction, at.normal));
-        split = reflectance > 0.0 && reflectance < 1.0 && path.splits < MAX_SPLITS;
-        bool reflects = false;
+    uint lobe = bsdf_choose(bsdf, 0.0);
+    if (bsdf_splits(bsdf)) {
+        split = bsdf.reflectance > 0.0 && bsdf.reflectance < 1.0 && path.splits < MAX_SPLITS;
         if (split) {
             other = path;
-            other.ray = reflected;
-            vec3 share = path.weight * reflectance;
+            vec3 onward =
+                bsdf_direction(bsdf, LOBE_SPECULAR_REFLECTION, path.ray.direction, at.normal, 0.0, 0.0);
+            other.ray = surface_leave(at, onward);
+            vec3 share = path.weight * bsdf.reflectance;
             other.weight = share;
             other.branch |= 1u << path.splits;
             other.splits++;
+            lobe = LOBE_SPECULAR_TRANSMISSION;
         } else {
             uvec4 choice = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
-            reflects = unit_f32(choice.x) < reflectance;
+            lobe = bsdf_choose(bsdf, unit_f32(choice.x));
         }
-        if (reflects) {
-            path.ray = reflected;
-        } else {
-            path.weight *= material.albedo;
-            path.ray = surface_pass(at, beyond);
-            path.medium = entered(material, at, path.medium);
-            if (split) {
-                vec3 rest = path.weight * (1.0 - reflectance);
-                path.weight = rest;
-                path.splits++;
-            }
-        }
+    }
+    vec3 onward = bsdf_direction(bsdf, lobe, path.ray.direction, at.normal, 0.0, 0.0);
+    path.weight *= bsdf_weight(bsdf, lobe);
+    if (lobe == LOBE_SPECULAR_TRANSMISSION) {
+        path.ray = surface_pass(at, onward);
+        path.media = beyond;
+    } else {
+        path.ray = surface_leave(at, onward);
+    }
+    if (split) {
+        vec3 rest = path.weight * (1.0 - bsdf.reflectance);
+        path.weight = rest;
+        path.splits++;
     }
     return split;
 }
@@ -123,7 +122,7 @@ void main() {
     uvec4 jitter = words(pixel, 0, BLOCK_START);
     precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
     precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
-    Path path = Path(camera_ray(across, -down), vec3(1.0), VACUUM, 0, 0, 0);
+    Path path = Path(camera_ray(across, -down), vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0);
 
     // No path splits more than twice, so that no more than two wait.
     Path waiting[2];
@@ -143,20 +142,26 @@ void main() {
                 first.albedo = material.albedo;
                 first.hits = 1;
             }
-            if ((FEATURES & FEATURE_ABSORPTION) != 0) {
-                path.weight *= transmittance(push.scene, at, path.medium);
+            Interface sides = media_interface(push.scene, material, at.front, path.media);
+            if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
+                path.weight *= transmittance(push.scene, sides.before, at.t);
             }
             if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && material.emission != vec3(0.0)
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
-                emission += path.weight * material.emission;
+                vec3 weight = path.weight;
+                if (GLASS) weight *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                emission += weight * material.emission;
             }
-            if (material.kind == MATERIAL_LAMBERT) {
-                vec3 weight = path.weight * material.albedo * 0.318309886;
+            Bsdf bsdf = bsdf_new(material, at.cosine, sides);
+            if (bsdf.kind == MATERIAL_LAMBERT) {
+                vec3 weight = path.weight;
+                if (GLASS) weight *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                weight = weight * bsdf.albedo * 0.318309886;
                 if (weight != vec3(0.0)) {
                     uint key = (pixel << PATHS_LOG2) + path.branch;
                     // Off edges, beside which rounding may put it behind the next wall, out of its shadow.
                     push.found[(pixel << MAX_SPLITS) + found].at = Query(
-                        at.start, 1.0, at.normal, pixel, weight, at.material,
+                        at.start, 1.0, at.normal, pixel, weight, sides.before,
                         octahedral_pack(-path.ray.direction), key, uint[2](0u, 0u));
                     found++;
                 }
@@ -165,7 +170,7 @@ void main() {
                 path.surfaces++;
                 alive = path.surfaces < push.max_bounces;
                 Path other;
-                if (alive && go_on(path, other, pixel, at, material)) {
+                if (alive && go_on(path, other, pixel, at, bsdf, sides.beyond)) {
                     waiting[waits] = other;
                     waits++;
                 }

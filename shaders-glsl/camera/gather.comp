@@ -9,8 +9,8 @@
 layout(local_size_x_id = 1) in;
 
 layout(constant_id = 0) const uint FEATURES = 511;
+layout(constant_id = 2) const uint MEDIA = 1;
 
-#include "boundary.glsl"
 #include "bsdf.glsl"
 #include "constants.glsl"
 #include "grid.glsl"
@@ -53,35 +53,41 @@ void main() {
     precise float height = (float(index) + unit_f32(words.x)) / float(push.rays);
     vec3 direction = cosine_hemisphere(normal, min(height, 1.0 - 1.1920929e-7), unit_f32(words.y));
     Ray ray = Ray(off_surface(push.queries[from].at.position, normal), direction, NO_LIMIT);
+    // Of radiance over n^2, which refraction leaves as it is.
     vec3 weight = vec3(1.0);
-    uint medium = VACUUM;
+    uint start = GLASS ? push.queries[from].at.media : VACUUM;
+    uint media = start;
     Query landing =
         Query(vec3(NOWHERE), 1.0, normal, from, vec3(0.0), 0u, 0u, key, uint[2](0u, 0u));
     Surface at;
     for (uint bounce = 1; bounce <= push.max_bounces && surface(push.scene, ray, at); bounce++) {
         Material material = push.scene.materials[at.material].at;
-        if ((FEATURES & FEATURE_ABSORPTION) != 0) weight *= transmittance(push.scene, at, medium);
-        if ((FEATURES & FEATURE_MIRROR) != 0 && material.kind == MATERIAL_MIRROR) {
-            weight *= material.albedo;
-            ray = surface_leave(at, bsdf_reflect(ray.direction, at.normal));
-        } else if ((FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0
-            && (material.kind == MATERIAL_DIELECTRIC || material.kind == MATERIAL_THIN)) {
-            vec3 beyond;
-            float reflectance = boundary(material, at, ray.direction, beyond);
+        Interface sides = media_interface(push.scene, material, at.front, media);
+        if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
+            weight *= transmittance(push.scene, sides.before, at.t);
+        }
+        Bsdf bsdf = bsdf_new(material, at.cosine, sides);
+        uint lobe = bsdf_choose(bsdf, 0.0);
+        if (bsdf_splits(bsdf)) {
             uvec4 choice = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
-            if (unit_f32(choice.x) < reflectance) {
-                ray = surface_leave(at, bsdf_reflect(ray.direction, at.normal));
+            lobe = bsdf_choose(bsdf, unit_f32(choice.x));
+        }
+        if (lobe != LOBE_DIFFUSE) {
+            weight *= bsdf_weight(bsdf, lobe);
+            vec3 onward = bsdf_direction(bsdf, lobe, ray.direction, at.normal, 0.0, 0.0);
+            if (lobe == LOBE_SPECULAR_TRANSMISSION) {
+                ray = surface_pass(at, onward);
+                media = sides.beyond;
             } else {
-                weight *= material.albedo;
-                ray = surface_pass(at, beyond);
-                medium = entered(material, at, medium);
+                ray = surface_leave(at, onward);
             }
         } else {
             // Radiance is irradiance times albedo over π; the π cancels.
             landing.position = at.point;
             landing.normal = at.normal;
-            landing.weight = weight * material.albedo;
-            landing.material = at.material;
+            if (GLASS) weight *= radiance_scale(push.scene, start, sides.before);
+            landing.weight = weight * bsdf_weight(bsdf, lobe);
+            landing.media = sides.before;
             landing.outgoing = octahedral_pack(-ray.direction);
             break;
         }

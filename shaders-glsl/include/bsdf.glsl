@@ -1,48 +1,68 @@
-// Twin of photon-core's bsdf.rs: what smooth surfaces do to light.
+// How surfaces scatter light: one rule for photons, camera paths and gather rays. Twin of photon-core's bsdf.rs.
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
-#include "math.glsl"
+#include "constants.glsl"
+#include "fresnel.glsl"
+#include "layout.glsl"
+#include "media.glsl"
+#include "sampling.glsl"
 
-struct Fresnel {
+// The kernel declares FEATURES, a specialization constant: bits of Features.
+const bool MIRRORS = (FEATURES & FEATURE_MIRROR) != 0u;
+const bool GLASS = (FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0u;
+
+const uint LOBE_DIFFUSE = 0u;
+const uint LOBE_SPECULAR_REFLECTION = 1u;
+const uint LOBE_SPECULAR_TRANSMISSION = 2u;
+
+// A surface as one path meets it.
+struct Bsdf {
+    uint kind;
+    vec3 albedo;
+    float eta;
     float reflectance;
     float cos_transmitted;
+    bool is_active;
 };
 
-// `eta` is the index beyond the boundary over the one before it.
-Fresnel fresnel(float cos_incident, float eta) {
-    float c = clamp(cos_incident, 0.0, 1.0);
-    if (eta == 1.0) return Fresnel(0.0, c);
-    precise float steep = eta * eta - (1.0 - c) * (1.0 + c);
-    precise float shallow = (eta - 1.0) * (eta + 1.0) + c * c;
-    float discriminant = eta < 0.5 ? steep : shallow;
-    if (discriminant <= 0.0) return Fresnel(1.0, 0.0);
-    float eta_cos_t = sqrt(discriminant);
-    precise float cos_t = eta_cos_t / eta;
-    precise float s = (c - eta_cos_t) / (c + eta_cos_t);
-    precise float p = (eta * c - cos_t) / (eta * c + cos_t);
-    precise float reflectance = 0.5 * (s * s + p * p);
-    return Fresnel(clamp(reflectance, 0.0, 1.0), min(cos_t, 1.0));
+// Whether some light passes through a material of this kind.
+bool kind_transmits(uint kind) { return GLASS && (kind == MATERIAL_DIELECTRIC || kind == MATERIAL_THIN); }
+
+Bsdf bsdf_new(Material material, float cosine, Interface sides) {
+    Bsdf bsdf = Bsdf(MATERIAL_LAMBERT, material.albedo, sides.eta, 0.0, 0.0, sides.is_active);
+    if (MIRRORS && material.kind == MATERIAL_MIRROR) {
+        bsdf.kind = MATERIAL_MIRROR;
+        bsdf.reflectance = 1.0;
+    } else if (kind_transmits(material.kind)) {
+        Fresnel split = fresnel(cosine, sides.eta);
+        bsdf.kind = material.kind;
+        bool thin = material.kind == MATERIAL_THIN;
+        bsdf.reflectance = thin ? sheet_reflectance(split.reflectance) : split.reflectance;
+        bsdf.cos_transmitted = split.cos_transmitted;
+    }
+    return bsdf;
 }
 
-// Reflectance of a thin sheet with all reflections between its two faces.
-float sheet_reflectance(float single) {
-    precise float both = 2.0 * single / (1.0 + single);
-    return both;
+// Whether light is both reflected, by the share `reflectance`, and transmitted.
+bool bsdf_splits(Bsdf bsdf) { return kind_transmits(bsdf.kind); }
+
+uint bsdf_choose(Bsdf bsdf, float u) {
+    if (bsdf_splits(bsdf)) return u < bsdf.reflectance ? LOBE_SPECULAR_REFLECTION : LOBE_SPECULAR_TRANSMISSION;
+    return MIRRORS && bsdf.kind == MATERIAL_MIRROR ? LOBE_SPECULAR_REFLECTION : LOBE_DIFFUSE;
 }
 
-// The mirror direction of `direction` at `normal`; both unit.
-vec3 bsdf_reflect(vec3 direction, vec3 normal) {
-    precise vec3 mirrored = direction - normal * (2.0 * dot3(direction, normal));
-    return normalize_or(mirrored, normal);
+vec3 bsdf_weight(Bsdf bsdf, uint lobe) {
+    if (bsdf_splits(bsdf) && (lobe == LOBE_SPECULAR_REFLECTION || !bsdf.is_active)) return vec3(1.0);
+    return bsdf.albedo;
 }
 
-// The refracted direction; `normal` faces where the ray comes from.
-vec3 bsdf_refract(vec3 direction, vec3 normal, float eta, float cos_transmitted) {
-    if (eta == 1.0) return direction;
-    float c = -dot3(direction, normal);
-    precise vec3 bent = direction / eta + normal * (c / eta - cos_transmitted);
-    return normalize_or(bent, direction);
+// `u` and `v` are looked at for LOBE_DIFFUSE alone.
+vec3 bsdf_direction(Bsdf bsdf, uint lobe, vec3 incoming, vec3 normal, float u, float v) {
+    if (lobe == LOBE_DIFFUSE) return cosine_hemisphere(normal, u, v);
+    if (lobe == LOBE_SPECULAR_REFLECTION) return bsdf_reflect(incoming, normal);
+    if (bsdf.kind == MATERIAL_THIN) return incoming;
+    return bsdf_refract(incoming, normal, bsdf.eta, bsdf.cos_transmitted);
 }
 
 #endif

@@ -17,6 +17,9 @@ const uint LIGHT_POINT = 1u;
 const uint LIGHT_SPOT = 2u;
 const uint LIGHT_DIRECTIONAL = 3u;
 
+// MediaFeatures: bits of a specialization constant.
+const uint MEDIA_NESTED = 1u;
+
 // Light::flags.
 const uint LIGHT_BOTH_SIDES = 1u;
 

@@ -16,7 +16,7 @@ struct PhotonRay {
     vec3 direction;
     uint light;
     vec3 power;
-    uint reserved;
+    uint media;
 };
 
 struct Query {
@@ -25,7 +25,7 @@ struct Query {
     vec3 normal;
     uint pixel;
     vec3 weight;
-    uint material;
+    uint media;
     uint outgoing;
     uint path;
     uint reserved[2];
@@ -61,8 +61,16 @@ struct Material {
     uint kind;
     vec3 emission;
     uint flags;
+    uint medium;
+    float ior;
+    uint reserved[6];
+};
+
+struct Medium {
     vec3 absorption;
     float ior;
+    uint priority;
+    uint reserved[11];
 };
 
 struct Light {
@@ -82,7 +90,7 @@ struct Camera {
     vec3 origin;
     uint kind;
     vec3 forward;
-    uint reserved;
+    uint media;
     vec3 right;
     uint reserved2;
     vec3 up;
@@ -97,6 +105,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Estimates {
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Spreads { Spread at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Facets { Facet at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Materials { Material at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Media { Medium at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Lights { Light at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Cameras { Camera at; };
 

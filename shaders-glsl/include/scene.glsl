@@ -10,9 +10,6 @@
 #include "math.glsl"
 #include "offset.glsl"
 
-// Index of the material that a path is inside of, when it is in none.
-const uint VACUUM = 0xFFFFFFFFu;
-
 struct Ray {
     vec3 origin;
     vec3 direction;
@@ -45,7 +42,9 @@ struct Emission {
     vec3 c;
     vec3 normal;
     float margin;
-    uvec3 reserved;
+    // Media that paths start in, on the front and on the back.
+    uvec2 media;
+    uint reserved;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Emissions { Emission at; };
@@ -59,10 +58,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     Lights lights;
     LightStarts light_starts;
     Emissions emissions;
+    Media media;
     uint triangles;
     uint light_count;
-    uint material_count;
-    uint reserved;
+    uint reserved[2];
 };
 
 #include "intersect.glsl"
@@ -120,22 +119,6 @@ Ray surface_leave(Surface at, vec3 direction) {
 // A ray that goes on beyond.
 Ray surface_pass(Surface at, vec3 direction) {
     return Ray(off_surface(at.start, -at.normal), direction, NO_LIMIT);
-}
-
-// Share of each channel that is left after the stretch that ended on `at`: Beer and Lambert's law
-// inside solids. A back side of glass says itself that the stretch was inside; for other surfaces it
-// is what the path last entered.
-vec3 transmittance(SceneRef scene, Surface at, uint medium) {
-    uint inside = !at.front && scene.materials[at.material].at.kind == MATERIAL_DIELECTRIC ? at.material : medium;
-    if (inside >= scene.material_count) return vec3(1.0);
-    vec3 depth = scene.materials[inside].at.absorption * at.t;
-    return vec3(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));
-}
-
-// The solid that a path is in once it has passed `at`.
-uint entered(Material material, Surface at, uint medium) {
-    if (material.kind != MATERIAL_DIELECTRIC) return medium;
-    return at.front ? at.material : VACUUM;
 }
 
 // The light whose share of the range of a random word holds `random`.

@@ -9,10 +9,14 @@ const uint FATE_DROPPED = 3u;
 const uint FATE_CEDED = 4u;
 const uint FATE_NONE = 5u;
 
+// Beside the fate: the path entered more solids at once than can be kept.
+const uint TOO_DEEP = 1u << 27;
+const uint SURFACES_MASK = 0x07FFFFFFu;
+
 struct Ending {
     // What the path carried at its end.
     vec3 power;
-    // Fate in the upper four bits, surfaces met in the others.
+    // Fate in the upper four bits, TOO_DEEP, surfaces met in the others.
     uint fate_surfaces;
 };
 

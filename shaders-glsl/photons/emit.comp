@@ -62,6 +62,7 @@ void main() {
     Emission emission = push.scene.emissions[picked].at;
     vec3 origin = light.position;
     vec3 direction = light.direction;
+    uint media = emission.media.x;
     if ((FEATURES & FEATURE_POINT_LIGHTS) != 0u && light.kind == LIGHT_POINT) {
         direction = uniform_sphere(centred_f32(start.x), d);
     } else if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0u && light.kind == LIGHT_SPOT) {
@@ -76,6 +77,7 @@ void main() {
         vec3 point = within(emission.a, emission.b, emission.c, emission.margin, weights.x, weights.y);
         bool back = (light.flags & LIGHT_BOTH_SIDES) != 0u && choice.w >> 31 == 1u;
         vec3 normal = back ? -emission.normal : emission.normal;
+        if (back) media = emission.media.y;
         origin = off_surface(point, normal);
         direction = cosine_hemisphere(normal, c, d);
     }
@@ -85,6 +87,6 @@ void main() {
     ray.direction = direction;
     ray.light = picked;
     ray.power = carried;
-    ray.reserved = 0u;
+    ray.media = media;
     push.rays[index].at = ray;
 }

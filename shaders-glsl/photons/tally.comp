@@ -29,9 +29,9 @@ layout(push_constant, scalar) uniform Push {
     uint count;
 } push;
 
-// Two words each: paths by fate, surfaces, photons by map. Then three words for each channel of the
+// Two words each: paths by fate, surfaces, photons by map, paths in too many solids. Then three words for each channel of the
 // flux emitted, and by fate.
-const uint COUNTERS = FATES + 4u;
+const uint COUNTERS = FATES + 5u;
 const uint FLUXES = 3u + 3u * FATES;
 const uint WORDS = 2u * COUNTERS + 3u * FLUXES;
 
@@ -98,7 +98,8 @@ void main() {
             }
         }
         [[unroll]] for (uint f = 0u; f < FATES; ++f) counters[f] += fate == f ? 1u : 0u;
-        counters[FATES] += ending.fate_surfaces & 0x0FFFFFFFu;
+        counters[FATES] += ending.fate_surfaces & SURFACES_MASK;
+        counters[FATES + 4u] += (ending.fate_surfaces & TOO_DEEP) != 0u ? 1u : 0u;
         [[unroll]] for (uint map = 0u; map < 3u; ++map) {
             if ((WANTED >> map & 1u) != 0u) counters[FATES + 1u + map] += push.stored[map * push.count + index].at;
         }

@@ -25,13 +25,13 @@ layout(constant_id = 4) const bool DYNAMIC = true;
 layout(constant_id = 5) const uint BUSY = 0;
 // Whether paths are aimed: they end at the first diffuse surface, and keep nothing straight from a light.
 layout(constant_id = 6) const bool AIMED = false;
+layout(constant_id = 7) const uint MEDIA = 1;
 
-#include "boundary.glsl"
+#include "bsdf.glsl"
 #include "counter.glsl"
 #include "grid.glsl"
 #include "octahedral.glsl"
 #include "random.glsl"
-#include "sampling.glsl"
 #include "scene.glsl"
 #include "tally.glsl"
 
@@ -49,9 +49,10 @@ struct State {
     vec3 origin;
     uint bounce;
     vec3 direction;
-    uint medium;
+    uint media;
     vec3 power;
-    uint specular_only;
+    // Bits: only specular surfaces so far; a fifth solid was ignored.
+    uint flags;
     uvec3 stored;
     uint numbers;
 };
@@ -96,17 +97,20 @@ layout(push_constant, scalar) uniform Push {
 // More power than this on one path is a sign of broken numbers.
 const float TOO_MUCH = 1048576.0;
 
-const bool GLASS = (FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0u;
-const bool MIRRORS = (FEATURES & FEATURE_MIRROR) != 0u;
 const bool ABSORPTION = (FEATURES & FEATURE_ABSORPTION) != 0u;
 
 bool is_finite3(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
 
 float greatest(vec3 v) { return max(max(v.x, v.y), v.z); }
 
+vec3 tinted(vec3 power, vec3 by) {
+    precise vec3 left = power * by;
+    return left;
+}
+
 // Russian roulette that keeps the brightest channel; false if the photon is absorbed.
-bool survive(inout vec3 power, Material material, float choice) {
-    precise vec3 next = power * material.albedo;
+bool russian_roulette(inout vec3 power, vec3 weight, float choice) {
+    precise vec3 next = power * weight;
     precise float chance = greatest(next) / greatest(power);
     // 0/0 is not below anything.
     if (!(choice < chance) || is_nan(chance)) return false;
@@ -134,8 +138,9 @@ struct Path {
     Ray ray;
     vec3 power;
     uint bounce;
-    uint medium;
+    uint media;
     bool specular_only;
+    bool too_deep;
     uvec3 stored;
 };
 
@@ -154,8 +159,9 @@ Path begin(uint number) {
         path.ray = Ray(start.origin, start.direction, NO_LIMIT);
         path.power = start.power;
         path.bounce = 0u;
-        path.medium = VACUUM;
+        path.media = start.media;
         path.specular_only = true;
+        path.too_deep = false;
         path.stored = uvec3(0u);
         return path;
     }
@@ -164,8 +170,9 @@ Path begin(uint number) {
     path.ray = Ray(state.origin, state.direction, NO_LIMIT);
     path.power = state.power;
     path.bounce = state.bounce;
-    path.medium = state.medium;
-    path.specular_only = state.specular_only != 0u;
+    path.media = state.media;
+    path.specular_only = (state.flags & 1u) != 0u;
+    path.too_deep = NESTED && (state.flags & 2u) != 0u;
     path.stored = state.stored;
     return path;
 }
@@ -175,9 +182,9 @@ void keep(Path path) {
     state.origin = path.ray.origin;
     state.bounce = path.bounce;
     state.direction = path.ray.direction;
-    state.medium = path.medium;
+    state.media = path.media;
     state.power = path.power;
-    state.specular_only = path.specular_only ? 1u : 0u;
+    state.flags = (path.specular_only ? 1u : 0u) | (path.too_deep ? 2u : 0u);
     state.stored = path.stored;
     state.numbers = path.numbers.state;
     push.stretch.states[path.index].at = state;
@@ -212,44 +219,38 @@ uint step_path(inout Path path, Hit hit) {
     if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
     Surface at = surface_of(push.scene, path.ray.direction, hit);
     Material material = push.scene.materials[at.material].at;
-    if (ABSORPTION) {
-        precise vec3 left = path.power * transmittance(push.scene, at, path.medium);
-        path.power = left;
+    Interface sides = media_interface(push.scene, material, at.front, path.media);
+    if (ABSORPTION && sides.before != VACUUM) {
+        path.power = tinted(path.power, transmittance(push.scene, sides.before, at.t));
     }
     uvec4 words = sampler_words(path.numbers, BLOCK_SURFACES + path.bounce);
     float choice = unit_f32(words.x);
-    vec3 onward = path.ray.direction;
-    bool passes = false;
-    bool absorbed = false;
-    if (GLASS && (material.kind == MATERIAL_DIELECTRIC || material.kind == MATERIAL_THIN)) {
-        vec3 beyond;
-        if (choice < boundary(material, at, path.ray.direction, beyond)) {
-            onward = bsdf_reflect(path.ray.direction, at.normal);
-        } else {
-            precise vec3 tinted = path.power * material.albedo;
-            path.power = tinted;
-            path.medium = entered(material, at, path.medium);
-            onward = beyond;
-            passes = true;
-        }
-    } else {
-        bool mirror = MIRRORS && material.kind == MATERIAL_MIRROR;
-        if (!mirror && material.albedo != vec3(0.0) && !(AIMED && path.bounce == 0u)) store(path, at);
-        if (AIMED && !mirror) {
+    Bsdf bsdf = bsdf_new(material, at.cosine, sides);
+    uint lobe = bsdf_choose(bsdf, choice);
+    if (lobe == LOBE_DIFFUSE) {
+        if (material.albedo != vec3(0.0) && !(AIMED && path.bounce == 0u)) store(path, at);
+        if (AIMED) {
             ++path.bounce;
             return FATE_CEDED;
         }
-        absorbed = !survive(path.power, material, choice);
-        if (mirror) {
-            onward = bsdf_reflect(path.ray.direction, at.normal);
-        } else {
-            path.specular_only = false;
-            onward = cosine_hemisphere(at.normal, unit_f32(words.y), unit_f32(words.z));
-        }
+        path.specular_only = false;
+    } else if (lobe == LOBE_SPECULAR_TRANSMISSION) {
+        if (NESTED && sides.is_too_deep) path.too_deep = true;
+        path.media = sides.beyond;
+    }
+    bool absorbed = false;
+    vec3 weight = bsdf_weight(bsdf, lobe);
+    if (bsdf_splits(bsdf)) {
+        // The word went into the choice of the lobe.
+        path.power = tinted(path.power, weight);
+    } else {
+        absorbed = !russian_roulette(path.power, weight, choice);
     }
     ++path.bounce;
     if (absorbed) return FATE_ABSORBED;
-    path.ray = Ray(off_surface(at.start, passes ? -at.normal : at.normal), onward, NO_LIMIT);
+    vec3 onward =
+        bsdf_direction(bsdf, lobe, path.ray.direction, at.normal, unit_f32(words.y), unit_f32(words.z));
+    path.ray = lobe == LOBE_SPECULAR_TRANSMISSION ? surface_pass(at, onward) : surface_leave(at, onward);
     return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
 }
 
@@ -260,7 +261,7 @@ void finish(Path path, uint fate) {
     if ((WANTED & 4u) != 0u) push.stretch.stored[2u * count + path.index].at = path.stored.z;
     Ending ending;
     ending.power = path.power;
-    ending.fate_surfaces = fate << 28 | min(path.bounce, 0x0FFFFFFFu);
+    ending.fate_surfaces = fate << 28 | (path.too_deep ? TOO_DEEP : 0u) | min(path.bounce, SURFACES_MASK);
     push.stretch.endings[path.index].at = ending;
 }
 

@@ -1,4 +1,4 @@
-// Calls what is in bsdf.glsl.
+// Calls what is in fresnel.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -8,7 +8,7 @@
 layout(local_size_x_id = 1) in;
 
 #include "probe.glsl"
-#include "bsdf.glsl"
+#include "fresnel.glsl"
 
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     switch (FUNCTION) {

@@ -1,6 +1,6 @@
 //! T: glass.
 
-use photon_core::bsdf::fresnel;
+use photon_core::fresnel::fresnel;
 use photon_core::{Estimator, Settings};
 use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, Surface, shapes};
 use std::f64::consts::PI;

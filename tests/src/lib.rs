@@ -20,14 +20,17 @@ pub mod extremes;
 pub mod fields;
 pub mod foretold;
 pub mod harness;
+pub mod inside;
 pub mod interreflection;
 pub mod kept;
+pub mod nesting;
 pub mod numerics;
 pub mod paper;
 pub mod precision;
 pub mod sheets;
 pub mod stats;
 pub mod twin;
+pub mod views;
 
 /// Makes a `#[test]` of each function for one backend.
 #[macro_export]
@@ -88,6 +91,14 @@ macro_rules! whole_suite {
                 t1_t2_t3_fresnel, t4_slab, t6_light_at_the_centre, t7_trapped_light, t9_ball_lens,
                 t13_ior_one_is_invisible,
             }
+            inside::{
+                g1_even_sky_over_glass, light_inside_glass, furnace_with_glass, glow_from_inside,
+                light_through_an_absorber, light_in_an_absorber,
+            }
+            nesting::{
+                p20_glass_on_water, camera_in_three_solids, light_in_two_solids, a_fifth_solid_is_counted,
+                nesting_is_required_where_it_is,
+            }
             paper::{a14_extra_cosine_loses_a_third, the_clamp_is_the_papers}
             numerics::{
                 s1_no_leaks, s1_no_leaks_through_slivers, s6_coincident_photons, s7_fewer_photons_than_k, s8_degenerate_maps, s9_not_finite,
@@ -99,6 +110,7 @@ macro_rules! whole_suite {
                 m1_grey_is_what_treats_channels_alike, m2_less_is_the_same_picture, m3_too_little_is_refused,
             }
             cut::{ m4_the_same_photons_are_found }
+            views::{ v1_hand_filled_views_are_checked }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,
                 wider_requirements_change_nothing, passes_merge, one_backend_renders_again, a_restart_is_a_fresh_start, s31_full_photon_buffers,

@@ -5,7 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain};
-use photon_core::{Camera, Estimate, Features, Kernel, Layer, Light, Material, QUERIES_PER_PIXEL, RandomKind};
+use photon_core::{
+    Camera, Estimate, Features, Kernel, Layer, Light, Material, MaterialKind, MediaFeatures, QUERIES_PER_PIXEL,
+    RandomKind,
+};
 
 use crate::shell;
 
@@ -18,10 +21,10 @@ fn groups() -> Vec<Group> {
         (
             "Material::kind.",
             vec![
-                ("MATERIAL_LAMBERT", Material::LAMBERT),
-                ("MATERIAL_MIRROR", Material::MIRROR),
-                ("MATERIAL_DIELECTRIC", Material::DIELECTRIC),
-                ("MATERIAL_THIN", Material::THIN),
+                ("MATERIAL_LAMBERT", MaterialKind::Lambert as u32),
+                ("MATERIAL_MIRROR", MaterialKind::Mirror as u32),
+                ("MATERIAL_DIELECTRIC", MaterialKind::Dielectric as u32),
+                ("MATERIAL_THIN", MaterialKind::Thin as u32),
             ],
         ),
         ("Material::flags.", vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES)]),
@@ -34,6 +37,7 @@ fn groups() -> Vec<Group> {
                 ("LIGHT_DIRECTIONAL", Light::DIRECTIONAL),
             ],
         ),
+        ("MediaFeatures: bits of a specialization constant.", vec![("MEDIA_NESTED", MediaFeatures::NESTED.bits())]),
         ("Light::flags.", vec![("LIGHT_BOTH_SIDES", Light::BOTH_SIDES)]),
         (
             "Camera::kind.",

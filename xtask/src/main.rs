@@ -7,6 +7,7 @@ mod duplicates;
 mod extremes;
 mod graph;
 mod licences;
+mod loaders;
 mod msrv;
 mod requirements;
 mod shaders;

@@ -5,11 +5,13 @@ use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 use photon_core::area::{self, HEIGHT, LEAST_RADIUS, Probe, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{AreaProbe, Gather, Material, Pass, Query, RandomKind, Ray, Result, Told, math, offset, sampling};
+use photon_core::{
+    AreaProbe, Gather, Lobe, Pass, Query, RandomKind, Ray, Result, SurfaceInteraction, Told, math, offset, sampling,
+};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::scene::{CpuScene, Surface};
+use crate::scene::CpuScene;
 
 /// Queries that a thread takes at a time.
 const BLOCK: usize = 64;
@@ -131,7 +133,7 @@ impl Disc<'_> {
 }
 
 /// Whether it lies within a solid, where no photon lands: what is above it turns its back.
-fn enclosed(scene: &CpuScene, surface: &Surface) -> bool {
+fn enclosed(scene: &CpuScene, surface: &SurfaceInteraction) -> bool {
     let up = Ray {
         origin: offset::off_surface(surface.point, surface.normal),
         direction: surface.normal,
@@ -141,16 +143,15 @@ fn enclosed(scene: &CpuScene, surface: &Surface) -> bool {
 }
 
 /// The nearest surface that is not glass, and how far away.
-fn opaque(scene: &CpuScene, mut ray: Ray) -> Option<(f32, Surface)> {
+fn opaque(scene: &CpuScene, mut ray: Ray) -> Option<(f32, SurfaceInteraction)> {
     let mut passed = 0.0;
     for _ in 0..=SHEETS {
         let surface = scene.surface(&ray)?;
-        let kind = scene.materials[surface.material as usize].kind;
-        if kind != Material::DIELECTRIC && kind != Material::THIN {
+        if !scene.materials[surface.material as usize].kind().transmits() {
             return Some((passed + surface.t, surface));
         }
         passed += surface.t;
-        ray = Ray { t_max: ray.t_max - surface.t, ..surface.pass(ray.direction) };
+        ray = Ray { t_max: ray.t_max - surface.t, ..surface.spawn(Lobe::SpecularTransmission, ray.direction) };
     }
     None
 }

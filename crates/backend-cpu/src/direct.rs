@@ -3,7 +3,7 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::solid_angle::{self, Seen};
-use photon_core::{DirectLight, Layer, Light, Pass, Query, RandomKind, Ray, Result, offset, sampling};
+use photon_core::{DirectLight, Layer, Light, MediumStack, Pass, Query, RandomKind, Ray, Result, offset, sampling};
 
 use crate::choice::Choices;
 use crate::cpu::{Cpu, CpuBuffer};
@@ -51,6 +51,8 @@ fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3
         let sample = sample(scene, &scene.lights[index], query, unit_f32(u), unit_f32(v));
         let Some((value, ray)) = sample else { continue };
         if !scene.caster.occluded(&ray) {
+            // Nothing is in between, so that all of the way is in the query's medium.
+            let value = value * scene.attenuation(MediumStack::from_bits(query.media), ray.t_max);
             for c in 0..3 {
                 sum[c] += f64::from(value[c]) / share;
             }

@@ -89,6 +89,7 @@ fn leave<const AIMED: bool>(
     let light = &scene.lights[index];
     let position = Vec3::from(light.position);
     let along = Vec3::from(light.direction);
+    let mut back = false;
     let (origin, direction) = match light.kind {
         Light::POINT => (position, sampling::uniform_sphere(centred_f32(height), d)),
         Light::SPOT => {
@@ -105,10 +106,16 @@ fn leave<const AIMED: bool>(
             let (u, v) = sampling::triangle(a, b);
             let point = offset::within(scene.vertices[primitive], scene.margins[primitive], u, v);
             let front = Vec3::from(scene.facets[primitive].normal);
-            let back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
+            back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
             let normal = if back { -front } else { front };
             (offset::off_surface(point, normal), sampling::cosine_hemisphere(normal, c, d))
         }
     };
-    PhotonRay { origin: origin.into(), direction: direction.into(), light: index as u32, ..PhotonRay::default() }
+    PhotonRay {
+        origin: origin.into(),
+        direction: direction.into(),
+        light: index as u32,
+        media: scene.light_media(index, back).bits(),
+        ..PhotonRay::default()
+    }
 }

@@ -3,15 +3,14 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Camera, EyeTracer, FilmPixel, Layer, Material, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, View, bsdf,
-    octahedral,
+    Camera, EyeTracer, FilmPixel, Layer, Lobe, Material, MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray,
+    Result, View, octahedral,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::film::{CpuFilm, deposit, splits};
-use crate::scene::{CpuScene, VACUUM};
-use crate::trace::{boundary, entered};
+use crate::film::{CpuFilm, deposit};
+use crate::scene::CpuScene;
 
 /// Follows camera paths through mirrors and glass.
 ///
@@ -34,7 +33,7 @@ impl EyeTracer<Cpu> for CpuEye {
         film: &mut CpuFilm,
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
-        let max_splits = if splits(scene.features) { SPLITS } else { 0 };
+        let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
         let eye = Eye { scene, view, pass, max_bounces: self.max_bounces, max_splits };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
@@ -69,8 +68,9 @@ struct Eye<'a> {
 #[derive(Clone, Copy)]
 struct Path {
     ray: Ray,
+    /// Of radiance over n², which refraction leaves as it is.
     weight: Vec3,
-    medium: u32,
+    media: MediumStack,
     surfaces: u32,
     splits: u32,
     /// Which of the pixel's paths this is; a key of random numbers.
@@ -90,7 +90,7 @@ impl Eye<'_> {
         let first = Path {
             ray: camera_ray(&self.view.camera, across, -down),
             weight: Vec3::ONE,
-            medium: VACUUM,
+            media: MediumStack::from_bits(self.view.camera.media),
             surfaces: 0,
             splits: 0,
             branch: 0,
@@ -128,13 +128,19 @@ impl Eye<'_> {
                 pixel.albedo[axis] += f64::from(material.albedo[axis]);
             }
         }
-        path.weight *= self.scene.transmittance(&surface, path.medium);
+        let interface = self.scene.interface(&surface, path.media);
+        path.weight *= self.scene.attenuation(interface.before, surface.t);
+        // What the surface sends to the camera, beside what the path carries.
+        let seen = || {
+            let camera = MediumStack::from_bits(self.view.camera.media);
+            path.weight * self.scene.radiance_scale(camera, interface.before)
+        };
         if material.is_emissive() && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
-            deposit(pixel, Layer::Emission, path.weight.into(), material.emission.map(f64::from));
+            deposit(pixel, Layer::Emission, seen().into(), material.emission.map(f64::from));
         }
-        let albedo = Vec3::from(material.albedo);
+        let bsdf = self.scene.bsdf(&surface, &interface);
         if material.is_diffuse() {
-            let weight = path.weight * albedo * std::f32::consts::FRAC_1_PI;
+            let weight = bsdf.diffuse_throughput(seen());
             if weight != Vec3::ZERO {
                 queries.push(Query {
                     // Off edges, beside which rounding may put it behind the next wall, out of its shadow.
@@ -143,7 +149,7 @@ impl Eye<'_> {
                     normal: surface.normal.into(),
                     pixel: number,
                     weight: weight.into(),
-                    material: surface.material,
+                    media: interface.before.bits(),
                     outgoing: octahedral::pack(-path.ray.direction),
                     path: number * QUERIES_PER_PIXEL + path.branch,
                     reserved: [0; 2],
@@ -155,28 +161,26 @@ impl Eye<'_> {
         if path.surfaces >= self.max_bounces {
             return None;
         }
-        if material.kind == Material::MIRROR {
-            path.weight *= albedo;
-            path.ray = surface.leave(bsdf::reflect(path.ray.direction, surface.normal));
-            return Some(None);
-        }
-        let (reflectance, beyond) = boundary(material, &surface, path.ray.direction);
-        let reflected = Path { ray: surface.leave(bsdf::reflect(path.ray.direction, surface.normal)), ..*path };
-        let passed = Path {
-            ray: surface.pass(beyond),
-            weight: path.weight * albedo,
-            medium: entered(material, &surface, path.medium),
-            ..*path
+        let go_on = |lobe: Lobe| {
+            let direction = bsdf.direction(lobe, path.ray.direction, surface.normal, 0.0, 0.0);
+            let media = if lobe == Lobe::SpecularTransmission { interface.beyond } else { path.media };
+            Path { ray: surface.spawn(lobe, direction), weight: path.weight * bsdf.weight(lobe), media, ..*path }
         };
-        if reflectance > 0.0 && reflectance < 1.0 && path.splits < self.max_splits {
-            let bit = 1 << path.splits;
-            let splits = path.splits + 1;
-            *path = Path { weight: passed.weight * (1.0 - reflectance), splits, ..passed };
-            let other = Path { weight: reflected.weight * reflectance, splits, branch: path.branch | bit, ..reflected };
-            return Some(Some(other));
-        }
-        let [choice, ..] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);
-        *path = if unit_f32(choice) < reflectance { reflected } else { passed };
+        let lobe = match bsdf.split() {
+            None => bsdf.choose(0.0),
+            Some(reflectance) if reflectance > 0.0 && reflectance < 1.0 && path.splits < self.max_splits => {
+                let [reflected, passed] = [Lobe::SpecularReflection, Lobe::SpecularTransmission].map(go_on);
+                let (bit, splits) = (1 << path.splits, path.splits + 1);
+                *path = Path { weight: passed.weight * (1.0 - reflectance), splits, ..passed };
+                let branch = path.branch | bit;
+                return Some(Some(Path { weight: reflected.weight * reflectance, splits, branch, ..reflected }));
+            }
+            Some(_) => {
+                let [choice, ..] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);
+                bsdf.choose(unit_f32(choice))
+            }
+        };
+        *path = go_on(lobe);
         Some(None)
     }
 }

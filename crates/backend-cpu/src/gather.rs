@@ -3,17 +3,16 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Estimate, FinalGather, Gather, Kept, Layer, Maps, Material, Pass, Query, RandomKind, Result, Spread, bsdf, offset,
-    sampling,
+    Estimate, FinalGather, Gather, Kept, Layer, Lobe, Maps, MediumStack, Pass, Query, RandomKind, Result, Spread,
+    offset, sampling,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::estimate::{Place, estimate_at};
 use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
-use crate::scene::{CpuScene, VACUUM};
+use crate::scene::CpuScene;
 use crate::spread::spread_at;
-use crate::trace::{boundary, entered};
 
 /// Rays from the queries to where the maps are read.
 #[derive(Debug)]
@@ -136,30 +135,32 @@ fn follow(
         direction: sampling::cosine_hemisphere(normal, u, unit_f32(v)),
         t_max: f32::INFINITY,
     };
+    // Of radiance over n², which refraction leaves as it is.
     let mut weight = Vec3::ONE;
-    let mut medium = VACUUM;
+    let start = MediumStack::from_bits(query.media);
+    let mut media = start;
     for bounce in 1..=max_bounces {
         let Some(surface) = scene.surface(&ray) else { break };
-        let material = &scene.materials[surface.material as usize];
-        weight *= scene.transmittance(&surface, medium);
-        let albedo = Vec3::from(material.albedo);
-        match material.kind {
-            Material::MIRROR => {
-                weight *= albedo;
-                ray = surface.leave(bsdf::reflect(ray.direction, surface.normal));
-            }
-            Material::DIELECTRIC | Material::THIN => {
-                let (reflectance, beyond) = boundary(material, &surface, ray.direction);
+        let interface = scene.interface(&surface, media);
+        weight *= scene.attenuation(interface.before, surface.t);
+        let bsdf = scene.bsdf(&surface, &interface);
+        let lobe = match bsdf.split() {
+            None => bsdf.choose(0.0),
+            Some(_) => {
                 let [choice, ..] = sampler.words(block + bounce);
-                if unit_f32(choice) < reflectance {
-                    ray = surface.leave(bsdf::reflect(ray.direction, surface.normal));
-                } else {
-                    weight *= albedo;
-                    ray = surface.pass(beyond);
-                    medium = entered(material, &surface, medium);
+                bsdf.choose(unit_f32(choice))
+            }
+        };
+        match lobe {
+            Lobe::SpecularReflection | Lobe::SpecularTransmission => {
+                weight *= bsdf.weight(lobe);
+                ray = surface.spawn(lobe, bsdf.direction(lobe, ray.direction, surface.normal, 0.0, 0.0));
+                if lobe == Lobe::SpecularTransmission {
+                    media = interface.beyond;
                 }
             }
-            _ => {
+            Lobe::Diffuse => {
+                let weight = weight * scene.radiance_scale(start, interface.before) * bsdf.weight(lobe);
                 let mut found = Found::default();
                 let at = |gather: &Gather| Place {
                     position: surface.point.into(),
@@ -169,7 +170,7 @@ fn follow(
                 if let Some((map, gather)) = &maps.irradiance {
                     let estimate = estimate_at(map, at(gather), gather, &mut scratch[0]);
                     found.irradiance = estimate.flux.map(f64::from);
-                    return found.times((weight * albedo).to_array());
+                    return found.times(weight.to_array());
                 }
                 let each =
                     [(&maps.direct, maps.paths), (&maps.caustic, maps.caustic_paths), (&maps.global, maps.paths)];
@@ -187,7 +188,7 @@ fn follow(
                     }
                 }
                 // Radiance is irradiance times albedo over π; the π cancels.
-                return found.times((weight * albedo).to_array());
+                return found.times(weight.to_array());
             }
         }
     }

@@ -5,6 +5,7 @@
 #![deny(unsafe_code)]
 
 mod area;
+mod backend;
 mod choice;
 mod cpu;
 mod direct;
@@ -22,6 +23,7 @@ mod rows;
 mod scene;
 mod spread;
 mod trace;
+mod transport;
 
 pub use cpu::{Cpu, CpuBuffer};
 pub use film::CpuFilm;

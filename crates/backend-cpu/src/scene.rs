@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Error, Facet, Features, Hit, Light, Material, Ray, RayCaster, Requirements, Result, SceneView, math, offset,
+    Bsdf, Error, Facet, Features, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Ray, RayCaster,
+    Requirements, Result, SceneView, Solids, SurfaceInteraction, interface, math, offset, radiance_scale,
 };
 
 use crate::cpu::Cpu;
@@ -19,6 +20,10 @@ pub struct CpuScene {
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_starts: Vec<u32>,
+    media: Vec<Medium>,
+    /// The media that photons of each light start in, on its front and its back; empty where media do not matter.
+    light_media: Vec<[MediumStack; 2]>,
+    nested: bool,
     pub(crate) caster: Box<dyn RayCaster>,
     pub(crate) features: Features,
     /// Seconds that the ray caster took to build.
@@ -27,17 +32,17 @@ pub struct CpuScene {
 
 impl CpuScene {
     pub(crate) fn new(on: &Cpu, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
-        let features = photon_core::Requirements::of(view, &photon_core::Settings::default()).features;
-        required.check(features)?;
-        for (index, triangle) in view.triangles.iter().enumerate() {
-            if triangle.iter().any(|&v| v as usize >= view.positions.len()) {
-                return Err(Error::InvalidInput {
-                    what: "triangle",
-                    index: index as u64,
-                    why: format!("{triangle:?} names a vertex that is not among the {}", view.positions.len()),
-                });
-            }
-        }
+        view.validate()?;
+        required.check(Features::of(view))?;
+        let solids = Solids::of(view);
+        required.check_media(solids.features())?;
+        let nested = required.media.contains(MediaFeatures::NESTED);
+        let light_media = if nested || required.features.contains(Features::ABSORPTION) {
+            let locator = solids.locate();
+            view.lights.iter().map(|light| locator.of_light(light)).collect()
+        } else {
+            Vec::new()
+        };
         let start = Instant::now();
         let caster = match &on.make_caster {
             Some(make) => make(view)?,
@@ -56,6 +61,9 @@ impl CpuScene {
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
             light_starts: view.light_starts.to_vec(),
+            media: view.media.to_vec(),
+            light_media,
+            nested,
             caster,
             features: required.features,
             build_seconds: start.elapsed().as_secs_f64(),
@@ -64,80 +72,57 @@ impl CpuScene {
 
     /// The nearest surface, with all that shading needs.
     #[inline]
-    pub(crate) fn surface(&self, ray: &Ray) -> Option<Surface> {
-        let Hit { t, primitive, u, v } = self.caster.nearest(ray)?;
-        let facet = self.facets[primitive as usize];
-        let normal = Vec3::from(facet.normal);
-        let cosine = -ray.direction.dot(normal);
-        let front = cosine > 0.0;
-        let (vertices, margin) = (self.vertices[primitive as usize], self.margins[primitive as usize]);
-        Some(Surface {
-            t,
-            point: offset::barycentric(vertices, u, v),
-            start: offset::within(vertices, margin, u, v),
-            normal: if front { normal } else { -normal },
-            cosine: cosine.abs(),
-            front,
-            material: facet.material,
-        })
+    pub(crate) fn surface(&self, ray: &Ray) -> Option<SurfaceInteraction> {
+        let hit = self.caster.nearest(ray)?;
+        let (index, facet) = (hit.primitive as usize, &self.facets[hit.primitive as usize]);
+        Some(SurfaceInteraction::new(ray.direction, &hit, self.vertices[index], self.margins[index], facet))
     }
 
-    /// Share of each channel that is left after the stretch that ended on `surface`: Beer and
-    /// Lambert's law inside solids.
+    /// What a path in `media` that meets `surface` finds on its two sides.
     #[inline]
-    pub(crate) fn transmittance(&self, surface: &Surface, medium: u32) -> Vec3 {
-        self.solid(surface, medium).map_or(Vec3::ONE, |solid| surface.transmittance(solid))
+    pub(crate) fn interface(&self, surface: &SurfaceInteraction, media: MediumStack) -> Interface {
+        self.interface_by(surface, media, self.nested)
     }
 
-    /// The solid that the stretch that ended on `surface` was inside of. A back side of glass says itself
-    /// that it was; for other surfaces it is what the path last entered.
+    /// The same, where it is known beforehand whether solids are nested.
+    #[inline(always)]
+    pub(crate) fn interface_by(&self, surface: &SurfaceInteraction, media: MediumStack, nested: bool) -> Interface {
+        let material = &self.materials[surface.material as usize];
+        interface(&self.media, material, surface.front, media, nested)
+    }
+
+    /// The lobes of `surface`.
     #[inline]
-    pub(crate) fn solid(&self, surface: &Surface, medium: u32) -> Option<&Material> {
-        if !surface.front {
-            let material = &self.materials[surface.material as usize];
-            if material.kind == Material::DIELECTRIC {
-                return Some(material);
-            }
+    pub(crate) fn bsdf(&self, surface: &SurfaceInteraction, interface: &Interface) -> Bsdf {
+        let material = &self.materials[surface.material as usize];
+        Bsdf::new(self.features, material, surface.cosine, interface)
+    }
+
+    /// Share of each channel that is left after `distance` in `media`: Beer and Lambert's law.
+    #[inline]
+    pub(crate) fn transmittance(&self, media: MediumStack, distance: f32) -> Vec3 {
+        let absorption = self.media[media.current(&self.media) as usize].absorption;
+        Vec3::from(absorption.map(|sigma| math::exp_neg(sigma * distance)))
+    }
+
+    /// The same, 1 at once where nothing in the scene absorbs.
+    #[inline]
+    pub(crate) fn attenuation(&self, media: MediumStack, distance: f32) -> Vec3 {
+        if media == MediumStack::VACUUM || !self.features.contains(Features::ABSORPTION) {
+            return Vec3::ONE;
         }
-        if medium == VACUUM { None } else { self.materials.get(medium as usize) }
-    }
-}
-
-/// Index of the material that a path is inside of, when it is in none.
-pub(crate) const VACUUM: u32 = u32::MAX;
-
-/// Where a ray meets the scene.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Surface {
-    pub(crate) t: f32,
-    pub(crate) point: Vec3,
-    /// Where rays go on from, but for the step off the surface.
-    pub(crate) start: Vec3,
-    /// On the side that the ray came from.
-    pub(crate) normal: Vec3,
-    /// Between that normal and the way back, ≥ 0.
-    pub(crate) cosine: f32,
-    /// Whether that is the front.
-    pub(crate) front: bool,
-    pub(crate) material: u32,
-}
-
-impl Surface {
-    /// What is left of light after the stretch that ended here, inside `solid`.
-    #[inline]
-    pub(crate) fn transmittance(&self, solid: &Material) -> Vec3 {
-        Vec3::from(solid.absorption.map(|sigma| math::exp_neg(sigma * self.t)))
+        self.transmittance(media, distance)
     }
 
-    /// A ray that goes on from here on the side that it came from.
+    /// [`radiance_scale`] by the scene's media.
     #[inline]
-    pub(crate) fn leave(&self, direction: Vec3) -> Ray {
-        Ray { origin: offset::off_surface(self.start, self.normal), direction, t_max: f32::INFINITY }
+    pub(crate) fn radiance_scale(&self, from: MediumStack, at: MediumStack) -> f32 {
+        radiance_scale(&self.media, from, at)
     }
 
-    /// A ray that goes on beyond.
+    /// The media that photons of a light start in, on its front or its back.
     #[inline]
-    pub(crate) fn pass(&self, direction: Vec3) -> Ray {
-        Ray { origin: offset::off_surface(self.start, -self.normal), direction, t_max: f32::INFINITY }
+    pub(crate) fn light_media(&self, light: usize, back: bool) -> MediumStack {
+        self.light_media.get(light).map_or(MediumStack::VACUUM, |sides| sides[usize::from(back)])
     }
 }

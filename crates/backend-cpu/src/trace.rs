@@ -5,13 +5,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Deposits, Fate, Features, FixedFlux, Kept, Material, Photon, PhotonRay, Ray, Result, Settings, Sharing,
-    Tally, Tracer, bsdf, octahedral, sampling,
+    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Kept, Lobe, MediaFeatures, MediumStack, Photon, PhotonRay, Ray,
+    Requirements, Result, Settings, Sharing, Tally, Tracer, octahedral,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::scene::{CpuScene, Surface, VACUUM};
+use crate::scene::CpuScene;
 
 /// Paths that a thread takes at a time. The result does not depend on it.
 const BLOCK: usize = 2048;
@@ -25,19 +25,21 @@ pub(crate) struct CpuTracer {
     sharing: Sharing,
     max_bounces: u32,
     features: Features,
+    nested: bool,
     aimed: bool,
     tally: Tally,
 }
 
 impl CpuTracer {
-    pub(crate) fn new(settings: &Settings, features: Features) -> Self {
+    pub(crate) fn new(settings: &Settings, required: &Requirements) -> Self {
         let (sharing, max_bounces) = (settings.sharing, settings.max_bounces);
-        Self { sharing, max_bounces, features, aimed: false, tally: Tally::default() }
+        let nested = required.media.contains(MediaFeatures::NESTED);
+        Self { sharing, max_bounces, features: required.features, nested, aimed: false, tally: Tally::default() }
     }
 
     /// For aimed paths, which end at the first diffuse surface.
-    pub(crate) fn aimed(settings: &Settings, features: Features) -> Self {
-        Self { aimed: true, ..Self::new(settings, features) }
+    pub(crate) fn aimed(settings: &Settings, required: &Requirements) -> Self {
+        Self { aimed: true, ..Self::new(settings, required) }
     }
 }
 
@@ -58,8 +60,8 @@ impl Tracer<Cpu> for CpuTracer {
         mut deposits: Deposits<'_, Cpu>,
     ) -> Result<()> {
         let wanted = [deposits.direct.is_some(), deposits.caustic.is_some(), deposits.global.is_some()];
-        let walk =
-            Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow: kernel(self.features, self.aimed) };
+        let follow = kernel(self.features, self.nested, self.aimed);
+        let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow };
         let rays = rays.as_slice();
         let harvests = match self.sharing {
             Sharing::Static => share_statically(on, &walk, rays),
@@ -138,21 +140,27 @@ impl Walk<'_> {
 
 /// Beside the bits of the lobes: paths are aimed.
 const AIMED: u32 = 1 << 31;
+/// Likewise: solids lie within each other, or overlap.
+const NESTED: u32 = 1 << 30;
 
-/// The kernel that has these lobes and no other.
-fn kernel(features: Features, aimed: bool) -> Follow {
+/// The kernel that has these lobes and no other. Nested solids have one with all lobes, since they are rare.
+fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     const D: Features = Features::DIFFUSE;
     const M: Features = D.union(Features::MIRROR);
     const GLASS: Features = Features::DIELECTRIC.union(Features::THIN);
     const ABSORBING: Features = GLASS.union(Features::ABSORPTION);
+    const ALL: u32 = M.union(ABSORBING).bits();
     let mirrors = features.intersects(Features::MIRROR);
     let absorbs = features.intersects(Features::ABSORPTION);
     let lobes = (features.intersects(GLASS), absorbs, mirrors);
+    if nested && lobes.0 {
+        return if aimed { follow::<{ ALL | NESTED | AIMED }> } else { follow::<{ ALL | NESTED }> };
+    }
     if aimed {
         return match lobes {
             (false, ..) => follow::<{ M.bits() | AIMED }>,
             (true, false, _) => follow::<{ M.union(GLASS).bits() | AIMED }>,
-            (true, true, _) => follow::<{ M.union(ABSORBING).bits() | AIMED }>,
+            (true, true, _) => follow::<{ ALL | AIMED }>,
         };
     }
     match lobes {
@@ -161,16 +169,16 @@ fn kernel(features: Features, aimed: bool) -> Follow {
         (true, false, false) => follow::<{ D.union(GLASS).bits() }>,
         (true, false, true) => follow::<{ M.union(GLASS).bits() }>,
         (true, true, false) => follow::<{ D.union(ABSORBING).bits() }>,
-        (true, true, true) => follow::<{ M.union(ABSORBING).bits() }>,
+        (true, true, true) => follow::<{ ALL }>,
     }
 }
 
 /// Follows one path to its end. `F` says which lobes are compiled in.
 fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harvest) {
     let features = Features::from_bits(F);
+    let (aimed, nested) = (F & AIMED != 0, F & NESTED != 0);
     let scene = walk.scene;
     let pass = walk.batch.pass;
-    let aimed = F & AIMED != 0;
     let domain = if aimed { Domain::Aimed } else { Domain::Photon };
     let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, domain, start.path);
     if pass.random == photon_core::RandomKind::Lcg {
@@ -184,7 +192,8 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
     tally.emitted += 1;
     tally.flux_emitted.add(flux);
     let mut specular_only = true;
-    let mut medium = VACUUM;
+    let mut media = MediumStack::from_bits(start.media);
+    let mut too_deep = false;
     for bounce in 0..walk.max_bounces {
         // NaN fails the comparison too.
         let sane = ray.origin.is_finite() && ray.direction.is_finite() && power.abs().max_element() <= TOO_MUCH;
@@ -201,33 +210,17 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
             tally.flux_absorbed.add(flux.minus(left));
             *flux = left;
         };
-        if features.contains(Features::ABSORPTION)
-            && let Some(solid) = scene.solid(&surface, medium)
-        {
-            power *= surface.transmittance(solid);
+        let interface = scene.interface_by(&surface, media, nested);
+        if features.contains(Features::ABSORPTION) && interface.before != MediumStack::VACUUM {
+            power *= scene.transmittance(interface.before, surface.t);
             carry(power, &mut flux, tally);
         }
         let [choice, u, v, _] = sampler.words(BLOCK_SURFACES + bounce);
         let (choice, u, v) = (unit_f32(choice), unit_f32(u), unit_f32(v));
-        match material.kind {
-            Material::MIRROR if features.contains(Features::MIRROR) => {
-                let Some(next) = survive(power, material, choice) else {
-                    return tally.end(Fate::Absorbed, flux);
-                };
-                power = next;
-                ray = surface.leave(bsdf::reflect(ray.direction, surface.normal));
-            }
-            Material::DIELECTRIC | Material::THIN if features.contains(Features::DIELECTRIC) => {
-                let (reflectance, beyond) = boundary(material, &surface, ray.direction);
-                if choice < reflectance {
-                    ray = surface.leave(bsdf::reflect(ray.direction, surface.normal));
-                } else {
-                    power *= Vec3::from(material.albedo);
-                    ray = surface.pass(beyond);
-                    medium = entered(material, &surface, medium);
-                }
-            }
-            _ => {
+        let bsdf = Bsdf::new(features, material, surface.cosine, &interface);
+        let lobe = bsdf.choose(choice);
+        match lobe {
+            Lobe::Diffuse => {
                 // What comes straight from a light is not theirs to keep.
                 if material.albedo != [0.0; 3] && !(aimed && bounce == 0) {
                     let class = if !specular_only { 2 } else { usize::from(bounce > 0) };
@@ -245,14 +238,28 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
                 if aimed {
                     return tally.end(Fate::Ceded, flux);
                 }
-                let Some(next) = survive(power, material, choice) else {
-                    return tally.end(Fate::Absorbed, flux);
-                };
-                power = next;
                 specular_only = false;
-                ray = surface.leave(sampling::cosine_hemisphere(surface.normal, u, v));
             }
+            Lobe::SpecularTransmission => {
+                if nested && !too_deep && interface.is_too_deep {
+                    too_deep = true;
+                    tally.too_deep += 1;
+                }
+                media = interface.beyond;
+            }
+            Lobe::SpecularReflection => {}
         }
+        let weight = bsdf.weight(lobe);
+        if bsdf.split().is_some() {
+            // The word went into the choice of the lobe.
+            power *= weight;
+        } else {
+            let Some(next) = russian_roulette(power, weight, choice) else {
+                return tally.end(Fate::Absorbed, flux);
+            };
+            power = next;
+        }
+        ray = surface.spawn(lobe, bsdf.direction(lobe, ray.direction, surface.normal, u, v));
         carry(power, &mut flux, tally);
     }
     tally.end(Fate::Truncated, flux);
@@ -261,32 +268,9 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
 /// Russian roulette (Arvo and Kirk 1990) that keeps the brightest channel as it is; `None` if the
 /// photon is absorbed.
 #[inline]
-fn survive(power: Vec3, material: &Material, choice: f32) -> Option<Vec3> {
-    let next = power * Vec3::from(material.albedo);
+fn russian_roulette(power: Vec3, weight: Vec3, choice: f32) -> Option<Vec3> {
+    let next = power * weight;
     let chance = next.max_element() / power.max_element();
     // Also false for 0/0.
     if choice < chance { Some(next / chance) } else { None }
-}
-
-/// Reflectance of glass, and the direction of what passes.
-#[inline]
-pub(crate) fn boundary(material: &Material, surface: &Surface, direction: Vec3) -> (f32, Vec3) {
-    if material.kind == Material::THIN {
-        let single = bsdf::fresnel(surface.cosine, material.ior).reflectance;
-        return (bsdf::sheet_reflectance(single), direction);
-    }
-    let eta = if surface.front { material.ior } else { 1.0 / material.ior };
-    let fresnel = bsdf::fresnel(surface.cosine, eta);
-    let beyond = bsdf::refract(direction, surface.normal, eta, fresnel.cos_transmitted);
-    (fresnel.reflectance, beyond)
-}
-
-/// The solid that a path is in once it has passed `surface`.
-#[inline]
-pub(crate) fn entered(material: &Material, surface: &Surface, medium: u32) -> u32 {
-    match (material.kind, surface.front) {
-        (Material::DIELECTRIC, true) => surface.material,
-        (Material::DIELECTRIC, false) => VACUUM,
-        _ => medium,
-    }
 }

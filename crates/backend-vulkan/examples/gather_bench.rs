@@ -13,8 +13,9 @@ mod points;
 use std::f32::consts::PI;
 
 use backend_vulkan::{Vulkan, VulkanBuffer, VulkanMap};
+use photon_core::random::SplitMix64;
 use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, MapStages, Photon, Query, Result, Rule, Stage};
-use points::{Random, caustic, rows, walls};
+use points::{caustic, rows, walls};
 
 const WARM: usize = 1;
 const RUNS: usize = 5;
@@ -144,7 +145,7 @@ fn time(
 
 /// The same in a random order.
 fn shuffled(rows: &[Query]) -> Vec<Query> {
-    let mut random = Random::new(3);
+    let mut random = SplitMix64(3);
     let mut all = rows.to_vec();
     for at in (1..all.len()).rev() {
         all.swap(at, (random.word() % (at as u64 + 1)) as usize);

@@ -49,7 +49,8 @@ impl DirectLight<Vulkan> for VulkanDirect {
         }
         let lights = scene.light_count();
         let weighed = if (2..=FEW).contains(&lights) { lights } else { 0 };
-        let kernel = on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed])?;
+        let kernel =
+            on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed, scene.media().bits()])?;
         // How many there are need not be known here yet: as many as fit.
         let capacity = queries.capacity();
         let rounds = shadow_rays.min(on.portions.shadow_rays_of_query);

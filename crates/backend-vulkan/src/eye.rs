@@ -103,7 +103,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
     ) -> Result<()> {
         film.check_size(view.width, view.height)?;
         let features = scene.features();
-        let splits = if splits(features) { SPLITS } else { 0 };
+        let splits = if features.splits_camera_paths() { SPLITS } else { 0 };
         let pixels = view.width * view.height;
         let places = u64::from(pixels) << splits;
         let in_place = queries.capacity() >= places;
@@ -121,7 +121,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as may be.
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
-        let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows];
+        let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows, scene.media().bits()];
         let look = on.kernel(&shaders::CAMERA_EYE, &constants)?;
         let rows = (on.portions.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
         for start_row in (0..view.height).step_by(rows as usize) {
@@ -204,11 +204,6 @@ impl Room {
         let (words, bytes) = (u64::from(pixels) * 4, queries * size_of::<Query>() as u64);
         self.counts.bytes() >= words && self.queries.bytes() >= bytes
     }
-}
-
-/// Whether camera paths can split.
-fn splits(features: Features) -> bool {
-    features.intersects(Features::DIELECTRIC.union(Features::THIN))
 }
 
 #[repr(C)]

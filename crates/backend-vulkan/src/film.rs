@@ -14,6 +14,7 @@ use crate::device::Memory;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
+mod backend;
 pub(crate) mod errors;
 #[cfg(test)]
 mod tests;

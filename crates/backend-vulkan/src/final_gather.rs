@@ -110,7 +110,7 @@ impl FinalGather<Vulkan> for VulkanGather {
         };
         film.clear_values(on, queries.capacity())?;
         let values = film.values_address(on, queries.capacity())?;
-        let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP])?;
+        let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP, scene.media().bits()])?;
         let mut told = self.told(on, film, room, queries.capacity())?;
         let (spread, found) = (u32::from(told.is_some()), u32::from(maps.irradiance.is_some()));
         let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP, spread, found])?;

@@ -29,7 +29,6 @@ mod shaders;
 mod sort;
 mod transport;
 mod vulkan;
-mod wide;
 
 pub use ash;
 pub use buffer::VulkanBuffer;

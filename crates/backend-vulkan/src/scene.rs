@@ -4,11 +4,13 @@ use std::time::Instant;
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
-use photon_core::{Error, Features, Requirements, Result, SceneView, Settings, light_probability, offset};
+use photon_core::{
+    Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability, offset,
+};
+use photon_scene::CompressedTree;
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
-use crate::wide::WideTree;
 
 /// Triangles that are brought to the device at a time.
 const BLOCK: usize = 1 << 20;
@@ -21,6 +23,7 @@ pub struct VulkanScene {
     /// What it points to.
     _tables: Vec<Memory>,
     features: Features,
+    media: MediaFeatures,
     light_count: u32,
     /// Labels and bytes of the tables.
     bytes: Vec<(&'static str, u64)>,
@@ -39,10 +42,10 @@ struct Record {
     lights: u64,
     light_starts: u64,
     emissions: u64,
+    media: u64,
     triangles: u32,
     light_count: u32,
-    material_count: u32,
-    reserved: u32,
+    reserved: [u32; 2],
 }
 
 /// `Emission` of scene.glsl.
@@ -54,26 +57,33 @@ struct Emission {
     corners: [[f32; 3]; 3],
     normal: [f32; 3],
     margin: f32,
+    /// Media that paths start in, on the front and on the back.
+    media: [u32; 2],
     // Records behind an address are multiples of its alignment apart, 16 bytes.
-    reserved: [u32; 3],
+    reserved: u32,
 }
 
 impl VulkanScene {
     /// # Errors
-    /// [`Error::MissingFeatures`], [`Error::InvalidInput`] names the triangle, [`Error::Backend`] what
-    /// kept the tree from being built, [`Error::OutOfMemory`].
+    /// As [`SceneView::validate`]; [`Error::MissingFeatures`], [`Error::Backend`] what kept the tree from being
+    /// built, [`Error::OutOfMemory`].
     pub(crate) fn new(on: &mut Vulkan, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
-        required.check(Requirements::of(view, &Settings::default()).features)?;
-        check(view)?;
+        view.validate()?;
+        required.check(Features::of(view))?;
+        let solids = Solids::of(view);
+        required.check_media(solids.features())?;
+        let inside = required.media.contains(MediaFeatures::NESTED) || required.features.contains(Features::ABSORPTION);
+        let locator = inside.then(|| solids.locate());
         let start = Instant::now();
-        let tree = WideTree::build(view.positions, view.triangles)
+        let tree = CompressedTree::build(view.positions, view.triangles)
             .map_err(|source| Error::Backend { backend: "vulkan: building the BVH", source: Box::new(source) })?;
         let build_seconds = start.elapsed().as_secs_f64();
         let mut upload = Upload { on, tables: Vec::new(), bytes: Vec::new() };
         let nodes = upload.table("BVH nodes", &tree.nodes)?;
         let corners = upload.by_triangle("triangles", &tree.order, |id| corners(view, id))?;
         let facets = upload.by_triangle("facets", &tree.order, |id| view.facets[id as usize])?;
-        let emissions: Vec<Emission> = (0..view.lights.len()).map(|index| emission(view, index)).collect();
+        let emissions: Vec<Emission> =
+            (0..view.lights.len()).map(|index| emission(view, index, locator.as_ref())).collect();
         let record = Record {
             nodes,
             corners,
@@ -82,16 +92,17 @@ impl VulkanScene {
             lights: upload.table("lights", view.lights)?,
             light_starts: upload.table("lights", view.light_starts)?,
             emissions: upload.table("lights", &emissions)?,
+            media: upload.table("media", view.media)?,
             triangles: view.triangles.len() as u32,
             light_count: view.lights.len() as u32,
-            material_count: view.materials.len() as u32,
-            reserved: 0,
+            reserved: [0; 2],
         };
         upload.table("scene", &[record])?;
         let Upload { mut tables, bytes, .. } = upload;
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
         let light_count = view.lights.len() as u32;
-        Ok(Self { record, _tables: tables, features: required.features, light_count, bytes, build_seconds })
+        let (features, media) = (required.features, required.media);
+        Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
     }
 
     /// The address of the record that kernels take.
@@ -104,6 +115,11 @@ impl VulkanScene {
         self.features
     }
 
+    /// What kernels must model of media.
+    pub(crate) fn media(&self) -> MediaFeatures {
+        self.media
+    }
+
     /// How many lights there are.
     pub(crate) fn light_count(&self) -> u32 {
         self.light_count
@@ -113,37 +129,6 @@ impl VulkanScene {
     pub(crate) fn bytes(&self) -> &[(&'static str, u64)] {
         &self.bytes
     }
-}
-
-/// Indices that kernels would follow without looking.
-fn check(view: &SceneView<'_>) -> Result<()> {
-    let invalid = |what, index: usize, why| Err(Error::InvalidInput { what, index: index as u64, why });
-    let (vertices, materials) = (view.positions.len(), view.materials.len());
-    for (index, triangle) in view.triangles.iter().enumerate() {
-        if triangle.iter().any(|&vertex| vertex as usize >= vertices) {
-            let why = format!("{triangle:?} names a vertex that is not among the {vertices}");
-            return invalid("triangle", index, why);
-        }
-    }
-    if view.facets.len() != view.triangles.len() {
-        let why = format!("there are {} of them for {} triangles", view.facets.len(), view.triangles.len());
-        return invalid("facet", view.facets.len(), why);
-    }
-    if let Some(index) = view.facets.iter().position(|facet| facet.material as usize >= materials) {
-        let why = format!("material {} is not among the {materials}", view.facets[index].material);
-        return invalid("facet", index, why);
-    }
-    let shines = |light: &photon_core::Light| light.kind == photon_core::Light::TRIANGLE;
-    let lost = |light: &photon_core::Light| shines(light) && light.primitive as usize >= view.triangles.len();
-    if let Some(index) = view.lights.iter().position(lost) {
-        let why = format!("triangle {} is not there", view.lights[index].primitive);
-        return invalid("light", index, why);
-    }
-    if view.light_starts.len() != view.lights.len() {
-        let why = format!("there are {} shares for {} lights", view.light_starts.len(), view.lights.len());
-        return invalid("light", view.lights.len(), why);
-    }
-    Ok(())
 }
 
 /// Three vertices; beside the first the index of the triangle, beside the second its margin.
@@ -158,7 +143,7 @@ fn margin(corners: [[f32; 3]; 3]) -> f32 {
 }
 
 /// What a path from a light carries, and where it starts if the light is a triangle.
-fn emission(view: &SceneView<'_>, index: usize) -> Emission {
+fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -> Emission {
     let light = &view.lights[index];
     let share = light_probability(view.light_starts, index);
     let area = light.kind == photon_core::Light::TRIANGLE;
@@ -170,7 +155,8 @@ fn emission(view: &SceneView<'_>, index: usize) -> Emission {
         ([[0.0; 3]; 3], [0.0; 3], 0.0)
     };
     let carried = light.power.map(|power| (f64::from(power) / share) as f32);
-    Emission { carried, probability: share as f32, corners, normal, margin, reserved: [0; 3] }
+    let media = locator.map_or([0; 2], |locator| locator.of_light(light).map(|stack| stack.bits()));
+    Emission { carried, probability: share as f32, corners, normal, margin, media, reserved: 0 }
 }
 
 /// Tables on their way to the device.

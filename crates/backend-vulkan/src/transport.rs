@@ -1,8 +1,7 @@
 //! Every stage of a pass.
 
 use photon_core::{
-    Aim, AimedStages, Area, Backend, Estimate, Film, Layer, Query, Requirements, Result, SceneView, Settings, Spread,
-    Stages, TransportBackend,
+    Aim, AimedStages, Area, Backend, Query, Requirements, Result, SceneView, Settings, Stages, TransportBackend,
 };
 
 use crate::area::VulkanArea;
@@ -10,7 +9,6 @@ use crate::buffer::VulkanBuffer;
 use crate::direct::VulkanDirect;
 use crate::estimate::VulkanEstimator;
 use crate::eye::{self, VulkanEye};
-use crate::film::{self, VulkanFilm};
 use crate::final_gather::VulkanGather;
 use crate::irradiance::VulkanIrradiance;
 use crate::photons::{VulkanAimedEmitter, VulkanEmitter, VulkanTracer};
@@ -19,7 +17,6 @@ use crate::vulkan::Vulkan;
 
 impl TransportBackend for Vulkan {
     type Scene = VulkanScene;
-    type Film = VulkanFilm;
 
     fn batch(&self) -> u32 {
         // A batch takes as long as its longest path, however few there are: a GPU wants many at a time.
@@ -33,7 +30,7 @@ impl TransportBackend for Vulkan {
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {
         Ok(Stages {
             emitter: Box::new(VulkanEmitter),
-            tracer: Box::new(VulkanTracer::new(self, settings, required.features)?),
+            tracer: Box::new(VulkanTracer::new(self, settings, required)?),
             eye: Box::new(VulkanEye::new(self, settings.max_bounces)?),
             direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
             gather: if required.final_gather {
@@ -49,55 +46,12 @@ impl TransportBackend for Vulkan {
     }
 
     fn aimed(&mut self, required: &Requirements, settings: &Settings, aim: &Aim) -> Result<Option<AimedStages<Self>>> {
-        let tracer = VulkanTracer::aimed(self, settings, required.features)?;
+        let tracer = VulkanTracer::aimed(self, settings, required)?;
         Ok(Some((Box::new(VulkanAimedEmitter::new(self, aim)?), Box::new(tracer))))
-    }
-
-    fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<VulkanFilm> {
-        VulkanFilm::new(self, width, height, scene.units)
-    }
-
-    fn fold(
-        &mut self,
-        film: &mut VulkanFilm,
-        layer: Layer,
-        queries: &VulkanBuffer<Query>,
-        estimates: &VulkanBuffer<Estimate>,
-        paths: u64,
-    ) -> Result<()> {
-        film::fold(self, film, layer, queries, estimates, paths)
-    }
-
-    fn keep_errors(&mut self, film: &mut VulkanFilm) -> Result<()> {
-        film::errors::keep(self, film)
-    }
-
-    fn fold_errors(
-        &mut self,
-        film: &mut VulkanFilm,
-        layer: Layer,
-        queries: &VulkanBuffer<Query>,
-        estimates: &VulkanBuffer<Estimate>,
-        spreads: &VulkanBuffer<Spread>,
-        paths: u64,
-    ) -> Result<()> {
-        film::errors::fold(self, film, layer, queries, estimates, spreads, paths)
     }
 
     fn scale_radii(&mut self, queries: &mut VulkanBuffer<Query>, factors: &VulkanBuffer<u32>) -> Result<()> {
         eye::scale_radii(self, queries, factors)
-    }
-
-    fn end_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {
-        film::end_pass(self, film)
-    }
-
-    fn abandon_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {
-        film::abandon_pass(self, film)
-    }
-
-    fn read_film(&mut self, film: &VulkanFilm) -> Result<Film> {
-        film::read(self, film)
     }
 
     fn memory(&self, scene: &VulkanScene) -> Vec<(String, u64)> {

@@ -7,8 +7,8 @@ use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
 use photon_core::glam::Vec3;
 use photon_core::{
-    Backend, Batch, Deposits, Film, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, Photon, PhotonRay, Query,
-    RandomKind, Requirements, Rule, Settings, TransportBackend, View,
+    Backend, Batch, Deposits, Film, FilmBackend, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, Photon,
+    PhotonRay, Query, RandomKind, Requirements, Rule, Settings, TransportBackend, View,
 };
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, builtin};
 
@@ -65,7 +65,7 @@ fn near(a: [f32; 3], b: [f32; 3], bound: f32) -> bool {
 
 /// The same query but for rounding.
 fn same(a: &Query, b: &Query) -> bool {
-    (a.pixel, a.path, a.material, a.radius) == (b.pixel, b.path, b.material, b.radius)
+    (a.pixel, a.path, a.media, a.radius) == (b.pixel, b.path, b.media, b.radius)
         && near(a.position, b.position, 1e-4)
         && near(a.normal, b.normal, 1e-4)
         && near(a.weight, b.weight, 1e-3 * Vec3::from(a.weight).length())

@@ -1,15 +1,18 @@
-//! What a backend is: where buffers live, and how stages come by them.
+//! What a backend is: where buffers live, where films live ([`FilmBackend`]), and how stages come by them.
 
 use crate::aim::Aim;
 use crate::error::Result;
-use crate::film::{Film, Layer};
 use crate::kept::Kept;
-use crate::layout::{Element, Estimate, Photon, Query, Spread};
+use crate::layout::{Element, Photon, Query};
 use crate::memory::Costs;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::{IndexKind, Settings};
-use crate::stages::{Emitter, MapStages, Stages, Tracer, no_errors};
+use crate::stages::{Emitter, MapStages, Stages, Tracer};
+
+mod film;
+
+pub use film::FilmBackend;
 
 /// Where buffers live and how they are filled. Not object-safe, on purpose: buffers are types, so
 /// that nothing is downcast.
@@ -84,11 +87,9 @@ pub trait Backend: Sized + Send + 'static {
 }
 
 /// A backend that can also find out what photons hit.
-pub trait TransportBackend: Backend {
+pub trait TransportBackend: FilmBackend {
     /// A scene, ready to be traced.
     type Scene: Send;
-    /// A picture in progress, where the backend keeps it.
-    type Film: Send;
 
     /// Paths that are traced at a time: enough to keep it busy, few enough for the memory of their
     /// rays, 48 bytes each, and for an observer who wants to stop. The result does not depend on it.
@@ -103,10 +104,10 @@ pub trait TransportBackend: Backend {
         Costs { photon, under_way: 100, path: 200, pixel: 1200, query: 200 }
     }
 
-    /// Brings a scene to the device.
+    /// Brings a scene to the device, after [`SceneView::validate`].
     ///
     /// # Errors
-    /// [`crate::Error::MissingFeatures`] if it needs more than `required`;
+    /// What that finds; [`crate::Error::MissingFeatures`] if it needs more than `required`;
     /// [`crate::Error::OutOfMemory`].
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<Self::Scene>;
 
@@ -130,50 +131,6 @@ pub trait TransportBackend: Backend {
         Ok(None)
     }
 
-    /// An empty film.
-    ///
-    /// # Errors
-    /// [`crate::Error::OutOfMemory`], [`crate::Error::InvalidSetting`] for a size without pixels.
-    fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<Self::Film>;
-
-    /// Adds `query.weight × estimate.irradiance(paths)` to `layer` of each query's pixel.
-    ///
-    /// # Errors
-    /// [`crate::Error::DeviceLost`].
-    fn fold(
-        &mut self,
-        film: &mut Self::Film,
-        layer: Layer,
-        queries: &Self::Buffer<Query>,
-        estimates: &Self::Buffer<Estimate>,
-        paths: u64,
-    ) -> Result<()>;
-
-    /// From here on the film keeps what tells errors: memory is allocated for it. Called before the
-    /// first pass, and only if errors are asked for.
-    ///
-    /// # Errors
-    /// [`crate::Error::OutOfMemory`]; [`crate::Error::InvalidSetting`] from a backend that cannot.
-    fn keep_errors(&mut self, _film: &mut Self::Film) -> Result<()> {
-        Err(no_errors())
-    }
-
-    /// Adds to each query's pixel what `spreads` tell of the `estimates` that were folded into `layer`.
-    ///
-    /// # Errors
-    /// As [`TransportBackend::keep_errors`].
-    fn fold_errors(
-        &mut self,
-        _film: &mut Self::Film,
-        _layer: Layer,
-        _queries: &Self::Buffer<Query>,
-        _estimates: &Self::Buffer<Estimate>,
-        _spreads: &Self::Buffer<Spread>,
-        _paths: u64,
-    ) -> Result<()> {
-        Err(no_errors())
-    }
-
     /// Multiplies the radius of each query by its pixel's factor, given as the bits of an `f32`.
     ///
     /// # Errors
@@ -185,24 +142,6 @@ pub trait TransportBackend: Backend {
             mend: "this backend has one for all pixels",
         })
     }
-
-    /// Ends a pass: from here on it counts in the mean.
-    ///
-    /// # Errors
-    /// [`crate::Error::DeviceLost`].
-    fn end_pass(&mut self, film: &mut Self::Film) -> Result<()>;
-
-    /// Forgets what the present pass has added since the last [`TransportBackend::end_pass`].
-    ///
-    /// # Errors
-    /// [`crate::Error::DeviceLost`].
-    fn abandon_pass(&mut self, film: &mut Self::Film) -> Result<()>;
-
-    /// The picture so far. Blocks.
-    ///
-    /// # Errors
-    /// Deferred errors surface here.
-    fn read_film(&mut self, film: &Self::Film) -> Result<Film>;
 
     /// What is allocated now: label and bytes.
     fn memory(&self, scene: &Self::Scene) -> Vec<(String, u64)>;

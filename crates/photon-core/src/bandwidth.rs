@@ -78,8 +78,8 @@ impl Radii {
         for (pixel, factor) in self.factors.iter_mut().enumerate() {
             // As neighbours do, in the mean: a picture of factors is not to be seen.
             let around = neighbours(pixel, width, height, 1)
-                .fold((0.0, 0.0), |(sum, count), i| (sum + steps[i].ln(), count + 1.0));
-            *factor = (*factor * (around.0 / around.1).exp()).clamp(BOUNDS[0], BOUNDS[1]);
+                .fold((0.0, 0.0), |(sum, count), i| (sum + libm::log(steps[i]), count + 1.0));
+            *factor = (*factor * libm::exp(around.0 / around.1)).clamp(BOUNDS[0], BOUNDS[1]);
         }
         self.then = film.passes;
         self.before = errors.iter().map(|error| [error.bias, error.bias_square]).collect();
@@ -108,7 +108,7 @@ fn tell(now: &ErrorPixel, before: [f64; 2], passes: u32) -> [f64; 2] {
 
 /// The factor on r² by which the error would be least, within bounds; 1 where no photon was found.
 fn step(noise_squared: f64, bias_squared: f64) -> f64 {
-    if noise_squared > 0.0 { (noise_squared / (2.0 * bias_squared)).cbrt().clamp(1.0 / STEP, STEP) } else { 1.0 }
+    if noise_squared > 0.0 { libm::cbrt(noise_squared / (2.0 * bias_squared)).clamp(1.0 / STEP, STEP) } else { 1.0 }
 }
 
 /// A pixel and those about it.

@@ -1,111 +1,192 @@
-//! What smooth surfaces do to light.
+//! How surfaces scatter light: one rule for photons, camera paths and gather rays.
+//!
+//! [`Bsdf`] is a surface as one path meets it. Callers choose a lobe, take its weight, and ask for a direction, in this
+//! order, so that a path which ends needs no direction. Weights are those of flux, the same in both directions of
+//! travel: the factor of n² by which refraction changes radiance is [`crate::radiance_scale`].
 
 use glam::Vec3;
 
-/// A smooth boundary seen from one side: reflectance, and the cosine of the refracted ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fresnel {
-    /// Share of unpolarised power that is reflected, in `[0, 1]`.
-    pub reflectance: f32,
-    /// Cosine between the refracted ray and the normal; 0 at total reflection.
-    pub cos_transmitted: f32,
+use crate::features::Features;
+use crate::fresnel::{fresnel, reflect, refract, sheet_reflectance};
+use crate::layout::{Material, MaterialKind};
+use crate::media::Interface;
+use crate::sampling;
+
+/// Part of a [`Bsdf`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    /// Lambertian reflection. Photons are stored here, and camera paths end.
+    Diffuse,
+    /// The mirror direction alone.
+    SpecularReflection,
+    /// The refracted direction alone.
+    SpecularTransmission,
 }
 
-/// Fresnel's equations for cosine `cos_incident` ≥ 0 and `eta`, the index beyond the boundary over
-/// the one before it, > 0 (Born and Wolf 1999, section 1.5).
-#[inline]
-#[must_use]
-pub fn fresnel(cos_incident: f32, eta: f32) -> Fresnel {
-    let c = cos_incident.clamp(0.0, 1.0);
-    if eta == 1.0 {
-        // Nothing there. Also avoids 0/0 at grazing angles.
-        return Fresnel { reflectance: 0.0, cos_transmitted: c };
+/// A surface as one path meets it.
+#[derive(Clone, Copy, Debug)]
+pub struct Bsdf {
+    kind: MaterialKind,
+    albedo: Vec3,
+    eta: f32,
+    reflectance: f32,
+    cos_transmitted: f32,
+    is_active: bool,
+}
+
+impl Bsdf {
+    /// The lobes of `material` for a path that arrives at `cosine` ≥ 0 from the normal. `interface` is what it
+    /// separates, [`crate::interface`]; of kinds that are not in `features` no material may be.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(features: Features, material: &Material, cosine: f32, interface: &Interface) -> Self {
+        let mut bsdf = Self {
+            kind: MaterialKind::Lambert,
+            albedo: material.albedo.into(),
+            eta: interface.eta,
+            reflectance: 0.0,
+            cos_transmitted: 0.0,
+            is_active: interface.is_active,
+        };
+        match material.kind() {
+            MaterialKind::Lambert => {}
+            MaterialKind::Mirror => {
+                if features.contains(Features::MIRROR) {
+                    bsdf.kind = MaterialKind::Mirror;
+                    bsdf.reflectance = 1.0;
+                }
+            }
+            MaterialKind::Dielectric => {
+                if features.contains(Features::DIELECTRIC) {
+                    let fresnel = fresnel(cosine, interface.eta);
+                    bsdf.kind = MaterialKind::Dielectric;
+                    bsdf.reflectance = fresnel.reflectance;
+                    bsdf.cos_transmitted = fresnel.cos_transmitted;
+                }
+            }
+            MaterialKind::Thin => {
+                if features.contains(Features::THIN) {
+                    bsdf.kind = MaterialKind::Thin;
+                    bsdf.reflectance = sheet_reflectance(fresnel(cosine, interface.eta).reflectance);
+                }
+            }
+        }
+        bsdf
     }
-    // eta² − sin² written so that neither a near-equal pair of indices nor a grazing angle cancels, nor
-    // normal incidence on a medium that is all but empty.
-    let discriminant = if eta < 0.5 { eta * eta - (1.0 - c) * (1.0 + c) } else { (eta - 1.0) * (eta + 1.0) + c * c };
-    if discriminant <= 0.0 {
-        return Fresnel { reflectance: 1.0, cos_transmitted: 0.0 };
+
+    /// Where light is both reflected and transmitted, the share that is reflected; `None` where there is one lobe.
+    #[inline]
+    #[must_use]
+    pub fn split(&self) -> Option<f32> {
+        self.kind.transmits().then_some(self.reflectance)
     }
-    let eta_cos_t = discriminant.sqrt();
-    let cos_t = eta_cos_t / eta;
-    let s = (c - eta_cos_t) / (c + eta_cos_t);
-    let p = (eta * c - cos_t) / (eta * c + cos_t);
-    Fresnel { reflectance: (0.5 * (s * s + p * p)).clamp(0.0, 1.0), cos_transmitted: cos_t.min(1.0) }
-}
 
-/// Reflectance of a thin sheet with all reflections between its two faces, `2R/(1+R)`, for the
-/// reflectance `R` of one face.
-#[inline]
-#[must_use]
-pub fn sheet_reflectance(single: f32) -> f32 {
-    2.0 * single / (1.0 + single)
-}
-
-/// The mirror direction of `direction` at `normal`; both unit.
-#[inline]
-#[must_use]
-pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
-    (direction - normal * (2.0 * direction.dot(normal))).normalize_or(normal)
-}
-
-/// The refracted direction (Snell). `normal` faces where the ray comes from; `cos_transmitted` is
-/// [`fresnel`]'s.
-#[inline]
-#[must_use]
-pub fn refract(direction: Vec3, normal: Vec3, eta: f32, cos_transmitted: f32) -> Vec3 {
-    if eta == 1.0 {
-        return direction;
+    /// The lobe that `u`, uniform in `[0, 1)`, chooses. Where there is one lobe, `u` is not looked at.
+    #[inline]
+    #[must_use]
+    pub fn choose(&self, u: f32) -> Lobe {
+        match self.kind {
+            MaterialKind::Lambert => Lobe::Diffuse,
+            MaterialKind::Mirror => Lobe::SpecularReflection,
+            MaterialKind::Dielectric | MaterialKind::Thin => {
+                if u < self.reflectance {
+                    Lobe::SpecularReflection
+                } else {
+                    Lobe::SpecularTransmission
+                }
+            }
+        }
     }
-    let c = -direction.dot(normal);
-    (direction / eta + normal * (c / eta - cos_transmitted)).normalize_or(direction)
+
+    /// What a path that was sent into `lobe` with that lobe's probability is multiplied by, each channel in `[0, 1]`.
+    #[inline]
+    #[must_use]
+    pub fn weight(&self, lobe: Lobe) -> Vec3 {
+        match lobe {
+            Lobe::Diffuse => self.albedo,
+            Lobe::SpecularReflection => {
+                if self.kind.transmits() {
+                    Vec3::ONE
+                } else {
+                    self.albedo
+                }
+            }
+            Lobe::SpecularTransmission => {
+                if self.is_active {
+                    self.albedo
+                } else {
+                    Vec3::ONE
+                }
+            }
+        }
+    }
+
+    /// The direction that a path along `incoming` goes on in; `normal` is on the side that it came from. `u` and `v`
+    /// are uniform in `[0, 1)` and looked at for [`Lobe::Diffuse`] alone.
+    #[inline]
+    #[must_use]
+    pub fn direction(&self, lobe: Lobe, incoming: Vec3, normal: Vec3, u: f32, v: f32) -> Vec3 {
+        match lobe {
+            Lobe::Diffuse => sampling::cosine_hemisphere(normal, u, v),
+            Lobe::SpecularReflection => reflect(incoming, normal),
+            Lobe::SpecularTransmission => {
+                if self.kind == MaterialKind::Thin {
+                    incoming
+                } else {
+                    refract(incoming, normal, self.eta, self.cos_transmitted)
+                }
+            }
+        }
+    }
+
+    /// What irradiance is multiplied by for the radiance that leaves along a path of this throughput: `throughput · ρ/π`.
+    #[inline]
+    #[must_use]
+    pub fn diffuse_throughput(&self, throughput: Vec3) -> Vec3 {
+        throughput * self.albedo * std::f32::consts::FRAC_1_PI
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::media::MediumStack;
 
-    fn reflectance(degrees: f64, eta: f32) -> f64 {
-        f64::from(fresnel(degrees.to_radians().cos() as f32, eta).reflectance)
-    }
-
-    /// T1, T2, N3, S12, S13.
+    /// What a lobe's probability times its weight sums to is what the surface reflects and transmits, and no light is
+    /// made: white furnace.
     #[test]
-    fn closed_forms() {
-        for (n, r) in [(1.33, 0.020_059_3), (1.5, 0.04), (2.4, 0.169_550_2), (1000.0, 0.996_008_0), (1.0, 0.0)] {
-            assert!((reflectance(0.0, n) - r).abs() < 1e-6, "{n}");
-        }
-        for (angle, r) in [(45.0, 0.050_239_9), (85.0, 0.612_799_6), (56.309_932, 0.073_964_5)] {
-            assert!((reflectance(angle, 1.5) - r).abs() < 2e-6, "{angle}: {}", reflectance(angle, 1.5));
-        }
-        assert!((reflectance(89.99, 1.5) - 0.998_986).abs() < 1e-5);
-        assert!(reflectance(41.80, 1.0 / 1.5) < 1.0 && reflectance(41.82, 1.0 / 1.5) == 1.0);
-        assert_eq!(fresnel(0.0, 1.0).reflectance, 0.0);
-    }
-
-    #[test]
-    fn snell() {
-        let d = Vec3::new(1.0, 0.0, -1.0).normalize();
-        let f = fresnel(-d.dot(Vec3::Z), 1.5);
-        let t = refract(d, Vec3::Z, 1.5, f.cos_transmitted);
-        assert!((f64::from(t.x).asin().to_degrees() - 28.125_506).abs() < 1e-4);
-        assert_eq!(refract(d, Vec3::Z, 1.0, 0.3), d);
-    }
-
-    #[test]
-    fn extremes_stay_in_range() {
-        for eta in [1e-6_f32, 1e-3, 0.999_999_9, 1.000_000_1, 1e3, 1e6, 1e18] {
-            for c in [0.0_f32, 1e-30, 1e-4, 0.5, 1.0] {
-                let f = fresnel(c, eta);
-                assert!((0.0..=1.0).contains(&f.reflectance), "{eta} {c} {f:?}");
-                assert!((0.0..=1.0).contains(&f.cos_transmitted), "{eta} {c} {f:?}");
+    fn lobes_keep_all_of_the_light() {
+        let vacuum = MediumStack::VACUUM;
+        for kind in MaterialKind::ALL {
+            let material = Material { kind: kind as u32, albedo: [1.0; 3], ior: 1.5, ..Material::default() };
+            for cosine in [0.0, 1e-3, 0.3, 1.0] {
+                let interface =
+                    Interface { eta: 1.5, before: vacuum, beyond: vacuum, is_active: true, is_too_deep: false };
+                let bsdf = Bsdf::new(Features::ALL, &material, cosine, &interface);
+                let total = match bsdf.split() {
+                    None => bsdf.weight(bsdf.choose(0.5)),
+                    Some(share) => {
+                        bsdf.weight(Lobe::SpecularReflection) * share
+                            + bsdf.weight(Lobe::SpecularTransmission) * (1.0 - share)
+                    }
+                };
+                assert!((total - Vec3::ONE).abs().max_element() < 1e-6, "{kind:?} {cosine}");
             }
         }
     }
 
-    /// T4, without absorption.
     #[test]
-    fn sheet_of_glass() {
-        assert!((sheet_reflectance(0.04) - 0.076_923_1).abs() < 1e-6);
+    fn an_inactive_boundary_neither_bends_nor_tints() {
+        let vacuum = MediumStack::VACUUM;
+        let material =
+            Material { kind: MaterialKind::Dielectric as u32, albedo: [0.5; 3], ior: 1.5, ..Material::default() };
+        let interface = Interface { eta: 1.0, before: vacuum, beyond: vacuum, is_active: false, is_too_deep: false };
+        let bsdf = Bsdf::new(Features::ALL, &material, 0.4, &interface);
+        let along = Vec3::new(0.6, 0.0, -0.8);
+        assert_eq!(bsdf.choose(0.0), Lobe::SpecularTransmission);
+        assert_eq!(bsdf.weight(Lobe::SpecularTransmission), Vec3::ONE);
+        assert_eq!(bsdf.direction(Lobe::SpecularTransmission, along, Vec3::Z, 0.0, 0.0), along);
+        let there = Bsdf::new(Features::ALL, &material, 0.4, &Interface { is_active: true, ..interface });
+        assert_eq!(there.weight(Lobe::SpecularTransmission), Vec3::splat(0.5));
     }
 }

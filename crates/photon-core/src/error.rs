@@ -79,6 +79,16 @@ pub enum Error {
         /// What is wrong, and what would be right.
         why: String,
     },
+    /// A scene view that is wrong as a whole: [`crate::SceneView::validate`].
+    #[error("scene view: {what} is {value}; {hint}")]
+    InvalidScene {
+        /// The member, or what is counted.
+        what: &'static str,
+        /// What it is.
+        value: String,
+        /// What it must be.
+        hint: &'static str,
+    },
     /// Nothing gives light.
     #[error("no light gives any power; add an emissive material or a light, in the file or in an override file")]
     NoLight,

@@ -71,8 +71,8 @@ impl Shape {
         if photons < 8.0 {
             return false;
         }
-        let slope = self.slope[0].hypot(self.slope[1]) / self.power;
-        let stretch = self.stretch[0].hypot(self.stretch[1]) / self.power;
+        let slope = libm::hypot(self.slope[0], self.slope[1]) / self.power;
+        let stretch = libm::hypot(self.stretch[0], self.stretch[1]) / self.power;
         slope > 0.25 || (stretch > 0.05 && stretch > 3.0 * (1.0 / (6.0 * photons)).sqrt())
     }
 }

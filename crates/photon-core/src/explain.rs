@@ -32,7 +32,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             let triangles = scene
                 .facets
                 .iter()
-                .filter(|facet| material_features(&scene.materials[facet.material as usize]).contains(feature))
+                .filter(|facet| {
+                    material_features(&scene.materials[facet.material as usize], scene.media).contains(feature)
+                })
                 .count();
             let lights = scene.lights.iter().filter(|light| light_features(light).contains(feature)).count();
             let why = match (triangles, lights) {
@@ -151,7 +153,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             (true, false) => "estimates are divided by their disc",
         },
     );
-    let splits = required.features.intersects(Features::DIELECTRIC.union(Features::THIN));
+    let splits = required.features.splits_camera_paths();
     say(
         "split camera paths",
         splits,
@@ -220,6 +222,7 @@ mod tests {
             triangles: &[[0, 1, 2]],
             facets: &[Facet { normal: [0.0, 1.0, 0.0], material: 0 }],
             materials: &materials,
+            media: &[crate::layout::Medium::VACUUM],
             lights: &lights,
             light_starts: &[0],
             radius: 1.0,

@@ -71,6 +71,12 @@ impl Features {
         self.0 & other.0 != 0
     }
 
+    /// Whether camera paths may split in two, where glass reflects and transmits.
+    #[must_use]
+    pub const fn splits_camera_paths(self) -> bool {
+        self.intersects(Self::DIELECTRIC.union(Self::THIN))
+    }
+
     /// Both sets.
     #[must_use]
     pub const fn union(self, other: Self) -> Self {

@@ -152,7 +152,7 @@ impl Prospect {
             let (bias, noise) = self.schedule.scaled(scale).factors(passes);
             self.mean.photons * noise * noise + self.mean.steady * bias * bias
         };
-        let scales = (-4..=2).map(|half| 2.0_f64.powf(0.5 * f64::from(half)));
+        let scales = (-4..=2).map(|half| libm::exp2(0.5 * f64::from(half)));
         scales.min_by(|&a, &b| error(a).total_cmp(&error(b))).unwrap_or(1.0)
     }
 
@@ -201,7 +201,7 @@ impl Prospect {
         let more = then / f64::from(self.schedule.passes().max(1));
         let factors = Factors {
             // As r^(3/2), of which see `error_after`; `bias` goes as r².
-            bias: if end == End::Most { bias.powf(0.75).max(bias) } else { bias },
+            bias: if end == End::Most { libm::pow(bias, 0.75).max(bias) } else { bias },
             noise,
             other: more.recip().sqrt(),
             quantile: student_975(then - 1.0),

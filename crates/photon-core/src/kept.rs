@@ -92,8 +92,9 @@ impl Kept {
 fn is_grey(scene: &SceneView<'_>) -> bool {
     let equal = |[r, g, b]: [f32; 3]| r.to_bits() == g.to_bits() && g.to_bits() == b.to_bits();
     let surface = |material: &Material| {
-        let absorbs = crate::requirements::material_features(material).contains(Features::ABSORPTION);
-        equal(material.albedo) && (!absorbs || equal(material.absorption))
+        let features = crate::requirements::material_features(material, scene.media);
+        let even = scene.media.get(material.medium as usize).is_none_or(|medium| equal(medium.absorption));
+        equal(material.albedo) && (even || !features.contains(Features::ABSORPTION))
     };
     let light = |light: &Light| equal(light.power);
     scene.lights.iter().all(light) && scene.materials_in_use().all(surface)

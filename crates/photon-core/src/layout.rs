@@ -43,8 +43,8 @@ pub struct PhotonRay {
     pub light: u32,
     /// As [`Photon::power`].
     pub power: [f32; 3],
-    /// Zero.
-    pub reserved: u32,
+    /// The media that its origin lies in: bits of a [`crate::MediumStack`].
+    pub media: u32,
 }
 
 /// A point whose reflected radiance is asked for.
@@ -62,8 +62,8 @@ pub struct Query {
     /// What irradiance here is multiplied by to give the pixel's radiance: throughput of the
     /// camera path times the albedo over π.
     pub weight: [f32; 3],
-    /// Index of the material.
-    pub material: u32,
+    /// The media in front of the surface: bits of a [`crate::MediumStack`]. Shadow and gather rays start in them.
+    pub media: u32,
     /// Unit vector towards the viewer, packed by [`crate::octahedral::pack`].
     pub outgoing: u32,
     /// Number of the camera path within its pass: the key of the random numbers spent here.
@@ -145,6 +145,48 @@ pub struct Facet {
     pub material: u32,
 }
 
+/// How a surface scatters.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MaterialKind {
+    /// Lambertian reflection, on whichever side the light arrives; stores photons unless it is black.
+    Lambert = 0,
+    /// A perfect mirror, on both sides.
+    Mirror = 1,
+    /// A smooth boundary of a solid: reflects and refracts by Fresnel's equations.
+    Dielectric = 2,
+    /// A smooth sheet without thickness: reflects, or transmits straight through.
+    Thin = 3,
+}
+
+impl MaterialKind {
+    /// In the order of their numbers.
+    pub const ALL: [Self; 4] = [Self::Lambert, Self::Mirror, Self::Dielectric, Self::Thin];
+
+    /// The kind with this number; `None` for a number that no kind has.
+    #[inline]
+    #[must_use]
+    pub const fn from_u32(number: u32) -> Option<Self> {
+        match number {
+            0 => Some(Self::Lambert),
+            1 => Some(Self::Mirror),
+            2 => Some(Self::Dielectric),
+            3 => Some(Self::Thin),
+            _ => None,
+        }
+    }
+
+    /// Whether some light passes through.
+    #[inline]
+    #[must_use]
+    pub const fn transmits(self) -> bool {
+        match self {
+            Self::Lambert | Self::Mirror => false,
+            Self::Dielectric | Self::Thin => true,
+        }
+    }
+}
+
 /// How a surface scatters and emits.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -152,42 +194,74 @@ pub struct Material {
     /// Lambert: albedo. Mirror: reflectance. Dielectric: tint of what is transmitted. In `[0, 1]`,
     /// linear RGB.
     pub albedo: [f32; 3],
-    /// One of the constants of this type.
+    /// Number of a [`MaterialKind`]; [`Material::kind`] reads it.
     pub kind: u32,
     /// Emitted radiance, linear RGB, in units of total power per steradian and squared normalised
     /// length; from the front only unless [`Material::EMITS_BOTH_SIDES`].
     pub emission: [f32; 3],
     /// Bits: [`Material::EMITS_BOTH_SIDES`].
     pub flags: u32,
-    /// Absorption coefficient inside a solid dielectric, per normalised length, ≥ 0.
-    pub absorption: [f32; 3],
-    /// Refractive index of a dielectric against the vacuum, > 0; 1 otherwise.
+    /// Dielectric: index in the scene's table of what the solid is made of, ≥ 1. Otherwise 0.
+    pub medium: u32,
+    /// Refractive index of a dielectric or a thin sheet against the vacuum, > 0; 1 otherwise.
     pub ior: f32,
+    /// Zero.
+    pub reserved: [u32; 6],
 }
 
 impl Material {
-    /// Scatters evenly, on whichever side the light arrives; keeps photons unless it is black.
-    pub const LAMBERT: u32 = 0;
-    /// Reflects like a perfect mirror, on both sides.
-    pub const MIRROR: u32 = 1;
-    /// A smooth boundary of a solid: reflects and refracts by Fresnel's equations.
-    pub const DIELECTRIC: u32 = 2;
-    /// A smooth sheet without thickness: reflects, or passes straight through.
-    pub const THIN: u32 = 3;
-
     /// Flag: the back emits too.
     pub const EMITS_BOTH_SIDES: u32 = 1;
 
-    /// Whether photons landing here are kept and queries end here.
+    /// How it scatters. [`crate::SceneView::validate`] refuses numbers that no kind has; here they count as Lambert.
+    #[inline]
     #[must_use]
-    pub fn is_diffuse(&self) -> bool {
-        self.kind == Self::LAMBERT
+    pub const fn kind(&self) -> MaterialKind {
+        match MaterialKind::from_u32(self.kind) {
+            Some(kind) => kind,
+            None => MaterialKind::Lambert,
+        }
+    }
+
+    /// Whether photons landing here are stored and camera paths end here; black ones store none.
+    #[inline]
+    #[must_use]
+    pub const fn is_diffuse(&self) -> bool {
+        match self.kind() {
+            MaterialKind::Lambert => true,
+            MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin => false,
+        }
     }
 
     /// Whether it emits at all.
     #[must_use]
     pub fn is_emissive(&self) -> bool {
         self.emission != [0.0; 3]
+    }
+}
+
+/// What a solid is made of. Entry 0 of a scene's table is the vacuum around everything.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Medium {
+    /// Absorption coefficient (Beer–Lambert), per normalised length, ≥ 0, linear RGB.
+    pub absorption: [f32; 3],
+    /// Refractive index against the vacuum, > 0.
+    pub ior: f32,
+    /// Where solids overlap, the one of the highest priority is there; of equals, the one entered last.
+    pub priority: u32,
+    /// Zero.
+    pub reserved: [u32; 11],
+}
+
+impl Medium {
+    /// Entry 0 of every table.
+    pub const VACUUM: Self = Self { absorption: [0.0; 3], ior: 1.0, priority: 0, reserved: [0; 11] };
+}
+
+impl Default for Medium {
+    fn default() -> Self {
+        Self::VACUUM
     }
 }
 
@@ -241,8 +315,8 @@ pub struct Camera {
     pub kind: u32,
     /// Unit vector.
     pub forward: [f32; 3],
-    /// Zero.
-    pub reserved: u32,
+    /// The media that the origin lies in: bits of a [`crate::MediumStack`]. [`crate::Pipeline`] fills it in.
+    pub media: u32,
     /// To the right edge of the picture. Perspective: at distance 1. Orthographic: as it is.
     pub right: [f32; 3],
     /// Zero.
@@ -276,7 +350,8 @@ elements!(
     Estimate = 32,
     Spread = 64,
     Facet = 16,
-    Material = 48,
+    Material = 64,
+    Medium = 64,
     Light = 64,
     Camera = 64,
 );
@@ -298,21 +373,22 @@ mod tests {
             (offset_of!(Photon, power), offset_of!(Photon, direction)),
             (offset_of!(PhotonRay, origin), offset_of!(PhotonRay, path)),
             (offset_of!(PhotonRay, direction), offset_of!(PhotonRay, light)),
-            (offset_of!(PhotonRay, power), offset_of!(PhotonRay, reserved)),
+            (offset_of!(PhotonRay, power), offset_of!(PhotonRay, media)),
             (offset_of!(Query, position), offset_of!(Query, radius)),
             (offset_of!(Query, normal), offset_of!(Query, pixel)),
-            (offset_of!(Query, weight), offset_of!(Query, material)),
+            (offset_of!(Query, weight), offset_of!(Query, media)),
             (offset_of!(Estimate, flux), offset_of!(Estimate, radius_squared)),
             (offset_of!(Spread, wide), offset_of!(Spread, power)),
             (offset_of!(Spread, narrow), offset_of!(Spread, power_squared)),
             (offset_of!(Facet, normal), offset_of!(Facet, material)),
             (offset_of!(Material, albedo), offset_of!(Material, kind)),
             (offset_of!(Material, emission), offset_of!(Material, flags)),
-            (offset_of!(Material, absorption), offset_of!(Material, ior)),
+            (offset_of!(Medium, absorption), offset_of!(Medium, ior)),
             (offset_of!(Light, position), offset_of!(Light, kind)),
             (offset_of!(Light, direction), offset_of!(Light, primitive)),
             (offset_of!(Light, power), offset_of!(Light, versine_inner)),
             (offset_of!(Camera, origin), offset_of!(Camera, kind)),
+            (offset_of!(Camera, forward), offset_of!(Camera, media)),
             (offset_of!(Camera, right), offset_of!(Camera, reserved2)),
         ];
         for (vector, scalar) in rows {

@@ -8,7 +8,7 @@ mod aim;
 pub mod area;
 mod backend;
 mod bandwidth;
-pub mod bsdf;
+mod bsdf;
 mod budget;
 mod caster;
 mod error;
@@ -17,11 +17,14 @@ mod explain;
 mod features;
 mod film;
 mod forecast;
+pub mod fresnel;
+mod interaction;
 mod kept;
 mod kernel;
 mod layout;
 mod light_shares;
 pub mod math;
+mod media;
 mod memory;
 mod observer;
 pub mod octahedral;
@@ -40,13 +43,15 @@ mod schedule;
 mod settings;
 pub mod sobol;
 pub mod solid_angle;
+mod solids;
 mod stages;
 mod tally;
 pub mod typical;
 mod units;
 
 pub use aim::{Aim, Launch, Target, Unaimed};
-pub use backend::{AimedStages, Backend, Fill, Stage, StageTimings, TransportBackend};
+pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, TransportBackend};
+pub use bsdf::{Bsdf, Lobe};
 pub use budget::{Budget, Plan};
 pub use caster::{Hit, Ray, RayCaster};
 pub use error::{Error, Result};
@@ -56,10 +61,14 @@ pub use features::Features;
 pub use film::{Film, FilmPixel, Layer, check_size};
 pub use forecast::{Forecast, Prospect};
 pub use glam;
+pub use interaction::SurfaceInteraction;
 pub use kept::Kept;
 pub use kernel::Kernel;
-pub use layout::{Camera, Element, Estimate, Facet, Light, Material, Photon, PhotonRay, Query, Spread};
+pub use layout::{
+    Camera, Element, Estimate, Facet, Light, Material, MaterialKind, Medium, Photon, PhotonRay, Query, Spread,
+};
 pub use light_shares::{LightShare, light_shares};
+pub use media::{Interface, MediaFeatures, MediumStack, interface, radiance_scale};
 pub use memory::Costs;
 pub use observer::{Event, Observer, PassReport};
 pub use pipeline::{Pipeline, QUERIES_PER_PIXEL};
@@ -72,6 +81,7 @@ pub use schedule::Schedule;
 pub use settings::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing,
 };
+pub use solids::{Locator, Solids};
 pub use stages::{
     Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EyeTracer, FinalGather, Gather, IrradiancePoints,
     KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Rule, Stages, Told, Tracer, View,

@@ -86,6 +86,7 @@ mod tests {
             triangles: &[],
             facets: &facets,
             materials: &materials,
+            media: &[crate::layout::Medium::VACUUM],
             lights: &lights,
             light_starts: &light_starts(&[0.25, 1e-20, 0.75]),
             radius: 1.0,

@@ -76,14 +76,15 @@ mod photons;
 const LABELS: [&str; 3] = ["photons: direct", "photons: caustic", "photons: global"];
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Derives what the scene requires, brings it to the backend, and finds the radii.
+    /// Checks the scene, derives what it requires, brings it to the backend, and finds the radii.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`], [`Error::NoLight`], [`Error::NoReceiver`], and what the backend
-    /// raises.
+    /// What [`SceneView::validate`] finds, [`Error::InvalidSetting`], [`Error::NoLight`], [`Error::NoReceiver`],
+    /// and what the backend raises.
     pub fn new(on: B, scene: &SceneView<'_>, view: View, settings: Settings) -> Result<Self> {
-        let required = Requirements::of(scene, &settings);
-        Self::with_requirements(on, scene, view, settings, required)
+        scene.validate()?;
+        let (required, batch) = (Requirements::of(scene, &settings), on.batch());
+        Self::with_own_stages(on, scene, view, settings, required, batch)
     }
 
     /// As [`Pipeline::new`], for more than the scene requires: the same picture, more work.
@@ -91,14 +92,15 @@ impl<B: TransportBackend> Pipeline<B> {
     /// # Errors
     /// Likewise, and [`Error::MissingFeatures`] for less.
     pub fn with_requirements(
-        mut on: B,
+        on: B,
         scene: &SceneView<'_>,
         view: View,
         settings: Settings,
         required: Requirements,
     ) -> Result<Self> {
-        let stages = aimed::stages(&mut on, scene, &settings, &required)?;
-        Self::with_stages(on, scene, view, settings, required, stages)
+        scene.validate()?;
+        let batch = on.batch();
+        Self::with_own_stages(on, scene, view, settings, required, batch)
     }
 
     /// As [`Pipeline::with_requirements`], with stages of the caller's choosing.
@@ -113,6 +115,7 @@ impl<B: TransportBackend> Pipeline<B> {
         required: Requirements,
         stages: Stages<B>,
     ) -> Result<Self> {
+        scene.validate()?;
         let batch = on.batch();
         Self::assemble(on, scene, view, settings, (required, stages), batch)
     }
@@ -123,7 +126,7 @@ impl<B: TransportBackend> Pipeline<B> {
     /// # Errors
     /// Likewise, and [`Error::InvalidSetting`] for batches of none.
     #[doc(hidden)]
-    pub fn in_batches(mut on: B, scene: &SceneView<'_>, view: View, settings: Settings, batch: u32) -> Result<Self> {
+    pub fn in_batches(on: B, scene: &SceneView<'_>, view: View, settings: Settings, batch: u32) -> Result<Self> {
         if batch == 0 {
             return Err(Error::InvalidSetting {
                 name: "batch",
@@ -131,7 +134,20 @@ impl<B: TransportBackend> Pipeline<B> {
                 mend: "at least 1 path is needed",
             });
         }
+        scene.validate()?;
         let required = Requirements::of(scene, &settings);
+        Self::with_own_stages(on, scene, view, settings, required, batch)
+    }
+
+    /// With the backend's stages, of a scene that has been checked.
+    fn with_own_stages(
+        mut on: B,
+        scene: &SceneView<'_>,
+        view: View,
+        settings: Settings,
+        required: Requirements,
+        batch: u32,
+    ) -> Result<Self> {
         let stages = aimed::stages(&mut on, scene, &settings, &required)?;
         Self::assemble(on, scene, view, settings, (required, stages), batch)
     }
@@ -148,6 +164,8 @@ impl<B: TransportBackend> Pipeline<B> {
         check::check_scene(scene)?;
         let needed = Requirements::of(scene, &settings);
         required.check(needed.features)?;
+        required.check_media(needed.media)?;
+        let view = view.within(scene);
         required.check_kept(needed.kept)?;
         let required = Requirements { kept: required.kept.max(kept::least(&stages)), ..required };
         let mut film = on.film(scene, view.width, view.height)?;
@@ -158,7 +176,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let prepared = on.prepare(scene, &required)?;
         on.mark(None);
         let pixels = u64::from(view.width) * u64::from(view.height);
-        let splits = required.features.intersects(crate::Features::DIELECTRIC.union(crate::Features::THIN));
+        let splits = required.features.splits_camera_paths();
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
         let costs = irradiance::costs(&on, aimed::costs(on.costs(required.kept), stages.aimed.is_some()), &settings);
         let plan = match settings.memory {

@@ -19,7 +19,7 @@ pub fn radius_squared_factor(index: u32, alpha: f64) -> f64 {
     let quotient = |n: f64| {
         let w = n + alpha / 2.0;
         let first = -(alpha - 1.0) * (alpha - 2.0) * alpha / (24.0 * w * w);
-        ((alpha - 1.0) * w.ln() + first).exp()
+        libm::exp((alpha - 1.0) * libm::log(w) + first)
     };
     let n = f64::from(index) + 1.0;
     product(1, DIRECT + 1) * quotient(n) / quotient(f64::from(DIRECT) + 1.0)

@@ -7,6 +7,10 @@
 use crate::settings::RandomKind;
 use crate::sobol::{scramble, sobol};
 
+mod split_mix;
+
+pub use split_mix::SplitMix64;
+
 /// What the numbers are for; keeps the streams of different stages apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]

@@ -251,7 +251,7 @@ mod tests {
             Film::new(1, 1, crate::Units::default())
         }
         fn prospect(&mut self, share: f64) -> Result<Option<Prospect>> {
-            let noise = f64::from(self.passes).powf(-0.5);
+            let noise = f64::from(self.passes).sqrt().recip();
             let claim = crate::Claim {
                 value: 1.0,
                 standard_error: noise,

@@ -3,9 +3,11 @@
 use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::kept::Kept;
-use crate::layout::{Light, Material};
+use crate::layout::{Light, Material, MaterialKind, Medium};
+use crate::media::MediaFeatures;
 use crate::scene::SceneView;
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
+use crate::solids::Solids;
 
 /// What stages are built for.
 ///
@@ -15,6 +17,8 @@ use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 pub struct Requirements {
     /// Lobes and lights.
     pub features: Features,
+    /// What solids need that lie within each other, or overlap.
+    pub media: MediaFeatures,
     /// Photons straight from a light are kept in a map.
     pub direct_map: bool,
     /// Photons that came from a light by specular surfaces alone are kept in a map.
@@ -33,20 +37,15 @@ pub struct Requirements {
 }
 
 impl Requirements {
-    /// The least that renders `scene` exactly.
+    /// The least that renders `scene` exactly. Of a scene that [`SceneView::validate`] refuses, what is out of
+    /// range is skipped.
     #[must_use]
     pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
-        let mut features = Features::NONE;
-        for material in scene.materials_in_use() {
-            features = features.union(material_features(material));
-        }
-        for light in scene.lights {
-            features = features.union(light_features(light));
-        }
         let gather = settings.indirect == Indirect::Gather;
         let caustic_map = (settings.caustics || gather) && specular_is_lit(scene);
         Self {
-            features,
+            features: Features::of(scene),
+            media: Solids::of(scene).features(),
             direct_map: settings.direct == Direct::Photons || gather,
             caustic_map,
             aimed: caustic_map && settings.caustic_photons != CausticPhotons::Shared,
@@ -63,6 +62,7 @@ impl Requirements {
         let gather = settings.indirect == Indirect::Gather;
         Self {
             features: Features::ALL,
+            media: MediaFeatures::ALL,
             direct_map: settings.direct == Direct::Photons || gather,
             caustic_map: settings.caustics || gather,
             aimed: (settings.caustics || gather) && settings.caustic_photons != CausticPhotons::Shared,
@@ -82,6 +82,21 @@ impl Requirements {
         if missing == Features::NONE { Ok(()) } else { Err(Error::MissingFeatures { missing }) }
     }
 
+    /// Whether stages built for `self` can follow paths through media that need `needed`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`].
+    pub fn check_media(&self, needed: MediaFeatures) -> Result<()> {
+        if self.media.contains(needed) {
+            return Ok(());
+        }
+        Err(Error::InvalidSetting {
+            name: "what stages model of media",
+            value: self.media.to_string(),
+            mend: "solids of this scene lie within each other or overlap; derive the requirements from it",
+        })
+    }
+
     /// Whether maps built for `self` keep what is `needed` of a photon.
     ///
     /// # Errors
@@ -98,17 +113,28 @@ impl Requirements {
     }
 }
 
-/// What one material makes a kernel do.
+impl Features {
+    /// The lobes of the materials in use, and the lights: what a kernel must model to render `scene`. Indices out
+    /// of range are skipped.
+    #[must_use]
+    pub fn of(scene: &SceneView<'_>) -> Self {
+        let materials = scene.materials_in_use().map(|material| material_features(material, scene.media));
+        materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union)
+    }
+}
+
+/// What one material makes a kernel do; `media` is the scene's table.
 #[must_use]
-pub fn material_features(material: &Material) -> Features {
-    let lobe = match material.kind {
-        Material::MIRROR => Features::MIRROR,
-        Material::DIELECTRIC => Features::DIELECTRIC,
-        Material::THIN => Features::THIN,
-        _ => Features::DIFFUSE,
-    };
-    let absorbs = material.kind == Material::DIELECTRIC && material.absorption != [0.0; 3];
-    if absorbs { lobe.union(Features::ABSORPTION) } else { lobe }
+pub fn material_features(material: &Material, media: &[Medium]) -> Features {
+    match material.kind() {
+        MaterialKind::Lambert => Features::DIFFUSE,
+        MaterialKind::Mirror => Features::MIRROR,
+        MaterialKind::Thin => Features::THIN,
+        MaterialKind::Dielectric => {
+            let absorbs = media.get(material.medium as usize).is_some_and(|medium| medium.absorption != [0.0; 3]);
+            if absorbs { Features::DIELECTRIC.union(Features::ABSORPTION) } else { Features::DIELECTRIC }
+        }
+    }
 }
 
 /// What one light makes a kernel do.
@@ -128,11 +154,10 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
     let mut low = [f32::INFINITY; 3];
     let mut high = [f32::NEG_INFINITY; 3];
     for (triangle, facet) in scene.triangles.iter().zip(scene.facets) {
-        if scene.materials[facet.material as usize].is_diffuse() {
+        if scene.materials.get(facet.material as usize).is_none_or(Material::is_diffuse) {
             continue;
         }
-        for &vertex in triangle {
-            let p = scene.positions[vertex as usize];
+        for p in triangle.iter().filter_map(|&vertex| scene.positions.get(vertex as usize)) {
             for axis in 0..3 {
                 low[axis] = low[axis].min(p[axis]);
                 high[axis] = high[axis].max(p[axis]);
@@ -148,11 +173,13 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
     };
     scene.lights.iter().any(|light| match light.kind {
         Light::TRIANGLE => {
-            let normal = scene.facets[light.primitive as usize].normal;
+            let primitive = light.primitive as usize;
+            let (Some(facet), Some(triangle)) = (scene.facets.get(primitive), scene.triangles.get(primitive)) else {
+                return false;
+            };
+            let mut corners = triangle.iter().filter_map(|&vertex| scene.positions.get(vertex as usize));
             // The triangle's own plane: heights of rounding size do not count as in front.
-            scene.triangles[light.primitive as usize].iter().any(|&vertex| {
-                light.flags & Light::BOTH_SIDES != 0 || reach(normal, scene.positions[vertex as usize]) > 1e-6
-            })
+            corners.any(|&corner| light.flags & Light::BOTH_SIDES != 0 || reach(facet.normal, corner) > 1e-6)
         }
         // A cone narrower than a half space reaches no further than the half space does.
         Light::SPOT if light.versine_outer <= 1.0 => reach(light.direction, light.position) > 0.0,

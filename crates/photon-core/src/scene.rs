@@ -1,13 +1,14 @@
 //! What a backend is lent of a scene: plain slices.
 
-use crate::layout::{Facet, Light, Material};
+use crate::layout::{Facet, Light, Material, Medium};
 use crate::units::Units;
+
+mod validate;
 
 /// A scene in normalised space, borrowed.
 ///
 /// `photon_scene::Scene::view` lends one; a renderer with tables of its own can fill it in as well.
-/// Its owner has checked it: indices in range, numbers finite, normals unit, no triangle without
-/// area, albedos in `[0, 1]`.
+/// [`SceneView::validate`] checks what renderers rely on, and is called by them.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneView<'a> {
     /// Vertices, within a box of unit size about the origin.
@@ -18,22 +19,26 @@ pub struct SceneView<'a> {
     pub facets: &'a [Facet],
     /// Indexed by [`Facet::material`].
     pub materials: &'a [Material],
+    /// Indexed by [`Material::medium`]; the first is [`Medium::VACUUM`], and at most 255 others follow.
+    pub media: &'a [Medium],
     /// Everything that emits photons.
     pub lights: &'a [Light],
     /// Where each light's share of the range of a random `u32` begins; first 0, strictly rising.
     pub light_starts: &'a [u32],
-    /// Radius of a sphere about the origin that holds the scene.
+    /// Radius of a sphere about the origin that holds the scene: vertices, point lights and spot lights.
     pub radius: f32,
     /// The way back to the user's space and watts.
     pub units: Units,
 }
 
 impl<'a> SceneView<'a> {
-    /// The materials that some triangle has, in their order.
+    /// The materials that some triangle has, in their order. Indices out of range are skipped.
     pub(crate) fn materials_in_use(&self) -> impl Iterator<Item = &'a Material> + use<'a> {
         let mut used = vec![false; self.materials.len()];
         for facet in self.facets {
-            used[facet.material as usize] = true;
+            if let Some(used) = used.get_mut(facet.material as usize) {
+                *used = true;
+            }
         }
         self.materials.iter().zip(used).filter_map(|(material, used)| used.then_some(material))
     }

@@ -7,7 +7,9 @@ use crate::error::{Error, Result};
 use crate::kept::Kept;
 use crate::kernel::Kernel;
 use crate::layout::{Camera, Estimate, Photon, PhotonRay, Query, Spread};
+use crate::scene::SceneView;
 use crate::settings::RandomKind;
+use crate::solids::Solids;
 use crate::tally::Tally;
 
 /// Which paths of which pass.
@@ -39,6 +41,16 @@ pub struct View {
     pub width: u32,
     /// Pixels down, ≥ 1.
     pub height: u32,
+}
+
+impl View {
+    /// The same, with the media of `scene` that the camera lies in. [`crate::Pipeline`] does this; a caller that runs
+    /// [`EyeTracer`] by itself does it once.
+    #[must_use]
+    pub fn within(mut self, scene: &SceneView<'_>) -> Self {
+        self.camera.media = Solids::of(scene).locate().at(self.camera.origin).bits();
+        self
+    }
 }
 
 /// How photons near a query become an estimate.

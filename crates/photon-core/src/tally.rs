@@ -88,6 +88,8 @@ pub struct Tally {
     pub ceded: u64,
     /// Surfaces met.
     pub surfaces: u64,
+    /// Paths that entered more than four solids at once, of which the fifth was ignored.
+    pub too_deep: u64,
     /// Photons stored in the direct map.
     pub stored_direct: u64,
     /// Photons stored in the caustic map.
@@ -132,6 +134,7 @@ impl Tally {
         self.dropped += other.dropped;
         self.ceded += other.ceded;
         self.surfaces += other.surfaces;
+        self.too_deep += other.too_deep;
         self.stored_direct += other.stored_direct;
         self.stored_caustic += other.stored_caustic;
         self.stored_global += other.stored_global;

@@ -1,7 +1,8 @@
 //! Requirements are derived from the scene and are the least that renders it.
 
 use photon_core::{
-    Direct, Error, Facet, Features, Indirect, Light, Material, Requirements, SceneView, Settings, Units, light_starts,
+    Direct, Error, Facet, Features, Indirect, Light, Material, MaterialKind, Medium, Requirements, SceneView, Settings,
+    Units, light_starts,
 };
 
 /// A light facing down at height 0.5, a diffuse floor, and a triangle of `kind` at height `z`.
@@ -28,7 +29,7 @@ impl Tables {
                 Material { emission: [1.0; 3], ..lambert },
                 lambert,
                 Material { kind, ior: 1.5, ..lambert },
-                Material { kind: Material::THIN, ..lambert },
+                Material { kind: MaterialKind::Thin as u32, ..lambert },
             ],
             lights: vec![Light {
                 kind: Light::TRIANGLE,
@@ -47,6 +48,7 @@ impl Tables {
             triangles: &self.triangles,
             facets: &self.facets,
             materials: &self.materials,
+            media: &[Medium::VACUUM],
             lights: &self.lights,
             light_starts: &self.starts,
             radius: 0.9,
@@ -57,7 +59,7 @@ impl Tables {
 
 #[test]
 fn only_materials_in_use_count() {
-    let tables = Tables::new(Material::LAMBERT, 0.0);
+    let tables = Tables::new(MaterialKind::Lambert as u32, 0.0);
     let required = Requirements::of(&tables.view(), &Settings::default());
     assert_eq!(required.features, Features::DIFFUSE.union(Features::AREA_LIGHTS));
     assert!(!required.caustic_map && required.global_map && !required.direct_map && required.shadow_rays);
@@ -66,7 +68,7 @@ fn only_materials_in_use_count() {
 #[test]
 fn a_caustic_map_needs_a_specular_surface_that_a_light_can_reach() {
     let settings = Settings::default();
-    for kind in [Material::MIRROR, Material::DIELECTRIC, Material::THIN] {
+    for kind in [MaterialKind::Mirror as u32, MaterialKind::Dielectric as u32, MaterialKind::Thin as u32] {
         assert!(Requirements::of(&Tables::new(kind, 0.0).view(), &settings).caustic_map);
         // Behind the light, which shines from its front only.
         let mut behind = Tables::new(kind, 0.45);
@@ -80,7 +82,7 @@ fn a_caustic_map_needs_a_specular_surface_that_a_light_can_reach() {
 
 #[test]
 fn maps_follow_the_settings() {
-    let tables = Tables::new(Material::MIRROR, 0.0);
+    let tables = Tables::new(MaterialKind::Mirror as u32, 0.0);
     let of = |settings: Settings| Requirements::of(&tables.view(), &settings);
     let none = of(Settings { indirect: Indirect::None, caustics: false, ..Settings::default() });
     assert!(!none.global_map && !none.caustic_map && !none.direct_map);
@@ -92,7 +94,7 @@ fn maps_follow_the_settings() {
 
 #[test]
 fn too_little_is_an_error_that_names_it() {
-    let tables = Tables::new(Material::DIELECTRIC, 0.0);
+    let tables = Tables::new(MaterialKind::Dielectric as u32, 0.0);
     let needed = Requirements::of(&tables.view(), &Settings::default());
     let less = Requirements { features: needed.features.without(Features::DIELECTRIC), ..needed };
     match less.check(needed.features) {

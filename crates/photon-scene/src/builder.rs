@@ -2,6 +2,7 @@
 
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
 use crate::error::SceneError;
+use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::{camera, lights, normalise, solids, validate};
 use photon_core::{Facet, Units, light_starts};
@@ -9,15 +10,6 @@ use photon_core::{Facet, Units, light_starts};
 /// A material of one [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub(crate) u32);
-
-/// Triangles that share a name and a material, user space.
-#[derive(Clone, Debug)]
-pub(crate) struct Mesh {
-    pub(crate) name: String,
-    pub(crate) positions: Vec<[f64; 3]>,
-    pub(crate) triangles: Vec<[u32; 3]>,
-    pub(crate) material: MaterialId,
-}
 
 /// A scene in the making.
 ///
@@ -128,7 +120,7 @@ impl SceneBuilder {
         let mut warnings = Vec::new();
         frame.warn(&mut warnings);
         let lit = lights::table(&self.lights, &self.materials, &geometry, frame, &mut warnings)?;
-        let materials = lights::materials(&self.materials, &geometry, &lit, frame);
+        let (materials, media) = lights::materials(&self.materials, &geometry, &lit, frame)?;
         let units = Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power };
         warn_of_radiance(units, &mut warnings);
         if geometry.triangles.is_empty() {
@@ -154,6 +146,7 @@ impl SceneBuilder {
             mesh_names: self.meshes.into_iter().map(|mesh| mesh.name).collect(),
             material_names: self.materials.into_iter().map(|material| material.name).collect(),
             materials,
+            media,
             lights: lit.lights,
             cameras: self.cameras,
             dropped: geometry.dropped,

@@ -21,7 +21,7 @@ pub(crate) fn resolve(
     let right = forward.cross(unit(desc.up)).normalize_or_zero();
     let up = right.cross(forward);
     let (kind, half_height) = match desc.projection {
-        Projection::Perspective { vertical_fov } => (Camera::PERSPECTIVE, (0.5 * vertical_fov).tan()),
+        Projection::Perspective { vertical_fov } => (Camera::PERSPECTIVE, libm::tan(0.5 * vertical_fov)),
         Projection::Orthographic { half_height } => (Camera::ORTHOGRAPHIC, half_height / units.scale),
     };
     let half_width = half_height * f64::from(width) / f64::from(height);
@@ -54,7 +54,7 @@ pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>) -> CameraDesc {
     let vertical_fov = 40_f64.to_radians();
     // In front of the nearest face, so far away that this face fits with a tenth to spare.
     let face = if extent.x.max(extent.y) > 0.0 { extent.x.max(extent.y) } else { size };
-    let distance = extent.z * 0.5 + 0.55 * face / (0.5 * vertical_fov).tan();
+    let distance = extent.z * 0.5 + 0.55 * face / libm::tan(0.5 * vertical_fov);
     let position = center + DVec3::Z * distance;
     CameraDesc {
         position: position.to_array(),

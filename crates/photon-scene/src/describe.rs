@@ -19,7 +19,8 @@ pub enum Surface {
     /// The smooth boundary of a solid; its triangles must close it, and their fronts (where the
     /// vertices run counter-clockwise) face outwards.
     Dielectric {
-        /// Refractive index inside, against the vacuum outside; finite and > 0.
+        /// Refractive index inside, against the vacuum; finite and > 0. What is around the solid counts by itself, be it
+        /// air or another solid.
         ior: f64,
         /// Absorption coefficient inside (Beer–Lambert), per user length, finite and ≥ 0.
         absorption: [f64; 3],
@@ -46,13 +47,16 @@ pub struct MaterialDesc {
     pub emission: [f64; 3],
     /// Whether the back emits as well as the front.
     pub emits_both_sides: bool,
+    /// Where solids overlap, the one of the highest priority is there; of equals, the one that light entered last. For
+    /// [`Surface::Dielectric`] alone.
+    pub priority: u32,
 }
 
 impl MaterialDesc {
     /// Any surface, dark.
     #[must_use]
     pub fn new(name: impl Into<String>, surface: Surface) -> Self {
-        Self { name: name.into(), surface, emission: [0.0; 3], emits_both_sides: false }
+        Self { name: name.into(), surface, emission: [0.0; 3], emits_both_sides: false, priority: 0 }
     }
 
     /// A diffuse surface.

@@ -56,15 +56,36 @@ pub(crate) struct Extras<T> {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub(crate) enum MaterialExtras {
-    Lambert { albedo: Triple, emission: Triple, emits_both_sides: bool },
-    Mirror { albedo: Triple, emission: Triple, emits_both_sides: bool },
-    Glass { ior: Exact, absorption: Triple, tint: Triple, emission: Triple, emits_both_sides: bool },
-    Thin { ior: Exact, tint: Triple, emission: Triple, emits_both_sides: bool },
+    Lambert {
+        albedo: Triple,
+        emission: Triple,
+        emits_both_sides: bool,
+    },
+    Mirror {
+        albedo: Triple,
+        emission: Triple,
+        emits_both_sides: bool,
+    },
+    Glass {
+        ior: Exact,
+        absorption: Triple,
+        tint: Triple,
+        #[serde(default)]
+        priority: u32,
+        emission: Triple,
+        emits_both_sides: bool,
+    },
+    Thin {
+        ior: Exact,
+        tint: Triple,
+        emission: Triple,
+        emits_both_sides: bool,
+    },
 }
 
 impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
-        let MaterialDesc { name: _, surface, emission, emits_both_sides } = desc;
+        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority } = desc;
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
             Surface::Lambert { albedo } => Self::Lambert { albedo: exact(albedo), emission, emits_both_sides },
@@ -73,6 +94,7 @@ impl MaterialExtras {
                 ior: Exact(ior),
                 absorption: exact(absorption),
                 tint: exact(tint),
+                priority: *priority,
                 emission,
                 emits_both_sides,
             },
@@ -83,6 +105,8 @@ impl MaterialExtras {
     }
 
     pub(crate) fn desc(self, name: String) -> MaterialDesc {
+        // Which of overlapping solids counts is said of solids alone.
+        let priority = if let Self::Glass { priority, .. } = self { priority } else { 0 };
         let (surface, emission, emits_both_sides) = match self {
             Self::Lambert { albedo, emission, emits_both_sides } => {
                 (Surface::Lambert { albedo: plain(albedo) }, emission, emits_both_sides)
@@ -90,7 +114,7 @@ impl MaterialExtras {
             Self::Mirror { albedo, emission, emits_both_sides } => {
                 (Surface::Mirror { reflectance: plain(albedo) }, emission, emits_both_sides)
             }
-            Self::Glass { ior, absorption, tint, emission, emits_both_sides } => {
+            Self::Glass { ior, absorption, tint, emission, emits_both_sides, .. } => {
                 let surface = Surface::Dielectric { ior: ior.0, absorption: plain(absorption), tint: plain(tint) };
                 (surface, emission, emits_both_sides)
             }
@@ -98,7 +122,7 @@ impl MaterialExtras {
                 (Surface::Thin { ior: ior.0, tint: plain(tint) }, emission, emits_both_sides)
             }
         };
-        MaterialDesc { name, surface, emission: plain(emission), emits_both_sides }
+        MaterialDesc { name, surface, emission: plain(emission), emits_both_sides, priority }
     }
 }
 

@@ -7,14 +7,17 @@
 
 mod builder;
 mod builtin;
+mod bvh;
 mod camera;
 mod describe;
+mod edges;
 mod error;
 #[cfg(feature = "files")]
 mod extras;
 mod lights;
 #[cfg(feature = "files")]
 mod load;
+mod mesh;
 mod normalise;
 mod report;
 #[cfg(feature = "files")]
@@ -23,10 +26,10 @@ mod scene;
 pub mod shapes;
 mod solids;
 mod validate;
-mod wide;
 
 pub use builder::{MaterialId, SceneBuilder};
 pub use builtin::{FurnaceShape, IntegratingSphere, builtin, builtin_names, furnace, plates};
+pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode, CompressedTree};
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 pub use error::SceneError;
 #[cfg(feature = "files")]
@@ -35,4 +38,3 @@ pub use report::{LoadReport, ReportKind, ReportLine};
 #[cfg(feature = "files")]
 pub use save::glb;
 pub use scene::Scene;
-pub use wide::{Accel, AccelError, Binary, BinaryTree, BruteForce};

@@ -6,7 +6,7 @@ use crate::normalise::{Frame, Geometry};
 use crate::validate::unit;
 use glam::DVec3;
 use photon_core::sampling::spot_solid_angle;
-use photon_core::{Light, Material};
+use photon_core::{Light, Material, MaterialKind, Medium, MediumStack};
 use std::f64::consts::PI;
 
 /// Everything that emits.
@@ -88,7 +88,7 @@ fn punctual(desc: &LightDesc, radius: f64, frame: Frame) -> (Light, DVec3) {
         }
         LightDesc::Spot { position, direction, intensity, inner_angle, outer_angle } => {
             // 1 − cos, by the half angle: a cosine would round the narrowest cones away.
-            let versine = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2);
+            let versine = |angle: f64| 2.0 * square(libm::sin(0.5 * angle));
             let versine_outer = versine(outer_angle).min(1.0) as f32;
             let versine_inner = (versine(inner_angle) as f32).min(versine_outer);
             // ∫ I dω over the cone, of the rounded numbers, so that dividing it out again gives I exactly.
@@ -115,44 +115,77 @@ fn blank() -> Light {
     Light { primitive: u32::MAX, ..Light::default() }
 }
 
+fn square(x: f64) -> f64 {
+    x * x
+}
+
 fn mean(power: DVec3) -> f64 {
     power.element_sum() / 3.0
 }
 
-/// The materials, indexed as they were added.
-pub(crate) fn materials(descs: &[MaterialDesc], geometry: &Geometry, lit: &Lit, frame: Frame) -> Vec<Material> {
+/// The materials, indexed as they were added, and the table of media that they name.
+pub(crate) fn materials(
+    descs: &[MaterialDesc],
+    geometry: &Geometry,
+    lit: &Lit,
+    frame: Frame,
+) -> Result<(Vec<Material>, Vec<Medium>), SceneError> {
     let mut shines = vec![false; descs.len()];
     for &(primitive, _) in &geometry.emitters {
         shines[geometry.facets[primitive as usize].1 as usize] = true;
     }
-    descs
+    let mut in_use = vec![false; descs.len()];
+    for &(_, material) in &geometry.facets {
+        in_use[material as usize] = true;
+    }
+    let mut media = vec![Medium::VACUUM];
+    let materials = descs
         .iter()
-        .zip(shines)
-        .map(|(desc, shines)| {
-            let surface = surface(&desc.surface, frame);
+        .zip(shines.into_iter().zip(in_use))
+        .map(|(desc, (shines, in_use))| {
+            let surface = surface(desc, in_use, &mut media, frame);
             // One that no triangle uses must not make the scene seem to glow.
             let emission =
                 if shines && lit.total > 0.0 { DVec3::from_array(desc.emission) / lit.total } else { DVec3::ZERO };
             let flags = if desc.emits_both_sides { Material::EMITS_BOTH_SIDES } else { 0 };
             Material { emission: emission.as_vec3().to_array(), flags, ..surface }
         })
-        .collect()
+        .collect();
+    let count = media.len() - 1;
+    if count > MediumStack::MAX_MEDIA {
+        return Err(SceneError::TooMany { what: "different media of solids", count });
+    }
+    Ok((materials, media))
 }
 
-fn surface(surface: &Surface, frame: Frame) -> Material {
+fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Frame) -> Material {
     let colour = |colour: [f64; 3]| colour.map(|part| part as f32);
-    let dark = Material { ior: 1.0, ..Material::default() };
-    match *surface {
-        Surface::Lambert { albedo } => Material { kind: Material::LAMBERT, albedo: colour(albedo), ..dark },
-        Surface::Mirror { reflectance } => Material { kind: Material::MIRROR, albedo: colour(reflectance), ..dark },
-        Surface::Dielectric { ior, absorption, tint } => Material {
-            kind: Material::DIELECTRIC,
-            albedo: colour(tint),
-            ior: ior as f32,
-            // Black beyond a few units anyway; an infinity would make 0 · ∞ at no distance.
-            absorption: absorption.map(|part| (part * frame.scale).min(1e30) as f32),
-            ..dark
-        },
-        Surface::Thin { ior, tint } => Material { kind: Material::THIN, albedo: colour(tint), ior: ior as f32, ..dark },
+    let of = |kind: MaterialKind| Material { kind: kind as u32, ior: 1.0, ..Material::default() };
+    match desc.surface {
+        Surface::Lambert { albedo } => Material { albedo: colour(albedo), ..of(MaterialKind::Lambert) },
+        Surface::Mirror { reflectance } => Material { albedo: colour(reflectance), ..of(MaterialKind::Mirror) },
+        Surface::Dielectric { ior, absorption, tint } => {
+            let medium = Medium {
+                // Black beyond a few units anyway; an infinity would make 0 · ∞ at no distance.
+                absorption: absorption.map(|part| (part * frame.scale).min(1e30) as f32),
+                ior: ior as f32,
+                priority: desc.priority,
+                ..Medium::VACUUM
+            };
+            // One that no triangle uses takes none of the 255 places.
+            let medium = if in_use { index_of(media, medium) } else { 0 };
+            Material { albedo: colour(tint), ior: ior as f32, medium, ..of(MaterialKind::Dielectric) }
+        }
+        Surface::Thin { ior, tint } => Material { albedo: colour(tint), ior: ior as f32, ..of(MaterialKind::Thin) },
     }
+}
+
+/// Where a medium stands in the table, after the vacuum; equal ones share a place.
+fn index_of(media: &mut Vec<Medium>, medium: Medium) -> u32 {
+    let found = media.iter().skip(1).position(|known| *known == medium).map(|index| index + 1);
+    let index = found.unwrap_or_else(|| {
+        media.push(medium);
+        media.len() - 1
+    });
+    index as u32
 }

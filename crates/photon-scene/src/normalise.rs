@@ -1,8 +1,8 @@
 //! From user space to the unit box about the origin.
 
-use crate::builder::Mesh;
-use crate::describe::{LightDesc, MaterialDesc};
+use crate::describe::{LightDesc, MaterialDesc, Surface};
 use crate::error::SceneError;
+use crate::mesh::Mesh;
 use glam::DVec3;
 
 /// The similarity that recentres and scales the scene.
@@ -129,7 +129,7 @@ pub(crate) fn geometry(meshes: &[Mesh], materials: &[MaterialDesc], frame: Frame
         let first = geometry.triangles.len();
         geometry.mesh_starts.push(first as u32);
         let desc = &materials[mesh.material.0 as usize];
-        if desc.is_invisible() {
+        if desc.is_invisible() && !meets_a_solid(mesh, meshes, materials) {
             geometry.invisible += mesh.triangles.len() as u64;
             continue;
         }
@@ -141,6 +141,22 @@ pub(crate) fn geometry(meshes: &[Mesh], materials: &[MaterialDesc], frame: Frame
     let radii = geometry.positions.iter().map(|&at| length(at));
     geometry.radius = f64::from(round_up(radii.fold(0.0, f64::max)));
     Ok(geometry)
+}
+
+/// Whether the box about a mesh meets that of a solid which light does not pass unchanged: an index of 1 within glass
+/// is a hollow.
+fn meets_a_solid(mesh: &Mesh, meshes: &[Mesh], materials: &[MaterialDesc]) -> bool {
+    if !matches!(materials[mesh.material.0 as usize].surface, Surface::Dielectric { .. }) {
+        return false;
+    }
+    let Some((low, high)) = bounds(std::slice::from_ref(mesh)) else { return false };
+    meshes.iter().any(|other| {
+        let desc = &materials[other.material.0 as usize];
+        matches!(desc.surface, Surface::Dielectric { .. })
+            && !desc.is_invisible()
+            && bounds(std::slice::from_ref(other))
+                .is_some_and(|(from, to)| (0..3).all(|axis| low[axis] <= to[axis] && from[axis] <= high[axis]))
+    })
 }
 
 impl Geometry {

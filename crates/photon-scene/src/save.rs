@@ -23,7 +23,7 @@ use crate::extras::{CameraExtras, LightExtras, MaterialExtras, NodeExtras};
 ///
 /// glTF has single precision. `extras.photonmap` of materials, of nodes with lights or cameras and of primitives hold
 /// the same numbers in double precision, as decimal strings, or as the number of a buffer view with 64-bit floats; also
-/// whether a dark surface would emit from both sides. They are used by the loader as long as they agree with what glTF
+/// the priority of a solid, and whether a dark surface would emit from both sides. They are used by the loader as long as they agree with what glTF
 /// says.
 ///
 /// # Errors

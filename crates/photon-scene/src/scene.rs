@@ -3,7 +3,7 @@
 use crate::camera;
 use crate::describe::CameraDesc;
 use crate::error::SceneError;
-use photon_core::{Camera, Facet, Light, Material, SceneView, Units};
+use photon_core::{Camera, Facet, Light, Material, Medium, SceneView, Units};
 
 /// What [`crate::SceneBuilder::build`] makes: the tables that backends read, and what is needed to
 /// speak of them by name.
@@ -17,6 +17,7 @@ pub struct Scene {
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) facets: Vec<Facet>,
     pub(crate) materials: Vec<Material>,
+    pub(crate) media: Vec<Medium>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_starts: Vec<u32>,
     pub(crate) radius: f32,
@@ -38,6 +39,7 @@ impl Scene {
             triangles: &self.triangles,
             facets: &self.facets,
             materials: &self.materials,
+            media: &self.media,
             lights: &self.lights,
             light_starts: &self.light_starts,
             radius: self.radius,

@@ -1,6 +1,7 @@
 //! Whether refracting solids are closed and face outwards.
 
 use crate::describe::{MaterialDesc, Surface};
+use crate::edges::open_edges;
 use crate::normalise::Geometry;
 use glam::{DVec3, Vec3};
 
@@ -21,7 +22,7 @@ pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &m
             .map(|(corners, _)| corners.map(|vertex| Vec3::from_array(geometry.positions[vertex as usize])))
             .collect();
         let name = &material.name;
-        let open = open_edges(&triangles);
+        let open = open_edges(triangles.iter().map(|corners| corners.map(place)));
         if open > 0 {
             warnings.push(format!(
                 "the solid glass '{name}' is not closed: {open} edges border on one side only; light that enters \
@@ -36,22 +37,10 @@ pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &m
     }
 }
 
-/// How many directed edges lack one that runs the other way; vertices are the same where their
-/// coordinates are.
-fn open_edges(triangles: &[[Vec3; 3]]) -> usize {
-    let key = |at: Vec3| (at + 0.0).to_array().map(f32::to_bits);
-    // Each edge in a fixed direction, and which way the triangle runs along it.
-    let mut edges: Vec<([u32; 3], [u32; 3], i32)> = triangles
-        .iter()
-        .flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)])
-        .map(|(from, to)| (key(*from), key(*to)))
-        .map(|(from, to)| if from < to { (from, to, 1) } else { (to, from, -1) })
-        .collect();
-    edges.sort_unstable();
-    edges
-        .chunk_by(|left, right| (left.0, left.1) == (right.0, right.1))
-        .map(|same| same.iter().map(|edge| edge.2).sum::<i32>().unsigned_abs() as usize)
-        .sum()
+/// A vertex by its coordinates, for those that several triangles list separately.
+fn place(at: Vec3) -> [u32; 3] {
+    // Zeros of both signs are one place.
+    (at + 0.0).to_array().map(f32::to_bits)
 }
 
 /// Volume that closed triangles enclose, negative where they face inwards (the divergence theorem).

@@ -1,8 +1,9 @@
 //! Everything that can be checked before anything is computed.
 
-use crate::builder::{Mesh, SceneBuilder};
+use crate::builder::SceneBuilder;
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 use crate::error::SceneError;
+use crate::mesh::Mesh;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 

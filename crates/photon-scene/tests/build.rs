@@ -47,7 +47,10 @@ fn tables(scene: &Scene) -> (Vec<u8>, Vec<f32>) {
         floats(&mut numbers, &[facet.normal]);
     }
     for material in view.materials {
-        floats(&mut numbers, &[material.albedo, material.emission, material.absorption]);
+        floats(&mut numbers, &[material.albedo, material.emission]);
+    }
+    for medium in view.media {
+        floats(&mut numbers, &[medium.absorption]);
     }
     for light in view.lights {
         floats(&mut numbers, &[light.position, light.direction, light.power, [light.area, light.radius, 0.0]]);
@@ -137,7 +140,7 @@ fn the_box_is_of_unit_size_about_the_origin() {
     }
     assert_eq!(view.facets[0].normal, [0.0, 1.0, 0.0], "counter-clockwise is the front");
     assert_eq!(view.materials[2].ior, 1.5);
-    assert!((view.materials[2].absorption[0] - 0.9).abs() < 1e-6, "0.3 per length, over 3 lengths");
+    assert!((view.media[1].absorption[0] - 0.9).abs() < 1e-6, "0.3 per length, over 3 lengths");
     assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
 }
 

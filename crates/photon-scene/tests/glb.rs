@@ -31,7 +31,7 @@ fn everything() -> SceneBuilder {
         MaterialDesc::lambert("diffuse", [third, 0.7, 0.0]),
         MaterialDesc { emits_both_sides: true, ..MaterialDesc::lambert("dark", [0.5; 3]) },
         MaterialDesc::mirror("mirror", [0.9, 0.8, third]),
-        MaterialDesc::new("glass", glass),
+        MaterialDesc { priority: 3, ..MaterialDesc::new("glass", glass) },
         MaterialDesc::new("clear", Surface::Dielectric { ior: 0.9, absorption: [0.0; 3], tint: [1.0; 3] }),
         MaterialDesc::new("pane", Surface::Thin { ior: 1.33, tint: [0.2, 0.4, third] }),
         both,

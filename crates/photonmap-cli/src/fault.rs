@@ -38,6 +38,7 @@ impl From<photon_core::Error> for Fault {
         match error {
             E::InvalidSetting { .. }
             | E::InvalidInput { .. }
+            | E::InvalidScene { .. }
             | E::NoLight
             | E::NoReceiver
             | E::OutOfMemory { .. }

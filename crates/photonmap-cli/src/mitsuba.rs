@@ -1,6 +1,6 @@
 //! Scenes for Mitsuba 3 (Jakob et al. 2022): an XML file, and a PLY file for each material.
 //!
-//! User space, radiance in W/(m²·sr), linear RGB. Surfaces scatter on both sides, as here. What Mitsuba expresses
+//! Each boundary of a solid is one against vacuum there: solids within solids are not expressed. User space, radiance in W/(m²·sr), linear RGB. Surfaces scatter on both sides, as here. What Mitsuba expresses
 //! otherwise is a warning, what it cannot express an error.
 
 mod ply;
@@ -8,7 +8,7 @@ mod ply;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use photon_core::{Camera, Light, Material};
+use photon_core::{Camera, Light, Material, MaterialKind};
 use photon_scene::Scene;
 
 use crate::atomic_write;
@@ -36,7 +36,7 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> R
     let folder = path.with_file_name(&folder_name);
     std::fs::create_dir_all(&folder).map_err(|why| Fault::writing(&folder, why))?;
     let mut written = Written { folder: folder.clone(), meshes: 0, warnings: Vec::new() };
-    let absorbs = view.materials.iter().any(|material| material.absorption != [0.0; 3]);
+    let absorbs = view.media.iter().any(|medium| medium.absorption != [0.0; 3]);
     let mut text = String::from("<scene version=\"3.0.0\">\n");
     // Only the volumetric path tracer knows of absorption.
     let _ = writeln!(text, "    <integrator type=\"{}\">", if absorbs { "volpath" } else { "path" });
@@ -116,23 +116,26 @@ fn shape(scene: &Scene, index: usize, material: &Material, file: &str) -> Result
     let colour = material.albedo;
     let ior = format!("<float name=\"int_ior\" value=\"{}\"/><float name=\"ext_ior\" value=\"1\"/>", material.ior);
     let two_sided = |inner: &str| format!("<bsdf type=\"twosided\">{inner}</bsdf>");
-    let bsdf = match material.kind {
-        Material::LAMBERT => two_sided(&format!("<bsdf type=\"diffuse\">{}</bsdf>", rgb("reflectance", colour))),
-        Material::MIRROR => two_sided(&format!(
+    let bsdf = match material.kind() {
+        MaterialKind::Lambert => two_sided(&format!("<bsdf type=\"diffuse\">{}</bsdf>", rgb("reflectance", colour))),
+        MaterialKind::Mirror => two_sided(&format!(
             "<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>{}</bsdf>",
             rgb("specular_reflectance", colour)
         )),
-        Material::DIELECTRIC => {
+        MaterialKind::Dielectric => {
             format!("<bsdf type=\"dielectric\">{ior}{}</bsdf>", rgb("specular_transmittance", colour))
         }
-        _ => format!("<bsdf type=\"thindielectric\">{ior}{}</bsdf>", rgb("specular_transmittance", colour)),
+        MaterialKind::Thin => {
+            format!("<bsdf type=\"thindielectric\">{ior}{}</bsdf>", rgb("specular_transmittance", colour))
+        }
     };
     let mut text = String::from("    <shape type=\"ply\">\n");
     let _ = writeln!(text, "        <string name=\"filename\" value=\"{}\"/>", escaped(file));
     let _ = writeln!(text, "        <boolean name=\"face_normals\" value=\"true\"/>\n        {bsdf}");
     let units = scene.units();
-    if material.absorption != [0.0; 3] {
-        let sigma = rgb("sigma_t", material.absorption.map(|c| f64::from(c) / units.scale));
+    let absorption = scene.view().media[material.medium as usize].absorption;
+    if absorption != [0.0; 3] {
+        let sigma = rgb("sigma_t", absorption.map(|c| f64::from(c) / units.scale));
         let _ = writeln!(
             text,
             "        <medium name=\"interior\" type=\"homogeneous\">{sigma}{}</medium>",

@@ -1,6 +1,6 @@
 //! S12 to S16, S21 to S23: indices, angles, albedos and absorptions at their ends.
 
-use photon_core::bsdf::fresnel;
+use photon_core::fresnel::fresnel;
 use photon_core::glam::Vec3;
 use photon_core::{PhotonRay, Settings, math};
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes};

@@ -2,7 +2,7 @@
 
 use photon_core::glam::{DVec3, Vec3};
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
-use photon_core::{Ray, RayCaster, bsdf, octahedral, offset, sampling};
+use photon_core::{Ray, RayCaster, fresnel, octahedral, offset, sampling};
 use photon_scene::{Accel, LightDesc, MaterialDesc, Scene, shapes};
 
 use super::shipped::{PASS, Pair, rays, studio};
@@ -103,9 +103,9 @@ fn hits(scene: &Scene, rounded: &Wide, rays: &[photon_core::PhotonRay]) -> Vec<H
         let [_, u, v, _] = sampler.words(BLOCK_SURFACES).map(unit_f32);
         let unit = along.normalize_or_zero();
         let (cosine, eta) = (-ray.direction.dot(facet), 1.5_f32);
-        let narrow = bsdf::fresnel(cosine, eta);
+        let narrow = fresnel::fresnel(cosine, eta);
         let (reflectance, transmitted) = optics::fresnel(-unit.dot(n), 1.5);
-        let refracted = bsdf::refract(ray.direction, facet, eta, narrow.cos_transmitted).as_dvec3();
+        let refracted = fresnel::refract(ray.direction, facet, eta, narrow.cos_transmitted).as_dvec3();
         out.push(Hit {
             t: relative(found.t.into(), truth.t),
             along: (gap - n * gap.dot(n)).length(),
@@ -114,7 +114,7 @@ fn hits(scene: &Scene, rounded: &Wide, rays: &[photon_core::PhotonRay]) -> Vec<H
                 sampling::cosine_hemisphere(facet, u, v).as_dvec3(),
                 optics::cosine_hemisphere(n, u.into(), v.into()),
             ),
-            mirrored: angle(bsdf::reflect(ray.direction, facet).as_dvec3(), optics::reflect(unit, n)),
+            mirrored: angle(fresnel::reflect(ray.direction, facet).as_dvec3(), optics::reflect(unit, n)),
             reflectance: (f64::from(narrow.reflectance) - reflectance).abs(),
             refracted: angle(refracted, optics::refract(unit, n, 1.5, transmitted)),
             packed: angle(octahedral::unpack(octahedral::pack(ray.direction)).as_dvec3(), unit),
@@ -188,10 +188,10 @@ pub fn grazing(rays: usize) -> Table {
             }
             let up = Vec3::Y;
             let cosine = -ray.direction.dot(up);
-            let narrow = f64::from(bsdf::fresnel(cosine, 1.5).reflectance);
+            let narrow = f64::from(fresnel::fresnel(cosine, 1.5).reflectance);
             reflectance = reflectance.max((narrow - optics::fresnel(-along.normalize_or_zero().y, 1.5).0).abs());
             let turned = angle(
-                bsdf::reflect(ray.direction, up).as_dvec3(),
+                fresnel::reflect(ray.direction, up).as_dvec3(),
                 optics::reflect(along.normalize_or_zero(), DVec3::Y),
             );
             mirrored = mirrored.max(turned / slope);
@@ -225,9 +225,9 @@ pub fn near_one() -> Table {
             angle(optics::refract(unit, DVec3::Z, eta, transmitted), unit)
         };
         let narrow = index as f32;
-        let fresnel = bsdf::fresnel(-down.z, narrow);
-        let ships = bsdf::refract(down, Vec3::Z, narrow, fresnel.cos_transmitted).as_dvec3();
-        let normal = f64::from(bsdf::fresnel(1.0, narrow).reflectance);
+        let fresnel = fresnel::fresnel(-down.z, narrow);
+        let ships = fresnel::refract(down, Vec3::Z, narrow, fresnel.cos_transmitted).as_dvec3();
+        let normal = f64::from(fresnel::fresnel(1.0, narrow).reflectance);
         let row = [
             bend(index),
             relative(bend(narrow.into()), bend(index)),

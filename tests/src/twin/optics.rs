@@ -1,4 +1,4 @@
-//! Twins of `photon_core::{bsdf, sampling}`, by the formulas rather than by the code.
+//! Twins of `photon_core::{fresnel, sampling}`, by the formulas rather than by the code.
 
 use photon_core::glam::DVec3;
 use std::f64::consts::TAU;
@@ -81,7 +81,7 @@ pub fn angle(a: DVec3, b: DVec3) -> f64 {
 mod tests {
     use super::*;
     use photon_core::glam::Vec3;
-    use photon_core::{bsdf, sampling};
+    use photon_core::{fresnel as narrow_fresnel, sampling};
 
     /// Both are the same functions: f32 differs by its rounding, and not at all by what it computes.
     #[test]
@@ -95,12 +95,12 @@ mod tests {
             assert!(angle(sampling::uniform_sphere(u, v).as_dvec3(), uniform_sphere(u.into(), v.into())) < 2e-6);
             for eta in [1.5_f32, 1.0 / 1.5, 1.0] {
                 let (r, t) = fresnel(u.into(), eta.into());
-                let narrow = bsdf::fresnel(u, eta);
+                let narrow = narrow_fresnel::fresnel(u, eta);
                 assert!((f64::from(narrow.reflectance) - r).abs() < 1e-5, "{u} {eta}");
                 assert!((f64::from(narrow.cos_transmitted) - t).abs() < 1e-3, "{u} {eta}");
             }
             let down = Vec3::new(0.6 * u, 0.0, -1.0).normalize_or_zero();
-            let mirrored = bsdf::reflect(down, Vec3::Z).as_dvec3();
+            let mirrored = narrow_fresnel::reflect(down, Vec3::Z).as_dvec3();
             assert!(angle(mirrored, reflect(down.as_dvec3().normalize_or_zero(), DVec3::Z)) < 1e-6);
         }
         assert!((sheet(0.04) - 0.076_923_077).abs() < 1e-9);

@@ -2,7 +2,7 @@
 
 use photon_core::glam::DVec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, centred_f32, unit_f32};
-use photon_core::{Light, Material, Pass, light_probability, pick_light};
+use photon_core::{Light, MaterialKind, MediumStack, Pass, interface, light_probability, pick_light};
 
 use super::optics;
 use super::scene::Wide;
@@ -18,6 +18,8 @@ pub struct Start {
     pub power: DVec3,
     /// The triangle it leaves, or `u32::MAX`.
     pub from: u32,
+    /// The media it starts in.
+    pub media: MediumStack,
 }
 
 /// A photon where it lands on a diffuse surface.
@@ -61,20 +63,22 @@ pub fn emit(scene: &Wide, pass: Pass, path: u32) -> Start {
     let index = pick_light(&scene.light_starts, choice);
     let light = &scene.lights[index];
     let power = DVec3::from(light.power.map(f64::from)) / light_probability(&scene.light_starts, index);
+    let mut back = false;
     let (origin, direction, from) = match light.kind {
         Light::POINT => (scene.light_places[index], optics::uniform_sphere(height, d), u32::MAX),
         Light::TRIANGLE => {
             let root = a.sqrt();
             let (u, v) = (root * (1.0 - b), root * b);
             let front = scene.normals[light.primitive as usize];
-            let back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
+            back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
             let normal = if back { -front } else { front };
             let point = scene.point(light.primitive as usize, u, v);
             (point + normal * scene.step, optics::cosine_hemisphere(normal, c, d), light.primitive)
         }
         kind => panic!("no twin of light {kind}"),
     };
-    Start { origin, direction, power, from }
+    let media = scene.light_media[index][usize::from(back)];
+    Start { origin, direction, power, from, media }
 }
 
 /// How paths are followed.
@@ -95,8 +99,8 @@ impl Twin<'_> {
         let scene = self.scene;
         let mut sampler = Sampler::new(self.pass.random, self.pass.seed, self.pass.index, Domain::Photon, path);
         let mut landings = Vec::new();
-        let Start { mut origin, mut direction, mut power, mut from } = *start;
-        let (mut specular_only, mut medium) = (true, u32::MAX);
+        let Start { mut origin, mut direction, mut power, mut from, mut media } = *start;
+        let mut specular_only = true;
         for bounce in 0..self.max_bounces {
             let Some(hit) = scene.tree.nearest(origin, direction, f64::INFINITY, from) else {
                 return (landings, End::Escaped);
@@ -106,13 +110,10 @@ impl Twin<'_> {
             let front = direction.dot(scene.normals[primitive]) < 0.0;
             let normal = if front { scene.normals[primitive] } else { -scene.normals[primitive] };
             let cosine = -direction.dot(normal);
-            let which = scene.material_of[primitive];
-            let material = &scene.materials[which as usize];
-            let solid = material.kind == Material::DIELECTRIC;
-            let inside = if solid && !front { which } else { medium };
-            if let Some(inside) = scene.materials.get(inside as usize) {
-                power *= DVec3::from(inside.absorption.map(|sigma| (-f64::from(sigma) * hit.t).exp()));
-            }
+            let material = &scene.materials[scene.material_of[primitive] as usize];
+            let sides = interface(&scene.media, material, front, media, true);
+            let before = &scene.media[sides.before.current(&scene.media) as usize];
+            power *= DVec3::from(before.absorption.map(|sigma| (-f64::from(sigma) * hit.t).exp()));
             let [choice, u, v, _] = sampler.words(BLOCK_SURFACES + bounce).map(|word| f64::from(unit_f32(word)));
             let albedo = DVec3::from(material.albedo.map(f64::from));
             let survive = |power: DVec3| {
@@ -120,29 +121,32 @@ impl Twin<'_> {
                 let chance = next.max_element() / power.max_element();
                 (choice < chance).then(|| next / chance)
             };
-            match material.kind {
-                Material::MIRROR => {
+            match material.kind() {
+                MaterialKind::Mirror => {
                     let Some(next) = survive(power) else { return (landings, End::Absorbed) };
                     power = next;
                     (origin, direction) = (point + normal * scene.step, optics::reflect(direction, normal));
                 }
-                Material::DIELECTRIC | Material::THIN => {
-                    let ior = f64::from(material.ior);
-                    let eta = if solid && !front { 1.0 / ior } else { ior };
+                MaterialKind::Dielectric | MaterialKind::Thin => {
+                    let solid = material.kind() == MaterialKind::Dielectric;
+                    let index = |stack: MediumStack| f64::from(scene.media[stack.current(&scene.media) as usize].ior);
+                    let eta = if solid { index(sides.beyond) / index(sides.before) } else { f64::from(material.ior) };
                     let (single, transmitted) = optics::fresnel(cosine, eta);
                     let reflectance = if solid { single } else { optics::sheet(single) };
                     if choice < reflectance {
                         (origin, direction) = (point + normal * scene.step, optics::reflect(direction, normal));
                     } else {
-                        power *= albedo;
+                        if sides.is_active {
+                            power *= albedo;
+                        }
                         if solid {
                             direction = optics::refract(direction, normal, eta, transmitted);
-                            medium = if front { which } else { u32::MAX };
+                            media = sides.beyond;
                         }
                         origin = point - normal * scene.step;
                     }
                 }
-                _ => {
+                MaterialKind::Lambert => {
                     let class = if !specular_only { 2 } else { usize::from(bounce > 0) };
                     if material.albedo != [0.0; 3] {
                         let primitive = hit.primitive;

@@ -1,7 +1,7 @@
 //! A scene in f64, with the user's numbers unrounded or with those that ship.
 
 use photon_core::glam::{DVec3, Vec3};
-use photon_core::{Light, Material};
+use photon_core::{Light, Material, Medium, MediumStack, Solids};
 use photon_scene::shapes::Shape;
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
@@ -56,6 +56,9 @@ pub struct Wide {
     pub(crate) material_of: Vec<u32>,
     /// Colours, indices and powers are input in 32 bits, for both.
     pub(crate) materials: Vec<Material>,
+    pub(crate) media: Vec<Medium>,
+    /// The media that photons of each light start in, on its front and its back.
+    pub(crate) light_media: Vec<[MediumStack; 2]>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_places: Vec<DVec3>,
     pub(crate) light_starts: Vec<u32>,
@@ -133,11 +136,15 @@ impl Wide {
 
     fn with(scene: &Scene, triangles: Vec<[DVec3; 3]>) -> Self {
         let view = scene.view();
+        let solids = Solids::of(&view);
+        let locator = solids.locate();
         let normals = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).normalize_or_zero()).collect();
         Self {
             normals,
             material_of: view.facets.iter().map(|facet| facet.material).collect(),
             materials: view.materials.to_vec(),
+            media: view.media.to_vec(),
+            light_media: view.lights.iter().map(|light| locator.of_light(light)).collect(),
             lights: view.lights.to_vec(),
             light_places: Vec::new(),
             light_starts: view.light_starts.to_vec(),

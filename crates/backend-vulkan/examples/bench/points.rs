@@ -3,35 +3,15 @@
 use std::f32::consts::TAU;
 
 use photon_core::glam::Vec3;
+use photon_core::random::SplitMix64;
 use photon_core::{Photon, Query, octahedral};
-
-/// SplitMix64 (Steele, Lea and Flood 2014).
-pub(crate) struct Random(u64);
-
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    pub(crate) fn word(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn unit(&mut self) -> f32 {
-        (self.word() >> 40) as f32 * (1.0 / (1 << 24) as f32)
-    }
-}
 
 fn photon(position: [f32; 3], normal: Vec3) -> Photon {
     let (normal, direction) = (octahedral::pack(normal), octahedral::pack(normal));
     Photon { position, direction, power: [1.0; 3], normal }
 }
 
-fn on_a_wall(random: &mut Random) -> Photon {
+fn on_a_wall(random: &mut SplitMix64) -> Photon {
     let (u, v) = (random.unit(), random.unit());
     match random.word() % 5 {
         0 => photon([u, 0.0, v], Vec3::Y),
@@ -44,13 +24,13 @@ fn on_a_wall(random: &mut Random) -> Photon {
 
 /// Photons evenly on five walls of a box.
 pub(crate) fn walls(count: usize) -> Vec<Photon> {
-    let mut random = Random::new(1);
+    let mut random = SplitMix64(1);
     (0..count).map(|_| on_a_wall(&mut random)).collect()
 }
 
 /// Nine tenths of the photons in a disc of radius 0.05 on the floor, with density 1/r.
 pub(crate) fn caustic(count: usize) -> Vec<Photon> {
-    let mut random = Random::new(2);
+    let mut random = SplitMix64(2);
     (0..count)
         .map(|_| {
             if random.unit() >= 0.9 {

@@ -2,7 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{Facet, Material, RandomKind, Ray, SceneView, Units, sampling};
+use photon_core::{Facet, Material, Medium, RandomKind, Ray, SceneView, Units, sampling};
 
 /// Positions and triangles.
 pub(crate) type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
@@ -15,6 +15,7 @@ pub(crate) fn with_view<R>((positions, triangles): &Mesh, with: impl FnOnce(&Sce
         triangles,
         facets: &facets,
         materials: &[Material { albedo: [0.5; 3], ..Material::default() }],
+        media: &[Medium::VACUUM],
         lights: &[],
         light_starts: &[],
         radius: 1.0,

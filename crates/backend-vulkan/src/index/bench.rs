@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 
+use photon_core::random::SplitMix64;
 use photon_core::{Backend, IndexKind, KdTreeBuilder, Photon, Result, Stage};
 
 use super::VulkanBuilder;
@@ -70,7 +71,7 @@ fn timed(
 }
 
 fn primitives(on: &mut Vulkan, count: u64, tell: &mut dyn FnMut(&Row)) -> Result<()> {
-    let mut random = Random(3);
+    let mut random = SplitMix64(3);
     let words: Vec<u32> = (0..2 * count).map(|_| random.word() as u32).collect();
     let pristine = on.memory("bench", 8 * count)?;
     on.write(&pristine, 0, bytemuck::cast_slice(&words))?;
@@ -117,30 +118,13 @@ fn build(on: &mut Vulkan, points: &[Photon], kind: IndexKind) -> Result<[f64; 3]
     })
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn word(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn unit(&mut self) -> f32 {
-        (self.word() >> 40) as f32 * (1.0 / (1 << 24) as f32)
-    }
-}
-
 fn photon(position: [f32; 3]) -> Photon {
     Photon { position, direction: 1, power: [1.0; 3], normal: 2 }
 }
 
 /// On five walls of a unit box.
 fn walls(count: u64) -> Vec<Photon> {
-    let mut random = Random(1);
+    let mut random = SplitMix64(1);
     let on_wall = |i: u64| {
         let (u, v) = (random.unit(), random.unit());
         photon(match i % 5 {
@@ -170,7 +154,7 @@ fn cell(count: u64) -> Vec<Photon> {
 
 /// Nine tenths within a disc of radius 0.05 on the floor, with density 1/r.
 fn disc(count: u64) -> Vec<Photon> {
-    let mut random = Random(2);
+    let mut random = SplitMix64(2);
     let mut all = walls(count);
     for photon in &mut all {
         if random.unit() < 0.9 {

@@ -6,10 +6,10 @@ use photon_core::{FluxSum, Tally};
 pub(crate) const FATES: usize = 4;
 pub(crate) const AIMED_FATES: usize = 5;
 
-/// Words that the device sums into: for each fate and four things more a counter of two; for each fate,
+/// Words that the device sums into: for each fate and five things more a counter of two; for each fate,
 /// and for what was emitted, a flux of three channels of three.
 pub(crate) const fn words(fates: usize) -> usize {
-    2 * (fates + 4) + 9 * (fates + 1)
+    2 * (fates + 5) + 9 * (fates + 1)
 }
 
 /// A tally of `emitted` paths from those words.
@@ -17,7 +17,7 @@ pub(crate) fn tally(words: &[u32], fates: usize, emitted: u64) -> Tally {
     let counter = |i: usize| u64::from(words[2 * i]) | u64::from(words[2 * i + 1]) << 32;
     let flux = |i: usize| {
         FluxSum::from_units(std::array::from_fn(|c| {
-            let at = 2 * (fates + 4) + 3 * (3 * i + c);
+            let at = 2 * (fates + 5) + 3 * (3 * i + c);
             // Two's complement of 96 bits.
             let low = i128::from(words[at]) | i128::from(words[at + 1]) << 32;
             low | i128::from(words[at + 2] as i32) << 64
@@ -34,6 +34,7 @@ pub(crate) fn tally(words: &[u32], fates: usize, emitted: u64) -> Tally {
         stored_direct: counter(fates + 1),
         stored_caustic: counter(fates + 2),
         stored_global: counter(fates + 3),
+        too_deep: counter(fates + 4),
         flux_emitted: flux(0),
         flux_absorbed: flux(1),
         flux_escaped: flux(2),
@@ -53,7 +54,7 @@ mod tests {
         words[0] = 5;
         words[1] = 1;
         // Minus one, in the first channel of the flux emitted.
-        words[16..19].fill(u32::MAX);
+        words[18..21].fill(u32::MAX);
         let tally = tally(&words, FATES, 9);
         assert_eq!((tally.emitted, tally.absorbed), (9, (1 << 32) + 5));
         assert_eq!(tally.flux_emitted, FluxSum::from_units([-1, 0, 0]));

@@ -7,7 +7,7 @@
 //! [`TracePlan::surfaces`] and [`TracePlan::quota`] mind.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Batch, Deposits, Features, Kept, Photon, PhotonRay, Result, Settings, Sharing, Tally, Tracer};
+use photon_core::{Batch, Deposits, Kept, Photon, PhotonRay, Requirements, Result, Settings, Sharing, Tally, Tracer};
 
 use super::ends::{AIMED_FATES, FATES, tally, words};
 use super::random_number;
@@ -32,7 +32,7 @@ const SHORTEST: u64 = 1 << 13;
 pub(crate) struct VulkanTracer {
     sharing: Sharing,
     max_bounces: u32,
-    features: Features,
+    required: Requirements,
     /// Ways in which paths end: those of aimed ones, or of others.
     fates: usize,
     scan: Scan,
@@ -134,23 +134,23 @@ struct AdvancePush {
 }
 
 impl VulkanTracer {
-    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, features: Features) -> Result<Self> {
-        Self::with_fates(on, settings, features, FATES)
+    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
+        Self::with_fates(on, settings, required, FATES)
     }
 
     /// For aimed paths, which end at the first diffuse surface.
-    pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings, features: Features) -> Result<Self> {
-        Self::with_fates(on, settings, features, AIMED_FATES)
+    pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
+        Self::with_fates(on, settings, required, AIMED_FATES)
     }
 
-    fn with_fates(on: &mut Vulkan, settings: &Settings, features: Features, fates: usize) -> Result<Self> {
+    fn with_fates(on: &mut Vulkan, settings: &Settings, required: &Requirements, fates: usize) -> Result<Self> {
         let bytes = 4 * words(fates) as u64;
         let sums = on.memory("tally", bytes)?;
         on.fill(&sums, 0, bytes, 0)?;
         Ok(Self {
             sharing: settings.sharing,
             max_bounces: settings.max_bounces,
-            features,
+            required: *required,
             fates,
             scan: Scan::new(on)?,
             longest: LONGEST,
@@ -245,7 +245,7 @@ impl VulkanTracer {
         let plan = on.trace_plan;
         let mut constants = [0; 11];
         constants[..6].copy_from_slice(&[
-            self.features.bits(),
+            self.required.features.bits(),
             plan.group,
             random_number(pass.random),
             wanted,
@@ -253,6 +253,7 @@ impl VulkanTracer {
             plan.busy,
         ]);
         constants[6] = u32::from(self.fates == AIMED_FATES);
+        constants[7] = self.required.media.bits();
         constants[10] = plan.shared_groups;
         let trace = on.kernel(&shaders::PHOTONS_TRACE, &constants)?;
         loop {

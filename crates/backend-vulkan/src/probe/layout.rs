@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Camera, Element, Estimate, Facet, Light, Material, Photon, PhotonRay, Query, Spread};
+use photon_core::{Camera, Element, Estimate, Facet, Light, Material, Medium, Photon, PhotonRay, Query, Spread};
 
 use super::spirv::{Member, Shape, structs};
 use crate::{Vulkan, shaders};
@@ -42,14 +42,15 @@ macro_rules! record {
 fn records() -> Vec<Record> {
     vec![
         record!(Photon: position normal power direction),
-        record!(PhotonRay: origin path direction light power reserved),
-        record!(Query: position radius normal pixel weight material outgoing path reserved),
+        record!(PhotonRay: origin path direction light power media),
+        record!(Query: position radius normal pixel weight media outgoing path reserved),
         record!(Estimate: flux radius_squared photons flags reserved),
         record!(Spread: wide power narrow power_squared slope stretch stray photons reserved),
         record!(Facet: normal material),
-        record!(Material: albedo kind emission flags absorption ior),
+        record!(Material: albedo kind emission flags medium ior reserved),
+        record!(Medium: absorption ior priority reserved),
         record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),
-        record!(Camera: origin kind forward reserved right reserved2 up reserved3),
+        record!(Camera: origin kind forward media right reserved2 up reserved3),
     ]
 }
 

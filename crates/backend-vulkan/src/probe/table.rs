@@ -5,7 +5,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, centred_f32, lcg, philox4x32, unit_f32};
-use photon_core::{Kernel, RandomKind, bsdf, math, octahedral, offset, sampling};
+use photon_core::{Kernel, RandomKind, fresnel, math, octahedral, offset, sampling};
 
 use super::compare::Bound;
 use super::draw::{Draw, LAST, input};
@@ -198,7 +198,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
     let (module, points, kernels) = (&shaders::PROBE_BSDF, &shaders::PROBE_OFFSET, &shaders::PROBE_KERNEL);
     vec![
         row("fresnel", module, 0, Bound::Within(2e-6), fresnel, |i| {
-            let f = bsdf::fresnel(i.float(0), i.float(1));
+            let f = fresnel::fresnel(i.float(0), i.float(1));
             output([f.reflectance, f.cos_transmitted])
         }),
         row(
@@ -207,10 +207,10 @@ fn surface_rows(row: Make) -> Vec<Row> {
             1,
             Bound::Relative(4e-7),
             |d| input([d.unit(), 0.0, 0.0, 0.0], Z, Z),
-            |i| output([bsdf::sheet_reflectance(i.float(0))]),
+            |i| output([fresnel::sheet_reflectance(i.float(0))]),
         ),
         row("bsdf_reflect", module, 2, Bound::Within(1e-6), meeting, |i| {
-            vector_output(bsdf::reflect(i.vector(0), i.vector(4)))
+            vector_output(fresnel::reflect(i.vector(0), i.vector(4)))
         }),
         // Into a thin medium two vectors of length 1/eta nearly cancel.
         row(
@@ -219,7 +219,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
             3,
             Bound::Conditioned(2e-6, "max(1, 1/eta)", |i| f64::from(i.float(8)).recip().max(1.0)),
             meeting,
-            |i| vector_output(bsdf::refract(i.vector(0), i.vector(4), i.float(8), i.float(9))),
+            |i| vector_output(fresnel::refract(i.vector(0), i.vector(4), i.float(8), i.float(9))),
         ),
         row("barycentric", points, 0, Bound::Bits, corners, |i| {
             let vertices = [i.vector(0), i.vector(4), i.vector(8)];
@@ -353,7 +353,7 @@ fn meeting(d: &mut Draw) -> Input {
     let (direction, normal) = (d.direction(), d.direction());
     let normal = if direction.dot(normal) > 0.0 { -normal } else { normal };
     let eta = eta(d);
-    let cosine = bsdf::fresnel(-direction.dot(normal), eta).cos_transmitted;
+    let cosine = fresnel::fresnel(-direction.dot(normal), eta).cos_transmitted;
     input(four(direction), four(normal), [eta, cosine, 0.0, 0.0])
 }
 

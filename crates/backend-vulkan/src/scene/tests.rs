@@ -2,7 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{philox4x32, unit_f32};
-use photon_core::{Facet, Hit, Material, Ray, RayCaster, Requirements, SceneView, Settings, Units, sampling};
+use photon_core::{Facet, Hit, Material, Medium, Ray, RayCaster, Requirements, SceneView, Settings, Units, sampling};
 use photon_scene::{Accel, BruteForce};
 
 use super::VulkanScene;
@@ -24,6 +24,7 @@ fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
         triangles,
         facets: &facets,
         materials: &materials,
+        media: &[Medium::VACUUM],
         lights: &[],
         light_starts: &[],
         radius: 1.0,

@@ -1,8 +1,9 @@
 //! What a scene lacks is in no kernel, and what a render had is not in memory after it.
 
 use photon_core::{
-    Backend, Bandwidth, Batch, Deposits, Direct, Features, Gather, Indirect, Maps, Pass, Photon, PhotonRay, Pipeline,
-    QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Rule, Settings, TransportBackend, View,
+    Backend, Bandwidth, Batch, Deposits, Direct, Features, FilmBackend, Gather, Indirect, Maps, Pass, Photon,
+    PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Rule, Settings, TransportBackend,
+    View,
 };
 use photon_scene::{Scene, builtin};
 

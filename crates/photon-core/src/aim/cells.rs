@@ -190,7 +190,7 @@ impl Beams {
             return Beam::Tube { axes: self.axes, centre: centre * scale, radius: radius * scale };
         }
         let (axis, angle) = self.cone(direction);
-        let (sin, cos) = angle.min(PI).sin_cos();
+        let (sin, cos) = libm::sincos(angle.min(PI));
         Beam::Cone { from: self.origins(point), axis, sin, cos }
     }
 
@@ -214,17 +214,17 @@ impl Beams {
             return (self.axis, high);
         }
         let middle = 0.5 * (low + high);
-        let steepest = if low <= FRAC_PI_2 && high >= FRAC_PI_2 { 1.0 } else { low.sin().max(high.sin()) };
+        let steepest = if low <= FRAC_PI_2 && high >= FRAC_PI_2 { 1.0 } else { libm::sin(low).max(libm::sin(high)) };
         // No longer than the way that goes evenly in height and turn.
         let (along, around) = (0.5 * (high - low), steepest * PI * (turn[1] - turn[0]));
-        let (sin, cos) = (PI * (turn[0] + turn[1])).sin_cos();
-        let axis = (self.axes[0] * cos + self.axes[1] * sin) * middle.sin() + self.axis * middle.cos();
-        (axis, along.hypot(around))
+        let (sin, cos) = libm::sincos(PI * (turn[0] + turn[1]));
+        let axis = (self.axes[0] * cos + self.axes[1] * sin) * libm::sin(middle) + self.axis * libm::cos(middle);
+        (axis, libm::hypot(along, around))
     }
 
     /// The angle to the axis of a direction whose first number is `u`.
     fn polar(&self, u: f64) -> f64 {
-        let from_versine = |versine: f64| 2.0 * (0.5 * versine).max(0.0).sqrt().min(1.0).asin();
+        let from_versine = |versine: f64| 2.0 * libm::asin((0.5 * versine).max(0.0).sqrt().min(1.0));
         match self.light.kind {
             Light::POINT => from_versine(2.0 * u),
             Light::SPOT => {
@@ -232,7 +232,7 @@ impl Beams {
                 let versine = if u < 1.0 { sampling::spot_versine(inner, outer, u as f32) } else { outer };
                 from_versine(f64::from(versine))
             }
-            _ => u.sqrt().asin(),
+            _ => libm::asin(u.sqrt()),
         }
     }
 }
@@ -243,9 +243,9 @@ fn ring([u, v]: [[f64; 2]; 2]) -> (DVec2, f64) {
     if v == [0.0, 1.0] {
         return (DVec2::ZERO, high);
     }
-    let (sin, cos) = (0.5 * TAU * (v[0] + v[1])).sin_cos();
+    let (sin, cos) = libm::sincos(0.5 * TAU * (v[0] + v[1]));
     let centre = DVec2::new(cos, sin) * (0.5 * (low + high));
-    (centre, (0.5 * (high - low)).hypot(high * PI * (v[1] - v[0])))
+    (centre, libm::hypot(0.5 * (high - low), high * PI * (v[1] - v[0])))
 }
 
 /// Interval `at` of 2^`bits` equal ones of the unit interval.

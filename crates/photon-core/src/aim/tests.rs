@@ -1,5 +1,5 @@
 use super::*;
-use crate::layout::{Facet, Material};
+use crate::layout::{Facet, Material, MaterialKind};
 use crate::settings::Indirect;
 use crate::units::Units;
 
@@ -37,7 +37,7 @@ impl Tables {
             starts: light_starts(&[0.5, 0.25, 0.0, 0.25]),
             materials: vec![
                 Material { albedo: [0.5; 3], ..Material::default() },
-                Material { kind: Material::MIRROR, albedo: [1.0; 3], ..Material::default() },
+                Material { kind: MaterialKind::Mirror as u32, albedo: [1.0; 3], ..Material::default() },
             ],
         }
     }
@@ -50,6 +50,7 @@ impl Tables {
             triangles: &[[0, 1, 2], [3, 4, 5]],
             facets: &FACETS,
             materials: &self.materials,
+            media: &[crate::layout::Medium::VACUUM],
             lights: &self.lights,
             light_starts: &self.starts,
             radius: 1.0,
@@ -72,7 +73,7 @@ fn lights_that_reach_nothing_specular_are_no_targets() {
     let required = Requirements::everything(&settings);
     assert_eq!(Aim::chosen(&tables.view(), &settings, &required), Err(Unaimed::Unlit));
     tables = Tables::new();
-    tables.materials[1].kind = Material::LAMBERT;
+    tables.materials[1].kind = MaterialKind::Lambert as u32;
     assert!(Aim::of(&tables.view()).is_empty());
 }
 
@@ -116,7 +117,7 @@ fn marking_ends_as_soon_as_the_answer_is_no() {
     }
     // A point light, and two mirrors that are seen from it in all directions.
     let mut tables = Tables::new();
-    tables.materials[0].kind = Material::MIRROR;
+    tables.materials[0].kind = MaterialKind::Mirror as u32;
     tables.lights = vec![Light { position: [0.0, -0.45, -0.05], power: [1.0; 3], ..tables.lights[3] }];
     let [all, enough] = [f64::INFINITY, Aim::WORTH].map(|most| Aim::mark(&tables.view(), most));
     assert!(all.aim.share() > 0.7 && !enough.whole, "{}", all.aim.share());

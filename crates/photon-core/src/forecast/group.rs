@@ -105,7 +105,7 @@ impl Group {
             // Multiples of the golden ratio leave no gaps.
             pixel.luck = normal_quantile(((index as f64 + 0.5) * 0.618_033_988_749_895).fract());
         }
-        let doubt = (0.5 * DOUBT * (passes / independent).sqrt()).exp();
+        let doubt = libm::exp(0.5 * DOUBT * (passes / independent).sqrt());
         let weight = many as f64 / pixels.len().max(1) as f64;
         Self { pixels, weight, level: [doubt.recip(), doubt] }
     }
@@ -114,7 +114,7 @@ impl Group {
     pub(super) fn errors(&self, factors: &Factors, end: End) -> impl Iterator<Item = (f64, f64)> {
         let level = self.level[end as usize];
         self.pixels.iter().map(move |pixel| {
-            let noise = (pixel.photons * factors.noise).hypot(pixel.other * factors.other);
+            let noise = libm::hypot(pixel.photons * factors.noise, pixel.other * factors.other);
             let random = level * pixel.random * factors.noise * pixel.luck;
             let steady = pixel.steady[end as usize] * factors.bias;
             (factors.quantile * level * noise + 2.0 * (steady + random).abs(), self.weight)
@@ -125,7 +125,7 @@ impl Group {
 /// What standard errors, each with the variance by chance of the logarithm of its square, have to be multiplied by to
 /// be spread as the truth is. By chance, logarithms are 1/ν too low on average.
 fn without_chance(errors: &[(f64, f64)], freedom: f64) -> Vec<f64> {
-    let log = |error: f64| 2.0 * error.ln();
+    let log = |error: f64| 2.0 * libm::log(error);
     let known = |error: f64| error > 0.0 && error.is_finite();
     let logs: Vec<_> = errors.iter().filter(|(error, _)| known(*error)).map(|&(error, by)| (log(error), by)).collect();
     if logs.len() < 2 {
@@ -136,7 +136,7 @@ fn without_chance(errors: &[(f64, f64)], freedom: f64) -> Vec<f64> {
     let truth = (logs.iter().map(|(log, by)| (log - mean).powi(2) - by).sum::<f64>() / count).max(0.0);
     let factor = |error: f64, by: f64| {
         let kept = (truth / (truth + by).max(f64::MIN_POSITIVE)).sqrt();
-        (0.5 * ((kept - 1.0) * (log(error) - mean) + freedom.max(1.0).recip())).exp()
+        libm::exp(0.5 * ((kept - 1.0) * (log(error) - mean) + freedom.max(1.0).recip()))
     };
     errors.iter().map(|&(error, by)| if known(error) { factor(error, by) } else { 1.0 }).collect()
 }
@@ -163,7 +163,7 @@ fn typical(pixels: &[Relative]) -> ([f64; 2], f64) {
 /// Of the standard normal distribution, within 4.5·10⁻⁴ (Hastings 1955; Abramowitz and Stegun 26.2.23).
 pub(super) fn normal_quantile(p: f64) -> f64 {
     let tail = p.min(1.0 - p).max(1e-12);
-    let t = (-2.0 * tail.ln()).sqrt();
+    let t = (-2.0 * libm::log(tail)).sqrt();
     let above = (0.010_328 * t + 0.802_853) * t + 2.515_517;
     let below = ((0.001_308 * t + 0.189_269) * t + 1.432_788) * t + 1.0;
     (t - above / below).copysign(p - 0.5)

@@ -86,6 +86,7 @@ mod tests {
             assert_eq!(scene.camera_names().count(), 1, "{name}");
             scene.camera(None, 512, 512).unwrap_or_else(|error| panic!("{name}: {error}"));
             let view = scene.view();
+            view.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
             assert!(!view.lights.is_empty(), "{name}");
             let keeps = |material: &photon_core::Material| material.is_diffuse() && material.albedo != [0.0; 3];
             assert!(view.materials.iter().any(keeps), "{name}");

@@ -34,7 +34,7 @@ const WAVES: [([f64; 2], f64, f64); 8] = [
 
 /// Height of the waves above the level.
 fn wave(x: f64, z: f64) -> f64 {
-    WAVES.iter().map(|&([kx, kz], amplitude, phase)| amplitude * (kx * x + kz * z + phase).sin()).sum()
+    WAVES.iter().map(|&([kx, kz], amplitude, phase)| amplitude * libm::sin(kx * x + kz * z + phase)).sum()
 }
 
 /// A tiled basin full of waving water, seen from the deck.

@@ -119,6 +119,7 @@ impl Overrides {
         }
         let (mut new_albedo, mut new_ior) = (with.albedo, with.ior);
         let (mut new_tint, mut new_absorption) = (with.tint, with.absorption);
+        let mut new_priority = with.priority;
         match &mut desc.surface {
             Surface::Lambert { albedo: colour } | Surface::Mirror { reflectance: colour } => {
                 *colour = new_albedo.take().map_or(*colour, |given| given.rgb());
@@ -127,6 +128,7 @@ impl Overrides {
                 *ior = new_ior.take().unwrap_or(*ior);
                 *absorption = new_absorption.take().map_or(*absorption, |given| given.rgb());
                 *tint = new_tint.take().map_or(*tint, |given| given.rgb());
+                desc.priority = new_priority.take().unwrap_or(desc.priority);
             }
             Surface::Thin { ior, tint } => {
                 *ior = new_ior.take().unwrap_or(*ior);
@@ -138,11 +140,12 @@ impl Overrides {
             ("ior", new_ior.is_some()),
             ("tint", new_tint.is_some()),
             ("absorption", new_absorption.is_some()),
+            ("priority", new_priority.is_some()),
         ];
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
-            let mend = "lambert and mirror have albedo, glass has ior, tint and absorption, thin has ior and tint; \
+            let mend = "lambert and mirror have albedo, glass has ior, tint, absorption and priority, thin has ior and tint; \
                         give another kind, or leave it out";
             return Err(self.fault(what, mend));
         }

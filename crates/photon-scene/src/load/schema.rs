@@ -25,6 +25,7 @@ pub(super) struct Material {
     pub(super) ior: Option<f64>,
     pub(super) absorption: Option<Colour>,
     pub(super) tint: Option<Colour>,
+    pub(super) priority: Option<u32>,
     pub(super) emission: Option<Colour>,
     pub(super) emits_both_sides: Option<bool>,
 }

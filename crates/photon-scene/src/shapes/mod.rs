@@ -17,6 +17,7 @@ pub use revolution::{cylinder, revolve, revolve_loop, torus, tube};
 pub use solid::{cuboid, height_field, prism, rotate_y, translate};
 pub use sphere::{icosphere, uv_sphere};
 
+use crate::edges;
 use glam::DVec3;
 
 /// Vertices, and three indices into them for each triangle.
@@ -58,17 +59,7 @@ pub fn volume(shape: &Shape) -> f64 {
 /// How many directed edges lack the one that runs the other way; 0 for a closed shape.
 #[must_use]
 pub fn open_edges(shape: &Shape) -> usize {
-    let mut edges: Vec<(u32, u32, i32)> = shape
-        .1
-        .iter()
-        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-        .map(|(from, to)| if from < to { (from, to, 1) } else { (to, from, -1) })
-        .collect();
-    edges.sort_unstable();
-    edges
-        .chunk_by(|left, right| (left.0, left.1) == (right.0, right.1))
-        .map(|same| same.iter().map(|edge| edge.2).sum::<i32>().unsigned_abs() as usize)
-        .sum()
+    edges::open_edges(shape.1.iter().copied())
 }
 
 fn corners((positions, triangles): &Shape) -> impl Iterator<Item = [DVec3; 3]> {

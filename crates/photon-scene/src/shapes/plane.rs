@@ -43,7 +43,7 @@ pub fn disc(center: [f64; 3], normal: [f64; 3], radius: f64, segments: u32) -> S
     let normal = DVec3::from_array(normal);
     let (u, v) = (normal / normal.length()).any_orthonormal_pair();
     let rim = (0..segments).map(|step| {
-        let (sin, cos) = (TAU * f64::from(step) / f64::from(segments)).sin_cos();
+        let (sin, cos) = libm::sincos(TAU * f64::from(step) / f64::from(segments));
         (center + (u * cos + v * sin) * radius).to_array()
     });
     let positions = std::iter::once(center.to_array()).chain(rim).collect();

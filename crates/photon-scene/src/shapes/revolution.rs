@@ -78,7 +78,7 @@ pub fn torus(center: [f64; 3], major: f64, minor: f64, segments: u32, sides: u32
     let sides = sides.max(3);
     let profile: Vec<_> = (0..sides)
         .map(|side| {
-            let (sin, cos) = (TAU * f64::from(side) / f64::from(sides)).sin_cos();
+            let (sin, cos) = libm::sincos(TAU * f64::from(side) / f64::from(sides));
             [major + minor * cos, minor * sin]
         })
         .collect();
@@ -89,7 +89,7 @@ pub fn torus(center: [f64; 3], major: f64, minor: f64, segments: u32, sides: u32
 fn turned(profile: &[[f64; 2]], segments: u32) -> Vec<[f64; 3]> {
     let ring = |&[radius, height]: &[f64; 2]| {
         (0..segments).map(move |step| {
-            let (sin, cos) = (TAU * f64::from(step) / f64::from(segments)).sin_cos();
+            let (sin, cos) = libm::sincos(TAU * f64::from(step) / f64::from(segments));
             [radius * cos, height, radius * sin]
         })
     };

@@ -95,7 +95,7 @@ pub fn translate((mut positions, triangles): Shape, by: [f64; 3]) -> Shape {
 /// Turns a shape about the y axis, by radians from +z towards +x.
 #[must_use]
 pub fn rotate_y((mut positions, triangles): Shape, angle: f64) -> Shape {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = libm::sincos(angle);
     for at in &mut positions {
         let [x, y, z] = *at;
         *at = [cos * x + sin * z, y, cos * z - sin * x];

@@ -68,7 +68,7 @@ pub fn uv_sphere(segments: u32, rings: u32, center: [f64; 3], radius: f64) -> Sh
     let rings = rings.max(2);
     let profile: Vec<_> = (0..=rings)
         .map(|ring| {
-            let (sin, cos) = (PI * f64::from(ring) / f64::from(rings)).sin_cos();
+            let (sin, cos) = libm::sincos(PI * f64::from(ring) / f64::from(rings));
             [radius * sin, -radius * cos]
         })
         .collect();

@@ -1,7 +1,7 @@
 //! OBJ and MTL.
 
 use crate::support::{Folder, MTL, OBJ, corners, material, message, names};
-use photon_core::Material;
+use photon_core::MaterialKind;
 use photon_scene::{load, load_obj};
 
 #[test]
@@ -16,12 +16,15 @@ fn obj_and_mtl() {
     assert_eq!(corners(&scene, 2), corners(&scene, 0), "counted from the end, over two lines");
     assert_eq!((scene.mesh_of_triangle(1), scene.mesh_of_triangle(3)), ("room", "things"));
 
-    assert_eq!((material(&scene, "wall").kind, material(&scene, "wall").albedo), (Material::LAMBERT, [0.6, 0.5, 0.4]));
-    assert_eq!(material(&scene, "shiny metal").kind, Material::MIRROR);
+    assert_eq!(
+        (material(&scene, "wall").kind, material(&scene, "wall").albedo),
+        (MaterialKind::Lambert as u32, [0.6, 0.5, 0.4])
+    );
+    assert_eq!(material(&scene, "shiny metal").kind, MaterialKind::Mirror as u32);
     assert_eq!(material(&scene, "shiny metal").albedo, [0.9, 0.8, 0.7]);
     let gem = material(&scene, "gem");
-    assert_eq!((gem.kind, gem.ior, gem.albedo), (Material::DIELECTRIC, 1.7, [0.9, 1.0, 0.8]));
-    assert_eq!((material(&scene, "pane").kind, material(&scene, "pane").ior), (Material::THIN, 1.4));
+    assert_eq!((gem.kind, gem.ior, gem.albedo), (MaterialKind::Dielectric as u32, 1.7, [0.9, 1.0, 0.8]));
+    assert_eq!((material(&scene, "pane").kind, material(&scene, "pane").ior), (MaterialKind::Thin as u32, 1.4));
     assert_eq!(material(&scene, "nowhere").albedo, [0.5; 3]);
     assert_eq!(scene.view().lights.len(), 1);
     let radiance = material(&scene, "lamp").emission.map(|part| f64::from(part) * scene.units().radiance_to_user());

@@ -14,6 +14,7 @@ kind = "glass"
 ior = 1.234567890123
 absorption = [0.1, 2.3, 4.5]
 tint = [0.9, 0.95, 1.0]
+priority = 2
 [materials.pane]
 new = true
 kind = "thin"

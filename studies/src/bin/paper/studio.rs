@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use photon_core::{
-    Batch, Deposits, Estimate, Features, Film, Layer, Pass, Photon, PhotonRay, QUERIES_PER_PIXEL, Query, Requirements,
-    Result, Stage, StageTimings, TransportBackend, View,
+    Batch, Deposits, Estimate, Film, Layer, Pass, Photon, PhotonRay, QUERIES_PER_PIXEL, Query, Requirements, Result,
+    Stage, StageTimings, TransportBackend, View,
 };
 use photon_scene::Scene;
 
@@ -68,7 +68,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
         let mut stages = self.on.stages(&self.required, &plan.settings)?;
         let mut film = self.on.film(&self.source.view(), self.view.width, self.view.height)?;
         let pixels = u64::from(self.view.width) * u64::from(self.view.height);
-        let splits = self.required.features.intersects(Features::DIELECTRIC.union(Features::THIN));
+        let splits = self.required.features.splits_camera_paths();
         let most = pixels * if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
         let mut rays = self.on.alloc::<PhotonRay>("photon rays", u64::from(self.on.batch()))?;
         let mut queries = self.on.alloc::<Query>("queries", most)?;

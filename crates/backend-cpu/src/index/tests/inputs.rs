@@ -1,10 +1,10 @@
 //! Point sets that break search structures, and queries into them.
 
-use super::oracle::Random;
+use photon_core::random::SplitMix64;
 
 /// Nine tenths of the points in a disc on the floor, with density 1/r, the others anywhere.
 pub(super) fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
-    let mut random = Random(5);
+    let mut random = SplitMix64(5);
     (0..count)
         .map(|_| {
             let (r, angle) = (random.unit() * radius, random.unit() * std::f32::consts::TAU);
@@ -14,14 +14,14 @@ pub(super) fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
 }
 
 pub(super) fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
-    let mut random = Random(1);
+    let mut random = SplitMix64(1);
     let mut many =
-        |n: usize, f: &mut dyn FnMut(&mut Random) -> [f32; 3]| (0..n).map(|_| f(&mut random)).collect::<Vec<_>>();
+        |n: usize, f: &mut dyn FnMut(&mut SplitMix64) -> [f32; 3]| (0..n).map(|_| f(&mut random)).collect::<Vec<_>>();
     let mut sets = vec![
         ("none", Vec::new()),
         ("one", vec![[0.25, -3.0, 7.5]]),
         ("two", vec![[0.0; 3], [1.0, 0.0, 0.0]]),
-        ("random", many(3000, &mut Random::point)),
+        ("random", many(3000, &mut SplitMix64::point)),
         ("identical", vec![[0.5, 0.25, -1.0]; 2000]),
         ("zeros of both signs", (0..100).map(|i| if i % 2 == 0 { [0.0; 3] } else { [-0.0; 3] }).collect()),
         ("collinear", many(1000, &mut |r| [1.0, 2.0, -1.0].map(|c| c * r.unit()))),
@@ -67,14 +67,14 @@ pub(super) fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
     ];
     for n in [3, 15, 16, 17, 31, 32, 33, 63, 64, 65, 127, 128, 129, 255, 256, 257, 272, 511, 512, 513, 4095, 4096, 4097]
     {
-        sets.push(("about a power of two", many(n, &mut Random::point)));
+        sets.push(("about a power of two", many(n, &mut SplitMix64::point)));
     }
     sets
 }
 
 /// Queries on, near and far from a set.
 pub(super) fn queries(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut random = Random(2);
+    let mut random = SplitMix64(2);
     let mut all =
         vec![[0.0; 3], [0.5; 3], [1e9, -1e9, 3.0], [f32::MAX; 3], [-f32::MAX, 0.0, 1e-40], [f32::INFINITY, 0.0, 0.0]];
     for _ in 0..6 {

@@ -5,9 +5,10 @@ mod inputs;
 mod oracle;
 mod structure;
 
+use photon_core::random::SplitMix64;
+
 use super::dispatch::Isa;
 use super::{IndexError, IndexKind, Neighbours, PointIndex, Workspace};
-use oracle::Random;
 
 const KINDS: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
 
@@ -50,7 +51,7 @@ fn points_that_are_not_finite_are_named() {
 
 #[test]
 fn batches_and_threads_change_nothing() {
-    let mut random = Random(3);
+    let mut random = SplitMix64(3);
     // Enough for every stage of every builder to share its work out.
     let points: Vec<_> = (0..200_000).map(|_| random.point().map(|c| (c * 4096.0).floor() / 4096.0)).collect();
     let queries: Vec<_> = (0..2_000).map(|_| random.point()).collect();
@@ -109,7 +110,7 @@ fn a_million_equal_points_are_no_trouble() {
 #[test]
 fn no_query_looks_at_much_more_than_it_finds() {
     let points = inputs::caustic(200_000, 1e-6);
-    let mut random = Random(8);
+    let mut random = SplitMix64(8);
     for kind in KINDS {
         let index = PointIndex::build(&points, kind).expect("finite points");
         let mut found = Neighbours::new();

@@ -2,29 +2,6 @@
 
 use super::{Neighbours, PointIndex};
 
-/// A small generator of our own: tests must not change with a dependency. (SplitMix64: Steele, Lea and
-/// Flood 2014.)
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    fn word(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    /// In [0, 1).
-    pub(super) fn unit(&mut self) -> f32 {
-        (self.word() >> 40) as f32 * (1.0 / (1 << 24) as f32)
-    }
-
-    pub(super) fn point(&mut self) -> [f32; 3] {
-        [self.unit(), self.unit(), self.unit()]
-    }
-}
-
 /// Squared distance and id.
 type Pair = (f32, u32);
 

@@ -1,9 +1,10 @@
 //! Estimates against backend-cpu's, which sums in f64.
 
 use backend_cpu::Cpu;
+use photon_core::random::SplitMix64;
 use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Photon, Query, RadianceEstimator, Rule};
 
-use super::inputs::{Random, caustic, photon, photons, places, point_sets, queries, walls};
+use super::inputs::{caustic, photon, photons, places, point_sets, queries, walls};
 use super::maps::map;
 use crate::Vulkan;
 use crate::estimate::VulkanEstimator;
@@ -131,7 +132,7 @@ fn many_photons_add_up() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     for rule in [Rule::Radius, Rule::Nearest { k: 0 }] {
         let count = if rule == Rule::Radius || on.limits().loop_turns == 0 { 1_000_000 } else { 131_072 };
-        let mut random = Random(8);
+        let mut random = SplitMix64(8);
         let photons: Vec<Photon> = (0..count)
             .map(|i| {
                 let mut photon = photon(&mut random, [0.0, height(i), 0.0]);
@@ -158,7 +159,7 @@ fn sorted_queries_find_the_same() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let photons = photons(&walls(4000));
     let map = map(&mut on, &photons, IndexKind::Morton);
-    let mut random = Random(12);
+    let mut random = SplitMix64(12);
     let mut places: Vec<_> = (0..500).map(|_| random.point()).collect();
     places.extend(super::inputs::places(&walls(300)));
     let queries = queries(&places, 0.3);

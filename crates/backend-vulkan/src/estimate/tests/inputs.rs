@@ -1,57 +1,35 @@
 //! Photons that break searches, and queries among them.
 
 use photon_core::glam::Vec3;
+use photon_core::random::SplitMix64;
 use photon_core::{Photon, Query, octahedral};
 
-/// A small generator of our own: tests must not change with a dependency. (SplitMix64: Steele, Lea and
-/// Flood 2014.)
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    pub(super) fn word(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    /// In [0, 1).
-    pub(super) fn unit(&mut self) -> f32 {
-        (self.word() >> 40) as f32 * (1.0 / (1 << 24) as f32)
-    }
-
-    pub(super) fn point(&mut self) -> [f32; 3] {
-        [self.unit(), self.unit(), self.unit()]
-    }
-
-    /// One of the six axes' directions, which packing keeps exactly.
-    pub(super) fn axis(&mut self) -> Vec3 {
-        let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
-        axes[(self.word() % 6) as usize]
-    }
+/// One of the six axes' directions, which packing keeps exactly.
+pub(super) fn axis(random: &mut SplitMix64) -> Vec3 {
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+    axes[(random.word() % 6) as usize]
 }
 
 /// A photon at a point, of any power from any side.
-pub(super) fn photon(random: &mut Random, position: [f32; 3]) -> Photon {
+pub(super) fn photon(random: &mut SplitMix64, position: [f32; 3]) -> Photon {
     let direction = Vec3::from(random.point()) - Vec3::splat(0.5);
     Photon {
         position,
         power: random.point(),
-        normal: octahedral::pack(random.axis()),
+        normal: octahedral::pack(axis(random)),
         direction: octahedral::pack(direction.normalize_or(Vec3::X)),
     }
 }
 
 /// Photons at the points.
 pub(super) fn photons(points: &[[f32; 3]]) -> Vec<Photon> {
-    let mut random = Random(11);
+    let mut random = SplitMix64(11);
     points.iter().map(|&position| photon(&mut random, position)).collect()
 }
 
 /// On the walls of a box, evenly.
 pub(super) fn walls(count: usize) -> Vec<[f32; 3]> {
-    let mut random = Random(3);
+    let mut random = SplitMix64(3);
     (0..count)
         .map(|_| {
             let (u, v) = (random.unit(), random.unit());
@@ -68,7 +46,7 @@ pub(super) fn walls(count: usize) -> Vec<[f32; 3]> {
 
 /// Nine tenths in a disc on the floor, density 1/r, the others on the walls.
 pub(super) fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
-    let mut random = Random(5);
+    let mut random = SplitMix64(5);
     let walls = walls(count);
     walls
         .into_iter()
@@ -80,14 +58,14 @@ pub(super) fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
 }
 
 pub(super) fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
-    let mut random = Random(1);
+    let mut random = SplitMix64(1);
     let mut many =
-        |n: usize, f: &mut dyn FnMut(&mut Random) -> [f32; 3]| (0..n).map(|_| f(&mut random)).collect::<Vec<_>>();
+        |n: usize, f: &mut dyn FnMut(&mut SplitMix64) -> [f32; 3]| (0..n).map(|_| f(&mut random)).collect::<Vec<_>>();
     let mut sets = vec![
         ("none", Vec::new()),
         ("one", vec![[0.25, -3.0, 7.5]]),
         ("two", vec![[0.0; 3], [1.0, 0.0, 0.0]]),
-        ("random", many(3000, &mut Random::point)),
+        ("random", many(3000, &mut SplitMix64::point)),
         ("walls", walls(5000)),
         ("caustic", caustic(3000, 0.01)),
         ("identical", vec![[0.5, 0.25, -1.0]; 2000]),
@@ -108,20 +86,20 @@ pub(super) fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
             }),
         ),
         ("a far outlier", {
-            let mut points = many(1000, &mut Random::point);
+            let mut points = many(1000, &mut SplitMix64::point);
             points[77] = [1e6, 0.0, 0.0];
             points
         }),
     ];
     for n in [15, 16, 17, 255, 256, 257, 4097] {
-        sets.push(("about a power of two", many(n, &mut Random::point)));
+        sets.push(("about a power of two", many(n, &mut SplitMix64::point)));
     }
     sets
 }
 
 /// Places on, near and far from a set.
 pub(super) fn places(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut random = Random(2);
+    let mut random = SplitMix64(2);
     let mut all = vec![[0.0; 3], [0.5; 3], [1e6, -1e6, 3.0], [f32::MAX; 3], [f32::INFINITY, 0.0, 0.0]];
     for _ in 0..8 {
         if let Some(&p) = points.get((random.unit() * points.len() as f32) as usize) {
@@ -135,9 +113,9 @@ pub(super) fn places(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
 
 /// Queries at places, on any side.
 pub(super) fn queries(places: &[[f32; 3]], radius: f32) -> Vec<Query> {
-    let mut random = Random(9);
+    let mut random = SplitMix64(9);
     places
         .iter()
-        .map(|&position| Query { position, radius, normal: random.axis().to_array(), ..Query::default() })
+        .map(|&position| Query { position, radius, normal: axis(&mut random).to_array(), ..Query::default() })
         .collect()
 }

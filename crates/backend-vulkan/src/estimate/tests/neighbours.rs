@@ -1,9 +1,10 @@
 //! Rows of ids and counts: equal to backend-cpu's to the last word.
 
 use backend_cpu::index::PointIndex;
+use photon_core::random::SplitMix64;
 use photon_core::{Backend, Error, IndexKind};
 
-use super::inputs::{Random, caustic, photons, places, point_sets, walls};
+use super::inputs::{caustic, photons, places, point_sets, walls};
 use super::maps::map;
 use crate::Vulkan;
 use crate::estimate::search::Search;
@@ -75,7 +76,7 @@ fn any_k_is_exact() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let count = 20_000;
     let points = caustic(count, 0.02);
-    let mut random = Random(6);
+    let mut random = SplitMix64(6);
     let places: Vec<_> =
         (0..300).map(|i| if i % 20 == 19 { random.point() } else { [0.25 + i as f32 / 3000.0, 0.0, 0.7] }).collect();
     let all = count as u32;
@@ -89,7 +90,7 @@ fn any_k_is_exact() {
 fn sorted_queries_find_the_same() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let points = walls(3000);
-    let mut random = Random(7);
+    let mut random = SplitMix64(7);
     let places: Vec<_> = (0..400).map(|_| random.point()).collect();
     let map = map(&mut on, &photons(&points), IndexKind::Morton);
     let queries = on.queries_at(&places).unwrap();

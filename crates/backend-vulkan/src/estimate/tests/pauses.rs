@@ -1,8 +1,9 @@
 //! Searches that pause find what those find that do not.
 
+use photon_core::random::SplitMix64;
 use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Query, RadianceEstimator, Rule};
 
-use super::inputs::{Random, photons, places, point_sets, queries, walls};
+use super::inputs::{photons, places, point_sets, queries, walls};
 use super::maps::map;
 use crate::estimate::VulkanEstimator;
 use crate::estimate::search::Search;
@@ -50,7 +51,7 @@ fn rows_and_counts_are_the_same() {
     for (name, points) in point_sets() {
         let points = &points[..points.len().min(1000)];
         let map = map(&mut on, &photons(points), IndexKind::Median);
-        let mut random = Random(5);
+        let mut random = SplitMix64(5);
         let mut asked: Vec<_> = points.iter().copied().step_by(1 + points.len() / 20).collect();
         asked.extend((0..10).map(|_| random.point()));
         let queries = on.queries_at(&asked).unwrap();

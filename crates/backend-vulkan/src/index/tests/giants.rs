@@ -1,12 +1,12 @@
 //! Sets in which very many photons share a Morton code, a place, or a plane's side.
 
 use backend_cpu::index::PointIndex;
+use photon_core::random::SplitMix64;
 use photon_core::{Backend, IndexKind, KdTreeBuilder};
 
 use super::super::VulkanBuilder;
 use super::super::giants::GIANT;
 use super::check::{Seen, check};
-use super::sets::Random;
 use super::{KINDS, photons};
 use crate::vulkan::Vulkan;
 
@@ -38,7 +38,7 @@ fn a_million_photons_in_one_place() {
 #[test]
 fn cells_that_hold_too_many_for_a_workgroup() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let mut random = Random(4);
+    let mut random = SplitMix64(4);
     let scales = [1.0, 1e-8, 0.0];
     let mut points: Vec<[f32; 3]> = (0..300_000).map(|i| [0; 3].map(|_| random.unit() * scales[i % 3])).collect();
     assert!(points.len() / 3 > GIANT as usize);

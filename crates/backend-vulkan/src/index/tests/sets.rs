@@ -1,31 +1,10 @@
 //! Point sets that break builders.
 
-/// A small generator of our own: tests must not change with a dependency. (SplitMix64: Steele, Lea and
-/// Flood 2014.)
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    pub(super) fn word(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    /// In [0, 1).
-    pub(super) fn unit(&mut self) -> f32 {
-        (self.word() >> 40) as f32 * (1.0 / (1 << 24) as f32)
-    }
-
-    fn point(&mut self) -> [f32; 3] {
-        [self.unit(), self.unit(), self.unit()]
-    }
-}
+use photon_core::random::SplitMix64;
 
 /// Nine tenths of the points in a disc, with density 1/r, the others anywhere.
 fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
-    let mut random = Random(5);
+    let mut random = SplitMix64(5);
     (0..count)
         .map(|_| {
             let (r, angle) = (random.unit() * radius, random.unit() * std::f32::consts::TAU);
@@ -35,12 +14,12 @@ fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
 }
 
 pub(super) fn point_sets() -> Vec<(String, Vec<[f32; 3]>)> {
-    let mut random = Random(1);
+    let mut random = SplitMix64(1);
     let mut many =
-        |n: usize, f: &mut dyn FnMut(&mut Random) -> [f32; 3]| (0..n).map(|_| f(&mut random)).collect::<Vec<_>>();
+        |n: usize, f: &mut dyn FnMut(&mut SplitMix64) -> [f32; 3]| (0..n).map(|_| f(&mut random)).collect::<Vec<_>>();
     let mut sets = vec![
         ("none", Vec::new()),
-        ("random", many(3000, &mut Random::point)),
+        ("random", many(3000, &mut SplitMix64::point)),
         ("identical", vec![[0.5, 0.25, -1.0]; 5000]),
         ("zeros of both signs", (0..100).map(|i| if i % 2 == 0 { [0.0; 3] } else { [-0.0; 3] }).collect()),
         ("collinear", many(1000, &mut |r| [1.0, 2.0, -1.0].map(|c| c * r.unit()))),
@@ -90,13 +69,13 @@ pub(super) fn point_sets() -> Vec<(String, Vec<[f32; 3]>)> {
         ),
         ("every tenfold", (0..5000).map(|i| [1.03_f32.powi(i % 2600), 0.0, (i % 7) as f32]).collect()),
     ];
-    let mut far = many(7000, &mut Random::point);
+    let mut far = many(7000, &mut SplitMix64::point);
     far[3000] = [1e9, 0.0, 0.0];
     sets.push(("one far away", far));
     for n in
         [1, 2, 3, 15, 16, 17, 31, 32, 33, 255, 256, 257, 272, 511, 513, 1023, 1024, 1025, 2048, 2049, 4097, 100_000]
     {
-        sets.push(("so many", many(n, &mut Random::point)));
+        sets.push(("so many", many(n, &mut SplitMix64::point)));
     }
     sets.into_iter().map(|(name, points)| (format!("{name}, {}", points.len()), points)).collect()
 }

@@ -172,7 +172,7 @@ fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 
         report.approximated(subject, text);
     }
     // The clamp also keeps −ln(1) from becoming −0.
-    of.attenuation_color.map(|color| (-color.max(DARKEST).ln() / distance).max(0.0))
+    of.attenuation_color.map(|color| (-libm::log(color.max(DARKEST)) / distance).max(0.0))
 }
 
 /// A surface of which less than half is there: a sheet that colours what passes.

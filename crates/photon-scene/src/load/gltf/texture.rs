@@ -143,7 +143,7 @@ fn mean(counts: &Counts) -> Mean {
 
 /// Undoes the sRGB curve (IEC 61966-2-1).
 fn srgb_to_linear(value: f64) -> f64 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    if value <= 0.04045 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }
 
 #[cfg(test)]

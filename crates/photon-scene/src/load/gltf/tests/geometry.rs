@@ -1,7 +1,7 @@
 //! Nodes, primitives and accessors.
 
 use super::file::{File, floats, glb, says};
-use crate::builder::Mesh;
+use crate::mesh::Mesh;
 
 #[track_caller]
 fn only_mesh(file: &File) -> Mesh {

@@ -1,8 +1,7 @@
 //! Nodes of eight children, made from a binary tree.
 
-use obvhs::bvh2::Bvh2;
-
 use super::triangle::{LANES, Packet};
+use crate::bvh::Binary;
 
 /// Children per node.
 pub(crate) const WIDTH: usize = 8;
@@ -37,30 +36,6 @@ impl Node {
         ],
         children: [Child { first: 0, packets: 0 }; WIDTH],
     };
-}
-
-/// A node of a binary tree, as both builders make it.
-#[derive(Clone, Copy, Debug)]
-pub struct Binary {
-    /// Lower corner of its box.
-    pub low: [f32; 3],
-    /// Upper corner.
-    pub high: [f32; 3],
-    /// Leaf: first of its primitives. Otherwise the first of two children, side by side.
-    pub first: u32,
-    /// Primitives; 0 for an inner node.
-    pub count: u32,
-}
-
-pub(crate) fn binary(tree: &Bvh2) -> Vec<Binary> {
-    tree.nodes
-        .iter()
-        .map(|node| {
-            let aabb = node.aabb();
-            let (low, high) = (aabb.min.to_array(), aabb.max.to_array());
-            Binary { low, high, first: node.first_index, count: node.prim_count }
-        })
-        .collect()
 }
 
 /// The wide tree: nodes, packets, and how deep it is. The root is node 0.

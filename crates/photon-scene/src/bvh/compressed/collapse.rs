@@ -1,7 +1,7 @@
 //! Which nodes of the binary tree stay, and which triangles share a leaf: the wide tree of least
 //! expected cost, by dynamic programming (Ylitie, Karras and Laine 2017, section 4.1).
 
-use photon_scene::{Binary, BinaryTree};
+use crate::bvh::{Binary, BinaryTree};
 
 /// What testing a triangle costs, against a node of eight boxes.
 const TRIANGLE: f32 = 0.3;

@@ -2,7 +2,7 @@
 
 use photon_core::random::{philox4x32, unit_f32};
 
-use super::{MAX_DEPTH, WideNode, WideTree};
+use super::{CompressedNode, CompressedTree};
 
 type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
@@ -23,14 +23,14 @@ fn soup(count: u32, twins: u32) -> Mesh {
 }
 
 /// Every triangle is below the root once, and within every box above it; no path is too deep.
-fn check(tree: &WideTree, (positions, triangles): &Mesh) -> Result<(), String> {
+fn check(tree: &CompressedTree, (positions, triangles): &Mesh) -> Result<(), String> {
     let mut seen = vec![0; triangles.len()];
     let mut open = vec![(0_u32, 1_u32, vec![])];
     while let Some((index, depth, around)) = open.pop() {
-        if depth > MAX_DEPTH {
+        if depth > CompressedTree::MAX_DEPTH {
             return Err(format!("node {index} is {depth} deep"));
         }
-        let node: &WideNode = &tree.nodes[index as usize];
+        let node: &CompressedNode = &tree.nodes[index as usize];
         for slot in 0..8 {
             let Some(child) = node.child(slot) else { continue };
             let mut around = around.clone();
@@ -59,20 +59,20 @@ fn check(tree: &WideTree, (positions, triangles): &Mesh) -> Result<(), String> {
 fn every_triangle_is_in_every_box_above_it() {
     for (count, twins) in [(1, 0), (2, 0), (3, 0), (4, 0), (9, 0), (25, 0), (3000, 0), (10, 5000)] {
         let mesh = soup(count, twins);
-        let tree = WideTree::build(&mesh.0, &mesh.1).unwrap();
+        let tree = CompressedTree::build(&mesh.0, &mesh.1).unwrap();
         check(&tree, &mesh).unwrap();
         assert!(tree.nodes.len() <= mesh.1.len().div_ceil(2).max(1), "{} nodes", tree.nodes.len());
     }
-    assert!(WideTree::build(&[], &[]).unwrap().nodes.is_empty());
+    assert!(CompressedTree::build(&[], &[]).unwrap().nodes.is_empty());
 }
 
 #[test]
 fn what_is_missing_or_outside_is_noticed() {
     let mesh = soup(100, 0);
-    let mut tree = WideTree::build(&mesh.0, &mesh.1).unwrap();
+    let mut tree = CompressedTree::build(&mesh.0, &mesh.1).unwrap();
     tree.order[7] = tree.order[8];
     assert!(check(&tree, &mesh).is_err());
-    let tree = WideTree::build(&mesh.0, &mesh.1).unwrap();
+    let tree = CompressedTree::build(&mesh.0, &mesh.1).unwrap();
     let mut moved = mesh.clone();
     moved.0[50][1] += 0.2;
     assert!(check(&tree, &moved).is_err());

@@ -1,7 +1,7 @@
 //! One node in 80 bytes, as intersect.glsl reads it.
 
+use crate::bvh::Binary;
 use bytemuck::{Pod, Zeroable};
-use photon_scene::Binary;
 
 /// Children.
 const WIDTH: usize = 8;
@@ -9,7 +9,7 @@ const WIDTH: usize = 8;
 /// Eight children, their boxes in steps of a power of two from the lower corner of their parent's.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct WideNode {
+pub struct CompressedNode {
     corner: [f32; 3],
     /// Biased exponents of the steps along x, y, z.
     exponents: [u8; 3],
@@ -25,7 +25,9 @@ pub(crate) struct WideNode {
     high: [[u8; WIDTH]; 3],
 }
 
-impl WideNode {
+const _: () = assert!(size_of::<CompressedNode>() == 80);
+
+impl CompressedNode {
     /// Without children yet.
     pub(crate) fn around(bounds: &Binary, first_child: u32, first_triangle: u32) -> Self {
         let exponents = std::array::from_fn(|axis| exponent(bounds.low[axis], bounds.high[axis]));

@@ -1,31 +1,39 @@
-//! The tree that rays are sent through on the device: nodes of eight children with boxes in bytes
-//! (Ylitie, Karras and Laine 2017), made from the binary tree of photon-scene.
+//! The node format for GPUs: compressed wide BVH, eight children with boxes in bytes (Ylitie, Karras
+//! and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"), made
+//! from the binary tree.
 
 mod collapse;
 mod node;
 
-use photon_scene::{AccelError, BinaryTree};
+use super::{AccelError, BinaryTree};
 
-pub(crate) use node::WideNode;
+pub use node::CompressedNode;
 
-/// Deepest tree that the stack of the shader serves; `TREE_DEPTH` in intersect.glsl.
-const MAX_DEPTH: u32 = 32;
 /// Triangles that a leaf may hold: they are counted in one of three bits each.
 const LEAF: u32 = 3;
 
-/// Nodes, the root first, and the order of triangles that they refer to.
+/// A compressed wide BVH of a scene in normalised space, to be uploaded to a device.
 #[derive(Debug)]
-pub(crate) struct WideTree {
-    pub(crate) nodes: Vec<WideNode>,
-    /// Indices of triangles as the user numbers them.
-    pub(crate) order: Vec<u32>,
+pub struct CompressedTree {
+    /// In breadth-first order, the root first; none where there are no triangles.
+    pub nodes: Vec<CompressedNode>,
+    /// Indices of triangles as the user numbers them, in the order that leaves refer to. A device keeps
+    /// its table of triangles in this order.
+    pub order: Vec<u32>,
 }
 
-impl WideTree {
-    /// The same triangles give the same tree.
-    pub(crate) fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, AccelError> {
+impl CompressedTree {
+    /// Levels of the deepest tree that [`CompressedTree::build`] makes, so that a traversal needs a stack of
+    /// that many entries; `TREE_DEPTH` in intersect.glsl.
+    pub const MAX_DEPTH: u32 = 32;
+
+    /// Builds the tree. The same triangles give the same tree, on any number of threads.
+    ///
+    /// # Errors
+    /// [`AccelError`] names the triangle or the vertex.
+    pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, AccelError> {
         let (tree, depth) = widen(&BinaryTree::build(positions, triangles, 1)?);
-        if depth <= MAX_DEPTH {
+        if depth <= Self::MAX_DEPTH {
             return Ok(tree);
         }
         // Too deep for the stack; split at medians it never is.
@@ -34,8 +42,8 @@ impl WideTree {
 }
 
 /// The wide tree, and how deep it is.
-fn widen(binary: &BinaryTree) -> (WideTree, u32) {
-    let mut tree = WideTree { nodes: Vec::new(), order: Vec::with_capacity(binary.order.len()) };
+fn widen(binary: &BinaryTree) -> (CompressedTree, u32) {
+    let mut tree = CompressedTree { nodes: Vec::new(), order: Vec::with_capacity(binary.order.len()) };
     if binary.nodes.is_empty() {
         return (tree, 0);
     }
@@ -48,7 +56,7 @@ fn widen(binary: &BinaryTree) -> (WideTree, u32) {
         next += 1;
         let slots = node::slots(&binary.nodes, root, &plan.children(&binary.nodes, root));
         let (first_child, first_triangle) = (roots.len() as u32, tree.order.len() as u32);
-        let mut wide = WideNode::around(&binary.nodes[root as usize], first_child, first_triangle);
+        let mut wide = CompressedNode::around(&binary.nodes[root as usize], first_child, first_triangle);
         for (slot, child) in slots.iter().enumerate() {
             let Some(child) = *child else { continue };
             let inside = &binary.nodes[child as usize];

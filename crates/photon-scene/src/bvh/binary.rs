@@ -1,13 +1,69 @@
 //! The binary tree: obvhs builds it, and where obvhs would go astray a plain median split does.
 
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
 
-use super::node::{Binary, binary};
+use super::{AccelError, check};
 
 /// So many primitives with one and the same box make obvhs build a list instead of a tree.
 const TWINS: usize = 64;
+
+/// A node of a binary tree, as both builders make it.
+#[derive(Clone, Copy, Debug)]
+pub struct Binary {
+    /// Lower corner of its box.
+    pub low: [f32; 3],
+    /// Upper corner.
+    pub high: [f32; 3],
+    /// Leaf: first of its primitives. Otherwise the first of two children, side by side.
+    pub first: u32,
+    /// Primitives; 0 for an inner node.
+    pub count: u32,
+}
+
+/// A binary tree over padded boxes about triangles, for those who arrange it in their own way.
+#[derive(Debug)]
+pub struct BinaryTree {
+    /// The root first; none where there are no triangles.
+    pub nodes: Vec<Binary>,
+    /// Indices of triangles, in the order that leaves refer to.
+    pub order: Vec<u32>,
+}
+
+impl BinaryTree {
+    /// The tree with the least expected cost that obvhs finds, with up to `leaf` ≥ 1 triangles in a
+    /// leaf. It may be deep.
+    ///
+    /// # Errors
+    /// [`AccelError`] names the triangle or the vertex.
+    pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf: usize) -> Result<Self, AccelError> {
+        Self::by(tree, positions, triangles, leaf)
+    }
+
+    /// Split at medians: never deeper than the logarithm of the count, rounded up, and 1.
+    ///
+    /// # Errors
+    /// [`AccelError`] names the triangle or the vertex.
+    pub fn balanced(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf: usize) -> Result<Self, AccelError> {
+        Self::by(balanced, positions, triangles, leaf)
+    }
+
+    fn by(
+        build: fn(&[Padded], usize) -> Arranged,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        leaf: usize,
+    ) -> Result<Self, AccelError> {
+        let boxes = padded(positions, triangles)?;
+        if boxes.is_empty() {
+            return Ok(Self { nodes: Vec::new(), order: Vec::new() });
+        }
+        let (nodes, order) = build(&boxes, leaf.max(1));
+        Ok(Self { nodes, order })
+    }
+}
 
 /// Nodes, and the order of primitives that leaves refer to.
 pub(crate) type Arranged = (Vec<Binary>, Vec<u32>);
@@ -48,6 +104,13 @@ fn obvhs_vec(v: [f32; 3]) -> glam::Vec3A {
     v.into()
 }
 
+/// A padded box for each triangle.
+pub(crate) fn padded(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Vec<Padded>, AccelError> {
+    check(positions, triangles)?;
+    let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
+    Ok(triangles.iter().map(|triangle| Padded::around(corners(triangle))).collect())
+}
+
 /// A binary tree over `boxes`, its root first, and the order of primitives that its leaves refer to.
 /// At most `leaf` primitives stand in a leaf.
 pub(crate) fn tree(boxes: &[Padded], leaf: usize) -> Arranged {
@@ -57,6 +120,18 @@ pub(crate) fn tree(boxes: &[Padded], leaf: usize) -> Arranged {
     let parameters = BvhBuildParams { max_prims_per_leaf: leaf as u32, ..BvhBuildParams::medium_build() };
     let built = build_bvh2(boxes, parameters, &mut std::time::Duration::default());
     (binary(&built), built.primitive_indices)
+}
+
+/// The nodes of an obvhs tree.
+fn binary(tree: &Bvh2) -> Vec<Binary> {
+    tree.nodes
+        .iter()
+        .map(|node| {
+            let aabb = node.aabb();
+            let (low, high) = (aabb.min.to_array(), aabb.max.to_array());
+            Binary { low, high, first: node.first_index, count: node.prim_count }
+        })
+        .collect()
 }
 
 fn has_twins(boxes: &[Padded]) -> bool {

@@ -1,0 +1,90 @@
+//! Every stage of a pass.
+
+use photon_core::{
+    Aim, AimedStages, Area, Backend as _, Costs, FilmPixel, Kept, MapStages, Query, Requirements, Result, SceneView,
+    Settings, Stages, TransportBackend,
+};
+use rayon::prelude::*;
+
+use crate::area::CpuArea;
+use crate::cpu::{Cpu, CpuBuffer};
+use crate::direct::CpuDirect;
+use crate::emit::{CpuAimedEmitter, CpuEmitter};
+use crate::estimate::CpuEstimator;
+use crate::eye::CpuEye;
+use crate::gather::CpuGather;
+use crate::irradiance::CpuIrradiance;
+use crate::map::CpuBuilder;
+use crate::scene::CpuScene;
+use crate::trace::CpuTracer;
+
+impl TransportBackend for Cpu {
+    type Scene = CpuScene;
+
+    fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<CpuScene> {
+        CpuScene::new(self, scene, required)
+    }
+
+    fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {
+        Ok(Stages {
+            emitter: Box::new(CpuEmitter),
+            tracer: Box::new(CpuTracer::new(settings, required)),
+            eye: Box::new(CpuEye { max_bounces: settings.max_bounces }),
+            direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
+            gather: if required.final_gather {
+                Some(Box::new(CpuGather { max_bounces: settings.max_bounces }))
+            } else {
+                None
+            },
+            irradiance: settings.irradiance_every.map(|_| Box::new(CpuIrradiance) as Box<_>),
+            area: if settings.area == Area::Surface { Some(Box::new(CpuArea)) } else { None },
+            aimed: None,
+            map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },
+        })
+    }
+
+    fn aimed(&mut self, required: &Requirements, settings: &Settings, aim: &Aim) -> Result<Option<AimedStages<Self>>> {
+        self.note_memory("aimed photons", aim.bytes());
+        Ok(Some((Box::new(CpuAimedEmitter::new(aim.clone())), Box::new(CpuTracer::aimed(settings, required)))))
+    }
+
+    fn costs(&self, kept: Kept) -> Costs {
+        // A photon: as stored; normal and flux in the order of its index, 22 of the index; 52 more while that is
+        // sorted, and 4 for normals while they are counted. Under way: vectors that double, and the part of a
+        // buffer that is being made of them.
+        // A pixel: a copy of the film when it is read.
+        Costs {
+            photon: kept.bytes() + 12 + kept.flux_bytes() + 22 + 56,
+            under_way: 96,
+            path: 48,
+            pixel: size_of::<FilmPixel>() as u64,
+            query: 224,
+        }
+    }
+
+    fn scale_radii(&mut self, queries: &mut CpuBuffer<Query>, factors: &CpuBuffer<u32>) -> Result<()> {
+        self.pool.install(|| {
+            queries.data.par_iter_mut().with_min_len(4096).for_each(|query| {
+                query.radius *= factors.data.get(query.pixel as usize).map_or(1.0, |&bits| f32::from_bits(bits));
+            });
+        });
+        Ok(())
+    }
+
+    fn memory(&self, scene: &CpuScene) -> Vec<(String, u64)> {
+        let bytes = |count: usize, size: usize| (count * size) as u64;
+        let mut memory = vec![
+            ("triangles".to_owned(), bytes(scene.vertices.len(), 40) + bytes(scene.facets.len(), 16)),
+            ("materials".to_owned(), bytes(scene.materials.len(), 48)),
+            ("lights".to_owned(), bytes(scene.lights.len(), 64 + 4)),
+            ("bvh".to_owned(), scene.caster.bytes()),
+        ];
+        memory.extend(self.noted_memory().iter().cloned());
+        memory
+    }
+
+    fn renew(&mut self) -> Result<()> {
+        self.forget_memory();
+        self.timings().map(drop)
+    }
+}

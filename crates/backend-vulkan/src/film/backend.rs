@@ -1,0 +1,54 @@
+//! The film as a backend's trait asks for it.
+
+use photon_core::{Estimate, Film, FilmBackend, Layer, Query, Result, SceneView, Spread};
+
+use super::VulkanFilm;
+use crate::buffer::VulkanBuffer;
+use crate::vulkan::Vulkan;
+
+impl FilmBackend for Vulkan {
+    type Film = VulkanFilm;
+
+    fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<VulkanFilm> {
+        VulkanFilm::new(self, width, height, scene.units)
+    }
+
+    fn fold(
+        &mut self,
+        film: &mut VulkanFilm,
+        layer: Layer,
+        queries: &VulkanBuffer<Query>,
+        estimates: &VulkanBuffer<Estimate>,
+        paths: u64,
+    ) -> Result<()> {
+        super::fold(self, film, layer, queries, estimates, paths)
+    }
+
+    fn keep_errors(&mut self, film: &mut VulkanFilm) -> Result<()> {
+        super::errors::keep(self, film)
+    }
+
+    fn fold_errors(
+        &mut self,
+        film: &mut VulkanFilm,
+        layer: Layer,
+        queries: &VulkanBuffer<Query>,
+        estimates: &VulkanBuffer<Estimate>,
+        spreads: &VulkanBuffer<Spread>,
+        paths: u64,
+    ) -> Result<()> {
+        super::errors::fold(self, film, layer, queries, estimates, spreads, paths)
+    }
+
+    fn end_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {
+        super::end_pass(self, film)
+    }
+
+    fn abandon_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {
+        super::abandon_pass(self, film)
+    }
+
+    fn read_film(&mut self, film: &VulkanFilm) -> Result<Film> {
+        super::read(self, film)
+    }
+}

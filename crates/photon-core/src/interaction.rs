@@ -1,0 +1,59 @@
+//! Where a ray meets a surface, with all that shading needs.
+
+use glam::Vec3;
+
+use crate::bsdf::Lobe;
+use crate::caster::{Hit, Ray};
+use crate::layout::Facet;
+use crate::offset;
+
+/// Where a ray meets the scene.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceInteraction {
+    /// Distance along the ray.
+    pub t: f32,
+    /// The point of the surface, normalised space.
+    pub point: Vec3,
+    /// Where rays go on from, but for the step off the surface: the point, moved away from the triangle's edges.
+    pub start: Vec3,
+    /// Unit geometric normal on the side that the ray came from.
+    pub normal: Vec3,
+    /// Cosine between that normal and the way back, ≥ 0.
+    pub cosine: f32,
+    /// Whether that side is the front.
+    pub front: bool,
+    /// Index of the material.
+    pub material: u32,
+}
+
+impl SurfaceInteraction {
+    /// What a ray in `direction` meets at `hit`, a point of the triangle with these `vertices`, their
+    /// [`offset::margin`], and that record.
+    #[inline]
+    #[must_use]
+    pub fn new(direction: Vec3, hit: &Hit, vertices: [Vec3; 3], margin: f32, facet: &Facet) -> Self {
+        let normal = Vec3::from(facet.normal);
+        let cosine = -direction.dot(normal);
+        let front = cosine > 0.0;
+        Self {
+            t: hit.t,
+            point: offset::barycentric(vertices, hit.u, hit.v),
+            start: offset::within(vertices, margin, hit.u, hit.v),
+            normal: if front { normal } else { -normal },
+            cosine: cosine.abs(),
+            front,
+            material: facet.material,
+        }
+    }
+
+    /// The ray that goes on from here in `direction`, which `lobe` gave: on the side that it came from, or beyond.
+    #[inline]
+    #[must_use]
+    pub fn spawn(&self, lobe: Lobe, direction: Vec3) -> Ray {
+        let normal = match lobe {
+            Lobe::Diffuse | Lobe::SpecularReflection => self.normal,
+            Lobe::SpecularTransmission => -self.normal,
+        };
+        Ray { origin: offset::off_surface(self.start, normal), direction, t_max: f32::INFINITY }
+    }
+}

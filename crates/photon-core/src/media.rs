@@ -1,0 +1,290 @@
+//! Which media a point lies in, and which of them is there: nested and overlapping solids.
+//!
+//! A path carries the solids that it has entered, up to four, as indices in the scene's table of media. Where several
+//! overlap, the one of the highest priority is there, and of equals the one entered last (Schmidt and Budge 2002).
+
+use std::fmt;
+
+use crate::layout::{Material, MaterialKind, Medium};
+
+/// The solids that a point lies in, in the order in which they were entered: a byte each, the last one lowest.
+///
+/// Each byte is an index in the scene's table of media; 0 is the vacuum and means that there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct MediumStack(u32);
+
+impl MediumStack {
+    /// In no solid.
+    pub const VACUUM: Self = Self(0);
+    /// Solids that it can hold.
+    pub const DEPTH: u32 = 4;
+    /// Media of one scene at most, beside the vacuum.
+    pub const MAX_MEDIA: usize = 255;
+
+    /// As records hold it.
+    #[inline]
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// The stack with these bits.
+    #[inline]
+    #[must_use]
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// In one solid alone.
+    #[inline]
+    #[must_use]
+    pub const fn in_medium(medium: u32) -> Self {
+        Self(medium & 0xFF)
+    }
+
+    /// Whether no further solid fits.
+    #[inline]
+    #[must_use]
+    pub const fn is_full(self) -> bool {
+        self.0 >> 24 != 0
+    }
+
+    /// Whether `medium` is in it.
+    #[must_use]
+    pub const fn contains(self, medium: u32) -> bool {
+        let mut rest = self.0;
+        while rest != 0 {
+            if rest & 0xFF == medium {
+                return true;
+            }
+            rest >>= 8;
+        }
+        false
+    }
+
+    /// With one more solid; unchanged if it is full, so that leaving that solid again changes nothing either.
+    #[inline]
+    #[must_use]
+    pub const fn enter(self, medium: u32) -> Self {
+        if self.is_full() { self } else { Self(self.0 << 8 | medium & 0xFF) }
+    }
+
+    /// Without the solid of that medium that was entered last; unchanged if there is none.
+    #[must_use]
+    pub const fn leave(self, medium: u32) -> Self {
+        let mut shift = 0;
+        while shift < 32 && self.0 >> shift != 0 {
+            if self.0 >> shift & 0xFF == medium {
+                let below = self.0 & ((1_u32 << shift) - 1);
+                // In two steps, as a shift by 32 is none.
+                let above = (self.0 >> shift >> 8) << shift;
+                return Self(above | below);
+            }
+            shift += 8;
+        }
+        self
+    }
+
+    /// Index of the medium that is there: the highest priority, of equals the last entered; 0 in no solid.
+    #[must_use]
+    pub fn current(self, media: &[Medium]) -> u32 {
+        let mut found = self.0 & 0xFF;
+        let mut rest = self.0 >> 8;
+        while rest != 0 {
+            let medium = rest & 0xFF;
+            if media[medium as usize].priority > media[found as usize].priority {
+                found = medium;
+            }
+            rest >>= 8;
+        }
+        found
+    }
+}
+
+/// What a scene's media ask a kernel to do; what is not in it is not compiled in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct MediaFeatures(u32);
+
+impl MediaFeatures {
+    /// No solid touches another.
+    pub const NONE: Self = Self(0);
+    /// Solids lie within each other or overlap.
+    pub const NESTED: Self = Self(1);
+    /// All of them.
+    pub const ALL: Self = Self(1);
+
+    /// The bits, for a const generic or a specialization constant.
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// Whether all of `other` is in it.
+    #[must_use]
+    pub const fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+}
+
+impl fmt::Display for MediaFeatures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.contains(Self::NESTED) { "nested" } else { "none" })
+    }
+}
+
+/// What a boundary separates, as the path that arrives there meets it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interface {
+    /// Index beyond over the index before.
+    pub eta: f32,
+    /// The media before it.
+    pub before: MediumStack,
+    /// The media beyond it.
+    pub beyond: MediumStack,
+    /// Whether the medium changes there. If not, light passes as if nothing were there.
+    pub is_active: bool,
+    /// Whether a path that passes enters more solids than [`MediumStack::DEPTH`], and this one is ignored.
+    pub is_too_deep: bool,
+}
+
+/// What the boundary of `material` separates for a path in `media_here` that meets its front or its back.
+///
+/// A back says by itself that the path is inside. Without `nested` that is all that counts, and every solid has
+/// vacuum around it.
+#[inline(always)]
+#[must_use]
+pub fn interface(
+    media: &[Medium],
+    material: &Material,
+    front: bool,
+    media_here: MediumStack,
+    nested: bool,
+) -> Interface {
+    match material.kind() {
+        MaterialKind::Lambert | MaterialKind::Mirror => around(1.0, media_here),
+        MaterialKind::Thin => around(material.ior, media_here),
+        MaterialKind::Dielectric if nested => {
+            let before = if front || media_here.contains(material.medium) {
+                media_here
+            } else {
+                media_here.enter(material.medium)
+            };
+            let beyond = if front { before.enter(material.medium) } else { before.leave(material.medium) };
+            let (from, to) = (before.current(media), beyond.current(media));
+            let eta = media[to as usize].ior / media[from as usize].ior;
+            Interface { eta, before, beyond, is_active: from != to, is_too_deep: front && before.is_full() }
+        }
+        MaterialKind::Dielectric => {
+            let solid = MediumStack::in_medium(material.medium);
+            let (before, beyond) = if front { (media_here, solid) } else { (solid, MediumStack::VACUUM) };
+            let eta = if front { material.ior } else { 1.0 / material.ior };
+            Interface { eta, before, beyond, is_active: true, is_too_deep: false }
+        }
+    }
+}
+
+/// Both sides in the same media.
+#[inline(always)]
+fn around(eta: f32, media: MediumStack) -> Interface {
+    Interface { eta, before: media, beyond: media, is_active: true, is_too_deep: false }
+}
+
+/// What radiance in the medium of `at` is multiplied by when it is seen from that of `from`, with nothing reflected or
+/// absorbed between: `(n_from/n_at)²`. What a path of radiance carries unchanged through refraction is `L/n²`
+/// (Veach 1997, section 5.2), so this is due once, where the path ends. Exactly 1 for equal stacks.
+#[inline]
+#[must_use]
+pub fn radiance_scale(media: &[Medium], from: MediumStack, at: MediumStack) -> f32 {
+    if from == at {
+        return 1.0;
+    }
+    let ratio = media[from.current(media) as usize].ior / media[at.current(media) as usize].ior;
+    ratio * ratio
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn media() -> Vec<Medium> {
+        let of = |ior, priority| Medium { ior, priority, ..Medium::VACUUM };
+        vec![Medium::VACUUM, of(1.33, 0), of(1.5, 0), of(1.1, 7), of(2.4, 7)]
+    }
+
+    fn solid(medium: u32) -> Material {
+        let ior = media()[medium as usize].ior;
+        Material { kind: MaterialKind::Dielectric as u32, medium, ior, ..Material::default() }
+    }
+
+    #[test]
+    fn leaving_undoes_entering_in_any_order() {
+        let water = MediumStack::VACUUM.enter(1);
+        let both = water.enter(2);
+        assert_eq!(both.leave(2), water);
+        assert_eq!(both.leave(1), MediumStack::VACUUM.enter(2));
+        assert_eq!(both.leave(1).leave(2), MediumStack::VACUUM);
+        assert_eq!(water.leave(2), water);
+        // Of two of a kind the last is left, and the order of the others stays.
+        let mixed = MediumStack::VACUUM.enter(3).enter(1).enter(3).enter(2);
+        assert_eq!(mixed.leave(3), MediumStack::VACUUM.enter(3).enter(1).enter(2));
+        assert_eq!(MediumStack::in_medium(255).leave(255), MediumStack::VACUUM);
+    }
+
+    #[test]
+    fn a_fifth_solid_is_ignored_both_ways() {
+        let four = MediumStack::VACUUM.enter(1).enter(2).enter(1).enter(2);
+        assert!(four.is_full() && !MediumStack::VACUUM.enter(1).enter(1).enter(1).is_full());
+        assert_eq!(four.enter(3), four);
+        assert_eq!(four.enter(3).leave(3), four);
+        // The highest byte goes as well.
+        assert_eq!(four.leave(1).leave(1).leave(2).leave(2), MediumStack::VACUUM);
+    }
+
+    #[test]
+    fn the_highest_priority_counts_and_of_equals_the_last() {
+        let media = media();
+        assert_eq!(MediumStack::VACUUM.current(&media), 0);
+        assert_eq!(MediumStack::VACUUM.enter(1).enter(2).current(&media), 2);
+        assert_eq!(MediumStack::VACUUM.enter(3).enter(2).current(&media), 3);
+        assert_eq!(MediumStack::VACUUM.enter(3).enter(4).enter(1).current(&media), 4);
+    }
+
+    #[test]
+    fn boundaries_are_taken_against_what_is_around_them() {
+        let media = media();
+        let water = MediumStack::VACUUM.enter(1);
+        let into_glass = interface(&media, &solid(2), true, water, true);
+        assert_eq!((into_glass.eta, into_glass.is_active), (1.5 / 1.33, true));
+        assert_eq!(into_glass.beyond, water.enter(2));
+        // Within something of a higher priority nothing changes.
+        let hidden = interface(&media, &solid(2), true, MediumStack::VACUUM.enter(3), true);
+        assert_eq!((hidden.eta, hidden.is_active), (1.0, false));
+        // A back that was never entered from the front says that it was.
+        let out = interface(&media, &solid(2), false, water, true);
+        assert_eq!((out.before, out.beyond, out.eta), (water.enter(2), water, 1.33 / 1.5));
+    }
+
+    /// For solids apart, both rules are the same to the bit.
+    #[test]
+    fn nested_changes_nothing_for_solids_apart() {
+        let media = media();
+        for medium in 1..5 {
+            for front in [false, true] {
+                let here = if front { MediumStack::VACUUM } else { MediumStack::in_medium(medium) };
+                let [plain, nested] =
+                    [false, true].map(|nested| interface(&media, &solid(medium), front, here, nested));
+                assert_eq!(plain, nested);
+                assert_eq!(plain.eta.to_bits(), nested.eta.to_bits());
+            }
+        }
+    }
+
+    #[test]
+    fn radiance_scales_by_the_squared_index() {
+        let media = media();
+        let glass = MediumStack::VACUUM.enter(2);
+        assert_eq!(radiance_scale(&media, glass, glass), 1.0);
+        assert!((radiance_scale(&media, MediumStack::VACUUM, glass) * 2.25 - 1.0).abs() < 1e-6);
+        assert!((radiance_scale(&media, glass, MediumStack::VACUUM) / 2.25 - 1.0).abs() < 1e-6);
+    }
+}

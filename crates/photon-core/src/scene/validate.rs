@@ -1,0 +1,197 @@
+//! Whether a view can be rendered: its indices, its kinds and its numbers.
+
+use super::SceneView;
+use crate::error::{Error, Result};
+use crate::layout::{Light, Material, MaterialKind, Medium};
+use crate::media::MediumStack;
+use crate::units::Units;
+
+/// Normals and directions are unit vectors to this much of their squared length.
+const UNIT: f32 = 1e-4;
+/// Positions are within [`SceneView::radius`] to this share of it, for those who compute it in `f32`.
+const ROUNDING: f32 = 1e-5;
+/// The largest radius: beyond it, rounding in rays exceeds the margins that are left for it.
+const MAX_RADIUS: f32 = 16.0;
+
+impl SceneView<'_> {
+    /// Checks everything that a renderer relies on, in linear time: lengths of the tables, indices, kinds of
+    /// materials and lights, and that numbers are finite and within their ranges.
+    ///
+    /// [`crate::Pipeline`] and every backend's [`crate::TransportBackend::prepare`] call it. What takes a view
+    /// and returns no error, such as [`crate::explain`], may panic on a view that fails here. Not checked:
+    /// whether normals are those of their triangles, and whether triangles have an area.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] names the first element that is wrong, by its kind and its index;
+    /// [`Error::InvalidScene`] names what is wrong with the view as a whole.
+    pub fn validate(&self) -> Result<()> {
+        whole(self)?;
+        each("position", self.positions, |&position| check_position(position, self.radius))?;
+        each("triangle", self.triangles, |&corners| check_indices(corners, self.positions.len()))?;
+        each("facet", self.facets, |facet| {
+            require(is_unit(facet.normal), || format!("its normal {:?} is not a unit vector", facet.normal))?;
+            index("material", facet.material, self.materials.len())
+        })?;
+        each("medium", self.media, check_medium)?;
+        each("material", self.materials, |material| check_material(material, self.media))?;
+        each("light", self.lights, |light| check_light(light, self.triangles.len(), self.radius))?;
+        check_starts(self.light_starts)
+    }
+}
+
+/// What is wrong with one element, if anything.
+type Check = std::result::Result<(), String>;
+
+fn each<T>(what: &'static str, elements: &[T], check: impl Fn(&T) -> Check) -> Result<()> {
+    for (index, element) in elements.iter().enumerate() {
+        check(element).map_err(|why| Error::InvalidInput { what, index: index as u64, why })?;
+    }
+    Ok(())
+}
+
+fn require(holds: bool, why: impl FnOnce() -> String) -> Check {
+    if holds { Ok(()) } else { Err(why()) }
+}
+
+/// What is said of the view and not of one of its elements.
+fn whole(view: &SceneView<'_>) -> Result<()> {
+    let invalid = |what, value: String, hint| Err(Error::InvalidScene { what, value, hint });
+    let (triangles, facets) = (view.triangles.len(), view.facets.len());
+    if facets != triangles {
+        let value = format!("{facets} for {triangles} triangles");
+        return invalid("the number of facets", value, "every triangle needs one");
+    }
+    let (lights, starts) = (view.lights.len(), view.light_starts.len());
+    if starts != lights {
+        let value = format!("{starts} for {lights} lights");
+        return invalid("the length of light_starts", value, "fill it in with photon_core::light_starts");
+    }
+    let media = view.media.len();
+    if view.media.first() != Some(&Medium::VACUUM) || media > MediumStack::MAX_MEDIA + 1 {
+        let value = format!("a table of {media}");
+        return invalid("media", value, "it begins with Medium::VACUUM, and at most 255 others follow");
+    }
+    if !(0.0..=MAX_RADIUS).contains(&view.radius) {
+        let hint = "it must be a number from 0 to 16: bring the scene to a unit box about the origin";
+        return invalid("the radius", view.radius.to_string(), hint);
+    }
+    let Units { center, scale, power } = view.units;
+    if !center.iter().all(|c| c.is_finite()) {
+        return invalid("units.center", format!("{center:?}"), "each coordinate must be a finite number");
+    }
+    for (what, value) in [("units.scale", scale), ("units.power", power)] {
+        if !(value.is_finite() && value > 0.0) {
+            return invalid(what, value.to_string(), "it must be a finite number above 0");
+        }
+    }
+    Ok(())
+}
+
+fn check_position(position: [f32; 3], radius: f32) -> Check {
+    // In f64, so that the square of what is finite is finite too; NaN fails.
+    let squared: f64 = position.iter().map(|&c| f64::from(c) * f64::from(c)).sum();
+    let limit = f64::from(radius) * f64::from(1.0 + ROUNDING);
+    require(squared <= limit * limit, || {
+        format!("{position:?} must be finite and within the scene's radius, {radius}, of the origin")
+    })
+}
+
+fn check_indices(corners: [u32; 3], vertices: usize) -> Check {
+    require(corners.iter().all(|&vertex| (vertex as usize) < vertices), || {
+        format!("{corners:?} names a vertex that is not among the {vertices}")
+    })
+}
+
+fn index(what: &str, index: u32, count: usize) -> Check {
+    require((index as usize) < count, || format!("{what} {index} is not among the {count}"))
+}
+
+fn is_unit(vector: [f32; 3]) -> bool {
+    let squared: f32 = vector.iter().map(|c| c * c).sum();
+    (squared - 1.0).abs() <= UNIT
+}
+
+fn not_negative(name: &str, numbers: &[f32]) -> Check {
+    require(numbers.iter().all(|n| n.is_finite() && *n >= 0.0), || {
+        format!("its {name} {numbers:?} must be finite and at least 0")
+    })
+}
+
+/// Whether it is one of the constants of [`Light`].
+fn is_known_light(kind: u32) -> bool {
+    kind <= Light::DIRECTIONAL
+}
+
+fn check_medium(medium: &Medium) -> Check {
+    not_negative("absorption", &medium.absorption)?;
+    require(medium.ior.is_normal() && medium.ior > 0.0, || format!("its ior {} must be finite and above 0", medium.ior))
+}
+
+fn check_material(material: &Material, media: &[Medium]) -> Check {
+    let Some(kind) = MaterialKind::from_u32(material.kind) else {
+        return Err(format!("its kind {} is unknown; take the number of a MaterialKind", material.kind));
+    };
+    require(material.albedo.iter().all(|part| (0.0..=1.0).contains(part)), || {
+        format!("its albedo {:?} must lie between 0 and 1", material.albedo)
+    })?;
+    not_negative("emission", &material.emission)?;
+    let ior = material.ior;
+    let refracts = || require(ior.is_normal() && ior > 0.0, || format!("its ior {ior} must be finite and above 0"));
+    match kind {
+        MaterialKind::Lambert | MaterialKind::Mirror => Ok(()),
+        MaterialKind::Thin => refracts(),
+        MaterialKind::Dielectric => {
+            refracts()?;
+            let inside = material.medium;
+            require(inside > 0, || "it names no medium; a solid is made of an entry of media after the first".into())?;
+            index("medium", inside, media.len())?;
+            let there = media[inside as usize].ior;
+            require(there == ior, || format!("its ior {ior} is not that of its medium {inside}, {there}"))
+        }
+    }
+}
+
+fn check_light(light: &Light, triangles: usize, radius: f32) -> Check {
+    let kind = light.kind;
+    require(is_known_light(kind), || format!("its kind {kind} is unknown; take a constant of Light"))?;
+    not_negative("power", &light.power)?;
+    let direction =
+        || require(is_unit(light.direction), || format!("its direction {:?} is not a unit vector", light.direction));
+    let position = || check_position(light.position, radius).map_err(|why| format!("its position {why}"));
+    match kind {
+        Light::TRIANGLE => {
+            index("triangle", light.primitive, triangles)?;
+            require(light.area.is_finite() && light.area > 0.0, || {
+                format!("its area {} must be finite and above 0", light.area)
+            })
+        }
+        Light::POINT => position(),
+        Light::SPOT => {
+            position()?;
+            direction()?;
+            let (inner, outer) = (light.versine_inner, light.versine_outer);
+            require(0.0 <= inner && inner <= outer && outer <= 2.0, || {
+                format!("its versines {inner} and {outer} must rise from the inner to the outer one, from 0 to 2")
+            })
+        }
+        _ => {
+            direction()?;
+            not_negative("radius", &[light.radius])
+        }
+    }
+}
+
+fn check_starts(starts: &[u32]) -> Result<()> {
+    let wrong = match starts.first() {
+        Some(&first) if first != 0 => Some(0),
+        _ => starts.windows(2).position(|pair| pair[0] >= pair[1]).map(|before| before + 1),
+    };
+    wrong.map_or(Ok(()), |at| {
+        let why =
+            format!("{} breaks a list that begins with 0 and rises strictly; fill it in with light_starts", starts[at]);
+        Err(Error::InvalidInput { what: "light start", index: at as u64, why })
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,220 @@
+//! Every rule is broken once, and the message names what broke it.
+
+use crate::layout::{Facet, Light, Material, MaterialKind, Medium};
+use crate::scene::{SceneView, light_starts};
+use crate::units::Units;
+
+/// Tables of a view, to be broken.
+#[derive(Clone)]
+struct Tables {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    facets: Vec<Facet>,
+    materials: Vec<Material>,
+    media: Vec<Medium>,
+    lights: Vec<Light>,
+    starts: Vec<u32>,
+    radius: f32,
+    units: Units,
+}
+
+impl Tables {
+    /// Two triangles, a material and a light of each kind.
+    fn new() -> Self {
+        let facet = Facet { normal: [0.0, 0.0, 1.0], material: 0 };
+        let material = |kind: MaterialKind| Material {
+            kind: kind as u32,
+            albedo: [0.5, 0.0, 1.0],
+            ior: 1.5,
+            medium: u32::from(kind == MaterialKind::Dielectric),
+            ..Material::default()
+        };
+        let light = |kind| Light {
+            kind,
+            position: [0.1; 3],
+            direction: [0.0, 0.6, -0.8],
+            primitive: 1,
+            power: [0.25, 0.0, 0.5],
+            versine_inner: 0.1,
+            versine_outer: 0.2,
+            radius: 0.9,
+            area: 0.5,
+            ..Light::default()
+        };
+        Self {
+            positions: vec![[0.0; 3], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.5, 0.5, 0.0]],
+            triangles: vec![[0, 1, 2], [1, 3, 2]],
+            facets: vec![facet; 2],
+            materials: MaterialKind::ALL.map(material).to_vec(),
+            media: vec![Medium::VACUUM, Medium { ior: 1.5, ..Medium::VACUUM }],
+            lights: [Light::TRIANGLE, Light::POINT, Light::SPOT, Light::DIRECTIONAL].map(light).to_vec(),
+            starts: light_starts(&[1.0; 4]),
+            radius: 0.75,
+            units: Units::default(),
+        }
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let view = SceneView {
+            positions: &self.positions,
+            triangles: &self.triangles,
+            facets: &self.facets,
+            materials: &self.materials,
+            media: &self.media,
+            lights: &self.lights,
+            light_starts: &self.starts,
+            radius: self.radius,
+            units: self.units,
+        };
+        view.validate().map_err(|error| error.to_string())
+    }
+}
+
+/// What breaks the tables, and what the message begins with.
+type Case = (fn(&mut Tables), &'static str);
+
+#[track_caller]
+fn all_fail(cases: &[Case]) {
+    for (number, (spoil, expected)) in cases.iter().enumerate() {
+        let mut tables = Tables::new();
+        spoil(&mut tables);
+        let found = tables.check().expect_err(expected);
+        assert!(found.starts_with(expected), "case {number}: {found:?} instead of {expected:?}");
+    }
+}
+
+#[test]
+fn a_sound_view_passes() {
+    Tables::new().check().unwrap();
+    // No light, no triangle and no material are no fault of the tables.
+    let mut tables = Tables::new();
+    (tables.lights, tables.starts) = (Vec::new(), Vec::new());
+    tables.check().unwrap();
+    (tables.triangles, tables.facets, tables.materials, tables.positions) = Default::default();
+    tables.radius = 0.0;
+    tables.check().unwrap();
+}
+
+#[test]
+fn rounding_passes() {
+    let mut tables = Tables::new();
+    // Just outside, as a radius that was computed in f32 may leave it; a normal of rounded numbers.
+    tables.positions[1] = [0.750_001, 0.0, 0.0];
+    tables.facets[0].normal = [0.577_35, 0.577_35, 0.577_35];
+    tables.check().unwrap();
+    // What a material or a light does not use may be anything that is a number.
+    tables.materials[0].ior = 0.0;
+    tables.lights[1].primitive = u32::MAX;
+    tables.lights[0].direction = [0.0; 3];
+    tables.check().unwrap();
+}
+
+#[test]
+fn lengths_and_units() {
+    all_fail(&[
+        (|t| t.facets.truncate(1), "scene view: the number of facets is 1 for 2 triangles"),
+        (|t| t.facets.push(t.facets[0]), "scene view: the number of facets is 3 for 2 triangles"),
+        (|t| t.starts.truncate(3), "scene view: the length of light_starts is 3 for 4 lights"),
+        (|t| t.starts.push(u32::MAX), "scene view: the length of light_starts is 5 for 4 lights"),
+        (|t| t.radius = f32::NAN, "scene view: the radius is NaN"),
+        (|t| t.radius = -1.0, "scene view: the radius is -1"),
+        (|t| t.radius = 17.0, "scene view: the radius is 17"),
+        (|t| t.units.center[2] = f64::INFINITY, "scene view: units.center is [0.0, 0.0, inf]"),
+        (|t| t.units.scale = 0.0, "scene view: units.scale is 0"),
+        (|t| t.units.scale = f64::NAN, "scene view: units.scale is NaN"),
+        (|t| t.units.power = f64::INFINITY, "scene view: units.power is inf"),
+    ]);
+}
+
+#[test]
+fn positions_and_indices() {
+    all_fail(&[
+        (|t| t.positions[2][1] = f32::NAN, "position 2: [0.0, NaN, 0.0] must be finite"),
+        (|t| t.positions[3][0] = f32::INFINITY, "position 3: [inf,"),
+        (|t| t.positions[3][0] = f32::MAX, "position 3: "),
+        (
+            |t| t.positions[1][0] = 0.76,
+            "position 1: [0.76, 0.0, 0.0] must be finite and within the scene's radius, 0.75",
+        ),
+        (|t| t.triangles[1][2] = 4, "triangle 1: [1, 3, 4] names a vertex that is not among the 4"),
+        (|t| t.triangles[0][0] = u32::MAX, "triangle 0: "),
+        (|t| t.facets[1].material = 4, "facet 1: material 4 is not among the 4"),
+        (|t| t.facets[0].material = u32::MAX, "facet 0: material 4294967295"),
+        (|t| t.facets[1].normal = [0.0; 3], "facet 1: its normal [0.0, 0.0, 0.0] is not a unit vector"),
+        (|t| t.facets[1].normal = [0.0, 0.0, 1.001], "facet 1: its normal"),
+        (|t| t.facets[0].normal[0] = f32::NAN, "facet 0: its normal"),
+    ]);
+}
+
+#[test]
+fn materials() {
+    all_fail(&[
+        (|t| t.materials[1].kind = 4, "material 1: its kind 4 is unknown"),
+        (|t| t.materials[0].kind = u32::MAX, "material 0: its kind"),
+        (|t| t.materials[3].albedo[1] = f32::NAN, "material 3: its albedo [0.5, NaN, 1.0]"),
+        (|t| t.materials[3].albedo[1] = 1.000_001, "material 3: its albedo"),
+        (|t| t.materials[0].albedo[0] = -0.1, "material 0: its albedo"),
+        (|t| t.materials[0].emission[2] = f32::NAN, "material 0: its emission"),
+        (|t| t.materials[0].emission[0] = -1.0, "material 0: its emission"),
+        (|t| t.media[1].absorption[1] = f32::INFINITY, "medium 1: its absorption"),
+        (|t| t.media[1].absorption[1] = -1.0, "medium 1: its absorption"),
+        (|t| t.media[1].ior = f32::NAN, "medium 1: its ior NaN"),
+        (|t| t.media[1].ior = 1.4, "material 2: its ior 1.5 is not that of its medium 1, 1.4"),
+        (|t| t.media[0].ior = 1.1, "media is a table of 2"),
+        (|t| t.media.clear(), "media is a table of 0"),
+        (|t| t.media.resize(257, Medium::VACUUM), "media is a table of 257"),
+        (|t| t.materials[2].medium = 0, "material 2: it names no medium"),
+        (|t| t.materials[2].medium = 2, "material 2: medium 2 is not among the 2"),
+        (|t| t.materials[2].ior = 0.0, "material 2: its ior 0"),
+        (|t| t.materials[3].ior = f32::NAN, "material 3: its ior NaN"),
+        (|t| t.materials[3].ior = -1.5, "material 3: its ior -1.5"),
+        (|t| t.materials[2].ior = f32::INFINITY, "material 2: its ior inf"),
+    ]);
+}
+
+#[test]
+fn lights() {
+    all_fail(&[
+        (|t| t.lights[1].kind = 4, "light 1: its kind 4 is unknown"),
+        (|t| t.lights[0].primitive = 2, "light 0: triangle 2 is not among the 2"),
+        (|t| t.lights[0].primitive = u32::MAX, "light 0: triangle 4294967295"),
+        (|t| t.lights[0].area = 0.0, "light 0: its area 0"),
+        (|t| t.lights[0].area = f32::NAN, "light 0: its area NaN"),
+        (|t| t.lights[3].power[1] = f32::NAN, "light 3: its power"),
+        (|t| t.lights[3].power[1] = -0.5, "light 3: its power"),
+        (|t| t.lights[1].position[0] = f32::NAN, "light 1: its position [NaN,"),
+        (|t| t.lights[2].position[0] = 0.8, "light 2: its position [0.8, 0.1, 0.1] must be"),
+        (|t| t.lights[2].direction = [0.0; 3], "light 2: its direction"),
+        (|t| t.lights[3].direction[0] = f32::NAN, "light 3: its direction"),
+        (|t| t.lights[2].versine_inner = 0.3, "light 2: its versines 0.3 and 0.2"),
+        (|t| t.lights[2].versine_outer = f32::NAN, "light 2: its versines"),
+        (|t| t.lights[2].versine_outer = 2.5, "light 2: its versines"),
+        (|t| t.lights[3].radius = f32::INFINITY, "light 3: its radius"),
+        (|t| t.starts[0] = 1, "light start 0: 1 breaks"),
+        (|t| t.starts[2] = t.starts[1], "light start 2: "),
+        (|t| t.starts[3] = 0, "light start 3: 0 breaks"),
+    ]);
+}
+
+/// Features are derived of a view that is not valid too, without a panic.
+#[test]
+fn what_is_out_of_range_needs_no_feature() {
+    let mut tables = Tables::new();
+    tables.facets[1].material = 9;
+    tables.triangles[0][1] = 9;
+    tables.lights[0].primitive = 9;
+    let view = SceneView {
+        positions: &tables.positions,
+        triangles: &tables.triangles,
+        facets: &tables.facets,
+        materials: &tables.materials,
+        media: &[],
+        lights: &tables.lights,
+        light_starts: &[],
+        radius: 1.0,
+        units: Units::default(),
+    };
+    let features = crate::Features::of(&view);
+    assert!(features.contains(crate::Features::DIFFUSE) && !features.intersects(crate::Features::SPECULAR));
+    assert!(crate::Requirements::of(&view, &crate::Settings::default()).global_map);
+}

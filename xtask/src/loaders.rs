@@ -1,0 +1,69 @@
+//! Backends are built without the parsers of scene files.
+
+use crate::shell;
+
+/// The backends, which take a scene as slices.
+const BACKENDS: [&str; 2] = ["backend-cpu", "backend-vulkan"];
+
+/// What the loaders of photon-scene need, its feature `files`.
+const LOADERS: [&str; 5] = ["gltf", "png", "ply-rs-bw", "serde", "toml"];
+
+/// Fails when a backend, built by itself, brings a loader.
+pub(crate) fn step() -> Result<(), String> {
+    for backend in BACKENDS {
+        // Not `cargo metadata`: that unites the features of all members, and the programs have `files`. For this
+        // platform: `--target all` also lists what rdst, beneath obvhs, has for measuring itself, under a
+        // `cfg(tuning)` that nobody sets.
+        let tree = ["cargo", "tree", "--locked", "-p", backend, "-e", "normal", "--prefix", "none"];
+        check(backend, &shell::capture(&tree)?)?;
+    }
+    eprintln!("no {} in {}", LOADERS.join(", "), BACKENDS.join(", "));
+    Ok(())
+}
+
+/// Looks for loaders in what `cargo tree --prefix none` printed: a package a line, its name first.
+fn check(backend: &str, tree: &str) -> Result<(), String> {
+    let mut names = tree.lines().filter_map(|line| line.split_whitespace().next());
+    if names.next() != Some(backend) {
+        return Err(format!("cargo tree does not begin with {backend}, but so:\n{tree}"));
+    }
+    // Families by their first word as well: serde_core, gltf-json, toml_edit.
+    let family = |name: &str, loader: &str| {
+        name.strip_prefix(loader).is_some_and(|rest| rest.is_empty() || rest.starts_with(['-', '_']))
+    };
+    match names.find(|name| LOADERS.iter().any(|loader| family(name, loader))) {
+        Some(name) => Err(format!(
+            "{backend} depends on {name}, which only loaders of scene files need: `cargo tree -p {backend} -e normal \
+             --invert {name}` shows who asks for it; keep the feature `files` of photon-scene off there"
+        )),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CLEAN: &str = "backend-cpu v0.1.0 (/a/b)\nglam v0.34.0\nphoton-scene v0.1.0 (/a/c)\nobvhs v0.4.0\n";
+
+    #[test]
+    fn a_backend_without_loaders_passes() {
+        check("backend-cpu", CLEAN).unwrap();
+        // Only the whole name counts, or its first word.
+        check("backend-cpu", &format!("{CLEAN}pngtools v1.0.0\n")).unwrap();
+    }
+
+    #[test]
+    fn every_loader_fails_and_is_named() {
+        for name in ["gltf", "gltf-json", "png", "ply-rs-bw", "serde", "serde_core", "toml", "toml_parser"] {
+            let failure = check("backend-cpu", &format!("{CLEAN}{name} v1.0.0\n")).unwrap_err();
+            assert!(failure.contains(&format!("backend-cpu depends on {name},")), "{failure}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_the_tree_of_the_backend_fails() {
+        assert!(check("backend-vulkan", CLEAN).is_err());
+        assert!(check("backend-cpu", "").is_err());
+    }
+}

@@ -1,16 +1,16 @@
-//! Whatever two array files say, as `map_only` reads them: an error in words, or points that are searched.
+//! Whatever two array files say, as `photonmap map` reads them: an error in words, or points that are searched.
 #![no_main]
 
 // The modules of the program itself; the crate that they are in would bring Vulkan along.
 #[allow(dead_code, reason = "only what reads arrays is of interest")]
-#[path = "../../examples/src/fault.rs"]
+#[path = "../../crates/photonmap-cli/src/fault.rs"]
 mod fault;
 #[allow(dead_code, reason = "only what reads arrays is of interest")]
-#[path = "../../examples/src/npy.rs"]
+#[path = "../../crates/photonmap-cli/src/npy.rs"]
 mod npy;
 #[allow(dead_code, reason = "only what reads arrays is of interest")]
-#[path = "../../examples/src/whole.rs"]
-mod whole;
+#[path = "../../crates/photonmap-cli/src/atomic_write.rs"]
+mod atomic_write;
 
 use backend_cpu::index::{IndexKind, Neighbours, PointIndex};
 

@@ -1,9 +1,9 @@
 """Our references against an unbiased path tracer, Mitsuba 3 (Jakob et al. 2022).
 
     pip install mitsuba
-    cargo run --release -p photon-examples --bin export -- cornell --size 48 --out out/export/cornell
-    cargo run --release -p photon-examples --bin tradeoff -- cornell --part reference --size 48
-    python tests/mitsuba/check.py out/export/cornell --results out/tradeoff
+    cargo run --release -- export cornell --size 48x48 -o out/export/cornell.xml
+    cargo run --release -p studies --bin tradeoff -- cornell --part reference --size 48
+    python tests/mitsuba/check.py out/export/cornell.xml --results out/tradeoff
 
 adds part-tracer-cornell.json to the results, from which `tradeoff --assemble` makes a table. Where the truth is
 known (furnace, integrating-sphere) no reference is needed: the closed form itself is checked.
@@ -18,6 +18,7 @@ import math
 import pathlib
 import sys
 import time
+import xml.etree.ElementTree
 
 import numpy as np
 
@@ -25,62 +26,24 @@ import numpy as np
 CLOSED = {"furnace": (2.0 / math.pi, False), "integrating-sphere": (0.8 / math.pi, True)}
 
 
-def load(folder, mi):
-    """Mitsuba's scene."""
-    told = json.loads((folder / "scene.json").read_text())
-    eye, size = told["camera"], told["size"]
-    if eye["kind"] != "perspective":
-        sys.exit("only a camera with perspective can be compared")
-    origin, forward = np.array(eye["origin"]), np.array(eye["forward"])
-    right, up = np.array(eye["right"]), np.array(eye["up"])
-    scene = {
-        "type": "scene",
-        "camera": {
-            "type": "perspective",
-            "fov": 2.0 * math.degrees(math.atan(np.linalg.norm(right))),
-            "fov_axis": "x",
-            "near_clip": 1e-4,
-            "far_clip": 1e5,
-            "to_world": mi.ScalarTransform4f().look_at(
-                origin=origin.tolist(), target=(origin + forward).tolist(), up=(up / np.linalg.norm(up)).tolist()
-            ),
-            # Each pixel is the mean over its square, as with us.
-            "film": {"type": "hdrfilm", "width": size, "height": size, "rfilter": {"type": "box"}, "pixel_format": "rgb",
-                     "component_format": "float32"},
-            "sampler": {"type": "independent"},
-        },
-    }
-    for index, material in enumerate(told["materials"]):
-        if material["triangles"] == 0:
-            continue
-        if any(material["absorption"]) or material["both_sides"] or material["kind"] == "thin":
-            sys.exit(f"material {index}: absorption, thin sheets and lamps of two sides are not translated")
-        colour = {"type": "rgb", "value": material["albedo"]}
-        # Either side scatters; mirrors and glass are smooth.
-        bsdf = {
-            "lambert": {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": colour}},
-            "mirror": {"type": "twosided", "bsdf": {"type": "conductor", "material": "none", "specular_reflectance": colour}},
-            "dielectric": {"type": "dielectric", "int_ior": material["ior"], "ext_ior": 1.0},
-        }[material["kind"]]
-        shape = {"type": "ply", "filename": str(folder / material["file"]), "face_normals": True, "bsdf": bsdf}
-        if any(material["radiance"]):
-            shape["emitter"] = {"type": "area", "radiance": {"type": "rgb", "value": material["radiance"]}}
-        scene[f"shape{index}"] = shape
-    specular = any(material["kind"] != "lambert" for material in told["materials"] if material["triangles"])
-    for index, light in enumerate(told["lights"]):
-        if light["kind"] != "point" or specular:
-            sys.exit(f"{told['scene']}: light of a {light['kind']} is beyond a path tracer here")
-        scene[f"light{index}"] = {
-            "type": "point",
-            "position": light["position"],
-            "intensity": {"type": "rgb", "value": [w / (4.0 * math.pi) for w in light["watts"]]},
-        }
-    return told["scene"], size, mi.load_dict(scene)
+def load(path, mi):
+    """Name, side of the picture, and Mitsuba's scene."""
+    kinds = {plugin.get("type") for plugin in xml.etree.ElementTree.parse(path).getroot().iter()}
+    specular = kinds & {"conductor", "dielectric", "thindielectric"}
+    if kinds & {"spot", "directional"} or ("point" in kinds and specular):
+        sys.exit(f"{path.stem}: its lights are beyond a path tracer")
+    if "homogeneous" in kinds:
+        sys.exit(f"{path.stem}: absorption needs the volumetric path tracer")
+    scene = mi.load_file(str(path))
+    width, height = scene.sensors()[0].film().size()
+    if width != height:
+        sys.exit("references are square pictures: export with --size NxN")
+    return path.stem, int(width), scene
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=pathlib.Path, help="what `export` wrote")
+    parser.add_argument("scene", type=pathlib.Path, help="the .xml that `photonmap export` wrote")
     parser.add_argument("--results", type=pathlib.Path, default=pathlib.Path("out/tradeoff"))
     parser.add_argument("--variant", default="scalar_rgb")
     parser.add_argument("--samples", type=int, default=256, help="paths per pixel and run")
@@ -92,7 +55,7 @@ def main():
     import mitsuba as mi
 
     mi.set_variant(args.variant)
-    name, size, scene = load(args.folder, mi)
+    name, size, scene = load(args.scene, mi)
     radiance, scattered = CLOSED.get(name, (None, False))
     if radiance is None:
         record = json.loads((args.results / f"reference-{name}-{size}.json").read_text())

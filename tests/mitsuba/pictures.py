@@ -1,7 +1,7 @@
 """Pictures by several settings beside the truth: as they look, signed difference, FLIP (Andersson et al. 2020).
 
     pip install numpy flip-evaluator
-    cargo run --release -p photon-examples --bin tradeoff -- cornell-glass --part pictures --size 96
+    cargo run --release -p studies --bin tradeoff -- cornell-glass --part pictures --size 96
     python tests/mitsuba/pictures.py out/tradeoff/pictures-cornell-glass-cpu.json --out docs/images
 
 writes accuracy-cornell-glass.png: the truth first, then a column for each setting, with three rows. Differences

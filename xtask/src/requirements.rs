@@ -73,7 +73,7 @@ fn cpu() -> Result<String, String> {
 }
 
 fn instructions(scene: &str, how: &str, paths: u32, passes: u32) -> Result<u64, String> {
-    let program = shell::root().join("target/debug/examples/requirements");
+    let program = shell::root().join("target/debug/requirements");
     let (paths, passes) = (paths.to_string(), passes.to_string());
     let program = program.to_string_lossy();
     let command = [

@@ -127,7 +127,7 @@ impl Vulkan {
     /// The nearest hit of each ray, whichever side of the triangle it is on; of several at the same
     /// distance, the one with the lowest index. As [`photon_core::RayCaster::nearest`], but that a ray within
     /// rounding of the silhouette of a mesh, such as any edge of a triangle that is alone, may hit it or pass, as the
-    /// device's divisions have it: see "Rays at edges" in `docs/shaders.md`. No ray passes between triangles that share
+    /// device's divisions have it: see "Rays at edges" in `docs/studies/shaders.md`. No ray passes between triangles that share
     /// an edge.
     ///
     /// # Errors

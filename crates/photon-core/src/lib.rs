@@ -30,6 +30,7 @@ mod memory;
 mod observer;
 pub mod octahedral;
 pub mod offset;
+mod option_names;
 mod pipeline;
 mod preset;
 mod progressive;

@@ -14,19 +14,6 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// All of them, from the quickest on.
-    pub const ALL: [Self; 3] = [Self::Preview, Self::Balanced, Self::Final];
-
-    /// Name for options and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Preview => "preview",
-            Self::Balanced => "balanced",
-            Self::Final => "final",
-        }
-    }
-
     /// How many passes it is meant for.
     #[must_use]
     pub fn passes(self) -> u32 {

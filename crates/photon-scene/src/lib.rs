@@ -12,12 +12,16 @@ mod camera;
 mod describe;
 mod edges;
 mod error;
+#[cfg(feature = "files")]
+mod extras;
 mod lights;
 #[cfg(feature = "files")]
 mod load;
 mod mesh;
 mod normalise;
 mod report;
+#[cfg(feature = "files")]
+mod save;
 mod scene;
 pub mod shapes;
 mod solids;
@@ -29,6 +33,8 @@ pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode,
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 pub use error::SceneError;
 #[cfg(feature = "files")]
-pub use load::{Overrides, load, load_gltf, load_obj, load_ply};
+pub use load::{Overrides, load, load_builder, load_gltf, load_obj, load_ply};
 pub use report::{LoadReport, ReportKind, ReportLine};
+#[cfg(feature = "files")]
+pub use save::glb;
 pub use scene::Scene;

@@ -64,6 +64,14 @@ impl LoadReport {
         self.lines.iter().all(|line| line.kind == ReportKind::Note)
     }
 
+    /// Adds the lines of another report.
+    #[cfg(feature = "files")]
+    pub(crate) fn extend(&mut self, other: Self) {
+        for ReportLine { kind, subject, text } in other.lines {
+            self.push(kind, subject, text);
+        }
+    }
+
     fn push(&mut self, kind: ReportKind, subject: String, text: String) {
         let line = ReportLine { kind, subject, text };
         // A file that says the same of a material a thousand times is reported once; one with a

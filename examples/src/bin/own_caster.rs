@@ -1,14 +1,15 @@
-//! The whole pipeline over a ray caster that is not ours.
+//! Example: the whole pipeline with a ray caster of your own.
 //!
-//! The foreign one here is obvhs' own traversal and triangle test; Embree or a renderer's own tree
-//! would come in at the same place. Both casters render the same passes, and the pictures are
-//! compared: hits agree but for rounding, so that the pictures differ by far less than their noise.
+//! The foreign caster here is the traversal and triangle test of the crate obvhs; Embree, or the BVH that your renderer
+//! has already, takes the same place. Both casters render the same passes, and the pictures are compared: hits agree
+//! except for rounding, so that the pictures differ by far less than their noise.
+//!
+//!     cargo run --release -p photon-examples --bin own_caster -- cornell
 #![expect(clippy::print_stdout, reason = "the comparison is the result")]
 
-use std::process::ExitCode;
+use std::error::Error;
 
 use backend_cpu::Cpu;
-use clap::Parser;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
@@ -16,27 +17,12 @@ use obvhs::ray::{Ray as TheirRay, RayHit};
 use obvhs::triangle::Triangle;
 use photon_core::glam::Vec3A;
 use photon_core::{Budget, Film, Hit, Pipeline, Ray, RayCaster, Render, SceneView, Settings, View, render};
-use photon_examples::fault::{self, Fault};
 
-/// Renders a built-in scene with a foreign ray caster and with ours, and compares.
-#[derive(Debug, Parser)]
-#[command(name = "own_caster", version, about)]
-struct Args {
-    /// A built-in scene.
-    #[arg(default_value = "cornell")]
-    scene: String,
-    /// Pixels across and down.
-    #[arg(long, default_value_t = 128)]
-    size: u32,
-    /// Paths per pass.
-    #[arg(long, default_value_t = 50_000)]
-    photons: u32,
-    /// Passes.
-    #[arg(long, default_value_t = 4)]
-    passes: u32,
-}
+const SIZE: u32 = 128;
+const PHOTONS: u32 = 50_000;
+const PASSES: u32 = 4;
 
-/// What another renderer has already.
+/// The acceleration structure that another renderer has already.
 struct Foreign {
     tree: Bvh2,
     triangles: Vec<Triangle>,
@@ -64,7 +50,7 @@ impl RayCaster for Foreign {
             return None;
         }
         let primitive = id(hit.primitive_id);
-        // The weights of the point hit, which this tracer does not give by itself.
+        // Barycentric coordinates of the hit, which obvhs does not return.
         let Triangle { v0, v1, v2 } = self.triangles[primitive as usize];
         let (e1, e2) = (v1 - v0, v2 - v0);
         let p = theirs.direction.cross(e2);
@@ -80,24 +66,23 @@ impl RayCaster for Foreign {
     }
 }
 
-fn main() -> ExitCode {
-    fault::run(|| work(&Args::parse()))
-}
-
-fn work(args: &Args) -> Result<(), Fault> {
-    let builder = photon_scene::builtin(&args.scene)
-        .ok_or_else(|| Fault::input(format!("{}: no built-in scene has that name; see render --list", args.scene)))?;
-    let scene = builder.build()?;
-    let view = View { camera: scene.camera(None, args.size, args.size)?, width: args.size, height: args.size };
-    let picture = |cpu: Cpu| -> Result<Film, Fault> {
-        let settings = Settings { photons: args.photons, ..Settings::default() };
+fn main() -> Result<(), Box<dyn Error>> {
+    let name = std::env::args().nth(1).unwrap_or_else(|| "cornell".to_owned());
+    let scene = photon_scene::builtin(&name).ok_or(format!("{name}: no built-in scene has that name"))?.build()?;
+    let view = View { camera: scene.camera(None, SIZE, SIZE)?, width: SIZE, height: SIZE };
+    let picture = |cpu: Cpu| -> Result<Film, Box<dyn Error>> {
+        let settings = Settings { photons: PHOTONS, ..Settings::default() };
         let mut renderer = Pipeline::new(cpu, &scene.view(), view, settings)?;
-        render(&mut renderer, Budget::passes(args.passes), &mut ())?;
+        render(&mut renderer, Budget::passes(PASSES), &mut ())?;
         Ok(renderer.film()?)
     };
     let ours = picture(Cpu::new()?)?;
     let foreign = picture(Cpu::new()?.with_caster(|scene| Ok(Box::new(Foreign::new(scene)))))?;
+    compare(&ours, &foreign)
+}
 
+/// Prints the difference, which is an error if rounding does not explain it.
+fn compare(ours: &Film, foreign: &Film) -> Result<(), Box<dyn Error>> {
     let noise = ours.standard_error();
     let (mut apart, mut sum, mut squares) = (0, 0.0, 0.0);
     let (a, b) = (ours.beauty(), foreign.beauty());
@@ -110,13 +95,10 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     let pixels = a.len() as f64;
     let relative = (squares / pixels).sqrt() / (sum / pixels);
-    println!(
-        "root mean square difference {:.5} of the mean; {apart} of {pixels} pixels beyond 4.5 standard errors",
-        relative
-    );
+    println!("RMS difference {relative:.5} of the mean; {apart} of {pixels} pixels beyond 4.5 standard errors");
     // One ray in many thousands meets an edge, where the other caster may see the neighbour.
     if apart as f64 > 0.01 * pixels {
-        return Err(Fault::failure("the pictures differ by more than rounding explains"));
+        return Err("the pictures differ by more than rounding explains".into());
     }
     Ok(())
 }

@@ -13,6 +13,7 @@
 //! | `lights_punctual` | candela are W/sr, lux are W/m²: no factor of 683 |
 //! | texture | its mean colour, where it is a PNG |
 //! | alpha below one half | thin sheet |
+//! | `extras.photonmap` | the same in double precision, as [`crate::glb`] writes it |
 //!
 //! Whatever that leaves out is a line of the report. The document is read without the parser's own
 //! validation, which refuses extensions that are supported here; instead, every index is looked up
@@ -44,6 +45,7 @@ use self::texture::Textures;
 use super::read;
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;
+use crate::extras::{self, NodeExtras};
 use crate::report::LoadReport;
 
 /// Reads a glTF 2.0 file, `.gltf` or `.glb`, whichever its first bytes say.
@@ -91,12 +93,19 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
                 report.left_out(&part, "its skin; the mesh is rendered without its bones");
             }
         }
+        let exact = extras::read::<NodeExtras>(node.extras.as_deref().map(|raw| raw.get()));
+        let exact = exact.unwrap_or_else(|why| {
+            report.note(&part, why);
+            None
+        });
+        let NodeExtras { light: exact_light, camera: exact_camera } = exact.unwrap_or_default();
         if let Some(camera) = node.camera {
-            let (camera, names) = (camera.value(), &mut camera_names);
-            punctual::add_camera(&root, &part, camera, &placed.transform, names, &mut builder)?;
+            let (camera, names) = ((camera.value(), exact_camera), &mut camera_names);
+            punctual::add_camera(&root, &part, camera, &placed.transform, names, &mut builder, &mut report)?;
         }
         let lights = node.extensions.as_ref().and_then(|all| all.khr_lights_punctual.as_ref());
         if let Some(light) = lights.map(|holder| holder.light.value()) {
+            let light = (light, exact_light);
             punctual::add_light(&root, &part, light, &placed.transform, &mut builder, &mut report)?;
         }
     }

@@ -8,6 +8,7 @@ mod ply;
 mod polygon;
 mod schema;
 
+use crate::builder::SceneBuilder;
 use crate::describe::MaterialDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
@@ -28,6 +29,15 @@ pub use self::ply::load_ply;
 /// A file that cannot be read or makes no sense, an extension that is not known, an override of
 /// something that is not there, or whatever [`crate::SceneBuilder::build`] finds; each by its name.
 pub fn load(path: &Path, overrides: Option<&Overrides>) -> Result<(Scene, LoadReport), SceneError> {
+    let (builder, report) = load_builder(path, overrides)?;
+    Ok((builder.build()?, report))
+}
+
+/// As [`load`], but does not build the scene: for programs that change it first, or write it elsewhere.
+///
+/// # Errors
+/// As [`load`], without what [`crate::SceneBuilder::build`] finds.
+pub fn load_builder(path: &Path, overrides: Option<&Overrides>) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
     let (mut builder, mut report) = match extension.as_deref() {
         Some("gltf" | "glb") => load_gltf(path)?,
@@ -49,7 +59,7 @@ pub fn load(path: &Path, overrides: Option<&Overrides>) -> Result<(Scene, LoadRe
         );
         builder.camera("automatic", camera);
     }
-    Ok((builder.build()?, report))
+    Ok((builder, report))
 }
 
 /// The bytes of a file.

@@ -1,9 +1,10 @@
-//! What a renderer with a Vulkan device of its own has already: instance, device, queue, buffers,
-//! and a kernel that fills them.
+//! What a renderer with a Vulkan device of its own has already: instance, device, queue, buffers, and a compute
+//! shader that fills them.
+
+use std::error::Error;
 
 use backend_vulkan::RawDevice;
 use backend_vulkan::ash::{self, vk};
-use photon_examples::fault::Fault;
 
 /// The host's kernel, compiled from `shaders-glsl/example/photons.comp`.
 const KERNEL: &[u8] = include_bytes!("../../../../crates/backend-vulkan/spirv/example_photons.spv");
@@ -19,7 +20,7 @@ pub(crate) struct Host {
     pipeline: (vk::Pipeline, vk::PipelineLayout, vk::ShaderModule),
 }
 
-/// What the kernel is told.
+/// Push constants of the kernel.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub(crate) struct Push {
@@ -35,20 +36,20 @@ pub(crate) struct Push {
 }
 
 impl Host {
-    /// Opens the first device that the library says will do.
-    pub(crate) fn new() -> Result<Self, Fault> {
+    /// Opens the first device that the library finds suitable, hardware first.
+    pub(crate) fn new() -> Result<Self, Box<dyn Error>> {
         let listed = backend_vulkan::devices()?;
         let hardware = |device: &&backend_vulkan::Candidate| device.lacks.is_empty() && device.kind != "software";
         let chosen = listed.iter().find(hardware).or(listed.iter().find(|device| device.lacks.is_empty()));
-        let chosen = chosen.ok_or_else(|| Fault::input("no suitable Vulkan device: see `render --devices`"))?;
+        let chosen = chosen.ok_or("no suitable Vulkan device: `photonmap devices` says what each lacks")?;
         // SAFETY: the loader is the system's; the structures live until after the calls that take them,
         // and each handle is made from the one before it.
         unsafe {
-            let entry = ash::Entry::load().map_err(Fault::input)?;
+            let entry = ash::Entry::load()?;
             let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_2);
             let info = vk::InstanceCreateInfo::default().application_info(&application);
-            let instance = entry.create_instance(&info, None).map_err(Fault::failure)?;
-            let physical = instance.enumerate_physical_devices().map_err(Fault::failure)?[chosen.index];
+            let instance = entry.create_instance(&info, None)?;
+            let physical = instance.enumerate_physical_devices()?[chosen.index];
             let families = instance.get_physical_device_queue_family_properties(physical);
             let computes = |family: &vk::QueueFamilyProperties| family.queue_flags.contains(vk::QueueFlags::COMPUTE);
             let family = families.iter().position(computes).unwrap_or(0) as u32;
@@ -59,10 +60,10 @@ impl Host {
                 .queue_create_infos(&queues)
                 .enabled_features(&features)
                 .push_next(&mut twelve);
-            let device = instance.create_device(physical, &info, None).map_err(Fault::failure)?;
+            let device = instance.create_device(physical, &info, None)?;
             let queue = device.get_device_queue(family, 0);
             let info = vk::CommandPoolCreateInfo::default().queue_family_index(family);
-            let pool = device.create_command_pool(&info, None).map_err(Fault::failure)?;
+            let pool = device.create_command_pool(&info, None)?;
             let memory_types = instance.get_physical_device_memory_properties(physical);
             let pipeline = pipeline(&device)?;
             let device = RawDevice { instance, physical, device, queue, family };
@@ -71,7 +72,7 @@ impl Host {
     }
 
     /// A buffer in the card's own memory, and its address.
-    pub(crate) fn buffer(&mut self, bytes: u64) -> Result<(vk::Buffer, u64), Fault> {
+    pub(crate) fn buffer(&mut self, bytes: u64) -> Result<(vk::Buffer, u64), Box<dyn Error>> {
         let device = &self.device.device;
         // The usages that the library asks of buffers that it is lent.
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
@@ -82,7 +83,7 @@ impl Host {
         // SAFETY: the device is alive, the memory is of a type and size that the buffer takes, and is
         // bound before the address is asked for.
         unsafe {
-            let buffer = device.create_buffer(&info, None).map_err(Fault::failure)?;
+            let buffer = device.create_buffer(&info, None)?;
             let needs = device.get_buffer_memory_requirements(buffer);
             let fits = |&index: &u32| {
                 let flags = self.memory_types.memory_types[index as usize].property_flags;
@@ -94,16 +95,16 @@ impl Host {
                 .allocation_size(needs.size)
                 .memory_type_index(kind)
                 .push_next(&mut flags);
-            let memory = device.allocate_memory(&info, None).map_err(Fault::failure)?;
+            let memory = device.allocate_memory(&info, None)?;
             self.buffers.push((buffer, memory));
-            device.bind_buffer_memory(buffer, memory, 0).map_err(Fault::failure)?;
+            device.bind_buffer_memory(buffer, memory, 0)?;
             let address = device.get_buffer_device_address(&vk::BufferDeviceAddressInfo::default().buffer(buffer));
             Ok((buffer, address))
         }
     }
 
     /// Starts the kernel, and does not wait for it: what comes on the same queue does.
-    pub(crate) fn run(&self, push: &Push) -> Result<(), Fault> {
+    pub(crate) fn run(&self, push: &Push) -> Result<(), Box<dyn Error>> {
         let device = &self.device.device;
         let threads = push.photon_count.max(push.query_side * push.query_side);
         // SAFETY: a record of whole words without gaps.
@@ -112,9 +113,9 @@ impl Host {
         // host is dropped, which waits for the queue.
         unsafe {
             let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
-            let commands = device.allocate_command_buffers(&info).map_err(Fault::failure)?[0];
+            let commands = device.allocate_command_buffers(&info)?[0];
             let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-            device.begin_command_buffer(commands, &once).map_err(Fault::failure)?;
+            device.begin_command_buffer(commands, &once)?;
             let (pipeline, layout, _) = self.pipeline;
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline);
             device.cmd_push_constants(commands, layout, vk::ShaderStageFlags::COMPUTE, 0, bytes);
@@ -125,31 +126,32 @@ impl Host {
                 .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)];
             let (from, to) = (vk::PipelineStageFlags::COMPUTE_SHADER, vk::PipelineStageFlags::ALL_COMMANDS);
             device.cmd_pipeline_barrier(commands, from, to, vk::DependencyFlags::empty(), &barrier, &[], &[]);
-            device.end_command_buffer(commands).map_err(Fault::failure)?;
+            device.end_command_buffer(commands)?;
             let commands = [commands];
             let submit = [vk::SubmitInfo::default().command_buffers(&commands)];
-            device.queue_submit(self.device.queue, &submit, vk::Fence::null()).map_err(Fault::failure)
+            device.queue_submit(self.device.queue, &submit, vk::Fence::null())?;
+            Ok(())
         }
     }
 }
 
-fn pipeline(device: &ash::Device) -> Result<(vk::Pipeline, vk::PipelineLayout, vk::ShaderModule), Fault> {
+fn pipeline(device: &ash::Device) -> Result<(vk::Pipeline, vk::PipelineLayout, vk::ShaderModule), Box<dyn Error>> {
     let words: Vec<u32> = KERNEL.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
     let range =
         [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(size_of::<Push>() as u32)];
     // SAFETY: the words are a valid module, and the structures live until after the calls.
     unsafe {
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
-        let module = device.create_shader_module(&info, None).map_err(Fault::failure)?;
+        let module = device.create_shader_module(&info, None)?;
         let info = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&range);
-        let layout = device.create_pipeline_layout(&info, None).map_err(Fault::failure)?;
+        let layout = device.create_pipeline_layout(&info, None)?;
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(module)
             .name(c"main");
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout)];
         let made = device.create_compute_pipelines(vk::PipelineCache::null(), &info, None);
-        let pipeline = made.map_err(|(_, result)| Fault::failure(result))?[0];
+        let pipeline = made.map_err(|(_, result)| result)?[0];
         Ok((pipeline, layout, module))
     }
 }

@@ -46,6 +46,13 @@ impl<'a> Accessors<'a> {
         self.read(index, user, Type::Scalar, &unsigned, |elements, at| elements.unsigned(at))
     }
 
+    /// All of a buffer view as vectors of three 64-bit floats, which accessors of glTF cannot describe.
+    pub(super) fn doubles(&self, view: usize, user: &str) -> Result<Vec<[f64; 3]>, Fault> {
+        let number = |bytes: &[u8], axis: usize| f64::from_le_bytes(std::array::from_fn(|byte| bytes[8 * axis + byte]));
+        let bytes = self.buffers.view(view, user)?;
+        Ok(bytes.chunks_exact(24).map(|vertex| std::array::from_fn(|axis| number(vertex, axis))).collect())
+    }
+
     fn find(&self, index: usize, user: &str) -> Result<&'a Accessor, Fault> {
         let accessors = &self.root.accessors;
         accessors.get(index).ok_or_else(|| Fault::dangling(user, "accessor", index, accessors.len()))

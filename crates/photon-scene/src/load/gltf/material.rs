@@ -7,6 +7,7 @@ use super::fault::{Fault, name_or_number};
 use super::parameters::{self, Parameters};
 use super::texture::Textures;
 use crate::describe::{MaterialDesc, Surface};
+use crate::extras::{self, Agrees, CHANGED, MaterialExtras};
 use crate::report::LoadReport;
 
 /// Up to this roughness a metal is a mirror. A file's 0.1 is read as f32, which is a little more.
@@ -32,14 +33,29 @@ pub(super) fn describe(
     let material = &root.materials[index];
     let name = name_or_number("material", index, material.name.as_deref());
     let subject = format!("material '{name}'");
-    let parameters = parameters::read(root, index, textures, &subject, report)?;
-    let surface = surface(&parameters, &subject, report);
-    report_rest(material, &subject, report);
-    Ok(MaterialDesc {
+    let mut lines = LoadReport::default();
+    let parameters = parameters::read(root, index, textures, &subject, &mut lines)?;
+    let surface = surface(&parameters, &subject, &mut lines);
+    report_rest(material, &subject, &mut lines);
+    let desc = MaterialDesc {
         emission: parameters.emission,
         emits_both_sides: material.double_sided,
         ..MaterialDesc::new(name, surface)
-    })
+    };
+    match extras::read::<MaterialExtras>(material.extras.as_deref().map(|raw| raw.get())) {
+        Ok(None) => {}
+        Ok(Some(extras)) => {
+            let exact = extras.desc(desc.name.clone());
+            if desc.agrees(&exact) {
+                // The lines are about what glTF cannot say, and the extras do.
+                return Ok(exact);
+            }
+            lines.note(&subject, CHANGED);
+        }
+        Err(why) => lines.note(&subject, why),
+    }
+    report.extend(lines);
+    Ok(desc)
 }
 
 /// Which surface comes nearest.

@@ -80,7 +80,7 @@ impl Meshes<'_> {
                     .get(material.value())
                     .ok_or_else(|| Fault::dangling(&part, "material", material.value(), self.materials.len()))?,
             };
-            let read = primitive::read(&self.accessors, source, &part)?;
+            let read = primitive::read(&self.accessors, source, &part, report)?;
             if read.stray > 0 {
                 let text = format!("{} vertices at its end make no whole triangle", read.stray);
                 report.left_out(part, text);
@@ -94,8 +94,10 @@ impl Meshes<'_> {
                 // A mirrored mesh keeps its front (glTF 2.0 specification, section 3.7.4).
                 triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
             }
-            let positions = read.positions.into_iter().map(DVec3::from);
-            let positions = positions.map(|at| transform.transform_point3(at).to_array()).collect();
+            let mut positions = read.positions;
+            if *transform != DMat4::IDENTITY {
+                positions.iter_mut().for_each(|at| *at = transform.transform_point3(DVec3::from(*at)).to_array());
+            }
             let name = match found.primitives.len() {
                 1 => name.clone(),
                 _ => format!("{name} primitive {number}"),

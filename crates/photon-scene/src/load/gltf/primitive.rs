@@ -5,6 +5,8 @@ use gltf::json::validation::Checked;
 
 use super::accessor::Accessors;
 use super::fault::{AGAIN, Fault};
+use crate::extras::{self, CHANGED, PrimitiveExtras};
+use crate::report::LoadReport;
 
 /// The triangles of a primitive, in the space of its node.
 #[derive(Debug, Default)]
@@ -43,7 +45,12 @@ pub(super) fn size(accessors: &Accessors<'_>, primitive: &Primitive, part: &str)
 }
 
 /// Reads a primitive for which [`is_surface`] holds.
-pub(super) fn read(accessors: &Accessors<'_>, primitive: &Primitive, part: &str) -> Result<Triangles, Fault> {
+pub(super) fn read(
+    accessors: &Accessors<'_>,
+    primitive: &Primitive,
+    part: &str,
+    report: &mut LoadReport,
+) -> Result<Triangles, Fault> {
     let Some(positions) = attribute(primitive, Semantic::Positions) else {
         return Ok(Triangles::default());
     };
@@ -55,6 +62,7 @@ pub(super) fn read(accessors: &Accessors<'_>, primitive: &Primitive, part: &str)
             "every coordinate must be a finite number; repair the mesh and export it again",
         ));
     }
+    let positions = refined(accessors, primitive, positions, part, report);
     let Ok(vertices) = u32::try_from(positions.len()) else {
         return Err(Fault::new(part, "has more vertices than 32 bits can number", "split it"));
     };
@@ -87,6 +95,34 @@ pub(super) fn read(accessors: &Accessors<'_>, primitive: &Primitive, part: &str)
         }
     };
     Ok(Triangles { positions, triangles, smooth: smooth as u64, stray })
+}
+
+/// The positions in double precision, if the extras lead to them and they round to those that are there.
+fn refined(
+    accessors: &Accessors<'_>,
+    primitive: &Primitive,
+    positions: Vec<[f64; 3]>,
+    part: &str,
+    report: &mut LoadReport,
+) -> Vec<[f64; 3]> {
+    let extras = extras::read::<PrimitiveExtras>(primitive.extras.as_deref().map(|raw| raw.get()));
+    let found = match extras {
+        Ok(None) => return positions,
+        Ok(Some(extras)) => accessors.doubles(extras.positions, part).map_err(|fault| fault.to_string()),
+        Err(why) => Err(why),
+    };
+    let rounded = |exact: &[f64; 3]| exact.map(|c| f64::from(c as f32));
+    match found {
+        Ok(exact) if exact.iter().map(rounded).eq(positions.iter().copied()) => exact,
+        Ok(_) => {
+            report.note(part, CHANGED);
+            positions
+        }
+        Err(why) => {
+            report.note(part, why);
+            positions
+        }
+    }
 }
 
 /// Triangles from a list, a strip or a fan (glTF 2.0 specification, section 3.7.2.1), and how many

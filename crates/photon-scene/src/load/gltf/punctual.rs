@@ -11,13 +11,14 @@ use gltf::json::validation::Checked;
 use super::fault::{AGAIN, Fault, label, name_or_number};
 use crate::builder::SceneBuilder;
 use crate::describe::{CameraDesc, LightDesc, Projection};
+use crate::extras::{Agrees, CHANGED, CameraExtras, LightExtras};
 use crate::report::LoadReport;
 
 /// Adds the light that `node` holds. It shines along −Z; no scale changes what it gives.
 pub(super) fn add_light(
     root: &Root,
     node: &str,
-    light: usize,
+    (light, exact): (usize, Option<LightExtras>),
     transform: &DMat4,
     builder: &mut SceneBuilder,
     report: &mut LoadReport,
@@ -50,7 +51,8 @@ pub(super) fn add_light(
     if found.range.is_some() && kind != Type::Directional {
         report.left_out(&part, "its range; light falls off with the squared distance only");
     }
-    builder.light(name_or_number("light", light, found.name.as_deref()), desc);
+    let exact = exact.map(LightExtras::desc);
+    builder.light(name_or_number("light", light, found.name.as_deref()), refined(desc, exact, node, report));
     Ok(())
 }
 
@@ -63,10 +65,11 @@ fn half_turn(angle: f32) -> f64 {
 pub(super) fn add_camera(
     root: &Root,
     node: &str,
-    camera: usize,
+    (camera, exact): (usize, Option<CameraExtras>),
     transform: &DMat4,
     names: &mut Vec<String>,
     builder: &mut SceneBuilder,
+    report: &mut LoadReport,
 ) -> Result<(), Fault> {
     let cameras = &root.cameras;
     let found = cameras.get(camera).ok_or_else(|| Fault::dangling(node, "camera", camera, cameras.len()))?;
@@ -91,12 +94,25 @@ pub(super) fn add_camera(
         up: axis(transform, DVec3::Y, node)?,
         projection,
     };
+    let desc = refined(desc, exact.and_then(CameraExtras::desc), node, report);
     // Two nodes may hold the same camera, and two cameras may have the same name.
     let name = name_or_number("camera", camera, found.name.as_deref());
     let name = if names.contains(&name) { format!("{name} at {node}") } else { name };
     names.push(name.clone());
     builder.camera(name, desc);
     Ok(())
+}
+
+/// What the extras say, unless glTF says something else.
+fn refined<T: Agrees>(desc: T, exact: Option<T>, node: &str, report: &mut LoadReport) -> T {
+    match exact {
+        Some(exact) if desc.agrees(&exact) => exact,
+        Some(_) => {
+            report.note(node, CHANGED);
+            desc
+        }
+        None => desc,
+    }
 }
 
 /// A direction of the node's own space in that of the scene.

@@ -1,0 +1,316 @@
+//! What our own glTF files hold in `extras.photonmap`: the numbers of a scene in double precision, and what glTF has
+//! no words for.
+//!
+//! ```json
+//! "materials": [{ …, "extras": { "photonmap": { "kind": "glass", "ior": "1.5", "tint": ["1.0", "1.0", "1.0"], … } } }],
+//! "nodes":     [{ …, "extras": { "photonmap": { "camera": { "position": ["0.0", "1.0", "3.2"], … } } } }],
+//! "meshes":    [{ "primitives": [{ …, "extras": { "photonmap": { "positions": 2 } } }] }]
+//! ```
+//!
+//! Numbers are decimal strings, since readers of JSON may round numbers. `positions` is the number of a buffer view
+//! with three 64-bit floats for each vertex. All of it only refines what glTF says: a program that changes a scene and
+//! keeps the extras is followed, see [`Agrees`].
+
+use std::str::FromStr;
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+
+/// A number that survives being written and read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Exact(pub(crate) f64);
+
+impl Serialize for Exact {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        // The shortest text that is read back as the same number.
+        serializer.collect_str(&format_args!("{:?}", self.0))
+    }
+}
+
+impl<'de> Deserialize<'de> for Exact {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        f64::from_str(&text).map(Self).map_err(|why| D::Error::custom(format!("{text:?}: {why}")))
+    }
+}
+
+type Triple = [Exact; 3];
+
+fn exact(values: [f64; 3]) -> Triple {
+    values.map(Exact)
+}
+
+fn plain(values: Triple) -> [f64; 3] {
+    values.map(|value| value.0)
+}
+
+/// The extras of one object, of which other programs may hold parts too.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Extras<T> {
+    pub(crate) photonmap: T,
+}
+
+/// Of a material.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+pub(crate) enum MaterialExtras {
+    Lambert {
+        albedo: Triple,
+        emission: Triple,
+        emits_both_sides: bool,
+    },
+    Mirror {
+        albedo: Triple,
+        emission: Triple,
+        emits_both_sides: bool,
+    },
+    Glass {
+        ior: Exact,
+        absorption: Triple,
+        tint: Triple,
+        #[serde(default)]
+        priority: u32,
+        emission: Triple,
+        emits_both_sides: bool,
+    },
+    Thin {
+        ior: Exact,
+        tint: Triple,
+        emission: Triple,
+        emits_both_sides: bool,
+    },
+}
+
+impl MaterialExtras {
+    pub(crate) fn new(desc: &MaterialDesc) -> Self {
+        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority } = desc;
+        let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
+        match *surface {
+            Surface::Lambert { albedo } => Self::Lambert { albedo: exact(albedo), emission, emits_both_sides },
+            Surface::Mirror { reflectance } => Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides },
+            Surface::Dielectric { ior, absorption, tint } => Self::Glass {
+                ior: Exact(ior),
+                absorption: exact(absorption),
+                tint: exact(tint),
+                priority: *priority,
+                emission,
+                emits_both_sides,
+            },
+            Surface::Thin { ior, tint } => {
+                Self::Thin { ior: Exact(ior), tint: exact(tint), emission, emits_both_sides }
+            }
+        }
+    }
+
+    pub(crate) fn desc(self, name: String) -> MaterialDesc {
+        // Which of overlapping solids counts is said of solids alone.
+        let priority = if let Self::Glass { priority, .. } = self { priority } else { 0 };
+        let (surface, emission, emits_both_sides) = match self {
+            Self::Lambert { albedo, emission, emits_both_sides } => {
+                (Surface::Lambert { albedo: plain(albedo) }, emission, emits_both_sides)
+            }
+            Self::Mirror { albedo, emission, emits_both_sides } => {
+                (Surface::Mirror { reflectance: plain(albedo) }, emission, emits_both_sides)
+            }
+            Self::Glass { ior, absorption, tint, emission, emits_both_sides, .. } => {
+                let surface = Surface::Dielectric { ior: ior.0, absorption: plain(absorption), tint: plain(tint) };
+                (surface, emission, emits_both_sides)
+            }
+            Self::Thin { ior, tint, emission, emits_both_sides } => {
+                (Surface::Thin { ior: ior.0, tint: plain(tint) }, emission, emits_both_sides)
+            }
+        };
+        MaterialDesc { name, surface, emission: plain(emission), emits_both_sides, priority }
+    }
+}
+
+/// Of a node that holds a light or a camera.
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct NodeExtras {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) light: Option<LightExtras>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) camera: Option<CameraExtras>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
+pub(crate) enum LightExtras {
+    Point { position: Triple, intensity: Triple },
+    Spot { position: Triple, direction: Triple, intensity: Triple, inner_angle: Exact, outer_angle: Exact },
+    Directional { direction: Triple, irradiance: Triple },
+}
+
+impl LightExtras {
+    pub(crate) fn new(desc: &LightDesc) -> Self {
+        match *desc {
+            LightDesc::Point { position, intensity } => {
+                Self::Point { position: exact(position), intensity: exact(intensity) }
+            }
+            LightDesc::Spot { position, direction, intensity, inner_angle, outer_angle } => Self::Spot {
+                position: exact(position),
+                direction: exact(direction),
+                intensity: exact(intensity),
+                inner_angle: Exact(inner_angle),
+                outer_angle: Exact(outer_angle),
+            },
+            LightDesc::Directional { direction, irradiance } => {
+                Self::Directional { direction: exact(direction), irradiance: exact(irradiance) }
+            }
+        }
+    }
+
+    pub(crate) fn desc(self) -> LightDesc {
+        match self {
+            Self::Point { position, intensity } => {
+                LightDesc::Point { position: plain(position), intensity: plain(intensity) }
+            }
+            Self::Spot { position, direction, intensity, inner_angle, outer_angle } => LightDesc::Spot {
+                position: plain(position),
+                direction: plain(direction),
+                intensity: plain(intensity),
+                inner_angle: inner_angle.0,
+                outer_angle: outer_angle.0,
+            },
+            Self::Directional { direction, irradiance } => {
+                LightDesc::Directional { direction: plain(direction), irradiance: plain(irradiance) }
+            }
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CameraExtras {
+    position: Triple,
+    direction: Triple,
+    up: Triple,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vertical_fov: Option<Exact>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    half_height: Option<Exact>,
+}
+
+impl CameraExtras {
+    pub(crate) fn new(desc: &CameraDesc) -> Self {
+        let CameraDesc { position, direction, up, projection } = *desc;
+        let (vertical_fov, half_height) = match projection {
+            Projection::Perspective { vertical_fov } => (Some(Exact(vertical_fov)), None),
+            Projection::Orthographic { half_height } => (None, Some(Exact(half_height))),
+        };
+        let (position, direction, up) = (exact(position), exact(direction), exact(up));
+        Self { position, direction, up, vertical_fov, half_height }
+    }
+
+    /// `None` without a projection, or with two.
+    pub(crate) fn desc(self) -> Option<CameraDesc> {
+        let projection = match (self.vertical_fov, self.half_height) {
+            (Some(fov), None) => Projection::Perspective { vertical_fov: fov.0 },
+            (None, Some(half_height)) => Projection::Orthographic { half_height: half_height.0 },
+            _ => return None,
+        };
+        let (position, direction, up) = (plain(self.position), plain(self.direction), plain(self.up));
+        Some(CameraDesc { position, direction, up, projection })
+    }
+}
+
+/// Of a primitive.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PrimitiveExtras {
+    /// Buffer view of the positions in double precision.
+    pub(crate) positions: usize,
+}
+
+/// Whether the extras refine what glTF says in single precision, or are left over from before a change.
+pub(crate) trait Agrees {
+    fn agrees(&self, exact: &Self) -> bool;
+}
+
+/// Single precision, some operations and a logarithm later.
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-4 * a.abs().max(b.abs()) + 1e-30
+}
+
+/// Each within what is lost of the greatest.
+fn all_close(a: [f64; 3], b: [f64; 3]) -> bool {
+    let greatest = a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-4 * greatest + 1e-30)
+}
+
+fn parallel(a: [f64; 3], b: [f64; 3]) -> bool {
+    let unit = |v: [f64; 3]| glam::DVec3::from(v).normalize_or_zero();
+    unit(a).distance(unit(b)) <= 1e-4
+}
+
+impl Agrees for MaterialDesc {
+    fn agrees(&self, exact: &Self) -> bool {
+        let surface = match (&self.surface, &exact.surface) {
+            (Surface::Lambert { albedo: a }, Surface::Lambert { albedo: b })
+            | (Surface::Mirror { reflectance: a }, Surface::Mirror { reflectance: b }) => all_close(*a, *b),
+            (
+                Surface::Dielectric { ior, absorption, tint },
+                Surface::Dielectric { ior: exact_ior, absorption: exact_absorption, tint: exact_tint },
+            ) => close(*ior, *exact_ior) && all_close(*absorption, *exact_absorption) && all_close(*tint, *exact_tint),
+            (Surface::Thin { ior, tint }, Surface::Thin { ior: exact_ior, tint: exact_tint }) => {
+                close(*ior, *exact_ior) && all_close(*tint, *exact_tint)
+            }
+            _ => false,
+        };
+        // The sides of what is dark do not matter.
+        let sides = !self.is_emissive() || !exact.is_emissive() || self.emits_both_sides == exact.emits_both_sides;
+        surface && sides && all_close(self.emission, exact.emission)
+    }
+}
+
+impl Agrees for LightDesc {
+    fn agrees(&self, exact: &Self) -> bool {
+        match (self, exact) {
+            (Self::Point { position: a, intensity: i }, Self::Point { position: b, intensity: j }) => {
+                all_close(*a, *b) && all_close(*i, *j)
+            }
+            (
+                Self::Spot { position, direction, intensity, inner_angle, outer_angle },
+                Self::Spot { position: p, direction: d, intensity: i, inner_angle: inner, outer_angle: outer },
+            ) => {
+                let angles = close(*inner_angle, *inner) && close(*outer_angle, *outer);
+                all_close(*position, *p) && parallel(*direction, *d) && all_close(*intensity, *i) && angles
+            }
+            (Self::Directional { direction: a, irradiance: i }, Self::Directional { direction: b, irradiance: j }) => {
+                parallel(*a, *b) && all_close(*i, *j)
+            }
+            _ => false,
+        }
+    }
+}
+
+impl Agrees for CameraDesc {
+    fn agrees(&self, exact: &Self) -> bool {
+        let projection = match (self.projection, exact.projection) {
+            (Projection::Perspective { vertical_fov: a }, Projection::Perspective { vertical_fov: b })
+            | (Projection::Orthographic { half_height: a }, Projection::Orthographic { half_height: b }) => close(a, b),
+            _ => false,
+        };
+        // The file's is at a right angle to the direction.
+        let right = |camera: &Self| glam::DVec3::from(camera.direction).cross(glam::DVec3::from(camera.up)).to_array();
+        let axes = parallel(self.direction, exact.direction) && parallel(right(self), right(exact));
+        projection && axes && all_close(self.position, exact.position)
+    }
+}
+
+/// The text of an object's extras; nothing where they are not ours.
+///
+/// # Errors
+/// Words for the report, where they are ours and make no sense.
+pub(crate) fn read<T: for<'de> Deserialize<'de>>(extras: Option<&str>) -> Result<Option<T>, String> {
+    let Some(text) = extras.filter(|text| text.contains("\"photonmap\"")) else { return Ok(None) };
+    let parsed: Result<Extras<T>, _> = serde_json::from_str(text);
+    parsed.map(|extras| Some(extras.photonmap)).map_err(|why| format!("its extras.photonmap is ignored: {why}"))
+}
+
+/// What the report says of extras that no longer fit.
+pub(crate) const CHANGED: &str =
+    "was changed after it was exported; what glTF says is used, in single precision, and its extras are ignored";

@@ -1,0 +1,160 @@
+//! Scenes written as .glb and read again.
+#![cfg(feature = "files")]
+#![expect(clippy::unwrap_used, reason = "test code")]
+
+use std::path::PathBuf;
+
+use photon_scene::{
+    CameraDesc, LightDesc, LoadReport, MaterialDesc, Projection, SceneBuilder, Surface, builtin, builtin_names, glb,
+    load_gltf,
+};
+
+/// Writes the bytes, and reads them.
+fn reload(name: &str, bytes: &[u8]) -> (SceneBuilder, LoadReport) {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("glb-{name}.glb"));
+    std::fs::write(&path, bytes).unwrap();
+    load_gltf(&path).unwrap()
+}
+
+/// Everything that a scene holds, number by number.
+fn described(scene: &SceneBuilder) -> String {
+    format!("{scene:#?}")
+}
+
+/// One of everything, with numbers that single precision does not hold.
+fn everything() -> SceneBuilder {
+    let third = 1.0 / 3.0;
+    let mut scene = SceneBuilder::new();
+    let both = MaterialDesc { emits_both_sides: true, ..MaterialDesc::emissive("both", [0.1; 3], [third, 2.0, 1e-3]) };
+    let glass = Surface::Dielectric { ior: 1.1 * third + 1.0, absorption: [0.1, 7.7, 0.0], tint: [0.3, third, 1.0] };
+    let all = [
+        MaterialDesc::lambert("diffuse", [third, 0.7, 0.0]),
+        MaterialDesc { emits_both_sides: true, ..MaterialDesc::lambert("dark", [0.5; 3]) },
+        MaterialDesc::mirror("mirror", [0.9, 0.8, third]),
+        MaterialDesc { priority: 3, ..MaterialDesc::new("glass", glass) },
+        MaterialDesc::new("clear", Surface::Dielectric { ior: 0.9, absorption: [0.0; 3], tint: [1.0; 3] }),
+        MaterialDesc::new("pane", Surface::Thin { ior: 1.33, tint: [0.2, 0.4, third] }),
+        both,
+    ];
+    for (at, desc) in all.into_iter().enumerate() {
+        let name = desc.name.clone();
+        let material = scene.material(desc);
+        let (x, z) = (at as f64 * 1.1, third);
+        scene.quad(name, [[x, -0.0, z], [x + 1.0, 0.1, z], [x + 1.0, 0.1, -z], [x, 0.0, -z]], material);
+    }
+    scene.light("point", LightDesc::Point { position: [0.1, 5.0, third], intensity: [1.0, third, 0.0] });
+    scene.light(
+        "spot",
+        LightDesc::Spot {
+            position: [third, 4.0, 0.2],
+            direction: [0.1, -2.0, third],
+            intensity: [third, 3.0, 9.0],
+            inner_angle: 0.1,
+            outer_angle: std::f64::consts::FRAC_PI_2,
+        },
+    );
+    scene.light("sun", LightDesc::Directional { direction: [third, -3.0, 0.1], irradiance: [1e-3, third, 2.0] });
+    scene.camera("first", CameraDesc::look_at([0.1, 3.0, 9.0], [1.0, third, 0.0], [0.1, 1.0, 0.0], 0.7));
+    let projection = Projection::Orthographic { half_height: 10.0 * third };
+    let along = CameraDesc { position: [0.0; 3], direction: [0.0, 0.0, -4.0], up: [third, 2.0, 1.0], projection };
+    scene.camera("second", along);
+    scene
+}
+
+#[test]
+fn every_built_in_scene_comes_back_number_by_number() {
+    let scenes = builtin_names().iter().map(|(name, _)| (*name, builtin(name).unwrap()));
+    for (name, scene) in scenes.chain([("everything", everything())]) {
+        let bytes = glb(&scene).unwrap();
+        let (again, report) = reload(name, &bytes);
+        assert!(report.lines.is_empty(), "{name}: {report}");
+        assert_eq!(described(&scene), described(&again), "{name}");
+        // And it is a valid file for others.
+        gltf::Gltf::from_slice(&bytes).unwrap_or_else(|why| panic!("{name}: {why:?}"));
+    }
+}
+
+/// Without the extras the file is read as others read it: the same scene in single precision.
+#[test]
+fn the_comparison_sees_single_precision() {
+    let scene = everything();
+    let bytes = glb(&scene).unwrap();
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    assert!(text.contains("photonmap"));
+    let plain: Vec<u8> = replaced(&bytes, b"\"photonmap\"", b"\"something\"");
+    let (again, _) = reload("plain", &plain);
+    assert_ne!(described(&scene), described(&again));
+    let (ours, theirs) = (scene.bounds().unwrap(), again.bounds().unwrap());
+    for (a, b) in [ours.0, ours.1].into_iter().flatten().zip([theirs.0, theirs.1].into_iter().flatten()) {
+        assert!((a - b).abs() < 1e-6 && f64::from(b as f32) == b, "{a} {b}");
+    }
+    assert!(described(&again).contains("Dielectric") && described(&again).contains("Thin"));
+}
+
+/// All occurrences; both of one length, so that no length of a chunk changes.
+fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let mut all = bytes.to_vec();
+    let mut at = 0;
+    while let Some(found) = all[at..].windows(from.len()).position(|window| window == from) {
+        all[at + found..][..to.len()].copy_from_slice(to);
+        at += found + to.len();
+    }
+    assert!(at > 0, "there is something to replace");
+    all
+}
+
+/// What another program changes counts, though it keeps the extras.
+#[test]
+fn a_changed_file_is_followed() {
+    let mut scene = SceneBuilder::new();
+    let wall = scene.material(MaterialDesc::lambert("wall", [0.25, 0.5, 0.75]));
+    let at = 1.0 / 3.0;
+    scene.quad("wall", [[0.0, 0.0, 0.0], [at, 0.0, 0.0], [at, 1.0, 0.0], [0.0, 1.0, 0.0]], wall);
+    scene.light("bulb", LightDesc::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
+    scene.camera("camera", CameraDesc::look_at([0.0, 0.0, 3.0], [0.0; 3], [0.0, 1.0, 0.0], 0.5));
+    let bytes = glb(&scene).unwrap();
+    for (from, to, what) in [
+        (&b"[0.25,0.5,0.75,1.0]"[..], &b"[0.75,0.5,0.25,1.0]"[..], "material 'wall'"),
+        (b"\"intensity\":4.0", b"\"intensity\":5.0", "bulb"),
+        (b"\"yfov\":0.5", b"\"yfov\":0.7", "camera"),
+        (b"\"translation\":[0.0,0.0,3.0]", b"\"translation\":[0.0,9.0,3.0]", "camera"),
+    ] {
+        let (changed, report) = reload("changed", &replaced(&bytes, from, to));
+        assert!(report.is_exact() && report.to_string().contains("was changed after"), "{report}");
+        assert!(report.to_string().contains(what), "{report}");
+        assert_ne!(described(&changed), described(&scene));
+    }
+    // Positions: one coordinate is no longer the rounded one.
+    let third = (at as f32).to_le_bytes();
+    let (_, report) = reload("moved", &replaced(&bytes, &third, &0.5_f32.to_le_bytes()));
+    assert!(report.to_string().contains("mesh") && report.to_string().contains("was changed after"), "{report}");
+}
+
+#[test]
+fn extras_that_make_no_sense_are_ignored_with_a_note() {
+    let bytes = glb(&everything()).unwrap();
+    for (from, to) in [
+        (&b"\"kind\":\"lambert\""[..], &b"\"kind\":\"lumbert\""[..]),
+        (b"\"outer_angle\"", b"\"outre_angle\""),
+        (b"\"vertical_fov\"", b"\"vertical_fox\""),
+        (b"{\"positions\":2}", b"{\"positions\":9}"),
+    ] {
+        let (_, report) = reload("nonsense", &replaced(&bytes, from, to));
+        assert!(!report.lines.is_empty() && report.is_exact(), "{report}");
+    }
+}
+
+#[test]
+fn what_gltf_cannot_hold_is_named() {
+    let lit = |intensity: f64| {
+        let mut scene = everything();
+        scene.light("huge", LightDesc::Point { position: [0.0; 3], intensity: [intensity; 3] });
+        glb(&scene)
+    };
+    assert!(lit(1e3).is_ok());
+    let why = lit(1e60).unwrap_err().to_string();
+    assert!(why.contains("light 'huge'"), "{why}");
+    // What is no scene is no file.
+    assert!(lit(f64::NAN).unwrap_err().to_string().contains("huge"));
+}

@@ -1,0 +1,199 @@
+//! The options of `photonmap render` and `photonmap explain`.
+
+use std::time::Duration;
+
+use clap::Parser;
+use clap::builder::TypedValueParser;
+use photon_core::{Bandwidth, Budget, Estimator, IndexKind, Indirect, Paper, Plan, Preset, Settings};
+
+use crate::fault::Fault;
+
+mod groups;
+#[cfg(test)]
+mod tests;
+mod values;
+
+pub use groups::{BudgetArgs, EstimateArgs, LightArgs, MachineArgs, OutputArgs, PhotonArgs, PictureArgs, SceneArgs};
+
+/// Reads the name of a data structure of the photon map.
+pub(crate) fn index_names() -> impl TypedValueParser<Value = IndexKind> {
+    values::choice(IndexKind::ALL.map(IndexKind::name))
+}
+
+/// Passes where neither `--passes` nor `--time` says otherwise: a finished picture of the default
+/// scene, well within a minute on two cores.
+pub const PASSES: u32 = 32;
+
+/// Everything that settings are made from.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SettingsArgs {
+    /// Size and viewpoint.
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    /// When to stop.
+    #[command(flatten)]
+    pub budget: BudgetArgs,
+    /// How photons are traced.
+    #[command(flatten)]
+    pub photon: PhotonArgs,
+    /// How they become radiance.
+    #[command(flatten)]
+    pub estimate: EstimateArgs,
+    /// Which light is computed.
+    #[command(flatten)]
+    pub light: LightArgs,
+}
+
+/// Render a scene and write the picture.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "render")]
+pub struct RenderArgs {
+    /// What is rendered.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// What is written.
+    #[command(flatten)]
+    pub files: OutputArgs,
+    /// How it is rendered.
+    #[command(flatten)]
+    pub settings: SettingsArgs,
+    /// What it runs on.
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    /// Same as `photonmap scenes`.
+    #[arg(long, hide = true)]
+    pub list: bool,
+    /// Same as `photonmap devices`.
+    #[arg(long, hide = true)]
+    pub devices: bool,
+    /// Same as `photonmap explain`.
+    #[arg(long, hide = true)]
+    pub explain: bool,
+}
+
+/// Say what a scene needs with these settings, what is left out and why; nothing is rendered.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "explain")]
+pub struct ExplainArgs {
+    /// What would be rendered.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// How it would be rendered.
+    #[command(flatten)]
+    pub settings: SettingsArgs,
+}
+
+impl SettingsArgs {
+    /// The library's settings.
+    ///
+    /// # Errors
+    /// [`Fault::Input`] names the option whose value makes no sense.
+    pub fn settings(&self) -> Result<Settings, Fault> {
+        let Self { picture, budget, photon, estimate, light } = self;
+        let estimator = self.estimator()?;
+        let paper = matches!(estimator, Estimator::Paper(_));
+        let pixels = u64::from(picture.size.0) * u64::from(picture.size.1);
+        let base = match budget.preset {
+            Some(_) if paper => {
+                return Err(Fault::input("--preset: the paper has numbers of its own; leave out one of the two"));
+            }
+            Some(preset) => Settings::preset(preset, pixels),
+            None if paper => Settings { gather_rays: 8, ..Settings::paper() },
+            None => Settings { gather_rays: 8, ..Settings::default() },
+        };
+        if budget.passes == Some(0) {
+            return Err(Fault::input("--passes is 0, but at least 1 is needed"));
+        }
+        if let Some(time) = budget.time.filter(|time| !(*time > 0.0 && time.is_finite())) {
+            return Err(Fault::input(format!("--time is {time}, but must be above 0 and finite")));
+        }
+        let irradiance_every = light.irradiance_every.or(base.irradiance_every);
+        let indirect = light.indirect.unwrap_or(base.indirect);
+        // A given time is used best with radii that are adapted to it, which needs error estimates.
+        let derived = matches!(estimator, Estimator::Radius { radius: None }) && irradiance_every.is_none();
+        let adapts = derived && budget.passes.is_none() && budget.time.is_some();
+        // What was measured to be best for a given time is what the preset `final` has.
+        let timed =
+            adapts && budget.target_error.is_none() && budget.total_photons.is_none() && budget.preset.is_none();
+        let kind = if timed { Settings::preset(Preset::Final, pixels) } else { base.clone() };
+        let bandwidth = match estimate.bandwidth {
+            Some(bandwidth) => bandwidth,
+            // Neither gathered light nor the k nearest photons have a radius of the pixel's own.
+            None if indirect == Indirect::Gather || !matches!(estimator, Estimator::Radius { .. }) => Bandwidth::Shared,
+            None => kind.bandwidth,
+        };
+        let settings = Settings {
+            errors: budget.errors || budget.target_error.is_some() || adapts || bandwidth == Bandwidth::PerPixel,
+            photons: photon.photons.unwrap_or(base.photons),
+            estimator,
+            radius_factor: estimate.radius_factor.unwrap_or(base.radius_factor),
+            kernel: estimate.kernel.unwrap_or(base.kernel),
+            index: estimate.index.unwrap_or(base.index),
+            direct: light.direct,
+            indirect,
+            bandwidth,
+            area: estimate.area.unwrap_or(kind.area),
+            max_plane_distance: estimate.max_plane_distance.unwrap_or(base.max_plane_distance),
+            caustic_photons: photon.caustic_photons.unwrap_or(base.caustic_photons),
+            max_bounces: photon.max_bounces.unwrap_or(base.max_bounces),
+            seed: photon.seed,
+            alpha: if paper { base.alpha } else { estimate.alpha.unwrap_or(base.alpha) },
+            sharing: photon.scheduling.unwrap_or(base.sharing),
+            random: photon.rng.unwrap_or(base.random),
+            shadow_rays: light.shadow_rays.unwrap_or(base.shadow_rays),
+            gather_rays: light.gather_rays.unwrap_or(base.gather_rays),
+            irradiance_every,
+            ..base
+        };
+        settings.validate()?;
+        self.plan(None).validate()?;
+        Ok(settings)
+    }
+
+    /// The estimator with the numbers that are given.
+    fn estimator(&self) -> Result<Estimator, Fault> {
+        let given = &self.estimate;
+        if given.k == Some(0) {
+            return Err(Fault::input("--k is 0, but at least 1 is needed (2 for knn)"));
+        }
+        Ok(match given.estimator {
+            Estimator::Radius { .. } => Estimator::Radius { radius: given.radius },
+            Estimator::Knn { k, .. } => Estimator::Knn { k: given.k.unwrap_or(k), max_radius: given.radius },
+            Estimator::Paper(paper) => Estimator::Paper(Paper {
+                max: given.k.unwrap_or(paper.max),
+                radius: given.radius,
+                threshold: given.paper_threshold,
+                factor: given.paper_factor,
+                clamp: paper.clamp,
+            }),
+        })
+    }
+
+    /// When to stop; `time` is what is left of `--time`.
+    #[must_use]
+    pub fn plan(&self, time: Option<Duration>) -> Plan {
+        let budget = &self.budget;
+        let until = match (budget.target_error, budget.total_photons, time, budget.passes) {
+            (Some(target), ..) => Budget::Error { target, share_of_pixels: budget.share },
+            (None, Some(photons), ..) => Budget::Photons(photons),
+            (None, None, Some(time), _) => Budget::Time(time),
+            (None, None, None, passes) => {
+                Budget::Passes(passes.unwrap_or_else(|| budget.preset.map_or(PASSES, Preset::passes)))
+            }
+        };
+        Plan { first: 0, until, most_passes: budget.passes, most_time: time }
+    }
+}
+
+impl OutputArgs {
+    /// Checks what no file system needs to be asked for.
+    ///
+    /// # Errors
+    /// [`Fault::Input`] for an exposure that is not finite.
+    pub fn check(&self) -> Result<(), Fault> {
+        if self.exposure.is_finite() {
+            return Ok(());
+        }
+        Err(Fault::input(format!("--exposure is {}, but must be finite", self.exposure)))
+    }
+}

@@ -1,0 +1,205 @@
+//! The options of `photonmap render` and `photonmap explain`, in the groups that `--help` shows.
+//!
+//! Options marked `hide_short_help` are listed by `--help` alone; `-h` shows what a first picture takes.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use photon_core::{
+    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Sharing,
+};
+
+use super::values::{caustic_photons, choice, count, size, total};
+use crate::backend::BackendName;
+use crate::tonemap::ToneMap;
+
+/// What is rendered.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Scene")]
+pub struct SceneArgs {
+    /// A .gltf, .glb, .obj or .ply file, or the name of a built-in scene.
+    #[arg(default_value = "cornell-glass")]
+    pub scene: String,
+    /// Lights, materials and cameras that the file lacks (see docs/scene-files.md).
+    #[arg(long, value_name = "FILE.toml")]
+    pub overrides: Option<PathBuf>,
+    /// Treat everything that the loader approximates or leaves out as an error.
+    #[arg(long, hide_short_help = true)]
+    pub strict: bool,
+}
+
+/// Size and viewpoint of the picture.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Picture")]
+pub struct PictureArgs {
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
+    pub size: (u32, u32),
+    /// Name of the camera [default: the scene's first].
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
+    pub camera: Option<String>,
+}
+
+/// The files that are written.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub struct OutputArgs {
+    /// Picture to write, .exr or .png; may be given more than once [default: SCENE.png in the current folder].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Exposure of the PNG, in stops.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, hide_short_help = true)]
+    pub exposure: f32,
+    /// Tone curve of the PNG.
+    #[arg(long, value_enum, default_value_t = ToneMap::Neutral, hide_short_help = true)]
+    pub tonemap: ToneMap,
+    /// Write a report in JSON: counters, times, memory, warnings; `-` for standard output.
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    pub json: Option<PathBuf>,
+}
+
+/// How good the picture is to be, and when to stop.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Quality and time")]
+pub struct BudgetArgs {
+    /// Settings for a purpose: a quick look, everyday work, or a finished picture. Options given besides take
+    /// precedence.
+    #[arg(long, value_parser = choice::<Preset>(Preset::ALL.map(Preset::name)))]
+    pub preset: Option<Preset>,
+    /// Number of passes [default: 32, that of the preset, or as many as --time allows].
+    #[arg(long, value_name = "N")]
+    pub passes: Option<u32>,
+    /// Time limit in seconds, from start to finished file.
+    ///
+    /// Passes are rendered until the time is used up. Unless --passes, --radius or a target is given, the radii are
+    /// adapted to the time, and --area and --bandwidth default to those of the preset `final`.
+    #[arg(long, value_name = "SECONDS")]
+    pub time: Option<f64>,
+    /// Stop at this relative error, such as 0.05.
+    ///
+    /// The error is an estimated bound for each pixel, relative to its radiance, or to a tenth of the picture's mean
+    /// where the pixel is darker. --passes and --time are then upper limits.
+    #[arg(long, value_name = "E")]
+    pub target_error: Option<f64>,
+    /// Fraction of the pixels with an error estimate that must reach --target-error.
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.95, hide_short_help = true)]
+    pub share: f64,
+    /// Number of photon paths in all, in whole passes; `k` and `M` are understood.
+    #[arg(long, value_name = "N", value_parser = total, hide_short_help = true)]
+    pub total_photons: Option<u64>,
+    /// Estimate the error of each pixel: channels stderr, bias, claimed and flag of an EXR. Implied by
+    /// --target-error.
+    #[arg(long, hide_short_help = true)]
+    pub errors: bool,
+}
+
+/// How photons are traced.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Photons")]
+pub struct PhotonArgs {
+    /// Photon paths emitted per pass; `k` and `M` are understood [default: 200k].
+    #[arg(long, value_name = "N", value_parser = count)]
+    pub photons: Option<u32>,
+    /// Paths per pass that are aimed at mirrors and glass, for caustics: a number, `auto`, or `shared` for none
+    /// besides --photons [default: auto, with --estimator paper shared].
+    #[arg(long, value_name = "N", value_parser = caustic_photons, hide_short_help = true)]
+    pub caustic_photons: Option<CausticPhotons>,
+    /// Longest path, in surfaces that it meets [default: 64].
+    #[arg(long, value_name = "N", hide_short_help = true)]
+    pub max_bounces: Option<u32>,
+    /// Key of all random numbers: the same key gives the same picture.
+    #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true)]
+    pub seed: u64,
+    /// Random numbers of photons: counter-based, the linear congruential generator of Lin and Wang 2010, or
+    /// Sobol's sequence [default: counter, with --estimator paper lcg].
+    #[arg(long, value_parser = choice::<RandomKind>(RandomKind::ALL.map(RandomKind::name)), hide_short_help = true)]
+    pub rng: Option<RandomKind>,
+    /// How paths are distributed over threads: fixed quotas, or a shared counter; the picture is the same
+    /// [default: dynamic, with --estimator paper static].
+    #[arg(long, alias = "sharing", value_parser = choice::<Sharing>(Sharing::ALL.map(Sharing::name)), hide_short_help = true)]
+    pub scheduling: Option<Sharing>,
+}
+
+/// How photons become radiance.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Density estimation")]
+pub struct EstimateArgs {
+    /// Radiance estimate: all photons within a radius that shrinks from pass to pass, the k nearest, or equation (2)
+    /// of Lin and Wang 2010.
+    #[arg(long, default_value = "radius", value_parser = choice::<Estimator>(Estimator::NAMES), hide_short_help = true)]
+    pub estimator: Estimator,
+    /// Photons per estimate, for knn and paper [default: 50, paper 200].
+    #[arg(long, value_name = "N", hide_short_help = true)]
+    pub k: Option<u32>,
+    /// Search radius of the first pass, in the scene's unit of length [default: from the photon density].
+    #[arg(long, value_name = "R", hide_short_help = true)]
+    pub radius: Option<f64>,
+    /// Factor on radii that are derived: below 1 for sharper caustics, above 1 for smoother light [default: 1].
+    #[arg(long, value_name = "F", hide_short_help = true)]
+    pub radius_factor: Option<f64>,
+    /// How fast radii shrink from pass to pass, above 0 and at most 1; 1 keeps them [default: 2/3].
+    #[arg(long, value_name = "ALPHA", hide_short_help = true)]
+    pub alpha: Option<f64>,
+    /// Weight by distance: constant, epanechnikov, cone, cone:SLOPE or biweight
+    /// [default: epanechnikov, with --estimator paper constant].
+    #[arg(long, value_name = "NAME", value_parser = str::parse::<Kernel>, hide_short_help = true)]
+    pub kernel: Option<Kernel>,
+    /// Area that the flux is divided by: the disc around the point, or the part of it that lies on the surface, which
+    /// removes dark edges [default: disc, or that of --preset or --time].
+    #[arg(long, value_parser = choice::<Area>(Area::ALL.map(Area::name)), hide_short_help = true)]
+    pub area: Option<Area>,
+    /// One radius for each photon map, or one for each pixel from its own noise and bias, which estimates errors too
+    /// [default: shared, or that of --preset or --time].
+    #[arg(long, value_parser = choice::<Bandwidth>(Bandwidth::ALL.map(Bandwidth::name)), hide_short_help = true)]
+    pub bandwidth: Option<Bandwidth>,
+    /// Largest distance of a photon from the tangent plane, in radii; values below 1 keep light from leaking through
+    /// thin walls [default: 1].
+    #[arg(long, value_name = "F", hide_short_help = true)]
+    pub max_plane_distance: Option<f32>,
+    /// Data structure of the photon map: left-balanced kd-tree, kd-tree by the Voxel Volume Heuristic, or Morton
+    /// order [default: morton, with --estimator paper median].
+    #[arg(long, value_parser = choice::<IndexKind>(IndexKind::ALL.map(IndexKind::name)), hide_short_help = true)]
+    pub index: Option<IndexKind>,
+    /// With --estimator paper: fewest photons of an estimate.
+    #[arg(long, value_name = "N", default_value_t = 8, hide_short_help = true)]
+    pub paper_threshold: u32,
+    /// With --estimator paper: its free scale factor.
+    #[arg(long, value_name = "F", default_value_t = 1.0, hide_short_help = true)]
+    pub paper_factor: f32,
+}
+
+/// Which light is computed, and how.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Direct and indirect light")]
+pub struct LightArgs {
+    /// Direct light: by shadow rays (next event estimation), from a photon map, or none.
+    #[arg(long, default_value = "nee", value_parser = choice::<Direct>(Direct::ALL.map(Direct::name)), hide_short_help = true)]
+    pub direct: Direct,
+    /// Indirect light: from the global photon map, by final gathering, or none [default: map].
+    #[arg(long, value_parser = choice::<Indirect>(Indirect::ALL.map(Indirect::name)), hide_short_help = true)]
+    pub indirect: Option<Indirect>,
+    /// Shadow rays per visible point and pass [default: 2].
+    #[arg(long, value_name = "N", hide_short_help = true)]
+    pub shadow_rays: Option<u32>,
+    /// Final-gather rays per visible point and pass [default: 8].
+    #[arg(long, value_name = "N", hide_short_help = true)]
+    pub gather_rays: Option<u32>,
+    /// Precompute irradiance at every N-th photon, for final-gather rays to look up.
+    #[arg(long, value_name = "N", hide_short_help = true)]
+    pub irradiance_every: Option<u32>,
+}
+
+/// What it runs on.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Machine")]
+pub struct MachineArgs {
+    /// Where to compute.
+    #[arg(long, value_enum, default_value_t = BackendName::Auto)]
+    pub backend: BackendName,
+    /// Number of threads on the CPU [default: all cores].
+    #[arg(long, value_name = "N", hide_short_help = true)]
+    pub threads: Option<usize>,
+    /// Limit on the memory of the process, such as 2GiB; passes then have fewer photons, and there are more of them.
+    #[arg(long, value_name = "SIZE", value_parser = crate::memory::parse, hide_short_help = true)]
+    pub memory: Option<u64>,
+}

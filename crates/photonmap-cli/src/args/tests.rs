@@ -1,0 +1,122 @@
+//! Options in, settings out.
+
+use super::*;
+use photon_core::{Area, CausticPhotons, Kernel, RandomKind, Sharing};
+
+fn args(arguments: &[&str]) -> Result<RenderArgs, Fault> {
+    RenderArgs::try_parse_from([&["render"], arguments].concat()).map_err(Fault::input)
+}
+
+fn settings(arguments: &[&str]) -> Result<Settings, Fault> {
+    let args = args(arguments)?;
+    args.files.check()?;
+    args.settings.settings()
+}
+
+#[test]
+fn options_reach_the_settings() {
+    let s = settings(&["--estimator", "knn", "--k", "70", "--photons", "1.5M", "--index", "vvh"]).unwrap();
+    assert_eq!((s.photons, s.index), (1_500_000, IndexKind::Vvh));
+    assert_eq!(s.estimator, Estimator::Knn { k: 70, max_radius: None });
+    assert_eq!(settings(&["--max-plane-distance", "0.1"]).unwrap().max_plane_distance, 0.1);
+    assert_eq!(settings(&["--caustic-photons", "50k"]).unwrap().caustic_photons, CausticPhotons::Aimed(50_000));
+    assert_eq!(settings(&["--caustic-photons", "shared"]).unwrap().caustic_photons, CausticPhotons::Shared);
+    assert_eq!(settings(&["--kernel", "cone:1.1"]).unwrap().kernel, Kernel::Cone { slope: 1.1 });
+}
+
+#[test]
+fn the_paper_brings_its_habits_unless_told_otherwise() {
+    let s = settings(&["--estimator", "paper"]).unwrap();
+    assert_eq!((s.random, s.sharing, s.index), (RandomKind::Lcg, Sharing::Static, IndexKind::Median));
+    assert_eq!(s.caustic_photons, CausticPhotons::Shared);
+    let s = settings(&["--estimator", "paper", "--rng", "counter", "--index", "morton"]).unwrap();
+    assert_eq!((s.random, s.index), (RandomKind::Counter, IndexKind::Morton));
+}
+
+#[test]
+fn a_preset_is_overruled_by_what_is_given() {
+    let expected = Settings::preset(Preset::Final, 64 * 32);
+    let asked = ["--preset", "final", "--size", "64x32"];
+    assert_eq!(settings(&asked).unwrap(), expected);
+    let more = [&asked[..], &["--photons", "7k", "--indirect", "gather"]].concat();
+    let shared = Settings { bandwidth: Bandwidth::Shared, errors: false, ..expected };
+    let given = Settings { photons: 7000, indirect: Indirect::Gather, ..shared };
+    assert_eq!(settings(&more).unwrap(), given);
+    assert!(settings(&[&more[..], &["--bandwidth", "per-pixel"]].concat()).is_err());
+    let nearest = settings(&[&asked[..], &["--estimator", "knn"]].concat()).unwrap();
+    assert_eq!((nearest.bandwidth, nearest.errors, nearest.area), (Bandwidth::Shared, false, Area::Surface));
+    assert_eq!(settings(&[&asked[..], &["--area", "disc"]].concat()).unwrap().area, Area::Disc);
+    assert_eq!(args(&asked).unwrap().settings.plan(None).until, Budget::Passes(Preset::Final.passes()));
+    assert!(settings(&["--preset", "final", "--estimator", "paper"]).is_err());
+}
+
+#[test]
+fn limits_and_targets_become_a_plan() {
+    let plan = |arguments: &[&str], time| args(arguments).unwrap().settings.plan(time);
+    assert_eq!(plan(&[], None).until, Budget::Passes(PASSES));
+    let second = Some(Duration::from_secs(1));
+    let timed = plan(&["--passes", "7"], second);
+    assert_eq!((timed.until, timed.passes()), (Budget::Time(Duration::from_secs(1)), 7));
+    let error = plan(&["--target-error", "0.05"], second);
+    assert_eq!(error.until, Budget::Error { target: 0.05, share_of_pixels: 0.95 });
+    assert_eq!((error.time(), error.passes()), (second, u32::MAX - 1));
+    assert_eq!(plan(&["--total-photons", "3M"], None).until, Budget::Photons(3_000_000));
+    assert!(settings(&["--errors"]).unwrap().errors && settings(&["--target-error", "0.1"]).unwrap().errors);
+}
+
+#[test]
+fn a_time_is_spent_as_was_measured_to_be_best() {
+    let of = |arguments: &[&str]| {
+        let s = settings(&[&["--time", "5"], arguments].concat()).unwrap();
+        (s.area, s.bandwidth)
+    };
+    assert_eq!(of(&[]), (Area::Surface, Bandwidth::PerPixel));
+    assert_eq!(of(&["--indirect", "gather"]), (Area::Surface, Bandwidth::Shared));
+    assert_eq!(of(&["--area", "disc"]), (Area::Disc, Bandwidth::PerPixel));
+    assert_eq!(of(&["--bandwidth", "shared"]), (Area::Surface, Bandwidth::Shared));
+    for given in [
+        ["--target-error", "0.1"],
+        ["--total-photons", "1M"],
+        ["--preset", "preview"],
+        ["--passes", "7"],
+        ["--radius", "0.1"],
+    ] {
+        assert_eq!(of(&given), (Area::Disc, Bandwidth::Shared), "{given:?}");
+    }
+    assert!(settings(&["--time", "5"]).unwrap().errors);
+}
+
+#[test]
+fn absurd_values_are_refused() {
+    for bad in [
+        vec!["--k", "0"],
+        vec!["--estimator", "knn", "--k", "1"],
+        vec!["--radius", "0"],
+        vec!["--radius", "inf"],
+        vec!["--radius=-1"],
+        vec!["--radius-factor", "0"],
+        vec!["--photons", "0"],
+        vec!["--caustic-photons", "0"],
+        vec!["--caustic-photons", "many"],
+        vec!["--photons", "1.5"],
+        vec!["--size", "0x0"],
+        vec!["--size", "12"],
+        vec!["--passes", "0"],
+        vec!["--time", "0"],
+        vec!["--time", "nan"],
+        vec!["--target-error", "0"],
+        vec!["--target-error", "nan"],
+        vec!["--target-error", "0.1", "--share", "1.5"],
+        vec!["--target-error", "0.1", "--estimator", "knn"],
+        vec!["--total-photons", "0"],
+        vec!["--kernel", "box"],
+        vec!["--kernel", "cone:0.5"],
+        vec!["--alpha", "0"],
+        vec!["--max-plane-distance", "0"],
+        vec!["--max-bounces", "0"],
+        vec!["--exposure", "nan"],
+        vec!["--backend", "cuda"],
+    ] {
+        assert!(settings(&bad).is_err(), "{bad:?}");
+    }
+}

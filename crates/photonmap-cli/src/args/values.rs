@@ -1,0 +1,54 @@
+//! How the values of options are read.
+
+use std::error::Error;
+use std::str::FromStr;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use photon_core::CausticPhotons;
+
+/// One of the named values of an option type of the library.
+pub(super) fn choice<T>(names: impl IntoIterator<Item = &'static str>) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr + Clone + Send + Sync + 'static,
+    T::Err: Into<Box<dyn Error + Send + Sync>>,
+{
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
+}
+
+/// A number of photons in all, which may be more than 32 bits hold.
+pub(super) fn total(text: &str) -> Result<u64, String> {
+    count(text).map(u64::from).or_else(|_| match text.parse::<u64>() {
+        Ok(number) if number > 0 => Ok(number),
+        _ => Err("give a whole number such as 200000000, 200k or 200M".to_owned()),
+    })
+}
+
+/// Width and height.
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+    let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    let (width, height) = parsed.ok_or("give two whole numbers with an x between, such as 640x480")?;
+    photon_core::check_size(width, height).map_err(|error| error.to_string())?;
+    Ok((width, height))
+}
+
+/// A whole number of paths, with `k` for a thousand and `M` for a million.
+pub(super) fn count(text: &str) -> Result<u32, String> {
+    let (digits, factor) = match text.strip_suffix(['k', 'K']) {
+        Some(digits) => (digits, 1e3),
+        None => text.strip_suffix(['m', 'M']).map_or((text, 1.0), |digits| (digits, 1e6)),
+    };
+    let number = digits.parse::<f64>().map_err(|_| "give a number such as 200000, 200k or 1.5M")? * factor;
+    if number.fract() == 0.0 && (1.0..f64::from(u32::MAX)).contains(&number) {
+        Ok(number as u32)
+    } else {
+        Err(format!("{number} is out of range: give a whole number from 1 to {}", u32::MAX - 1))
+    }
+}
+
+/// As [`count`], or one of the names.
+pub(super) fn caustic_photons(text: &str) -> Result<CausticPhotons, String> {
+    match count(text) {
+        Ok(paths) => Ok(CausticPhotons::Aimed(paths)),
+        Err(_) => text.parse().map_err(|error: photon_core::Error| error.to_string()),
+    }
+}

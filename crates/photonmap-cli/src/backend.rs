@@ -1,0 +1,179 @@
+//! Selection of a backend: the CPU or a Vulkan device, and the reason for it.
+#![expect(clippy::print_stderr, reason = "one line says what was chosen and why")]
+
+use backend_cpu::Cpu;
+use backend_vulkan::{Candidate, Options, Vulkan};
+use clap::ValueEnum;
+
+use crate::fault::{Fault, chain};
+
+/// The choices of `--backend`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BackendName {
+    /// A GPU if there is a suitable one, else the CPU.
+    Auto,
+    /// The cores of the CPU.
+    Cpu,
+    /// A Vulkan device; the environment variable PHOTON_VK_DEVICE selects one of several.
+    Vulkan,
+}
+
+/// The environment variable that selects a device.
+const DEVICE: &str = "PHOTON_VK_DEVICE";
+
+/// A backend that was opened.
+#[expect(missing_debug_implementations, reason = "a pool of threads")]
+pub enum Chosen {
+    /// The cores of the CPU.
+    Cpu(Cpu),
+    /// A GPU.
+    Vulkan(Box<Vulkan>),
+}
+
+/// Opens the backend `name`, and says on standard error which one was taken where there was a choice.
+///
+/// # Errors
+/// [`Fault::Input`] where Vulkan is requested and not available, with what is missing and what to do.
+pub fn open(name: BackendName, threads: Option<usize>) -> Result<Chosen, Fault> {
+    if threads == Some(0) {
+        return Err(Fault::input("--threads is 0, but at least 1 is needed"));
+    }
+    match name {
+        BackendName::Cpu => cpu(threads),
+        BackendName::Vulkan => {
+            let on = vulkan()?;
+            eprintln!("backend: vulkan on {}, as asked for", device(&on));
+            Ok(Chosen::Vulkan(Box::new(on)))
+        }
+        BackendName::Auto => match gpu() {
+            Ok(on) => {
+                eprintln!("backend: vulkan on {}, since that is a GPU", device(&on));
+                Ok(Chosen::Vulkan(Box::new(on)))
+            }
+            Err(why) => {
+                eprintln!("backend: cpu, since {why}");
+                cpu(threads)
+            }
+        },
+    }
+}
+
+fn cpu(threads: Option<usize>) -> Result<Chosen, Fault> {
+    Ok(Chosen::Cpu(match threads {
+        Some(threads) => Cpu::with_threads(threads)?,
+        None => Cpu::new()?,
+    }))
+}
+
+/// The device that the library prefers, or that the user selected; software drivers included.
+///
+/// # Errors
+/// [`Fault::Input`]: no loader, no driver, or no suitable device with what each lacks.
+pub fn vulkan() -> Result<Vulkan, Fault> {
+    let options = Options { disk_cache: true, ..Options::default() };
+    Vulkan::with_options(&options).map_err(|error| Fault::Input(format!("--backend vulkan: {}", why_not(&error))))
+}
+
+/// A device that is not a software driver, or why there is none.
+fn gpu() -> Result<Vulkan, String> {
+    let found = backend_vulkan::devices().map_err(|error| why_not(&error))?;
+    worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>())?;
+    let on = Vulkan::new().map_err(|error| why_not(&error))?;
+    // The user may have named a software device among others.
+    match found.iter().find(|candidate| candidate.name == on.limits().name) {
+        Some(candidate) if candidate.kind == SOFTWARE => {
+            Err(format!("{} names {}, which is software", DEVICE, candidate.name))
+        }
+        _ => Ok(on),
+    }
+}
+
+const SOFTWARE: &str = "software";
+
+/// The properties of a candidate that decide.
+struct Summary<'a> {
+    name: &'a str,
+    kind: &'a str,
+    lacks: &'a [String],
+}
+
+impl<'a> From<&'a Candidate> for Summary<'a> {
+    fn from(candidate: &'a Candidate) -> Self {
+        Self { name: &candidate.name, kind: candidate.kind, lacks: &candidate.lacks }
+    }
+}
+
+/// Whether some device can be expected to be faster than the CPU.
+fn worth_it(found: &[Summary<'_>]) -> Result<(), String> {
+    if found.iter().any(|device| device.lacks.is_empty() && device.kind != SOFTWARE) {
+        return Ok(());
+    }
+    let why = |device: &Summary<'_>| {
+        if device.lacks.is_empty() {
+            format!("{} is software", device.name)
+        } else {
+            format!("{} lacks {}", device.name, device.lacks.join(", "))
+        }
+    };
+    let all: Vec<String> = found.iter().map(why).collect();
+    Err(match all.as_slice() {
+        [] => "Vulkan lists no device".to_owned(),
+        all => format!("no Vulkan device is a suitable GPU: {}", all.join("; ")),
+    })
+}
+
+/// Why Vulkan is not available, and what to do about it.
+fn why_not(error: &photon_core::Error) -> String {
+    let photon_core::Error::NoDevice { rejected } = error else { return chain(error) };
+    let hint =
+        format!("update its driver, name another by {DEVICE} (`photonmap devices` lists them), or use --backend cpu");
+    if rejected.is_empty() {
+        return format!("Vulkan lists no device: {hint}");
+    }
+    let each: Vec<String> = rejected.iter().map(|(name, why)| format!("{name} {why}")).collect();
+    format!("no suitable Vulkan device: {}; {hint}", each.join("; "))
+}
+
+fn device(on: &Vulkan) -> String {
+    let limits = on.limits();
+    format!("{} ({})", limits.name, limits.driver)
+}
+
+/// One line for each device that Vulkan lists.
+///
+/// # Errors
+/// [`Fault::Input`] if there is no loader or no driver.
+pub fn list() -> Result<Vec<String>, Fault> {
+    let found = backend_vulkan::devices().map_err(|error| Fault::Input(why_not(&error)))?;
+    let line = |device: &Candidate| {
+        let (major, minor) = device.version;
+        let verdict =
+            if device.lacks.is_empty() { "suitable".to_owned() } else { format!("lacks {}", device.lacks.join(", ")) };
+        format!("{}: {}, {}, Vulkan {major}.{minor}, {verdict}", device.index, device.name, device.kind)
+    };
+    Ok(found.iter().map(line).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_suitable_gpu_is_worth_leaving_the_processor() {
+        let lack = ["bufferDeviceAddress".to_owned()];
+        let soft = || Summary { name: "Soft", kind: SOFTWARE, lacks: &[] };
+        let old = || Summary { name: "Old", kind: "discrete GPU", lacks: &lack };
+        let new = || Summary { name: "New", kind: "integrated GPU", lacks: &[] };
+        assert!(worth_it(&[soft(), old(), new()]).is_ok());
+        let why = worth_it(&[soft(), old()]).unwrap_err();
+        assert!(why.contains("Soft is software") && why.contains("Old lacks bufferDeviceAddress"), "{why}");
+        assert!(worth_it(&[]).unwrap_err().contains("no device"));
+    }
+
+    #[test]
+    fn each_rejected_device_is_named_with_what_it_lacks() {
+        let rejected = vec![("Old".to_owned(), "lacks timelineSemaphore".to_owned())];
+        let text = why_not(&photon_core::Error::NoDevice { rejected });
+        assert!(text.contains("Old lacks timelineSemaphore") && text.contains("--backend cpu"), "{text}");
+    }
+}

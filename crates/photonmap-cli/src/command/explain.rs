@@ -1,0 +1,34 @@
+//! `photonmap explain`
+
+use std::fmt::Write as _;
+
+use crate::args::ExplainArgs;
+use crate::fault::Fault;
+use crate::{load, stdout};
+
+/// Prints what the scene needs with these settings, what is left out, and how photons are shared among lights.
+///
+/// # Errors
+/// As [`load::scene`], and settings that make no sense.
+pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
+    let settings = args.settings.settings()?;
+    let (scene, _) = load::scene(&args.scene)?;
+    let (width, height) = args.settings.picture.size;
+    // A camera that does not exist is an error here too.
+    scene.camera(args.settings.picture.camera.as_deref(), width, height)?;
+    let mut text = format!("{}: {} triangles\n", args.scene.scene, scene.view().triangles.len());
+    let needs = photon_core::explain(&scene.view(), &settings);
+    for (heading, needed) in [("needed", true), ("left out", false)] {
+        let _ = writeln!(text, "\n{heading}:");
+        for need in needs.iter().filter(|need| need.needed == needed) {
+            let _ = writeln!(text, "  {:<24} {}", need.what, need.why);
+        }
+    }
+    let _ = writeln!(text, "\nphotons by light, of {} paths a pass:", settings.photons);
+    for share in photon_core::light_shares(&scene.view()) {
+        let few = if share.starves(settings.photons) { ", too few to show what it does" } else { "" };
+        let (paths, power) = (share.paths(settings.photons), 100.0 * share.power);
+        let _ = writeln!(text, "  {:<24} {paths:.0} paths for {power:.3} % of the power{few}", share.what);
+    }
+    stdout::write(text.as_bytes())
+}

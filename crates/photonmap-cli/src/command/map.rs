@@ -1,0 +1,136 @@
+//! `photonmap map`
+#![expect(clippy::print_stderr, reason = "the closing line goes to standard error")]
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use photon_core::IndexKind;
+
+use super::map_search::{self, Found, Wanted};
+use crate::args::index_names;
+use crate::backend::{self, BackendName, Chosen};
+use crate::fault::Fault;
+use crate::{atomic_write, npy};
+
+/// Search a photon map: the nearest photons of each query point, or the number within a radius.
+#[derive(Clone, Debug, Args)]
+pub struct MapArgs {
+    /// Photons: a .npy file of float32, shape (N, 3).
+    #[arg(long, value_name = "P.npy")]
+    photons: PathBuf,
+    /// Query points: a .npy file of float32, shape (M, 3).
+    #[arg(long, value_name = "Q.npy")]
+    queries: PathBuf,
+    /// Find this many nearest photons of each query.
+    #[arg(long, value_name = "K", required_unless_present = "radius", conflicts_with = "radius")]
+    k: Option<u32>,
+    /// With --k: no photon farther away than this.
+    #[arg(long, value_name = "R", requires = "k")]
+    max_radius: Option<f32>,
+    /// Count the photons within this radius of each query.
+    #[arg(long, value_name = "R")]
+    radius: Option<f32>,
+    /// Data structure of the photon map: left-balanced kd-tree, kd-tree by the Voxel Volume Heuristic, or Morton
+    /// order.
+    #[arg(long, default_value = "morton", value_parser = index_names())]
+    index: IndexKind,
+    /// Where to search.
+    #[arg(long, value_enum, default_value_t = BackendName::Auto)]
+    backend: BackendName,
+    /// Number of threads on the CPU [default: all cores].
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Write the result as a .npy file of uint32.
+    ///
+    /// With --k it has the shape (M, K): indices of photons, nearest first, ties by lower index, 4294967295 where
+    /// there are fewer. With --radius it has the shape (M,): counts.
+    #[arg(long, value_name = "OUT.npy")]
+    neighbours: Option<PathBuf>,
+    /// Write a report in JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Reads the points, searches, and writes the result.
+///
+/// # Errors
+/// [`Fault::Input`] for files that cannot be read, points that are not finite and numbers out of range;
+/// [`Fault::Failure`] if the search or writing fails.
+pub fn run(args: &MapArgs) -> Result<(), Fault> {
+    let reach = |name: &str, radius: Option<f32>| match radius {
+        Some(r) if !(r > 0.0 && r.is_finite()) => {
+            Err(Fault::input(format!("{name} is {r}, but must be above 0 and finite")))
+        }
+        _ => Ok(radius),
+    };
+    reach("--radius", args.radius)?;
+    let max_radius = reach("--max-radius", args.max_radius)?.unwrap_or(f32::INFINITY);
+    if args.k == Some(0) {
+        return Err(Fault::input("--k is 0, but at least 1 is needed"));
+    }
+    let outputs = [&args.neighbours, &args.json];
+    outputs.into_iter().flatten().try_for_each(|path| atomic_write::check(path))?;
+    let photons = finite(&args.photons, npy::read_points(&args.photons)?)?;
+    let queries = finite(&args.queries, npy::read_points(&args.queries)?)?;
+    let kind = args.index;
+    let width = match args.k {
+        Some(k) => k as usize,
+        None => 1,
+    };
+    if queries.len().checked_mul(width).is_none_or(|cells| cells > 1 << 33) {
+        return Err(Fault::input(format!("--k {width} for {} queries is too much", queries.len())));
+    }
+    let wanted = match (args.k, args.radius) {
+        (Some(k), _) => Wanted::Nearest { k, max_radius },
+        (None, radius) => Wanted::Count { radius: radius.unwrap_or(0.0) },
+    };
+    let (file, threads) = (&args.photons, args.threads);
+    let found = match backend::open(args.backend, threads)? {
+        Chosen::Cpu(_) => map_search::on_cpu(threads, file, &photons, &queries, kind, wanted)?,
+        Chosen::Vulkan(on) => map_search::on_vulkan(*on, &photons, &queries, kind, wanted)?,
+    };
+    let Found { seconds_build, seconds_query, .. } = found;
+
+    if let Some(path) = &args.neighbours {
+        npy::write_u32(path, &found.words, args.k.map(|k| k as usize))?;
+    }
+    let rate = queries.len() as f64 / seconds_query.max(1e-12);
+    if let Some(path) = &args.json {
+        let report = serde_json::json!({
+            "backend": found.backend,
+            "device": found.device,
+            "threads": found.threads,
+            "index": kind.name(),
+            "photons": photons.len(),
+            "queries": queries.len(),
+            "k": args.k,
+            "max_radius": args.max_radius,
+            "radius": args.radius,
+            "bytes": found.bytes,
+            "seconds_build": seconds_build,
+            "seconds_query": seconds_query,
+            "queries_per_second": rate,
+        });
+        atomic_write::write_bytes(path, format!("{report:#}\n").as_bytes())?;
+    }
+    let written: Vec<String> = outputs.into_iter().flatten().map(|path| path.display().to_string()).collect();
+    let written = if written.is_empty() { "wrote nothing".to_owned() } else { format!("wrote {}", written.join(", ")) };
+    eprintln!(
+        "{written}: index of {} photons in {seconds_build:.3} s, {} queries in {seconds_query:.3} s ({rate:.0} per second)",
+        photons.len(),
+        queries.len()
+    );
+    Ok(())
+}
+
+/// Refuses points that are not finite, by their index.
+fn finite(file: &Path, points: Vec<[f32; 3]>) -> Result<Vec<[f32; 3]>, Fault> {
+    match points.iter().position(|point| point.iter().any(|c| !c.is_finite())) {
+        None => Ok(points),
+        Some(index) => Err(Fault::input(format!(
+            "{}: point {index} has the coordinates {:?}, which are not finite",
+            file.display(),
+            points[index]
+        ))),
+    }
+}

@@ -1,0 +1,110 @@
+//! The search of `photonmap map`, on either backend.
+
+use std::path::Path;
+use std::time::Instant;
+
+use backend_cpu::index::PointIndex;
+use backend_vulkan::Vulkan;
+use photon_core::{Backend, IndexKind, Photon, Stage};
+
+use crate::fault::Fault;
+
+/// What is looked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Wanted {
+    /// So many nearest, none farther than the radius, which may be infinite.
+    Nearest { k: u32, max_radius: f32 },
+    /// How many there are within the radius.
+    Count { radius: f32 },
+}
+
+/// What was found.
+#[derive(Debug)]
+pub(crate) struct Found {
+    /// Rows of ids, or counts.
+    pub(crate) words: Vec<u32>,
+    pub(crate) backend: &'static str,
+    /// The device, where there is one.
+    pub(crate) device: Option<String>,
+    /// Threads, where it is they that searched.
+    pub(crate) threads: Option<usize>,
+    /// Bytes of the arrangement, photons not counted; unknown on some backends.
+    pub(crate) bytes: Option<u64>,
+    pub(crate) seconds_build: f64,
+    pub(crate) seconds_query: f64,
+}
+
+/// On the processor's cores. A fault of the photons is said to be one of `file`.
+pub(crate) fn on_cpu(
+    threads: Option<usize>,
+    file: &Path,
+    photons: &[[f32; 3]],
+    queries: &[[f32; 3]],
+    kind: IndexKind,
+    wanted: Wanted,
+) -> Result<Found, Fault> {
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(threads) = threads {
+        pool = pool.num_threads(threads);
+    }
+    let pool = pool.build().map_err(Fault::failure)?;
+    let begun = Instant::now();
+    let index = pool.install(|| PointIndex::build(photons, kind));
+    let index = index.map_err(|why| Fault::input(format!("{}: {why}", file.display())))?;
+    let seconds_build = begun.elapsed().as_secs_f64();
+    let width = match wanted {
+        Wanted::Nearest { k, .. } => k as usize,
+        Wanted::Count { .. } => 1,
+    };
+    let mut words = vec![0_u32; queries.len() * width];
+    let begun = Instant::now();
+    pool.install(|| match wanted {
+        Wanted::Count { radius } => index.count_within_many(queries, radius * radius, &mut words),
+        Wanted::Nearest { max_radius, .. } => {
+            index.nearest_many(queries, width, max_radius * max_radius, &mut words);
+        }
+    });
+    let seconds_query = begun.elapsed().as_secs_f64();
+    let (threads, bytes) = (Some(pool.current_num_threads()), Some(index.bytes()));
+    Ok(Found { words, backend: "cpu", device: None, threads, bytes, seconds_build, seconds_query })
+}
+
+/// On a GPU. Seconds are by its own clock, so that neither the copies to and from it nor the compiling
+/// of kernels count.
+pub(crate) fn on_vulkan(
+    mut on: Vulkan,
+    photons: &[[f32; 3]],
+    queries: &[[f32; 3]],
+    kind: IndexKind,
+    wanted: Wanted,
+) -> Result<Found, Fault> {
+    // Only where they are matters to these searches.
+    let records: Vec<Photon> = photons.iter().map(|&position| Photon { position, ..Photon::default() }).collect();
+    let mut builder = on.map_stages(kind)?.builder;
+    let there = on.upload("photons", &records)?;
+    let queries = on.queries_at(queries)?;
+    on.timings()?;
+    let begun = Instant::now();
+    on.mark(Some(Stage::Build));
+    let map = builder.build(&mut on, there)?;
+    on.mark(None);
+    let seconds_build = spent(&mut on, Stage::Build, begun)?;
+    let begun = Instant::now();
+    on.mark(Some(Stage::Estimate));
+    let answers = match wanted {
+        Wanted::Nearest { k, max_radius } => on.nearest(&map, &queries, k, max_radius)?,
+        Wanted::Count { radius } => on.count_within(&map, &queries, radius)?,
+    };
+    on.mark(None);
+    let seconds_query = spent(&mut on, Stage::Estimate, begun)?;
+    let mut words = Vec::new();
+    on.download(&answers, &mut words)?;
+    let device = Some(on.device());
+    Ok(Found { words, backend: "vulkan", device, threads: None, bytes: None, seconds_build, seconds_query })
+}
+
+/// Seconds of one stage; by the host's clock where the device has none.
+fn spent(on: &mut Vulkan, stage: Stage, begun: Instant) -> Result<f64, Fault> {
+    let seconds = on.timings()?.get(stage);
+    Ok(if seconds > 0.0 { seconds } else { begun.elapsed().as_secs_f64() })
+}

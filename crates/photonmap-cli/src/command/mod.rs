@@ -1,0 +1,104 @@
+//! The commands of `photonmap`.
+
+pub mod compare;
+pub mod devices;
+pub mod explain;
+pub mod export;
+pub mod manual;
+pub mod map;
+mod map_search;
+pub mod render;
+pub mod scenes;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::args::{ExplainArgs, RenderArgs};
+use crate::fault::{self, Fault};
+
+/// Photon mapping: renders scenes, searches photon maps, compares pictures.
+#[derive(Debug, Parser)]
+#[command(name = "photonmap", version, propagate_version = true, arg_required_else_help = true, after_help = AFTER)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER: &str = "Exit codes: 0 success, 1 failure, 2 wrong option or input, 130 interrupted twice.";
+
+const AFTER_RENDER: &str = "\
+The picture is written when rendering is done or interrupted with Ctrl-C. Progress and warnings go to standard error.
+
+Examples:
+  photonmap render                                       the default scene, to cornell-glass.png
+  photonmap render ring --preset final -o ring.exr
+  photonmap render room.glb --time 60 -o room.png
+  photonmap render room.obj --overrides room.toml --target-error 0.03 -o room.exr";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    #[command(after_long_help = AFTER_RENDER)]
+    Render(Box<RenderArgs>),
+    Map(map::MapArgs),
+    /// List the built-in scenes.
+    Scenes,
+    /// List the Vulkan devices, and what each lacks.
+    Devices,
+    Explain(Box<ExplainArgs>),
+    Compare(compare::CompareArgs),
+    Export(export::ExportArgs),
+    Completions(manual::CompletionsArgs),
+    Man(manual::ManArgs),
+}
+
+/// Runs the program with the arguments of the process; errors go to standard error.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    fault::run(|| run(&cli.command))
+}
+
+fn run(command: &Command) -> Result<(), Fault> {
+    match command {
+        Command::Render(args) if args.list => scenes::run(),
+        Command::Render(args) if args.devices => devices::run(),
+        Command::Render(args) if args.explain => {
+            explain::run(&ExplainArgs { scene: args.scene.clone(), settings: args.settings.clone() })
+        }
+        Command::Render(args) => render::run(args),
+        Command::Map(args) => map::run(args),
+        Command::Scenes => scenes::run(),
+        Command::Devices => devices::run(),
+        Command::Explain(args) => explain::run(args),
+        Command::Compare(args) => compare::run(args),
+        Command::Export(args) => export::run(args),
+        Command::Completions(args) => manual::completions(args),
+        Command::Man(args) => manual::man(args),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_declarations_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    /// `-h` is for a first picture: it fits a screen, and `--help` says more.
+    #[test]
+    fn the_short_help_is_short() {
+        let mut command = Cli::command();
+        let render = command.find_subcommand_mut("render").unwrap();
+        let (short, long) = (render.render_help().to_string(), render.render_long_help().to_string());
+        assert!(short.lines().count() <= 40, "{short}");
+        assert!(!short.contains("--paper-factor") && long.contains("--paper-factor"));
+        for heading in ["Scene:", "Output:", "Photons:", "Density estimation:", "Machine:"] {
+            assert!(long.contains(heading), "{heading}: {long}");
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! `photonmap render`
+#![expect(clippy::print_stderr, reason = "warnings and the closing line go to standard error")]
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use photon_core::{
+    Budget, Event, Film, LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View, render,
+};
+use photon_scene::Scene;
+
+use crate::args::RenderArgs;
+use crate::backend::{self, Chosen};
+use crate::fault::Fault;
+use crate::forecast_text::{error_line, forecast_lines};
+use crate::progress::{Limit, Progress};
+use crate::report::{self, Told};
+use crate::{atomic_write, exr_file, load, memory, png_file, stdout};
+
+/// Renders the scene and writes the files.
+///
+/// # Errors
+/// [`Fault::Input`] for options, scenes and paths that make no sense, before anything is rendered;
+/// [`Fault::Failure`] if rendering or writing fails.
+pub fn run(args: &RenderArgs) -> Result<(), Fault> {
+    args.files.check()?;
+    let settings = args.settings.settings()?;
+    let outputs = outputs(args)?;
+    let json = args.files.json.iter().filter(|path| path.as_os_str() != "-");
+    outputs.iter().chain(json).try_for_each(|path| atomic_write::check(path))?;
+    let begun = Instant::now();
+    let (scene, loaded) = load::scene(&args.scene)?;
+    let seconds_load = begun.elapsed().as_secs_f64();
+    let (width, height) = args.settings.picture.size;
+    let camera = scene.camera(args.settings.picture.camera.as_deref(), width, height)?;
+    let mut renderer = start(args, &scene, View { camera, width, height }, &settings)?;
+    let mut warnings = scene.warnings().to_vec();
+    let starving = starving(&scene, &*renderer);
+    starving.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    warnings.extend(starving);
+
+    let stop = interrupt()?;
+    let outcome = passes(args, settings.photons, &mut *renderer, begun, &stop)?;
+    let film = renderer.film()?;
+    let seconds_total = begun.elapsed().as_secs_f64();
+
+    let told = Told {
+        scene: &args.scene.scene,
+        size: args.settings.picture.size,
+        settings: &settings,
+        outcome: &outcome,
+        load: &loaded,
+        warnings: &warnings,
+        lights: &photon_core::light_shares(&scene.view()),
+        seconds_load,
+        seconds_total,
+    };
+    let mut written = Vec::new();
+    for output in &outputs {
+        save(args, output, &film, &*renderer, &told)?;
+        written.push(output.display().to_string());
+    }
+    if let Some(path) = &args.files.json {
+        let text = format!("{:#}\n", report::json(&*renderer, &told));
+        if path.as_os_str() == "-" {
+            stdout::write(text.as_bytes())?;
+        } else {
+            atomic_write::write_bytes(path, text.as_bytes())?;
+            written.push(path.display().to_string());
+        }
+    }
+    if let (Some(cap), Some(peak)) = (args.machine.memory, memory::peak()) {
+        eprintln!(
+            "memory: {:.0} MiB at the peak, of {:.0} allowed",
+            peak as f64 / 1_048_576.0,
+            cap as f64 / 1_048_576.0
+        );
+    }
+    let stopped = if outcome.cancelled { ", interrupted" } else { "" };
+    let (passes, paths) = (outcome.passes, renderer.facts().photons);
+    eprintln!("wrote {}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}", written.join(", "));
+    Ok(())
+}
+
+/// Checked before anything is rendered.
+fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
+    if args.files.output.is_empty() {
+        let stem = Path::new(&args.scene.scene).file_stem().unwrap_or_default();
+        return Ok(vec![Path::new(stem).with_extension("png")]);
+    }
+    for path in &args.files.output {
+        let known = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr") || e.eq_ignore_ascii_case("png"));
+        if !known {
+            return Err(Fault::input(format!("{}: the name of a picture ends in .exr or .png", path.display())));
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return Err(Fault::input(format!("{}: there is no folder {}", path.display(), folder.display())));
+        }
+    }
+    Ok(args.files.output.clone())
+}
+
+/// Set by Ctrl-C.
+fn interrupt() -> Result<Arc<AtomicBool>, Fault> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let heard = Arc::clone(&stop);
+    let handler = ctrlc::set_handler(move || {
+        // The first asks for the picture so far; the second does not wait for it.
+        if heard.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    });
+    handler.map_err(Fault::failure)?;
+    Ok(stop)
+}
+
+/// Lights that get hardly any photons, if photons are sent out.
+fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
+    let facts = renderer.facts();
+    let required = &facts.required;
+    if !required.maps.any() {
+        return Vec::new();
+    }
+    let shares = photon_core::light_shares(&scene.view());
+    let few = shares.iter().filter(|share| share.starves(facts.photons));
+    let warning = |share: &LightShare| {
+        let (paths, power) = (share.paths(facts.photons), share.power);
+        format!(
+            "{} has {power:.1e} of the power and gets about {paths:.0} of {} paths a pass, too few to show what it does; use more photons",
+            share.what, facts.photons
+        )
+    };
+    few.map(warning).collect()
+}
+
+fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
+    let chosen = backend::open(args.machine.backend, args.machine.threads)?;
+    // Measured now, since a driver takes memory of its own when it is opened.
+    let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
+    let settings = &Settings { memory, ..settings.clone() };
+    match chosen {
+        Chosen::Cpu(on) => pipeline(on, scene, view, settings),
+        Chosen::Vulkan(on) => pipeline(*on, scene, view, settings),
+    }
+}
+
+fn pipeline<B: TransportBackend>(
+    on: B,
+    scene: &Scene,
+    view: View,
+    settings: &Settings,
+) -> Result<Box<dyn Render>, Fault> {
+    Ok(Box::new(Pipeline::new(on, &scene.view(), view, settings.clone())?))
+}
+
+fn passes(
+    args: &RenderArgs,
+    photons: u32,
+    renderer: &mut dyn Render,
+    started: Instant,
+    stop: &AtomicBool,
+) -> Result<Outcome, Fault> {
+    // The time asked for is that of the whole program.
+    let limit = args.settings.budget.time.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX));
+    let time = limit.map(|time| time.saturating_sub(started.elapsed() + writing(args)));
+    let mut plan = args.settings.plan(time);
+    // As many photons in all, if memory makes passes smaller.
+    let each = renderer.facts().photons;
+    if each < photons {
+        eprintln!("memory: {each} paths a pass fit the limit");
+        let more = |passes: u32| passes.saturating_mul(photons.div_ceil(each)).min(u32::MAX - 1);
+        if let Budget::Passes(passes) = &mut plan.until {
+            *passes = more(*passes);
+        }
+        plan.most_passes = plan.most_passes.map(more);
+    }
+    let mut progress = Progress::new(match (plan.until, time) {
+        (Budget::Error { .. }, Some(time)) => Limit::Time(time),
+        (Budget::Time(time), _) if args.settings.budget.passes.is_none() => Limit::Time(time),
+        (Budget::Passes(passes), _) => Limit::Passes(passes),
+        (Budget::Photons(all), _) => {
+            Limit::Passes(u32::try_from(all.div_ceil(u64::from(each.max(1)))).unwrap_or(u32::MAX))
+        }
+        _ => args.settings.budget.passes.map_or(Limit::Open, Limit::Passes),
+    });
+    let mut forecast_shown = false;
+    let mut observer = |event: &Event<'_>| {
+        match event {
+            Event::PassDone(pass) => progress.passes(pass.index + 1),
+            Event::Forecast(forecast) if !std::mem::replace(&mut forecast_shown, true) => {
+                progress.say(&forecast_lines(forecast, photons));
+            }
+            Event::Warning(text) => progress.say(&format!("warning: {text}")),
+            _ => {}
+        }
+        if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let outcome = render(renderer, plan, &mut observer);
+    progress.finish();
+    let outcome = outcome?;
+    if let Some(reached) = &outcome.reached {
+        eprintln!("{}", error_line("result", reached));
+    }
+    Ok(outcome)
+}
+
+/// About how long writing the pictures takes: a tenth of a microsecond a pixel for a PNG, and the
+/// compression of all layers for an EXR.
+fn writing(args: &RenderArgs) -> Duration {
+    let (width, height) = args.settings.picture.size;
+    let pixels = f64::from(width) * f64::from(height);
+    let exr = args.files.output.iter().any(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")));
+    Duration::from_secs_f64(pixels * if exr { 1.5e-6 } else { 1e-7 })
+}
+
+fn save(args: &RenderArgs, path: &Path, film: &Film, renderer: &dyn Render, told: &Told<'_>) -> Result<(), Fault> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return png_file::write(path, film, args.files.tonemap, args.files.exposure);
+    }
+    let facts = renderer.facts();
+    let seconds: Vec<String> = photon_core::Stage::ALL
+        .into_iter()
+        .map(|stage| format!("{} {:.3}", stage.name(), told.outcome.seconds.get(stage)))
+        .collect();
+    let attributes = [
+        ("photon:scene", args.scene.scene.clone()),
+        ("photon:seed", args.settings.photon.seed.to_string()),
+        ("photon:passes", film.passes.to_string()),
+        ("photon:photons_per_pass", facts.photons.to_string()),
+        ("photon:settings", format!("{:?}", told.settings)),
+        ("photon:backend", facts.backend.to_owned()),
+        ("photon:device", facts.device),
+        ("photon:seconds", format!("total {:.3}, {}", told.seconds_total, seconds.join(", "))),
+        ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
+    ];
+    exr_file::write(path, film, &attributes.map(|(name, value)| (name.to_owned(), value)))
+}

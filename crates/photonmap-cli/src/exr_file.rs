@@ -1,0 +1,89 @@
+//! Pictures to work with: linear, layered, and telling how they were made.
+
+use std::path::Path;
+
+use exr::prelude::*;
+use photon_core::{Claim, Film, Layer as Part};
+
+use crate::atomic_write;
+use crate::fault::Fault;
+
+/// Writes one part of f32 channels: `R G B`, which is the sum of `emission.*`, `direct.*`,
+/// `caustic.*` and `indirect.*`, then `depth.Z`, `N.*`, `albedo.*` and `error.Y`, the standard error
+/// of the mean; if errors were asked for, `stderr.Y`, `bias.Y`, `claimed.Y` and `flag.Y` as in
+/// [`Claim`]; and `attributes`. The file appears whole or not at all.
+///
+/// # Errors
+/// [`Fault::Failure`] if the file cannot be written.
+pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::result::Result<(), Fault> {
+    let mut channels: Vec<(String, Vec<f32>)> = Vec::new();
+    let mut triple = |names: [String; 3], values: Vec<[f32; 3]>| {
+        for (axis, name) in names.into_iter().enumerate() {
+            channels.push((name, values.iter().map(|v| v[axis]).collect()));
+        }
+    };
+    triple(["R", "G", "B"].map(str::to_owned), film.beauty());
+    for part in Part::ALL {
+        triple(["R", "G", "B"].map(|c| format!("{}.{c}", part.name())), film.layer(part));
+    }
+    triple(["N.X", "N.Y", "N.Z"].map(str::to_owned), film.normal());
+    triple(["albedo.R", "albedo.G", "albedo.B"].map(str::to_owned), film.albedo());
+    channels.push(("depth.Z".to_owned(), film.depth()));
+    channels.push(("error.Y".to_owned(), film.standard_error()));
+    if let Some(claims) = film.claims() {
+        let mut told = |name: &str, of: fn(&Claim) -> f32| {
+            channels.push((name.to_owned(), claims.iter().map(of).collect()));
+        };
+        told("stderr.Y", |claim| claim.standard_error as f32);
+        told("bias.Y", |claim| claim.bias as f32);
+        told("claimed.Y", |claim| claim.half_width as f32);
+        told("flag.Y", |claim| claim.flags.bits() as f32);
+    }
+
+    let size = (film.width as usize, film.height as usize);
+    let list: SmallVec<[AnyChannel<FlatSamples>; 4]> = channels
+        .into_iter()
+        .map(|(name, samples)| AnyChannel::new(Text::new_or_panic(&name), FlatSamples::F32(samples)))
+        .collect();
+    let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
+    let mut layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(list));
+    layer.attributes.software_name = Text::new_or_none(concat!("photonmap ", env!("CARGO_PKG_VERSION")));
+    for (name, value) in attributes {
+        if let (Some(name), Some(value)) = (Text::new_or_none(name), Text::new_or_none(value)) {
+            layer.attributes.other.insert(name, attribute::AttributeValue::Text(value));
+        }
+    }
+    atomic_write::write(path, |file| Ok(Image::from_layer(layer).write().to_buffered(file)?))
+}
+
+/// A picture read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// Linear RGB, row by row from the top.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// Reads the channels `R`, `G` and `B` of the first layer; whatever else is there is not looked at.
+///
+/// # Errors
+/// [`Fault::Input`] names the file: it cannot be read, is not an OpenEXR file, or lacks one of the channels.
+pub fn read(path: &Path) -> std::result::Result<Picture, Fault> {
+    let wrong = |what: String| Fault::input(format!("{}: {what}", path.display()));
+    let image = read_first_flat_layer_from_file(path)
+        .map_err(|why| wrong(format!("cannot be read as an OpenEXR picture: {why}")))?;
+    let layer = image.layer_data;
+    let (width, height) = (layer.size.width(), layer.size.height());
+    let channel = |name: &str| -> std::result::Result<Vec<f32>, Fault> {
+        let found = layer.channel_data.list.iter().find(|channel| channel.name.eq_case_insensitive(name));
+        let values: Option<Vec<f32>> = found.map(|channel| channel.sample_data.values_as_f32().collect());
+        let values = values.ok_or_else(|| wrong(format!("has no channel {name}")))?;
+        if values.len() == width * height { Ok(values) } else { Err(wrong(format!("channel {name} is subsampled"))) }
+    };
+    let (red, green, blue) = (channel("R")?, channel("G")?, channel("B")?);
+    let pixels = (0..width * height).map(|at| [red[at], green[at], blue[at]]).collect();
+    Ok(Picture { width, height, pixels })
+}

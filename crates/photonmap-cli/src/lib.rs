@@ -1,0 +1,23 @@
+//! The parts of the program `photonmap`: its commands, and what the studies of this project share with it
+//! (backends, pictures in files, reports, error measures).
+#![forbid(unsafe_code)]
+
+pub mod args;
+pub mod atomic_write;
+pub mod backend;
+pub mod command;
+pub mod difference;
+pub mod exr_file;
+pub mod fault;
+pub mod flip;
+mod forecast_text;
+pub mod load;
+pub mod memory;
+pub mod mitsuba;
+pub mod npy;
+pub mod png_file;
+pub mod progress;
+pub mod relmse;
+pub mod report;
+pub mod stdout;
+pub mod tonemap;

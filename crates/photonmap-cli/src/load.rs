@@ -1,0 +1,65 @@
+//! Scenes by the name of a built-in one, or from a file.
+
+use std::path::Path;
+
+use photon_scene::{LoadReport, Overrides, Scene, SceneBuilder};
+
+use crate::args::SceneArgs;
+use crate::fault::Fault;
+
+/// Loads and builds a scene, and prints what the loader and the scene have to say on standard error.
+///
+/// # Errors
+/// As [`builder`]; whatever [`SceneBuilder::build`] finds; with `--strict` anything that the loader approximates.
+#[expect(clippy::print_stderr, reason = "warnings go to standard error")]
+pub fn scene(args: &SceneArgs) -> Result<(Scene, LoadReport), Fault> {
+    let (builder, report) = builder(args)?;
+    let scene = builder.build()?;
+    for warning in scene.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    print(&report, args.strict)?;
+    Ok((scene, report))
+}
+
+/// Prints a loader's report on standard error.
+///
+/// # Errors
+/// [`Fault::Input`] if `strict` and anything was approximated or left out.
+#[expect(clippy::print_stderr, reason = "reports go to standard error")]
+pub fn print(report: &LoadReport, strict: bool) -> Result<(), Fault> {
+    for line in &report.lines {
+        eprintln!("{line}");
+    }
+    if strict && !report.is_exact() {
+        return Err(Fault::input("--strict: the lines above say what is approximated or left out"));
+    }
+    Ok(())
+}
+
+/// The description of a scene, with the overrides applied; nothing is checked yet.
+///
+/// # Errors
+/// [`Fault::Input`] for a name that is not known, or a file that cannot be read or does not make sense.
+pub fn builder(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
+    let overrides = args.overrides.as_deref().map(Overrides::read).transpose()?;
+    match photon_scene::builtin(&args.scene) {
+        Some(mut builder) => {
+            let mut report = LoadReport::default();
+            if let Some(overrides) = &overrides {
+                overrides.apply(&mut builder, &mut report)?;
+            }
+            Ok((builder, report))
+        }
+        None if Path::new(&args.scene).extension().is_none() => {
+            let names: Vec<&str> = photon_scene::builtin_names().iter().map(|(name, _)| *name).collect();
+            Err(Fault::input(format!(
+                "{}: no built-in scene has that name (there are {}), and it has no extension that tells the format of \
+                 a file",
+                args.scene,
+                names.join(", ")
+            )))
+        }
+        None => Ok(photon_scene::load_builder(Path::new(&args.scene), overrides.as_ref())?),
+    }
+}

@@ -1,0 +1,214 @@
+//! Scenes for Mitsuba 3 (Jakob et al. 2022): an XML file, and a PLY file for each material.
+//!
+//! Each boundary of a solid is one against vacuum there: solids within solids are not expressed. User space, radiance in W/(m²·sr), linear RGB. Surfaces scatter on both sides, as here. What Mitsuba expresses
+//! otherwise is a warning, what it cannot express an error.
+
+mod ply;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use photon_core::{Camera, Light, Material, MaterialKind};
+use photon_scene::Scene;
+
+use crate::atomic_write;
+use crate::fault::Fault;
+
+/// What was written beside the file itself.
+#[derive(Clone, Debug)]
+pub struct Written {
+    /// The folder of the meshes.
+    pub folder: PathBuf,
+    /// Files in it.
+    pub meshes: usize,
+    /// What is not exactly as here.
+    pub warnings: Vec<String>,
+}
+
+/// Writes the scene as `camera` sees it.
+///
+/// # Errors
+/// [`Fault::Input`] for a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
+pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> Result<Written, Fault> {
+    let view = scene.view();
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let folder_name = format!("{stem}-meshes");
+    let folder = path.with_file_name(&folder_name);
+    std::fs::create_dir_all(&folder).map_err(|why| Fault::writing(&folder, why))?;
+    let mut written = Written { folder: folder.clone(), meshes: 0, warnings: Vec::new() };
+    let absorbs = view.media.iter().any(|medium| medium.absorption != [0.0; 3]);
+    let mut text = String::from("<scene version=\"3.0.0\">\n");
+    // Only the volumetric path tracer knows of absorption.
+    let _ = writeln!(text, "    <integrator type=\"{}\">", if absorbs { "volpath" } else { "path" });
+    text += "        <integer name=\"max_depth\" value=\"-1\"/>\n    </integrator>\n";
+    text += &sensor(scene, camera, size);
+    for (index, material) in view.materials.iter().enumerate() {
+        let name = format!("material-{index}.ply");
+        if ply::write(scene, index as u32, &folder.join(&name))? > 0 {
+            written.meshes += 1;
+            text += &shape(scene, index, material, &format!("{folder_name}/{name}"))?;
+        }
+    }
+    for light in view.lights {
+        text += &emitter(scene, light, &mut written.warnings);
+    }
+    text += "</scene>\n";
+    atomic_write::write_bytes(path, text.as_bytes())?;
+    Ok(written)
+}
+
+fn list<T: std::fmt::Display>(values: [T; 3]) -> String {
+    values.map(|value| value.to_string()).join(", ")
+}
+
+fn rgb<T: std::fmt::Display>(name: &str, values: [T; 3]) -> String {
+    format!("<rgb name=\"{name}\" value=\"{}\"/>", list(values))
+}
+
+fn sensor(scene: &Scene, camera: &Camera, (width, height): (u32, u32)) -> String {
+    let origin = scene.units().point_to_user(camera.origin);
+    let target: [f64; 3] = std::array::from_fn(|axis| origin[axis] + f64::from(camera.forward[axis]));
+    let length = |v: [f32; 3]| v.iter().map(|&c| f64::from(c).powi(2)).sum::<f64>().sqrt();
+    let (half_width, half_height) = (length(camera.right), length(camera.up));
+    let mut text = String::new();
+    let perspective = camera.kind == Camera::PERSPECTIVE;
+    let _ = writeln!(text, "    <sensor type=\"{}\">", if perspective { "perspective" } else { "orthographic" });
+    let mut scale = String::new();
+    if perspective {
+        let degrees = 2.0 * half_width.atan().to_degrees();
+        let _ = writeln!(text, "        <float name=\"fov\" value=\"{degrees}\"/>");
+        text += "        <string name=\"fov_axis\" value=\"x\"/>\n";
+    } else {
+        let [x, y] = [half_width, half_height].map(|half| half * scene.units().scale);
+        scale = format!("            <scale x=\"{x}\" y=\"{y}\" z=\"1\"/>\n");
+    }
+    let up = camera.up.map(|c| f64::from(c) / half_height);
+    let _ = writeln!(
+        text,
+        "        <float name=\"near_clip\" value=\"{}\"/>\n        <float name=\"far_clip\" value=\"{}\"/>",
+        1e-5 * scene.units().scale,
+        1e4 * scene.units().scale
+    );
+    let _ = writeln!(
+        text,
+        "        <transform name=\"to_world\">\n{scale}            <lookat origin=\"{}\" target=\"{}\" up=\"{}\"/>\n        </transform>",
+        list(origin),
+        list(target),
+        list(up)
+    );
+    // Each pixel is the mean over its square, as here.
+    let _ = writeln!(
+        text,
+        "        <film type=\"hdrfilm\">
+            <integer name=\"width\" value=\"{width}\"/>
+            <integer name=\"height\" value=\"{height}\"/>
+            <rfilter type=\"box\"/>
+            <string name=\"pixel_format\" value=\"rgb\"/>
+            <string name=\"component_format\" value=\"float32\"/>
+        </film>
+        <sampler type=\"independent\"/>
+    </sensor>"
+    );
+    text
+}
+
+fn shape(scene: &Scene, index: usize, material: &Material, file: &str) -> Result<String, Fault> {
+    let colour = material.albedo;
+    let ior = format!("<float name=\"int_ior\" value=\"{}\"/><float name=\"ext_ior\" value=\"1\"/>", material.ior);
+    let two_sided = |inner: &str| format!("<bsdf type=\"twosided\">{inner}</bsdf>");
+    let bsdf = match material.kind() {
+        MaterialKind::Lambert => two_sided(&format!("<bsdf type=\"diffuse\">{}</bsdf>", rgb("reflectance", colour))),
+        MaterialKind::Mirror => two_sided(&format!(
+            "<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>{}</bsdf>",
+            rgb("specular_reflectance", colour)
+        )),
+        MaterialKind::Dielectric => {
+            format!("<bsdf type=\"dielectric\">{ior}{}</bsdf>", rgb("specular_transmittance", colour))
+        }
+        MaterialKind::Thin => {
+            format!("<bsdf type=\"thindielectric\">{ior}{}</bsdf>", rgb("specular_transmittance", colour))
+        }
+    };
+    let mut text = String::from("    <shape type=\"ply\">\n");
+    let _ = writeln!(text, "        <string name=\"filename\" value=\"{}\"/>", escaped(file));
+    let _ = writeln!(text, "        <boolean name=\"face_normals\" value=\"true\"/>\n        {bsdf}");
+    let units = scene.units();
+    let absorption = scene.view().media[material.medium as usize].absorption;
+    if absorption != [0.0; 3] {
+        let sigma = rgb("sigma_t", absorption.map(|c| f64::from(c) / units.scale));
+        let _ = writeln!(
+            text,
+            "        <medium name=\"interior\" type=\"homogeneous\">{sigma}{}</medium>",
+            rgb("albedo", [0.0; 3])
+        );
+    }
+    if material.emission != [0.0; 3] {
+        if material.flags & Material::EMITS_BOTH_SIDES != 0 {
+            return Err(Fault::input(format!(
+                "material number {index} emits from both sides, which area lights of Mitsuba do not; give it two \
+                 meshes, one facing each way"
+            )));
+        }
+        let radiance = rgb("radiance", material.emission.map(|c| f64::from(c) * units.radiance_to_user()));
+        let _ = writeln!(text, "        <emitter type=\"area\">{radiance}</emitter>");
+    }
+    text += "    </shape>\n";
+    Ok(text)
+}
+
+/// Nothing for triangles, which are among the shapes.
+fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
+    let units = scene.units();
+    let watts = light.power.map(|c| f64::from(c) * units.power);
+    let origin = units.point_to_user(light.position);
+    let per = |divisor: f64| watts.map(|w| w / divisor);
+    match light.kind {
+        Light::POINT => format!(
+            "    <emitter type=\"point\"><point name=\"position\" value=\"{}\"/>{}</emitter>\n",
+            list(origin),
+            rgb("intensity", per(4.0 * std::f64::consts::PI))
+        ),
+        Light::SPOT => {
+            // Radians off the axis: even up to the inner angle, dark from the outer one on.
+            let angle = |versine: f32| 2.0 * (0.5 * f64::from(versine)).sqrt().min(1.0).asin();
+            let (inner, outer) = (f64::from(light.versine_inner), f64::from(light.versine_outer));
+            // Full within the inner cone, and a third on the mean over the solid angle beyond: the square of a ramp.
+            let solid_angle = 2.0 * std::f64::consts::PI * (inner + (outer - inner) / 3.0);
+            warnings.push(
+                "a spot light falls off linearly with the angle in Mitsuba, here with the square of the cosine".into(),
+            );
+            let target: [f64; 3] = std::array::from_fn(|axis| origin[axis] + f64::from(light.direction[axis]));
+            format!(
+                "    <emitter type=\"spot\"><transform name=\"to_world\"><lookat origin=\"{}\" target=\"{}\" \
+                 up=\"{}\"/></transform>{}<float name=\"cutoff_angle\" value=\"{}\"/><float name=\"beam_width\" \
+                 value=\"{}\"/></emitter>\n",
+                list(origin),
+                list(target),
+                list(perpendicular(light.direction)),
+                rgb("intensity", per(solid_angle)),
+                angle(light.versine_outer).to_degrees(),
+                angle(light.versine_inner).to_degrees()
+            )
+        }
+        Light::DIRECTIONAL => {
+            // Parallel light is that through a disc around the scene.
+            let radius = units.length_to_user(light.radius);
+            format!(
+                "    <emitter type=\"directional\"><vector name=\"direction\" value=\"{}\"/>{}</emitter>\n",
+                list(light.direction),
+                rgb("irradiance", per(std::f64::consts::PI * radius * radius))
+            )
+        }
+        _ => String::new(),
+    }
+}
+
+/// A direction at a right angle.
+fn perpendicular([x, y, z]: [f32; 3]) -> [f32; 3] {
+    if x.abs() < 0.5 { [0.0, z, -y] } else { [y, -x, 0.0] }
+}
+
+/// As XML writes it within quotes.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}

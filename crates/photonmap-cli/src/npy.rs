@@ -1,0 +1,115 @@
+//! NumPy's array files, as far as `photonmap map` needs them: two-dimensional, little-endian, in C order.
+
+use std::path::Path;
+
+use crate::fault::Fault;
+
+const MAGIC: &[u8; 6] = b"\x93NUMPY";
+
+/// Reads an array of float32 of shape (N, 3).
+///
+/// # Errors
+/// [`Fault::Input`] names the file and what is wrong with it.
+pub fn read_points(path: &Path) -> Result<Vec<[f32; 3]>, Fault> {
+    let wrong = |what: &str| Fault::input(format!("{}: {what}", path.display()));
+    let bytes = std::fs::read(path).map_err(|why| wrong(&format!("cannot be read: {why}")))?;
+    parse(&bytes).map_err(|what| wrong(&what))
+}
+
+fn parse(bytes: &[u8]) -> Result<Vec<[f32; 3]>, String> {
+    const ASK: &str = "give a float32 array of shape (N, 3) as numpy.save writes it";
+    if bytes.len() < 10 || &bytes[..6] != MAGIC {
+        return Err(format!("is no .npy file; {ASK}"));
+    }
+    let (start, length): (usize, usize) = if bytes[6] == 1 {
+        (10, usize::from(u16::from_le_bytes([bytes[8], bytes[9]])))
+    } else if bytes.len() >= 12 {
+        (12, u32::from_le_bytes([bytes[8], bytes[9], bytes[10], bytes[11]]) as usize)
+    } else {
+        return Err("ends within its header".to_owned());
+    };
+    let end = start.checked_add(length).filter(|&end| end <= bytes.len()).ok_or("ends within its header")?;
+    let header = String::from_utf8_lossy(&bytes[start..end]).replace(' ', "");
+    if !header.contains("'descr':'<f4'") {
+        return Err(format!("holds something else than float32 (header {header:?}); {ASK}"));
+    }
+    if !header.contains("'fortran_order':False") {
+        return Err(format!("is in Fortran order; {ASK}, after numpy.ascontiguousarray"));
+    }
+    let shape = header.split("'shape':(").nth(1).and_then(|rest| rest.split(')').next()).unwrap_or_default();
+    let sizes: Vec<&str> = shape.split(',').filter(|size| !size.is_empty()).collect();
+    let rows = match sizes[..] {
+        [rows, "3"] => rows.parse::<usize>().ok(),
+        _ => None,
+    };
+    let rows = rows.ok_or_else(|| format!("has shape ({shape}); {ASK}"))?;
+    let data = &bytes[end..];
+    if rows.checked_mul(12) != Some(data.len()) {
+        return Err(format!(
+            "has {} bytes of data where {rows} rows need 12 each; it is cut off or damaged",
+            data.len()
+        ));
+    }
+    let number = |at: &[u8]| f32::from_le_bytes([at[0], at[1], at[2], at[3]]);
+    Ok(data.chunks_exact(12).map(|row| [number(&row[0..4]), number(&row[4..8]), number(&row[8..12])]).collect())
+}
+
+/// Writes an array of uint32; `columns` of `None` makes it one-dimensional.
+///
+/// # Errors
+/// [`Fault::Failure`] if the file cannot be written.
+pub fn write_u32(path: &Path, values: &[u32], columns: Option<usize>) -> Result<(), Fault> {
+    let shape = match columns {
+        Some(columns) => format!("({}, {columns})", values.len() / columns.max(1)),
+        None => format!("({},)", values.len()),
+    };
+    let mut header = format!("{{'descr': '<u4', 'fortran_order': False, 'shape': {shape}, }}");
+    // Data begin at a multiple of 64 bytes.
+    while (10 + header.len() + 1) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend([1, 0]);
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    crate::atomic_write::write_bytes(path, &bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(header: &str, data: &[u8]) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend([1, 0]);
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(data);
+        bytes
+    }
+
+    #[test]
+    fn points_are_read_and_faults_named() {
+        let data: Vec<u8> = [1.0_f32, 2.0, 3.0, 4.0, 5.0, 6.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+        let header = |descr: &str, fortran: &str, shape: &str| {
+            format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}\n")
+        };
+        let good = file(&header("<f4", "False", "(2, 3)"), &data);
+        assert_eq!(parse(&good).unwrap(), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        for (bytes, culprit) in [
+            (b"hello".to_vec(), "no .npy"),
+            (file(&header("<f8", "False", "(2, 3)"), &data), "float32"),
+            (file(&header("<f4", "True", "(2, 3)"), &data), "Fortran"),
+            (file(&header("<f4", "False", "(3, 2)"), &data), "shape (3,2)"),
+            (file(&header("<f4", "False", "(6,)"), &data), "shape (6,)"),
+            (file(&header("<f4", "False", "(3, 3)"), &data), "cut off"),
+            (good[..good.len() - 1].to_vec(), "cut off"),
+            (good[..20].to_vec(), "header"),
+        ] {
+            let error = parse(&bytes).unwrap_err();
+            assert!(error.contains(culprit), "{error}");
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! `photonmap export`
+
+use std::path::Path;
+
+use crate::support::{channels, folder, refused, render, run, stderr, succeeded};
+
+/// A file that holds a scene of all materials and lights, in coordinates that single precision does not hold.
+const OVERRIDES: &str = r#"
+[materials.white]
+albedo = [0.123456789012345, 0.7, 0.3]
+[materials.amber]
+new = true
+kind = "glass"
+ior = 1.234567890123
+absorption = [0.1, 2.3, 4.5]
+tint = [0.9, 0.95, 1.0]
+priority = 2
+[materials.pane]
+new = true
+kind = "thin"
+ior = 1.4
+tint = [0.5, 0.6, 0.7]
+[materials.mirror]
+new = true
+kind = "mirror"
+albedo = [0.9, 0.8, 0.7]
+[materials.glow]
+new = true
+emission = 1.7
+emits_both_sides = true
+[[quads]]
+corner = [-0.3, 0.3333333333333333, 0.2]
+edges = [[0.6, 0, 0], [0, 0.1, 0]]
+material = "pane"
+[[quads]]
+corner = [-0.7, 0.1, -0.7]
+edges = [[0.2, 0, 0], [0, 0.3, 0.1]]
+material = "mirror"
+[[quads]]
+corner = [0.4, 0.1, 0.1]
+edges = [[0.1, 0, 0], [0, 0.2, 0.1]]
+material = "glow"
+[[lights]]
+type = "point"
+position = [0.1, 0.7, 0.2]
+intensity = [1.1, 0.3, 0.7]
+[[lights]]
+type = "spot"
+position = [0.0, 0.9, 0.0]
+direction = [0.1, -1.3, 0.2]
+intensity = 3.3
+inner_degrees = 10.1
+outer_degrees = 33.3
+[[lights]]
+type = "directional"
+direction = [0.3, -1, -0.4]
+irradiance = [0.2, 0.3, 0.4]
+[[cameras]]
+name = "own"
+from = [0.1, 0.8, 2.7]
+to = [0.0, 0.7, 0.0]
+up = [0.1, 1, 0]
+fov_degrees = 47.3
+"#;
+
+/// The picture and its other channels after a detour through a .glb, beside those of the scene itself.
+fn both(folder: &Path, scene: &[&str], name: &str) -> [std::collections::BTreeMap<String, Vec<f32>>; 2] {
+    let file = folder.join(format!("{name}.glb"));
+    let file = file.to_str().unwrap();
+    let output = run("export", &[scene, &["-o", file]].concat());
+    succeeded(&output);
+    assert!(stderr(&output).contains(&format!("wrote {file}")), "{output:?}");
+    let picture = |scene: &[&str], name: &str| {
+        let path = folder.join(name);
+        let small = ["--size", "20x16", "--photons", "3000", "--passes", "2", "--backend", "cpu"];
+        succeeded(&render(&[scene, &small, &["-o", path.to_str().unwrap()]].concat()));
+        channels(&path)
+    };
+    // Nothing is approximated, whatever single precision cannot hold.
+    [picture(scene, "own.exr"), picture(&[file, "--strict"], "again.exr")]
+}
+
+#[test]
+fn a_reloaded_scene_gives_the_same_picture_bit_for_bit() {
+    let folder = folder("export-glb");
+    let overrides = folder.join("all.toml");
+    std::fs::write(&overrides, OVERRIDES).unwrap();
+    let everything = ["cornell", "--overrides", overrides.to_str().unwrap()];
+    let scenes: [&[&str]; 4] = [&["cornell-glass"], &["ring"], &["pool"], &everything];
+    let mut others = Vec::new();
+    for (number, scene) in scenes.into_iter().enumerate() {
+        let [own, again] = both(&folder, scene, &number.to_string());
+        let bits = |all: &std::collections::BTreeMap<String, Vec<f32>>| -> Vec<(String, Vec<u32>)> {
+            all.iter().map(|(name, values)| (name.clone(), values.iter().map(|v| v.to_bits()).collect())).collect()
+        };
+        assert!(own["R"].iter().any(|&v| v > 0.0));
+        assert!(bits(&own) == bits(&again), "{scene:?}");
+        // The comparison tells pictures apart.
+        assert!(others.iter().all(|other| *other != bits(&own)));
+        others.push(bits(&own));
+    }
+}
+
+/// What Mitsuba reads: all triangles, lights with their strength, and a camera.
+#[test]
+fn mitsubas_file_is_complete() {
+    let folder = folder("export-xml");
+    let file = folder.join("ring.xml");
+    let output = run("export", &["ring", "--size", "48x32", "-o", file.to_str().unwrap()]);
+    succeeded(&output);
+    let text = std::fs::read_to_string(&file).unwrap();
+    for part in ["<scene version=\"3.0.0\">", "type=\"spot\"", "type=\"perspective\"", "value=\"48\"", "</scene>"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let mut triangles = 0;
+    for name in text.split("name=\"filename\" value=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+        let bytes = std::fs::read(folder.join(name)).unwrap();
+        let header = String::from_utf8_lossy(&bytes[..bytes.len().min(300)]).into_owned();
+        let line = header.lines().find(|line| line.starts_with("element face ")).unwrap();
+        triangles += line.trim_start_matches("element face ").parse::<usize>().unwrap();
+    }
+    let explained = String::from_utf8(run("explain", &["ring"]).stdout).unwrap();
+    assert!(explained.contains(&format!("ring: {triangles} triangles")), "{triangles}: {explained}");
+    assert!(stderr(&output).contains("spot"), "the falloff is approximated: {output:?}");
+}
+
+#[test]
+fn what_cannot_be_exported_is_named() {
+    let folder = folder("export-bad");
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let glow = path("glow.toml");
+    std::fs::write(&glow, "[materials.white]\nemission = 1.0\nemits_both_sides = true\n").unwrap();
+    let far = path("far.toml");
+    let light = "[[lights]]\ntype = \"point\"\nposition = [0, 0, 0]\nintensity = 1e60\n";
+    std::fs::write(&far, light).unwrap();
+    let (glb, xml, nowhere) = (path("a.glb"), path("a.xml"), path("no/such/a.glb"));
+    let cases: [(&[&str], &str); 7] = [
+        (&["no-such-scene", "-o", &glb], "no-such-scene"),
+        (&["ring", "-o", "a.obj"], "a.obj"),
+        (&["ring", "-o", &nowhere], "no/such"),
+        (&["ring"], "--output"),
+        (&["ring", "--size", "0x0", "-o", &xml], "0x0"),
+        (&["cornell", "--overrides", &glow, "-o", &xml], "both sides"),
+        (&["cornell", "--overrides", &far, "-o", &glb], "override light 0"),
+    ];
+    for (arguments, culprit) in cases {
+        refused(&run("export", arguments), culprit);
+    }
+}

@@ -1,0 +1,12 @@
+//! The program `photonmap` as a user meets it.
+#![expect(clippy::unwrap_used, reason = "test code")]
+
+mod backends;
+mod commands;
+mod compare;
+mod export;
+mod files;
+mod map;
+mod progress;
+mod render;
+mod support;

@@ -1,0 +1,124 @@
+//! `photonmap map`
+
+use std::path::Path;
+
+use crate::support::{folder, has_vulkan, photonmap, refused};
+
+/// A .npy file of float32.
+fn save(path: &Path, points: &[[f32; 3]]) {
+    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, 3), }}", points.len());
+    while (11 + header.len()) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(points.iter().flatten().flat_map(|x| x.to_le_bytes()));
+    std::fs::write(path, bytes).unwrap();
+}
+
+fn load(path: &Path) -> (String, Vec<u32>) {
+    let bytes = std::fs::read(path).unwrap();
+    let end = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let word = |b: &[u8]| u32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+    (String::from_utf8_lossy(&bytes[10..end]).into_owned(), bytes[end..].chunks(4).map(word).collect())
+}
+
+#[test]
+fn the_map_finds_what_brute_force_finds() {
+    let folder = folder("map");
+    // Coordinates on a coarse grid: many photons are equally far from a query.
+    let point = |i: u32| [i % 7, i / 7 % 5, i / 35 % 3].map(|c| c as f32 * 0.25);
+    let photons: Vec<_> = (0..200).map(point).collect();
+    let queries: Vec<_> = (0..20).map(|i| point(i * 11 + 3).map(|c| c + 0.05)).collect();
+    let (p, q, out, json) =
+        (folder.join("p.npy"), folder.join("q.npy"), folder.join("out.npy"), folder.join("out.json"));
+    save(&p, &photons);
+    save(&q, &queries);
+    let run = |backend: &str, arguments: &[&str]| {
+        let mut command = photonmap("map");
+        command.args(["--backend", backend]);
+        command
+            .arg("--photons")
+            .arg(&p)
+            .arg("--queries")
+            .arg(&q)
+            .arg("--neighbours")
+            .arg(&out)
+            .arg("--json")
+            .arg(&json);
+        let output = command.args(arguments).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        assert_eq!(report["backend"], backend);
+        assert!(report["seconds_build"].is_number() && report["seconds_query"].is_number());
+        load(&out)
+    };
+    let sorted = |query: &[f32; 3], reach: f32| {
+        let mut all: Vec<(f32, u32)> = photons
+            .iter()
+            .zip(0..)
+            .map(|(photon, id)| {
+                let [x, y, z]: [f32; 3] = std::array::from_fn(|axis| photon[axis] - query[axis]);
+                (x * x + y * y + z * z, id)
+            })
+            .filter(|(square, _)| *square <= reach * reach)
+            .collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        all
+    };
+    let all = ["cpu", "vulkan"].into_iter().filter(|&backend| backend == "cpu" || has_vulkan());
+    let cases = all.flat_map(|backend| ["median", "vvh", "morton"].map(|index| (backend, index)));
+    for (backend, index) in cases {
+        for (k, reach) in [(10, f32::INFINITY), (10, 0.3), (300, f32::INFINITY)] {
+            let (k_text, reach_text) = (k.to_string(), reach.to_string());
+            let mut arguments = vec!["--k", &k_text, "--index", index];
+            if reach.is_finite() {
+                arguments.extend(["--max-radius", &reach_text]);
+            }
+            let (header, found) = run(backend, &arguments);
+            assert!(header.contains("<u4") && header.contains(&format!("({}, {k})", queries.len())), "{header}");
+            for (query, row) in queries.iter().zip(found.chunks(k)) {
+                let mut expected: Vec<u32> = sorted(query, reach).into_iter().map(|(_, id)| id).take(k).collect();
+                expected.resize(k, u32::MAX);
+                assert_eq!(row, expected, "{backend} {index} {k} {reach}");
+            }
+        }
+        let (header, counts) = run(backend, &["--radius", "0.4", "--index", index]);
+        assert!(header.contains("(20,)"), "{header}");
+        for (query, count) in queries.iter().zip(counts) {
+            assert_eq!(count as usize, sorted(query, 0.4).len());
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let folder = folder("map-bad");
+    let (good, nan, bad) = (folder.join("good.npy"), folder.join("nan.npy"), folder.join("bad.npy"));
+    save(&good, &[[0.0; 3]]);
+    save(&nan, &[[0.0; 3], [f32::NAN; 3]]);
+    std::fs::write(&bad, b"no array").unwrap();
+    let good = good.to_str().unwrap();
+    let cases: [(&Path, &[&str], &str); 8] = [
+        (&bad, &["--k", "1"], "bad.npy"),
+        (&nan, &["--k", "1"], "point 1"),
+        (&nan, &["--k", "1", "--backend", "cpu"], "nan.npy: point 1"),
+        (&nan, &["--radius", "1"], "which are not finite"),
+        (&folder.join("gone.npy"), &["--k", "1"], "gone.npy"),
+        (Path::new(good), &["--k", "0"], "k is 0"),
+        (Path::new(good), &["--radius", "inf"], "radius"),
+        (Path::new(good), &[], "--k"),
+    ];
+    for (photons, arguments, culprit) in cases {
+        let files = ["--photons", photons.to_str().unwrap(), "--queries", good];
+        refused(&photonmap("map").args(files).args(arguments).output().unwrap(), culprit);
+    }
+    // In queries likewise, on either backend.
+    let files = ["--photons", good, "--queries", nan.to_str().unwrap(), "--k", "1"];
+    for backend in ["cpu", "auto"] {
+        let output = photonmap("map").args(files).args(["--backend", backend]).output().unwrap();
+        refused(&output, "nan.npy: point 1 has the coordinates [NaN, NaN, NaN], which are not finite");
+    }
+}

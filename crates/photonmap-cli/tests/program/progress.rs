@@ -1,0 +1,32 @@
+//! What the program says while it works, and at the end.
+
+use crate::support::{folder, render, stderr, stdout, succeeded};
+
+/// Without a terminal there is no bar, at most a line every few seconds, and the last line says what was written.
+#[test]
+fn the_last_line_says_what_was_written() {
+    let folder = folder("last-line");
+    let (picture, report) = (folder.join("a.png"), folder.join("a.json"));
+    let (picture, report) = (picture.to_str().unwrap(), report.to_str().unwrap());
+    let small = ["cornell", "--size", "16x16", "--photons", "500", "--passes", "40", "--backend", "cpu"];
+    let output = render(&[&small[..], &["-o", picture, "--json", report]].concat());
+    succeeded(&output);
+    let text = stderr(&output);
+    assert!(!text.contains('\r') && !text.contains('\u{1b}'), "{text}");
+    // Far below a line for each pass.
+    assert!(text.lines().count() < 12, "{text}");
+    let last = text.lines().last().unwrap();
+    assert!(last.starts_with(&format!("wrote {picture}, {report}: 40 passes of 500 paths in ")), "{text}");
+    assert_eq!(stdout(&output), "");
+}
+
+#[test]
+fn a_report_to_standard_output_stands_there_alone() {
+    let folder = folder("json-stdout");
+    let picture = folder.join("a.png");
+    let small = ["cornell", "--size", "8x8", "--photons", "500", "--passes", "1", "--json", "-", "-o"];
+    let output = render(&[&small[..], &[picture.to_str().unwrap()]].concat());
+    succeeded(&output);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["passes"], 1);
+}

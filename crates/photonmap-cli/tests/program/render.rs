@@ -1,0 +1,179 @@
+//! `photonmap render`: pictures, reports, errors.
+
+use std::time::{Duration, Instant};
+
+use crate::support::{SMALL, channels, folder, photonmap, render};
+
+#[test]
+fn layers_of_the_exr_sum_to_the_picture_and_the_report_balances() {
+    let folder = folder("layers");
+    let (exr, png, json) = (folder.join("a.exr"), folder.join("a.png"), folder.join("a.json"));
+    let mut arguments = vec!["cornell-glass", "-o", exr.to_str().unwrap(), "-o", png.to_str().unwrap()];
+    arguments.extend(["--json", json.to_str().unwrap(), "--backend", "cpu"]);
+    arguments.extend(SMALL);
+    let output = render(&arguments);
+    assert!(output.status.success(), "{output:?}");
+
+    let all = channels(&exr);
+    for c in ["R", "G", "B"] {
+        let part = |name: &str| &all[&format!("{name}.{c}")];
+        let (emission, direct, caustic, indirect) =
+            (part("emission"), part("direct"), part("caustic"), part("indirect"));
+        assert!(direct.iter().any(|&v| v > 0.0) && indirect.iter().any(|&v| v > 0.0));
+        for (pixel, &beauty) in all[c].iter().enumerate() {
+            assert_eq!(beauty, emission[pixel] + direct[pixel] + caustic[pixel] + indirect[pixel]);
+        }
+    }
+    for name in ["depth.Z", "N.X", "N.Y", "N.Z", "albedo.R", "albedo.G", "albedo.B", "error.Y"] {
+        assert_eq!(all[name].len(), 24 * 16, "{name}");
+    }
+
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&png).unwrap()));
+    let reader = decoder.read_info().unwrap();
+    assert_eq!((reader.info().width, reader.info().height), (24, 16));
+
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+    assert_eq!(report["counters"]["balance"], true);
+    assert_eq!(report["counters"]["emitted"], 9000);
+    assert_eq!(report["backend"], "cpu");
+    assert_eq!(report["maps"]["caustic"], true);
+    for stage in ["load", "bvh", "emit+trace", "build", "eye", "estimate", "total"] {
+        assert!(report["seconds"][stage].as_f64().unwrap() >= 0.0, "{stage}");
+    }
+    assert!(report["photons_per_second"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn the_same_command_writes_the_same_picture() {
+    let folder = folder("same");
+    let picture = |name: &str, threads: &str| {
+        let path = folder.join(name);
+        let mut arguments = vec!["cornell", "-o", path.to_str().unwrap(), "--threads", threads];
+        arguments.extend(SMALL);
+        assert!(render(&arguments).status.success());
+        channels(&path)
+    };
+    assert_eq!(picture("one.exr", "1"), picture("three.exr", "3"));
+}
+
+#[test]
+fn bad_input_is_named_with_code_2_within_seconds() {
+    let folder = folder("bad");
+    let file = |name: &str, text: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let missing = folder.join("missing.gltf").to_str().unwrap().to_owned();
+    let cut = file("cut.glb", "glTF");
+    let range = file("range.obj", "v 0 0 0\nf 1 2 3\n");
+    let nan = file("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
+    let dark = file("dark.obj", obj);
+    let kind = file("scene.xyz", "");
+    let typo = file("typo.toml", "[materialz]\n");
+    let bright = file("bright.toml", "[materials.grey]\nalbedo = 2.0\n");
+    let nowhere = folder.join("no/such/a.png").to_str().unwrap().to_owned();
+    let cases: &[(&[&str], &str)] = &[
+        (&[&missing], "missing.gltf"),
+        (&[&cut], "cut.glb"),
+        (&[&range], "range.obj"),
+        (&[&nan], "nan.obj"),
+        (&[&dark], "light"),
+        (&[&kind], "scene.xyz"),
+        (&["no-such-scene"], "no-such-scene"),
+        (&["--overrides", &typo], "materialz"),
+        (&[&dark, "--overrides", &bright], "grey"),
+        (&["--camera", "nobody"], "nobody"),
+        (&["-o", "picture.jpg"], "picture.jpg"),
+        (&["--index", "grid"], "vvh"),
+        (&["--estimator", "grid"], "knn"),
+        (&["--preset", "best"], "balanced"),
+        (&["--caustic-photons", "many"], "shared"),
+        (&["-o", &nowhere], "no/such"),
+        (&["--json", &nowhere], "no/such"),
+        (&["--memory", "2 ells"], "2GiB"),
+        (&["--memory", "50MiB", "--size", "512x512", "--backend", "cpu"], "allow more"),
+        (&["--size", "0x0"], "size"),
+        (&["--k", "0"], "k is 0"),
+        (&["--estimator", "knn", "--k", "1"], "k is 1"),
+        (&["--radius", "0"], "radius"),
+        (&["--radius", "inf"], "radius"),
+        (&["--photons", "0"], "photons"),
+        (&["--passes", "0"], "passes"),
+        (&["--time", "nan"], "time"),
+        (&["--exposure", "nan"], "exposure"),
+        (&["--threads", "0"], "threads"),
+        (&["--kernel", "box"], "kernel"),
+        (&["--max-bounces", "0"], "max-bounces"),
+    ];
+    for (arguments, culprit) in cases {
+        let begun = Instant::now();
+        let output = photonmap("render").args(*arguments).current_dir(&folder).output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+        assert!(text.contains(culprit), "{arguments:?}: {text}");
+        assert!(begun.elapsed() < Duration::from_secs(20), "{arguments:?}");
+    }
+}
+
+#[test]
+fn strict_refuses_what_is_approximated() {
+    let folder = folder("strict");
+    let path = folder.join("a.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl nothing\nf 1 2 3\n").unwrap();
+    let output = render(&[path.to_str().unwrap(), "--strict"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--strict"), "{output:?}");
+}
+
+/// A cap on memory that is below what the photons asked for would take.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_is_capped_and_the_photons_are_all_there() {
+    let folder = folder("memory");
+    let (picture, json) = (folder.join("a.png"), folder.join("a.json"));
+    let cap = 96 << 20;
+    let output = render(&[
+        "cornell",
+        "--size",
+        "64x64",
+        "--photons",
+        "1500k",
+        "--passes",
+        "1",
+        "--backend",
+        "cpu",
+        "--threads",
+        "2",
+        "--memory",
+        &cap.to_string(),
+        "-o",
+        picture.to_str().unwrap(),
+        "--json",
+        json.to_str().unwrap(),
+    ]);
+    assert!(output.status.success(), "{output:?}");
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+    let number = |key: &str| report[key].as_u64().unwrap();
+    assert!(number("peak_resident_bytes") <= cap, "{}", number("peak_resident_bytes"));
+    assert_eq!(report["bytes_of_photon_in_map"]["global"], 28, "{report:#}");
+    assert!(number("paths_per_pass") < 1_500_000 && number("paths") >= 1_500_000, "{report:#}");
+}
+
+/// A light that hardly any photon leaves from is named, in words and in the report.
+#[test]
+fn lights_that_get_too_few_photons_are_named() {
+    let folder = folder("starving");
+    let (picture, json) = (folder.join("a.png"), folder.join("a.json"));
+    let paths = [picture.to_str().unwrap(), json.to_str().unwrap()];
+    for (photons, starves) in [("2000", false), ("100", true)] {
+        let all = ["ring", "--size", "8x8", "--passes", "1", "--backend", "cpu", "--photons", photons];
+        let output = render(&[all.as_slice(), &["-o", paths[0], "--json", paths[1]]].concat());
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(text.contains("warning: spot light"), starves, "{text}");
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        assert_eq!(report["lights"][1]["starves"], serde_json::Value::Bool(starves), "{report:#}");
+        assert_eq!(report["warnings"].as_array().unwrap().is_empty(), !starves);
+    }
+}

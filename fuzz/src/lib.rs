@@ -39,8 +39,8 @@ pub fn check(loaded: Result<(Scene, LoadReport), SceneError>) {
     let vertices = view.positions.len();
     assert!(view.positions.iter().flatten().all(|x| x.is_finite() && x.abs() <= 0.5001));
     assert!(view.triangles.iter().flatten().all(|&index| (index as usize) < vertices));
-    assert!(view.facets.iter().all(|facet| (facet.material as usize) < view.materials.len()));
-    assert!(view.facets.iter().all(|facet| (Vec3::from(facet.normal).length() - 1.0).abs() < 1e-4));
+    assert!(view.primitives.iter().all(|primitive| (primitive.material as usize) < view.materials.len()));
+    assert!(view.primitives.iter().all(|primitive| (Vec3::from(primitive.normal).length() - 1.0).abs() < 1e-4));
     for material in view.materials {
         assert!(material.albedo.iter().all(|a| (0.0..=1.0).contains(a)), "{material:?}");
         assert!(material.emission.iter().all(|e| e.is_finite() && *e >= 0.0), "{material:?}");

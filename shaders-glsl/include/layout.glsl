@@ -51,7 +51,7 @@ struct Spread {
     uint reserved[2];
 };
 
-struct Facet {
+struct Primitive {
     vec3 normal;
     uint material;
 };
@@ -103,7 +103,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PhotonRays 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Queries { Query at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Estimates { Estimate at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Spreads { Spread at; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Facets { Facet at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Primitives { Primitive at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Materials { Material at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Media { Medium at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Lights { Light at; };

@@ -53,7 +53,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Lig
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
     WideNodes nodes;
     Corners corners;
-    Facets facets;
+    Primitives primitives;
     Materials materials;
     Lights lights;
     LightStarts light_starts;
@@ -83,23 +83,23 @@ struct Surface {
 
 // All that shading needs of a hit of a ray in this direction.
 Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
-    Facet facet = scene.facets[hit.slot].at;
+    Primitive primitive = scene.primitives[hit.slot].at;
     // Each as a whole: llvmpipe of Mesa 22.3 reads the third component of a vector for the fourth, if that alone is
     // asked for where the first three are too.
     Corners corners = scene.corners[hit.slot];
     vec4 a = corners.a;
     vec4 b = corners.b;
     vec4 c = corners.c;
-    float cosine = -dot3(direction, facet.normal);
+    float cosine = -dot3(direction, primitive.normal);
     bool front = cosine > 0.0;
     Surface found;
     found.t = hit.t;
     found.point = barycentric(a.xyz, b.xyz, c.xyz, hit.u, hit.v);
     found.start = within(a.xyz, b.xyz, c.xyz, b.w, hit.u, hit.v);
-    found.normal = front ? facet.normal : -facet.normal;
+    found.normal = front ? primitive.normal : -primitive.normal;
     found.cosine = abs(cosine);
     found.front = front;
-    found.material = facet.material;
+    found.material = primitive.material;
     return found;
 }
 

@@ -29,7 +29,7 @@ void main() {
         case 2u: COPY(Queries); break;
         case 3u: COPY(Estimates); break;
         case 4u: COPY(Spreads); break;
-        case 5u: COPY(Facets); break;
+        case 5u: COPY(Primitives); break;
         case 6u: COPY(Materials); break;
         case 7u: COPY(Media); break;
         case 8u: COPY(Lights); break;

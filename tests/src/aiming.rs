@@ -181,7 +181,7 @@ pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
             for ray in &home {
                 let way = Ray { origin: ray.origin.into(), direction: ray.direction.into(), t_max: f32::INFINITY };
                 let Some(hit) = caster.nearest(&way) else { continue };
-                if view.materials[view.facets[hit.primitive as usize].material as usize].is_diffuse() {
+                if view.materials[view.primitives[hit.primitive as usize].material as usize].is_diffuse() {
                     continue;
                 }
                 let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, Domain::Photon, ray.path);

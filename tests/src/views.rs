@@ -1,7 +1,7 @@
 //! Scenes that somebody else has filled in, wrongly: a typed error at the door.
 
 use photon_core::{
-    Error, Facet, Light, Material, Pipeline, Requirements, Result, SceneView, Settings, TransportBackend, View,
+    Error, Light, Material, Pipeline, Primitive, Requirements, Result, SceneView, Settings, TransportBackend, View,
 };
 use photon_scene::Scene;
 
@@ -11,7 +11,7 @@ use crate::harness::TestBackend;
 struct Tables {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    facets: Vec<Facet>,
+    primitives: Vec<Primitive>,
     materials: Vec<Material>,
     lights: Vec<Light>,
     light_starts: Vec<u32>,
@@ -23,7 +23,7 @@ impl Tables {
         Self {
             positions: view.positions.to_vec(),
             triangles: view.triangles.to_vec(),
-            facets: view.facets.to_vec(),
+            primitives: view.primitives.to_vec(),
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
             light_starts: view.light_starts.to_vec(),
@@ -34,7 +34,7 @@ impl Tables {
         SceneView {
             positions: &self.positions,
             triangles: &self.triangles,
-            facets: &self.facets,
+            primitives: &self.primitives,
             materials: &self.materials,
             lights: &self.lights,
             light_starts: &self.light_starts,
@@ -48,7 +48,7 @@ type Damage = (fn(&mut Tables), &'static str);
 
 const FAULTS: [Damage; 8] = [
     (|t| t.triangles[3][1] = t.positions.len() as u32, "triangle 3"),
-    (|t| t.facets[2].material = t.materials.len() as u32, "facet 2"),
+    (|t| t.primitives[2].material = t.materials.len() as u32, "facet 2"),
     (|t| t.lights[0].primitive = t.triangles.len() as u32, "light 0"),
     (|t| t.materials[1].kind = 77, "material 1"),
     (|t| t.lights[1].kind = 77, "light 1"),

@@ -75,7 +75,7 @@ fn weigh(scene: &CpuScene, light: &Light, query: &Query) -> f32 {
         }
         Light::TRIANGLE => {
             let corners = scene.vertices[light.primitive as usize].map(|corner| corner - position);
-            let height = -corners[0].dot(scene.facets[light.primitive as usize].normal.into());
+            let height = -corners[0].dot(scene.primitives[light.primitive as usize].normal.into());
             let both = light.flags & Light::BOTH_SIDES != 0;
             let (height, power) = if both { (height.abs(), 0.5 * power) } else { (height, power) };
             if !(height > solid_angle::LEAST_HEIGHT) {

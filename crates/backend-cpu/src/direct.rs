@@ -125,7 +125,7 @@ struct Target {
 fn at_lamp(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Target> {
     let primitive = light.primitive as usize;
     let vertices = scene.vertices[primitive];
-    let mut front = Vec3::from(scene.facets[primitive].normal);
+    let mut front = Vec3::from(scene.primitives[primitive].normal);
     if light.flags & Light::BOTH_SIDES != 0 && front.dot(from - vertices[0]) < 0.0 {
         front = -front;
     }

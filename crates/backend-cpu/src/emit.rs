@@ -105,7 +105,7 @@ fn leave<const AIMED: bool>(
             let primitive = light.primitive as usize;
             let (u, v) = sampling::triangle(a, b);
             let point = offset::within(scene.vertices[primitive], scene.margins[primitive], u, v);
-            let front = Vec3::from(scene.facets[primitive].normal);
+            let front = Vec3::from(scene.primitives[primitive].normal);
             back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
             let normal = if back { -front } else { front };
             (offset::off_surface(point, normal), sampling::cosine_hemisphere(normal, c, d))

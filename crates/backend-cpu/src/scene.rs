@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Bsdf, Error, Facet, Features, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Ray, RayCaster,
+    Bsdf, Error, Features, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Primitive, Ray, RayCaster,
     Requirements, Result, SceneView, Solids, SurfaceInteraction, interface, math, offset, radiance_scale,
 };
 
@@ -16,7 +16,7 @@ pub struct CpuScene {
     pub(crate) vertices: Vec<[Vec3; 3]>,
     /// Of each triangle, what `offset::margin` says.
     pub(crate) margins: Vec<f32>,
-    pub(crate) facets: Vec<Facet>,
+    pub(crate) primitives: Vec<Primitive>,
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_starts: Vec<u32>,
@@ -57,7 +57,7 @@ impl CpuScene {
         Ok(Self {
             margins: vertices.iter().map(|&corners| offset::margin(corners)).collect(),
             vertices,
-            facets: view.facets.to_vec(),
+            primitives: view.primitives.to_vec(),
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
             light_starts: view.light_starts.to_vec(),
@@ -74,8 +74,8 @@ impl CpuScene {
     #[inline]
     pub(crate) fn surface(&self, ray: &Ray) -> Option<SurfaceInteraction> {
         let hit = self.caster.nearest(ray)?;
-        let (index, facet) = (hit.primitive as usize, &self.facets[hit.primitive as usize]);
-        Some(SurfaceInteraction::new(ray.direction, &hit, self.vertices[index], self.margins[index], facet))
+        let (index, record) = (hit.primitive as usize, &self.primitives[hit.primitive as usize]);
+        Some(SurfaceInteraction::new(ray.direction, &hit, self.vertices[index], self.margins[index], record))
     }
 
     /// What a path in `media` that meets `surface` finds on its two sides.

@@ -74,7 +74,7 @@ impl TransportBackend for Cpu {
     fn memory(&self, scene: &CpuScene) -> Vec<(String, u64)> {
         let bytes = |count: usize, size: usize| (count * size) as u64;
         let mut memory = vec![
-            ("triangles".to_owned(), bytes(scene.vertices.len(), 40) + bytes(scene.facets.len(), 16)),
+            ("triangles".to_owned(), bytes(scene.vertices.len(), 40) + bytes(scene.primitives.len(), 16)),
             ("materials".to_owned(), bytes(scene.materials.len(), 48)),
             ("lights".to_owned(), bytes(scene.lights.len(), 64 + 4)),
             ("bvh".to_owned(), scene.caster.bytes()),

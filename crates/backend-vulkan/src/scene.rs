@@ -37,7 +37,7 @@ pub struct VulkanScene {
 struct Record {
     nodes: u64,
     corners: u64,
-    facets: u64,
+    primitives: u64,
     materials: u64,
     lights: u64,
     light_starts: u64,
@@ -81,13 +81,13 @@ impl VulkanScene {
         let mut upload = Upload { on, tables: Vec::new(), bytes: Vec::new() };
         let nodes = upload.table("BVH nodes", &tree.nodes)?;
         let corners = upload.by_triangle("triangles", &tree.order, |id| corners(view, id))?;
-        let facets = upload.by_triangle("facets", &tree.order, |id| view.facets[id as usize])?;
+        let primitives = upload.by_triangle("primitives", &tree.order, |id| view.primitives[id as usize])?;
         let emissions: Vec<Emission> =
             (0..view.lights.len()).map(|index| emission(view, index, locator.as_ref())).collect();
         let record = Record {
             nodes,
             corners,
-            facets,
+            primitives,
             materials: upload.table("materials", view.materials)?,
             lights: upload.table("lights", view.lights)?,
             light_starts: upload.table("lights", view.light_starts)?,
@@ -150,7 +150,7 @@ fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -
     let (corners, normal, margin) = if area {
         let primitive = light.primitive as usize;
         let corners = view.triangles[primitive].map(|vertex| view.positions[vertex as usize]);
-        (corners, view.facets[primitive].normal, margin(corners))
+        (corners, view.primitives[primitive].normal, margin(corners))
     } else {
         ([[0.0; 3]; 3], [0.0; 3], 0.0)
     };

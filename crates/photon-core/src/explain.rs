@@ -31,10 +31,10 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         .map(|(bit, what)| {
             let feature = Features::from_bits(1 << bit);
             let triangles = scene
-                .facets
+                .primitives
                 .iter()
-                .filter(|facet| {
-                    material_features(&scene.materials[facet.material as usize], scene.media).contains(feature)
+                .filter(|primitive| {
+                    material_features(&scene.materials[primitive.material as usize], scene.media).contains(feature)
                 })
                 .count();
             let lights = scene.lights.iter().filter(|light| light_features(light).contains(feature)).count();
@@ -219,7 +219,7 @@ fn counted(count: usize, what: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Facet, Material};
+    use crate::layout::{Material, Primitive};
     use crate::units::Units;
 
     #[test]
@@ -230,7 +230,7 @@ mod tests {
         let scene = SceneView {
             positions: &positions,
             triangles: &[[0, 1, 2]],
-            facets: &[Facet { normal: [0.0, 1.0, 0.0], material: 0 }],
+            primitives: &[Primitive { normal: [0.0, 1.0, 0.0], material: 0 }],
             materials: &materials,
             media: &[crate::layout::Medium::VACUUM],
             lights: &lights,

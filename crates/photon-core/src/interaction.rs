@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::bsdf::Lobe;
 use crate::caster::{Hit, Ray};
-use crate::layout::Facet;
+use crate::layout::Primitive;
 use crate::offset;
 
 /// Where a ray meets the scene.
@@ -31,8 +31,8 @@ impl SurfaceInteraction {
     /// [`offset::margin`], and that record.
     #[inline]
     #[must_use]
-    pub fn new(direction: Vec3, hit: &Hit, vertices: [Vec3; 3], margin: f32, facet: &Facet) -> Self {
-        let normal = Vec3::from(facet.normal);
+    pub fn new(direction: Vec3, hit: &Hit, vertices: [Vec3; 3], margin: f32, primitive: &Primitive) -> Self {
+        let normal = Vec3::from(primitive.normal);
         let cosine = -direction.dot(normal);
         let front = cosine > 0.0;
         Self {
@@ -42,7 +42,7 @@ impl SurfaceInteraction {
             normal: if front { normal } else { -normal },
             cosine: cosine.abs(),
             front,
-            material: facet.material,
+            material: primitive.material,
         }
     }
 

@@ -149,7 +149,7 @@ impl Spread {
 /// What the surface of a triangle is: its plane's orientation and its material.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Facet {
+pub struct Primitive {
     /// Unit normal; the front is where the vertices run counter-clockwise.
     pub normal: [f32; 3],
     /// Index of the material.
@@ -360,7 +360,7 @@ elements!(
     Query = 64,
     Estimate = 32,
     Spread = 64,
-    Facet = 16,
+    Primitive = 16,
     Material = 64,
     Medium = 64,
     Light = 64,
@@ -391,7 +391,7 @@ mod tests {
             (offset_of!(Estimate, flux), offset_of!(Estimate, radius_squared)),
             (offset_of!(Spread, wide), offset_of!(Spread, power)),
             (offset_of!(Spread, narrow), offset_of!(Spread, power_squared)),
-            (offset_of!(Facet, normal), offset_of!(Facet, material)),
+            (offset_of!(Primitive, normal), offset_of!(Primitive, material)),
             (offset_of!(Material, albedo), offset_of!(Material, kind)),
             (offset_of!(Material, emission), offset_of!(Material, flags)),
             (offset_of!(Medium, absorption), offset_of!(Medium, ior)),

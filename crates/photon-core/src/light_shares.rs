@@ -43,7 +43,7 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
     for (index, light) in scene.lights.iter().enumerate() {
         let power = if total > 0.0 { mean(light) / total } else { 0.0 };
         let probability = light_probability(scene.light_starts, index);
-        let material = scene.facets.get(light.primitive as usize).map(|facet| facet.material as usize);
+        let material = scene.primitives.get(light.primitive as usize).map(|primitive| primitive.material as usize);
         let known = material.and_then(|material| lamps.get(material).copied().flatten());
         if let Some(lamp) = known {
             shares[lamp].lights += 1;
@@ -70,13 +70,13 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Facet, Material};
+    use crate::layout::{Material, Primitive};
     use crate::scene::light_starts;
     use crate::units::Units;
 
     #[test]
     fn a_lamp_is_one_and_a_weak_light_is_told_from_a_starving_one() {
-        let facets = [0, 1, 1].map(|material| Facet { normal: [0.0, 1.0, 0.0], material });
+        let primitives = [0, 1, 1].map(|material| Primitive { normal: [0.0, 1.0, 0.0], material });
         let materials = [Material::default(); 2];
         let light = |kind, primitive, power| Light { kind, primitive, power: [power; 3], ..Light::default() };
         let lights =
@@ -84,7 +84,7 @@ mod tests {
         let scene = SceneView {
             positions: &[],
             triangles: &[],
-            facets: &facets,
+            primitives: &primitives,
             materials: &materials,
             media: &[crate::layout::Medium::VACUUM],
             lights: &lights,

@@ -158,8 +158,8 @@ pub fn light_features(light: &Light) -> Features {
 fn specular_is_lit(scene: &SceneView<'_>) -> bool {
     let mut low = [f32::INFINITY; 3];
     let mut high = [f32::NEG_INFINITY; 3];
-    for (triangle, facet) in scene.triangles.iter().zip(scene.facets) {
-        if scene.materials.get(facet.material as usize).is_none_or(Material::is_diffuse) {
+    for (triangle, primitive) in scene.triangles.iter().zip(scene.primitives) {
+        if scene.materials.get(primitive.material as usize).is_none_or(Material::is_diffuse) {
             continue;
         }
         for p in triangle.iter().filter_map(|&vertex| scene.positions.get(vertex as usize)) {
@@ -179,12 +179,13 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
     scene.lights.iter().any(|light| match light.kind {
         Light::TRIANGLE => {
             let primitive = light.primitive as usize;
-            let (Some(facet), Some(triangle)) = (scene.facets.get(primitive), scene.triangles.get(primitive)) else {
+            let (Some(primitive), Some(triangle)) = (scene.primitives.get(primitive), scene.triangles.get(primitive))
+            else {
                 return false;
             };
             let mut corners = triangle.iter().filter_map(|&vertex| scene.positions.get(vertex as usize));
             // The triangle's own plane: heights of rounding size do not count as in front.
-            corners.any(|&corner| light.flags & Light::BOTH_SIDES != 0 || reach(facet.normal, corner) > 1e-6)
+            corners.any(|&corner| light.flags & Light::BOTH_SIDES != 0 || reach(primitive.normal, corner) > 1e-6)
         }
         // A cone narrower than a half space reaches no further than the half space does.
         Light::SPOT if light.versine_outer <= 1.0 => reach(light.direction, light.position) > 0.0,

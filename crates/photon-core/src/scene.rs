@@ -1,6 +1,6 @@
 //! What a backend is lent of a scene: plain slices.
 
-use crate::layout::{Facet, Light, Material, Medium};
+use crate::layout::{Light, Material, Medium, Primitive};
 use crate::units::Units;
 
 mod validate;
@@ -16,8 +16,8 @@ pub struct SceneView<'a> {
     /// Three vertex indices each.
     pub triangles: &'a [[u32; 3]],
     /// One for each triangle.
-    pub facets: &'a [Facet],
-    /// Indexed by [`Facet::material`].
+    pub primitives: &'a [Primitive],
+    /// Indexed by [`Primitive::material`].
     pub materials: &'a [Material],
     /// Indexed by [`Material::medium`]; the first is [`Medium::VACUUM`], and at most 255 others follow.
     pub media: &'a [Medium],
@@ -35,8 +35,8 @@ impl<'a> SceneView<'a> {
     /// The materials that some triangle has, in their order. Indices out of range are skipped.
     pub(crate) fn materials_in_use(&self) -> impl Iterator<Item = &'a Material> + use<'a> {
         let mut used = vec![false; self.materials.len()];
-        for facet in self.facets {
-            if let Some(used) = used.get_mut(facet.material as usize) {
+        for primitive in self.primitives {
+            if let Some(used) = used.get_mut(primitive.material as usize) {
                 *used = true;
             }
         }

@@ -33,9 +33,9 @@ impl<'a> Solids<'a> {
     #[must_use]
     pub fn of(scene: &SceneView<'a>) -> Self {
         let boundary: Vec<(u32, u32)> = (0..)
-            .zip(scene.facets)
-            .filter_map(|(triangle, facet)| {
-                let material = scene.materials.get(facet.material as usize)?;
+            .zip(scene.primitives)
+            .filter_map(|(triangle, primitive)| {
+                let material = scene.materials.get(primitive.material as usize)?;
                 let corners = scene.triangles.get(triangle as usize)?;
                 let fits = corners.iter().all(|&vertex| (vertex as usize) < scene.positions.len());
                 (fits && material.kind() == MaterialKind::Dielectric).then_some((triangle, material.medium))
@@ -148,11 +148,11 @@ impl<'a> Locator<'a> {
             Light::POINT | Light::SPOT => [self.at(light.position); 2],
             Light::TRIANGLE => {
                 let corners = self.solids.corners(light.primitive);
-                let facet = &self.solids.scene.facets[light.primitive as usize];
+                let primitive = &self.solids.scene.primitives[light.primitive as usize];
                 let middle = ((corners[0] + corners[1] + corners[2]) / 3.0).as_vec3();
-                let normal = Vec3::from(facet.normal);
+                let normal = Vec3::from(primitive.normal);
                 let is_boundary =
-                    self.solids.scene.materials[facet.material as usize].kind() == MaterialKind::Dielectric;
+                    self.solids.scene.materials[primitive.material as usize].kind() == MaterialKind::Dielectric;
                 let own = if is_boundary {
                     self.solids.solids.iter().position(|solid| solid.triangles.contains(&light.primitive))
                 } else {
@@ -291,14 +291,14 @@ fn solid(scene: &SceneView<'_>, triangles: &[(u32, u32, u32)]) -> Solid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Facet, Material, Medium};
+    use crate::layout::{Material, Medium, Primitive};
     use crate::units::Units;
 
     /// Boxes: lower corner, upper corner, material, and whether they face inwards.
     struct Tables {
         positions: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
-        facets: Vec<Facet>,
+        primitives: Vec<Primitive>,
         materials: Vec<Material>,
         lights: Vec<Light>,
     }
@@ -316,7 +316,7 @@ mod tests {
         let mut tables = Tables {
             positions: Vec::new(),
             triangles: Vec::new(),
-            facets: Vec::new(),
+            primitives: Vec::new(),
             materials: vec![Material::default(), solid(1), solid(2)],
             lights: Vec::new(),
         };
@@ -333,7 +333,7 @@ mod tests {
                     let [a, b, c] = triangle.map(|i| Vec3::from(tables.positions[i as usize]));
                     let normal = (b - a).cross(c - a).normalize().to_array();
                     tables.triangles.push(triangle);
-                    tables.facets.push(Facet { normal, material });
+                    tables.primitives.push(Primitive { normal, material });
                 }
             }
         }
@@ -345,7 +345,7 @@ mod tests {
             SceneView {
                 positions: &self.positions,
                 triangles: &self.triangles,
-                facets: &self.facets,
+                primitives: &self.primitives,
                 materials: &self.materials,
                 media: &[Medium::VACUUM; 3],
                 lights: &self.lights,

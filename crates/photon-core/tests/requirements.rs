@@ -1,7 +1,7 @@
 //! Requirements are derived from the scene and are the least that renders it.
 
 use photon_core::{
-    Direct, Error, Facet, Features, Indirect, Light, MapKind, Material, MaterialKind, Medium, PerMap, Requirements,
+    Direct, Error, Features, Indirect, Light, MapKind, Material, MaterialKind, Medium, PerMap, Primitive, Requirements,
     SceneView, Settings, Units, light_starts,
 };
 
@@ -9,7 +9,7 @@ use photon_core::{
 struct Tables {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    facets: Vec<Facet>,
+    primitives: Vec<Primitive>,
     materials: Vec<Material>,
     lights: Vec<Light>,
     starts: Vec<u32>,
@@ -19,12 +19,12 @@ impl Tables {
     fn new(kind: u32, z: f32) -> Self {
         let triangle = |z: f32| [[-0.4, -0.4, z], [0.4, -0.4, z], [0.0, 0.4, z]];
         let positions = [triangle(0.4), triangle(-0.5), triangle(z)].concat();
-        let facet = |z: f32, material| Facet { normal: [0.0, 0.0, z], material };
+        let primitive = |z: f32, material| Primitive { normal: [0.0, 0.0, z], material };
         let lambert = Material { albedo: [0.5; 3], ior: 1.0, ..Material::default() };
         Self {
             positions,
             triangles: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]],
-            facets: vec![facet(-1.0, 0), facet(1.0, 1), facet(1.0, 2)],
+            primitives: vec![primitive(-1.0, 0), primitive(1.0, 1), primitive(1.0, 2)],
             materials: vec![
                 Material { emission: [1.0; 3], ..lambert },
                 lambert,
@@ -46,7 +46,7 @@ impl Tables {
         SceneView {
             positions: &self.positions,
             triangles: &self.triangles,
-            facets: &self.facets,
+            primitives: &self.primitives,
             materials: &self.materials,
             media: &[Medium::VACUUM],
             lights: &self.lights,

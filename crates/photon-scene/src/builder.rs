@@ -5,7 +5,7 @@ use crate::error::SceneError;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::{camera, lights, normalise, solids, validate};
-use photon_core::{Facet, Units, light_starts};
+use photon_core::{Primitive, Units, light_starts};
 
 /// A material of one [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -139,7 +139,7 @@ impl SceneBuilder {
             light_starts: light_starts(&lit.means),
             units,
             radius: normalise::round_up(radius),
-            facets: geometry.facets.iter().map(|&(normal, material)| Facet { normal, material }).collect(),
+            primitives: geometry.primitives.iter().map(|&(normal, material)| Primitive { normal, material }).collect(),
             positions: geometry.positions,
             triangles: geometry.triangles,
             mesh_starts: geometry.mesh_starts,

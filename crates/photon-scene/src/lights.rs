@@ -33,7 +33,7 @@ pub(crate) fn table(
     warnings: &mut Vec<String>,
 ) -> Result<Lit, SceneError> {
     let triangles = geometry.emitters.iter().map(|&(primitive, area)| {
-        let material = &materials[geometry.facets[primitive as usize].1 as usize];
+        let material = &materials[geometry.primitives[primitive as usize].1 as usize];
         // Flux of a Lambertian emitter: π L A from each side that emits.
         let sides = if material.emits_both_sides { 2.0 } else { 1.0 };
         let power = DVec3::from_array(material.emission) * (sides * PI * area);
@@ -132,10 +132,10 @@ pub(crate) fn materials(
 ) -> Result<(Vec<Material>, Vec<Medium>), SceneError> {
     let mut shines = vec![false; descs.len()];
     for &(primitive, _) in &geometry.emitters {
-        shines[geometry.facets[primitive as usize].1 as usize] = true;
+        shines[geometry.primitives[primitive as usize].1 as usize] = true;
     }
     let mut in_use = vec![false; descs.len()];
-    for &(_, material) in &geometry.facets {
+    for &(_, material) in &geometry.primitives {
         in_use[material as usize] = true;
     }
     let mut media = vec![Medium::VACUUM];

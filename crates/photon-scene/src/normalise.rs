@@ -22,7 +22,7 @@ pub(crate) struct Geometry {
     pub(crate) positions: Vec<[f32; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Unit normal and material.
-    pub(crate) facets: Vec<([f32; 3], u32)>,
+    pub(crate) primitives: Vec<([f32; 3], u32)>,
     /// First triangle of each mesh.
     pub(crate) mesh_starts: Vec<u32>,
     /// Emissive triangles, with their areas.
@@ -123,7 +123,7 @@ pub(crate) fn geometry(meshes: &[Mesh], materials: &[MaterialDesc], frame: Frame
         }
     }
     geometry.triangles.reserve_exact(count);
-    geometry.facets.reserve_exact(count);
+    geometry.primitives.reserve_exact(count);
     geometry.positions.reserve(vertices);
     for mesh in meshes {
         let first = geometry.triangles.len();
@@ -186,7 +186,7 @@ impl Geometry {
                 }
                 *place
             }));
-            self.facets.push(((cross / (2.0 * area)).as_vec3().to_array(), mesh.material.0));
+            self.primitives.push(((cross / (2.0 * area)).as_vec3().to_array(), mesh.material.0));
             if emits {
                 self.emitters.push((primitive, area));
             }

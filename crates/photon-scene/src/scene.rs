@@ -3,7 +3,7 @@
 use crate::camera;
 use crate::describe::CameraDesc;
 use crate::error::SceneError;
-use photon_core::{Camera, Facet, Light, Material, Medium, SceneView, Units};
+use photon_core::{Camera, Light, Material, Medium, Primitive, SceneView, Units};
 
 /// What [`crate::SceneBuilder::build`] makes: the tables that backends read, and what is needed to
 /// speak of them by name.
@@ -15,7 +15,7 @@ use photon_core::{Camera, Facet, Light, Material, Medium, SceneView, Units};
 pub struct Scene {
     pub(crate) positions: Vec<[f32; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
-    pub(crate) facets: Vec<Facet>,
+    pub(crate) primitives: Vec<Primitive>,
     pub(crate) materials: Vec<Material>,
     pub(crate) media: Vec<Medium>,
     pub(crate) lights: Vec<Light>,
@@ -37,7 +37,7 @@ impl Scene {
         SceneView {
             positions: &self.positions,
             triangles: &self.triangles,
-            facets: &self.facets,
+            primitives: &self.primitives,
             materials: &self.materials,
             media: &self.media,
             lights: &self.lights,

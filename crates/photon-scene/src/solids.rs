@@ -17,8 +17,8 @@ pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &m
         let triangles: Vec<[Vec3; 3]> = geometry
             .triangles
             .iter()
-            .zip(&geometry.facets)
-            .filter(|(_, facet)| facet.1 as usize == index)
+            .zip(&geometry.primitives)
+            .filter(|(_, primitive)| primitive.1 as usize == index)
             .map(|(corners, _)| corners.map(|vertex| Vec3::from_array(geometry.positions[vertex as usize])))
             .collect();
         let name = &material.name;

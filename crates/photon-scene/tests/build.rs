@@ -43,8 +43,8 @@ fn tables(scene: &Scene) -> (Vec<u8>, Vec<f32>) {
     let camera = scene.camera(None, 30, 20).expect("a camera");
     let floats = |numbers: &mut Vec<f32>, rows: &[[f32; 3]]| numbers.extend(rows.iter().flatten());
     floats(&mut numbers, view.positions);
-    for facet in view.facets {
-        floats(&mut numbers, &[facet.normal]);
+    for primitive in view.primitives {
+        floats(&mut numbers, &[primitive.normal]);
     }
     for material in view.materials {
         floats(&mut numbers, &[material.albedo, material.emission]);
@@ -135,10 +135,10 @@ fn the_box_is_of_unit_size_about_the_origin() {
         let back = scene.units().point(there);
         assert!(glam::Vec3::from(at).distance(glam::Vec3::from(back)) < 1e-7);
     }
-    for facet in view.facets {
-        assert!((glam::Vec3::from(facet.normal).length() - 1.0).abs() < 1e-6);
+    for primitive in view.primitives {
+        assert!((glam::Vec3::from(primitive.normal).length() - 1.0).abs() < 1e-6);
     }
-    assert_eq!(view.facets[0].normal, [0.0, 1.0, 0.0], "counter-clockwise is the front");
+    assert_eq!(view.primitives[0].normal, [0.0, 1.0, 0.0], "counter-clockwise is the front");
     assert_eq!(view.materials[2].ior, 1.5);
     assert!((view.media[1].absorption[0] - 0.9).abs() < 1e-6, "0.3 per length, over 3 lengths");
     assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
@@ -185,8 +185,8 @@ fn triangles_without_area_are_dropped_and_slivers_stay() {
     assert!(scene.warnings().iter().any(|line| line.contains("3 triangles")), "{:?}", scene.warnings());
     let names: Vec<&str> = (0..4).map(|primitive| scene.mesh_of_triangle(primitive)).collect();
     assert_eq!(names, ["sliver", "floor", "floor", ""]);
-    for facet in scene.view().facets {
-        assert!((glam::Vec3::from(facet.normal).length() - 1.0).abs() < 1e-6, "{facet:?}");
+    for primitive in scene.view().primitives {
+        assert!((glam::Vec3::from(primitive.normal).length() - 1.0).abs() < 1e-6, "{primitive:?}");
     }
     assert_eq!(scene.view().positions.len(), 7, "vertices that no triangle uses are gone");
 }

@@ -69,7 +69,7 @@ fn a_lamp_has_the_power_of_its_area() {
     let expected = std::f64::consts::PI * 5.0 * 4.0;
     assert!((scene.units().power / expected - 1.0).abs() < 1e-12, "{:?}", scene.units());
     assert_eq!(scene.view().lights.len(), 2);
-    assert!(scene.view().facets.iter().all(|facet| facet.normal == [0., -1., 0.]));
+    assert!(scene.view().primitives.iter().all(|primitive| primitive.normal == [0., -1., 0.]));
     assert_eq!(scene.units().center, [0., 3., 0.]);
     assert_eq!(scene.camera_names().collect::<Vec<_>>(), ["below"]);
     assert_eq!(scene.mesh_of_triangle(0), "lamp");

@@ -26,7 +26,7 @@ pub fn all(count: u32) -> Table {
 
     let corners = exact.triangles.iter().flatten().zip(rounded.triangles.iter().flatten());
     row("normalisation: a vertex is off by", corners.map(|(a, b)| (*a - *b).length()).collect());
-    let normals = scene.view().facets.iter().zip(&exact.normals);
+    let normals = scene.view().primitives.iter().zip(&exact.normals);
     row("normalisation: a normal, radians", normals.map(|(f, n)| angle(wide(f.normal), *n)).collect());
 
     let shipped = rays(&scene, count);
@@ -97,24 +97,24 @@ fn hits(scene: &Scene, rounded: &Wide, rays: &[photon_core::PhotonRay]) -> Vec<H
         let gap = point.as_dvec3() - (from + along * truth.t);
         let off = (point.as_dvec3() - corners[0]).dot(n).abs();
 
-        let facet = Vec3::from(view.facets[found.primitive as usize].normal);
-        let (facet, n) = if ray.direction.dot(facet) < 0.0 { (facet, n) } else { (-facet, -n) };
+        let face_normal = Vec3::from(view.primitives[found.primitive as usize].normal);
+        let (face_normal, n) = if ray.direction.dot(face_normal) < 0.0 { (face_normal, n) } else { (-face_normal, -n) };
         let mut sampler = Sampler::new(PASS.random, PASS.seed, PASS.index, Domain::Photon, path);
         let [_, u, v, _] = sampler.words(BLOCK_SURFACES).map(unit_f32);
         let unit = along.normalize_or_zero();
-        let (cosine, eta) = (-ray.direction.dot(facet), 1.5_f32);
+        let (cosine, eta) = (-ray.direction.dot(face_normal), 1.5_f32);
         let narrow = fresnel::fresnel(cosine, eta);
         let (reflectance, transmitted) = optics::fresnel(-unit.dot(n), 1.5);
-        let refracted = fresnel::refract(ray.direction, facet, eta, narrow.cos_transmitted).as_dvec3();
+        let refracted = fresnel::refract(ray.direction, face_normal, eta, narrow.cos_transmitted).as_dvec3();
         out.push(Hit {
             t: relative(found.t.into(), truth.t),
             along: (gap - n * gap.dot(n)).length(),
             off,
             diffuse: angle(
-                sampling::cosine_hemisphere(facet, u, v).as_dvec3(),
+                sampling::cosine_hemisphere(face_normal, u, v).as_dvec3(),
                 optics::cosine_hemisphere(n, u.into(), v.into()),
             ),
-            mirrored: angle(fresnel::reflect(ray.direction, facet).as_dvec3(), optics::reflect(unit, n)),
+            mirrored: angle(fresnel::reflect(ray.direction, face_normal).as_dvec3(), optics::reflect(unit, n)),
             reflectance: (f64::from(narrow.reflectance) - reflectance).abs(),
             refracted: angle(refracted, optics::refract(unit, n, 1.5, transmitted)),
             packed: angle(octahedral::unpack(octahedral::pack(ray.direction)).as_dvec3(), unit),

@@ -77,7 +77,11 @@ impl Wide {
         let triangles: Vec<[DVec3; 3]> =
             view.triangles.iter().map(|triangle| std::array::from_fn(|i| corner(&triangle[i]))).collect();
         Self {
-            normals: view.facets.iter().map(|facet| Vec3::from(facet.normal).as_dvec3().normalize_or_zero()).collect(),
+            normals: view
+                .primitives
+                .iter()
+                .map(|primitive| Vec3::from(primitive.normal).as_dvec3().normalize_or_zero())
+                .collect(),
             light_places: view.lights.iter().map(|light| Vec3::from(light.position).as_dvec3()).collect(),
             ..Self::with(scene, triangles)
         }
@@ -141,7 +145,7 @@ impl Wide {
         let normals = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).normalize_or_zero()).collect();
         Self {
             normals,
-            material_of: view.facets.iter().map(|facet| facet.material).collect(),
+            material_of: view.primitives.iter().map(|primitive| primitive.material).collect(),
             materials: view.materials.to_vec(),
             media: view.media.to_vec(),
             light_media: view.lights.iter().map(|light| locator.of_light(light)).collect(),

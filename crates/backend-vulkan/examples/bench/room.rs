@@ -2,18 +2,18 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{Facet, Material, Medium, RandomKind, Ray, SceneView, Units, sampling};
+use photon_core::{Material, Medium, Primitive, RandomKind, Ray, SceneView, Units, sampling};
 
 /// Positions and triangles.
 pub(crate) type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
 /// Calls `with` with a mesh as a scene of one material and no light.
 pub(crate) fn with_view<R>((positions, triangles): &Mesh, with: impl FnOnce(&SceneView<'_>) -> R) -> R {
-    let facets = vec![Facet { normal: [0.0, 0.0, 1.0], material: 0 }; triangles.len()];
+    let primitives = vec![Primitive { normal: [0.0, 0.0, 1.0], material: 0 }; triangles.len()];
     with(&SceneView {
         positions,
         triangles,
-        facets: &facets,
+        primitives: &primitives,
         materials: &[Material { albedo: [0.5; 3], ..Material::default() }],
         media: &[Medium::VACUUM],
         lights: &[],

@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Camera, Element, Estimate, Facet, Light, Material, Medium, Photon, PhotonRay, Query, Spread};
+use photon_core::{Camera, Element, Estimate, Light, Material, Medium, Photon, PhotonRay, Primitive, Query, Spread};
 
 use super::spirv::{Member, Shape, structs};
 use crate::{Vulkan, shaders};
@@ -46,7 +46,7 @@ fn records() -> Vec<Record> {
         record!(Query: position radius normal pixel weight media outgoing path reserved),
         record!(Estimate: flux radius_squared photons flags reserved),
         record!(Spread: wide power narrow power_squared slope stretch stray photons reserved),
-        record!(Facet: normal material),
+        record!(Primitive: normal material),
         record!(Material: albedo kind emission flags medium ior reserved),
         record!(Medium: absorption ior priority reserved),
         record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),

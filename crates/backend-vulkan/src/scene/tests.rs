@@ -2,7 +2,9 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{philox4x32, unit_f32};
-use photon_core::{Facet, Hit, Material, Medium, Ray, RayCaster, Requirements, SceneView, Settings, Units, sampling};
+use photon_core::{
+    Hit, Material, Medium, Primitive, Ray, RayCaster, Requirements, SceneView, Settings, Units, sampling,
+};
 use photon_scene::{Accel, BruteForce};
 
 use super::VulkanScene;
@@ -18,12 +20,12 @@ fn numbers(index: u32, block: u32) -> [f32; 4] {
 
 /// Brings triangles to the device, all of one material.
 fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
-    let facets = vec![Facet { normal: [0.0, 0.0, 1.0], material: 0 }; triangles.len()];
+    let primitives = vec![Primitive { normal: [0.0, 0.0, 1.0], material: 0 }; triangles.len()];
     let materials = [Material { albedo: [0.5; 3], ..Material::default() }];
     let view = SceneView {
         positions,
         triangles,
-        facets: &facets,
+        primitives: &primitives,
         materials: &materials,
         media: &[Medium::VACUUM],
         lights: &[],

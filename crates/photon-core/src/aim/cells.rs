@@ -165,7 +165,7 @@ impl Beams {
             Light::POINT => Vec3::Z,
             Light::SPOT | Light::DIRECTIONAL => Vec3::from(light.direction),
             _ => {
-                let front = Vec3::from(scene.facets[light.primitive as usize].normal);
+                let front = Vec3::from(scene.primitives[light.primitive as usize].normal);
                 if back { -front } else { front }
             }
         };

@@ -24,8 +24,10 @@ const PIECES: usize = 1 << 20;
 /// At most so many spheres about all specular triangles.
 pub(super) fn of(scene: &SceneView<'_>, most: usize) -> Vec<Sphere> {
     let specular = || {
-        let facets = scene.facets.iter().zip(scene.triangles);
-        facets.filter(|(facet, _)| !scene.materials[facet.material as usize].is_diffuse()).map(|(_, triangle)| triangle)
+        let primitives = scene.primitives.iter().zip(scene.triangles);
+        primitives
+            .filter(|(primitive, _)| !scene.materials[primitive.material as usize].is_diffuse())
+            .map(|(_, triangle)| triangle)
     };
     let count = specular().count();
     if count == 0 {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::layout::{Facet, Material, MaterialKind};
+use crate::layout::{Material, MaterialKind, Primitive};
 use crate::settings::Indirect;
 use crate::units::Units;
 
@@ -43,12 +43,12 @@ impl Tables {
     }
 
     fn view(&self) -> SceneView<'_> {
-        const FACETS: [Facet; 2] =
-            [Facet { normal: [0.0, 1.0, 0.0], material: 0 }, Facet { normal: [0.0, 1.0, 0.0], material: 1 }];
+        const PRIMITIVES: [Primitive; 2] =
+            [Primitive { normal: [0.0, 1.0, 0.0], material: 0 }, Primitive { normal: [0.0, 1.0, 0.0], material: 1 }];
         SceneView {
             positions: &self.positions,
             triangles: &[[0, 1, 2], [3, 4, 5]],
-            facets: &FACETS,
+            primitives: &PRIMITIVES,
             materials: &self.materials,
             media: &[crate::layout::Medium::VACUUM],
             lights: &self.lights,

@@ -9,8 +9,8 @@ pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
     if !lit {
         return Err(Error::NoLight);
     }
-    let keeps = scene.facets.iter().any(|facet| {
-        let material = &scene.materials[facet.material as usize];
+    let keeps = scene.primitives.iter().any(|primitive| {
+        let material = &scene.materials[primitive.material as usize];
         material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0)
     });
     if keeps { Ok(()) } else { Err(Error::NoReceiver) }

@@ -28,9 +28,9 @@ impl SceneView<'_> {
         whole(self)?;
         each("position", self.positions, |&position| check_position(position, self.radius))?;
         each("triangle", self.triangles, |&corners| check_indices(corners, self.positions.len()))?;
-        each("facet", self.facets, |facet| {
-            require(is_unit(facet.normal), || format!("its normal {:?} is not a unit vector", facet.normal))?;
-            index("material", facet.material, self.materials.len())
+        each("facet", self.primitives, |primitive| {
+            require(is_unit(primitive.normal), || format!("its normal {:?} is not a unit vector", primitive.normal))?;
+            index("material", primitive.material, self.materials.len())
         })?;
         each("medium", self.media, check_medium)?;
         each("material", self.materials, |material| check_material(material, self.media))?;
@@ -56,9 +56,9 @@ fn require(holds: bool, why: impl FnOnce() -> String) -> Check {
 /// What is said of the view and not of one of its elements.
 fn whole(view: &SceneView<'_>) -> Result<()> {
     let invalid = |what, value: String, hint| Err(Error::InvalidScene { what, value, hint });
-    let (triangles, facets) = (view.triangles.len(), view.facets.len());
-    if facets != triangles {
-        let value = format!("{facets} for {triangles} triangles");
+    let (triangles, primitives) = (view.triangles.len(), view.primitives.len());
+    if primitives != triangles {
+        let value = format!("{primitives} for {triangles} triangles");
         return invalid("the number of facets", value, "every triangle needs one");
     }
     let (lights, starts) = (view.lights.len(), view.light_starts.len());

@@ -139,7 +139,7 @@ mod tests {
     fn tiles_fill_the_floor() {
         let scene = pool().build().expect("valid");
         let floor =
-            scene.view().facets.iter().enumerate().filter(|(i, _)| scene.mesh_of_triangle(*i as u32) == "floor");
+            scene.view().primitives.iter().enumerate().filter(|(i, _)| scene.mesh_of_triangle(*i as u32) == "floor");
         assert_eq!(floor.count(), 2 * 16 * 16);
     }
 }

@@ -95,10 +95,10 @@ fn overrides_are_laid_over() {
 
     // The quadrilateral stands where it was put, facing up; the relative one, on the box of the
     // file: centre (1, 1, 0), extent 2, facing +z.
-    let facets = scene.view().facets;
-    assert_eq!((scene.mesh_of_triangle(8), facets[8].normal), ("override quad 0", [0.0, 1.0, 0.0]));
+    let primitives = scene.view().primitives;
+    assert_eq!((scene.mesh_of_triangle(8), primitives[8].normal), ("override quad 0", [0.0, 1.0, 0.0]));
     assert_eq!(corners(&scene, 8)[0], [0.0, 0.0, 5.0]);
-    assert_eq!((scene.mesh_of_triangle(10), facets[10].normal), ("panel", [0.0, 0.0, 1.0]));
+    assert_eq!((scene.mesh_of_triangle(10), primitives[10].normal), ("panel", [0.0, 0.0, 1.0]));
     assert_eq!(corners(&scene, 10)[0], [0.0, 2.0, 1.0]);
     let lights = scene.view().lights;
     assert_eq!(lights.len(), 1 + 2 + 3);

@@ -63,7 +63,7 @@ fn ply_strips_alternate() {
                 0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 2 0\n8 0 1 2 3 -1 1 4 3\n";
     let (scene, _) = load(&folder.file("strip.ply", text), None).expect("strips");
     assert_eq!(scene.view().triangles.len(), 3);
-    assert!(scene.view().facets.iter().all(|facet| facet.normal == [0.0, 0.0, 1.0]), "all face one way");
+    assert!(scene.view().primitives.iter().all(|primitive| primitive.normal == [0.0, 0.0, 1.0]), "all face one way");
 }
 
 #[test]

@@ -13,7 +13,9 @@ pub(super) fn write(scene: &Scene, material: u32, path: &Path) -> Result<usize, 
     let view = scene.view();
     let mut numbers = vec![u32::MAX; view.positions.len()];
     let (mut corners, mut faces) = (Vec::new(), Vec::new());
-    for (triangle, _) in view.triangles.iter().zip(view.facets).filter(|(_, facet)| facet.material == material) {
+    for (triangle, _) in
+        view.triangles.iter().zip(view.primitives).filter(|(_, primitive)| primitive.material == material)
+    {
         faces.push(triangle.map(|corner| {
             let number = &mut numbers[corner as usize];
             if *number == u32::MAX {

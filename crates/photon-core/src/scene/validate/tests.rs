@@ -1,6 +1,6 @@
 //! Every rule is broken once, and the message names what broke it.
 
-use crate::layout::{Facet, Light, Material, MaterialKind, Medium};
+use crate::layout::{Light, Material, MaterialKind, Medium, Primitive};
 use crate::scene::{SceneView, light_starts};
 use crate::units::Units;
 
@@ -9,7 +9,7 @@ use crate::units::Units;
 struct Tables {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    facets: Vec<Facet>,
+    primitives: Vec<Primitive>,
     materials: Vec<Material>,
     media: Vec<Medium>,
     lights: Vec<Light>,
@@ -21,7 +21,7 @@ struct Tables {
 impl Tables {
     /// Two triangles, a material and a light of each kind.
     fn new() -> Self {
-        let facet = Facet { normal: [0.0, 0.0, 1.0], material: 0 };
+        let primitive = Primitive { normal: [0.0, 0.0, 1.0], material: 0 };
         let material = |kind: MaterialKind| Material {
             kind: kind as u32,
             albedo: [0.5, 0.0, 1.0],
@@ -44,7 +44,7 @@ impl Tables {
         Self {
             positions: vec![[0.0; 3], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.5, 0.5, 0.0]],
             triangles: vec![[0, 1, 2], [1, 3, 2]],
-            facets: vec![facet; 2],
+            primitives: vec![primitive; 2],
             materials: MaterialKind::ALL.map(material).to_vec(),
             media: vec![Medium::VACUUM, Medium { ior: 1.5, ..Medium::VACUUM }],
             lights: [Light::TRIANGLE, Light::POINT, Light::SPOT, Light::DIRECTIONAL].map(light).to_vec(),
@@ -58,7 +58,7 @@ impl Tables {
         let view = SceneView {
             positions: &self.positions,
             triangles: &self.triangles,
-            facets: &self.facets,
+            primitives: &self.primitives,
             materials: &self.materials,
             media: &self.media,
             lights: &self.lights,
@@ -90,7 +90,7 @@ fn a_sound_view_passes() {
     let mut tables = Tables::new();
     (tables.lights, tables.starts) = (Vec::new(), Vec::new());
     tables.check().unwrap();
-    (tables.triangles, tables.facets, tables.materials, tables.positions) = Default::default();
+    (tables.triangles, tables.primitives, tables.materials, tables.positions) = Default::default();
     tables.radius = 0.0;
     tables.check().unwrap();
 }
@@ -100,7 +100,7 @@ fn rounding_passes() {
     let mut tables = Tables::new();
     // Just outside, as a radius that was computed in f32 may leave it; a normal of rounded numbers.
     tables.positions[1] = [0.750_001, 0.0, 0.0];
-    tables.facets[0].normal = [0.577_35, 0.577_35, 0.577_35];
+    tables.primitives[0].normal = [0.577_35, 0.577_35, 0.577_35];
     tables.check().unwrap();
     // What a material or a light does not use may be anything that is a number.
     tables.materials[0].ior = 0.0;
@@ -112,8 +112,8 @@ fn rounding_passes() {
 #[test]
 fn lengths_and_units() {
     all_fail(&[
-        (|t| t.facets.truncate(1), "scene view: the number of facets is 1 for 2 triangles"),
-        (|t| t.facets.push(t.facets[0]), "scene view: the number of facets is 3 for 2 triangles"),
+        (|t| t.primitives.truncate(1), "scene view: the number of facets is 1 for 2 triangles"),
+        (|t| t.primitives.push(t.primitives[0]), "scene view: the number of facets is 3 for 2 triangles"),
         (|t| t.starts.truncate(3), "scene view: the length of light_starts is 3 for 4 lights"),
         (|t| t.starts.push(u32::MAX), "scene view: the length of light_starts is 5 for 4 lights"),
         (|t| t.radius = f32::NAN, "scene view: the radius is NaN"),
@@ -138,11 +138,11 @@ fn positions_and_indices() {
         ),
         (|t| t.triangles[1][2] = 4, "triangle 1: [1, 3, 4] names a vertex that is not among the 4"),
         (|t| t.triangles[0][0] = u32::MAX, "triangle 0: "),
-        (|t| t.facets[1].material = 4, "facet 1: material 4 is not among the 4"),
-        (|t| t.facets[0].material = u32::MAX, "facet 0: material 4294967295"),
-        (|t| t.facets[1].normal = [0.0; 3], "facet 1: its normal [0.0, 0.0, 0.0] is not a unit vector"),
-        (|t| t.facets[1].normal = [0.0, 0.0, 1.001], "facet 1: its normal"),
-        (|t| t.facets[0].normal[0] = f32::NAN, "facet 0: its normal"),
+        (|t| t.primitives[1].material = 4, "facet 1: material 4 is not among the 4"),
+        (|t| t.primitives[0].material = u32::MAX, "facet 0: material 4294967295"),
+        (|t| t.primitives[1].normal = [0.0; 3], "facet 1: its normal [0.0, 0.0, 0.0] is not a unit vector"),
+        (|t| t.primitives[1].normal = [0.0, 0.0, 1.001], "facet 1: its normal"),
+        (|t| t.primitives[0].normal[0] = f32::NAN, "facet 0: its normal"),
     ]);
 }
 
@@ -200,13 +200,13 @@ fn lights() {
 #[test]
 fn what_is_out_of_range_needs_no_feature() {
     let mut tables = Tables::new();
-    tables.facets[1].material = 9;
+    tables.primitives[1].material = 9;
     tables.triangles[0][1] = 9;
     tables.lights[0].primitive = 9;
     let view = SceneView {
         positions: &tables.positions,
         triangles: &tables.triangles,
-        facets: &tables.facets,
+        primitives: &tables.primitives,
         materials: &tables.materials,
         media: &[],
         lights: &tables.lights,

@@ -154,11 +154,13 @@ fn assemble(order: &[u32], mode: Checked<Mode>) -> (Vec<[u32; 3]>, usize) {
 fn is_bent(positions: &[[f64; 3]], normals: &[[f64; 3]], triangle: [u32; 3]) -> bool {
     const COSINE_OF_A_DEGREE: f64 = 0.999_847_695_156_391_2;
     let [a, b, c] = triangle.map(|vertex| glam::DVec3::from(positions[vertex as usize]));
-    let facet = (b - a).cross(c - a).normalize_or_zero();
+    let face_normal = (b - a).cross(c - a).normalize_or_zero();
     triangle.iter().any(|&vertex| {
         normals.get(vertex as usize).is_some_and(|&normal| {
             let normal = glam::DVec3::from(normal).normalize_or_zero();
-            facet != glam::DVec3::ZERO && normal != glam::DVec3::ZERO && facet.dot(normal) < COSINE_OF_A_DEGREE
+            face_normal != glam::DVec3::ZERO
+                && normal != glam::DVec3::ZERO
+                && face_normal.dot(normal) < COSINE_OF_A_DEGREE
         })
     })
 }

@@ -25,9 +25,9 @@ impl Census {
         }
         let fan = |next: usize| (places[next] - places[0]).cross(places[next + 1] - places[0]);
         let whole: DVec3 = (1..places.len() - 1).map(fan).sum();
-        let facet = whole.normalize_or_zero();
+        let face_normal = whole.normalize_or_zero();
         // Less than that, some 2.5 degrees, is what files round their normals to.
-        self.smoothed += usize::from(normals.iter().any(|normal| normal.dot(facet).abs() < 0.999));
+        self.smoothed += usize::from(normals.iter().any(|normal| normal.dot(face_normal).abs() < 0.999));
     }
 
     /// Says it.

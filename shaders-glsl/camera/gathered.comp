@@ -24,7 +24,7 @@ layout(push_constant, scalar) uniform Push {
     Spreads spreads;
     // For each query: irradiance by twice the area less that of the picture, that less the one by half the
     // area, and powers; in the places of `wide`, `narrow` and the powers.
-    Spreads told;
+    Spreads errors;
     uint count_rays;
     uint start_query;
     uint count_queries;
@@ -45,13 +45,13 @@ void main() {
     float power = 0.0, squared = 0.0;
     for (uint ray = 0; ray < push.count_rays; ray++) {
         uint i = local * push.count_rays + ray;
-        bool told = SPREAD != 0 && push.spreads[i].at.photons != 0;
-        if (push.estimates[i].at.photons == 0 && !told) continue;
+        bool with_errors = SPREAD != 0 && push.spreads[i].at.photons != 0;
+        if (push.estimates[i].at.photons == 0 && !with_errors) continue;
         float density = IRRADIANCE != 0 ? push.share : push.scale / push.estimates[i].at.radius_squared;
         vec3 flux = push.estimates[i].at.flux;
         vec3 weight = push.landings[i].at.weight;
         two_add(sum, low, weight * (flux * density));
-        if (told) {
+        if (with_errors) {
             bias += weight * (density * (0.5 * push.spreads[i].at.wide - flux));
             narrow += weight * (density * (flux - 2.0 * push.spreads[i].at.narrow));
             float mean = push.share * (weight.x + weight.y + weight.z) * (1.0 / 3.0);
@@ -61,7 +61,7 @@ void main() {
     }
     value.at = sum;
     if (SPREAD == 0) return;
-    Spreads all = push.told + (push.start_query + local);
+    Spreads all = push.errors + (push.start_query + local);
     all.at.wide += bias;
     all.at.narrow += narrow;
     all.at.power += power;

@@ -14,7 +14,7 @@ layout(local_size_x_id = 1) in;
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
     MapState state;
-    PhotonCount told;
+    PhotonCount photon_count;
     uint count;
     // Invocations of the dispatch.
     uint stride;
@@ -29,8 +29,8 @@ void main() {
     uvec3 most = uvec3(0);
     for (uint i = thread(); i < push.count; i += push.stride) {
         uvec3 position = photon_position(push.photons, i);
-        if (!finite3(position)) atomicMax(push.told.bad_position, ~i);
-        if (!finite3(photon_flux(push.photons, push.told.capacity, i).xyz)) atomicMax(push.told.bad_power, ~i);
+        if (!finite3(position)) atomicMax(push.photon_count.bad_position, ~i);
+        if (!finite3(photon_flux(push.photons, push.photon_count.capacity, i).xyz)) atomicMax(push.photon_count.bad_power, ~i);
         uvec3 key = ordered3(position);
         least = min(least, key);
         most = max(most, key);

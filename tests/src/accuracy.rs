@@ -75,14 +75,14 @@ pub fn e4_spread_of_known_photons<T: TestBackend>() {
     let (mut estimates, mut spreads) = (on.alloc("estimates", 1).unwrap(), on.alloc("spreads", 1).unwrap());
     let map = stages.builder.build(&mut on, there).unwrap();
     stages.estimator.estimate_spread(&mut on, &map, &asked, &gather, &mut estimates, &mut spreads).unwrap();
-    let (mut found, mut told): (Vec<_>, Vec<Spread>) = (Vec::new(), Vec::new());
+    let (mut found, mut records): (Vec<_>, Vec<Spread>) = (Vec::new(), Vec::new());
     on.download(&estimates, &mut found).unwrap();
-    on.download(&spreads, &mut told).unwrap();
+    on.download(&spreads, &mut records).unwrap();
     assert_eq!(found, estimate::<T>(IndexKind::Morton, &photons, &queries, &gather));
     let near = |what: &str, found: f32, truth: f64| {
         assert!((f64::from(found) - truth).abs() <= 1e-5, "{what}: {found} instead of {truth}");
     };
-    let spread = told[0];
+    let spread = records[0];
     // Squared distances over the squared radius: 0.16, 0.64, 1.44, 0.4 on the floor or near it.
     near("wide", spread.wide[1], [0.16, 0.64, 1.44, 0.4].iter().map(|u| 2.0 - u).sum());
     near("narrow", spread.narrow[1], [0.16, 0.4].iter().map(|u| 2.0 - 4.0 * u).sum());

@@ -43,13 +43,13 @@ fn ask<B: TransportBackend>(
     let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
     let mut spreads = on.alloc("spreads", queries.len() as u64).unwrap();
     let map = stages.builder.build(on, there).unwrap();
-    let (mut alone, mut told, mut spread) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut alone, mut together, mut spread) = (Vec::new(), Vec::new(), Vec::new());
     stages.estimator.estimate(on, &map, &asked, gather, &mut estimates).unwrap();
     on.download(&estimates, &mut alone).unwrap();
     stages.estimator.estimate_spread(on, &map, &asked, gather, &mut estimates, &mut spreads).unwrap();
-    on.download(&estimates, &mut told).unwrap();
+    on.download(&estimates, &mut together).unwrap();
     on.download(&spreads, &mut spread).unwrap();
-    (alone, told, spread)
+    (alone, together, spread)
 }
 
 /// D5: of two sheets, the estimate by the ball is the density of one and, with `t` the squared distance
@@ -69,8 +69,9 @@ pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
         let [mut near, mut wide, mut narrow, mut stray, mut all] = [(); 5].map(|()| Vec::new());
         for seed in 0..2 {
             let photons = photons(700 + seed);
-            let (alone, told, spread) = ask(&mut on, &photons, &queries, &Gather { max_plane_distance: SHARE, ..ball });
-            for (a, b) in alone.iter().zip(&told) {
+            let (alone, together, spread) =
+                ask(&mut on, &photons, &queries, &Gather { max_plane_distance: SHARE, ..ball });
+            for (a, b) in alone.iter().zip(&together) {
                 // The same photons, summed in another order.
                 let same = a.photons == b.photons && (a.flux[0] - b.flux[0]).abs() <= 1e-5 * a.flux[0];
                 assert!(same, "{kernel:?}: {a:?} {b:?}");

@@ -6,7 +6,8 @@ use photon_core::area::{self, HEIGHT, LEAST_RADIUS, Probe, RINGS, SHEETS, SPOKES
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    AreaProbe, Gather, Lobe, Pass, Query, RandomKind, Ray, Result, SurfaceInteraction, Told, math, offset, sampling,
+    AreaProbe, EstimateBuffers, Gather, Lobe, Pass, Query, RandomKind, Ray, Result, SurfaceInteraction, math, offset,
+    sampling,
 };
 use rayon::prelude::*;
 
@@ -31,10 +32,10 @@ impl AreaProbe<Cpu> for CpuArea {
         pass: Pass,
         queries: &CpuBuffer<Query>,
         gather: &Gather,
-        told: Told<'_, Cpu>,
+        buffers: EstimateBuffers<'_, Cpu>,
     ) -> Result<()> {
-        let estimates = told.estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK));
-        on.pool.install(|| match told.spreads {
+        let estimates = buffers.estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK));
+        on.pool.install(|| match buffers.spreads {
             None => estimates.for_each(|(estimates, queries)| {
                 for (estimate, query) in estimates.iter_mut().zip(queries) {
                     // Where there is no light there is none to be mended.

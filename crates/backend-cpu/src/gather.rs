@@ -82,7 +82,7 @@ impl Found {
     }
 
     /// Adds what an estimate and its spread tell.
-    fn tell(&mut self, estimate: &Estimate, spread: &Spread, paths: u64) {
+    fn add_moments(&mut self, estimate: &Estimate, spread: &Spread, paths: u64) {
         if spread.photons == 0 || paths == 0 {
             return;
         }
@@ -117,7 +117,7 @@ fn follow(
     maps: &Maps<'_, Cpu>,
     query: &Query,
     mut sampler: Sampler,
-    (index, rays, told): (u32, u32, bool),
+    (index, rays, with_errors): (u32, u32, bool),
     max_bounces: u32,
     scratch: &mut PerMap<Neighbours>,
 ) -> Found {
@@ -171,9 +171,9 @@ fn follow(
                 for (kind, map) in maps.photons.iter() {
                     let Some((map, gather)) = map else { continue };
                     let paths = maps.paths[kind];
-                    let estimate = if told {
+                    let estimate = if with_errors {
                         let (estimate, spread) = spread_at(map, at(gather), gather);
-                        found.tell(&estimate, &spread, paths);
+                        found.add_moments(&estimate, &spread, paths);
                         estimate
                     } else {
                         estimate_at(map, at(gather), gather, &mut scratch[kind])

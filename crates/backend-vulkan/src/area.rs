@@ -1,7 +1,7 @@
 //! How much of each estimate's disc lies on the surface.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{AreaProbe, Gather, Pass, Query, Result, Told};
+use photon_core::{AreaProbe, EstimateBuffers, Gather, Pass, Query, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::scene::VulkanScene;
@@ -47,9 +47,9 @@ impl AreaProbe<Vulkan> for VulkanArea {
         pass: Pass,
         queries: &VulkanBuffer<Query>,
         gather: &Gather,
-        told: Told<'_, Vulkan>,
+        buffers: EstimateBuffers<'_, Vulkan>,
     ) -> Result<()> {
-        let Told { estimates, spreads } = told;
+        let EstimateBuffers { estimates, spreads } = buffers;
         let [flat, second] = [gather.is_flat(), spreads.is_some()].map(u32::from);
         let constants = [scene.features().bits(), GROUP, gather.kernel.number(), flat, second];
         let kernel = on.kernel(&shaders::CAMERA_AREA, &constants)?;

@@ -18,11 +18,11 @@ pub(crate) struct VulkanGather {
     max_bounces: u32,
     estimator: Box<dyn RadianceEstimator<Vulkan>>,
     landed: Option<(VulkanBuffer<Query>, VulkanBuffer<Estimate>)>,
-    told: Option<Told>,
+    errors: Option<ErrorBuffers>,
 }
 
 /// What tells errors: of each landing, and of all landings of each query.
-struct Told {
+struct ErrorBuffers {
     spreads: VulkanBuffer<Spread>,
     queries: VulkanBuffer<Spread>,
 }
@@ -56,7 +56,7 @@ struct GatheredPush {
     estimates: u64,
     values: u64,
     spreads: u64,
-    told: u64,
+    errors: u64,
     count_rays: u32,
     start_query: u32,
     count_queries: u32,
@@ -67,32 +67,39 @@ struct GatheredPush {
 
 pushed!(
     gathered_push_layout: GatheredPush => CAMERA_GATHERED,
-    landings estimates values spreads told count_rays start_query count_queries scale share padding
+    landings estimates values spreads errors count_rays start_query count_queries scale share padding
 );
 
 impl VulkanGather {
     /// For paths of so many surfaces at most; `estimator` reads the maps.
     pub(crate) fn new(max_bounces: u32, estimator: Box<dyn RadianceEstimator<Vulkan>>) -> Self {
-        Self { max_bounces, estimator, landed: None, told: None }
+        Self { max_bounces, estimator, landed: None, errors: None }
     }
 }
 
 impl VulkanGather {
     /// Where errors are told, cleared for a pass, if the film keeps them.
-    fn told(&mut self, on: &mut Vulkan, film: &VulkanFilm, landings: u64, queries: u64) -> Result<Option<Told>> {
+    fn error_buffers(
+        &mut self,
+        on: &mut Vulkan,
+        film: &VulkanFilm,
+        landings: u64,
+        queries: u64,
+    ) -> Result<Option<ErrorBuffers>> {
         if !film.keeps_errors() {
             return Ok(None);
         }
-        let fits = |told: &Told| told.spreads.capacity() >= landings && told.queries.capacity() >= queries;
-        let told = match self.told.take().filter(fits) {
-            Some(told) => told,
-            None => Told {
+        let fits =
+            |errors: &ErrorBuffers| errors.spreads.capacity() >= landings && errors.queries.capacity() >= queries;
+        let errors = match self.errors.take().filter(fits) {
+            Some(errors) => errors,
+            None => ErrorBuffers {
                 spreads: VulkanBuffer::new(on, "gather spreads", landings)?,
                 queries: VulkanBuffer::new(on, "gather errors", queries)?,
             },
         };
-        on.fill(&told.queries.data, 0, told.queries.data.bytes(), 0)?;
-        Ok(Some(told))
+        on.fill(&errors.queries.data, 0, errors.queries.data.bytes(), 0)?;
+        Ok(Some(errors))
     }
 }
 
@@ -121,8 +128,8 @@ impl FinalGather<Vulkan> for VulkanGather {
         film.clear_values(on, queries.capacity())?;
         let values = film.values_address(on, queries.capacity())?;
         let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP, scene.media().bits()])?;
-        let mut told = self.told(on, film, room, queries.capacity())?;
-        let (spread, found) = (u32::from(told.is_some()), u32::from(maps.irradiance.is_some()));
+        let mut errors = self.error_buffers(on, film, room, queries.capacity())?;
+        let (spread, found) = (u32::from(errors.is_some()), u32::from(maps.irradiance.is_some()));
         let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP, spread, found])?;
         // What is known of irradiance is no sum over paths.
         let asked: Vec<_> = match maps.irradiance {
@@ -160,8 +167,8 @@ impl FinalGather<Vulkan> for VulkanGather {
                     landings: landings.data_address(),
                     estimates: estimates.data_address(),
                     values,
-                    spreads: told.as_ref().map_or(0, |told| told.spreads.data_address()),
-                    told: told.as_ref().map_or(0, |told| told.queries.data_address()),
+                    spreads: errors.as_ref().map_or(0, |errors| errors.spreads.data_address()),
+                    errors: errors.as_ref().map_or(0, |errors| errors.queries.data_address()),
                     count_rays,
                     start_query: start_query as u32,
                     count_queries,
@@ -170,9 +177,9 @@ impl FinalGather<Vulkan> for VulkanGather {
                     padding: 0,
                 };
                 for ((map, gather), paths) in &asked {
-                    match &mut told {
+                    match &mut errors {
                         None => self.estimator.estimate(on, map, &landings, gather, &mut estimates)?,
-                        Some(Told { spreads, .. }) => {
+                        Some(ErrorBuffers { spreads, .. }) => {
                             self.estimator.estimate_spread(on, map, &landings, gather, &mut estimates, spreads)?;
                         }
                     }
@@ -182,9 +189,9 @@ impl FinalGather<Vulkan> for VulkanGather {
             }
         }
         self.landed = Some((landings, estimates));
-        if let Some(told) = told {
-            film::errors::fold_gathered(on, film, queries, &told.queries)?;
-            self.told = Some(told);
+        if let Some(errors) = errors {
+            film::errors::fold_gathered(on, film, queries, &errors.queries)?;
+            self.errors = Some(errors);
         }
         film::fold_values(on, film, Layer::Indirect, queries)
     }

@@ -57,13 +57,13 @@ impl Radii {
     pub(crate) fn learn(&mut self, film: &Film) {
         let (Some(errors), Some(claims)) = (&film.errors, film.claims()) else { return };
         let passes = film.passes - self.then;
-        let told: Vec<[f64; 2]> =
+        let sums: Vec<[f64; 2]> =
             errors.iter().zip(&self.before).map(|(now, before)| tell(now, *before, passes)).collect();
         let (bias, noise) = self.outlook(film.passes);
         let (width, height) = (film.width as usize, film.height as usize);
-        let steps: Vec<f64> = (0..told.len())
+        let steps: Vec<f64> = (0..sums.len())
             .map(|pixel| {
-                let around = |[sum, square]: [f64; 2], other: usize| [sum + told[other][0], square + told[other][1]];
+                let around = |[sum, square]: [f64; 2], other: usize| [sum + sums[other][0], square + sums[other][1]];
                 let [bias_squared, difference] = neighbours(pixel, width, height, REACH).fold([0.0; 2], around);
                 let noise_squared = difference / (self.share * self.share) * noise;
                 // Chance adds the difference's own variance to its square.

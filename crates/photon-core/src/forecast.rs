@@ -210,7 +210,8 @@ impl Prospect {
         let [claimed, few, edge] = &self.groups;
         // Those that were found may have been luck, by their root.
         let luck = if crowd == Crowd::Counted { 1.0 } else { 0.0 };
-        let enough = |pixel: &Relative| (pixel.told_by - luck * pixel.told_by.sqrt()) * more * bias >= LEAST_PHOTONS;
+        let enough =
+            |pixel: &Relative| (pixel.photon_count - luck * pixel.photon_count.sqrt()) * more * bias >= LEAST_PHOTONS;
         let (few_free, edge_free) = match crowd {
             Crowd::Claimed => (0.0, 0.0),
             Crowd::Counted => (1.0, 0.0),

@@ -329,7 +329,7 @@ pub trait DirectLight<B: TransportBackend>: Send {
 
 /// What an estimator told of each query.
 #[derive(Debug)]
-pub struct Told<'a, B: Backend> {
+pub struct EstimateBuffers<'a, B: Backend> {
     /// As many as there are queries.
     pub estimates: &'a mut B::Buffer<Estimate>,
     /// Likewise, if errors are told.
@@ -352,7 +352,7 @@ pub trait AreaProbe<B: TransportBackend>: Send {
         pass: Pass,
         queries: &B::Buffer<Query>,
         gather: &Gather,
-        told: Told<'_, B>,
+        buffers: EstimateBuffers<'_, B>,
     ) -> Result<()>;
 }
 

@@ -31,13 +31,13 @@ pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::
     channels.push(("depth.Z".to_owned(), film.depth()));
     channels.push(("error.Y".to_owned(), film.standard_error()));
     if let Some(claims) = film.claims() {
-        let mut told = |name: &str, of: fn(&Claim) -> f32| {
+        let mut details = |name: &str, of: fn(&Claim) -> f32| {
             channels.push((name.to_owned(), claims.iter().map(of).collect()));
         };
-        told("stderr.Y", |claim| claim.standard_error as f32);
-        told("bias.Y", |claim| claim.bias as f32);
-        told("claimed.Y", |claim| claim.half_width as f32);
-        told("flag.Y", |claim| claim.flags.bits() as f32);
+        details("stderr.Y", |claim| claim.standard_error as f32);
+        details("bias.Y", |claim| claim.bias as f32);
+        details("claimed.Y", |claim| claim.half_width as f32);
+        details("flag.Y", |claim| claim.flags.bits() as f32);
     }
 
     let size = (film.width as usize, film.height as usize);

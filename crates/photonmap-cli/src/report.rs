@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 /// Everything that the report takes besides the renderer itself.
 #[derive(Debug)]
-pub struct Told<'a> {
+pub struct Details<'a> {
     /// What was asked for.
     pub scene: &'a str,
     /// Pixels.
@@ -28,30 +28,30 @@ pub struct Told<'a> {
 }
 
 /// Shares of 1, errors relative to the pixel.
-fn forecast(told: &Forecast) -> Value {
+fn forecast(details: &Forecast) -> Value {
     json!({
-        "passes": told.passes,
-        "share_claimed": told.claimed,
-        "share_within_target": told.within,
-        "error": told.error,
-        "share": told.share,
-        "target": told.target,
-        "passes_needed": told.passes_needed,
-        "passes_least": told.passes_least,
-        "passes_possible": told.passes_possible,
-        "error_possible": told.error_possible,
-        "error_possible_least": told.error_possible_least,
-        "seconds_needed": told.seconds_needed(),
-        "seconds_per_pass": told.seconds_per_pass,
-        "radius_factor": told.radius_factor,
+        "passes": details.passes,
+        "share_claimed": details.claimed,
+        "share_within_target": details.within,
+        "error": details.error,
+        "share": details.share,
+        "target": details.target,
+        "passes_needed": details.passes_needed,
+        "passes_least": details.passes_least,
+        "passes_possible": details.passes_possible,
+        "error_possible": details.error_possible,
+        "error_possible_least": details.error_possible_least,
+        "seconds_needed": details.seconds_needed(),
+        "seconds_per_pass": details.seconds_per_pass,
+        "radius_factor": details.radius_factor,
     })
 }
 
 /// The report.
 #[must_use]
-pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
+pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
     let facts = renderer.facts();
-    let (required, outcome) = (facts.required, told.outcome);
+    let (required, outcome) = (facts.required, details.outcome);
     let tally = &outcome.tally;
     let seconds = |stage: Stage| outcome.seconds.get(stage);
     // In fractions of the scene's power.
@@ -59,8 +59,8 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
     let tracing = seconds(Stage::Emit) + seconds(Stage::Trace);
     let last = outcome.last.as_ref();
     json!({
-        "scene": told.scene,
-        "size": [told.size.0, told.size.1],
+        "scene": details.scene,
+        "size": [details.size.0, details.size.1],
         "backend": facts.backend,
         "device": facts.device,
         "requirements": {
@@ -75,7 +75,7 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
         "radius_of_last_pass": by_name(last.map(|pass| pass.radius).unwrap_or_default()),
         "peak_resident_bytes": crate::memory::peak(),
         "paths_per_pass": facts.photons,
-        "lights": told.lights.iter().map(|share| json!({
+        "lights": details.lights.iter().map(|share| json!({
             "light": share.what,
             "power": share.power,
             "paths_per_pass": share.paths(facts.photons),
@@ -111,7 +111,7 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
         },
         "bytes": facts.memory.iter().cloned().map(|(label, bytes)| (label, Value::from(bytes))).collect::<serde_json::Map<_, _>>(),
         "seconds": {
-            "load": told.seconds_load,
+            "load": details.seconds_load,
             "bvh": facts.setup.get(Stage::Prepare),
             "pilot": Stage::ALL.iter().map(|&stage| facts.setup.get(stage)).sum::<f64>() - facts.setup.get(Stage::Prepare),
             "emit+trace": tracing,
@@ -121,12 +121,12 @@ pub fn json(renderer: &dyn Render, told: &Told<'_>) -> Value {
             "estimate": seconds(Stage::Estimate),
             "gather": seconds(Stage::Gather),
             "film": seconds(Stage::Film),
-            "total": told.seconds_total,
+            "total": details.seconds_total,
         },
         "photons_per_second": if tracing > 0.0 { tally.emitted as f64 / tracing } else { 0.0 },
-        "settings": format!("{:?}", told.settings),
-        "report": told.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        "warnings": told.warnings,
+        "settings": format!("{:?}", details.settings),
+        "report": details.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "warnings": details.warnings,
     })
 }
 

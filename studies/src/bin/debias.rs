@@ -94,10 +94,10 @@ fn main() {
 /// What is measured, by name.
 fn settings(job: &Job, base: &Settings) -> Vec<(String, Settings)> {
     let gather = Settings { indirect: Indirect::Gather, gather_rays: 16, ..base.clone() };
-    let told = Settings { errors: true, ..base.clone() };
+    let details = Settings { errors: true, ..base.clone() };
     match job.part.as_str() {
         "bandwidth" => [("shared", Bandwidth::Shared), ("per pixel", Bandwidth::PerPixel)]
-            .map(|(name, bandwidth)| (name.to_owned(), Settings { bandwidth, ..told.clone() }))
+            .map(|(name, bandwidth)| (name.to_owned(), Settings { bandwidth, ..details.clone() }))
             .to_vec(),
         "plane" => [1.0, 0.5, 0.25, 0.1]
             .into_iter()

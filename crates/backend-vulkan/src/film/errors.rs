@@ -112,10 +112,10 @@ pub(crate) fn fold_gathered(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
     queries: &VulkanBuffer<Query>,
-    told: &VulkanBuffer<Spread>,
+    gathered: &VulkanBuffer<Spread>,
 ) -> Result<()> {
     let push = FoldPush {
-        spreads: told.data_address(),
+        spreads: gathered.data_address(),
         found_count: queries.count_address(),
         scale: 1.0 / 3.0,
         ..FoldPush::zeroed()

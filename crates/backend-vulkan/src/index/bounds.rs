@@ -25,12 +25,12 @@ pub(crate) struct BoundsOf {
 struct BoundsPush {
     photons: u64,
     state: u64,
-    told: u64,
+    photon_count: u64,
     count: u32,
     stride: u32,
 }
 
-pushed!(bounds_push_layout: BoundsPush => INDEX_BOUNDS, photons state told count stride);
+pushed!(bounds_push_layout: BoundsPush => INDEX_BOUNDS, photons state photon_count count stride);
 
 impl BoundsOf {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
@@ -48,7 +48,7 @@ impl BoundsOf {
         let push = BoundsPush {
             photons: photons.data_address(),
             state: self.state.address(),
-            told: photons.count_address(),
+            photon_count: photons.count_address(),
             count: length as u32,
             stride: (groups * size) as u32,
         };

@@ -13,7 +13,7 @@ pub(super) struct Relative {
     pub(super) photons: f64,
     /// All other noise.
     pub(super) other: f64,
-    told: f64,
+    standard_error: f64,
     /// With its sign.
     signed: f64,
     pub(super) bias: f64,
@@ -25,7 +25,7 @@ pub(super) struct Relative {
     /// A number of a normal distribution: the luck of the bias in passes to come.
     luck: f64,
     /// Photons told by.
-    pub(super) told_by: f64,
+    pub(super) photon_count: f64,
 }
 
 impl Relative {
@@ -40,20 +40,20 @@ impl Relative {
         Self {
             photons: of(photons),
             other: of(other),
-            told: of(claim.standard_error),
+            standard_error: of(claim.standard_error),
             signed: of(claim.bias.abs()).copysign(claim.bias),
             bias: of(claim.bias.abs()),
             steady: [0.0; 2],
             bias_error: of(claim.bias_error),
             random: 0.0,
             luck: 0.0,
-            told_by: claim.photons,
+            photon_count: claim.photons,
         }
     }
 
     /// All noise, as told.
     pub(super) fn noise(&self) -> f64 {
-        self.told
+        self.standard_error
     }
 }
 
@@ -88,7 +88,7 @@ impl Group {
         // Of few photons, m in all, the variance has the kurtosis of Poisson's distribution besides: 1/m.
         let half = 0.5 * freedom.max(1.0);
         let passes = 1.0 / half + 0.5 / (half * half) + 1.0 / (6.0 * half * half * half);
-        let few = |pixel: &Relative| pixel.told_by.max(1.0).recip();
+        let few = |pixel: &Relative| pixel.photon_count.max(1.0).recip();
         let dark = |pixel: &Relative| (pixel.photons / pixel.noise().max(f64::MIN_POSITIVE)).powi(4);
         let noise: Vec<_> = pixels.iter().map(|pixel| (pixel.noise(), passes + dark(pixel) * few(pixel))).collect();
         let biases: Vec<_> = pixels.iter().map(|pixel| (pixel.bias_error, passes + few(pixel))).collect();

@@ -22,13 +22,13 @@ fn claims(noise: f64, bias: f64, bias_error: f64) -> Vec<Claim> {
     claims
 }
 
-fn told(claims: &[Claim], passes: u32, alpha: f64) -> Option<Prospect> {
+fn model_of(claims: &[Claim], passes: u32, alpha: f64) -> Option<Prospect> {
     Prospect::new(claims, Schedule::of(passes, alpha), 0.95, 0.5)
 }
 
 #[test]
 fn radii_go_to_where_noise_and_bias_balance() {
-    let best = |bias: f64, noise: f64| told(&claims(noise, bias, 0.5 * noise), 8, 1.0).unwrap().best_scale(10_000);
+    let best = |bias: f64, noise: f64| model_of(&claims(noise, bias, 0.5 * noise), 8, 1.0).unwrap().best_scale(10_000);
     // Nothing but noise wants all that may be had, a bias that dwarfs it the least.
     assert_eq!((best(0.05, 0.1), best(1.0, 0.01)), (2.0, 0.25));
     // Squares of noise fall by 1250/c; what is left of the bias has a square of 0.0032 c². They balance
@@ -38,13 +38,13 @@ fn radii_go_to_where_noise_and_bias_balance() {
 
 #[test]
 fn errors_fall_as_the_cube_root_of_passes() {
-    let prospect = told(&claims(0.1, 0.1, 0.05), 1000, 2.0 / 3.0).unwrap();
+    let prospect = model_of(&claims(0.1, 0.1, 0.05), 1000, 2.0 / 3.0).unwrap();
     assert!((prospect.error() - (student_975(999.0) * 0.1 + 0.2)).abs() < 1e-12);
     let least = Prospect::least_error_after;
     let half = f64::from(prospect.passes_until(least(&prospect, 1000) / 2.0, least).unwrap());
     assert!((half / 8000.0 - 1.0).abs() < 0.1, "{half}");
     // At most, a bias without noise falls as the fourth root.
-    let biased = told(&claims(0.0, 0.1, 0.0), 100_000, 2.0 / 3.0).unwrap();
+    let biased = model_of(&claims(0.0, 0.1, 0.0), 100_000, 2.0 / 3.0).unwrap();
     for (of, power) in [(Prospect::error_after as fn(&Prospect, u32) -> f64, 0.25), (least, 1.0 / 3.0)] {
         let half = f64::from(biased.passes_until(0.1, of).unwrap());
         assert!((half / 100_000.0 / 2.0_f64.powf(1.0 / power) - 1.0).abs() < 0.05, "{half} {power}");
@@ -54,11 +54,11 @@ fn errors_fall_as_the_cube_root_of_passes() {
 
 #[test]
 fn noise_alone_at_a_fixed_radius_falls_as_the_square_root() {
-    let prospect = told(&claims(0.1, 0.05, 0.05), 1000, 1.0).unwrap();
+    let prospect = model_of(&claims(0.1, 0.05, 0.05), 1000, 1.0).unwrap();
     let half = f64::from(prospect.passes_until(prospect.error_after(1000) / 2.0, Prospect::error_after).unwrap());
     assert!((half / 4000.0 - 1.0).abs() < 0.02, "{half}");
     // A bias that stays is a floor.
-    let floor = told(&claims(0.1, 0.05, 0.0), 1000, 1.0).unwrap();
+    let floor = model_of(&claims(0.1, 0.05, 0.0), 1000, 1.0).unwrap();
     assert_eq!(floor.passes_until(0.09, Prospect::error_after), None);
     assert_eq!(floor.passes_until(10.0, Prospect::error_after), Some(1000));
 }
@@ -81,7 +81,7 @@ fn luck_of_the_pilot_is_not_foretold() {
     let (mut within, mut off) = (0, 0);
     for pilot in 0..PILOTS {
         let claims: Vec<Claim> = (0..4000).map(|pixel| told_by_chance(pilot * 4000 + pixel)).collect();
-        let prospect = told(&claims, 8, 1.0).unwrap();
+        let prospect = model_of(&claims, 8, 1.0).unwrap();
         let truth = 2.0 * student_975(799.0) * 0.01;
         let (least, most) = (prospect.least_error_after(800) / truth, prospect.error_after(800) / truth);
         assert!(least > 1.0 - slack && least < highest(2.5) + slack, "{pilot}: {least}");
@@ -94,7 +94,7 @@ fn luck_of_the_pilot_is_not_foretold() {
         assert!(alone[3800] / truth > highest(6.5) + slack, "{}", alone[3800]);
         // And neighbours that saw the same photons are no more than one pixel: who takes them for many is too sure.
         let shared: Vec<Claim> = claims.iter().step_by(40).flat_map(|claim| [*claim; 40]).collect();
-        let shared = told(&shared, 8, 1.0).unwrap();
+        let shared = model_of(&shared, 8, 1.0).unwrap();
         off += usize::from(shared.least_error_after(800) / truth > 1.01 || shared.error_after(800) / truth < 0.99);
         assert!(shared.error_after(800) / shared.least_error_after(800) > 1.5 * most / least);
     }
@@ -156,7 +156,7 @@ fn joining(flags: Flags, photons: f64, times: f64) -> Prospect {
         (claim.flags, claim.photons) = (flags, photons);
         (claim.standard_error, claim.bias) = (times * claim.standard_error, times * claim.bias);
     }
-    told(&claims, 8, 2.0 / 3.0).unwrap()
+    model_of(&claims, 8, 2.0 / 3.0).unwrap()
 }
 
 /// Pixels that lack photons alone are foretold to come, and may do better than those that are claimed: of 95
@@ -169,7 +169,7 @@ fn pixels_that_lack_photons_can_be_the_better_ones() {
         (claim.flags, claim.photons) = (Flags::FEW_PHOTONS, 16.0);
     }
     let ratio = |claims: &[Claim], passes| {
-        let (whole, alone) = (told(claims, 8, 2.0 / 3.0).unwrap(), told(&claims[..4], 8, 2.0 / 3.0).unwrap());
+        let (whole, alone) = (model_of(claims, 8, 2.0 / 3.0).unwrap(), model_of(&claims[..4], 8, 2.0 / 3.0).unwrap());
         whole.least_error_after(passes) / alone.least_error_after(passes)
     };
     // Of 16 photons, 4 fewer are 32 when passes times squared radii are 8/3 of what they were.
@@ -186,7 +186,7 @@ fn pixels_that_lack_photons_can_be_the_better_ones() {
 /// passes have doubled: nothing between is looked at.
 #[test]
 fn the_first_time_counts() {
-    let prospect = told(&claims(0.1, 0.0, 0.0), 8, 1.0).unwrap();
+    let prospect = model_of(&claims(0.1, 0.0, 0.0), 8, 1.0).unwrap();
     let wave = |_: &Prospect, passes: u32| if (20..25).contains(&passes) || passes > 1000 { 0.1 } else { 1.0 };
     let found = prospect.passes_until(0.15, wave).unwrap();
     assert!(found > 1000 && found < 1010, "{found}");
@@ -205,5 +205,5 @@ fn quantiles_of_the_normal_distribution() {
 #[test]
 fn nothing_claimed_is_nothing_foretold() {
     let none: Vec<Claim> = claims(0.1, 0.0, 0.0).iter().map(|c| Claim { flags: Flags::FEW_PASSES, ..*c }).collect();
-    assert!(told(&none, 7, 1.0).is_none() && told(&[], 7, 1.0).is_none());
+    assert!(model_of(&none, 7, 1.0).is_none() && model_of(&[], 7, 1.0).is_none());
 }

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::map_kind::{MapKind, PerMap};
 use crate::radii;
 use crate::settings::{Direct, Indirect, Settings};
-use crate::stages::{Maps, Pass, Told};
+use crate::stages::{EstimateBuffers, Maps, Pass};
 
 /// Whether the camera sees a map's light at once, and not by final-gather rays alone.
 fn is_shown(settings: &Settings, kind: MapKind) -> bool {
@@ -83,8 +83,8 @@ impl<B: TransportBackend> Pipeline<B> {
             Some(spreads) => estimator.estimate_spread(on, map, &self.queries, gather, estimates, spreads)?,
         }
         if let Some(area) = &mut self.stages.area {
-            let told = Told { estimates, spreads: self.spreads.as_mut() };
-            area.correct(on, &self.scene, pass, &self.queries, gather, told)?;
+            let buffers = EstimateBuffers { estimates, spreads: self.spreads.as_mut() };
+            area.correct(on, &self.scene, pass, &self.queries, gather, buffers)?;
         }
         on.mark(Some(Stage::Film));
         if let Some(spreads) = &self.spreads {

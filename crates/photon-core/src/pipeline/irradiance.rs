@@ -9,7 +9,7 @@ use crate::kernel::Kernel;
 use crate::layout::{Estimate, Photon, Query};
 use crate::memory::Costs;
 use crate::settings::Settings;
-use crate::stages::{Gather, Pass, Rule, Told};
+use crate::stages::{EstimateBuffers, Gather, Pass, Rule};
 
 /// Places where irradiance is found: kept from pass to pass.
 pub(super) struct Points<B: Backend> {
@@ -73,8 +73,8 @@ impl<B: TransportBackend> Pipeline<B> {
             let gather = &Gather { kernel: POINT_KERNEL, ..*gather };
             self.stages.map.estimator.estimate(on, map, &points.queries, gather, &mut points.estimates)?;
             if let Some(area) = &mut self.stages.area {
-                let told = Told { estimates: &mut points.estimates, spreads: None };
-                area.correct(on, &self.scene, pass, &points.queries, gather, told)?;
+                let buffers = EstimateBuffers { estimates: &mut points.estimates, spreads: None };
+                area.correct(on, &self.scene, pass, &points.queries, gather, buffers)?;
             }
             stage.add(on, &points.queries, &points.estimates, *paths, first, &mut found)?;
             first = false;

@@ -17,7 +17,7 @@ use crate::backend::{self, Chosen};
 use crate::fault::Fault;
 use crate::forecast_text::{error_line, forecast_lines};
 use crate::progress::{Limit, Progress};
-use crate::report::{self, Told};
+use crate::report::{self, Details};
 use crate::{atomic_write, exr_file, load, memory, png_file, stdout};
 
 /// Renders the scene and writes the files.
@@ -47,7 +47,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let film = renderer.film()?;
     let seconds_total = begun.elapsed().as_secs_f64();
 
-    let told = Told {
+    let details = Details {
         scene: &args.scene.scene,
         size: args.settings.picture.size,
         settings: &settings,
@@ -60,11 +60,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     };
     let mut written = Vec::new();
     for output in &outputs {
-        save(args, output, &film, &*renderer, &told)?;
+        save(args, output, &film, &*renderer, &details)?;
         written.push(output.display().to_string());
     }
     if let Some(path) = &args.files.json {
-        let text = format!("{:#}\n", report::json(&*renderer, &told));
+        let text = format!("{:#}\n", report::json(&*renderer, &details));
         if path.as_os_str() == "-" {
             stdout::write(text.as_bytes())?;
         } else {
@@ -217,24 +217,30 @@ fn writing(args: &RenderArgs) -> Duration {
     Duration::from_secs_f64(pixels * if exr { 1.5e-6 } else { 1e-7 })
 }
 
-fn save(args: &RenderArgs, path: &Path, film: &Film, renderer: &dyn Render, told: &Told<'_>) -> Result<(), Fault> {
+fn save(
+    args: &RenderArgs,
+    path: &Path,
+    film: &Film,
+    renderer: &dyn Render,
+    details: &Details<'_>,
+) -> Result<(), Fault> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         return png_file::write(path, film, args.files.tonemap, args.files.exposure);
     }
     let facts = renderer.facts();
     let seconds: Vec<String> = photon_core::Stage::ALL
         .into_iter()
-        .map(|stage| format!("{} {:.3}", stage.name(), told.outcome.seconds.get(stage)))
+        .map(|stage| format!("{} {:.3}", stage.name(), details.outcome.seconds.get(stage)))
         .collect();
     let attributes = [
         ("photon:scene", args.scene.scene.clone()),
         ("photon:seed", args.settings.photon.seed.to_string()),
         ("photon:passes", film.passes.to_string()),
         ("photon:photons_per_pass", facts.photons.to_string()),
-        ("photon:settings", format!("{:?}", told.settings)),
+        ("photon:settings", format!("{:?}", details.settings)),
         ("photon:backend", facts.backend.to_owned()),
         ("photon:device", facts.device),
-        ("photon:seconds", format!("total {:.3}, {}", told.seconds_total, seconds.join(", "))),
+        ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
         ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
     ];
     exr_file::write(path, film, &attributes.map(|(name, value)| (name.to_owned(), value)))

@@ -55,9 +55,9 @@ pub(crate) fn rows(
         .map(|(asked, way, settings, plan)| {
             // Whatever is compiled for the first time is not what is timed.
             engine.film(subject, &settings, Budget::Passes(9))?;
-            let (film, told) = engine.film(subject, &settings, plan)?;
-            let run = Run::new(&film, told.seconds, told.outcome.paths);
-            let row = row(subject, (asked, way), &told.outcome, &run, truth);
+            let (film, details) = engine.film(subject, &settings, plan)?;
+            let run = Run::new(&film, details.seconds, details.outcome.paths);
+            let row = row(subject, (asked, way), &details.outcome, &run, truth);
             crate::progress(&format!("{}: {}: {}, {}", row.scene, row.asked, row.predicted, row.took));
             Ok(row)
         })

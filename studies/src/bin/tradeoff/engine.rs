@@ -24,7 +24,7 @@ pub(crate) struct Subject {
 }
 
 /// What a render tells besides its picture.
-pub(crate) struct Told {
+pub(crate) struct Details {
     /// Of the passes.
     pub(crate) seconds: f64,
     pub(crate) outcome: Outcome,
@@ -65,9 +65,9 @@ impl Engine {
         subject: &Subject,
         settings: &Settings,
         plan: impl Into<Plan>,
-    ) -> Result<(Film, Told), Fault> {
-        let (mut films, told) = self.stretches(subject, settings, &[plan.into()])?;
-        Ok((films.pop().ok_or_else(gone)?, told))
+    ) -> Result<(Film, Details), Fault> {
+        let (mut films, details) = self.stretches(subject, settings, &[plan.into()])?;
+        Ok((films.pop().ok_or_else(gone)?, details))
     }
 
     /// Renders one plan after another: the film after each, and what the last one tells, with all passes and paths.
@@ -76,17 +76,17 @@ impl Engine {
         subject: &Subject,
         settings: &Settings,
         plans: &[Plan],
-    ) -> Result<(Vec<Film>, Told), Fault> {
+    ) -> Result<(Vec<Film>, Details), Fault> {
         match self {
             Self::Cpu(place) => {
-                let (films, told, on) = run(place.take().ok_or_else(gone)?, subject, settings, plans)?;
+                let (films, details, on) = run(place.take().ok_or_else(gone)?, subject, settings, plans)?;
                 *place = Some(on);
-                Ok((films, told))
+                Ok((films, details))
             }
             Self::Vulkan(place) => {
-                let (films, told, on) = run(*place.take().ok_or_else(gone)?, subject, settings, plans)?;
+                let (films, details, on) = run(*place.take().ok_or_else(gone)?, subject, settings, plans)?;
                 *place = Some(Box::new(on));
-                Ok((films, told))
+                Ok((films, details))
             }
         }
     }
@@ -98,7 +98,7 @@ impl Engine {
         subject: &Subject,
         (settings, passes): (&Settings, u32),
         seeds: u32,
-        each: impl FnMut(&Film, Told),
+        each: impl FnMut(&Film, Details),
     ) -> Result<(), Fault> {
         match self {
             Self::Cpu(place) => {
@@ -136,19 +136,19 @@ fn run<B: TransportBackend>(
     subject: &Subject,
     settings: &Settings,
     plans: &[Plan],
-) -> Result<(Vec<Film>, Told, B), Fault> {
+) -> Result<(Vec<Film>, Details, B), Fault> {
     let mut pipeline = Pipeline::new(on, &subject.scene.view(), subject.view, settings.clone())?;
-    let (mut films, mut told) = (Vec::new(), Told { seconds: 0.0, outcome: Outcome::default() });
+    let (mut films, mut details) = (Vec::new(), Details { seconds: 0.0, outcome: Outcome::default() });
     for plan in plans {
         let begun = Instant::now();
         let mut outcome = render(&mut pipeline, *plan, &mut ())?;
-        told.seconds += begun.elapsed().as_secs_f64();
-        outcome.passes += told.outcome.passes;
-        outcome.paths += told.outcome.paths;
-        told.outcome = outcome;
+        details.seconds += begun.elapsed().as_secs_f64();
+        outcome.passes += details.outcome.passes;
+        outcome.paths += details.outcome.paths;
+        details.outcome = outcome;
         films.push(pipeline.film()?);
     }
-    Ok((films, told, pipeline.into_backend()?))
+    Ok((films, details, pipeline.into_backend()?))
 }
 
 fn runs<B: TransportBackend>(
@@ -156,7 +156,7 @@ fn runs<B: TransportBackend>(
     subject: &Subject,
     (settings, passes): (&Settings, u32),
     seeds: u32,
-    mut each: impl FnMut(&Film, Told),
+    mut each: impl FnMut(&Film, Details),
 ) -> Result<B, Fault> {
     let scene = subject.scene.view();
     let mut pipeline = Pipeline::new(on, &scene, subject.view, settings.clone())?;
@@ -166,7 +166,7 @@ fn runs<B: TransportBackend>(
         let begun = Instant::now();
         let outcome = render(&mut pipeline, Budget::Passes(passes), &mut ())?;
         let seconds = begun.elapsed().as_secs_f64();
-        each(&pipeline.film()?, Told { seconds, outcome });
+        each(&pipeline.film()?, Details { seconds, outcome });
     }
     Ok(pipeline.into_backend()?)
 }

@@ -39,12 +39,12 @@ pub(crate) fn rows(engine: &mut Engine, name: &str, base: &Settings) -> Result<V
         for (index, called) in [(IndexKind::Morton, "Morton"), (IndexKind::Median, "median"), (IndexKind::Vvh, "VVH")] {
             let settings = Settings { photons: paths, index, ..base.clone() };
             let (mut builds, mut queries, mut photons) = (Vec::new(), Vec::new(), 0);
-            engine.films(&subject, (&settings, PASSES), SEEDS, |_, told| {
-                let seconds = |stage| told.outcome.seconds.get(stage) / f64::from(PASSES);
+            engine.films(&subject, (&settings, PASSES), SEEDS, |_, details| {
+                let seconds = |stage| details.outcome.seconds.get(stage) / f64::from(PASSES);
                 builds.push(seconds(Stage::Build));
                 queries.push(seconds(Stage::Estimate));
                 let stored = |tally: &Tally| tally.stored.values().sum::<u64>();
-                photons = (stored(&told.outcome.tally) + stored(&told.outcome.aimed)) / u64::from(PASSES);
+                photons = (stored(&details.outcome.tally) + stored(&details.outcome.aimed)) / u64::from(PASSES);
             })?;
             let median = |mut times: Vec<f64>| {
                 times.sort_unstable_by(f64::total_cmp);

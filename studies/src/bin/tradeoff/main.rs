@@ -258,8 +258,8 @@ fn claims(
         let runs = (0..args.claim_seeds)
             .map(|seed| {
                 let settings = Settings { errors: true, seed: u64::from(seed) + 1000, ..base.clone() };
-                let (film, told) = engine.film(subject, &settings, Budget::Passes(passes))?;
-                Ok(Run::new(&film, told.seconds, told.outcome.paths))
+                let (film, details) = engine.film(subject, &settings, Budget::Passes(passes))?;
+                Ok(Run::new(&film, details.seconds, details.outcome.paths))
             })
             .collect::<Result<Vec<_>, Fault>>()?;
         let claims = measure::claims(&runs, &|pixel| truth.at(pixel));

@@ -161,8 +161,8 @@ mod tests {
             flags: photon_core::Flags::default(),
         };
         let run = |claim| Run { grey: vec![1.0], claims: Some(vec![claim]), passes: 9, seconds: 1.0, photons: 1 };
-        let told = claims(&[run(claim(1.1, 0.2)), run(claim(0.9, 0.05))], &|_| 1.0);
-        assert_eq!((told.claimed, told.covered, told.worst, told.by_noise), (1.0, 0.5, 0.0, 0.0));
-        assert!((told.sharpness - 1.25).abs() < 1e-9);
+        let details = claims(&[run(claim(1.1, 0.2)), run(claim(0.9, 0.05))], &|_| 1.0);
+        assert_eq!((details.claimed, details.covered, details.worst, details.by_noise), (1.0, 0.5, 0.0, 0.0));
+        assert!((details.sharpness - 1.25).abs() < 1e-9);
     }
 }

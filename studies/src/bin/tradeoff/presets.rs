@@ -62,7 +62,7 @@ pub(crate) fn rows(
             let photons = per_pixel * SIDE * SIDE;
             let settings = Settings { photons, area, bandwidth, errors: own, ..base.clone() };
             let mut times = Vec::new();
-            engine.films(&larger, (&settings, TIMED), SEEDS, |_, told| times.push(told.seconds))?;
+            engine.films(&larger, (&settings, TIMED), SEEDS, |_, details| times.push(details.seconds))?;
             times.sort_unstable_by(f64::total_cmp);
             let pass = times[times.len() / 2] / f64::from(TIMED);
             for passes in PASSES {
@@ -70,8 +70,8 @@ pub(crate) fn rows(
                     continue;
                 }
                 let mut runs: Vec<Run> = Vec::new();
-                engine.films(subject, (&settings, passes), SEEDS, |film, told| {
-                    runs.push(Run::new(film, told.seconds, told.outcome.paths));
+                engine.films(subject, (&settings, passes), SEEDS, |film, details| {
+                    runs.push(Run::new(film, details.seconds, details.outcome.paths));
                 })?;
                 let summary = measure::summarise(&runs, truth);
                 rows.push(PresetRow {

@@ -122,8 +122,8 @@ pub(crate) fn rows(
     let points = points(base);
     let mut runs: Vec<Vec<Run>> = points.iter().map(|_| Vec::new()).collect();
     for (number, (point, runs)) in points.iter().zip(&mut runs).enumerate() {
-        engine.films(subject, (&point.settings, point.passes), seeds, |film, told| {
-            runs.push(Run::new(film, told.seconds, told.outcome.paths));
+        engine.films(subject, (&point.settings, point.passes), seeds, |film, details| {
+            runs.push(Run::new(film, details.seconds, details.outcome.paths));
         })?;
         crate::progress(&format!("{}: setting {} of {}", subject.name, number + 1, points.len()));
     }
@@ -148,13 +148,13 @@ pub(crate) fn shots(engine: &mut Engine, subject: &Subject, base: &Settings) -> 
     points.sort_by_key(|(place, _)| *place);
     let shot = |(_, point): (usize, Point)| {
         let settings = Settings { seed: 1, ..point.settings };
-        let (film, told) = engine.film(subject, &settings, Budget::Passes(point.passes))?;
+        let (film, details) = engine.film(subject, &settings, Budget::Passes(point.passes))?;
         let name = if point.knob == "passes" {
             format!("{} passes", point.value)
         } else {
             format!("{}: {}", point.knob, point.value)
         };
-        Ok(Shot { name, seconds: told.seconds, pixels: film.beauty() })
+        Ok(Shot { name, seconds: details.seconds, pixels: film.beauty() })
     };
     points.into_iter().map(shot).collect()
 }

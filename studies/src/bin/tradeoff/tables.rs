@@ -158,7 +158,7 @@ pub(crate) fn claims(parts: &[Part]) -> String {
         text += &lines(&found, |row| cells(&row.claims), "– | – | – | –");
     }
     let names = backends(parts);
-    let mut told: Vec<(String, Vec<Option<&Claims>>)> = Vec::new();
+    let mut details: Vec<(String, Vec<Option<&Claims>>)> = Vec::new();
     for (part, sweep) in sweeps(parts) {
         if matches!(sweep.truth, Note::Constant(_)) {
             continue;
@@ -166,17 +166,17 @@ pub(crate) fn claims(parts: &[Part]) -> String {
         for row in sweep.rows.iter().filter(|row| row.knob == "errors") {
             let Some(claims) = &row.summary.claims else { continue };
             let key = format!("{} | {} | {}", sweep.scene, row.passes, sweep.seeds);
-            let at = told.iter().position(|(known, _)| *known == key).unwrap_or_else(|| {
-                told.push((key, vec![None; names.len()]));
-                told.len() - 1
+            let at = details.iter().position(|(known, _)| *known == key).unwrap_or_else(|| {
+                details.push((key, vec![None; names.len()]));
+                details.len() - 1
             });
-            told[at].1[names.iter().position(|name| *name == part.backend).unwrap_or(0)] = Some(claims);
+            details[at].1[names.iter().position(|name| *name == part.backend).unwrap_or(0)] = Some(claims);
         }
     }
-    if !told.is_empty() {
+    if !details.is_empty() {
         text += "\nAgainst references:\n";
         text += &head(&columns(parts, &["scene", "passes", "seeds"], &each), 1);
-        text += &lines(&told, cells, "– | – | – | –");
+        text += &lines(&details, cells, "– | – | – | –");
     }
     text
 }

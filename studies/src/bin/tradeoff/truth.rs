@@ -34,10 +34,10 @@ impl Truth {
         let path = folder.join(format!("reference-{}-{}.json", subject.name, subject.view.width));
         if path.exists() {
             let reference = records::read::<Reference>(&path)?;
-            let told = (reference.scene.as_str(), reference.size, reference.pixels.len());
+            let details = (reference.scene.as_str(), reference.size, reference.pixels.len());
             let View { width, height, .. } = subject.view;
-            if told != (&subject.name, width, width as usize * height as usize) {
-                let (scene, size, pixels) = told;
+            if details != (&subject.name, width, width as usize * height as usize) {
+                let (scene, size, pixels) = details;
                 let what = format!("it is of {scene} at {size} pixels across, {pixels} in all");
                 return Err(Fault::input(format!("{}: {what}; move it away to have a new one", path.display())));
             }
@@ -120,15 +120,15 @@ fn long_run(engine: &mut Engine, subject: &Subject, base: &Settings, effort: Eff
     let early = passes / EARLY;
     let plans = [(0, early), (early, passes - early)]
         .map(|(first, passes)| Plan { first, ..Plan::from(Budget::Passes(passes)) });
-    let (films, told) = engine.stretches(subject, &settings, &plans)?;
+    let (films, details) = engine.stretches(subject, &settings, &plans)?;
     let [first, film] = &films[..] else { return Err(Fault::Failure("a film for each stretch was to be had".into())) };
     let [noise, bias] = told_by_parts(first, film, settings.alpha);
     Ok(Reference {
         scene: subject.name.clone(),
         size: subject.view.width,
         backend: engine.names().0.to_owned(),
-        note: Note::Reference { passes, photons: told.outcome.paths, error: noise + bias, bias },
-        seconds: told.seconds,
+        note: Note::Reference { passes, photons: details.outcome.paths, error: noise + bias, bias },
+        seconds: details.seconds,
         pixels: film.beauty(),
     })
 }

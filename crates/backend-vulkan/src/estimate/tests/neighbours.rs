@@ -25,17 +25,17 @@ fn compare(what: &str, found: &[u32], expected: &[u32], width: usize) -> Result<
     }
 }
 
-/// Holds the searches around `places` against those of backend-cpu over `told`.
+/// Holds the searches around `places` against those of backend-cpu over `expected_points`.
 fn check(
     on: &mut Vulkan,
     points: &[[f32; 3]],
-    told: &[[f32; 3]],
+    expected_points: &[[f32; 3]],
     places: &[[f32; 3]],
     kind: IndexKind,
     ks: &[u32],
     radii: &[f32],
 ) -> Result<(), String> {
-    let index = PointIndex::build(told, kind).unwrap();
+    let index = PointIndex::build(expected_points, kind).unwrap();
     let map = map(on, &photons(points), kind);
     let queries = on.queries_at(places).unwrap();
     let mut found = Vec::new();
@@ -120,8 +120,9 @@ fn the_comparison_can_fail() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let points = walls(500);
     let places = [[0.5, 0.0, 0.5]];
-    let mut same =
-        |told: &[[f32; 3]]| check(&mut on, &points, told, &places, IndexKind::Median, &[499], &[f32::INFINITY, 0.4]);
+    let mut same = |expected_points: &[[f32; 3]]| {
+        check(&mut on, &points, expected_points, &places, IndexKind::Median, &[499], &[f32::INFINITY, 0.4])
+    };
     assert_eq!(same(&points), Ok(()));
     let mut moved = points.clone();
     moved[123] = [0.5, 0.0, 0.5];

@@ -31,7 +31,7 @@ layout(push_constant, scalar) uniform Push {
     Queries queries;
     Count count;
     Estimates estimates;
-    Spreads spreads;
+    ErrorMomentsBuffer error_moments;
     uvec2 seed;
     uint pass;
     uint start;
@@ -63,7 +63,7 @@ bool opaque(Ray ray, out Surface found) {
 void main() {
     uint i = push.start + thread();
     if (i >= min(push.count.needed, push.count.capacity)) return;
-    if ((SECOND != 0 ? push.spreads[i].at.photons : push.estimates[i].at.photons) == 0) return;
+    if ((SECOND != 0 ? push.error_moments[i].at.photons : push.estimates[i].at.photons) == 0) return;
     float squared = push.estimates[i].at.radius_squared;
     float radius = sqrt(squared);
     if (!(radius >= AREA_LEAST_RADIUS)) return;
@@ -119,7 +119,7 @@ void main() {
     float share = area_share(found.x, all.x);
     push.estimates[i].at.radius_squared = squared * share;
     if (SECOND != 0) {
-        push.spreads[i].at.wide *= share / area_share(found.y, all.y);
-        push.spreads[i].at.narrow *= share / area_share(found.z, all.z);
+        push.error_moments[i].at.wide *= share / area_share(found.y, all.y);
+        push.error_moments[i].at.narrow *= share / area_share(found.z, all.z);
     }
 }

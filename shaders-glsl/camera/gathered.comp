@@ -7,7 +7,7 @@
 layout(local_size_x_id = 1) in;
 
 // Whether what estimates tell of their errors is added up too.
-layout(constant_id = 2) const uint SPREAD = 0;
+layout(constant_id = 2) const uint ERROR_MOMENTS = 0;
 // Whether what was found is irradiance itself, not flux within a disc.
 layout(constant_id = 3) const uint IRRADIANCE = 0;
 
@@ -21,10 +21,10 @@ layout(push_constant, scalar) uniform Push {
     Queries landings;
     Estimates estimates;
     Values values;
-    Spreads spreads;
+    ErrorMomentsBuffer error_moments;
     // For each query: irradiance by twice the area less that of the picture, that less the one by half the
     // area, and powers; in the places of `wide`, `narrow` and the powers.
-    Spreads errors;
+    ErrorMomentsBuffer errors;
     uint count_rays;
     uint start_query;
     uint count_queries;
@@ -45,23 +45,23 @@ void main() {
     float power = 0.0, squared = 0.0;
     for (uint ray = 0; ray < push.count_rays; ray++) {
         uint i = local * push.count_rays + ray;
-        bool with_errors = SPREAD != 0 && push.spreads[i].at.photons != 0;
+        bool with_errors = ERROR_MOMENTS != 0 && push.error_moments[i].at.photons != 0;
         if (push.estimates[i].at.photons == 0 && !with_errors) continue;
         float density = IRRADIANCE != 0 ? push.share : push.scale / push.estimates[i].at.radius_squared;
         vec3 flux = push.estimates[i].at.flux;
         vec3 weight = push.landings[i].at.weight;
         two_add(sum, low, weight * (flux * density));
         if (with_errors) {
-            bias += weight * (density * (0.5 * push.spreads[i].at.wide - flux));
-            narrow += weight * (density * (flux - 2.0 * push.spreads[i].at.narrow));
+            bias += weight * (density * (0.5 * push.error_moments[i].at.wide - flux));
+            narrow += weight * (density * (flux - 2.0 * push.error_moments[i].at.narrow));
             float mean = push.share * (weight.x + weight.y + weight.z) * (1.0 / 3.0);
-            power += mean * push.spreads[i].at.power;
-            squared += mean * mean * push.spreads[i].at.power_squared;
+            power += mean * push.error_moments[i].at.power;
+            squared += mean * mean * push.error_moments[i].at.power_squared;
         }
     }
     value.at = sum;
-    if (SPREAD == 0) return;
-    Spreads all = push.errors + (push.start_query + local);
+    if (ERROR_MOMENTS == 0) return;
+    ErrorMomentsBuffer all = push.errors + (push.start_query + local);
     all.at.wide += bias;
     all.at.narrow += narrow;
     all.at.power += power;

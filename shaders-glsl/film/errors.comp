@@ -21,7 +21,7 @@ layout(push_constant, scalar) uniform Push {
     Queries queries;
     Count query_count;
     Estimates estimates;
-    Spreads spreads;
+    ErrorMomentsBuffer error_moments;
     Count found_count;
     // Planes of bias and narrow; planes of the map's shape.
     Planes pass;
@@ -44,12 +44,12 @@ void main() {
     uint pixel = push.queries[i].at.pixel;
     if (pixel >= push.pixels || (i > 0 && push.queries[i - 1].at.pixel == pixel)) return;
     float bias = 0.0, narrow = 0.0, power = 0.0, squared = 0.0, stray = 0.0;
-    vec2 slope = vec2(0.0), stretch = vec2(0.0);
+    vec2 slope = vec2(0.0), quadrupole = vec2(0.0);
     do {
-        Spreads spread = push.spreads + i;
-        if (spread.at.photons != 0) {
+        ErrorMomentsBuffer moments = push.error_moments + i;
+        if (moments.at.photons != 0) {
             vec3 weight = push.queries[i].at.weight;
-            vec3 wide = spread.at.wide, inner = spread.at.narrow;
+            vec3 wide = moments.at.wide, inner = moments.at.narrow;
             float density = push.scale;
             if (FROM == 0) {
                 vec3 flux = push.estimates[i].at.flux;
@@ -62,11 +62,11 @@ void main() {
             bias += density * (wide.x + wide.y + wide.z);
             narrow += density * (inner.x + inner.y + inner.z);
             float mean = (weight.x + weight.y + weight.z) * (1.0 / 3.0);
-            power += mean * spread.at.power;
-            squared += mean * mean * spread.at.power_squared;
-            slope += mean * spread.at.slope;
-            stretch += mean * spread.at.stretch;
-            stray += mean * spread.at.stray;
+            power += mean * moments.at.power;
+            squared += mean * mean * moments.at.power_squared;
+            slope += mean * moments.at.slope;
+            quadrupole += mean * moments.at.quadrupole;
+            stray += mean * moments.at.stray;
         }
         i++;
     } while (i < count && push.queries[i].at.pixel == pixel);
@@ -77,7 +77,7 @@ void main() {
     add(push.shape, SHAPE_POWER_SQUARED, pixel, squared);
     for (uint axis = 0; axis < 2; axis++) {
         add(push.shape, SHAPE_SLOPE + axis, pixel, slope[axis]);
-        add(push.shape, SHAPE_STRETCH + axis, pixel, stretch[axis]);
+        add(push.shape, SHAPE_QUADRUPOLE + axis, pixel, quadrupole[axis]);
     }
     add(push.shape, SHAPE_STRAY, pixel, stray);
 }

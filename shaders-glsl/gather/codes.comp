@@ -28,7 +28,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 // Two zeros after each of eight bits.
-uint spread(uint bits) {
+uint spread_bits(uint bits) {
     bits = (bits | bits << 8) & 0x00F00Fu;
     bits = (bits | bits << 4) & 0x0C30C3u;
     return (bits | bits << 2) & 0x249249u;
@@ -45,7 +45,7 @@ void main() {
         vec3 cell = (push.queries[i].at.position - low) * scale;
         // Whatever is no number ends at a bound.
         cell = clamp(cell, vec3(0.0), vec3(255.0));
-        code = spread(uint(cell.x)) | spread(uint(cell.y)) << 1 | spread(uint(cell.z)) << 2;
+        code = spread_bits(uint(cell.x)) | spread_bits(uint(cell.y)) << 1 | spread_bits(uint(cell.z)) << 2;
     }
     push.codes[i].at = code & 0xFFFFFFu;
 }

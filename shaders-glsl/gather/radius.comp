@@ -21,13 +21,13 @@ layout(local_size_x_id = 1) in;
 // Whether photons off the query's plane are turned away.
 layout(constant_id = 7) const uint FLAT = 0;
 
-#include "search_spread.glsl"
+#include "search_error_moments.glsl"
 
 layout(constant_id = 4) const uint KERNEL = 0;
 // Whether normals are compared.
 layout(constant_id = 5) const uint FILTER = 1;
-// Whether a `Spread` is told with each estimate, to where `push.ids` points.
-layout(constant_id = 6) const uint SPREAD = 0;
+// Whether a `ErrorMoments` is told with each estimate, to where `push.ids` points.
+layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 
 // The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.
 const float LEAST = 1.0 / (1048576.0 * 1048576.0);
@@ -56,13 +56,13 @@ void add(uint place, inout vec3 sum) {
     vec3 point = uintBitsToFloat(staged[place].xyz);
     float d2 = point_distance(at, point);
     float off = FLAT != 0 ? abs(dot3(point - at, normal)) : 0.0;
-    if (SPREAD != 0) {
+    if (ERROR_MOMENTS != 0) {
         bool near = floatBitsToUint(d2) < limit;
         bool same = FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine;
         if (FLAT != 0) same = same && !(off > 1.41421356 * flat_most);
         bvec2 flat_enough = FLAT != 0 ? bvec2(!(off > flat_most), !(off > 0.70710678 * flat_most)) : bvec2(true);
         if (near) {
-            spread_add(
+            error_moments_add(
                 KERNEL, push.parameter, point - at, normal, powers[place], d2, d2 * scale, same, flat_enough, sum, photons);
         }
     } else if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)
@@ -78,10 +78,10 @@ void visit(uint mode, uvec2 firsts) {
     uint end = (gl_SubgroupID + 1) * TILE_POINTS;
     for (uint place = end - TILE_POINTS; place < end; place += 8) {
         vec3 sum = vec3(0.0);
-        if (SPREAD != 0) spread_eight_begin();
+        if (ERROR_MOMENTS != 0) error_moments_eight_begin();
         EIGHT(ADD, place);
         sum_add(flux, sum);
-        if (SPREAD != 0) spread_eight_end();
+        if (ERROR_MOMENTS != 0) error_moments_eight_end();
     }
 }
 
@@ -92,7 +92,7 @@ void query_keep() {
     kept_begin(KEPT_KERNEL);
     sum_keep(flux);
     keep(photons);
-    if (SPREAD != 0) spread_keep();
+    if (ERROR_MOMENTS != 0) error_moments_keep();
 }
 
 void main() {
@@ -116,7 +116,7 @@ void main() {
         squared_radius = radius * radius;
         if (FLAT != 0) flat_most = push.max_plane_distance * radius;
         if (push.points > 0 && !is_nan(squared_radius) && !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z)) {
-            precise float reach = SPREAD != 0 ? 2.0 * squared_radius : squared_radius;
+            precise float reach = ERROR_MOMENTS != 0 ? 2.0 * squared_radius : squared_radius;
             limit = floatBitsToUint(reach) + 1;
             // Too far from all of them.
             vec3 low = uintBitsToFloat(push.nodes[0].low.xyz), high = uintBitsToFloat(push.nodes[0].high.xyz);
@@ -127,7 +127,7 @@ void main() {
     scale = 1.0 / divisor;
     flux = NOTHING;
     photons = 0;
-    if (SPREAD != 0) spread_begin(normal, squared_radius, divisor);
+    if (ERROR_MOMENTS != 0) error_moments_begin(normal, squared_radius, divisor);
     if (resumed) query_keep();
     walk(0);
     if (paused) {
@@ -135,7 +135,7 @@ void main() {
     } else if (asked && index < push.capacity) {
         Estimates(push.results)[index].at = Estimate(
             flux.total - flux.excess, divisor, photons, squared_radius < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
-        if (SPREAD != 0) Spreads(push.ids)[index].at = spread_found();
+        if (ERROR_MOMENTS != 0) ErrorMomentsBuffer(push.ids)[index].at = error_moments_found();
     }
     if (TURNS != 0) kept_close();
 }

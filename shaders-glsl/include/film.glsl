@@ -30,7 +30,7 @@ const uint FIRST_HITS = 16;
 
 // What tells the error of a pixel, summed over passes: planes of the numbers below, then as many of
 // what they leave over. The present pass: bias and narrow. How the photons of one map lie about the
-// pixel, in planes of its own: the members of `Spread` from `power` on.
+// pixel, in planes of its own: the members of `ErrorMoments` from `power` on.
 const uint ERROR_BIAS = 0;
 const uint ERROR_BIAS_SQUARE = 1;
 const uint ERROR_NARROW = 2;
@@ -39,7 +39,7 @@ const uint ERROR_LOW = 4;
 const uint SHAPE_POWER = 0;
 const uint SHAPE_POWER_SQUARED = 1;
 const uint SHAPE_SLOPE = 2;
-const uint SHAPE_STRETCH = 4;
+const uint SHAPE_QUADRUPOLE = 4;
 const uint SHAPE_STRAY = 6;
 const uint SHAPE_LOW = 7;
 

@@ -39,13 +39,13 @@ struct Estimate {
     uint reserved[2];
 };
 
-struct Spread {
+struct ErrorMoments {
     vec3 wide;
     float power;
     vec3 narrow;
     float power_squared;
     vec2 slope;
-    vec2 stretch;
+    vec2 quadrupole;
     float stray;
     uint photons;
     uint reserved[2];
@@ -102,7 +102,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Photons { P
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PhotonRays { PhotonRay at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Queries { Query at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Estimates { Estimate at; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Spreads { Spread at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ErrorMomentsBuffer { ErrorMoments at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Primitives { Primitive at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Materials { Material at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Media { Medium at; };

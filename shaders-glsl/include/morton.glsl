@@ -53,7 +53,7 @@ uint grid_cell(uint coordinate, uint low, bool halved, int exponent) {
 }
 
 // Two zeros between any two of the lowest 11 bits.
-uint spread(uint v) {
+uint spread_bits(uint v) {
     v &= 0x7ffu;
     v = (v | v << 16) & 0x070000ffu;
     v = (v | v << 8) & 0x0700f00fu;
@@ -66,8 +66,8 @@ uvec2 morton_code(Grid grid, uvec3 position) {
     uint x = grid_cell(position.x, grid.low.x, grid.halved, grid.exponent);
     uint y = grid_cell(position.y, grid.low.y, grid.halved, grid.exponent);
     uint z = grid_cell(position.z, grid.low.z, grid.halved, grid.exponent);
-    uint low = spread(x) << 2 | spread(y) << 1 | spread(z);
-    uint high = spread(x >> 11) << 3 | spread(y >> 11) << 2 | spread(z >> 11) << 1 | (x >> 10 & 1);
+    uint low = spread_bits(x) << 2 | spread_bits(y) << 1 | spread_bits(z);
+    uint high = spread_bits(x >> 11) << 3 | spread_bits(y >> 11) << 2 | spread_bits(z >> 11) << 1 | (x >> 10 & 1);
     return uvec2(low, high);
 }
 

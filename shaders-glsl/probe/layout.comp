@@ -28,7 +28,7 @@ void main() {
         case 1u: COPY(PhotonRays); break;
         case 2u: COPY(Queries); break;
         case 3u: COPY(Estimates); break;
-        case 4u: COPY(Spreads); break;
+        case 4u: COPY(ErrorMomentsBuffer); break;
         case 5u: COPY(Primitives); break;
         case 6u: COPY(Materials); break;
         case 7u: COPY(Media); break;

@@ -1,7 +1,8 @@
 //! What a film claims of its own error, against fields whose truth is known, and scenes.
 
 use photon_core::{
-    Backend, Budget, Claim, Flags, Gather, IndexKind, Kernel, Photon, Plan, RandomKind, Rule, Settings, Spread, render,
+    Backend, Budget, Claim, ErrorMoments, Flags, Gather, IndexKind, Kernel, Photon, Plan, RandomKind, Rule, Settings,
+    render,
 };
 use photon_scene::builtin;
 
@@ -72,30 +73,30 @@ pub fn e4_spread_of_known_photons<T: TestBackend>() {
     let mut stages = on.map_stages(IndexKind::Morton).unwrap();
     let there = on.upload("photons", &photons).unwrap();
     let asked = on.upload("queries", &queries).unwrap();
-    let (mut estimates, mut spreads) = (on.alloc("estimates", 1).unwrap(), on.alloc("spreads", 1).unwrap());
+    let (mut estimates, mut error_moments) = (on.alloc("estimates", 1).unwrap(), on.alloc("spreads", 1).unwrap());
     let map = stages.builder.build(&mut on, there).unwrap();
-    stages.estimator.estimate_spread(&mut on, &map, &asked, &gather, &mut estimates, &mut spreads).unwrap();
-    let (mut found, mut records): (Vec<_>, Vec<Spread>) = (Vec::new(), Vec::new());
+    stages.estimator.estimate_with_moments(&mut on, &map, &asked, &gather, &mut estimates, &mut error_moments).unwrap();
+    let (mut found, mut records): (Vec<_>, Vec<ErrorMoments>) = (Vec::new(), Vec::new());
     on.download(&estimates, &mut found).unwrap();
-    on.download(&spreads, &mut records).unwrap();
+    on.download(&error_moments, &mut records).unwrap();
     assert_eq!(found, estimate::<T>(IndexKind::Morton, &photons, &queries, &gather));
     let near = |what: &str, found: f32, truth: f64| {
         assert!((f64::from(found) - truth).abs() <= 1e-5, "{what}: {found} instead of {truth}");
     };
-    let spread = records[0];
+    let record = records[0];
     // Squared distances over the squared radius: 0.16, 0.64, 1.44, 0.4 on the floor or near it.
-    near("wide", spread.wide[1], [0.16, 0.64, 1.44, 0.4].iter().map(|u| 2.0 - u).sum());
-    near("narrow", spread.narrow[1], [0.16, 0.4].iter().map(|u| 2.0 - 4.0 * u).sum());
-    near("power", spread.power, 4.0);
-    near("squares", spread.power_squared, 4.0);
-    near("stray", spread.stray, 2.0);
-    assert_eq!(spread.photons, 4);
+    near("wide", record.wide[1], [0.16, 0.64, 1.44, 0.4].iter().map(|u| 2.0 - u).sum());
+    near("narrow", record.narrow[1], [0.16, 0.4].iter().map(|u| 2.0 - 4.0 * u).sum());
+    near("power", record.power, 4.0);
+    near("squares", record.power_squared, 4.0);
+    near("stray", record.stray, 2.0);
+    assert_eq!(record.photons, 4);
     let reach = 0.1 * 2.0_f64.sqrt();
     // The frame of a floor's normal is x and y.
-    near("slope", spread.slope[0], (0.04 - 0.12 + 0.02) / reach);
-    near("slope", spread.slope[1], 0.08 / reach);
-    near("stretch", spread.stretch[0], (0.0016 + 0.0144 + 0.0004 - 0.0064) / (reach * reach));
-    near("stretch", spread.stretch[1], 0.0);
+    near("slope", record.slope[0], (0.04 - 0.12 + 0.02) / reach);
+    near("slope", record.slope[1], 0.08 / reach);
+    near("stretch", record.quadrupole[0], (0.0016 + 0.0144 + 0.0004 - 0.0064) / (reach * reach));
+    near("stretch", record.quadrupole[1], 0.0);
 }
 
 /// Errors come with the same picture, merge as it does, and are not there unless they are asked for.

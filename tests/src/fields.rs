@@ -7,8 +7,8 @@
 use std::f64::consts::PI;
 
 use photon_core::{
-    Claim, Estimate, Film, Gather, IndexKind, Kernel, Layer, MapKind, MapStages, Photon, Query, Result, Rule, Spread,
-    TransportBackend, Units, radius_squared_factor,
+    Claim, ErrorMoments, Estimate, Film, Gather, IndexKind, Kernel, Layer, MapKind, MapStages, Photon, Query, Result,
+    Rule, TransportBackend, Units, radius_squared_factor,
 };
 use photon_scene::{MaterialDesc, SceneBuilder};
 
@@ -148,7 +148,7 @@ pub fn films_of<B: TransportBackend>(
         .collect();
     let queries = on.upload("queries", &queries)?;
     let mut estimates = on.alloc::<Estimate>("estimates", u64::from(count))?;
-    let mut spreads = on.alloc::<Spread>("spreads", u64::from(count))?;
+    let mut error_moments = on.alloc::<ErrorMoments>("spreads", u64::from(count))?;
     let MapStages { mut builder, mut estimator } = on.map_stages(IndexKind::Morton)?;
     let mut uniform = Uniform::new(trial.seed);
     for pass in 0..trial.passes {
@@ -161,9 +161,9 @@ pub fn films_of<B: TransportBackend>(
         };
         let photons = on.upload("photons", &trial.photons(field, shrink, &mut uniform))?;
         let map = builder.build(on, photons)?;
-        estimator.estimate_spread(on, &map, &queries, &gather, &mut estimates, &mut spreads)?;
+        estimator.estimate_with_moments(on, &map, &queries, &gather, &mut estimates, &mut error_moments)?;
         on.fold(&mut there, Layer::Indirect, &queries, &estimates, 1)?;
-        on.fold_errors(&mut there, MapKind::Global, &queries, &estimates, &spreads, 1)?;
+        on.fold_errors(&mut there, MapKind::Global, &queries, &estimates, &error_moments, 1)?;
         on.end_pass(&mut there)?;
         if after.contains(&(pass + 1)) {
             let mut film = on.read_film(&there)?;

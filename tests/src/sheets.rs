@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use photon_core::{
-    Area, Backend, Direct, Estimate, Estimator, Gather, IndexKind, Indirect, Kernel, Photon, Query, Rule, Settings,
-    Spread, TransportBackend,
+    Area, Backend, Direct, ErrorMoments, Estimate, Estimator, Gather, IndexKind, Indirect, Kernel, Photon, Query, Rule,
+    Settings, TransportBackend,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
@@ -36,20 +36,20 @@ fn ask<B: TransportBackend>(
     photons: &[Photon],
     queries: &[Query],
     gather: &Gather,
-) -> (Vec<Estimate>, Vec<Estimate>, Vec<Spread>) {
+) -> (Vec<Estimate>, Vec<Estimate>, Vec<ErrorMoments>) {
     let mut stages = on.map_stages(IndexKind::Morton).unwrap();
     let there = on.upload("photons", photons).unwrap();
     let asked = on.upload("queries", queries).unwrap();
     let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
-    let mut spreads = on.alloc("spreads", queries.len() as u64).unwrap();
+    let mut error_moments = on.alloc("spreads", queries.len() as u64).unwrap();
     let map = stages.builder.build(on, there).unwrap();
-    let (mut alone, mut together, mut spread) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut alone, mut together, mut records) = (Vec::new(), Vec::new(), Vec::new());
     stages.estimator.estimate(on, &map, &asked, gather, &mut estimates).unwrap();
     on.download(&estimates, &mut alone).unwrap();
-    stages.estimator.estimate_spread(on, &map, &asked, gather, &mut estimates, &mut spreads).unwrap();
+    stages.estimator.estimate_with_moments(on, &map, &asked, gather, &mut estimates, &mut error_moments).unwrap();
     on.download(&estimates, &mut together).unwrap();
-    on.download(&spreads, &mut spread).unwrap();
-    (alone, together, spread)
+    on.download(&error_moments, &mut records).unwrap();
+    (alone, together, records)
 }
 
 /// D5: of two sheets, the estimate by the ball is the density of one and, with `t` the squared distance
@@ -69,7 +69,7 @@ pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
         let [mut near, mut wide, mut narrow, mut stray, mut all] = [(); 5].map(|()| Vec::new());
         for seed in 0..2 {
             let photons = photons(700 + seed);
-            let (alone, together, spread) =
+            let (alone, together, records) =
                 ask(&mut on, &photons, &queries, &Gather { max_plane_distance: SHARE, ..ball });
             for (a, b) in alone.iter().zip(&together) {
                 // The same photons, summed in another order.
@@ -78,9 +78,9 @@ pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
             }
             near.extend(alone.iter().map(|e| e.irradiance(1)[0] / DENSITY));
             let over = |flux: f32, area: f64| f64::from(flux) / (area * DENSITY);
-            wide.extend(spread.iter().map(|s| over(s.wide[0], 2.0 * disc)));
-            narrow.extend(spread.iter().map(|s| over(s.narrow[0], 0.5 * disc)));
-            stray.extend(spread.iter().map(|s| over(s.stray, disc)));
+            wide.extend(records.iter().map(|s| over(s.wide[0], 2.0 * disc)));
+            narrow.extend(records.iter().map(|s| over(s.narrow[0], 0.5 * disc)));
+            stray.extend(records.iter().map(|s| over(s.stray, disc)));
             all.extend(ask(&mut on, &photons, &queries, &ball).0.iter().map(|e| e.irradiance(1)[0] / DENSITY));
         }
         let check = |what: &str, values: &[f64], truth: f64| {

@@ -35,7 +35,7 @@ impl AreaProbe<Cpu> for CpuArea {
         buffers: EstimateBuffers<'_, Cpu>,
     ) -> Result<()> {
         let estimates = buffers.estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK));
-        on.pool.install(|| match buffers.spreads {
+        on.pool.install(|| match buffers.error_moments {
             None => estimates.for_each(|(estimates, queries)| {
                 for (estimate, query) in estimates.iter_mut().zip(queries) {
                     // Where there is no light there is none to be mended.
@@ -45,18 +45,21 @@ impl AreaProbe<Cpu> for CpuArea {
                     }
                 }
             }),
-            Some(spreads) => {
-                estimates.zip(spreads.data.par_chunks_mut(BLOCK)).for_each(|((estimates, queries), spreads)| {
-                    for ((estimate, query), spread) in estimates.iter_mut().zip(queries).zip(spreads) {
-                        if spread.photons > 0 {
-                            let radius = estimate.radius_squared.sqrt();
-                            let [share, wide, narrow] = Disc { scene, pass, query, gather, radius }.shares::<true>();
-                            estimate.radius_squared *= share;
-                            spread.wide = spread.wide.map(|flux| flux * (share / wide));
-                            spread.narrow = spread.narrow.map(|flux| flux * (share / narrow));
+            Some(error_moments) => {
+                estimates.zip(error_moments.data.par_chunks_mut(BLOCK)).for_each(
+                    |((estimates, queries), error_moments)| {
+                        for ((estimate, query), moments) in estimates.iter_mut().zip(queries).zip(error_moments) {
+                            if moments.photons > 0 {
+                                let radius = estimate.radius_squared.sqrt();
+                                let [share, wide, narrow] =
+                                    Disc { scene, pass, query, gather, radius }.shares::<true>();
+                                estimate.radius_squared *= share;
+                                moments.wide = moments.wide.map(|flux| flux * (share / wide));
+                                moments.narrow = moments.narrow.map(|flux| flux * (share / narrow));
+                            }
                         }
-                    }
-                });
+                    },
+                );
             }
         });
         Ok(())

@@ -1,14 +1,14 @@
 //! Irradiance from the photons near a point.
 
 use photon_core::glam::Vec3;
-use photon_core::{Estimate, Gather, Kept, Query, RadianceEstimator, Result, Rule, Spread, octahedral, typical};
+use photon_core::{ErrorMoments, Estimate, Gather, Kept, Query, RadianceEstimator, Result, Rule, octahedral, typical};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
+use crate::error_moments::estimate_with_moments_at;
 use crate::index::Neighbours;
 use crate::map::{CpuMap, Powers};
 use crate::power::Power;
-use crate::spread::spread_at;
 
 /// The least squared radius that an estimate divides by.
 const LEAST: f32 = typical::LEAST * typical::LEAST;
@@ -46,27 +46,27 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         Ok(())
     }
 
-    fn estimate_spread(
+    fn estimate_with_moments(
         &mut self,
         on: &mut Cpu,
         map: &CpuMap,
         queries: &CpuBuffer<Query>,
         gather: &Gather,
         estimates: &mut CpuBuffer<Estimate>,
-        spreads: &mut CpuBuffer<Spread>,
+        error_moments: &mut CpuBuffer<ErrorMoments>,
     ) -> Result<()> {
-        gather.validate_spread()?;
+        gather.validate_moments()?;
         estimates.clear();
-        spreads.clear();
-        (estimates.needed, spreads.needed) = (queries.data.len() as u64, queries.data.len() as u64);
-        let fit = queries.data.len().min(estimates.capacity.min(spreads.capacity) as usize);
+        error_moments.clear();
+        (estimates.needed, error_moments.needed) = (queries.data.len() as u64, queries.data.len() as u64);
+        let fit = queries.data.len().min(estimates.capacity.min(error_moments.capacity) as usize);
         estimates.data.resize(fit, Estimate::default());
-        spreads.data.resize(fit, Spread::default());
+        error_moments.data.resize(fit, ErrorMoments::default());
         on.pool.install(|| {
-            let out = estimates.data.par_chunks_mut(BLOCK).zip(spreads.data.par_chunks_mut(BLOCK));
-            out.zip(queries.data.par_chunks(BLOCK)).for_each(|((estimates, spreads), queries)| {
-                for ((estimate, spread), query) in estimates.iter_mut().zip(spreads).zip(queries) {
-                    (*estimate, *spread) = spread_at(map, Place::of(query, gather), gather);
+            let out = estimates.data.par_chunks_mut(BLOCK).zip(error_moments.data.par_chunks_mut(BLOCK));
+            out.zip(queries.data.par_chunks(BLOCK)).for_each(|((estimates, error_moments), queries)| {
+                for ((estimate, moments), query) in estimates.iter_mut().zip(error_moments).zip(queries) {
+                    (*estimate, *moments) = estimate_with_moments_at(map, Place::of(query, gather), gather);
                 }
             });
         });

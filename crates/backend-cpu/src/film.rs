@@ -1,7 +1,7 @@
 //! The picture in progress.
 
 use photon_core::{
-    Error, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind, Query, Result, SceneView, Spread,
+    Error, ErrorMoments, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind, Query, Result, SceneView,
 };
 use rayon::prelude::*;
 
@@ -104,19 +104,19 @@ impl FilmBackend for Cpu {
         kind: MapKind,
         queries: &CpuBuffer<Query>,
         estimates: &CpuBuffer<Estimate>,
-        spreads: &CpuBuffer<Spread>,
+        error_moments: &CpuBuffer<ErrorMoments>,
         paths: u64,
     ) -> Result<()> {
-        let (queries, estimates, spreads) = (queries.as_slice(), estimates.as_slice(), spreads.as_slice());
+        let (queries, estimates, error_moments) = (queries.as_slice(), estimates.as_slice(), error_moments.as_slice());
         self.pool.install(|| {
             film.for_queries(
                 queries,
                 || (),
                 |(), index, query, _, errors| {
-                    if let (Some(errors), Some(estimate), Some(spread)) =
-                        (errors, estimates.get(index), spreads.get(index))
+                    if let (Some(errors), Some(estimate), Some(moments)) =
+                        (errors, estimates.get(index), error_moments.get(index))
                     {
-                        errors.deposit(kind, query, estimate, spread, paths);
+                        errors.deposit(kind, query, estimate, moments, paths);
                     }
                 },
             );

@@ -3,16 +3,16 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Estimate, FinalGather, Gather, Kept, Layer, Lobe, MapKind, Maps, MediumStack, Pass, PerMap, Query, RandomKind,
-    Result, Spread, offset, sampling,
+    ErrorMoments, Estimate, FinalGather, Gather, Kept, Layer, Lobe, MapKind, Maps, MediumStack, Pass, PerMap, Query,
+    RandomKind, Result, offset, sampling,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
+use crate::error_moments::estimate_with_moments_at;
 use crate::estimate::{Place, estimate_at};
 use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::CpuScene;
-use crate::spread::spread_at;
 
 /// Rays from the queries to where the maps are read.
 #[derive(Debug)]
@@ -82,18 +82,18 @@ impl Found {
     }
 
     /// Adds what an estimate and its spread tell.
-    fn add_moments(&mut self, estimate: &Estimate, spread: &Spread, paths: u64) {
-        if spread.photons == 0 || paths == 0 {
+    fn add_moments(&mut self, estimate: &Estimate, moments: &ErrorMoments, paths: u64) {
+        if moments.photons == 0 || paths == 0 {
             return;
         }
         let area = std::f64::consts::PI * f64::from(estimate.radius_squared) * paths as f64;
-        let (bias, narrow) = spread.biases(estimate);
+        let (bias, narrow) = moments.biases(estimate);
         for c in 0..3 {
             self.bias[c] += bias[c] / area;
             self.narrow[c] += narrow[c] / area;
         }
-        self.powers[0] += f64::from(spread.power);
-        self.powers[1] += f64::from(spread.power_squared);
+        self.powers[0] += f64::from(moments.power);
+        self.powers[1] += f64::from(moments.power_squared);
     }
 
     fn times(mut self, factor: [f32; 3]) -> Self {
@@ -172,8 +172,8 @@ fn follow(
                     let Some((map, gather)) = map else { continue };
                     let paths = maps.paths[kind];
                     let estimate = if with_errors {
-                        let (estimate, spread) = spread_at(map, at(gather), gather);
-                        found.add_moments(&estimate, &spread, paths);
+                        let (estimate, moments) = estimate_with_moments_at(map, at(gather), gather);
+                        found.add_moments(&estimate, &moments, paths);
                         estimate
                     } else {
                         estimate_at(map, at(gather), gather, &mut scratch[kind])

@@ -10,6 +10,7 @@ mod choice;
 mod cpu;
 mod direct;
 mod emit;
+mod error_moments;
 mod estimate;
 mod eye;
 mod film;
@@ -21,7 +22,6 @@ mod normals;
 mod power;
 mod rows;
 mod scene;
-mod spread;
 mod trace;
 mod transport;
 

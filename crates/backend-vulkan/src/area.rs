@@ -24,7 +24,7 @@ struct Push {
     queries: u64,
     count: u64,
     estimates: u64,
-    spreads: u64,
+    error_moments: u64,
     seed: u64,
     pass: u32,
     start: u32,
@@ -36,7 +36,7 @@ struct Push {
 
 pushed!(
     push_layout: Push => CAMERA_AREA,
-    scene queries count estimates spreads seed pass start min_cosine slope max_plane_distance padding
+    scene queries count estimates error_moments seed pass start min_cosine slope max_plane_distance padding
 );
 
 impl AreaProbe<Vulkan> for VulkanArea {
@@ -49,13 +49,13 @@ impl AreaProbe<Vulkan> for VulkanArea {
         gather: &Gather,
         buffers: EstimateBuffers<'_, Vulkan>,
     ) -> Result<()> {
-        let EstimateBuffers { estimates, spreads } = buffers;
-        let [flat, second] = [gather.is_flat(), spreads.is_some()].map(u32::from);
+        let EstimateBuffers { estimates, error_moments } = buffers;
+        let [flat, second] = [gather.is_flat(), error_moments.is_some()].map(u32::from);
         let constants = [scene.features().bits(), GROUP, gather.kernel.number(), flat, second];
         let kernel = on.kernel(&shaders::CAMERA_AREA, &constants)?;
         // How many there are need not be known here: as many as fit.
         let capacity = queries.capacity().min(estimates.capacity());
-        let capacity = spreads.as_ref().map_or(capacity, |spreads| capacity.min(spreads.capacity()));
+        let capacity = error_moments.as_ref().map_or(capacity, |error_moments| capacity.min(error_moments.capacity()));
         let stretch = (on.portions.shadow_rays / RAYS).max(1).next_multiple_of(u64::from(GROUP));
         for start in (0..capacity).step_by(stretch as usize) {
             let push = Push {
@@ -63,7 +63,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
                 queries: queries.data_address(),
                 count: queries.count_address(),
                 estimates: estimates.data_address(),
-                spreads: spreads.as_ref().map_or(0, |spreads| spreads.data_address()),
+                error_moments: error_moments.as_ref().map_or(0, |error_moments| error_moments.data_address()),
                 seed: pass.seed,
                 pass: pass.index,
                 start: start as u32,

@@ -1,7 +1,7 @@
 //! Indirect light by final gathering (Jensen 1996).
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Estimate, FinalGather, Kept, Layer, Maps, Pass, Query, RadianceEstimator, Result, Spread};
+use photon_core::{ErrorMoments, Estimate, FinalGather, Kept, Layer, Maps, Pass, Query, RadianceEstimator, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
@@ -23,8 +23,8 @@ pub(crate) struct VulkanGather {
 
 /// What tells errors: of each landing, and of all landings of each query.
 struct ErrorBuffers {
-    spreads: VulkanBuffer<Spread>,
-    queries: VulkanBuffer<Spread>,
+    error_moments: VulkanBuffer<ErrorMoments>,
+    queries: VulkanBuffer<ErrorMoments>,
 }
 
 #[repr(C)]
@@ -55,7 +55,7 @@ struct GatheredPush {
     landings: u64,
     estimates: u64,
     values: u64,
-    spreads: u64,
+    error_moments: u64,
     errors: u64,
     count_rays: u32,
     start_query: u32,
@@ -67,7 +67,7 @@ struct GatheredPush {
 
 pushed!(
     gathered_push_layout: GatheredPush => CAMERA_GATHERED,
-    landings estimates values spreads errors count_rays start_query count_queries scale share padding
+    landings estimates values error_moments errors count_rays start_query count_queries scale share padding
 );
 
 impl VulkanGather {
@@ -90,11 +90,11 @@ impl VulkanGather {
             return Ok(None);
         }
         let fits =
-            |errors: &ErrorBuffers| errors.spreads.capacity() >= landings && errors.queries.capacity() >= queries;
+            |errors: &ErrorBuffers| errors.error_moments.capacity() >= landings && errors.queries.capacity() >= queries;
         let errors = match self.errors.take().filter(fits) {
             Some(errors) => errors,
             None => ErrorBuffers {
-                spreads: VulkanBuffer::new(on, "gather spreads", landings)?,
+                error_moments: VulkanBuffer::new(on, "gather spreads", landings)?,
                 queries: VulkanBuffer::new(on, "gather errors", queries)?,
             },
         };
@@ -129,8 +129,8 @@ impl FinalGather<Vulkan> for VulkanGather {
         let values = film.values_address(on, queries.capacity())?;
         let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP, scene.media().bits()])?;
         let mut errors = self.error_buffers(on, film, room, queries.capacity())?;
-        let (spread, found) = (u32::from(errors.is_some()), u32::from(maps.irradiance.is_some()));
-        let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP, spread, found])?;
+        let (moments, found) = (u32::from(errors.is_some()), u32::from(maps.irradiance.is_some()));
+        let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP, moments, found])?;
         // What is known of irradiance is no sum over paths.
         let asked: Vec<_> = match maps.irradiance {
             Some(irradiance) => vec![(irradiance, 1)],
@@ -167,7 +167,7 @@ impl FinalGather<Vulkan> for VulkanGather {
                     landings: landings.data_address(),
                     estimates: estimates.data_address(),
                     values,
-                    spreads: errors.as_ref().map_or(0, |errors| errors.spreads.data_address()),
+                    error_moments: errors.as_ref().map_or(0, |errors| errors.error_moments.data_address()),
                     errors: errors.as_ref().map_or(0, |errors| errors.queries.data_address()),
                     count_rays,
                     start_query: start_query as u32,
@@ -179,8 +179,15 @@ impl FinalGather<Vulkan> for VulkanGather {
                 for ((map, gather), paths) in &asked {
                     match &mut errors {
                         None => self.estimator.estimate(on, map, &landings, gather, &mut estimates)?,
-                        Some(ErrorBuffers { spreads, .. }) => {
-                            self.estimator.estimate_spread(on, map, &landings, gather, &mut estimates, spreads)?;
+                        Some(ErrorBuffers { error_moments, .. }) => {
+                            self.estimator.estimate_with_moments(
+                                on,
+                                map,
+                                &landings,
+                                gather,
+                                &mut estimates,
+                                error_moments,
+                            )?;
                         }
                     }
                     let scale = (1.0 / (std::f64::consts::PI * (*paths).max(1) as f64 * f64::from(rays))) as f32;

@@ -5,7 +5,7 @@
 //! squares in f64 is lost only where the standard deviation of a pass is below 10⁻⁷ of the pixel.
 
 use crate::film::Film;
-use crate::layout::{Estimate, Query, Spread};
+use crate::layout::{ErrorMoments, Estimate, Query};
 use crate::map_kind::{MapKind, PerMap};
 
 /// What tells the error of a pixel, summed over passes. Normalised units, mean of RGB.
@@ -23,7 +23,7 @@ pub struct ErrorPixel {
     pub shapes: PerMap<Shape>,
 }
 
-/// How the photons of one map lie about a pixel's queries: sums of [`Spread`]'s, weighted as the
+/// How the photons of one map lie about a pixel's queries: sums of [`ErrorMoments`]'s, weighted as the
 /// queries are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shape {
@@ -34,7 +34,7 @@ pub struct Shape {
     /// Σ power times the offset within the surface.
     pub slope: [f64; 2],
     /// Σ power times its quadrupole.
-    pub stretch: [f64; 2],
+    pub quadrupole: [f64; 2],
     /// Σ power of photons on other surfaces.
     pub stray: f64,
 }
@@ -45,7 +45,7 @@ impl Shape {
         self.power_squared += other.power_squared;
         for axis in 0..2 {
             self.slope[axis] += other.slope[axis];
-            self.stretch[axis] += other.stretch[axis];
+            self.quadrupole[axis] += other.quadrupole[axis];
         }
         self.stray += other.stray;
     }
@@ -73,19 +73,19 @@ impl Shape {
             return false;
         }
         let slope = libm::hypot(self.slope[0], self.slope[1]) / self.power;
-        let stretch = libm::hypot(self.stretch[0], self.stretch[1]) / self.power;
-        slope > 0.25 || (stretch > 0.05 && stretch > 3.0 * (1.0 / (6.0 * photons)).sqrt())
+        let quadrupole = libm::hypot(self.quadrupole[0], self.quadrupole[1]) / self.power;
+        slope > 0.25 || (quadrupole > 0.05 && quadrupole > 3.0 * (1.0 / (6.0 * photons)).sqrt())
     }
 }
 
 impl ErrorPixel {
     /// Adds what one query of a pass tells of a map, to the pass by itself.
-    pub fn deposit(&mut self, kind: MapKind, query: &Query, estimate: &Estimate, spread: &Spread, paths: u64) {
-        if spread.photons == 0 || paths == 0 {
+    pub fn deposit(&mut self, kind: MapKind, query: &Query, estimate: &Estimate, moments: &ErrorMoments, paths: u64) {
+        if moments.photons == 0 || paths == 0 {
             return;
         }
         let area = std::f64::consts::PI * f64::from(estimate.radius_squared) * paths as f64;
-        let (bias, narrow) = spread.biases(estimate);
+        let (bias, narrow) = moments.biases(estimate);
         for c in 0..3 {
             let weight = f64::from(query.weight[c]) / (3.0 * area);
             self.bias += weight * bias[c];
@@ -93,13 +93,13 @@ impl ErrorPixel {
         }
         let weight = query.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
         let shape = &mut self.shapes[kind];
-        shape.power += weight * f64::from(spread.power);
-        shape.power_squared += weight * weight * f64::from(spread.power_squared);
+        shape.power += weight * f64::from(moments.power);
+        shape.power_squared += weight * weight * f64::from(moments.power_squared);
         for axis in 0..2 {
-            shape.slope[axis] += weight * f64::from(spread.slope[axis]);
-            shape.stretch[axis] += weight * f64::from(spread.stretch[axis]);
+            shape.slope[axis] += weight * f64::from(moments.slope[axis]);
+            shape.quadrupole[axis] += weight * f64::from(moments.quadrupole[axis]);
         }
-        shape.stray += weight * f64::from(spread.stray);
+        shape.stray += weight * f64::from(moments.stray);
     }
 
     /// Adds what one query of a pass was told by photons elsewhere, where final-gather rays landed:
@@ -322,7 +322,7 @@ mod tests {
         film
     }
 
-    const EVEN: Shape = Shape { power: 10.0, power_squared: 10.0, slope: [0.0; 2], stretch: [0.0; 2], stray: 0.0 };
+    const EVEN: Shape = Shape { power: 10.0, power_squared: 10.0, slope: [0.0; 2], quadrupole: [0.0; 2], stray: 0.0 };
 
     #[test]
     fn a_claim_is_noise_and_twice_the_bias() {
@@ -341,7 +341,7 @@ mod tests {
             assert_eq!(claim.flags.is_empty(), claim.half_width.is_finite());
             claim.flags
         };
-        let bent = |slope: f64, stretch: f64| Shape { slope: [0.0, slope], stretch: [-stretch, 0.0], ..EVEN };
+        let bent = |slope: f64, quadrupole: f64| Shape { slope: [0.0, slope], quadrupole: [-quadrupole, 0.0], ..EVEN };
         assert!(flags(film(8, [0.02, 0.01], EVEN)).is_empty());
         assert_eq!(flags(film(7, [0.02, 0.01], EVEN)), Flags::FEW_PASSES);
         assert_eq!(flags(film(8, [0.0; 2], Shape { power: 3.0, power_squared: 3.0, ..EVEN })), Flags::FEW_PHOTONS);

@@ -112,7 +112,7 @@ impl Estimate {
 /// the two tells the bias of the first.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Spread {
+pub struct ErrorMoments {
     /// Σ W(d²/2r²)·power, linear RGB: as [`Estimate::flux`], for a disc of twice the area.
     pub wide: [f32; 3],
     /// Σ power, mean of RGB.
@@ -125,7 +125,7 @@ pub struct Spread {
     /// normal, over √2 r.
     pub slope: [f32; 2],
     /// Σ power·(x² − y², 2xy).
-    pub stretch: [f32; 2],
+    pub quadrupole: [f32; 2],
     /// Σ power of photons that lie on another surface: their normals were turned away, or they are
     /// farther from the query's plane than a quarter of √2 r.
     pub stray: f32,
@@ -135,7 +135,7 @@ pub struct Spread {
     pub reserved: [u32; 2],
 }
 
-impl Spread {
+impl ErrorMoments {
     /// What the second radii say of the bias of `estimate`, in units of its flux: of the estimate over twice the area,
     /// less `estimate`; and of `estimate`, less the one over half the area. To be divided by π r² and the paths.
     #[must_use]
@@ -359,7 +359,7 @@ elements!(
     PhotonRay = 48,
     Query = 64,
     Estimate = 32,
-    Spread = 64,
+    ErrorMoments = 64,
     Primitive = 16,
     Material = 64,
     Medium = 64,
@@ -389,8 +389,8 @@ mod tests {
             (offset_of!(Query, normal), offset_of!(Query, pixel)),
             (offset_of!(Query, weight), offset_of!(Query, media)),
             (offset_of!(Estimate, flux), offset_of!(Estimate, radius_squared)),
-            (offset_of!(Spread, wide), offset_of!(Spread, power)),
-            (offset_of!(Spread, narrow), offset_of!(Spread, power_squared)),
+            (offset_of!(ErrorMoments, wide), offset_of!(ErrorMoments, power)),
+            (offset_of!(ErrorMoments, narrow), offset_of!(ErrorMoments, power_squared)),
             (offset_of!(Primitive, normal), offset_of!(Primitive, material)),
             (offset_of!(Material, albedo), offset_of!(Material, kind)),
             (offset_of!(Material, emission), offset_of!(Material, flags)),
@@ -409,8 +409,8 @@ mod tests {
         assert_eq!(offset_of!(Light, versine_outer), 48);
         assert_eq!(offset_of!(Query, outgoing), 48);
         assert_eq!(offset_of!(Estimate, photons), 16);
-        assert_eq!(offset_of!(Spread, slope), 32);
-        assert_eq!(offset_of!(Spread, stray), 48);
+        assert_eq!(offset_of!(ErrorMoments, slope), 32);
+        assert_eq!(offset_of!(ErrorMoments, stray), 48);
     }
 
     #[test]

@@ -66,7 +66,7 @@ pub use interaction::SurfaceInteraction;
 pub use kept::Kept;
 pub use kernel::Kernel;
 pub use layout::{
-    Camera, Element, Estimate, Light, Material, MaterialKind, Medium, Photon, PhotonRay, Primitive, Query, Spread,
+    Camera, Element, ErrorMoments, Estimate, Light, Material, MaterialKind, Medium, Photon, PhotonRay, Primitive, Query,
 };
 pub use light_shares::{LightShare, light_shares};
 pub use map_kind::{MapKind, PerMap};

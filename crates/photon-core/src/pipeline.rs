@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::errors::ErrorPixel;
 use crate::film::Film;
 use crate::forecast::Prospect;
-use crate::layout::{Estimate, PhotonRay, Query, Spread};
+use crate::layout::{ErrorMoments, Estimate, PhotonRay, Query};
 use crate::map_kind::PerMap;
 use crate::memory::Plan;
 use crate::observer::{Event, Observer, PassReport};
@@ -53,7 +53,7 @@ pub struct Pipeline<B: TransportBackend> {
     cap: Option<(Plan, u32)>,
     queries: B::Buffer<Query>,
     estimates: Option<B::Buffer<Estimate>>,
-    spreads: Option<B::Buffer<Spread>>,
+    error_moments: Option<B::Buffer<ErrorMoments>>,
     points: Option<irradiance::Points<B>>,
     /// Where each pixel has a radius of its own; the factors once there are any.
     bandwidth: Option<(bandwidth::Radii, Option<B::Buffer<u32>>)>,
@@ -179,9 +179,9 @@ impl<B: TransportBackend> Pipeline<B> {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
                 // Of errors: what is kept for a query, and a copy of a pixel's when the film is read.
-                let (spread, copy) =
-                    if settings.errors { (size_of::<Spread>(), size_of::<ErrorPixel>()) } else { (0, 0) };
-                let picture = pixels * (costs.pixel + copy as u64 + per_pixel * (costs.query + spread as u64));
+                let (moments, copy) =
+                    if settings.errors { (size_of::<ErrorMoments>(), size_of::<ErrorPixel>()) } else { (0, 0) };
+                let picture = pixels * (costs.pixel + copy as u64 + per_pixel * (costs.query + moments as u64));
                 Some(Plan::new(cap, tables.saturating_add(picture), &costs)?)
             }
             None => None,
@@ -193,7 +193,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let queries = on.alloc("queries", pixels * per_pixel)?;
         let any_map = required.maps.any();
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
-        let spreads = if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
+        let error_moments =
+            if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
         let schedule = Schedule::new(settings.alpha);
         let own_radii = Self::own_radii(&settings, &view);
         let mut pipeline = Self {
@@ -216,7 +217,7 @@ impl<B: TransportBackend> Pipeline<B> {
             rays,
             queries,
             estimates,
-            spreads,
+            error_moments,
             points: None,
             bandwidth: own_radii,
         };

@@ -6,7 +6,7 @@ use crate::backend::{Backend, TransportBackend};
 use crate::error::{Error, Result};
 use crate::kept::Kept;
 use crate::kernel::Kernel;
-use crate::layout::{Camera, Estimate, Photon, PhotonRay, Query, Spread};
+use crate::layout::{Camera, ErrorMoments, Estimate, Photon, PhotonRay, Query};
 use crate::map_kind::PerMap;
 use crate::scene::SceneView;
 use crate::settings::RandomKind;
@@ -127,11 +127,11 @@ impl Gather {
         })
     }
 
-    /// [`Self::validate`], for [`RadianceEstimator::estimate_spread`].
+    /// [`Self::validate`], for [`RadianceEstimator::estimate_with_moments`].
     ///
     /// # Errors
     /// [`Error::InvalidSetting`], for every rule but [`Rule::Radius`] too.
-    pub fn validate_spread(&self) -> Result<()> {
+    pub fn validate_moments(&self) -> Result<()> {
         if self.rule != Rule::Radius {
             return Err(Error::InvalidSetting {
                 name: "errors",
@@ -246,20 +246,20 @@ pub trait RadianceEstimator<B: Backend>: Send {
         estimates: &mut B::Buffer<Estimate>,
     ) -> Result<()>;
 
-    /// The same, and what the same photons say about the error: replaces `spreads` too. For
+    /// The same, and what the same photons say about the error: replaces `error_moments` too. For
     /// [`Rule::Radius`] alone.
     ///
     /// # Errors
     /// What the backend raises; [`Error::InvalidSetting`] for another rule, or from an estimator that
     /// cannot tell, which is what this does unless it is overridden.
-    fn estimate_spread(
+    fn estimate_with_moments(
         &mut self,
         _on: &mut B,
         _map: &B::PhotonMap,
         _queries: &B::Buffer<Query>,
         _gather: &Gather,
         _estimates: &mut B::Buffer<Estimate>,
-        _spreads: &mut B::Buffer<Spread>,
+        _error_moments: &mut B::Buffer<ErrorMoments>,
     ) -> Result<()> {
         Err(no_errors())
     }
@@ -333,7 +333,7 @@ pub struct EstimateBuffers<'a, B: Backend> {
     /// As many as there are queries.
     pub estimates: &'a mut B::Buffer<Estimate>,
     /// Likewise, if errors are told.
-    pub spreads: Option<&'a mut B::Buffer<Spread>>,
+    pub error_moments: Option<&'a mut B::Buffer<ErrorMoments>>,
 }
 
 /// Finds out how much of an estimate's disc lies on the surface.
@@ -341,7 +341,7 @@ pub trait AreaProbe<B: TransportBackend>: Send {
     /// Multiplies each estimate's [`Estimate::radius_squared`] by the share of its disc that lies on the
     /// query's surface and can be seen from above the query, as [`crate::area`] says; `gather` is how
     /// the estimates were made. What errors are told by, if it is there, is divided by the shares of its own
-    /// discs: [`Spread::wide`] and [`Spread::narrow`] are multiplied by the first share over theirs.
+    /// discs: [`ErrorMoments::wide`] and [`ErrorMoments::narrow`] are multiplied by the first share over theirs.
     ///
     /// # Errors
     /// What the backend raises.

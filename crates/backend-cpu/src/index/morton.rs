@@ -61,7 +61,7 @@ impl Search for Encode<'_> {
                     cells[lane] = grid.cell(points[lane][axis], axis);
                 }
                 for lane in 0..8 {
-                    codes[lane] |= spread(cells[lane]) << (2 - axis);
+                    codes[lane] |= spread_bits(cells[lane]) << (2 - axis);
                 }
             }
             for lane in 0..8 {
@@ -142,7 +142,7 @@ impl Grid {
 
     #[inline(always)]
     pub(crate) fn code(&self, position: [f32; 3]) -> u64 {
-        let cell = |axis: usize| spread(self.cell(position[axis], axis));
+        let cell = |axis: usize| spread_bits(self.cell(position[axis], axis));
         cell(0) << 2 | cell(1) << 1 | cell(2)
     }
 
@@ -167,7 +167,7 @@ fn power_of_two(exponent: i32) -> f32 {
 
 /// Puts two zeros between the low 21 bits of `value`.
 #[inline(always)]
-fn spread(value: u32) -> u64 {
+fn spread_bits(value: u32) -> u64 {
     let mut v = u64::from(value);
     v = (v | v << 32) & 0x001f_0000_0000_ffff;
     v = (v | v << 16) & 0x001f_0000_ff00_00ff;
@@ -187,7 +187,7 @@ mod tests {
         for bit in 0..BITS {
             expected |= u64::from(value >> bit & 1) << (3 * bit);
         }
-        assert_eq!(spread(value), expected);
+        assert_eq!(spread_bits(value), expected);
     }
 
     #[test]

@@ -13,7 +13,7 @@ mod search;
 mod tests;
 
 use photon_core::{
-    Backend, Error, Estimate, Gather, Kept, Kernel, Query, RadianceEstimator, Result, Rule, Spread, typical,
+    Backend, Error, ErrorMoments, Estimate, Gather, Kept, Kernel, Query, RadianceEstimator, Result, Rule, typical,
 };
 
 use crate::buffer::VulkanBuffer;
@@ -77,24 +77,24 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         Ok(())
     }
 
-    fn estimate_spread(
+    fn estimate_with_moments(
         &mut self,
         on: &mut Vulkan,
         map: &VulkanMap,
         queries: &VulkanBuffer<Query>,
         gather: &Gather,
         estimates: &mut VulkanBuffer<Estimate>,
-        spreads: &mut VulkanBuffer<Spread>,
+        error_moments: &mut VulkanBuffer<ErrorMoments>,
     ) -> Result<()> {
-        gather.validate_spread()?;
-        let question = Question { spreads: spreads.data_address(), ..radius_question(gather) };
-        let capacity = estimates.capacity().min(spreads.capacity());
+        gather.validate_moments()?;
+        let question = Question { error_moments: error_moments.data_address(), ..radius_question(gather) };
+        let capacity = estimates.capacity().min(error_moments.capacity());
         let result = (estimates.data_address(), estimates.count_address(), capacity);
         let order = self.search.order(on, map, queries)?;
         self.search.ask(on, map, (queries, 0..queries.capacity()), &question, order, result)?;
         estimates.touch();
-        let count = on.length(queries)?.min(spreads.capacity());
-        on.set_length(spreads, count)
+        let count = on.length(queries)?.min(error_moments.capacity());
+        on.set_length(error_moments, count)
     }
 
     fn typical_radius(
@@ -140,7 +140,7 @@ fn radius_question(gather: &Gather) -> Question {
         max_plane_distance: gather.max_plane_distance,
         parameter: gather.kernel.slope(),
         threshold: 0,
-        spreads: 0,
+        error_moments: 0,
     }
 }
 

@@ -157,6 +157,6 @@ fn question(mode: Mode, k: u32, radius: f32) -> Question {
         max_plane_distance: 1.0,
         parameter: 1.0,
         threshold: 0,
-        spreads: 0,
+        error_moments: 0,
     }
 }

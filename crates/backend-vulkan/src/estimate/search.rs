@@ -62,8 +62,8 @@ pub(super) struct Question {
     /// The cone's slope, or the paper's factor.
     pub(super) parameter: f32,
     pub(super) threshold: u32,
-    /// Where each estimate's `Spread` goes; 0: none is told.
-    pub(super) spreads: u64,
+    /// Where each estimate's `ErrorMoments` goes; 0: none is told.
+    pub(super) error_moments: u64,
 }
 
 /// The push constants of `search_map.glsl`.
@@ -172,10 +172,10 @@ impl Search {
         let kernel = match question.mode {
             Mode::Radius => {
                 let filter = u32::from(question.filter);
-                let spread = u32::from(question.spreads != 0);
+                let moments = u32::from(question.error_moments != 0);
                 let flat = u32::from(question.flat);
                 let kernel = question.kernel.number();
-                let constants = [0, workgroup, TILES, ordered, kernel, filter, spread, flat, turns, kept];
+                let constants = [0, workgroup, TILES, ordered, kernel, filter, moments, flat, turns, kept];
                 on.kernel(&shaders::GATHER_RADIUS, &constants)?
             }
             Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
@@ -193,7 +193,7 @@ impl Search {
             totals: map.totals.address(),
             positions: map.positions.address(),
             power: map.power.address(),
-            ids: if question.spreads == 0 { map.ids.address() } else { question.spreads },
+            ids: if question.error_moments == 0 { map.ids.address() } else { question.error_moments },
             queries: queries.data_address(),
             query_count: queries.count_address(),
             results,

@@ -1,6 +1,6 @@
 //! The film as a backend's trait asks for it.
 
-use photon_core::{Estimate, Film, FilmBackend, Layer, MapKind, Query, Result, SceneView, Spread};
+use photon_core::{ErrorMoments, Estimate, Film, FilmBackend, Layer, MapKind, Query, Result, SceneView};
 
 use super::VulkanFilm;
 use crate::buffer::VulkanBuffer;
@@ -34,10 +34,10 @@ impl FilmBackend for Vulkan {
         kind: MapKind,
         queries: &VulkanBuffer<Query>,
         estimates: &VulkanBuffer<Estimate>,
-        spreads: &VulkanBuffer<Spread>,
+        error_moments: &VulkanBuffer<ErrorMoments>,
         paths: u64,
     ) -> Result<()> {
-        super::errors::fold(self, film, kind, queries, estimates, spreads, paths)
+        super::errors::fold(self, film, kind, queries, estimates, error_moments, paths)
     }
 
     fn end_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {

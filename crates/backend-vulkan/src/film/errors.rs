@@ -2,7 +2,7 @@
 //! over passes in two floats each; what is known of a map is allocated when it is first read.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{ErrorPixel, Estimate, Film, MapKind, PerMap, Query, Result, Shape, Spread};
+use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, Query, Result, Shape};
 
 use super::{GROUP, VulkanFilm, home, zeroed};
 use crate::buffer::VulkanBuffer;
@@ -15,7 +15,7 @@ const SUMS: usize = 4;
 const SHAPE: usize = 7;
 
 /// What a fold reads, constant 2 of its kernel.
-const FROM_SPREADS: u32 = 0;
+const FROM_MOMENTS: u32 = 0;
 const FROM_GATHERED: u32 = 1;
 
 #[derive(Debug)]
@@ -33,7 +33,7 @@ struct FoldPush {
     queries: u64,
     query_count: u64,
     estimates: u64,
-    spreads: u64,
+    error_moments: u64,
     found_count: u64,
     pass: u64,
     shape: u64,
@@ -43,7 +43,7 @@ struct FoldPush {
 
 pushed!(
     fold_push_layout: FoldPush => FILM_ERRORS,
-    queries query_count estimates spreads found_count pass shape pixels scale
+    queries query_count estimates error_moments found_count pass shape pixels scale
 );
 
 #[repr(C)]
@@ -83,14 +83,14 @@ pub(crate) fn keep(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
     Ok(())
 }
 
-/// Adds what `spreads` tell of `estimates` to each query's pixel.
+/// Adds what `error_moments` tell of `estimates` to each query's pixel.
 pub(crate) fn fold(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
     kind: MapKind,
     queries: &VulkanBuffer<Query>,
     estimates: &VulkanBuffer<Estimate>,
-    spreads: &VulkanBuffer<Spread>,
+    error_moments: &VulkanBuffer<ErrorMoments>,
     paths: u64,
 ) -> Result<()> {
     if paths == 0 {
@@ -99,12 +99,12 @@ pub(crate) fn fold(
     let scale = (1.0 / (3.0 * std::f64::consts::PI * paths as f64)) as f32;
     let push = FoldPush {
         estimates: estimates.data_address(),
-        spreads: spreads.data_address(),
+        error_moments: error_moments.data_address(),
         found_count: estimates.count_address(),
         scale,
         ..FoldPush::zeroed()
     };
-    dispatch(on, film, kind, queries, FROM_SPREADS, push)
+    dispatch(on, film, kind, queries, FROM_MOMENTS, push)
 }
 
 /// Adds what final-gather rays were told, one record for each query.
@@ -112,10 +112,10 @@ pub(crate) fn fold_gathered(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
     queries: &VulkanBuffer<Query>,
-    gathered: &VulkanBuffer<Spread>,
+    gathered: &VulkanBuffer<ErrorMoments>,
 ) -> Result<()> {
     let push = FoldPush {
-        spreads: gathered.data_address(),
+        error_moments: gathered.data_address(),
         found_count: queries.count_address(),
         scale: 1.0 / 3.0,
         ..FoldPush::zeroed()
@@ -189,7 +189,7 @@ pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Re
             for (_, shape) in pixel.shapes.iter_mut().filter(|(kind, _)| errors.shapes[*kind].is_some()) {
                 let [power, power_squared, x, y, xx, xy, stray] =
                     std::array::from_fn(|plane| stretch.sum(first + plane, SHAPE, i));
-                *shape = Shape { power, power_squared, slope: [x, y], stretch: [xx, xy], stray };
+                *shape = Shape { power, power_squared, slope: [x, y], quadrupole: [xx, xy], stray };
                 first += 2 * SHAPE;
             }
         }

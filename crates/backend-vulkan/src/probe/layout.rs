@@ -3,7 +3,9 @@
 use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Camera, Element, Estimate, Light, Material, Medium, Photon, PhotonRay, Primitive, Query, Spread};
+use photon_core::{
+    Camera, Element, ErrorMoments, Estimate, Light, Material, Medium, Photon, PhotonRay, Primitive, Query,
+};
 
 use super::spirv::{Member, Shape, structs};
 use crate::{Vulkan, shaders};
@@ -45,7 +47,7 @@ fn records() -> Vec<Record> {
         record!(PhotonRay: origin path direction light power media),
         record!(Query: position radius normal pixel weight media outgoing path reserved),
         record!(Estimate: flux radius_squared photons flags reserved),
-        record!(Spread: wide power narrow power_squared slope stretch stray photons reserved),
+        record!(ErrorMoments: wide power narrow power_squared slope quadrupole stray photons reserved),
         record!(Primitive: normal material),
         record!(Material: albedo kind emission flags medium ior reserved),
         record!(Medium: absorption ior priority reserved),

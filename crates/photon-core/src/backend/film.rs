@@ -3,7 +3,7 @@
 use super::Backend;
 use crate::error::Result;
 use crate::film::{Film, Layer};
-use crate::layout::{Estimate, Query, Spread};
+use crate::layout::{ErrorMoments, Estimate, Query};
 use crate::map_kind::MapKind;
 use crate::scene::SceneView;
 use crate::stages::no_errors;
@@ -44,7 +44,7 @@ pub trait FilmBackend: Backend {
         Err(no_errors())
     }
 
-    /// Adds to each query's pixel what `spreads` tell of the `estimates` that were folded into `layer`.
+    /// Adds to each query's pixel what `error_moments` tell of the `estimates` that were folded into `layer`.
     ///
     /// # Errors
     /// As [`FilmBackend::keep_errors`].
@@ -54,7 +54,7 @@ pub trait FilmBackend: Backend {
         _kind: MapKind,
         _queries: &Self::Buffer<Query>,
         _estimates: &Self::Buffer<Estimate>,
-        _spreads: &Self::Buffer<Spread>,
+        _error_moments: &Self::Buffer<ErrorMoments>,
         _paths: u64,
     ) -> Result<()> {
         Err(no_errors())

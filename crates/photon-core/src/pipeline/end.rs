@@ -15,8 +15,10 @@ impl<B: TransportBackend> Pipeline<B> {
     /// What the backend raises, deferred errors included; it is gone then.
     pub fn into_backend(self) -> Result<B> {
         // All that holds buffers: what is not named here would be dropped after the call below.
-        let Self { mut on, scene, stages, film, rays, maps, queries, estimates, spreads, points, bandwidth, .. } = self;
-        drop((scene, stages, film, rays, maps, queries, estimates, spreads, points, bandwidth));
+        let Self {
+            mut on, scene, stages, film, rays, maps, queries, estimates, error_moments, points, bandwidth, ..
+        } = self;
+        drop((scene, stages, film, rays, maps, queries, estimates, error_moments, points, bandwidth));
         on.renew()?;
         Ok(on)
     }

@@ -78,17 +78,19 @@ impl<B: TransportBackend> Pipeline<B> {
         let Some(estimates) = &mut self.estimates else { return Ok(()) };
         self.on.mark(Some(Stage::Estimate));
         let (on, estimator) = (&mut self.on, &mut self.stages.map.estimator);
-        match &mut self.spreads {
+        match &mut self.error_moments {
             None => estimator.estimate(on, map, &self.queries, gather, estimates)?,
-            Some(spreads) => estimator.estimate_spread(on, map, &self.queries, gather, estimates, spreads)?,
+            Some(error_moments) => {
+                estimator.estimate_with_moments(on, map, &self.queries, gather, estimates, error_moments)?
+            }
         }
         if let Some(area) = &mut self.stages.area {
-            let buffers = EstimateBuffers { estimates, spreads: self.spreads.as_mut() };
+            let buffers = EstimateBuffers { estimates, error_moments: self.error_moments.as_mut() };
             area.correct(on, &self.scene, pass, &self.queries, gather, buffers)?;
         }
         on.mark(Some(Stage::Film));
-        if let Some(spreads) = &self.spreads {
-            on.fold_errors(&mut self.film, *kind, &self.queries, estimates, spreads, *paths)?;
+        if let Some(error_moments) = &self.error_moments {
+            on.fold_errors(&mut self.film, *kind, &self.queries, estimates, error_moments, *paths)?;
         }
         on.fold(&mut self.film, kind.layer(), &self.queries, estimates, *paths)
     }

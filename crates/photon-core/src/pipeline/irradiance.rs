@@ -73,7 +73,7 @@ impl<B: TransportBackend> Pipeline<B> {
             let gather = &Gather { kernel: POINT_KERNEL, ..*gather };
             self.stages.map.estimator.estimate(on, map, &points.queries, gather, &mut points.estimates)?;
             if let Some(area) = &mut self.stages.area {
-                let buffers = EstimateBuffers { estimates: &mut points.estimates, spreads: None };
+                let buffers = EstimateBuffers { estimates: &mut points.estimates, error_moments: None };
                 area.correct(on, &self.scene, pass, &points.queries, gather, buffers)?;
             }
             stage.add(on, &points.queries, &points.estimates, *paths, first, &mut found)?;

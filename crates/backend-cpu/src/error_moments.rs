@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use photon_core::{Estimate, Gather, Spread, sampling};
+use photon_core::{ErrorMoments, Estimate, Gather, sampling};
 
 use crate::estimate::{Place, Sum};
 use crate::map::{CpuMap, Powers};
@@ -12,23 +12,23 @@ use crate::power::Power;
 const OFF_PLANE: f32 = 0.25;
 
 /// The estimate of `Rule::Radius`, to the bit, and what the photons within √2 times the radius tell.
-pub(crate) fn spread_at(map: &CpuMap, place: Place, gather: &Gather) -> (Estimate, Spread) {
+pub(crate) fn estimate_with_moments_at(map: &CpuMap, place: Place, gather: &Gather) -> (Estimate, ErrorMoments) {
     match (map.powers(), gather.is_flat()) {
-        (Powers::Grey(powers), false) => spread_of::<false, _>(map, powers, place, gather),
-        (Powers::Grey(powers), true) => spread_of::<true, _>(map, powers, place, gather),
-        (Powers::Colour(powers), false) => spread_of::<false, _>(map, powers, place, gather),
-        (Powers::Colour(powers), true) => spread_of::<true, _>(map, powers, place, gather),
+        (Powers::Grey(powers), false) => estimate_with_moments_of::<false, _>(map, powers, place, gather),
+        (Powers::Grey(powers), true) => estimate_with_moments_of::<true, _>(map, powers, place, gather),
+        (Powers::Colour(powers), false) => estimate_with_moments_of::<false, _>(map, powers, place, gather),
+        (Powers::Colour(powers), true) => estimate_with_moments_of::<true, _>(map, powers, place, gather),
     }
 }
 
 /// The same of powers of one kind; if `FLAT`, of photons near the query's plane, each radius with its own share of
 /// itself.
-fn spread_of<const FLAT: bool, P: Power>(
+fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     map: &CpuMap,
     powers: &[P],
     place: Place,
     gather: &Gather,
-) -> (Estimate, Spread) {
+) -> (Estimate, ErrorMoments) {
     let normal = place.normal;
     let radius_squared = place.radius * place.radius;
     let most = gather.max_plane_distance * place.radius;
@@ -62,14 +62,14 @@ fn spread_of<const FLAT: bool, P: Power>(
         sums.power += power;
         sums.power_squared += power * power;
         sums.slope = [sums.slope[0] + power * x, sums.slope[1] + power * y];
-        sums.stretch = [sums.stretch[0] + power * (x * x - y * y), sums.stretch[1] + power * 2.0 * x * y];
+        sums.quadrupole = [sums.quadrupole[0] + power * (x * x - y * y), sums.quadrupole[1] + power * 2.0 * x * y];
         sums.photons += 1;
         (sum, sums)
     });
     (sum.finish(), sums.finish(P::rgb))
 }
 
-/// [`Spread`] in f64.
+/// [`ErrorMoments`] in f64.
 #[derive(Default)]
 struct Sums<F> {
     wide: F,
@@ -77,20 +77,20 @@ struct Sums<F> {
     power: f64,
     power_squared: f64,
     slope: [f64; 2],
-    stretch: [f64; 2],
+    quadrupole: [f64; 2],
     stray: f64,
     photons: u32,
 }
 
 impl<F> Sums<F> {
-    fn finish(self, rgb: impl Fn(F) -> [f64; 3]) -> Spread {
-        Spread {
+    fn finish(self, rgb: impl Fn(F) -> [f64; 3]) -> ErrorMoments {
+        ErrorMoments {
             wide: rgb(self.wide).map(|x| x as f32),
             power: self.power as f32,
             narrow: rgb(self.narrow).map(|x| x as f32),
             power_squared: self.power_squared as f32,
             slope: self.slope.map(|x| x as f32),
-            stretch: self.stretch.map(|x| x as f32),
+            quadrupole: self.quadrupole.map(|x| x as f32),
             stray: self.stray as f32,
             photons: self.photons,
             reserved: [0; 2],

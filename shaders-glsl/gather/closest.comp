@@ -11,11 +11,11 @@ layout(local_size_x_id = 1) in;
 // Whether queries are taken in the order of `push.order`.
 layout(constant_id = 2) const uint ORDERED = 0;
 // How much the map keeps of a photon.
-layout(constant_id = 3) const uint KEPT = 2;
+layout(constant_id = 3) const uint FORMAT = 2;
 
 #include "constants.glsl"
 #include "grid.glsl"
-#include "kept.glsl"
+#include "photon_format.glsl"
 #include "layout.glsl"
 #include "math.glsl"
 #include "octahedral.glsl"
@@ -126,7 +126,7 @@ void main() {
     const float LEAST = 1.0 / (1048576.0 * 1048576.0);
     float reach = uintBitsToFloat(best);
     vec3 flux = vec3(0.0);
-    if (nearest_slot != NONE) flux = uintBitsToFloat(flux_at(KEPT, push.power, nearest_slot).xyz);
+    if (nearest_slot != NONE) flux = uintBitsToFloat(flux_at(FORMAT, push.power, nearest_slot).xyz);
     push.results[index].at = Estimate(flux, max(reach, LEAST), nearest_slot != NONE ? 1u : 0u,
         reach < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
 }

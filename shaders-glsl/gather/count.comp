@@ -42,13 +42,13 @@ const uint VISIT_TURNS = TILE_POINTS / 8 + 1;
 #include "search_walk.glsl"
 
 void query_keep() {
-    kept_begin(KEPT_KERNEL);
+    pause_begin(PAUSE_KERNEL);
     keep(found);
 }
 
 void main() {
     uvec2 own;
-    if (!own_queries(own) || (TURNS != 0 && !kept_open())) return;
+    if (!own_queries(own) || (TURNS != 0 && !pause_open())) return;
     uint index = own.x + gl_SubgroupInvocationID;
     bool asked = index < own.y;
     limit = 0;
@@ -64,5 +64,5 @@ void main() {
     if (subgroupAny(limit > 0)) walk(0);
     if (paused) query_keep();
     else if (asked && index < push.capacity) Words(push.results)[index].at = found;
-    if (TURNS != 0) kept_close();
+    if (TURNS != 0) pause_close();
 }

@@ -57,7 +57,7 @@ void stage(uint mode, uint place, uint slot) {
         return;
     }
     if (mode == COLLECT || MODE == PAPER) {
-        uvec4 power = flux_at(KEPT, push.power, slot);
+        uvec4 power = flux_at(FORMAT, push.power, slot);
         goods[place] = power.xyz;
         if (MODE == PAPER) axes[place] = octahedral_unpack(power.w);
     }
@@ -118,7 +118,7 @@ const uint VISIT_TURNS = TILE_POINTS / 8 * 2 + 1;
 const uint ROUND_TURNS = COLUMN + BINS + LEVELS;
 
 void query_keep(inout uint round) {
-    kept_begin(KEPT_KERNEL);
+    pause_begin(PAUSE_KERNEL);
     keep(round);
     keep(limit);
     keep(accepted);
@@ -196,7 +196,7 @@ void main() {
         push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
     }
     uvec2 own;
-    if (!own_queries(own) || (TURNS != 0 && !kept_open())) return;
+    if (!own_queries(own) || (TURNS != 0 && !pause_open())) return;
     column_find();
     uint place = own.x + gl_SubgroupInvocationID;
     bool asked = place < own.y;
@@ -216,5 +216,5 @@ void main() {
         float reach = finish(full);
         if (MODE != ROWS && index < push.capacity) Estimates(push.results)[index].at = estimate(full, reach);
     }
-    if (TURNS != 0) kept_close();
+    if (TURNS != 0) pause_close();
 }

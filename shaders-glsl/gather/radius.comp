@@ -48,7 +48,7 @@ uint photons;
 void stage(uint mode, uint place, uint slot) {
     uvec4 point = push.positions[slot].at;
     staged[place] = point;
-    powers[place] = uintBitsToFloat(flux_at(KEPT, push.power, slot).xyz);
+    powers[place] = uintBitsToFloat(flux_at(FORMAT, push.power, slot).xyz);
     if (FILTER != 0) normals[place] = octahedral_unpack(point.w);
 }
 
@@ -89,7 +89,7 @@ const uint VISIT_TURNS = TILE_POINTS / 8 + 1;
 #include "search_walk.glsl"
 
 void query_keep() {
-    kept_begin(KEPT_KERNEL);
+    pause_begin(PAUSE_KERNEL);
     sum_keep(flux);
     keep(photons);
     if (ERROR_MOMENTS != 0) error_moments_keep();
@@ -100,7 +100,7 @@ void main() {
         push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
     }
     uvec2 own;
-    if (!own_queries(own) || (TURNS != 0 && !kept_open())) return;
+    if (!own_queries(own) || (TURNS != 0 && !pause_open())) return;
     uint place = own.x + gl_SubgroupInvocationID;
     bool asked = place < own.y;
     uint index = asked && ORDERED != 0 ? push.order[place].at : place;
@@ -137,5 +137,5 @@ void main() {
             flux.total - flux.excess, divisor, photons, squared_radius < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
         if (ERROR_MOMENTS != 0) ErrorMomentsBuffer(push.ids)[index].at = error_moments_found();
     }
-    if (TURNS != 0) kept_close();
+    if (TURNS != 0) pause_close();
 }

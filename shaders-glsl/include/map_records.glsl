@@ -3,7 +3,7 @@
 #define MAP_RECORDS_GLSL
 
 #include "float_bits.glsl"
-#include "kept.glsl"
+#include "photon_format.glsl"
 
 // Points to a leaf, and children of a node, at most.
 const uint MAP_WIDTH = 16;
@@ -11,12 +11,12 @@ const uint MAP_WIDTH = 16;
 const uint MAP_LEAF = 0x80000000u;
 
 // How much is kept of the photons that a map is built from.
-layout(constant_id = 2) const uint KEPT = KEPT_WHOLE;
+layout(constant_id = 2) const uint FORMAT = FORMAT_FULL;
 
 // Photons as they are stored. Of whole ones each is two rows, as in `Photon`: position and normal, power and
 // direction. Otherwise all places come first, as many as fit the buffer, then what is kept besides.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer PhotonRows { uvec4 place; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WholePhotons {
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer FullPhotons {
     uvec4 place;
     uvec4 flux;
 };
@@ -46,14 +46,14 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PhotonCount
 
 // Position and normal of a photon.
 uvec4 photon_place(PhotonRows photons, uint id) {
-    if (KEPT == KEPT_WHOLE) return WholePhotons(photons)[id].place;
+    if (FORMAT == FORMAT_FULL) return FullPhotons(photons)[id].place;
     return photons[id].place;
 }
 
 // Power and direction of a photon in a buffer that has room for so many.
 uvec4 photon_flux(PhotonRows photons, uint capacity, uint id) {
-    if (KEPT == KEPT_WHOLE) return WholePhotons(photons)[id].flux;
-    return flux_at(KEPT, Fluxes(photons + capacity), id);
+    if (FORMAT == FORMAT_FULL) return FullPhotons(photons)[id].flux;
+    return flux_at(FORMAT, Fluxes(photons + capacity), id);
 }
 
 // Position of a photon, −0 as 0.

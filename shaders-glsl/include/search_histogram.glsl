@@ -18,7 +18,7 @@ const uint FULL = 0xFFFFu;
 
 shared uint columns[COLUMN * gl_WorkGroupSize.x];
 
-// Where this invocation's column begins, and how far apart its words lie. Kept, since asking for the
+// Where this invocation's column begins, and how far apart its words lie. PhotonFormat, since asking for the
 // number of an invocation may cost as much as all the rest of counting a point.
 uint column_begin, column_stride;
 

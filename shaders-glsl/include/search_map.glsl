@@ -7,7 +7,7 @@
 #define SEARCH_MAP_GLSL
 
 #include "grid.glsl"
-#include "kept.glsl"
+#include "photon_format.glsl"
 #include "layout.glsl"
 #include "map_nodes.glsl"
 
@@ -36,7 +36,7 @@ layout(push_constant, scalar) uniform Push {
     // Number of each query in the order in which they are taken.
     Words order;
     // Where walks that pause are written down: search_pause.glsl.
-    Words kept;
+    Words pauses;
     // Points in the map.
     uint points;
     // Queries of this dispatch begin here and end there.
@@ -56,7 +56,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 // How much the map keeps of a photon.
-layout(constant_id = 9) const uint KEPT = KEPT_WHOLE;
+layout(constant_id = 9) const uint FORMAT = FORMAT_FULL;
 
 // Whether queries are taken in the order of `push.order`.
 layout(constant_id = 3) const uint ORDERED = 0;

@@ -107,7 +107,7 @@ float finish(bool full) {
             rows++;
             continue;
         }
-        uvec4 power = flux_at(KEPT, push.power, slot);
+        uvec4 power = flux_at(FORMAT, push.power, slot);
         float weight = MODE == PAPER ? dot3(octahedral_unpack(power.w), normal) * push.parameter : 1.0;
         moments_add(uintBitsToFloat(power.xyz) * weight, uintBitsToFloat(bits));
     }

@@ -11,28 +11,28 @@ layout(constant_id = 8) const uint TURNS = 0;
 
 // Subgroups of a dispatch, and words that each invocation writes down, at most (estimate/pause.rs):
 // the walk's first, then the kernel's.
-const uint KEPT_SUBGROUPS = 4096;
-const uint KEPT_WORDS = 160, KEPT_KERNEL = 64;
-// The first word of `push.kept` counts walks that paused in this dispatch; one word for each subgroup
+const uint PAUSE_SUBGROUPS = 4096;
+const uint PAUSE_WORDS = 160, PAUSE_KERNEL = 64;
+// The first word of `push.pauses` counts walks that paused in this dispatch; one word for each subgroup
 // follows, of which these are the values. A new search finds zeros.
-const uint KEPT_NEW = 0, KEPT_PAUSED = 1, KEPT_DONE = 2;
+const uint PAUSE_NEW = 0, PAUSE_PAUSED = 1, PAUSE_DONE = 2;
 
 // Turns made so far, the same in a subgroup; whether this walk goes on with what was written down,
 // and whether it has paused.
 uint turns = 0;
 bool resumed = false, paused = false;
-uint kept_next;
+uint pause_next;
 
 // Puts the pen before this invocation's words, from `part` on.
-void kept_begin(uint part) {
-    kept_next = 1 + KEPT_SUBGROUPS + part + (tile_number() * gl_SubgroupSize + gl_SubgroupInvocationID) * KEPT_WORDS;
+void pause_begin(uint part) {
+    pause_next = 1 + PAUSE_SUBGROUPS + part + (tile_number() * gl_SubgroupSize + gl_SubgroupInvocationID) * PAUSE_WORDS;
 }
 
 // Writes a word down, or reads it again: in the same order.
 void keep(inout uint word) {
-    if (resumed) word = push.kept[kept_next].at;
-    else push.kept[kept_next].at = word;
-    kept_next++;
+    if (resumed) word = push.pauses[pause_next].at;
+    else push.pauses[pause_next].at = word;
+    pause_next++;
 }
 
 void keep(inout float number) {
@@ -53,17 +53,17 @@ void keep(inout vec3 numbers) {
 }
 
 // Whether this subgroup has anything to do in this dispatch.
-bool kept_open() {
-    uint state = push.kept[1 + tile_number()].at;
-    resumed = state == KEPT_PAUSED;
-    return state != KEPT_DONE;
+bool pause_open() {
+    uint state = push.pauses[1 + tile_number()].at;
+    resumed = state == PAUSE_PAUSED;
+    return state != PAUSE_DONE;
 }
 
 // The last that a subgroup does.
-void kept_close() {
+void pause_close() {
     if (gl_SubgroupInvocationID == 0) {
-        push.kept[1 + tile_number()].at = paused ? KEPT_PAUSED : KEPT_DONE;
-        if (paused) atomicAdd(push.kept[0].at, 1);
+        push.pauses[1 + tile_number()].at = paused ? PAUSE_PAUSED : PAUSE_DONE;
+        if (paused) atomicAdd(push.pauses[0].at, 1);
     }
 }
 

@@ -65,7 +65,7 @@ void walk(uint mode) {
     for (;;) {
         if (TURNS != 0) paused = !resumed && more && turns > TURNS;
         if (TURNS != 0 && (resumed || paused)) {
-            kept_begin(0);
+            pause_begin(0);
             keep(low);
             keep(high);
             keep(first);

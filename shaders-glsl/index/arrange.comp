@@ -36,7 +36,7 @@ void main() {
         uint id = push.order[slot].word;
         uvec3 position = photon_position(push.photons, id);
         push.positions[slot].row = uvec4(position, photon_place(push.photons, id).w);
-        flux_put(KEPT, push.power, slot, photon_flux(push.photons, push.capacity, id));
+        flux_put(FORMAT, push.power, slot, photon_flux(push.photons, push.capacity, id));
         push.ids[slot].word = id;
         uvec3 key = ordered3(position);
         for (uint axis = 0; axis < 3; axis++) keys[axis][local / 16 * 17 + local % 16] = key[axis];

@@ -8,11 +8,11 @@
 
 layout(local_size_x_id = 1) in;
 // What each map keeps of a photon, two bits each.
-layout(constant_id = 2) const uint KEPT = 42;
+layout(constant_id = 2) const uint FORMAT = 42;
 
 #include "constants.glsl"
 #include "grid.glsl"
-#include "kept.glsl"
+#include "photon_format.glsl"
 #include "layout.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Places { uvec4 row; };
@@ -55,13 +55,13 @@ void main() {
         // What does not fit is counted all the same, and the pass done again.
         if (place >= fill.capacity) continue;
         Photon photon = push.photons[i].at;
-        uint kept = KEPT >> 2u * map & 3u;
-        if (kept == KEPT_WHOLE) {
+        uint format = FORMAT >> 2u * map & 3u;
+        if (format == FORMAT_FULL) {
             to[place].at = photon;
         } else {
             Places(to)[place].row = uvec4(floatBitsToUint(photon.position), photon.normal);
             uvec4 flux = uvec4(floatBitsToUint(photon.power), photon.direction);
-            flux_put(kept, Fluxes(Places(to) + fill.capacity), place, flux);
+            flux_put(format, Fluxes(Places(to) + fill.capacity), place, flux);
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use photon_core::{
-    Backend, Batch, Direct, Estimate, Gather, IndexKind, Kept, MapKind, Pass, PerMap, Photon, PhotonRay, Query,
+    Backend, Batch, Direct, Estimate, Gather, IndexKind, MapKind, Pass, PerMap, Photon, PhotonFormat, PhotonRay, Query,
     RandomKind, Requirements, Rule, Settings, TransportBackend,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
@@ -53,12 +53,17 @@ fn queries() -> Vec<Query> {
 }
 
 /// A buffer of the photons of those rays, of which so much is kept.
-fn landed<B: TransportBackend>(on: &mut B, scene: &Scene, rays: &[PhotonRay], kept: Kept) -> B::Buffer<Photon> {
+fn landed<B: TransportBackend>(
+    on: &mut B,
+    scene: &Scene,
+    rays: &[PhotonRay],
+    photon_format: PhotonFormat,
+) -> B::Buffer<Photon> {
     let settings = Settings { direct: Direct::Photons, max_bounces: 1, ..Settings::default() };
-    let required = Requirements { kept, ..Requirements::of(&scene.view(), &settings) };
+    let required = Requirements { photon_format, ..Requirements::of(&scene.view(), &settings) };
     let prepared = on.prepare(&scene.view(), &required).unwrap();
     let mut stages = on.stages(&required, &settings).unwrap();
-    let mut photons = on.alloc_photons("photons", rays.len() as u64, kept).unwrap();
+    let mut photons = on.alloc_photons("photons", rays.len() as u64, photon_format).unwrap();
     let there = on.upload("rays", rays).unwrap();
     let batch = Batch { pass: Pass { seed: 1, index: 0, random: RandomKind::Counter }, paths: 0..rays.len() as u32 };
     let deposits = PerMap::only(MapKind::Direct, &mut photons);
@@ -110,24 +115,24 @@ pub fn m4_the_same_photons_are_found<T: TestBackend>() {
     builder.light("bulb", LightDesc::Point { position: [0.0, 0.0, 0.3], intensity: [1.0; 3] });
     let scene = builder.build().unwrap();
     let mut on = T::make(2);
-    for (kept, colour, kind, heap) in [
-        (Kept::Grey, [1.0; 3], IndexKind::Morton, HEAP),
-        (Kept::Power, [1.0, 0.5, 0.25], IndexKind::Morton, HEAP),
-        (Kept::Power, [1.0, 0.5, 0.25], IndexKind::Vvh, SPREAD),
+    for (photon_format, colour, kind, heap) in [
+        (PhotonFormat::Mono, [1.0; 3], IndexKind::Morton, HEAP),
+        (PhotonFormat::NoDirection, [1.0, 0.5, 0.25], IndexKind::Morton, HEAP),
+        (PhotonFormat::NoDirection, [1.0, 0.5, 0.25], IndexKind::Vvh, SPREAD),
     ] {
         let mut rays = rays(colour, heap);
         let mut whole = Vec::new();
-        let there = landed(&mut on, &scene, &rays, Kept::Whole);
+        let there = landed(&mut on, &scene, &rays, PhotonFormat::Full);
         on.download(&there, &mut whole).unwrap();
         assert!(whole.len() == rays.len() && fullest_cell(&whole) as u32 > heap - heap / 20);
         let expected = found(&mut on, there, kind);
         // The nearest within the heap is one of it.
         assert!(expected[..4].iter().all(|e| e.photons == 1 && e.radius_squared < 1e-12), "{expected:?}");
-        let short = landed(&mut on, &scene, &rays, kept);
-        assert!(found(&mut on, short, kind) == expected, "{kept:?}, {kind:?}");
+        let short = landed(&mut on, &scene, &rays, photon_format);
+        assert!(found(&mut on, short, kind) == expected, "{photon_format:?}, {kind:?}");
         // What must differ does: one photon of the heap that has twice the power.
         rays[1].power = rays[1].power.map(|power| 2.0 * power);
-        let other = landed(&mut on, &scene, &rays, kept);
-        assert!(found(&mut on, other, kind) != expected, "{kept:?}, {kind:?}");
+        let other = landed(&mut on, &scene, &rays, photon_format);
+        assert!(found(&mut on, other, kind) != expected, "{photon_format:?}, {kind:?}");
     }
 }

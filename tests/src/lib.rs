@@ -22,11 +22,11 @@ pub mod foretold;
 pub mod harness;
 pub mod inside;
 pub mod interreflection;
-pub mod kept;
 pub mod nesting;
 pub mod numerics;
 pub mod paper;
 pub mod precision;
+pub mod required_format;
 pub mod sheets;
 pub mod stats;
 pub mod twin;
@@ -106,7 +106,7 @@ macro_rules! whole_suite {
                 s19_random_numbers, s20_ends_of_the_unit_interval, s27_neighbour_sets_are_exact, s29_nothing_to_render,
                 s30_least_of_everything,
             }
-            kept::{
+            required_format::{
                 m1_grey_is_what_treats_channels_alike, m2_less_is_the_same_picture, m3_too_little_is_refused,
             }
             cut::{ m4_the_same_photons_are_found }

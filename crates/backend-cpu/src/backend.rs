@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use photon_core::{Backend, Element, Error, Fill, IndexKind, Kept, MapStages, Photon, Result, Stage, StageTimings};
+use photon_core::{
+    Backend, Element, Error, Fill, IndexKind, MapStages, Photon, PhotonFormat, Result, Stage, StageTimings,
+};
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::estimate::CpuEstimator;
@@ -30,13 +32,18 @@ impl Backend for Cpu {
         Ok(CpuBuffer { data, short: None, label, capacity, needed: 0 })
     }
 
-    fn alloc_photons(&mut self, label: &'static str, capacity: u64, kept: Kept) -> Result<CpuBuffer<Photon>> {
-        if kept == Kept::Whole {
+    fn alloc_photons(
+        &mut self,
+        label: &'static str,
+        capacity: u64,
+        photon_format: PhotonFormat,
+    ) -> Result<CpuBuffer<Photon>> {
+        if photon_format == PhotonFormat::Full {
             return self.alloc(label, capacity);
         }
-        let bytes = capacity.saturating_mul(kept.bytes());
+        let bytes = capacity.saturating_mul(photon_format.bytes());
         let count = usize::try_from(capacity).unwrap_or(usize::MAX);
-        let short = Rows::with_capacity(kept, count);
+        let short = Rows::with_capacity(photon_format, count);
         if short.is_none() {
             return Err(Error::OutOfMemory { label, bytes });
         }
@@ -55,7 +62,7 @@ impl Backend for Cpu {
         if needed > capacity {
             return Err(Error::CapacityExceeded { label: from.label, needed, capacity });
         }
-        from.check_whole()?;
+        from.check_full()?;
         to.clear();
         to.extend_from_slice(&from.data);
         Ok(())

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use photon_core::{Error, Kept, Photon, RayCaster, Result, SceneView, Stage, StageTimings};
+use photon_core::{Error, Photon, PhotonFormat, RayCaster, Result, SceneView, Stage, StageTimings};
 
 use crate::rows::Rows;
 
@@ -125,13 +125,13 @@ impl<T: Copy> CpuBuffer<T> {
 
 impl<T> CpuBuffer<T> {
     /// How much it holds of a photon.
-    pub(crate) fn kept(&self) -> Kept {
-        self.short.as_ref().map_or(Kept::Whole, Rows::kept)
+    pub(crate) fn photon_format(&self) -> PhotonFormat {
+        self.short.as_ref().map_or(PhotonFormat::Full, Rows::photon_format)
     }
 
     /// Checks that it holds whole photons.
-    pub(crate) fn check_whole(&self) -> Result<()> {
-        self.kept().check_whole(self.label)
+    pub(crate) fn check_full(&self) -> Result<()> {
+        self.photon_format().check_full(self.label)
     }
 }
 

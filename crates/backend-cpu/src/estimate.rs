@@ -1,7 +1,9 @@
 //! Irradiance from the photons near a point.
 
 use photon_core::glam::Vec3;
-use photon_core::{ErrorMoments, Estimate, Gather, Kept, Query, RadianceEstimator, Result, Rule, octahedral, typical};
+use photon_core::{
+    ErrorMoments, Estimate, Gather, PhotonFormat, Query, RadianceEstimator, Result, Rule, octahedral, typical,
+};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -29,7 +31,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         gather: &Gather,
         estimates: &mut CpuBuffer<Estimate>,
     ) -> Result<()> {
-        gather.validate_for(map.kept())?;
+        gather.validate_for(map.photon_format())?;
         estimates.clear();
         estimates.needed = queries.data.len() as u64;
         let fit = queries.data.len().min(estimates.capacity as usize);
@@ -103,8 +105,8 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         Ok(Some(typical::radius(found, count as u32)))
     }
 
-    fn least_kept(&self) -> Kept {
-        Kept::Grey
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
     }
 }
 

@@ -3,8 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    ErrorMoments, Estimate, FinalGather, Gather, Kept, Layer, Lobe, MapKind, Maps, MediumStack, Pass, PerMap, Query,
-    RandomKind, Result, offset, sampling,
+    ErrorMoments, Estimate, FinalGather, Gather, Layer, Lobe, MapKind, Maps, MediumStack, Pass, PerMap, PhotonFormat,
+    Query, RandomKind, Result, offset, sampling,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -32,7 +32,7 @@ impl FinalGather<Cpu> for CpuGather {
         film: &mut CpuFilm,
     ) -> Result<()> {
         for (map, gather) in maps.photons.values().chain([&maps.irradiance]).flatten() {
-            gather.validate_for(map.kept())?;
+            gather.validate_for(map.photon_format())?;
         }
         let max_bounces = self.max_bounces;
         on.pool.install(|| {
@@ -53,8 +53,8 @@ impl FinalGather<Cpu> for CpuGather {
         Ok(())
     }
 
-    fn least_kept(&self) -> Kept {
-        Kept::Grey
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
     }
 }
 

@@ -1,6 +1,6 @@
 //! Irradiance at the places of photons.
 
-use photon_core::{Estimate, IrradiancePoints, Kept, Photon, Query, Result, octahedral};
+use photon_core::{Estimate, IrradiancePoints, Photon, PhotonFormat, Query, Result, octahedral};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -61,7 +61,7 @@ impl IrradiancePoints<Cpu> for CpuIrradiance {
         Ok(())
     }
 
-    fn least_kept(&self) -> Kept {
-        Kept::Grey
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
     }
 }

@@ -1,7 +1,7 @@
 //! Photons arranged for search.
 
 use photon_core::glam::Vec3;
-use photon_core::{Error, IndexKind, KdTreeBuilder, Kept, Photon, Result, octahedral};
+use photon_core::{Error, IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result, octahedral};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -36,14 +36,14 @@ impl CpuMap {
 
     /// How much it keeps of a photon.
     #[must_use]
-    pub fn kept(&self) -> Kept {
-        self.photons.kept()
+    pub fn photon_format(&self) -> PhotonFormat {
+        self.photons.photon_format()
     }
 
     /// The photons, in the order in which they were stored; `None` unless they are kept whole.
     #[must_use]
     pub fn photons(&self) -> Option<&[Photon]> {
-        (self.kept() == Kept::Whole).then(|| self.photons.as_slice())
+        (self.photon_format() == PhotonFormat::Full).then(|| self.photons.as_slice())
     }
 
     /// Every photon within `radius` of `point` (normalised space), with its squared distance, for a
@@ -52,7 +52,7 @@ impl CpuMap {
     /// # Errors
     /// [`Error::InvalidSetting`] unless photons are kept whole.
     pub fn for_each_within(&self, point: [f32; 3], radius: f32, mut visit: impl FnMut(&Photon, f32)) -> Result<()> {
-        self.photons.check_whole()?;
+        self.photons.check_full()?;
         let photons = self.photons.as_slice();
         let order = self.index.order();
         self.index.within(point, radius * radius, |slot, distance_squared| {
@@ -89,16 +89,16 @@ impl CpuMap {
 
     fn arrange(index: PointIndex, photons: CpuBuffer<Photon>) -> Self {
         let order = index.order();
-        let (normals, powers, directions) = match photons.kept() {
-            Kept::Grey => {
+        let (normals, powers, directions) = match photons.photon_format() {
+            PhotonFormat::Mono => {
                 let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power[0]));
                 (normals, Powers::Grey(powers), Vec::new())
             }
-            Kept::Power => {
+            PhotonFormat::NoDirection => {
                 let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()));
                 (normals, Powers::Colour(powers), Vec::new())
             }
-            Kept::Whole => {
+            PhotonFormat::Full => {
                 let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()));
                 let (directions, _) = in_order(order, &photons, |photon| (photon.direction, ()));
                 (normals, Powers::Colour(powers), directions)
@@ -181,7 +181,7 @@ impl KdTreeBuilder<Cpu> for CpuBuilder {
         photons
     }
 
-    fn least_kept(&self) -> Kept {
-        Kept::Grey
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
     }
 }

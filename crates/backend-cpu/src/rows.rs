@@ -1,6 +1,6 @@
 //! Photons of which less than the whole record is stored: as many words from its front on as are kept.
 
-use photon_core::{Kept, Photon};
+use photon_core::{Photon, PhotonFormat};
 
 /// Words of a photon.
 const WORDS: usize = size_of::<Photon>() / 4;
@@ -8,52 +8,52 @@ const WORDS: usize = size_of::<Photon>() / 4;
 /// Records that are cut short.
 #[derive(Debug)]
 pub(crate) enum Rows {
-    /// Of [`Kept::Grey`].
-    Grey(Vec<[u32; 5]>),
-    /// Of [`Kept::Power`].
-    Power(Vec<[u32; 7]>),
+    /// Of [`PhotonFormat::Mono`].
+    Mono(Vec<[u32; 5]>),
+    /// Of [`PhotonFormat::NoDirection`].
+    NoDirection(Vec<[u32; 7]>),
 }
 
 impl Rows {
     /// With room for so many; `None` of whole records, or if there is no such room.
-    pub(crate) fn with_capacity(kept: Kept, count: usize) -> Option<Self> {
+    pub(crate) fn with_capacity(photon_format: PhotonFormat, count: usize) -> Option<Self> {
         fn room<const N: usize>(count: usize) -> Option<Vec<[u32; N]>> {
             let mut rows = Vec::new();
             rows.try_reserve_exact(count).ok().map(|()| rows)
         }
-        match kept {
-            Kept::Grey => room(count).map(Self::Grey),
-            Kept::Power => room(count).map(Self::Power),
-            Kept::Whole => None,
+        match photon_format {
+            PhotonFormat::Mono => room(count).map(Self::Mono),
+            PhotonFormat::NoDirection => room(count).map(Self::NoDirection),
+            PhotonFormat::Full => None,
         }
     }
 
-    pub(crate) fn kept(&self) -> Kept {
+    pub(crate) fn photon_format(&self) -> PhotonFormat {
         match self {
-            Self::Grey(_) => Kept::Grey,
-            Self::Power(_) => Kept::Power,
+            Self::Mono(_) => PhotonFormat::Mono,
+            Self::NoDirection(_) => PhotonFormat::NoDirection,
         }
     }
 
     pub(crate) fn len(&self) -> usize {
         match self {
-            Self::Grey(rows) => rows.len(),
-            Self::Power(rows) => rows.len(),
+            Self::Mono(rows) => rows.len(),
+            Self::NoDirection(rows) => rows.len(),
         }
     }
 
     pub(crate) fn clear(&mut self) {
         match self {
-            Self::Grey(rows) => rows.clear(),
-            Self::Power(rows) => rows.clear(),
+            Self::Mono(rows) => rows.clear(),
+            Self::NoDirection(rows) => rows.clear(),
         }
     }
 
     /// Appends what is kept of some photons.
     pub(crate) fn append(&mut self, photons: &[Photon]) {
         match self {
-            Self::Grey(rows) => rows.extend(photons.iter().map(front)),
-            Self::Power(rows) => rows.extend(photons.iter().map(front)),
+            Self::Mono(rows) => rows.extend(photons.iter().map(front)),
+            Self::NoDirection(rows) => rows.extend(photons.iter().map(front)),
         }
     }
 
@@ -61,11 +61,11 @@ impl Rows {
     #[inline]
     pub(crate) fn get(&self, index: usize) -> Photon {
         match self {
-            Self::Grey(rows) => {
+            Self::Mono(rows) => {
                 let photon = whole(&rows[index]);
                 Photon { power: [photon.power[0]; 3], ..photon }
             }
-            Self::Power(rows) => whole(&rows[index]),
+            Self::NoDirection(rows) => whole(&rows[index]),
         }
     }
 }

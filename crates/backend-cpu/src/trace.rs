@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Kept, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
-    PhotonRay, Ray, Requirements, Result, Settings, Sharing, Tally, Tracer, octahedral,
+    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
+    PhotonFormat, PhotonRay, Ray, Requirements, Result, Settings, Sharing, Tally, Tracer, octahedral,
 };
 use rayon::prelude::*;
 
@@ -82,8 +82,8 @@ impl Tracer<Cpu> for CpuTracer {
         Ok(std::mem::take(&mut self.tally))
     }
 
-    fn least_kept(&self) -> Kept {
-        Kept::Grey
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
     }
 }
 

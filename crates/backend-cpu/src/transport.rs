@@ -1,8 +1,8 @@
 //! Every stage of a pass.
 
 use photon_core::{
-    Aim, AimedStages, Area, Backend as _, Costs, FilmPixel, Kept, MapStages, Query, Requirements, Result, SceneView,
-    Settings, Stages, TransportBackend,
+    Aim, AimedStages, Area, Backend as _, Costs, FilmPixel, MapStages, PhotonFormat, Query, Requirements, Result,
+    SceneView, Settings, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -48,13 +48,13 @@ impl TransportBackend for Cpu {
         Ok(Some((Box::new(CpuAimedEmitter::new(aim.clone())), Box::new(CpuTracer::aimed(settings, required)))))
     }
 
-    fn costs(&self, kept: Kept) -> Costs {
+    fn costs(&self, photon_format: PhotonFormat) -> Costs {
         // A photon: as stored; normal and flux in the order of its index, 22 of the index; 52 more while that is
         // sorted, and 4 for normals while they are counted. Under way: vectors that double, and the part of a
         // buffer that is being made of them.
         // A pixel: a copy of the film when it is read.
         Costs {
-            photon: kept.bytes() + 12 + kept.flux_bytes() + 22 + 56,
+            photon: photon_format.bytes() + 12 + photon_format.flux_bytes() + 22 + 56,
             under_way: 96,
             path: 48,
             pixel: size_of::<FilmPixel>() as u64,

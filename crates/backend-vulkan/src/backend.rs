@@ -1,7 +1,8 @@
 //! What every backend can do.
 
 use photon_core::{
-    Backend, Element, Error, Fill, IndexKind, KdTreeBuilder, Kept, MapStages, Photon, Result, Stage, StageTimings,
+    Backend, Element, Error, Fill, IndexKind, KdTreeBuilder, MapStages, Photon, PhotonFormat, Result, Stage,
+    StageTimings,
 };
 
 use crate::buffer::VulkanBuffer;
@@ -26,8 +27,13 @@ impl Backend for Vulkan {
         VulkanBuffer::new(self, label, capacity)
     }
 
-    fn alloc_photons(&mut self, label: &'static str, capacity: u64, kept: Kept) -> Result<VulkanBuffer<Photon>> {
-        VulkanBuffer::photons(self, label, capacity, kept)
+    fn alloc_photons(
+        &mut self,
+        label: &'static str,
+        capacity: u64,
+        photon_format: PhotonFormat,
+    ) -> Result<VulkanBuffer<Photon>> {
+        VulkanBuffer::photons(self, label, capacity, photon_format)
     }
 
     fn upload<T: Element>(&mut self, label: &'static str, data: &[T]) -> Result<VulkanBuffer<T>> {
@@ -43,7 +49,7 @@ impl Backend for Vulkan {
         if needed > capacity {
             return Err(Error::CapacityExceeded { label: from.label(), needed, capacity });
         }
-        from.kept().check_whole(from.label())?;
+        from.photon_format().check_full(from.label())?;
         to.clear();
         to.resize(length as usize, bytemuck::Zeroable::zeroed());
         self.read(&from.data, 0, bytemuck::cast_slice_mut(to))?;
@@ -98,8 +104,8 @@ impl KdTreeBuilder<Vulkan> for CheckedBuilder {
         self.0.reclaim(map)
     }
 
-    fn least_kept(&self) -> Kept {
-        self.0.least_kept()
+    fn required_format(&self) -> PhotonFormat {
+        self.0.required_format()
     }
 }
 

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 
 use ash::vk;
-use photon_core::{Element, Kept, Photon, Result};
+use photon_core::{Element, Photon, PhotonFormat, Result};
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
@@ -22,13 +22,13 @@ pub struct VulkanBuffer<T> {
     known: Cell<Option<u64>>,
     /// Whether its content came from the caller, and may be anything.
     pub(crate) foreign: bool,
-    kept: Kept,
+    photon_format: PhotonFormat,
     kind: PhantomData<fn() -> T>,
 }
 
 impl<T> VulkanBuffer<T> {
     /// Where kernels find the elements; if they are photons that are cut short, see
-    /// [`VulkanBuffer::kept`].
+    /// [`VulkanBuffer::photon_format`].
     #[must_use]
     pub fn data_address(&self) -> u64 {
         self.data.address()
@@ -49,8 +49,8 @@ impl<T> VulkanBuffer<T> {
     /// How much it holds of a photon. Of whole ones each is a record; otherwise the places of all, rows of
     /// position and normal, come first, as many as fit, then what is kept of their powers.
     #[must_use]
-    pub fn kept(&self) -> Kept {
-        self.kept
+    pub fn photon_format(&self) -> PhotonFormat {
+        self.photon_format
     }
 
     /// What it is for.
@@ -102,7 +102,7 @@ impl<T: Element> VulkanBuffer<T> {
             label,
             known: Cell::new(None),
             foreign: false,
-            kept: Kept::Whole,
+            photon_format: PhotonFormat::Full,
             kind: PhantomData,
         };
         on.set_length(&mut buffer, length)?;
@@ -138,16 +138,21 @@ impl<T: Element> VulkanBuffer<T> {
 
 impl VulkanBuffer<Photon> {
     /// An empty one for so much of each photon.
-    pub(crate) fn photons(on: &mut Vulkan, label: &'static str, capacity: u64, kept: Kept) -> Result<Self> {
-        Ok(Self { kept, ..Self::of(on, label, capacity, kept.bytes())? })
+    pub(crate) fn photons(
+        on: &mut Vulkan,
+        label: &'static str,
+        capacity: u64,
+        photon_format: PhotonFormat,
+    ) -> Result<Self> {
+        Ok(Self { photon_format, ..Self::of(on, label, capacity, photon_format.bytes())? })
     }
 
     /// Where position and power of a photon stand, in bytes.
     pub(crate) fn offsets(&self, index: u64) -> [u64; 2] {
-        let (place, flux) = (Kept::PLACE_BYTES, self.kept.flux_bytes());
-        match self.kept {
-            Kept::Whole => [index * (place + flux), index * (place + flux) + place],
-            Kept::Power | Kept::Grey => [index * place, self.capacity * place + index * flux],
+        let (place, flux) = (PhotonFormat::POSITION_NORMAL_BYTES, self.photon_format.flux_bytes());
+        match self.photon_format {
+            PhotonFormat::Full => [index * (place + flux), index * (place + flux) + place],
+            PhotonFormat::NoDirection | PhotonFormat::Mono => [index * place, self.capacity * place + index * flux],
         }
     }
 }

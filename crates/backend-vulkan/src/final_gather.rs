@@ -1,7 +1,9 @@
 //! Indirect light by final gathering (Jensen 1996).
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{ErrorMoments, Estimate, FinalGather, Kept, Layer, Maps, Pass, Query, RadianceEstimator, Result};
+use photon_core::{
+    ErrorMoments, Estimate, FinalGather, Layer, Maps, Pass, PhotonFormat, Query, RadianceEstimator, Result,
+};
 
 use crate::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
@@ -203,7 +205,7 @@ impl FinalGather<Vulkan> for VulkanGather {
         film::fold_values(on, film, Layer::Indirect, queries)
     }
 
-    fn least_kept(&self) -> Kept {
-        self.estimator.least_kept()
+    fn required_format(&self) -> PhotonFormat {
+        self.estimator.required_format()
     }
 }

@@ -1,7 +1,7 @@
 //! Irradiance at the places of photons.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Estimate, IrradiancePoints, Kept, Photon, Query, Result};
+use photon_core::{Estimate, IrradiancePoints, Photon, PhotonFormat, Query, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
@@ -90,7 +90,7 @@ impl IrradiancePoints<Vulkan> for VulkanIrradiance {
         on.set_length(points, count)
     }
 
-    fn least_kept(&self) -> Kept {
-        Kept::Grey
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
     }
 }

@@ -1,6 +1,6 @@
 //! Photons arranged for search, on the device.
 
-use photon_core::{Error, IndexKind, Kept, Photon, Result};
+use photon_core::{Error, IndexKind, Photon, PhotonFormat, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
@@ -39,8 +39,8 @@ impl VulkanMap {
 
     /// How much it keeps of a photon.
     #[must_use]
-    pub fn kept(&self) -> Kept {
-        self.photons.kept()
+    pub fn photon_format(&self) -> PhotonFormat {
+        self.photons.photon_format()
     }
 
     /// Photons in the map.
@@ -66,7 +66,7 @@ impl VulkanMap {
         let mut value = [0.0_f32; 3];
         if words[0] == 0 {
             on.read(&self.photons.data, position, bytemuck::bytes_of_mut(&mut value))?;
-        } else if self.kept() == Kept::Grey {
+        } else if self.photon_format() == PhotonFormat::Mono {
             on.read(&self.photons.data, power, bytemuck::bytes_of_mut(&mut value[0]))?;
             value = [value[0]; 3];
         } else {

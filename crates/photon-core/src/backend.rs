@@ -2,9 +2,9 @@
 
 use crate::aim::Aim;
 use crate::error::Result;
-use crate::kept::Kept;
 use crate::layout::{Element, Photon, Query};
 use crate::memory::Costs;
+use crate::photon_format::PhotonFormat;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::{IndexKind, Settings};
@@ -34,14 +34,19 @@ pub trait Backend: Sized + Send + 'static {
     /// [`crate::Error::OutOfMemory`].
     fn alloc<T: Element>(&mut self, label: &'static str, capacity: u64) -> Result<Self::Buffer<T>>;
 
-    /// An empty buffer of photons of which no more than `kept` need be stored. What a tracer appends to it
+    /// An empty buffer of photons of which no more than `photon_format` need be stored. What a tracer appends to it
     /// is cut short; a map that is built from it keeps as much; it cannot be downloaded unless that is
-    /// [`Kept::Whole`]. A backend without shorter records stores whole ones.
+    /// [`PhotonFormat::Full`]. A backend without shorter records stores whole ones.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
-    fn alloc_photons(&mut self, label: &'static str, capacity: u64, kept: Kept) -> Result<Self::Buffer<Photon>> {
-        let _ = kept;
+    fn alloc_photons(
+        &mut self,
+        label: &'static str,
+        capacity: u64,
+        photon_format: PhotonFormat,
+    ) -> Result<Self::Buffer<Photon>> {
+        let _ = photon_format;
         self.alloc(label, capacity)
     }
 
@@ -98,9 +103,9 @@ pub trait TransportBackend: FilmBackend {
     }
 
     /// What it keeps in memory at the height of a pass, if maps keep so much of a photon.
-    fn costs(&self, kept: Kept) -> Costs {
+    fn costs(&self, photon_format: PhotonFormat) -> Costs {
         // As stored and as arranged for search.
-        let photon = 96 + 2 * kept.bytes();
+        let photon = 96 + 2 * photon_format.bytes();
         Costs { photon, under_way: 100, path: 200, pixel: 1200, query: 200 }
     }
 

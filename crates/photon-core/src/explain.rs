@@ -2,9 +2,9 @@
 
 use crate::aim::{Aim, Unaimed};
 use crate::features::Features;
-use crate::kept::Kept;
 use crate::layout::Light;
 use crate::map_kind::MapKind;
+use crate::photon_format::PhotonFormat;
 use crate::radii;
 use crate::requirements::{Requirements, light_features, material_features};
 use crate::scene::SceneView;
@@ -66,17 +66,19 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     let paper = matches!(settings.estimator, Estimator::Paper(_));
     say(
         "colours of photons",
-        any_map && required.kept != Kept::Grey,
-        match (any_map, paper, required.kept) {
+        any_map && required.photon_format != PhotonFormat::Mono,
+        match (any_map, paper, required.photon_format) {
             (false, ..) => "there are none",
             (_, true, _) => "the paper's estimator takes whole records of 32 bytes",
-            (_, _, Kept::Grey) => "lights and surfaces are grey: one power is kept, and 20 bytes of each photon",
+            (_, _, PhotonFormat::Mono) => {
+                "lights and surfaces are grey: one power is kept, and 20 bytes of each photon"
+            }
             _ => "a light or a surface is not grey: 12 bytes of the 28 that are kept of each photon",
         },
     );
     say(
         "directions of photons",
-        any_map && required.kept == Kept::Whole,
+        any_map && required.photon_format == PhotonFormat::Full,
         match (any_map, paper) {
             (false, _) => "there are none",
             (true, true) => "the paper's estimator reads them",

@@ -14,7 +14,7 @@ pub trait Element: Pod + Send + Sync {
 /// A photon that has landed on a surface.
 ///
 /// It has no identity of its own: its number is its place in the buffer that the tracer fills,
-/// which is in order of path, then bounce. Maps keep as much of its front as is read: [`crate::Kept`].
+/// which is in order of path, then bounce. Maps keep as much of its front as is read: [`crate::PhotonFormat`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Photon {

@@ -65,7 +65,7 @@ mod end;
 mod estimate;
 mod fit;
 mod irradiance;
-mod kept;
+mod photon_format;
 mod photons;
 mod slot;
 
@@ -162,8 +162,9 @@ impl<B: TransportBackend> Pipeline<B> {
         required.check(needed.features)?;
         required.check_media(needed.media)?;
         let view = view.within(scene);
-        required.check_kept(needed.kept)?;
-        let required = Requirements { kept: required.kept.max(kept::least(&stages)), ..required };
+        required.check_format(needed.photon_format)?;
+        let required =
+            Requirements { photon_format: required.photon_format.max(photon_format::least(&stages)), ..required };
         let mut film = on.film(scene, view.width, view.height)?;
         if settings.errors {
             on.keep_errors(&mut film)?;
@@ -174,7 +175,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.splits_camera_paths();
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
-        let costs = irradiance::costs(&on, aimed::costs(on.costs(required.kept), stages.aimed.is_some()), &settings);
+        let costs =
+            irradiance::costs(&on, aimed::costs(on.costs(required.photon_format), stages.aimed.is_some()), &settings);
         let plan = match settings.memory {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
@@ -247,7 +249,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let aimed = self.aimed_paths(self.settings.photons).unwrap_or(0);
         let most = u64::from(self.settings.photons.max(aimed)) * u64::from(self.settings.max_bounces);
         let capacity = self.settings.photon_capacity.map_or(guess, |given| given.min(most));
-        self.maps.iter_mut().try_for_each(|slot| slot.allocate(&mut self.on, capacity, self.required.kept))
+        self.maps.iter_mut().try_for_each(|slot| slot.allocate(&mut self.on, capacity, self.required.photon_format))
     }
 
     /// What the camera sees, and direct light.

@@ -2,10 +2,10 @@
 
 use crate::error::{Error, Result};
 use crate::features::Features;
-use crate::kept::Kept;
 use crate::layout::{Light, Material, MaterialKind, Medium};
 use crate::map_kind::{MapKind, PerMap};
 use crate::media::MediaFeatures;
+use crate::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 use crate::solids::Solids;
@@ -30,7 +30,7 @@ pub struct Requirements {
     /// Indirect light is gathered.
     pub final_gather: bool,
     /// How much of each photon the maps keep.
-    pub kept: Kept,
+    pub photon_format: PhotonFormat,
 }
 
 impl Requirements {
@@ -49,7 +49,7 @@ impl Requirements {
             aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
             shadow_rays: settings.direct == Direct::Nee,
             final_gather: settings.indirect == Indirect::Gather,
-            kept: Kept::of(scene, settings),
+            photon_format: PhotonFormat::of(scene, settings),
         }
     }
 
@@ -64,7 +64,7 @@ impl Requirements {
             aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
             shadow_rays: settings.direct == Direct::Nee,
             final_gather: settings.indirect == Indirect::Gather,
-            kept: Kept::Whole,
+            photon_format: PhotonFormat::Full,
         }
     }
 
@@ -96,13 +96,13 @@ impl Requirements {
     ///
     /// # Errors
     /// [`Error::InvalidSetting`].
-    pub fn check_kept(&self, needed: Kept) -> Result<()> {
-        if self.kept >= needed {
+    pub fn check_format(&self, needed: PhotonFormat) -> Result<()> {
+        if self.photon_format >= needed {
             return Ok(());
         }
         Err(Error::InvalidSetting {
             name: "what maps keep of a photon",
-            value: self.kept.name().into(),
+            value: self.photon_format.name().into(),
             mend: "more of it is read; derive the requirements from this scene and these settings",
         })
     }

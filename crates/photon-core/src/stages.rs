@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use crate::backend::{Backend, TransportBackend};
 use crate::error::{Error, Result};
-use crate::kept::Kept;
 use crate::kernel::Kernel;
 use crate::layout::{Camera, ErrorMoments, Estimate, Photon, PhotonRay, Query};
 use crate::map_kind::PerMap;
+use crate::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::settings::RandomKind;
 use crate::solids::Solids;
@@ -115,14 +115,14 @@ impl Gather {
     ///
     /// # Errors
     /// [`Error::InvalidSetting`].
-    pub fn validate_for(&self, kept: Kept) -> Result<()> {
+    pub fn validate_for(&self, photon_format: PhotonFormat) -> Result<()> {
         self.validate()?;
-        if !matches!(self.rule, Rule::Paper { .. }) || kept == Kept::Whole {
+        if !matches!(self.rule, Rule::Paper { .. }) || photon_format == PhotonFormat::Full {
             return Ok(());
         }
         Err(Error::InvalidSetting {
             name: "the paper's estimator",
-            value: format!("asked of a map that keeps {}", kept.name()),
+            value: format!("asked of a map that keeps {}", photon_format.name()),
             mend: "it reads directions: keep photons whole",
         })
     }
@@ -203,8 +203,8 @@ pub trait Tracer<B: TransportBackend>: Send {
 
     /// The least of a photon that this stage can work with. Whoever brings a stage of their own gets whole
     /// records unless they override it; see [`Backend::alloc_photons`].
-    fn least_kept(&self) -> Kept {
-        Kept::Whole
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Full
     }
 }
 
@@ -222,9 +222,9 @@ pub trait KdTreeBuilder<B: Backend>: Send {
     /// Gives the storage back, emptied, for the next pass.
     fn reclaim(&mut self, map: B::PhotonMap) -> B::Buffer<Photon>;
 
-    /// As [`Tracer::least_kept`].
-    fn least_kept(&self) -> Kept {
-        Kept::Whole
+    /// As [`Tracer::required_format`].
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Full
     }
 }
 
@@ -278,9 +278,9 @@ pub trait RadianceEstimator<B: Backend>: Send {
         min_normal_cosine: f32,
     ) -> Result<Option<f32>>;
 
-    /// As [`Tracer::least_kept`].
-    fn least_kept(&self) -> Kept {
-        Kept::Whole
+    /// As [`Tracer::required_format`].
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Full
     }
 }
 
@@ -393,9 +393,9 @@ pub trait IrradiancePoints<B: Backend>: Send {
         points: &mut B::Buffer<Photon>,
     ) -> Result<()>;
 
-    /// As [`Tracer::least_kept`].
-    fn least_kept(&self) -> Kept {
-        Kept::Whole
+    /// As [`Tracer::required_format`].
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Full
     }
 }
 
@@ -425,9 +425,9 @@ pub trait FinalGather<B: TransportBackend>: Send {
         film: &mut B::Film,
     ) -> Result<()>;
 
-    /// As [`Tracer::least_kept`].
-    fn least_kept(&self) -> Kept {
-        Kept::Whole
+    /// As [`Tracer::required_format`].
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Full
     }
 }
 

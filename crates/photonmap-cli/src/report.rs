@@ -67,11 +67,11 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
             "features": required.features.names().collect::<Vec<_>>(),
             "shadow_rays": required.shadow_rays,
             "final_gather": required.final_gather,
-            "kept_of_photons": required.kept.name(),
+            "kept_of_photons": required.photon_format.name(),
         },
         "maps": by_name(required.maps),
         // Of a record; what it takes with all that searches need beside it is in `bytes_per_photon`.
-        "bytes_of_photon_in_map": by_name(required.maps.map(|kept| kept.then(|| required.kept.bytes()))),
+        "bytes_of_photon_in_map": by_name(required.maps.map(|kept| kept.then(|| required.photon_format.bytes()))),
         "radius_of_last_pass": by_name(last.map(|pass| pass.radius).unwrap_or_default()),
         "peak_resident_bytes": crate::memory::peak(),
         "paths_per_pass": facts.photons,

@@ -40,10 +40,10 @@ impl Memory {
         // A length that no device has would wrap in the driver.
         let limit = device.limits.max_allocation;
         if bytes > limit {
-            return Err(Error::AllocationTooLarge { label: kept(label), bytes, limit });
+            return Err(Error::AllocationTooLarge { label: interned(label), bytes, limit });
         }
         if !device.injection.allocate() {
-            return Err(Error::OutOfMemory { label: kept(label), bytes });
+            return Err(Error::OutOfMemory { label: interned(label), bytes });
         }
         let size = bytes.max(4).next_multiple_of(16);
         if location == MemoryLocation::GpuOnly {
@@ -73,7 +73,7 @@ impl Memory {
     }
 
     fn allocate(device: &Arc<Device>, label: &str, size: u64, location: MemoryLocation) -> Result<Self> {
-        let out = || Error::OutOfMemory { label: kept(label), bytes: size };
+        let out = || Error::OutOfMemory { label: interned(label), bytes: size };
         let info = vk::BufferCreateInfo::default().size(size).usage(USES).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: the device is alive.
         let buffer = unsafe { device.raw.create_buffer(&info, None) }.map_err(|_| out())?;
@@ -166,9 +166,9 @@ fn address(device: &Device, buffer: vk::Buffer) -> u64 {
 }
 
 /// The labels of errors are static. Those of buffers are few: each that an error names is kept once.
-fn kept(label: &str) -> &'static str {
-    static KEPT: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
-    let mut all = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+fn interned(label: &str) -> &'static str {
+    static INTERNED: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut all = INTERNED.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(known) = all.get(label) {
         return known;
     }

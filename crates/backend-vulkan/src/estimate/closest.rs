@@ -49,7 +49,8 @@ pub(super) fn ask(
     order: u64,
     estimates: &VulkanBuffer<Estimate>,
 ) -> Result<()> {
-    let kernel = on.kernel(&shaders::GATHER_CLOSEST, &[0, GROUP, u32::from(order != 0), map.kept().number()])?;
+    let kernel =
+        on.kernel(&shaders::GATHER_CLOSEST, &[0, GROUP, u32::from(order != 0), map.photon_format().number()])?;
     let mut push = Push {
         nodes: map.nodes.address(),
         positions: map.positions.address(),

@@ -13,7 +13,8 @@ mod search;
 mod tests;
 
 use photon_core::{
-    Backend, Error, ErrorMoments, Estimate, Gather, Kept, Kernel, Query, RadianceEstimator, Result, Rule, typical,
+    Backend, Error, ErrorMoments, Estimate, Gather, Kernel, PhotonFormat, Query, RadianceEstimator, Result, Rule,
+    typical,
 };
 
 use crate::buffer::VulkanBuffer;
@@ -46,7 +47,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         gather: &Gather,
         estimates: &mut VulkanBuffer<Estimate>,
     ) -> Result<()> {
-        gather.validate_for(map.kept())?;
+        gather.validate_for(map.photon_format())?;
         let mut question = radius_question(gather);
         match gather.rule {
             Rule::Radius => {}
@@ -122,8 +123,8 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         Ok(Some(typical::radius(squares, count)))
     }
 
-    fn least_kept(&self) -> Kept {
-        Kept::Grey
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
     }
 }
 

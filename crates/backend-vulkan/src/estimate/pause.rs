@@ -5,20 +5,20 @@ use photon_core::Result;
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
 
-/// Subgroups of a dispatch at most: the shader's `KEPT_SUBGROUPS`.
+/// Subgroups of a dispatch at most: the shader's `PAUSE_SUBGROUPS`.
 pub(super) const SUBGROUPS: u64 = 4096;
-/// Words that an invocation writes down: the shader's `KEPT_WORDS`.
+/// Words that an invocation writes down: the shader's `PAUSE_WORDS`.
 const WORDS: u64 = 160;
 /// The count of walks that paused, and a word for each subgroup.
 const HEAD: u64 = (1 + SUBGROUPS) * 4;
 
 /// Where walks that pause are written down.
 #[derive(Debug, Default)]
-pub(super) struct Kept {
+pub(super) struct PausedSearches {
     memory: Option<Memory>,
 }
 
-impl Kept {
+impl PausedSearches {
     /// Room for new walks of so many invocations; its address.
     pub(super) fn room(&mut self, on: &mut Vulkan, invocations: u64) -> Result<u64> {
         let bytes = HEAD + invocations * WORDS * 4;

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Kernel, Query, Result};
 
 use super::order::Order;
-use super::pause::{Kept, SUBGROUPS};
+use super::pause::{PausedSearches, SUBGROUPS};
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
@@ -80,7 +80,7 @@ struct Push {
     results: u64,
     result_count: u64,
     order: u64,
-    kept: u64,
+    paused: u64,
     points: u32,
     first: u32,
     end: u32,
@@ -123,12 +123,18 @@ pub(super) struct Search {
     /// Turns of loops after which a search pauses; 0 for half of what the device allows, if it has a limit.
     pub(super) turns: u32,
     pub(super) order: Option<Order>,
-    pub(super) kept: Kept,
+    pub(super) paused: PausedSearches,
 }
 
 impl Default for Search {
     fn default() -> Self {
-        Self { narrow_bins: NARROW_BINS, worth_order: WORTH_ORDER, turns: 0, order: None, kept: Kept::default() }
+        Self {
+            narrow_bins: NARROW_BINS,
+            worth_order: WORTH_ORDER,
+            turns: 0,
+            order: None,
+            paused: PausedSearches::default(),
+        }
     }
 }
 
@@ -168,14 +174,14 @@ impl Search {
             let mend = "must be at most 131072 on this device, whose driver ends long loops";
             return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), mend });
         }
-        let kept = map.kept().number();
+        let format = map.photon_format().number();
         let kernel = match question.mode {
             Mode::Radius => {
                 let filter = u32::from(question.filter);
                 let moments = u32::from(question.error_moments != 0);
                 let flat = u32::from(question.flat);
                 let kernel = question.kernel.number();
-                let constants = [0, workgroup, TILES, ordered, kernel, filter, moments, flat, turns, kept];
+                let constants = [0, workgroup, TILES, ordered, kernel, filter, moments, flat, turns, format];
                 on.kernel(&shaders::GATHER_RADIUS, &constants)?
             }
             Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
@@ -183,7 +189,7 @@ impl Search {
                 let mode = question.mode as u32 - Mode::Nearest as u32;
                 let (filter, wide) = (u32::from(question.filter), u32::from(question.k > self.narrow_bins));
                 let constants =
-                    [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide, turns, kept];
+                    [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide, turns, format];
                 on.kernel(&shaders::GATHER_NEAREST, &constants)?
             }
         };
@@ -199,7 +205,7 @@ impl Search {
             results,
             result_count,
             order,
-            kept: 0,
+            paused: 0,
             points,
             first: 0,
             end: 0,
@@ -212,7 +218,7 @@ impl Search {
             max_plane_distance: question.max_plane_distance,
         };
         let portion = if turns > 0 { span * (SUBGROUPS / u64::from(TILES)) } else { PORTION / span * span };
-        let kept = &mut self.kept;
+        let paused = &mut self.paused;
         let mut all = |on: &mut Vulkan| {
             // Without any query there is still a count to be written.
             for first in (range.start..range.end.max(range.start + 1)).step_by(portion as usize) {
@@ -223,8 +229,8 @@ impl Search {
                     push.results = results + (first - range.start) * u64::from(question.k) * 8;
                 }
                 if turns > 0 {
-                    push.kept = kept.room(on, groups * span)?;
-                    kept.all(on, |on| on.dispatch(&kernel, &push, groups))?;
+                    push.paused = paused.room(on, groups * span)?;
+                    paused.all(on, |on| on.dispatch(&kernel, &push, groups))?;
                 } else {
                     on.dispatch(&kernel, &push, groups)?;
                 }
@@ -244,7 +250,7 @@ pub(super) fn sample(
     radius: f32,
 ) -> Result<()> {
     let (photons, queries) = (map.photons.data_address(), queries.data_address());
-    let kernel = on.kernel(&shaders::GATHER_SAMPLE, &[0, 64, map.kept().number()])?;
+    let kernel = on.kernel(&shaders::GATHER_SAMPLE, &[0, 64, map.photon_format().number()])?;
     on.dispatch(
         &kernel,
         &SamplePush { photons, queries, points: map.length, count, radius, reserved: 0 },

@@ -15,7 +15,7 @@ mod tests;
 mod vvh;
 mod vvh_nodes;
 
-use photon_core::{IndexKind, KdTreeBuilder, Kept, Photon, Result};
+use photon_core::{IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::device::{Kernel, Module};
@@ -33,7 +33,7 @@ const WIDTH: u64 = 16;
 
 /// The kernel of a module that reads photons, for those of a buffer.
 fn reading(on: &mut Vulkan, module: &'static Module, workgroup: u32, photons: &VulkanBuffer<Photon>) -> Result<Kernel> {
-    on.kernel(module, &[0, workgroup, photons.kept().number()])
+    on.kernel(module, &[0, workgroup, photons.photon_format().number()])
 }
 
 /// Builds photon maps.
@@ -77,7 +77,7 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
         let words = [0, photons.capacity().min(u64::from(u32::MAX)) as u32, 0, 0];
         on.write(&photons.count, 0, bytemuck::cast_slice(&words))?;
         let mut room = self.spare.pop().map_or_else(|| Room::new(on), Ok)?;
-        room.grow(on, length, nodes, photons.kept())?;
+        room.grow(on, length, nodes, photons.photon_format())?;
         let order = match &mut self.arrange {
             Arrange::Median(median) => median.order(on, &photons, length)?,
             Arrange::Morton(morton) => morton.order(on, &photons, length)?,
@@ -115,7 +115,7 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
         photons
     }
 
-    fn least_kept(&self) -> Kept {
-        Kept::Grey
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
     }
 }

@@ -1,6 +1,6 @@
 //! Where maps lie, and memory that grows.
 
-use photon_core::{Kept, Result};
+use photon_core::{PhotonFormat, Result};
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
@@ -28,9 +28,15 @@ impl Room {
     }
 
     /// Makes room for so many photons, of each of which so much is kept, and nodes.
-    pub(crate) fn grow(&mut self, on: &mut Vulkan, photons: u64, nodes: u64, kept: Kept) -> Result<()> {
+    pub(crate) fn grow(
+        &mut self,
+        on: &mut Vulkan,
+        photons: u64,
+        nodes: u64,
+        photon_format: PhotonFormat,
+    ) -> Result<()> {
         grow(on, &mut self.positions, "map: positions", 16 * photons)?;
-        grow(on, &mut self.power, "map: power", kept.flux_bytes() * photons)?;
+        grow(on, &mut self.power, "map: power", photon_format.flux_bytes() * photons)?;
         grow(on, &mut self.ids, "map: ids", 4 * photons)?;
         grow(on, &mut self.nodes, "map: nodes", 32 * nodes)?;
         grow(on, &mut self.totals, "map: totals", 4 * nodes)

@@ -8,7 +8,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{
-    Batch, Deposits, Kept, MapKind, PerMap, Photon, PhotonRay, Requirements, Result, Settings, Sharing, Tally, Tracer,
+    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result, Settings, Sharing, Tally,
+    Tracer,
 };
 
 use super::ends::{AIMED_FATES, FATES, tally, words};
@@ -243,8 +244,8 @@ impl Tracer<Vulkan> for VulkanTracer {
         Ok(tally(&words, self.fates, std::mem::take(&mut self.emitted)))
     }
 
-    fn least_kept(&self) -> Kept {
-        Kept::Grey
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
     }
 }
 
@@ -417,11 +418,11 @@ impl VulkanTracer {
             count: count as u32,
             places: room.places as u32,
         };
-        let kept = |(kind, target): (MapKind, &Option<&VulkanBuffer<Photon>>)| {
-            target.map_or(0, |to| to.kept().number()) << (2 * kind as u32)
+        let formats = |(kind, target): (MapKind, &Option<&VulkanBuffer<Photon>>)| {
+            target.map_or(0, |to| to.photon_format().number()) << (2 * kind as u32)
         };
-        let kept = targets.iter().map(kept).sum();
-        let scatter = on.kernel(&shaders::PHOTONS_SCATTER, &[0, 256, kept])?;
+        let formats = targets.iter().map(formats).sum();
+        let scatter = on.kernel(&shaders::PHOTONS_SCATTER, &[0, 256, formats])?;
         on.dispatch(&scatter, &push, room.places.div_ceil(256).min(2048))?;
         let push =
             AdvancePush { totals: room.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };

@@ -43,7 +43,7 @@ impl fmt::Display for Bound {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Denormals {
     /// It computes with them as with others. Bounds hold as they stand.
-    Kept,
+    PhotonFormat,
     /// It may take any of them for 0: inputs, results, and what is between. Bounds hold of the twin's value for
     /// the inputs or for the inputs with 0 for each of them, and [`FLUSHED`] is added to bounds of floats.
     Flushed,
@@ -53,12 +53,12 @@ impl Denormals {
     /// As the device says; of one that promises nothing, as a product of it shows.
     pub(super) fn of(on: &mut Vulkan) -> photon_core::Result<Self> {
         if on.limits().keeps_denormals {
-            return Ok(Self::Kept);
+            return Ok(Self::PhotonFormat);
         }
         // Function 2 ends with the scalar product.
         let tiny = input([1e-30, 1e-40, 0.0, 0.0], [1e-10, 0.0, 0.0, 0.0], [0.0; 4]);
         let outputs = run(on, &shaders::PROBE_MATH, 2, &[tiny])?;
-        Ok(if f32::from_bits(outputs[0][3]) > 0.0 { Self::Kept } else { Self::Flushed })
+        Ok(if f32::from_bits(outputs[0][3]) > 0.0 { Self::PhotonFormat } else { Self::Flushed })
     }
 }
 
@@ -143,7 +143,8 @@ mod tests {
 
     #[test]
     fn each_bound_can_be_exceeded() {
-        let at = |bound, a: f32, b: f32| share(bound, Denormals::Kept, &Input::default(), a.to_bits(), b.to_bits());
+        let at =
+            |bound, a: f32, b: f32| share(bound, Denormals::PhotonFormat, &Input::default(), a.to_bits(), b.to_bits());
         let next = f32::from_bits(1.0_f32.to_bits() + 1);
         assert!(at(Bound::Words, 0.0, -0.0) > 1.0 && at(Bound::Words, 2.0, 2.0) <= 0.0);
         assert!(at(Bound::Bits, 1.0, next) > 1.0 && at(Bound::BitsMagnified(|_| 1e30), 1.0, next) > 1.0);
@@ -155,7 +156,7 @@ mod tests {
             assert!(at(bound, f32::INFINITY, 1.0) > 1.0 && at(bound, 1.0, f32::NAN) > 1.0);
         }
         assert!(at(Bound::Relative(1e-6), 1e-20, 0.0) > 1.0);
-        let step = |a, b| share(Bound::Step, Denormals::Kept, &Input::default(), a, b);
+        let step = |a, b| share(Bound::Step, Denormals::PhotonFormat, &Input::default(), a, b);
         assert!(step(0x0001_FFFF, 0x0002_0000) <= 1.0);
         assert!(step(0, 2) > 1.0 && step(0x0002_0000, 0) > 1.0);
     }

@@ -64,7 +64,7 @@ impl<B: TransportBackend> Pipeline<B> {
     /// up are gone, and counts of paths that no film has.
     pub(super) fn recover(&mut self) -> Result<()> {
         for slot in self.maps.iter_mut().filter(|slot| slot.photons.is_none()) {
-            slot.allocate(&mut self.on, slot.capacity, self.required.kept)?;
+            slot.allocate(&mut self.on, slot.capacity, self.required.photon_format)?;
         }
         self.stages.tracer.take_tally(&mut self.on)?;
         if let Some(aimed) = &mut self.stages.aimed {

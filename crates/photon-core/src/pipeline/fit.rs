@@ -14,12 +14,12 @@ impl<B: TransportBackend> Pipeline<B> {
     pub(super) fn fit(&mut self, mut plan: Plan) -> Result<()> {
         let each = (plan.photons / (self.maps.len() as u64).max(1)).min(COUNTED);
         for slot in &mut self.maps {
-            slot.allocate(&mut self.on, each, self.required.kept)?;
+            slot.allocate(&mut self.on, each, self.required.photon_format)?;
         }
         let paths = self.settings.photons.min(PILOT_PATHS).min(plan.batch);
         let per_path = self.emit_and_count(paths, plan.batch)?.map(|needed| needed as f64 / f64::from(paths));
         let all: f64 = per_path.values().sum();
-        let costs = aimed::costs(self.on.costs(self.required.kept), self.stages.aimed.is_some());
+        let costs = aimed::costs(self.on.costs(self.required.photon_format), self.stages.aimed.is_some());
         plan.share(all, &irradiance::costs(&self.on, costs, &self.settings));
         self.batch = self.batch.min(plan.batch);
         self.settings.photons = plan.paths(all, self.settings.photons);
@@ -30,7 +30,7 @@ impl<B: TransportBackend> Pipeline<B> {
             let expected = f64::from(self.settings.photons) * per_path[slot.kind];
             let own = (expected * 1.05) as u64 + 1024;
             let capacity = self.settings.photon_capacity.map_or(own, |given| given.min(own));
-            slot.allocate(&mut self.on, capacity, self.required.kept)?;
+            slot.allocate(&mut self.on, capacity, self.required.photon_format)?;
         }
         Ok(())
     }

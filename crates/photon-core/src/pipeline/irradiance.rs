@@ -4,10 +4,10 @@ use super::Pipeline;
 use super::slot::BuiltMap;
 use crate::backend::{Backend, Stage, TransportBackend};
 use crate::error::Result;
-use crate::kept::Kept;
 use crate::kernel::Kernel;
 use crate::layout::{Estimate, Photon, Query};
 use crate::memory::Costs;
+use crate::photon_format::PhotonFormat;
 use crate::settings::Settings;
 use crate::stages::{EstimateBuffers, Gather, Pass, Rule};
 
@@ -30,7 +30,7 @@ const POINT_KERNEL: Kernel = Kernel::Constant;
 /// What the backend keeps, points included.
 pub(super) fn costs<B: TransportBackend>(on: &B, costs: Costs, settings: &Settings) -> Costs {
     // Points are whole records.
-    let point = size_of::<Query>() as u64 + size_of::<Estimate>() as u64 + on.costs(Kept::Whole).photon;
+    let point = size_of::<Query>() as u64 + size_of::<Estimate>() as u64 + on.costs(PhotonFormat::Full).photon;
     let points = settings.irradiance_every.map_or(0, |every| (point + point / 8).div_ceil(u64::from(every.max(1))));
     Costs { photon: costs.photon + points, ..costs }
 }

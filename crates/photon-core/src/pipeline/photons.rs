@@ -149,7 +149,7 @@ impl<B: TransportBackend> Pipeline<B> {
                     let label = slot.kind.label();
                     return Err(Error::CapacityExceeded { label, needed: fill.needed, capacity: fill.capacity });
                 }
-                slot.allocate(&mut self.on, fill.needed + fill.needed / 8, self.required.kept)?;
+                slot.allocate(&mut self.on, fill.needed + fill.needed / 8, self.required.photon_format)?;
                 grew = true;
             }
         }

@@ -2,9 +2,9 @@
 
 use crate::backend::Backend;
 use crate::error::Result;
-use crate::kept::Kept;
 use crate::layout::Photon;
 use crate::map_kind::{MapKind, PerMap};
+use crate::photon_format::PhotonFormat;
 use crate::stages::Gather;
 
 /// The photons of one map, and how far they are searched.
@@ -26,10 +26,10 @@ impl<B: Backend> MapSlot<B> {
     }
 
     /// A buffer for so many photons, in the place of what there was.
-    pub(super) fn allocate(&mut self, on: &mut B, capacity: u64, kept: Kept) -> Result<()> {
+    pub(super) fn allocate(&mut self, on: &mut B, capacity: u64, photon_format: PhotonFormat) -> Result<()> {
         self.photons = None;
         self.capacity = capacity;
-        self.photons = Some(on.alloc_photons(self.kind.label(), capacity, kept)?);
+        self.photons = Some(on.alloc_photons(self.kind.label(), capacity, photon_format)?);
         Ok(())
     }
 }

@@ -2,8 +2,8 @@
 
 use photon_core::{
     Backend, Budget, CausticPhotons, Direct, Error, ErrorPixel, Estimator, FilmPixel, Gather, IndexKind, Indirect,
-    Kept, Kernel, MapKind, Paper, Photon, Pipeline, Render, Requirements, Rule, Settings, TransportBackend, View,
-    render,
+    Kernel, MapKind, Paper, Photon, PhotonFormat, Pipeline, Render, Requirements, Rule, Settings, TransportBackend,
+    View, render,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes};
 
@@ -51,13 +51,18 @@ fn settings() -> Settings {
 }
 
 /// Pixels, what tells their errors, and what is allocated; and the backend back.
-fn picture<B: TransportBackend>(on: B, scene: &Scene, settings: &Settings, kept: Kept) -> Result<(Picture, B), Error> {
+fn picture<B: TransportBackend>(
+    on: B,
+    scene: &Scene,
+    settings: &Settings,
+    photon_format: PhotonFormat,
+) -> Result<(Picture, B), Error> {
     let view = View { camera: scene.camera(None, 12, 12).unwrap(), width: 12, height: 12 };
-    let required = Requirements { kept, ..Requirements::of(&scene.view(), settings) };
+    let required = Requirements { photon_format, ..Requirements::of(&scene.view(), settings) };
     let mut renderer = Pipeline::with_requirements(on, &scene.view(), view, settings.clone(), required)?;
     render(&mut renderer, Budget::passes(2), &mut ())?;
     let facts = renderer.facts();
-    assert_eq!(facts.required.kept, kept);
+    assert_eq!(facts.required.photon_format, photon_format);
     let film = renderer.film()?;
     Ok(((film.pixels, film.errors, facts.memory), renderer.into_backend()?))
 }
@@ -66,13 +71,13 @@ type Picture = (Vec<FilmPixel>, Option<Vec<ErrorPixel>>, Vec<(String, u64)>);
 
 /// Everything that is not grey is found, whatever it is.
 pub fn m1_grey_is_what_treats_channels_alike<T: TestBackend>() {
-    let kept = |which| Requirements::of(&room(which).view(), &settings()).kept;
-    assert_eq!(kept(None), Kept::Grey);
+    let photon_format = |which| Requirements::of(&room(which).view(), &settings()).photon_format;
+    assert_eq!(photon_format(None), PhotonFormat::Mono);
     for which in ["wall", "absorption", "tint", "mirror", "lamp", "bulb"] {
-        assert_eq!(kept(Some(which)), Kept::Power, "{which}");
+        assert_eq!(photon_format(Some(which)), PhotonFormat::NoDirection, "{which}");
     }
     let paper = Settings { estimator: Estimator::Paper(Paper::default()), ..settings() };
-    assert_eq!(Requirements::of(&room(None).view(), &paper).kept, Kept::Whole);
+    assert_eq!(Requirements::of(&room(None).view(), &paper).photon_format, PhotonFormat::Full);
 }
 
 /// By every way in which maps are built and read, of one power and of three in turns: the same bits as from whole
@@ -98,9 +103,13 @@ pub fn m2_less_is_the_same_picture<T: TestBackend>() {
     // Another for each picture would make its kernels anew.
     let mut on = T::make(2);
     for (number, way) in ways.iter().enumerate() {
-        let (scene, least) = if number % 2 == 0 { (room(None), Kept::Grey) } else { (room(Some("wall")), Kept::Power) };
-        assert_eq!(Requirements::of(&scene.view(), way).kept, least);
-        let (whole, back) = picture(on, &scene, way, Kept::Whole).unwrap();
+        let (scene, least) = if number % 2 == 0 {
+            (room(None), PhotonFormat::Mono)
+        } else {
+            (room(Some("wall")), PhotonFormat::NoDirection)
+        };
+        assert_eq!(Requirements::of(&scene.view(), way).photon_format, least);
+        let (whole, back) = picture(on, &scene, way, PhotonFormat::Full).unwrap();
         let (short, back) = picture(back, &scene, way, least).unwrap();
         on = back;
         assert!(short.0 == whole.0 && short.1 == whole.1, "way {number}");
@@ -123,15 +132,15 @@ pub fn m2_less_is_the_same_picture<T: TestBackend>() {
 pub fn m3_too_little_is_refused<T: TestBackend>() {
     let refused = |error: &Error| matches!(error, Error::InvalidSetting { .. });
     let coloured = room(Some("wall"));
-    assert!(picture(T::make(2), &coloured, &settings(), Kept::Grey).is_err_and(|error| refused(&error)));
+    assert!(picture(T::make(2), &coloured, &settings(), PhotonFormat::Mono).is_err_and(|error| refused(&error)));
     let paper = Settings { estimator: Estimator::Paper(Paper::default()), ..settings() };
-    assert!(picture(T::make(2), &room(None), &paper, Kept::Power).is_err_and(|error| refused(&error)));
+    assert!(picture(T::make(2), &room(None), &paper, PhotonFormat::NoDirection).is_err_and(|error| refused(&error)));
 
     let mut on = T::make(1);
-    for kept in [Kept::Grey, Kept::Power] {
-        let photons = on.alloc_photons("photons", 10, kept).unwrap();
+    for photon_format in [PhotonFormat::Mono, PhotonFormat::NoDirection] {
+        let photons = on.alloc_photons("photons", 10, photon_format).unwrap();
         let mut whole = Vec::<Photon>::new();
-        assert!(on.download(&photons, &mut whole).is_err_and(|error| refused(&error)), "{kept:?}");
+        assert!(on.download(&photons, &mut whole).is_err_and(|error| refused(&error)), "{photon_format:?}");
         let mut stages = on.map_stages(IndexKind::Morton).unwrap();
         let map = stages.builder.build(&mut on, photons).unwrap();
         let queries = on.upload("queries", &[query_at([0.0; 3], 1.0)]).unwrap();
@@ -140,8 +149,8 @@ pub fn m3_too_little_is_refused<T: TestBackend>() {
             let gather = Gather { min_normal_cosine: 0.5, ..Gather::by(rule) };
             stages.estimator.estimate(&mut on, &map, &queries, &gather, &mut estimates)
         };
-        assert!(ask(Rule::Radius).is_ok(), "{kept:?}");
+        assert!(ask(Rule::Radius).is_ok(), "{photon_format:?}");
         let paper = Rule::Paper { max: 4, threshold: 1, factor: 1.0 };
-        assert!(ask(paper).is_err_and(|error| refused(&error)), "{kept:?}");
+        assert!(ask(paper).is_err_and(|error| refused(&error)), "{photon_format:?}");
     }
 }

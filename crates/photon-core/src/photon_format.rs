@@ -11,19 +11,19 @@ use crate::settings::{Estimator, Settings};
 ///
 /// In that order too: what is less is compared as less.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kept {
+pub enum PhotonFormat {
     /// Position, normal, and one power that stands for three equal ones: 20 bytes.
-    Grey,
+    Mono,
     /// Position, normal and power: 28 bytes.
-    Power,
+    NoDirection,
     /// All of it, the direction too: 32 bytes.
     #[default]
-    Whole,
+    Full,
 }
 
-impl Kept {
+impl PhotonFormat {
     /// From the least to the most.
-    pub const ALL: [Self; 3] = [Self::Grey, Self::Power, Self::Whole];
+    pub const ALL: [Self; 3] = [Self::Mono, Self::NoDirection, Self::Full];
 
     /// The least that pictures of `scene` by `settings` are made of.
     ///
@@ -32,27 +32,27 @@ impl Kept {
     #[must_use]
     pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
         if matches!(settings.estimator, Estimator::Paper(_)) {
-            return Self::Whole;
+            return Self::Full;
         }
-        if is_grey(scene) { Self::Grey } else { Self::Power }
+        if is_grey(scene) { Self::Mono } else { Self::NoDirection }
     }
 
     /// Bytes of a photon.
     #[must_use]
     pub const fn bytes(self) -> u64 {
-        Self::PLACE_BYTES + self.flux_bytes()
+        Self::POSITION_NORMAL_BYTES + self.flux_bytes()
     }
 
     /// Of those, position and normal.
-    pub const PLACE_BYTES: u64 = 16;
+    pub const POSITION_NORMAL_BYTES: u64 = 16;
 
     /// Of those, what follows them: 4, 12 or 16.
     #[must_use]
     pub const fn flux_bytes(self) -> u64 {
         match self {
-            Self::Grey => 4,
-            Self::Power => 12,
-            Self::Whole => size_of::<Photon>() as u64 - Self::PLACE_BYTES,
+            Self::Mono => 4,
+            Self::NoDirection => 12,
+            Self::Full => size_of::<Photon>() as u64 - Self::POSITION_NORMAL_BYTES,
         }
     }
 
@@ -66,8 +66,8 @@ impl Kept {
     ///
     /// # Errors
     /// [`Error::InvalidSetting`] names it and what it keeps.
-    pub fn check_whole(self, label: &'static str) -> Result<()> {
-        if self == Self::Whole {
+    pub fn check_full(self, label: &'static str) -> Result<()> {
+        if self == Self::Full {
             return Ok(());
         }
         Err(Error::InvalidSetting {
@@ -81,9 +81,9 @@ impl Kept {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Grey => "position, normal and one power",
-            Self::Power => "position, normal and power",
-            Self::Whole => "position, normal, power and direction",
+            Self::Mono => "position, normal and one power",
+            Self::NoDirection => "position, normal and power",
+            Self::Full => "position, normal, power and direction",
         }
     }
 }
@@ -107,10 +107,10 @@ mod tests {
 
     #[test]
     fn what_is_kept_is_the_front_of_the_record() {
-        assert_eq!(Kept::ALL.map(Kept::bytes), [20, 28, 32]);
-        assert_eq!(Kept::Whole.bytes() as usize, size_of::<Photon>());
-        assert_eq!(Kept::PLACE_BYTES as usize, offset_of!(Photon, power));
-        assert_eq!(Kept::Power.bytes() as usize, offset_of!(Photon, direction));
-        assert!(Kept::ALL.is_sorted() && Kept::ALL.map(Kept::number) == [0, 1, 2]);
+        assert_eq!(PhotonFormat::ALL.map(PhotonFormat::bytes), [20, 28, 32]);
+        assert_eq!(PhotonFormat::Full.bytes() as usize, size_of::<Photon>());
+        assert_eq!(PhotonFormat::POSITION_NORMAL_BYTES as usize, offset_of!(Photon, power));
+        assert_eq!(PhotonFormat::NoDirection.bytes() as usize, offset_of!(Photon, direction));
+        assert!(PhotonFormat::ALL.is_sorted() && PhotonFormat::ALL.map(PhotonFormat::number) == [0, 1, 2]);
     }
 }

@@ -1,4 +1,4 @@
-// What the nearest photon of each query says: twin of backend-cpu's estimate.rs, `Rule::Closest`. One
+// What the nearest photon of each query says: twin of backend-cpu's estimate.rs, `Search::NearestPhoton`. One
 // invocation per query, and little to be shared: a few leaves are all that is read. Where a device ends
 // long loops it looks at some 60 000 photons that face another way before it gives up.
 #version 460

@@ -1,5 +1,5 @@
 // The k nearest photons, exactly, ties by lower id: estimates from them, or their ids. Twin of
-// backend-cpu's estimate.rs, `Rule::Nearest` and `Rule::Paper`, and of its index/nearest.rs.
+// backend-cpu's estimate.rs, `Search::KNearest` and `Search::Paper`, and of its index/nearest.rs.
 //
 // No list of k is kept: bins tell between which distances the k-th lies, and a second walk adds up what
 // is nearer and holds the few points in between one by one.

@@ -1,4 +1,4 @@
-// Estimates from all photons within a radius. Twin of backend-cpu's estimate.rs, `Rule::Radius`.
+// Estimates from all photons within a radius. Twin of backend-cpu's estimate.rs, `Search::Radius`.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -26,7 +26,7 @@ layout(constant_id = 7) const uint FLAT = 0;
 layout(constant_id = 4) const uint KERNEL = 0;
 // Whether normals are compared.
 layout(constant_id = 5) const uint FILTER = 1;
-// Whether a `ErrorMoments` is told with each estimate, to where `push.ids` points.
+// Whether an `ErrorMoments` is told with each estimate, to where `push.ids` points.
 layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 
 // The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.

@@ -1,8 +1,8 @@
 //! What a film claims of its own error, against fields whose truth is known, and scenes.
 
 use photon_core::{
-    Backend, Budget, Claim, ErrorMoments, Flags, Gather, IndexKind, Kernel, Photon, Plan, RandomKind, Rule, Settings,
-    render,
+    Backend, Budget, Claim, ErrorMoments, EstimateParams, Flags, IndexKind, Kernel, Photon, Plan, RandomKind, Search,
+    Settings, render,
 };
 use photon_scene::builtin;
 
@@ -68,7 +68,8 @@ pub fn e4_spread_of_known_photons<T: TestBackend>() {
             .to_vec();
     photons[3].normal = wall;
     let queries = [query_at([0.0; 3], 0.1)];
-    let gather = Gather { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) };
+    let gather =
+        EstimateParams { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.7, ..EstimateParams::new(Search::Radius) };
     let mut on = T::make(2);
     let mut stages = on.map_stages(IndexKind::Morton).unwrap();
     let there = on.upload("photons", &photons).unwrap();

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use photon_core::{
-    Backend, Batch, Direct, Estimate, Gather, IndexKind, MapKind, Pass, PerMap, Photon, PhotonFormat, PhotonRay, Query,
-    RandomKind, Requirements, Rule, Settings, TransportBackend,
+    Backend, Batch, Direct, Estimate, EstimateParams, IndexKind, MapKind, Pass, PerMap, Photon, PhotonFormat,
+    PhotonRay, Query, RandomKind, Requirements, Search, Settings, TransportBackend,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
@@ -79,14 +79,14 @@ fn found<B: TransportBackend>(on: &mut B, photons: B::Buffer<Photon>, kind: Inde
     let map = stages.builder.build(on, photons).unwrap();
     let asked = on.upload("queries", &queries).unwrap();
     let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
-    let ask = |rule| {
-        let gather = Gather { min_normal_cosine: 0.5, ..Gather::by(rule) };
+    let ask = |search| {
+        let gather = EstimateParams { min_normal_cosine: 0.5, ..EstimateParams::new(search) };
         stages.estimator.estimate(on, &map, &asked, &gather, &mut estimates).unwrap();
         let mut found = Vec::new();
         on.download(&estimates, &mut found).unwrap();
         found
     };
-    [Rule::Closest, Rule::Radius, Rule::Nearest { k: 12 }].map(ask).concat()
+    [Search::NearestPhoton, Search::Radius, Search::KNearest { k: 12 }].map(ask).concat()
 }
 
 /// Photons in the fullest cell of the grid of 2²¹ cells to a side about all of them.

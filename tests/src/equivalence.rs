@@ -7,8 +7,8 @@
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Aim, Area, Backend, Batch, Direct, Estimator, Gather, IndexKind, Indirect, Kernel, Pass, Photon, PhotonRay,
-    RandomKind, Requirements, Rule, Settings, TransportBackend,
+    Aim, Area, Backend, Batch, Direct, EstimateParams, Estimator, IndexKind, Indirect, Kernel, Pass, Photon, PhotonRay,
+    RandomKind, Requirements, Search, Settings, TransportBackend,
 };
 use photon_scene::{Scene, builtin};
 
@@ -163,24 +163,28 @@ pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>(
             })
             .collect();
         let mut gathers = Vec::new();
-        for rule in [
-            Rule::Radius,
-            Rule::Nearest { k: 50 },
-            Rule::Nearest { k: 500 },
-            Rule::Paper { max: 100, threshold: 8, factor: 1.0 },
+        for search in [
+            Search::Radius,
+            Search::KNearest { k: 50 },
+            Search::KNearest { k: 500 },
+            Search::Paper { max: 100, threshold: 8, factor: 1.0 },
         ] {
-            gathers.extend(KERNELS.map(|kernel| Gather { kernel, min_normal_cosine: 0.9, ..Gather::by(rule) }));
+            gathers.extend(KERNELS.map(|kernel| EstimateParams {
+                kernel,
+                min_normal_cosine: 0.9,
+                ..EstimateParams::new(search)
+            }));
         }
         for kind in [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton] {
             let a = estimates::<A>(kind, &photons, &queries, &gathers);
             let b = estimates::<B>(kind, &photons, &queries, &gathers);
-            for ((a, b), Gather { rule, kernel, .. }) in a.iter().zip(&b).zip(&gathers) {
+            for ((a, b), EstimateParams { search, kernel, .. }) in a.iter().zip(&b).zip(&gathers) {
                 assert!(a.len() == queries.len() && b.len() == queries.len());
                 for (i, (a, b)) in a.iter().zip(b).enumerate() {
-                    assert_eq!((a.photons, a.flags), (b.photons, b.flags), "{kind:?} {rule:?} {kernel:?} {i}");
-                    assert_eq!(a.radius_squared.to_bits(), b.radius_squared.to_bits(), "{kind:?} {rule:?} {i}");
+                    assert_eq!((a.photons, a.flags), (b.photons, b.flags), "{kind:?} {search:?} {kernel:?} {i}");
+                    assert_eq!(a.radius_squared.to_bits(), b.radius_squared.to_bits(), "{kind:?} {search:?} {i}");
                     let bound = 1e-5 * Vec3::from(a.flux).length() + 1e-12;
-                    assert!(near(a.flux, b.flux, bound), "{kind:?} {rule:?} {kernel:?} {i}: {a:?} {b:?}");
+                    assert!(near(a.flux, b.flux, bound), "{kind:?} {search:?} {kernel:?} {i}: {a:?} {b:?}");
                 }
             }
         }
@@ -254,7 +258,7 @@ pub fn uniform_plane_replays<A: TestBackend, B: TestBackend>() {
     let mut draw = || (uniform.draw() * 2.0 - 1.0) as f32;
     let photons: Vec<_> = (0..20_000).map(|_| photon_at([draw(), draw(), 0.0])).collect();
     let queries: Vec<_> = (0..500).map(|_| query_at([draw(), draw(), 0.0], 0.1)).collect();
-    let gather = Gather::by(Rule::Radius);
+    let gather = EstimateParams::new(Search::Radius);
     let a = estimate::<A>(IndexKind::Morton, &photons, &queries, &gather);
     let b = estimate::<B>(IndexKind::Morton, &photons, &queries, &gather);
     // Powers of 1: the sums are whole numbers, and exact.

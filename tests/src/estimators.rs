@@ -1,6 +1,6 @@
 //! A: density estimation in fields of known density.
 
-use photon_core::{Gather, IndexKind, Kernel, Photon, Rule, radius_squared_factor};
+use photon_core::{EstimateParams, IndexKind, Kernel, Photon, Search, radius_squared_factor};
 use std::f64::consts::PI;
 
 use crate::harness::{TestBackend, Uniform, estimate, photon_at, query_at};
@@ -31,12 +31,18 @@ pub fn poisson(density: f64, seed: u64) -> Vec<Photon> {
     }
 }
 
-fn gather(rule: Rule, kernel: Kernel) -> Gather {
-    Gather { kernel, min_normal_cosine: 0.7, ..Gather::by(rule) }
+fn gather(search: Search, kernel: Kernel) -> EstimateParams {
+    EstimateParams { kernel, min_normal_cosine: 0.7, ..EstimateParams::new(search) }
 }
 
 /// Estimates over the truth at 256 places, far enough apart to be independent, in `fields` fields.
-fn relative<T: TestBackend>(kind: IndexKind, density: f64, radius: f32, fields: u64, gather: &Gather) -> Vec<f64> {
+fn relative<T: TestBackend>(
+    kind: IndexKind,
+    density: f64,
+    radius: f32,
+    fields: u64,
+    gather: &EstimateParams,
+) -> Vec<f64> {
     let queries: Vec<_> = (0..256)
         .map(|i| query_at([(i % 16) as f32 * 0.05 - 0.375, (i / 16) as f32 * 0.05 - 0.375, 0.0], radius))
         .collect();
@@ -63,8 +69,8 @@ fn check(what: &str, values: &[f64], mean: f64, variance: f64) {
 /// A1: the naive k/(π r²), which the paper's rule is, is too bright by k/(k−1).
 pub fn a1_naive_knn_is_too_bright<T: TestBackend>() {
     for k in [5_u32, 10, 50] {
-        let rule = Rule::Paper { max: k, threshold: 0, factor: 1.0 };
-        let values = relative::<T>(IndexKind::Median, DENSITY, 0.5, 12, &gather(rule, Kernel::Constant));
+        let search = Search::Paper { max: k, threshold: 0, factor: 1.0 };
+        let values = relative::<T>(IndexKind::Median, DENSITY, 0.5, 12, &gather(search, Kernel::Constant));
         let k = f64::from(k);
         let variance = (k / (k - 1.0)).powi(2) / (k - 2.0);
         let error = (variance / values.len() as f64).sqrt();
@@ -76,7 +82,7 @@ pub fn a1_naive_knn_is_too_bright<T: TestBackend>() {
 pub fn a2_corrected_knn_is_unbiased<T: TestBackend>() {
     for kind in INDICES {
         for k in [10_u32, 50, 100] {
-            let values = relative::<T>(kind, DENSITY, 0.5, 8, &gather(Rule::Nearest { k }, Kernel::Constant));
+            let values = relative::<T>(kind, DENSITY, 0.5, 8, &gather(Search::KNearest { k }, Kernel::Constant));
             check(&format!("{kind:?} k={k}"), &values, 1.0, 1.0 / (f64::from(k) - 2.0));
         }
     }
@@ -87,10 +93,10 @@ pub fn a3_a4_kernels_in_knn_are_unbiased<T: TestBackend>() {
     for (kernel, second_moment) in
         [(Kernel::Epanechnikov, 4.0 / 3.0), (Kernel::Biweight, 9.0 / 5.0), (Kernel::Cone { slope: 1.0 }, 3.0 / 2.0)]
     {
-        let values = relative::<T>(IndexKind::Morton, DENSITY, 0.5, 8, &gather(Rule::Nearest { k: 50 }, kernel));
+        let values = relative::<T>(IndexKind::Morton, DENSITY, 0.5, 8, &gather(Search::KNearest { k: 50 }, kernel));
         check(&format!("{kernel:?}"), &values, 1.0, second_moment / 48.0);
     }
-    let cone = gather(Rule::Nearest { k: 10 }, Kernel::Cone { slope: 1.1 });
+    let cone = gather(Search::KNearest { k: 10 }, Kernel::Cone { slope: 1.1 });
     let values = relative::<T>(IndexKind::Morton, DENSITY, 0.5, 8, &cone);
     let (mean, variance) = moments(&values);
     // With the k-th photon it would be 1.0256.
@@ -103,7 +109,7 @@ pub fn a6_fixed_radius_mean_and_variance<T: TestBackend>() {
     for (kernel, roughness) in
         KERNELS.into_iter().zip([std::f64::consts::FRAC_1_PI, 0.424_413, 0.477_465, f64::NAN, 0.572_958])
     {
-        let values = relative::<T>(IndexKind::Morton, DENSITY, h as f32, 8, &gather(Rule::Radius, kernel));
+        let values = relative::<T>(IndexKind::Morton, DENSITY, h as f32, 8, &gather(Search::Radius, kernel));
         let n = values.len() as f64;
         let (mean, variance) = moments(&values);
         assert_agrees(&format!("{kernel:?}"), mean, 1.0, (variance / n).sqrt(), 0.0);
@@ -140,7 +146,7 @@ pub fn a7_bias_of_curvature<T: TestBackend>() {
         (Kernel::Cone { slope: 1.0 }, 1.006),
     ] {
         let query = query_at([0.0; 3], h as f32);
-        let found = estimate::<T>(IndexKind::Morton, &photons, &[query], &gather(Rule::Radius, kernel));
+        let found = estimate::<T>(IndexKind::Morton, &photons, &[query], &gather(Search::Radius, kernel));
         assert_agrees(&format!("{kernel:?}"), found[0].irradiance(1)[0], truth, 0.0, bound);
     }
 }
@@ -153,7 +159,7 @@ pub fn a8_loss_at_edges<T: TestBackend>() {
     let bound = 4.0 * (PI * h * h / cell / cell).powf(-0.75);
     let ask = |photons: &[Photon], x: f64, kernel| {
         let query = query_at([x as f32, 0.0, 0.0], h as f32);
-        estimate::<T>(IndexKind::Median, photons, &[query], &gather(Rule::Radius, kernel))[0].irradiance(1)[0]
+        estimate::<T>(IndexKind::Median, photons, &[query], &gather(Search::Radius, kernel))[0].irradiance(1)[0]
     };
     for (t, fraction) in [(0.0, 0.5), (0.1, 0.563_556), (0.25, 0.657_481), (0.5, 0.804_499), (0.9, 0.981_307)] {
         assert_agrees("edge", ask(&half_plane, t * h, Kernel::Constant), fraction, 0.0, bound);
@@ -176,7 +182,7 @@ pub fn a9_no_bias_on_a_sphere<T: TestBackend>() {
     };
     let photons: Vec<_> = (0..n).map(|i| photon_at(at(f64::from(i), f64::from(n)))).collect();
     let queries: Vec<_> = (0..500).map(|i| query_at(at(f64::from(i), 500.0), 0.125)).collect();
-    let all = Gather { min_normal_cosine: -1.0, ..gather(Rule::Radius, Kernel::Constant) };
+    let all = EstimateParams { min_normal_cosine: -1.0, ..gather(Search::Radius, Kernel::Constant) };
     let values: Vec<f64> =
         estimate::<T>(IndexKind::Vvh, &photons, &queries, &all).iter().map(|e| e.irradiance(1)[0]).collect();
     let truth = f64::from(n) / (4.0 * PI * 0.25);
@@ -193,7 +199,7 @@ pub fn a12_progressive_variance<T: TestBackend>() {
     let mut sums = vec![0.0; 256];
     for pass in 0..100 {
         let factor = radius_squared_factor(pass, 2.0 / 3.0).sqrt();
-        let how = Gather { radius_scale: factor as f32, ..gather(Rule::Radius, Kernel::Constant) };
+        let how = EstimateParams { radius_scale: factor as f32, ..gather(Search::Radius, Kernel::Constant) };
         let field = 5000 + u64::from(pass);
         let queries: Vec<_> = (0..256)
             .map(|i| query_at([(i % 16) as f32 * 0.05 - 0.375, (i / 16) as f32 * 0.05 - 0.375, 0.0], r1 as f32))
@@ -216,8 +222,8 @@ pub fn a13_threshold_darkens<T: TestBackend>() {
         [(8.0, 8, 0.686_626), (4.0, 8, 0.110_674), (16.0, 8, 0.995_994), (2.0, 4, 0.323_324)]
     {
         let h = (mean / (PI * DENSITY)).sqrt();
-        let rule = Rule::Paper { max: 10_000, threshold, factor: 1.0 };
-        let values = relative::<T>(IndexKind::Median, DENSITY, h as f32, 8, &gather(rule, Kernel::Constant));
+        let search = Search::Paper { max: 10_000, threshold, factor: 1.0 };
+        let values = relative::<T>(IndexKind::Median, DENSITY, h as f32, 8, &gather(search, Kernel::Constant));
         let error = ((mean + 1.0) / mean / values.len() as f64).sqrt();
         assert_agrees("threshold", moments(&values).0, share, error, 0.0);
     }

@@ -7,8 +7,8 @@
 use std::f64::consts::PI;
 
 use photon_core::{
-    Claim, ErrorMoments, Estimate, Film, Gather, IndexKind, Kernel, Layer, MapKind, MapStages, Photon, Query, Result,
-    Rule, TransportBackend, Units, radius_squared_factor,
+    Claim, ErrorMoments, Estimate, EstimateParams, Film, IndexKind, Kernel, Layer, MapKind, MapStages, Photon, Query,
+    Result, Search, TransportBackend, Units, radius_squared_factor,
 };
 use photon_scene::{MaterialDesc, SceneBuilder};
 
@@ -153,11 +153,11 @@ pub fn films_of<B: TransportBackend>(
     let mut uniform = Uniform::new(trial.seed);
     for pass in 0..trial.passes {
         let shrink = radius_squared_factor(pass, trial.alpha).sqrt();
-        let gather = Gather {
+        let gather = EstimateParams {
             kernel: Kernel::Epanechnikov,
             radius_scale: shrink as f32,
             min_normal_cosine: 0.7,
-            ..Gather::by(Rule::Radius)
+            ..EstimateParams::new(Search::Radius)
         };
         let photons = on.upload("photons", &trial.photons(field, shrink, &mut uniform))?;
         let map = builder.build(on, photons)?;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Backend, Batch, Estimate, Film, Gather, IndexKind, Pass, PerMap, Photon, PhotonRay, Pipeline, Query, RandomKind,
-    Render, Requirements, Settings, Stages, Tally, TransportBackend, View, octahedral,
+    Backend, Batch, Estimate, EstimateParams, Film, IndexKind, Pass, PerMap, Photon, PhotonRay, Pipeline, Query,
+    RandomKind, Render, Requirements, Settings, Stages, Tally, TransportBackend, View, octahedral,
 };
 use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
 
@@ -68,7 +68,7 @@ pub fn estimate<T: TestBackend>(
     kind: IndexKind,
     photons: &[Photon],
     queries: &[Query],
-    gather: &Gather,
+    gather: &EstimateParams,
 ) -> Vec<Estimate> {
     estimates::<T>(kind, photons, queries, std::slice::from_ref(gather)).concat()
 }
@@ -78,7 +78,7 @@ pub fn estimates<T: TestBackend>(
     kind: IndexKind,
     photons: &[Photon],
     queries: &[Query],
-    gathers: &[Gather],
+    gathers: &[EstimateParams],
 ) -> Vec<Vec<Estimate>> {
     let mut on = T::make(2);
     let mut stages = on.map_stages(kind).unwrap();

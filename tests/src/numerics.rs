@@ -2,15 +2,16 @@
 
 use photon_core::random::{Domain, Sampler, lcg};
 use photon_core::{
-    Backend, Budget, Error, Estimate, Gather, IndexKind, Photon, Pipeline, RandomKind, Rule, Settings, View, render,
+    Backend, Budget, Error, Estimate, EstimateParams, IndexKind, Photon, Pipeline, RandomKind, Search, Settings, View,
+    render,
 };
 use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, SceneError, shapes};
 use std::f64::consts::PI;
 
 use crate::harness::{TestBackend, Uniform, estimate, film, photon_at, query_at, trace, unit};
 
-fn gather(rule: Rule) -> Gather {
-    Gather { min_normal_cosine: 0.7, ..Gather::by(rule) }
+fn gather(search: Search) -> EstimateParams {
+    EstimateParams { min_normal_cosine: 0.7, ..EstimateParams::new(search) }
 }
 
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
@@ -80,11 +81,12 @@ pub fn s1_no_leaks_through_slivers<T: TestBackend>() {
 pub fn s6_coincident_photons<T: TestBackend>() {
     for kind in INDICES {
         let photons = vec![photon_at([0.1, 0.2, 0.0]); 100];
-        for rule in [Rule::Nearest { k: 50 }, Rule::Radius, Rule::Paper { max: 50, threshold: 0, factor: 1.0 }] {
-            let found = estimate::<T>(kind, &photons, &[query_at([0.1, 0.2, 0.0], 0.01)], &gather(rule))[0];
+        for search in [Search::KNearest { k: 50 }, Search::Radius, Search::Paper { max: 50, threshold: 0, factor: 1.0 }]
+        {
+            let found = estimate::<T>(kind, &photons, &[query_at([0.1, 0.2, 0.0], 0.01)], &gather(search))[0];
             let value = found.irradiance(1)[0];
-            assert!(value.is_finite() && value > 0.0, "{rule:?}: {found:?}");
-            assert_eq!(found.flags & Estimate::SINGULAR != 0, rule != Rule::Radius, "{rule:?}");
+            assert!(value.is_finite() && value > 0.0, "{search:?}: {found:?}");
+            assert_eq!(found.flags & Estimate::SINGULAR != 0, search != Search::Radius, "{search:?}");
         }
     }
 }
@@ -94,7 +96,7 @@ pub fn s7_fewer_photons_than_k<T: TestBackend>() {
     for count in [0_usize, 1, 49] {
         let photons: Vec<Photon> = (0..count).map(|i| photon_at([i as f32 * 1e-3, 0.0, 0.0])).collect();
         let found =
-            estimate::<T>(IndexKind::Median, &photons, &[query_at([0.0; 3], 0.1)], &gather(Rule::Nearest { k: 50 }));
+            estimate::<T>(IndexKind::Median, &photons, &[query_at([0.0; 3], 0.1)], &gather(Search::KNearest { k: 50 }));
         let value = found[0].irradiance(1)[0];
         assert!((value - count as f64 / (PI * 0.01)).abs() < 1e-3 * value.max(1e-9), "{count}: {value}");
     }
@@ -105,10 +107,10 @@ pub fn s8_degenerate_maps<T: TestBackend>() {
     for kind in INDICES {
         let heap = vec![photon_at([0.25; 3]); 1_000_000];
         let found =
-            estimate::<T>(kind, &heap, &[query_at([0.25; 3], 0.1), query_at([0.0; 3], 0.1)], &gather(Rule::Radius));
+            estimate::<T>(kind, &heap, &[query_at([0.25; 3], 0.1), query_at([0.0; 3], 0.1)], &gather(Search::Radius));
         assert_eq!((found[0].photons, found[1].photons), (1_000_000, 0));
         let line: Vec<_> = (0..10_001).map(|i| photon_at([i as f32 / 10_000.0 - 0.5, 0.0, 0.0])).collect();
-        let found = estimate::<T>(kind, &line, &[query_at([0.0; 3], 0.1)], &gather(Rule::Nearest { k: 101 }));
+        let found = estimate::<T>(kind, &line, &[query_at([0.0; 3], 0.1)], &gather(Search::KNearest { k: 101 }));
         assert!((found[0].radius_squared.sqrt() - 0.005).abs() < 1e-6, "{found:?}");
     }
 }
@@ -143,7 +145,7 @@ pub fn s10_n1_many_small_numbers<T: TestBackend>() {
                 ..photon_at([(i % 1000) as f32 * 1e-7, (i / 1000) as f32 * 1e-7, 0.0])
             })
             .collect();
-        let found = estimate::<T>(IndexKind::Morton, &photons, &[query_at([0.0; 3], 0.1)], &gather(Rule::Radius));
+        let found = estimate::<T>(IndexKind::Morton, &photons, &[query_at([0.0; 3], 0.1)], &gather(Search::Radius));
         assert!((f64::from(found[0].flux[0]) / (1e6 * f64::from(power)) - 1.0).abs() < 1e-6, "{found:?}");
     }
 }
@@ -238,8 +240,8 @@ pub fn s27_neighbour_sets_are_exact<T: TestBackend>() {
     let photons: Vec<_> = (0..3000).map(|_| photon_at(point())).collect();
     let queries: Vec<_> = (0..500).map(|_| query_at(point(), 0.2)).collect();
     for kind in INDICES {
-        let nearest = estimate::<T>(kind, &photons, &queries, &gather(Rule::Nearest { k: 20 }));
-        let within = estimate::<T>(kind, &photons, &queries, &gather(Rule::Radius));
+        let nearest = estimate::<T>(kind, &photons, &queries, &gather(Search::KNearest { k: 20 }));
+        let within = estimate::<T>(kind, &photons, &queries, &gather(Search::Radius));
         for ((query, nearest), within) in queries.iter().zip(nearest).zip(within) {
             let mut squares: Vec<f32> = photons
                 .iter()

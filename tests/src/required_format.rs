@@ -1,9 +1,9 @@
 //! How much of photons maps keep: what is read, and the same picture as from whole ones.
 
 use photon_core::{
-    Backend, Budget, CausticPhotons, Direct, Error, ErrorPixel, Estimator, FilmPixel, Gather, IndexKind, Indirect,
-    Kernel, MapKind, Paper, Photon, PhotonFormat, Pipeline, Render, Requirements, Rule, Settings, TransportBackend,
-    View, render,
+    Backend, Budget, CausticPhotons, Direct, Error, ErrorPixel, EstimateParams, Estimator, FilmPixel, IndexKind,
+    Indirect, Kernel, MapKind, Paper, Photon, PhotonFormat, Pipeline, Render, Requirements, Search, Settings,
+    TransportBackend, View, render,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes};
 
@@ -145,12 +145,12 @@ pub fn m3_too_little_is_refused<T: TestBackend>() {
         let map = stages.builder.build(&mut on, photons).unwrap();
         let queries = on.upload("queries", &[query_at([0.0; 3], 1.0)]).unwrap();
         let mut estimates = on.alloc("estimates", 1).unwrap();
-        let mut ask = |rule| {
-            let gather = Gather { min_normal_cosine: 0.5, ..Gather::by(rule) };
+        let mut ask = |search| {
+            let gather = EstimateParams { min_normal_cosine: 0.5, ..EstimateParams::new(search) };
             stages.estimator.estimate(&mut on, &map, &queries, &gather, &mut estimates)
         };
-        assert!(ask(Rule::Radius).is_ok(), "{photon_format:?}");
-        let paper = Rule::Paper { max: 4, threshold: 1, factor: 1.0 };
+        assert!(ask(Search::Radius).is_ok(), "{photon_format:?}");
+        let paper = Search::Paper { max: 4, threshold: 1, factor: 1.0 };
         assert!(ask(paper).is_err_and(|error| refused(&error)), "{photon_format:?}");
     }
 }

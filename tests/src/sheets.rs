@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use photon_core::{
-    Area, Backend, Direct, ErrorMoments, Estimate, Estimator, Gather, IndexKind, Indirect, Kernel, Photon, Query, Rule,
-    Settings, TransportBackend,
+    Area, Backend, Direct, ErrorMoments, Estimate, EstimateParams, Estimator, IndexKind, Indirect, Kernel, Photon,
+    Query, Search, Settings, TransportBackend,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
@@ -35,7 +35,7 @@ fn ask<B: TransportBackend>(
     on: &mut B,
     photons: &[Photon],
     queries: &[Query],
-    gather: &Gather,
+    gather: &EstimateParams,
 ) -> (Vec<Estimate>, Vec<Estimate>, Vec<ErrorMoments>) {
     let mut stages = on.map_stages(IndexKind::Morton).unwrap();
     let there = on.upload("photons", photons).unwrap();
@@ -65,12 +65,12 @@ pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
     let disc = PI * RADIUS * RADIUS;
     let rest = 1.0 - APART * APART;
     for (kernel, power) in [(Kernel::Constant, 1), (Kernel::Epanechnikov, 2), (Kernel::Biweight, 3)] {
-        let ball = Gather { kernel, min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) };
+        let ball = EstimateParams { kernel, min_normal_cosine: 0.7, ..EstimateParams::new(Search::Radius) };
         let [mut near, mut wide, mut narrow, mut stray, mut all] = [(); 5].map(|()| Vec::new());
         for seed in 0..2 {
             let photons = photons(700 + seed);
             let (alone, together, records) =
-                ask(&mut on, &photons, &queries, &Gather { max_plane_distance: SHARE, ..ball });
+                ask(&mut on, &photons, &queries, &EstimateParams { max_plane_distance: SHARE, ..ball });
             for (a, b) in alone.iter().zip(&together) {
                 // The same photons, summed in another order.
                 let same = a.photons == b.photons && (a.flux[0] - b.flux[0]).abs() <= 1e-5 * a.flux[0];
@@ -94,7 +94,11 @@ pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
         assert!(!agrees(moments(&all).0, 1.0, standard_error(&all), 0.0), "{kernel:?}: nothing was to be seen");
     }
     // Where no radius is given there is no share of it.
-    let nearest = Gather { min_normal_cosine: 0.7, max_plane_distance: SHARE, ..Gather::by(Rule::Nearest { k: 9 }) };
+    let nearest = EstimateParams {
+        min_normal_cosine: 0.7,
+        max_plane_distance: SHARE,
+        ..EstimateParams::new(Search::KNearest { k: 9 })
+    };
     let mut stages = on.map_stages(IndexKind::Morton).unwrap();
     let there = on.upload("photons", &photons(1)).unwrap();
     let map = stages.builder.build(&mut on, there).unwrap();

@@ -6,8 +6,8 @@ use photon_core::area::{self, HEIGHT, LEAST_RADIUS, Probe, RINGS, SHEETS, SPOKES
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    AreaProbe, EstimateBuffers, Gather, Lobe, Pass, Query, RandomKind, Ray, Result, SurfaceInteraction, math, offset,
-    sampling,
+    AreaProbe, EstimateBuffers, EstimateParams, Lobe, Pass, Query, RandomKind, Ray, Result, SurfaceInteraction, math,
+    offset, sampling,
 };
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ impl AreaProbe<Cpu> for CpuArea {
         scene: &CpuScene,
         pass: Pass,
         queries: &CpuBuffer<Query>,
-        gather: &Gather,
+        gather: &EstimateParams,
         buffers: EstimateBuffers<'_, Cpu>,
     ) -> Result<()> {
         let estimates = buffers.estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK));
@@ -71,7 +71,7 @@ struct Disc<'a> {
     scene: &'a CpuScene,
     pass: Pass,
     query: &'a Query,
-    gather: &'a Gather,
+    gather: &'a EstimateParams,
     radius: f32,
 }
 

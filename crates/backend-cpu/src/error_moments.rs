@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use photon_core::{ErrorMoments, Estimate, Gather, sampling};
+use photon_core::{ErrorMoments, Estimate, EstimateParams, sampling};
 
 use crate::estimate::{Place, Sum};
 use crate::map::{CpuMap, Powers};
@@ -11,8 +11,12 @@ use crate::power::Power;
 /// A photon farther from the query's plane than this share of the wide radius is on another surface.
 const OFF_PLANE: f32 = 0.25;
 
-/// The estimate of `Rule::Radius`, to the bit, and what the photons within √2 times the radius tell.
-pub(crate) fn estimate_with_moments_at(map: &CpuMap, place: Place, gather: &Gather) -> (Estimate, ErrorMoments) {
+/// The estimate of `Search::Radius`, to the bit, and what the photons within √2 times the radius tell.
+pub(crate) fn estimate_with_moments_at(
+    map: &CpuMap,
+    place: Place,
+    gather: &EstimateParams,
+) -> (Estimate, ErrorMoments) {
     match (map.powers(), gather.is_flat()) {
         (Powers::Grey(powers), false) => estimate_with_moments_of::<false, _>(map, powers, place, gather),
         (Powers::Grey(powers), true) => estimate_with_moments_of::<true, _>(map, powers, place, gather),
@@ -27,7 +31,7 @@ fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     map: &CpuMap,
     powers: &[P],
     place: Place,
-    gather: &Gather,
+    gather: &EstimateParams,
 ) -> (Estimate, ErrorMoments) {
     let normal = place.normal;
     let radius_squared = place.radius * place.radius;

@@ -2,7 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    ErrorMoments, Estimate, Gather, PhotonFormat, Query, RadianceEstimator, Result, Rule, octahedral, typical,
+    ErrorMoments, Estimate, EstimateParams, PhotonFormat, Query, RadianceEstimator, Result, Search, octahedral, typical,
 };
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         on: &mut Cpu,
         map: &CpuMap,
         queries: &CpuBuffer<Query>,
-        gather: &Gather,
+        gather: &EstimateParams,
         estimates: &mut CpuBuffer<Estimate>,
     ) -> Result<()> {
         gather.validate_for(map.photon_format())?;
@@ -53,7 +53,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         on: &mut Cpu,
         map: &CpuMap,
         queries: &CpuBuffer<Query>,
-        gather: &Gather,
+        gather: &EstimateParams,
         estimates: &mut CpuBuffer<Estimate>,
         error_moments: &mut CpuBuffer<ErrorMoments>,
     ) -> Result<()> {
@@ -120,7 +120,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    fn of(query: &Query, gather: &Gather) -> Self {
+    fn of(query: &Query, gather: &EstimateParams) -> Self {
         let radius = query.radius * gather.radius_scale;
         Self { position: query.position, normal: query.normal.into(), radius }
     }
@@ -139,7 +139,7 @@ impl Place {
 }
 
 /// The estimate at one place.
-pub(crate) fn estimate_at(map: &CpuMap, place: Place, gather: &Gather, scratch: &mut Neighbours) -> Estimate {
+pub(crate) fn estimate_at(map: &CpuMap, place: Place, gather: &EstimateParams, scratch: &mut Neighbours) -> Estimate {
     match map.powers() {
         Powers::Grey(powers) => estimate_of(map, powers, place, gather, scratch),
         Powers::Colour(powers) => estimate_of(map, powers, place, gather, scratch),
@@ -151,17 +151,17 @@ fn estimate_of<P: Power>(
     map: &CpuMap,
     powers: &[P],
     place: Place,
-    gather: &Gather,
+    gather: &EstimateParams,
     scratch: &mut Neighbours,
 ) -> Estimate {
     let Place { position, normal, radius } = place;
     let radius_squared = radius * radius;
     let accept = |slot: u32| map.normal(slot).dot(normal) >= gather.min_normal_cosine;
     let power = |slot: u32| powers[slot as usize];
-    match gather.rule {
-        Rule::Radius if gather.is_flat() => within::<true, P>(map, powers, place, gather),
-        Rule::Radius => within::<false, P>(map, powers, place, gather),
-        Rule::Nearest { k } => {
+    match gather.search {
+        Search::Radius if gather.is_flat() => within::<true, P>(map, powers, place, gather),
+        Search::Radius => within::<false, P>(map, powers, place, gather),
+        Search::KNearest { k } => {
             map.index().nearest(position, k as usize, radius_squared, accept, scratch);
             let nearest = scratch.as_slice();
             // The k-th only says how large the disc is that holds the others.
@@ -179,14 +179,14 @@ fn estimate_of<P: Power>(
             sum.photons = nearest.len() as u32;
             sum.finish()
         }
-        Rule::Closest => {
+        Search::NearestPhoton => {
             map.index().nearest(position, 1, radius_squared, accept, scratch);
             match scratch.as_slice() {
                 [] => Sum::<P>::new(radius_squared).finish(),
                 [nearest, ..] => Sum::new(nearest.d2).and(power(nearest.slot), 1.0).finish(),
             }
         }
-        Rule::Paper { max, threshold, factor } => {
+        Search::Paper { max, threshold, factor } => {
             let cosine = |slot: u32| map.direction(slot).dot(normal);
             map.index().nearest(position, max as usize, radius_squared, |slot| cosine(slot) > 0.0, scratch);
             let nearest = scratch.as_slice();
@@ -207,7 +207,7 @@ fn estimate_of<P: Power>(
 }
 
 /// The estimate from all photons within a radius; if `FLAT`, from those near the query's plane.
-fn within<const FLAT: bool, P: Power>(map: &CpuMap, powers: &[P], place: Place, gather: &Gather) -> Estimate {
+fn within<const FLAT: bool, P: Power>(map: &CpuMap, powers: &[P], place: Place, gather: &EstimateParams) -> Estimate {
     let radius_squared = place.radius * place.radius;
     let most = gather.max_plane_distance * place.radius;
     let sum = Sum::new(radius_squared);

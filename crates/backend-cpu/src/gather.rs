@@ -3,8 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    ErrorMoments, Estimate, FinalGather, Gather, Layer, Lobe, MapKind, Maps, MediumStack, Pass, PerMap, PhotonFormat,
-    Query, RandomKind, Result, offset, sampling,
+    ErrorMoments, Estimate, EstimateParams, FinalGather, Layer, Lobe, MapKind, Maps, MediumStack, Pass, PerMap,
+    PhotonFormat, Query, RandomKind, Result, offset, sampling,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -158,7 +158,7 @@ fn follow(
             Lobe::Diffuse => {
                 let weight = weight * scene.radiance_scale(start, interface.before) * bsdf.weight(lobe);
                 let mut found = Found::default();
-                let at = |gather: &Gather| Place {
+                let at = |gather: &EstimateParams| Place {
                     position: surface.point.into(),
                     normal: surface.normal,
                     radius: gather.radius_scale,

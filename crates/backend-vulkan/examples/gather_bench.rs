@@ -14,7 +14,9 @@ use std::f32::consts::PI;
 
 use backend_vulkan::{Vulkan, VulkanBuffer, VulkanMap};
 use photon_core::random::SplitMix64;
-use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, MapStages, Photon, Query, Result, Rule, Stage};
+use photon_core::{
+    Backend, Estimate, EstimateParams, IndexKind, Kernel, MapStages, Photon, Query, Result, Search, Stage,
+};
 use points::{caustic, rows, walls};
 
 const WARM: usize = 1;
@@ -56,14 +58,14 @@ fn run(
     let map = stages.builder.build(on, uploaded)?;
     let radius = (50.0 / (PI * photons.len() as f32 / 5.0)).sqrt();
     let rows = rows(width, height, radius);
-    let nearest = |k: u32, kernel: Kernel, min_normal_cosine: f32| Gather {
+    let nearest = |k: u32, kernel: Kernel, min_normal_cosine: f32| EstimateParams {
         kernel,
         // Everything is within reach.
         radius_scale: 10.0 / radius,
         min_normal_cosine,
-        ..Gather::by(Rule::Nearest { k })
+        ..EstimateParams::new(Search::KNearest { k })
     };
-    let within = Gather::by(Rule::Radius);
+    let within = EstimateParams::new(Search::Radius);
     for (order, queries) in [("rows", rows.clone()), ("shuffled", shuffled(&rows))] {
         let queries = on.upload("queries", &queries)?;
         let mut work = vec![
@@ -74,7 +76,10 @@ fn run(
         if map_name.starts_with("walls") {
             let kernel = Kernel::Epanechnikov;
             work.push(("radius of 50", within));
-            work.push(("radius of 50, Epanechnikov, normals", Gather { kernel, min_normal_cosine: 0.5, ..within }));
+            work.push((
+                "radius of 50, Epanechnikov, normals",
+                EstimateParams { kernel, min_normal_cosine: 0.5, ..within },
+            ));
         }
         for (what, gather) in work {
             let name = format!("{map_name}, {order}: {what}");
@@ -104,7 +109,7 @@ fn estimates(
     stages: &mut MapStages<Vulkan>,
     map: &VulkanMap,
     queries: &VulkanBuffer<Query>,
-    gather: &Gather,
+    gather: &EstimateParams,
     name: &str,
 ) -> Result<()> {
     let mut estimates = on.alloc::<Estimate>("estimates", queries.capacity())?;

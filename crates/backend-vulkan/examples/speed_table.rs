@@ -18,8 +18,8 @@ use std::time::Instant;
 use backend_cpu::Cpu;
 use backend_vulkan::{RayPlan, Vulkan, VulkanMap};
 use photon_core::{
-    Backend, Estimate, Gather, IndexKind, PassEnd, Photon, Pipeline, Render, Requirements, Rule, Settings, Stage,
-    TransportBackend, View,
+    Backend, Estimate, EstimateParams, IndexKind, PassEnd, Photon, Pipeline, Render, Requirements, Search, Settings,
+    Stage, TransportBackend, View,
 };
 
 const KINDS: [IndexKind; 3] = [IndexKind::Morton, IndexKind::Median, IndexKind::Vvh];
@@ -127,11 +127,11 @@ fn map(
     let queries = on.upload("queries", &queries)?;
     let mut estimates = on.alloc::<Estimate>("estimates", queries.capacity())?;
     let mut figures = [median(&mut build[WARM..]), 0.0, 0.0, 0.0];
-    let nearest = |k| (Rule::Nearest { k }, 10.0 / radius);
-    for (figure, (rule, radius_scale)) in
-        figures[1..].iter_mut().zip([nearest(50), nearest(200), (Rule::Radius, 1.0)]).take(searches)
+    let nearest = |k| (Search::KNearest { k }, 10.0 / radius);
+    for (figure, (search, radius_scale)) in
+        figures[1..].iter_mut().zip([nearest(50), nearest(200), (Search::Radius, 1.0)]).take(searches)
     {
-        let gather = Gather { radius_scale, ..Gather::by(rule) };
+        let gather = EstimateParams { radius_scale, ..EstimateParams::new(search) };
         let mut all = Vec::new();
         for _ in 0..WARM + RUNS {
             let _ = on.timings()?;

@@ -1,7 +1,7 @@
 //! How much of each estimate's disc lies on the surface.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{AreaProbe, EstimateBuffers, Gather, Pass, Query, Result};
+use photon_core::{AreaProbe, EstimateBuffers, EstimateParams, Pass, Query, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::scene::VulkanScene;
@@ -46,7 +46,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
         scene: &VulkanScene,
         pass: Pass,
         queries: &VulkanBuffer<Query>,
-        gather: &Gather,
+        gather: &EstimateParams,
         buffers: EstimateBuffers<'_, Vulkan>,
     ) -> Result<()> {
         let EstimateBuffers { estimates, error_moments } = buffers;

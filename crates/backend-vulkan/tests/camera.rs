@@ -7,8 +7,8 @@ use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
 use photon_core::glam::Vec3;
 use photon_core::{
-    Backend, Batch, Film, FilmBackend, Gather, IndexKind, Indirect, Kernel, Layer, Maps, Pass, PerMap, Photon,
-    PhotonRay, Query, RandomKind, Requirements, Rule, Settings, TransportBackend, View,
+    Backend, Batch, EstimateParams, Film, FilmBackend, IndexKind, Indirect, Kernel, Layer, Maps, Pass, PerMap, Photon,
+    PhotonRay, Query, RandomKind, Requirements, Search, Settings, TransportBackend, View,
 };
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, builtin};
 
@@ -309,7 +309,7 @@ fn gather<B: TransportBackend, const N: usize>(
     scene: &Scene,
     photons: &PerMap<Vec<Photon>>,
     queries: &[Query],
-    asked: [(Rule, u32); N],
+    asked: [(Search, u32); N],
 ) -> [Film; N] {
     let scene_view = scene.view();
     let settings = Settings { index: IndexKind::Morton, ..settings() };
@@ -325,9 +325,13 @@ fn gather<B: TransportBackend, const N: usize>(
         Some(stages.map.builder.build(on, there).unwrap())
     });
     let stage = stages.gather.as_mut().unwrap();
-    asked.map(|(rule, rays)| {
-        let how =
-            Gather { kernel: Kernel::Epanechnikov, radius_scale: 0.05, min_normal_cosine: 0.7, ..Gather::by(rule) };
+    asked.map(|(search, rays)| {
+        let how = EstimateParams {
+            kernel: Kernel::Epanechnikov,
+            radius_scale: 0.05,
+            min_normal_cosine: 0.7,
+            ..EstimateParams::new(search)
+        };
         let maps = Maps {
             photons: built.each_ref().map(|map| map.as_ref().map(|map| (map, how))),
             irradiance: None,
@@ -349,17 +353,17 @@ fn final_gathering_finds_the_same() {
         let scene = scene(name);
         let photons = photons(&scene, PATHS);
         let (queries, _) = look(&mut cpu, &scene, &[2]);
-        let knn = Rule::Nearest { k: 20 };
-        let films_a = gather(&mut cpu, &scene, &photons, &queries, [(Rule::Radius, 5), (knn, 3)]);
-        let asked = [(Rule::Radius, 5), (knn, 3), (Rule::Radius, 5), (Rule::Radius, 6)];
+        let knn = Search::KNearest { k: 20 };
+        let films_a = gather(&mut cpu, &scene, &photons, &queries, [(Search::Radius, 5), (knn, 3)]);
+        let asked = [(Search::Radius, 5), (knn, 3), (Search::Radius, 5), (Search::Radius, 6)];
         let [b, near, again, other] = gather(&mut gpu, &scene, &photons, &queries, asked);
         // The same bits twice; other rays are seen.
         assert_eq!(b, again);
         assert!(apart(&films_a[0], &other, Layer::Indirect, 0.02).0 > 0.02, "{name}");
-        for ((rule, rays), (a, b)) in asked.into_iter().zip(films_a.iter().zip([&b, &near])) {
+        for ((search, rays), (a, b)) in asked.into_iter().zip(films_a.iter().zip([&b, &near])) {
             let (worst, total) = apart(a, b, Layer::Indirect, 0.02);
-            eprintln!("{name}, {rule:?}, {rays} rays: {worst:e}, total {total:e}");
-            assert!(worst < 1e-2 && total < 1e-3, "{name}, {rule:?}: {worst} {total}");
+            eprintln!("{name}, {search:?}, {rays} rays: {worst:e}, total {total:e}");
+            assert!(worst < 1e-2 && total < 1e-3, "{name}, {search:?}: {worst} {total}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
-use photon_core::{Backend, Estimate, Gather, IndexKind, Photon, Query, Result, Rule};
+use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Photon, Query, Result, Search};
 
 const BINDING: u64 = 128 << 20;
 
@@ -37,8 +37,8 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, photons: &[Photon], queries: &[Q
     let mut estimates = on.alloc("estimates", queries.len() as u64)?;
     let map = stages.builder.build(on, there)?;
     let mut found = Vec::new();
-    for rule in [Rule::Radius, Rule::Nearest { k: 30 }] {
-        let gather = Gather::by(rule);
+    for search in [Search::Radius, Search::KNearest { k: 30 }] {
+        let gather = EstimateParams::new(search);
         stages.estimator.estimate(on, &map, &asked, &gather, &mut estimates)?;
         let mut some = Vec::new();
         on.download(&estimates, &mut some)?;

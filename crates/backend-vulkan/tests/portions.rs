@@ -4,8 +4,8 @@
 use backend_cpu::Cpu;
 use backend_vulkan::{Portions, Vulkan};
 use photon_core::{
-    Backend, Budget, Estimate, Film, Gather, IndexKind, Indirect, Photon, Pipeline, Query, Render, Rule, Settings,
-    View, render,
+    Backend, Budget, Estimate, EstimateParams, Film, IndexKind, Indirect, Photon, Pipeline, Query, Render, Search,
+    Settings, View, render,
 };
 
 fn film(portions: Portions, width: u32, height: u32) -> Film {
@@ -64,7 +64,7 @@ fn ask<B: Backend>(on: &mut B, photons: &[Photon], queries: &[Query]) -> Vec<Est
     let asked = on.upload("queries", queries).unwrap();
     let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
     let map = stages.builder.build(on, there).unwrap();
-    let gather = Gather::by(Rule::Radius);
+    let gather = EstimateParams::new(Search::Radius);
     stages.estimator.estimate(on, &map, &asked, &gather, &mut estimates).unwrap();
     let mut found = Vec::new();
     on.download(&estimates, &mut found).unwrap();

@@ -85,8 +85,8 @@ pub use settings::{
 };
 pub use solids::{Locator, Solids};
 pub use stages::{
-    Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EstimateBuffers, EyeTracer, FinalGather, Gather,
-    IrradiancePoints, KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Rule, Stages, Tracer, View,
+    Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EstimateBuffers, EstimateParams, EyeTracer, FinalGather,
+    IrradiancePoints, KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Search, Stages, Tracer, View,
 };
 pub use tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use units::Units;

@@ -3,7 +3,7 @@
 use crate::map_kind::MapKind;
 use crate::progressive::radius_squared_factor;
 use crate::settings::{Estimator, Settings};
-use crate::stages::{Gather, Rule};
+use crate::stages::{EstimateParams, Search};
 use crate::typical;
 use crate::units::Units;
 
@@ -58,14 +58,14 @@ pub(crate) fn from_pilot(radius: Option<f32>, asked: u32, pilot: u32, wanted: u3
 }
 
 /// How pass `index` reads a map whose first radius is `radius`.
-pub(crate) fn gather(settings: &Settings, radius: f32, index: u32) -> Gather {
-    let (rule, shrink) = match settings.estimator {
-        Estimator::Radius { .. } => (Rule::Radius, radius_squared_factor(index, settings.alpha).sqrt()),
-        Estimator::Knn { k, .. } => (Rule::Nearest { k }, 1.0),
-        Estimator::Paper(p) => (Rule::Paper { max: p.max, threshold: p.threshold, factor: p.factor }, 1.0),
+pub(crate) fn gather(settings: &Settings, radius: f32, index: u32) -> EstimateParams {
+    let (search, shrink) = match settings.estimator {
+        Estimator::Radius { .. } => (Search::Radius, radius_squared_factor(index, settings.alpha).sqrt()),
+        Estimator::Knn { k, .. } => (Search::KNearest { k }, 1.0),
+        Estimator::Paper(p) => (Search::Paper { max: p.max, threshold: p.threshold, factor: p.factor }, 1.0),
     };
-    Gather {
-        rule,
+    EstimateParams {
+        search,
         kernel: settings.kernel,
         radius_scale: radius * shrink as f32,
         min_normal_cosine: settings.min_normal_cosine,

@@ -56,9 +56,9 @@ impl View {
 
 /// How photons near a query become an estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gather {
+pub struct EstimateParams {
     /// Which photons.
-    pub rule: Rule,
+    pub search: Search,
     /// How they are weighted.
     pub kernel: Kernel,
     /// Factor on every query's radius, > 0.
@@ -67,18 +67,18 @@ pub struct Gather {
     /// all count.
     pub min_normal_cosine: f32,
     /// A photon counts if its distance from the query's plane is at most this share of the radius, > 0;
-    /// 1 lets all of the ball count. Below 1 for [`Rule::Radius`] alone.
+    /// 1 lets all of the ball count. Below 1 for [`Search::Radius`] alone.
     pub max_plane_distance: f32,
 }
 
-impl Gather {
-    /// By `rule` alone: over each query's own radius, with equal weights, and no photon turned away for its
+impl EstimateParams {
+    /// By `search` alone: over each query's own radius, with equal weights, and no photon turned away for its
     /// normal or its distance from the query's plane.
     ///
-    /// What differs is said by struct update: `Gather { min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) }`.
+    /// What differs is said by struct update: `EstimateParams { min_normal_cosine: 0.7, ..EstimateParams::new(Search::Radius) }`.
     #[must_use]
-    pub const fn by(rule: Rule) -> Self {
-        Self { rule, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0, max_plane_distance: 1.0 }
+    pub const fn new(search: Search) -> Self {
+        Self { search, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0, max_plane_distance: 1.0 }
     }
 
     /// Whether photons are turned away for their distance from the query's plane.
@@ -101,23 +101,23 @@ impl Gather {
                 mend: "must be greater than 0; 1 takes the whole ball",
             });
         }
-        if !self.is_flat() || self.rule == Rule::Radius {
+        if !self.is_flat() || self.search == Search::Radius {
             return Ok(());
         }
         Err(Error::InvalidSetting {
             name: "max-plane-distance",
-            value: format!("{}, with {:?}", self.max_plane_distance, self.rule),
+            value: format!("{}, with {:?}", self.max_plane_distance, self.search),
             mend: "is a share of a radius that is given: take the estimator of a radius, or 1",
         })
     }
 
-    /// [`Self::validate`], of a map that keeps so much of its photons: [`Rule::Paper`] reads their directions.
+    /// [`Self::validate`], of a map that keeps so much of its photons: [`Search::Paper`] reads their directions.
     ///
     /// # Errors
     /// [`Error::InvalidSetting`].
     pub fn validate_for(&self, photon_format: PhotonFormat) -> Result<()> {
         self.validate()?;
-        if !matches!(self.rule, Rule::Paper { .. }) || photon_format == PhotonFormat::Full {
+        if !matches!(self.search, Search::Paper { .. }) || photon_format == PhotonFormat::Full {
             return Ok(());
         }
         Err(Error::InvalidSetting {
@@ -130,12 +130,12 @@ impl Gather {
     /// [`Self::validate`], for [`RadianceEstimator::estimate_with_moments`].
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`], for every rule but [`Rule::Radius`] too.
+    /// [`Error::InvalidSetting`], for every rule but [`Search::Radius`] too.
     pub fn validate_moments(&self) -> Result<()> {
-        if self.rule != Rule::Radius {
+        if self.search != Search::Radius {
             return Err(Error::InvalidSetting {
                 name: "errors",
-                value: format!("asked of {:?}", self.rule),
+                value: format!("asked of {:?}", self.search),
                 mend: "can be told of estimates within a radius alone",
             });
         }
@@ -145,19 +145,19 @@ impl Gather {
 
 /// Which photons count.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rule {
+pub enum Search {
     /// All within the radius.
     Radius,
     /// The `k` nearest within the radius. If there are k, the farthest sets the radius and does
     /// not count itself, which makes the estimate free of bias: (k−1)/(π r_k²). If there are
     /// fewer, all count over the full radius.
-    Nearest {
+    KNearest {
         /// ≥ 2.
         k: u32,
     },
     /// The nearest within the radius, ties by lower number, alone: [`Estimate::flux`] is its power, and
     /// stands for itself. For maps of what is known at points, such as irradiance.
-    Closest,
+    NearestPhoton,
     /// Equation (2) of Lin and Wang 2010: the `max` nearest within the radius, each times its
     /// cosine and `factor`, over π r²; 0 with fewer than `threshold`.
     Paper {
@@ -242,12 +242,12 @@ pub trait RadianceEstimator<B: Backend>: Send {
         on: &mut B,
         map: &B::PhotonMap,
         queries: &B::Buffer<Query>,
-        gather: &Gather,
+        gather: &EstimateParams,
         estimates: &mut B::Buffer<Estimate>,
     ) -> Result<()>;
 
     /// The same, and what the same photons say about the error: replaces `error_moments` too. For
-    /// [`Rule::Radius`] alone.
+    /// [`Search::Radius`] alone.
     ///
     /// # Errors
     /// What the backend raises; [`Error::InvalidSetting`] for another rule, or from an estimator that
@@ -257,7 +257,7 @@ pub trait RadianceEstimator<B: Backend>: Send {
         _on: &mut B,
         _map: &B::PhotonMap,
         _queries: &B::Buffer<Query>,
-        _gather: &Gather,
+        _gather: &EstimateParams,
         _estimates: &mut B::Buffer<Estimate>,
         _error_moments: &mut B::Buffer<ErrorMoments>,
     ) -> Result<()> {
@@ -351,7 +351,7 @@ pub trait AreaProbe<B: TransportBackend>: Send {
         scene: &B::Scene,
         pass: Pass,
         queries: &B::Buffer<Query>,
-        gather: &Gather,
+        gather: &EstimateParams,
         buffers: EstimateBuffers<'_, B>,
     ) -> Result<()>;
 }
@@ -360,10 +360,10 @@ pub trait AreaProbe<B: TransportBackend>: Send {
 #[derive(Debug)]
 pub struct Maps<'a, B: Backend> {
     /// Those that were built.
-    pub photons: PerMap<Option<(&'a B::PhotonMap, Gather)>>,
+    pub photons: PerMap<Option<(&'a B::PhotonMap, EstimateParams)>>,
     /// Irradiance by all of them, at every so-manieth photon, as its power: if it is there, rays ask
     /// it alone, for what [`Estimate::flux`] says.
-    pub irradiance: Option<(&'a B::PhotonMap, Gather)>,
+    pub irradiance: Option<(&'a B::PhotonMap, EstimateParams)>,
     /// Paths that filled each map: all that were emitted, or those that were aimed.
     pub paths: PerMap<u64>,
 }

@@ -1,6 +1,6 @@
 //! S10, S11: maps of as many photons as the memory holds.
 
-use photon_core::{Backend, Error, Estimate, Gather, IndexKind, Photon, Query, Result, Rule};
+use photon_core::{Backend, Error, Estimate, EstimateParams, IndexKind, Photon, Query, Result, Search};
 
 use super::sheet::Sheet;
 use crate::harness::{TestBackend, photon_at, query_at};
@@ -95,10 +95,10 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, side: u32, queries: &[Query]) ->
     drop(photons);
     let map = stages.builder.build(on, there)?;
     let mut found = [Vec::new(), Vec::new()];
-    for (rule, found) in [Rule::Radius, Rule::Nearest { k: K }].into_iter().zip(&mut found) {
+    for (search, found) in [Search::Radius, Search::KNearest { k: K }].into_iter().zip(&mut found) {
         let asked = on.upload("queries", queries)?;
         let mut estimates = on.alloc("estimates", queries.len() as u64)?;
-        let gather = Gather::by(rule);
+        let gather = EstimateParams::new(search);
         stages.estimator.estimate(on, &map, &asked, &gather, &mut estimates)?;
         on.download(&estimates, found)?;
     }

@@ -1,6 +1,6 @@
 //! S6, S8, S24, S27: photons where nobody would put them.
 
-use photon_core::{Backend, Estimate, Gather, IndexKind, Photon, Query, Rule};
+use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Photon, Query, Search};
 
 use super::sheet::Sheet;
 use crate::harness::{TestBackend, Uniform, photon_at, query_at};
@@ -137,8 +137,8 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, photons: &[Photon], queries: &[Q
     let queries_there = on.upload("queries", queries).unwrap();
     let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
     let map = stages.builder.build(on, there).unwrap();
-    [Rule::Radius, Rule::Nearest { k: 20 }].map(|rule| {
-        stages.estimator.estimate(on, &map, &queries_there, &Gather::by(rule), &mut estimates).unwrap();
+    [Search::Radius, Search::KNearest { k: 20 }].map(|search| {
+        stages.estimator.estimate(on, &map, &queries_there, &EstimateParams::new(search), &mut estimates).unwrap();
         let mut found = Vec::new();
         on.download(&estimates, &mut found).unwrap();
         found

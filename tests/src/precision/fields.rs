@@ -1,7 +1,7 @@
 //! Search and estimate: photons on a plane, where the digits of their positions run out.
 
 use backend_cpu::Cpu;
-use photon_core::{Gather, IndexKind, Kernel, Photon, Rule};
+use photon_core::{EstimateParams, IndexKind, Kernel, Photon, Search};
 
 use super::{Table, quantile, relative};
 use crate::harness::{TestBackend, Uniform, estimate, photon_at, query_at};
@@ -40,10 +40,11 @@ impl Field {
         self.photons.iter().map(|&[x, y]| photon_at([x as f32, y as f32, 0.0])).collect()
     }
 
-    fn ask(&self, rule: Rule, reach: f64) -> Vec<photon_core::Estimate> {
+    fn ask(&self, search: Search, reach: f64) -> Vec<photon_core::Estimate> {
         let queries: Vec<_> =
             self.queries.iter().map(|&[x, y]| query_at([x as f32, y as f32, 0.0], reach as f32)).collect();
-        let gather = Gather { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.0, ..Gather::by(rule) };
+        let gather =
+            EstimateParams { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.0, ..EstimateParams::new(search) };
         estimate::<OnCpu>(IndexKind::Morton, &self.photons(), &queries, &gather)
     }
 
@@ -57,14 +58,14 @@ impl Field {
     fn errors(&self, k: usize) -> [f64; 3] {
         let r2 = self.radius * self.radius;
         let (mut irradiance, mut members, mut kth) = (Vec::new(), Vec::new(), Vec::new());
-        for (found, &query) in self.ask(Rule::Radius, self.radius).iter().zip(&self.queries) {
+        for (found, &query) in self.ask(Search::Radius, self.radius).iter().zip(&self.queries) {
             let within: Vec<f64> = self.distances(query).filter(|d2| *d2 <= r2).collect();
             let truth: f64 = within.iter().map(|d2| 2.0 * (1.0 - d2 / r2)).sum::<f64>() / r2;
             let found_irradiance = f64::from(found.flux[0]) / f64::from(found.radius_squared);
             irradiance.push(relative(found_irradiance, truth));
             members.push((f64::from(found.photons) - within.len() as f64).abs() / within.len().max(1) as f64);
         }
-        for (found, &query) in self.ask(Rule::Nearest { k: k as u32 }, 8.0 * self.radius).iter().zip(&self.queries) {
+        for (found, &query) in self.ask(Search::KNearest { k: k as u32 }, 8.0 * self.radius).iter().zip(&self.queries) {
             let mut all: Vec<f64> = self.distances(query).collect();
             all.sort_unstable_by(f64::total_cmp);
             kth.push(relative(found.radius_squared.into(), all[k - 1]));

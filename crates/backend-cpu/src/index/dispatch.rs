@@ -65,7 +65,7 @@ impl Isa {
 
     /// Runs `search` compiled for this instruction set.
     #[inline]
-    pub(crate) fn run<S: Search>(self, search: S) -> S::Output {
+    pub(crate) fn run<S: IndexSearch>(self, search: S) -> S::Output {
         match self {
             Isa::Baseline => search.run(Baseline),
             #[cfg(target_arch = "x86_64")]
@@ -89,7 +89,7 @@ impl Isa {
 
 /// Work to be compiled once for each instruction set. `run`, and all in it that should profit, is
 /// `#[inline(always)]`.
-pub(crate) trait Search {
+pub(crate) trait IndexSearch {
     type Output;
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
@@ -149,12 +149,12 @@ impl Lanes for Avx512 {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
-fn avx2<S: Search>(search: S) -> S::Output {
+fn avx2<S: IndexSearch>(search: S) -> S::Output {
     search.run(Avx2(()))
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt,lzcnt")]
-fn avx512<S: Search>(search: S) -> S::Output {
+fn avx512<S: IndexSearch>(search: S) -> S::Output {
     search.run(Avx512(()))
 }

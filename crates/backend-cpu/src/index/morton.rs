@@ -11,7 +11,7 @@
 //!
 //! Blocks are then sixteen consecutive points each, nodes sixteen consecutive blocks or nodes.
 
-use crate::index::dispatch::{Isa, Search};
+use crate::index::dispatch::{IndexSearch, Isa};
 use crate::index::lanes::Lanes;
 use crate::index::layout::WIDTH;
 use crate::index::points::Bounds;
@@ -44,7 +44,7 @@ struct Encode<'a> {
     keyed: &'a mut [Keyed],
 }
 
-impl Search for Encode<'_> {
+impl IndexSearch for Encode<'_> {
     type Output = ();
 
     #[inline(always)]

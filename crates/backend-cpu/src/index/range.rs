@@ -1,6 +1,6 @@
 //! All points within a radius.
 
-use crate::index::dispatch::Search;
+use crate::index::dispatch::IndexSearch;
 use crate::index::lanes::{Distances, Lanes, to_boxes, to_far_corners, to_points};
 use crate::index::layout::{LEAF, MAX_DEPTH, Tree, WIDTH};
 
@@ -63,7 +63,7 @@ pub(crate) struct Within<'a, T, F> {
     pub(crate) fold: F,
 }
 
-impl<T, F: FnMut(T, u32, f32) -> T> Search for Within<'_, T, F> {
+impl<T, F: FnMut(T, u32, f32) -> T> IndexSearch for Within<'_, T, F> {
     type Output = T;
 
     #[inline(always)]
@@ -89,7 +89,7 @@ pub(crate) struct Count<'a> {
     pub(crate) r2: f32,
 }
 
-impl Search for Count<'_> {
+impl IndexSearch for Count<'_> {
     type Output = u32;
 
     #[inline(always)]

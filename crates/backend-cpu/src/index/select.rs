@@ -5,7 +5,7 @@
 //! coordinates go to the left by lower ids without a comparison, and blocks end up in order of their ids
 //! without a sort.
 
-use crate::index::dispatch::{Isa, Search};
+use crate::index::dispatch::{IndexSearch, Isa};
 use crate::index::lanes::{Collected, Distributed, Lanes};
 use crate::index::points::Item;
 
@@ -53,7 +53,7 @@ struct Split<'a, const AXIS: usize> {
     scratch: &'a mut Scratch,
 }
 
-impl<const AXIS: usize> Search for Split<'_, AXIS> {
+impl<const AXIS: usize> IndexSearch for Split<'_, AXIS> {
     type Output = ();
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! What the nearest photon of each query says.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Estimate, Gather, Query, Result};
+use photon_core::{Estimate, EstimateParams, Query, Result};
 
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
@@ -45,7 +45,7 @@ pub(super) fn ask(
     on: &mut Vulkan,
     map: &VulkanMap,
     queries: &VulkanBuffer<Query>,
-    gather: &Gather,
+    gather: &EstimateParams,
     order: u64,
     estimates: &VulkanBuffer<Estimate>,
 ) -> Result<()> {

@@ -13,19 +13,19 @@ mod search;
 mod tests;
 
 use photon_core::{
-    Backend, Error, ErrorMoments, Estimate, Gather, Kernel, PhotonFormat, Query, RadianceEstimator, Result, Rule,
-    typical,
+    Backend, Error, ErrorMoments, Estimate, EstimateParams, Kernel, PhotonFormat, Query, RadianceEstimator, Result,
+    Search, typical,
 };
 
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
-use search::{Mode, Question, Search};
+use search::{MapSearch, Mode, Question};
 
 /// Asks photon maps.
 #[derive(Debug, Default)]
 pub(crate) struct VulkanEstimator {
-    search: Search,
+    search: MapSearch,
 }
 
 impl Vulkan {
@@ -34,7 +34,7 @@ impl Vulkan {
     #[doc(hidden)]
     #[must_use]
     pub fn estimator_without_sorting() -> Box<dyn RadianceEstimator<Self>> {
-        Box::new(VulkanEstimator { search: Search { worth_order: u64::MAX, ..Search::default() } })
+        Box::new(VulkanEstimator { search: MapSearch { worth_order: u64::MAX, ..MapSearch::default() } })
     }
 }
 
@@ -44,24 +44,24 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         on: &mut Vulkan,
         map: &VulkanMap,
         queries: &VulkanBuffer<Query>,
-        gather: &Gather,
+        gather: &EstimateParams,
         estimates: &mut VulkanBuffer<Estimate>,
     ) -> Result<()> {
         gather.validate_for(map.photon_format())?;
         let mut question = radius_question(gather);
-        match gather.rule {
-            Rule::Radius => {}
-            Rule::Nearest { k } => {
+        match gather.search {
+            Search::Radius => {}
+            Search::KNearest { k } => {
                 question.mode = Mode::Nearest;
                 question.k = k;
             }
-            Rule::Closest => {
+            Search::NearestPhoton => {
                 let order = self.search.order(on, map, queries)?;
                 closest::ask(on, map, queries, gather, order, estimates)?;
                 estimates.touch();
                 return Ok(());
             }
-            Rule::Paper { max, threshold, factor } => {
+            Search::Paper { max, threshold, factor } => {
                 question.mode = Mode::Paper;
                 question.kernel = Kernel::Constant;
                 question.filter = true;
@@ -83,7 +83,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         on: &mut Vulkan,
         map: &VulkanMap,
         queries: &VulkanBuffer<Query>,
-        gather: &Gather,
+        gather: &EstimateParams,
         estimates: &mut VulkanBuffer<Estimate>,
         error_moments: &mut VulkanBuffer<ErrorMoments>,
     ) -> Result<()> {
@@ -115,7 +115,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         let mut estimates = VulkanBuffer::<Estimate>::new(on, "estimates", u64::from(count))?;
         // The photon itself is the nearest.
         let k = neighbours + 1;
-        let gather = Gather { min_normal_cosine, ..Gather::by(Rule::Nearest { k }) };
+        let gather = EstimateParams { min_normal_cosine, ..EstimateParams::new(Search::KNearest { k }) };
         self.estimate(on, map, &queries, &gather, &mut estimates)?;
         let mut found = Vec::new();
         on.download(&estimates, &mut found)?;
@@ -129,7 +129,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
 }
 
 /// All within the radius.
-fn radius_question(gather: &Gather) -> Question {
+fn radius_question(gather: &EstimateParams) -> Question {
     Question {
         mode: Mode::Radius,
         kernel: gather.kernel,

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Kernel, Query, Result};
 
 use super::check_radius;
-use super::search::{Mode, Question, Search};
+use super::search::{MapSearch, Mode, Question};
 use crate::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
@@ -52,7 +52,7 @@ impl Vulkan {
         k: u32,
         max_radius: f32,
     ) -> Result<VulkanBuffer<u32>> {
-        self.nearest_sorted(map, queries, k, max_radius, Search::default())
+        self.nearest_sorted(map, queries, k, max_radius, MapSearch::default())
     }
 
     /// The same by a search of the caller's.
@@ -62,7 +62,7 @@ impl Vulkan {
         queries: &VulkanBuffer<Query>,
         k: u32,
         max_radius: f32,
-        mut search: Search,
+        mut search: MapSearch,
     ) -> Result<VulkanBuffer<u32>> {
         check_radius("max_radius", max_radius)?;
         let count = self.fill_of(queries)?;
@@ -109,7 +109,7 @@ impl Vulkan {
         queries: &VulkanBuffer<Query>,
         radius: f32,
     ) -> Result<VulkanBuffer<u32>> {
-        self.count_paused(map, queries, radius, Search::default())
+        self.count_paused(map, queries, radius, MapSearch::default())
     }
 
     /// The same by a search of the caller's.
@@ -118,7 +118,7 @@ impl Vulkan {
         map: &VulkanMap,
         queries: &VulkanBuffer<Query>,
         radius: f32,
-        mut search: Search,
+        mut search: MapSearch,
     ) -> Result<VulkanBuffer<u32>> {
         check_radius("radius", radius)?;
         let count = self.fill_of(queries)?;

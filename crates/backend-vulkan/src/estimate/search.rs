@@ -115,7 +115,7 @@ pushed!(sample_push_layout: SamplePush => GATHER_SAMPLE, photons queries points 
 
 /// Asks maps.
 #[derive(Debug)]
-pub(super) struct Search {
+pub(super) struct MapSearch {
     /// Up to which k bins have 16 bits.
     pub(super) narrow_bins: u32,
     /// From how many on queries are sorted.
@@ -126,7 +126,7 @@ pub(super) struct Search {
     pub(super) paused: PausedSearches,
 }
 
-impl Default for Search {
+impl Default for MapSearch {
     fn default() -> Self {
         Self {
             narrow_bins: NARROW_BINS,
@@ -138,8 +138,8 @@ impl Default for Search {
     }
 }
 
-impl Search {
-    /// The order in which to take `queries`, for [`Search::ask`].
+impl MapSearch {
+    /// The order in which to take `queries`, for [`MapSearch::ask`].
     pub(super) fn order(&mut self, on: &mut Vulkan, map: &VulkanMap, queries: &VulkanBuffer<Query>) -> Result<u64> {
         if map.node_count == 0 || queries.capacity() < self.worth_order {
             return Ok(0);

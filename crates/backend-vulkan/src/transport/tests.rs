@@ -1,8 +1,8 @@
 //! What a scene lacks is in no kernel, and what a render had is not in memory after it.
 
 use photon_core::{
-    Backend, Bandwidth, Batch, Deposits, Direct, Features, FilmBackend, Gather, Indirect, MapKind, Maps, Pass, PerMap,
-    Photon, PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Rule, Settings,
+    Backend, Bandwidth, Batch, Deposits, Direct, EstimateParams, Features, FilmBackend, Indirect, MapKind, Maps, Pass,
+    PerMap, Photon, PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Search, Settings,
     TransportBackend, View,
 };
 use photon_scene::{Scene, builtin};
@@ -28,7 +28,7 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     stages.eye.trace_eye(&mut on, &prepared, &view, pass, &mut film, &mut queries).unwrap();
     stages.direct.as_mut().unwrap().light(&mut on, &prepared, pass, &queries, 1, &mut film).unwrap();
     let map = stages.map.builder.build(&mut on, photons).unwrap();
-    let gather = Gather { radius_scale: 0.1, min_normal_cosine: 0.5, ..Gather::by(Rule::Radius) };
+    let gather = EstimateParams { radius_scale: 0.1, min_normal_cosine: 0.5, ..EstimateParams::new(Search::Radius) };
     let photons = PerMap::only(MapKind::Global, (&map, gather));
     let maps = Maps { photons, irradiance: None, paths: PerMap::splat(500) };
     stages.gather.as_mut().unwrap().gather(&mut on, &prepared, &maps, pass, &queries, 1, &mut film).unwrap();

@@ -9,7 +9,7 @@ use crate::layout::{Estimate, Photon, Query};
 use crate::memory::Costs;
 use crate::photon_format::PhotonFormat;
 use crate::settings::Settings;
-use crate::stages::{EstimateBuffers, Gather, Pass, Rule};
+use crate::stages::{EstimateBuffers, EstimateParams, Pass, Search};
 
 /// Places where irradiance is found: kept from pass to pass.
 pub(super) struct Points<B: Backend> {
@@ -37,7 +37,11 @@ pub(super) fn costs<B: TransportBackend>(on: &B, costs: Costs, settings: &Settin
 
 impl<B: TransportBackend> Pipeline<B> {
     /// A map of irradiance at every n-th photon of `maps`, and how it is read; `None` if that is not called for.
-    pub(super) fn irradiance(&mut self, maps: &[BuiltMap<B>], pass: Pass) -> Result<Option<(B::PhotonMap, Gather)>> {
+    pub(super) fn irradiance(
+        &mut self,
+        maps: &[BuiltMap<B>],
+        pass: Pass,
+    ) -> Result<Option<(B::PhotonMap, EstimateParams)>> {
         let (Some(every), Some(stage)) = (self.settings.irradiance_every, &mut self.stages.irradiance) else {
             return Ok(None);
         };
@@ -70,7 +74,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let mut reach = 0.0_f32;
         let mut first = true;
         for BuiltMap { map, gather, paths, .. } in maps {
-            let gather = &Gather { kernel: POINT_KERNEL, ..*gather };
+            let gather = &EstimateParams { kernel: POINT_KERNEL, ..*gather };
             self.stages.map.estimator.estimate(on, map, &points.queries, gather, &mut points.estimates)?;
             if let Some(area) = &mut self.stages.area {
                 let buffers = EstimateBuffers { estimates: &mut points.estimates, error_moments: None };
@@ -85,16 +89,16 @@ impl<B: TransportBackend> Pipeline<B> {
         on.mark(Some(Stage::Gather));
         // The nearest that faces the same way, within what holds a few points wherever a search by
         // `reach` is worth anything.
-        let gather = Gather {
+        let gather = EstimateParams {
             radius_scale: reach * (every as f32 / 8.0).max(1.0).sqrt(),
             min_normal_cosine: self.settings.min_normal_cosine,
-            ..Gather::by(Rule::Closest)
+            ..EstimateParams::new(Search::NearestPhoton)
         };
         Ok(Some((built, gather)))
     }
 
     /// Gives the points' storage back.
-    pub(super) fn reclaim_irradiance(&mut self, map: Option<(B::PhotonMap, Gather)>) {
+    pub(super) fn reclaim_irradiance(&mut self, map: Option<(B::PhotonMap, EstimateParams)>) {
         if let (Some((map, _)), Some(points)) = (map, &mut self.points) {
             points.found = Some(self.stages.map.builder.reclaim(map));
         }

@@ -41,7 +41,7 @@ pub(super) struct BuiltMap<B: Backend> {
     /// Photons in it.
     pub(super) length: u64,
     /// How it is read.
-    pub(super) gather: Gather,
+    pub(super) gather: EstimateParams,
     /// Paths that filled it.
     pub(super) paths: u64,
 }

@@ -12,7 +12,7 @@ use std::error::Error;
 
 use backend_vulkan::{Vulkan, VulkanBuffer};
 use host::{Host, Push};
-use photon_core::{Backend, Estimate, Gather, IndexKind, Photon, Query, Rule};
+use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Photon, Query, Search};
 
 /// Watts on the square, its side in normalised space, and queries along a side.
 const FLUX: f32 = 3.0;
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut stages = on.map_stages(kind)?;
         let map = stages.builder.build(&mut on, photons)?;
         let mut answers = on.alloc::<Estimate>("estimates", queries)?;
-        let gather = Gather { min_normal_cosine: 0.7, ..Gather::by(Rule::Radius) };
+        let gather = EstimateParams { min_normal_cosine: 0.7, ..EstimateParams::new(Search::Radius) };
         stages.estimator.estimate(&mut on, &map, &there, &gather, &mut answers)?;
         let mut found = Vec::new();
         on.download(&answers, &mut found)?;

@@ -3,7 +3,7 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Backend, Estimate, Gather, IndexKind, Photon, Query, RandomKind, Result, Rule, octahedral, sampling,
+    Backend, Estimate, EstimateParams, IndexKind, Photon, Query, RandomKind, Result, Search, octahedral, sampling,
 };
 
 /// One error.
@@ -38,22 +38,22 @@ const FIELDS: u32 = 4;
 
 /// All of them, on one backend.
 pub(crate) fn all<B: Backend>(on: &mut B) -> Result<Vec<Bias>> {
-    let paper = |max, threshold| Rule::Paper { max, threshold, factor: 1.0 };
+    let paper = |max, threshold| Search::Paper { max, threshold, factor: 1.0 };
     // Radius of a disc that holds so many on average.
     let radius = |mean: f64| (mean / (f64::from(PHOTONS) * std::f64::consts::PI)).sqrt() as f32;
     let mut found = Vec::new();
-    let mut compare = |what, predicted, slanted, rules: [Rule; 2], radius| -> Result<()> {
-        let [paper, ours] = rules.map(|rule| ratio(on, rule, slanted, radius));
+    let mut compare = |what, predicted, slanted, searches: [Search; 2], radius| -> Result<()> {
+        let [paper, ours] = searches.map(|search| ratio(on, search, slanted, radius));
         found.push(Bias { what, predicted, paper: paper?, ours: ours?, truth: 1.0 });
         Ok(())
     };
     let wide = radius(100.0);
-    compare("extra cosine under uniform light: 2/3", 2.0 / 3.0, true, [paper(100_000, 0), Rule::Radius], wide)?;
-    let ten = [paper(10, 0), Rule::Nearest { k: 10 }];
+    compare("extra cosine under uniform light: 2/3", 2.0 / 3.0, true, [paper(100_000, 0), Search::Radius], wide)?;
+    let ten = [paper(10, 0), Search::KNearest { k: 10 }];
     compare("k/(π r²) with r to the k-th, k = 10: k/(k−1)", 10.0 / 9.0, false, ten, radius(100.0))?;
-    let two_hundred = [paper(200, 0), Rule::Nearest { k: 200 }];
+    let two_hundred = [paper(200, 0), Search::KNearest { k: 200 }];
     compare("the same, k = 200", 200.0 / 199.0, false, two_hundred, radius(800.0))?;
-    compare("fewer than 8 give 0, mean 8", too_few(8, 8.0), false, [paper(100_000, 8), Rule::Radius], radius(8.0))?;
+    compare("fewer than 8 give 0, mean 8", too_few(8, 8.0), false, [paper(100_000, 8), Search::Radius], radius(8.0))?;
     let correlations = [RandomKind::Lcg, RandomKind::Counter].map(correlation);
     let [paper, ours] = correlations;
     found.push(Bias {
@@ -85,14 +85,14 @@ fn too_few(threshold: u32, mean: f64) -> f64 {
 
 /// Irradiance over the truth, mean and standard error, in fields of even density; of light from all
 /// sides alike if `slanted`, else from straight above.
-fn ratio<B: Backend>(on: &mut B, rule: Rule, slanted: bool, radius: f32) -> Result<(f64, f64)> {
+fn ratio<B: Backend>(on: &mut B, search: Search, slanted: bool, radius: f32) -> Result<(f64, f64)> {
     let query = |i: u32| {
         let at = |n: u32| MARGIN + (1.0 - 2.0 * MARGIN) * (n as f32 + 0.5) / SIDE as f32;
         let position = [at(i % SIDE), at(i / SIDE), 0.0];
         Query { position, radius, normal: [0.0, 0.0, 1.0], weight: [1.0; 3], ..Query::default() }
     };
     let queries: Vec<Query> = (0..SIDE * SIDE).map(query).collect();
-    let gather = Gather { min_normal_cosine: 0.7, ..Gather::by(rule) };
+    let gather = EstimateParams { min_normal_cosine: 0.7, ..EstimateParams::new(search) };
     let mut stages = on.map_stages(IndexKind::Median)?;
     let queries = on.upload("queries", &queries)?;
     let mut estimates = on.alloc::<Estimate>("estimates", u64::from(SIDE * SIDE))?;

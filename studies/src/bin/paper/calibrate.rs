@@ -93,5 +93,5 @@ fn room(photons: f64) -> u64 {
 }
 
 fn plan_cosine(map: &MapPlan) -> f32 {
-    if map.rule == photon_core::Rule::Radius { 0.7 } else { -1.0 }
+    if map.search == photon_core::Search::Radius { 0.7 } else { -1.0 }
 }

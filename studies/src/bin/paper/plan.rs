@@ -1,6 +1,6 @@
 //! What is rendered: the paper's grid in both of its readings, and a larger one of our own.
 
-use photon_core::{Gather, IndexKind, Kernel, RandomKind, Rule, Settings, Sharing};
+use photon_core::{EstimateParams, IndexKind, Kernel, RandomKind, Search, Settings, Sharing};
 
 /// The paper's seconds: caustic photons, global, on its CPU, on its GPU (Lin and Wang 2010, table of
 /// results; Pentium 4 530 and GeForce 8600 GT).
@@ -54,7 +54,7 @@ pub(crate) struct MapPlan {
     /// Photons wanted in it.
     pub(crate) photons: u32,
     /// How it is read.
-    pub(crate) rule: Rule,
+    pub(crate) search: Search,
     /// Photons that a typical place is to find within the radius.
     pub(crate) neighbours: u32,
 }
@@ -75,8 +75,8 @@ pub(crate) struct Plan {
     pub(crate) settings: Settings,
 }
 
-fn paper_rule(max: u32) -> Rule {
-    Rule::Paper { max, threshold: 8, factor: 1.0 }
+fn paper_search(max: u32) -> Search {
+    Search::Paper { max, threshold: 8, factor: 1.0 }
 }
 
 fn paper_settings() -> Settings {
@@ -89,7 +89,7 @@ impl Plan {
         let map = |photons: u32, max: u32| {
             // Where a map holds little more than a gather takes, a gather is to be local all the same.
             let neighbours = max.min(photons / 8).max(8);
-            (photons > 0).then_some(MapPlan { photons, rule: paper_rule(max), neighbours })
+            (photons > 0).then_some(MapPlan { photons, search: paper_search(max), neighbours })
         };
         let read = match reading {
             Reading::Photons => map(global, MAX),
@@ -112,7 +112,7 @@ impl Plan {
         let picture = |name: &str, plan: Self| Self { table: "pictures", name: name.to_owned(), ..plan };
         let both = Self::cell(Reading::Gather, 100_000, 1000);
         let global = Self { caustic: None, ..both.clone() };
-        let map = |photons, neighbours| Some(MapPlan { photons, rule: Rule::Radius, neighbours });
+        let map = |photons, neighbours| Some(MapPlan { photons, search: Search::Radius, neighbours });
         let defaults = Self {
             caustic: map(100_000, 50),
             global: map(GLOBAL_MAP, 200),
@@ -142,8 +142,8 @@ impl Plan {
         let plan = |(name, settings): (&str, Settings)| {
             let ours = settings == Settings { shadow_rays: 4, ..Settings::default() };
             let map = |neighbours| {
-                let rule = if ours { Rule::Radius } else { paper_rule(MAX) };
-                Some(MapPlan { photons, rule, neighbours: if ours { neighbours } else { MAX } })
+                let search = if ours { Search::Radius } else { paper_search(MAX) };
+                Some(MapPlan { photons, search, neighbours: if ours { neighbours } else { MAX } })
             };
             // What a default picture finds: see `photon_core`'s pipeline.
             let (caustic, global) = (map(12), map(64));
@@ -153,11 +153,11 @@ impl Plan {
     }
 
     /// How a map is read, within a radius in normalised space.
-    pub(crate) fn gather(&self, map: &MapPlan, radius: f32) -> Gather {
-        let kernel = if map.rule == Rule::Radius { self.settings.kernel } else { Kernel::Constant };
+    pub(crate) fn gather(&self, map: &MapPlan, radius: f32) -> EstimateParams {
+        let kernel = if map.search == Search::Radius { self.settings.kernel } else { Kernel::Constant };
         // The paper has no test of normals but that of its equation (2).
-        let min_normal_cosine = if map.rule == Rule::Radius { self.settings.min_normal_cosine } else { -1.0 };
-        Gather { kernel, radius_scale: radius, min_normal_cosine, ..Gather::by(map.rule) }
+        let min_normal_cosine = if map.search == Search::Radius { self.settings.min_normal_cosine } else { -1.0 };
+        EstimateParams { kernel, radius_scale: radius, min_normal_cosine, ..EstimateParams::new(map.search) }
     }
 }
 
@@ -171,7 +171,7 @@ mod tests {
         let gather = Plan::cell(Reading::Gather, 20_000, 1000);
         assert_eq!(photons.caustic, gather.caustic);
         assert_eq!(photons.global.unwrap().photons, 1000);
-        assert_eq!(gather.global.unwrap().rule, paper_rule(1000));
+        assert_eq!(gather.global.unwrap().search, paper_search(1000));
         assert!(Plan::cell(Reading::Gather, 0, 0).global.is_none());
     }
 
@@ -184,6 +184,6 @@ mod tests {
             let differ = [s.sharing != base.sharing, s.index != base.index, s.random != base.random];
             assert_eq!(differ.iter().filter(|&&d| d).count(), 1, "{}", other.name);
         }
-        assert_eq!(all[5].global.unwrap().rule, Rule::Radius);
+        assert_eq!(all[5].global.unwrap().search, Search::Radius);
     }
 }

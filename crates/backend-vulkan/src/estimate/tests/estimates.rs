@@ -2,13 +2,13 @@
 
 use backend_cpu::Cpu;
 use photon_core::random::SplitMix64;
-use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Photon, Query, RadianceEstimator, Rule};
+use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Kernel, Photon, Query, RadianceEstimator, Search};
 
 use super::inputs::{caustic, photon, photons, places, point_sets, queries, walls};
 use super::maps::map;
 use crate::Vulkan;
 use crate::estimate::VulkanEstimator;
-use crate::estimate::search::Search;
+use crate::estimate::search::MapSearch;
 
 /// Relative to the sum of all weights times powers that a kernel can give: rounding of each weight, of
 /// the sums within a leaf, and of the moments' differences, which weigh up to 12 times as much as what
@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 4e-6;
 
 const KERNELS: [Kernel; 4] = [Kernel::Constant, Kernel::Epanechnikov, Kernel::Cone { slope: 1.1 }, Kernel::Biweight];
 
-fn on_cpu(photons: &[Photon], queries: &[Query], gather: &Gather, kind: IndexKind) -> Vec<Estimate> {
+fn on_cpu(photons: &[Photon], queries: &[Query], gather: &EstimateParams, kind: IndexKind) -> Vec<Estimate> {
     let mut cpu = Cpu::with_threads(1).unwrap();
     let mut stages = cpu.map_stages(kind).unwrap();
     let photons = cpu.upload("photons: global", photons).unwrap();
@@ -32,7 +32,7 @@ fn on_device(
     on: &mut Vulkan,
     photons: &[Photon],
     queries: &[Query],
-    gather: &Gather,
+    gather: &EstimateParams,
     kind: IndexKind,
 ) -> Vec<Estimate> {
     let map = map(on, photons, kind);
@@ -69,18 +69,19 @@ fn check(
     points: &[[f32; 3]],
     places: &[[f32; 3]],
     radius: f32,
-    rules: &[Rule],
+    searches: &[Search],
     cosines: &[f32],
 ) {
     let photons = photons(points);
     let queries = queries(places, radius);
-    for &rule in rules {
+    for &search in searches {
         for kernel in KERNELS {
             for &min_normal_cosine in cosines {
                 // A share of the radius goes with radii alone.
-                let shares: &[f32] = if rule == Rule::Radius { &[1.0, 0.2] } else { &[1.0] };
+                let shares: &[f32] = if search == Search::Radius { &[1.0, 0.2] } else { &[1.0] };
                 for &max_plane_distance in shares {
-                    let gather = Gather { rule, kernel, radius_scale: 0.9, min_normal_cosine, max_plane_distance };
+                    let gather =
+                        EstimateParams { search, kernel, radius_scale: 0.9, min_normal_cosine, max_plane_distance };
                     let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
                     let found = on_device(on, &photons, &queries, &gather, IndexKind::Morton);
                     // The greatest weight is 3.
@@ -97,32 +98,32 @@ fn check(
 fn estimates_agree_with_the_processor() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let points = walls(4000);
-    let rules = [
-        Rule::Radius,
-        Rule::Nearest { k: 2 },
-        Rule::Closest,
-        Rule::Nearest { k: 50 },
-        Rule::Nearest { k: 512 },
-        Rule::Paper { max: 40, threshold: 5, factor: 0.7 },
-        Rule::Paper { max: 1, threshold: 1, factor: 2.0 },
-        Rule::Paper { max: 30, threshold: 31, factor: 2.0 },
+    let searches = [
+        Search::Radius,
+        Search::KNearest { k: 2 },
+        Search::NearestPhoton,
+        Search::KNearest { k: 50 },
+        Search::KNearest { k: 512 },
+        Search::Paper { max: 40, threshold: 5, factor: 0.7 },
+        Search::Paper { max: 1, threshold: 1, factor: 2.0 },
+        Search::Paper { max: 30, threshold: 31, factor: 2.0 },
     ];
     let mut places = places(&points);
     // A row of a picture, which ends within a tile.
     places.extend((0..101).map(|i| [i as f32 / 100.0, 0.0, 0.4]));
     for radius in [0.12, 1e-6, 50.0] {
-        check(&mut on, "walls", &points, &places, radius, &rules, &[-1.0, 0.5]);
+        check(&mut on, "walls", &points, &places, radius, &searches, &[-1.0, 0.5]);
     }
 }
 
 #[test]
 fn estimates_of_degenerate_sets() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let rules = [Rule::Radius, Rule::Nearest { k: 50 }, Rule::Closest];
+    let searches = [Search::Radius, Search::KNearest { k: 50 }, Search::NearestPhoton];
     for (name, points) in point_sets() {
         // Sums of squares that overflow are infinite on both sides; NaN radii are nobody's.
         let places: Vec<_> = places(&points).into_iter().filter(|p| p.iter().all(|c| c.abs() < 1e30)).collect();
-        check(&mut on, name, &points, &places, 0.3, &rules, &[0.5]);
+        check(&mut on, name, &points, &places, 0.3, &searches, &[0.5]);
     }
 }
 
@@ -130,8 +131,8 @@ fn estimates_of_degenerate_sets() {
 #[test]
 fn many_photons_add_up() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    for rule in [Rule::Radius, Rule::Nearest { k: 0 }] {
-        let count = if rule == Rule::Radius || on.limits().loop_turns == 0 { 1_000_000 } else { 131_072 };
+    for search in [Search::Radius, Search::KNearest { k: 0 }] {
+        let count = if search == Search::Radius || on.limits().loop_turns == 0 { 1_000_000 } else { 131_072 };
         let mut random = SplitMix64(8);
         let photons: Vec<Photon> = (0..count)
             .map(|i| {
@@ -141,14 +142,14 @@ fn many_photons_add_up() {
             })
             .collect();
         let queries = queries(&[[0.0; 3]], 3.0);
-        let rule = if rule == Rule::Radius { rule } else { Rule::Nearest { k: count } };
-        let gather = Gather::by(rule);
+        let search = if search == Search::Radius { search } else { Search::KNearest { k: count } };
+        let gather = EstimateParams::new(search);
         let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
         let found = on_device(&mut on, &photons, &queries, &gather, IndexKind::Morton);
         assert_eq!(found[0].photons, count);
         for (a, b) in found[0].flux.iter().zip(&expected[0].flux) {
             let error = (f64::from(*a) / f64::from(*b) - 1.0).abs();
-            assert!(error < 2e-7, "{rule:?}: {a} instead of {b}");
+            assert!(error < 2e-7, "{search:?}: {a} instead of {b}");
         }
     }
 }
@@ -165,11 +166,15 @@ fn sorted_queries_find_the_same() {
     let queries = queries(&places, 0.3);
     let mut there = on.upload("queries", &[queries.clone(), vec![Query::default(); 90]].concat()).unwrap();
     on.set_length(&mut there, queries.len() as u64).unwrap();
-    for rule in [Rule::Radius, Rule::Nearest { k: 30 }] {
-        let gather =
-            Gather { kernel: Kernel::Epanechnikov, radius_scale: 0.5, min_normal_cosine: 0.5, ..Gather::by(rule) };
+    for search in [Search::Radius, Search::KNearest { k: 30 }] {
+        let gather = EstimateParams {
+            kernel: Kernel::Epanechnikov,
+            radius_scale: 0.5,
+            min_normal_cosine: 0.5,
+            ..EstimateParams::new(search)
+        };
         let mut estimates = on.alloc("estimates", there.capacity()).unwrap();
-        let mut estimator = VulkanEstimator { search: Search { worth_order: 0, ..Search::default() } };
+        let mut estimator = VulkanEstimator { search: MapSearch { worth_order: 0, ..MapSearch::default() } };
         for _ in 0..2 {
             estimator.estimate(&mut on, &map, &there, &gather, &mut estimates).unwrap();
             let mut found = Vec::new();
@@ -188,9 +193,13 @@ fn wide_bins_find_the_same() {
     let queries = queries(&places(&walls(300))[..12], 0.5);
     let there = on.upload("queries", &queries).unwrap();
     for k in [20, 500] {
-        let gather = Gather { kernel: Kernel::Biweight, min_normal_cosine: 0.5, ..Gather::by(Rule::Nearest { k }) };
+        let gather = EstimateParams {
+            kernel: Kernel::Biweight,
+            min_normal_cosine: 0.5,
+            ..EstimateParams::new(Search::KNearest { k })
+        };
         let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
-        let mut estimator = VulkanEstimator { search: Search { narrow_bins: 10, ..Search::default() } };
+        let mut estimator = VulkanEstimator { search: MapSearch { narrow_bins: 10, ..MapSearch::default() } };
         estimator.estimate(&mut on, &map, &there, &gather, &mut estimates).unwrap();
         let mut found = Vec::new();
         on.download(&estimates, &mut found).unwrap();
@@ -207,7 +216,11 @@ fn the_same_twice() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let photons = photons(&caustic(10_000, 0.05));
     let queries = queries(&places(&walls(3000)), 0.2);
-    let gather = Gather { kernel: Kernel::Biweight, min_normal_cosine: 0.5, ..Gather::by(Rule::Nearest { k: 60 }) };
+    let gather = EstimateParams {
+        kernel: Kernel::Biweight,
+        min_normal_cosine: 0.5,
+        ..EstimateParams::new(Search::KNearest { k: 60 })
+    };
     let first = on_device(&mut on, &photons, &queries, &gather, IndexKind::Median);
     assert_eq!(first, on_device(&mut on, &photons, &queries, &gather, IndexKind::Median));
 }
@@ -234,14 +247,14 @@ fn the_comparison_can_fail() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let mut photons = photons(&walls(300));
     let queries = queries(&[[0.5, 0.0, 0.5]], 0.4);
-    let gather = Gather { kernel: Kernel::Epanechnikov, ..Gather::by(Rule::Radius) };
+    let gather = EstimateParams { kernel: Kernel::Epanechnikov, ..EstimateParams::new(Search::Radius) };
     let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
-    let mut same = |photons: &[Photon], gather: &Gather| {
+    let mut same = |photons: &[Photon], gather: &EstimateParams| {
         compare(&on_device(&mut on, photons, &queries, gather, IndexKind::Morton), &expected, 3.0)
     };
     assert_eq!(same(&photons, &gather), Ok(()));
-    assert!(same(&photons, &Gather { kernel: Kernel::Constant, ..gather }).is_err());
-    assert!(same(&photons, &Gather { min_normal_cosine: 0.5, ..gather }).is_err());
+    assert!(same(&photons, &EstimateParams { kernel: Kernel::Constant, ..gather }).is_err());
+    assert!(same(&photons, &EstimateParams { min_normal_cosine: 0.5, ..gather }).is_err());
     let near = photons.iter().position(|p| p.position[1] == 0.0 && (p.position[0] - 0.5).abs() < 0.1).unwrap();
     photons[near].power[1] += 1e-2;
     assert!(same(&photons, &gather).is_err());

@@ -7,7 +7,7 @@ use photon_core::{Backend, Error, IndexKind};
 use super::inputs::{caustic, photons, places, point_sets, walls};
 use super::maps::map;
 use crate::Vulkan;
-use crate::estimate::search::Search;
+use crate::estimate::search::MapSearch;
 
 const KINDS: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
 
@@ -94,7 +94,7 @@ fn sorted_queries_find_the_same() {
     let places: Vec<_> = (0..400).map(|_| random.point()).collect();
     let map = map(&mut on, &photons(&points), IndexKind::Morton);
     let queries = on.queries_at(&places).unwrap();
-    let search = Search { worth_order: 0, ..Search::default() };
+    let search = MapSearch { worth_order: 0, ..MapSearch::default() };
     let rows = on.nearest_sorted(&map, &queries, 20, 0.4, search).unwrap();
     let mut found = Vec::new();
     on.download(&rows, &mut found).unwrap();

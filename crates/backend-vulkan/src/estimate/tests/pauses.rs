@@ -1,31 +1,31 @@
 //! Searches that pause find what those find that do not.
 
 use photon_core::random::SplitMix64;
-use photon_core::{Backend, Estimate, Gather, IndexKind, Kernel, Query, RadianceEstimator, Rule};
+use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Kernel, Query, RadianceEstimator, Search};
 
 use super::inputs::{photons, places, point_sets, queries, walls};
 use super::maps::map;
 use crate::estimate::VulkanEstimator;
-use crate::estimate::search::Search;
+use crate::estimate::search::MapSearch;
 use crate::{Vulkan, VulkanBuffer, VulkanMap};
 
 /// At every turn, in the middle of leaves and of runs of equal points, now and then.
 const TURNS: [u32; 3] = [1, 60, 3000];
 
-fn pausing(turns: u32) -> Search {
-    Search { turns, ..Search::default() }
+fn pausing(turns: u32) -> MapSearch {
+    MapSearch { turns, ..MapSearch::default() }
 }
 
 fn estimates(
     on: &mut Vulkan,
     map: &VulkanMap,
     queries: &VulkanBuffer<Query>,
-    rule: Rule,
     search: Search,
+    map_search: MapSearch,
 ) -> Vec<Estimate> {
-    let gather = Gather { kernel: Kernel::Biweight, min_normal_cosine: 0.3, ..Gather::by(rule) };
+    let gather = EstimateParams { kernel: Kernel::Biweight, min_normal_cosine: 0.3, ..EstimateParams::new(search) };
     let mut estimates = on.alloc("estimates", queries.capacity()).unwrap();
-    VulkanEstimator { search }.estimate(on, map, queries, &gather, &mut estimates).unwrap();
+    VulkanEstimator { search: map_search }.estimate(on, map, queries, &gather, &mut estimates).unwrap();
     let mut found = Vec::new();
     on.download(&estimates, &mut found).unwrap();
     found
@@ -37,10 +37,10 @@ fn estimates_are_the_same() {
     let photons = photons(&walls(1500));
     let map = map(&mut on, &photons, IndexKind::Morton);
     let queries = on.upload("queries", &queries(&places(&walls(300))[..9], 0.4)).unwrap();
-    for rule in [Rule::Radius, Rule::Nearest { k: 70 }, Rule::Paper { max: 70, threshold: 5, factor: 1.0 }] {
-        let expected = estimates(&mut on, &map, &queries, rule, pausing(u32::MAX / 2));
+    for search in [Search::Radius, Search::KNearest { k: 70 }, Search::Paper { max: 70, threshold: 5, factor: 1.0 }] {
+        let expected = estimates(&mut on, &map, &queries, search, pausing(u32::MAX / 2));
         for turns in TURNS {
-            assert_eq!(estimates(&mut on, &map, &queries, rule, pausing(turns)), expected, "{rule:?}, {turns}");
+            assert_eq!(estimates(&mut on, &map, &queries, search, pausing(turns)), expected, "{search:?}, {turns}");
         }
     }
 }

@@ -12,7 +12,7 @@ layout(constant_id = 2) const uint RANDOM = 0;
 // Whether photons are aimed at mirrors and glass.
 layout(constant_id = 3) const bool AIMED = false;
 
-#include "aim.glsl"
+#include "projection.glsl"
 #include "grid.glsl"
 #include "random.glsl"
 #include "sampling.glsl"
@@ -26,7 +26,7 @@ layout(push_constant, scalar) uniform Push {
     uint first;
     uint count;
     uint pad;
-    AimRef aim;
+    ProjectionRef projection;
 } push;
 
 // Apart from `main`, since the compiler does not bear `precise` on what was just loaded.
@@ -45,11 +45,11 @@ void main() {
     uint picked;
     vec3 carried;
     if (AIMED) {
-        Launch launch = aim_launch(push.aim, choice, start);
-        picked = launch.light;
-        carried = launch.carried;
-        choice.yzw = uvec3(launch.point, launch.side);
-        start.xy = launch.direction;
+        ProjectionSample projected = projection_sample(push.projection, choice, start);
+        picked = projected.light;
+        carried = projected.carried;
+        choice.yzw = uvec3(projected.point, projected.side);
+        start.xy = projected.direction;
     } else {
         picked = pick_light(push.scene, choice.x);
         carried = push.scene.emissions[picked].at.carried;

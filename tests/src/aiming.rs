@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler};
 use photon_core::{
-    Aim, Backend, Batch, CausticPhotons, Direct, Estimator, Indirect, Light, MapKind, Pass, PerMap, Photon, PhotonRay,
-    Ray, RayCaster, Render, Requirements, Settings, TransportBackend,
+    Backend, Batch, CausticPhotons, Direct, Estimator, Indirect, Light, MapKind, Pass, PerMap, Photon, PhotonRay,
+    ProjectionMap, Ray, RayCaster, Render, Requirements, Settings, TransportBackend,
 };
 use photon_scene::{Accel, CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
@@ -56,19 +56,24 @@ fn room(lamps: &str, whole: bool) -> Scene {
 }
 
 /// Of the map of caustics, for each of some passes: flux per path, mean of RGB, and its moments along x and
-/// z; by paths that go everywhere, or as `aim` says.
-fn caustics<T: TestBackend>(scene: &Scene, aim: Option<&Aim>, passes: u32, paths: u32) -> Vec<[f64; 3]> {
+/// z; by paths that go everywhere, or as `projection` says.
+fn caustics<T: TestBackend>(
+    scene: &Scene,
+    projection: Option<&ProjectionMap>,
+    passes: u32,
+    paths: u32,
+) -> Vec<[f64; 3]> {
     let settings = Settings { seed: 21, ..Settings::default() };
     let mut on = T::make(2);
     let view = scene.view();
     let required = Requirements::of(&view, &settings);
     let prepared = on.prepare(&view, &required).unwrap();
     let mut stages = on.stages(&required, &settings).unwrap();
-    let (mut emitter, mut tracer) = match aim {
+    let (mut emitter, mut tracer) = match projection {
         None => (stages.emitter, stages.tracer),
-        Some(aim) => {
+        Some(projection) => {
             stages.aimed = None;
-            on.aimed(&required, &settings, aim).unwrap().unwrap()
+            on.aimed(&required, &settings, projection).unwrap().unwrap()
         }
     };
     let mut rays = on.alloc::<PhotonRay>("rays", u64::from(paths)).unwrap();
@@ -87,7 +92,7 @@ fn caustics<T: TestBackend>(scene: &Scene, aim: Option<&Aim>, passes: u32, paths
                 tally.balances() && tally.stored[MapKind::Direct] + tally.stored[MapKind::Global] == 0,
                 "{tally:?}"
             );
-            assert_eq!(tally.ceded > 0, aim.is_some());
+            assert_eq!(tally.ceded > 0, projection.is_some());
             on.download(&kept, &mut home).unwrap();
             assert_eq!(tally.stored[MapKind::Caustic], home.len() as u64);
             let mut sums = [0.0; 3];
@@ -114,17 +119,17 @@ fn compared(a: &[[f64; 3]], b: &[[f64; 3]], sum: usize) -> (f64, f64, f64) {
 pub fn g1_aimed_photons_have_the_same_expectation<T: TestBackend>() {
     for lamps in LAMPS {
         let scene = room(lamps, true);
-        let aim = Aim::of(&scene.view());
+        let projection = ProjectionMap::of(&scene.view());
         let plain = caustics::<T>(&scene, None, 8, 4000);
-        let aimed = caustics::<T>(&scene, Some(&aim), 8, 1000);
+        let aimed = caustics::<T>(&scene, Some(&projection), 8, 1000);
         for sum in 0..3 {
             let (truth, found, error) = compared(&plain, &aimed, sum);
             assert_agrees(lamps, found, truth, error, 0.0);
         }
         let noise = |values: &[[f64; 3]]| moments(&values.iter().map(|v| v[0]).collect::<Vec<_>>()).1;
         let gain = noise(&plain) * 4000.0 / (noise(&aimed) * 1000.0);
-        eprintln!("{lamps}: share {:.3}, variance of a path's flux {gain:.1} times less", aim.share());
-        let wrong = caustics::<T>(&scene, Some(&Aim::of(&room(lamps, false).view())), 8, 1000);
+        eprintln!("{lamps}: share {:.3}, variance of a path's flux {gain:.1} times less", projection.share());
+        let wrong = caustics::<T>(&scene, Some(&ProjectionMap::of(&room(lamps, false).view())), 8, 1000);
         let (truth, found, error) = compared(&plain, &wrong, 0);
         assert!(!agrees(found, truth, error, 0.0), "{lamps}: {found} {truth} {error}");
     }
@@ -133,21 +138,21 @@ pub fn g1_aimed_photons_have_the_same_expectation<T: TestBackend>() {
 /// The cells that photons are aimed at, as pairs of light and cell; and the cell that a photon sent
 /// everywhere leaves by, nothing if its light has none.
 struct Cells<'a> {
-    aim: &'a Aim,
+    projection: &'a ProjectionMap,
     marked: BTreeSet<(u32, u32)>,
 }
 
 impl<'a> Cells<'a> {
-    fn new(aim: &'a Aim) -> Self {
-        let own = |t: &photon_core::Target| {
+    fn new(projection: &'a ProjectionMap) -> Self {
+        let own = |t: &photon_core::ProjectionTarget| {
             let (light, first) = (t.light, t.first as usize);
-            aim.cells()[first..first + t.count as usize].iter().map(move |&cell| (light, cell))
+            projection.cells()[first..first + t.count as usize].iter().map(move |&cell| (light, cell))
         };
-        Self { aim, marked: aim.targets().iter().flat_map(own).collect() }
+        Self { projection, marked: projection.targets().iter().flat_map(own).collect() }
     }
 
     fn holds(&self, light: u32, both: bool, [_, a, b, side]: [u32; 4], [c, d, ..]: [u32; 4]) -> bool {
-        let Some(t) = self.aim.targets().iter().find(|t| t.light == light) else { return false };
+        let Some(t) = self.projection.targets().iter().find(|t| t.light == light) else { return false };
         let upper = |word: u32, bits: u32| if bits == 0 { 0 } else { word >> (32 - bits) };
         let (p, q) = (t.point_bits, t.direction_bits);
         let side = if both { side >> 31 } else { 0 };
@@ -175,8 +180,8 @@ pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
         on.download(&rays, &mut home).unwrap();
         let caster = Accel::build(view.positions, view.triangles).unwrap();
         // Photons whose first surface is specular and whose cell is not marked, of how many.
-        let missed = |aim: &Aim| {
-            let cells = Cells::new(aim);
+        let missed = |projection: &ProjectionMap| {
+            let cells = Cells::new(projection);
             let mut counts = [0_u32; 2];
             for ray in &home {
                 let way = Ray { origin: ray.origin.into(), direction: ray.direction.into(), t_max: f32::INFINITY };
@@ -191,9 +196,9 @@ pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
             }
             counts
         };
-        let [lost, held] = missed(&Aim::of(&view));
+        let [lost, held] = missed(&ProjectionMap::of(&view));
         assert!(lost == 0 && held > 200, "{lamps}: {lost} of {}", lost + held);
-        let [lost, _] = missed(&Aim::of(&room(lamps, false).view()));
+        let [lost, _] = missed(&ProjectionMap::of(&room(lamps, false).view()));
         assert!(lost > 10, "{lamps}: {lost}");
     }
 }
@@ -243,7 +248,7 @@ pub fn g4_aimed_paths_are_accounted_for<T: TestBackend>() {
     assert!(report.aimed.ceded >= report.aimed.stored[MapKind::Caustic]);
     // Light leaves by marked cells as it should: two lamps of nearly the same share.
     let share = report.aimed.flux_emitted.value().iter().sum::<f64>() / 3.0 / 2500.0;
-    assert!((share / Aim::of(&scene.view()).share() - 1.0).abs() < 0.02, "{share}");
+    assert!((share / ProjectionMap::of(&scene.view()).share() - 1.0).abs() < 0.02, "{share}");
     for (name, caustic_photons) in [("cornell", CausticPhotons::Aimed(1000)), ("cornell-glass", CausticPhotons::Shared)]
     {
         let scene = photon_scene::builtin(name).unwrap().build().unwrap();
@@ -268,9 +273,9 @@ pub fn g5_directions_about_poles_are_fine<T: TestBackend>() {
     }
     builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
     let scene = builder.build().unwrap();
-    let aim = Aim::of(&scene.view());
+    let projection = ProjectionMap::of(&scene.view());
     let settings = Settings { seed: 7, ..Settings::default() };
-    let sent = rays::<T>(&scene, &settings, Some(&aim), 400_000);
+    let sent = rays::<T>(&scene, &settings, Some(&projection), 400_000);
     for pole in [1.0_f32, -1.0] {
         let gaps: Vec<f64> = sent
             .iter()

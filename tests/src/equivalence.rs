@@ -7,8 +7,8 @@
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Aim, Area, Backend, Batch, Direct, EstimateParams, Estimator, IndexKind, Indirect, Kernel, Pass, Photon, PhotonRay,
-    RandomKind, Requirements, Search, Settings, TransportBackend,
+    Area, Backend, Batch, Direct, EstimateParams, Estimator, IndexKind, Indirect, Kernel, Pass, Photon, PhotonRay,
+    ProjectionMap, RandomKind, Requirements, Search, Settings, TransportBackend,
 };
 use photon_scene::{Scene, builtin};
 
@@ -42,16 +42,16 @@ pub fn same_photon(a: &Photon, b: &Photon) -> bool {
 pub(crate) fn rays<T: TestBackend>(
     scene: &Scene,
     settings: &Settings,
-    aim: Option<&Aim>,
+    projection: Option<&ProjectionMap>,
     count: u32,
 ) -> Vec<PhotonRay> {
     let mut on = T::make(2);
     let view = scene.view();
     let required = Requirements::of(&view, settings);
     let prepared = on.prepare(&view, &required).unwrap();
-    let mut emitter = match aim {
+    let mut emitter = match projection {
         None => on.stages(&required, settings).unwrap().emitter,
-        Some(aim) => on.aimed(&required, settings, aim).unwrap().unwrap().0,
+        Some(projection) => on.aimed(&required, settings, projection).unwrap().unwrap().0,
     };
     let mut rays = on.alloc("rays", u64::from(count)).unwrap();
     let pass = Pass { seed: settings.seed, index: 3, random: settings.random };
@@ -65,16 +65,19 @@ pub(crate) fn rays<T: TestBackend>(
 pub fn photons_leave_alike<A: TestBackend, B: TestBackend>() {
     for name in SCENES.into_iter().chain(["two-rooms"]) {
         let scene = builtin(name).unwrap().build().unwrap();
-        let aim = Aim::of(&scene.view());
-        assert_eq!(aim.is_empty(), name == "cornell", "{name}");
-        for (random, aim) in
-            [(RandomKind::Counter, None), (RandomKind::Counter, Some(&aim)), (RandomKind::Sobol, Some(&aim))]
-        {
-            if aim.is_some_and(Aim::is_empty) {
+        let projection = ProjectionMap::of(&scene.view());
+        assert_eq!(projection.is_empty(), name == "cornell", "{name}");
+        for (random, projection) in [
+            (RandomKind::Counter, None),
+            (RandomKind::Counter, Some(&projection)),
+            (RandomKind::Sobol, Some(&projection)),
+        ] {
+            if projection.is_some_and(ProjectionMap::is_empty) {
                 continue;
             }
             let settings = Settings { seed: 11, random, ..Settings::default() };
-            let (a, b) = (rays::<A>(&scene, &settings, aim, 20_000), rays::<B>(&scene, &settings, aim, 20_000));
+            let (a, b) =
+                (rays::<A>(&scene, &settings, projection, 20_000), rays::<B>(&scene, &settings, projection, 20_000));
             let same = |a: &PhotonRay, b: &PhotonRay| {
                 (a.path, a.light) == (b.path, b.light)
                     && near(a.origin, b.origin, 1e-5)
@@ -82,7 +85,7 @@ pub fn photons_leave_alike<A: TestBackend, B: TestBackend>() {
                     && near(a.power, b.power, 1e-5 * Vec3::from(a.power).length())
             };
             let share = share(&a, &b, same);
-            assert!(a.len() == 20_000 && share >= 0.9999, "{name}, {}: {share}", aim.is_some());
+            assert!(a.len() == 20_000 && share >= 0.9999, "{name}, {}: {share}", projection.is_some());
         }
     }
 }

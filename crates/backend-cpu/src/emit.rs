@@ -2,7 +2,9 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler, centred_f32, unit_f32};
-use photon_core::{Aim, Batch, Emitter, Light, PhotonRay, Result, light_probability, offset, pick_light, sampling};
+use photon_core::{
+    Batch, Emitter, Light, PhotonRay, ProjectionMap, Result, light_probability, offset, pick_light, sampling,
+};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -30,21 +32,21 @@ impl Emitter<Cpu> for CpuEmitter {
 /// Sends photons out where something specular could be met.
 #[derive(Debug)]
 pub(crate) struct CpuAimedEmitter {
-    aim: Aim,
+    projection: ProjectionMap,
 }
 
 impl CpuAimedEmitter {
-    pub(crate) fn new(aim: Aim) -> Self {
-        Self { aim }
+    pub(crate) fn new(projection: ProjectionMap) -> Self {
+        Self { projection }
     }
 }
 
 impl Emitter<Cpu> for CpuAimedEmitter {
     fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
         each(on, batch, Domain::Aimed, rays, |sampler, path| {
-            let launch = self.aim.launch(sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
-            let target = &self.aim.targets()[launch.target];
-            let ray = leave::<true>(scene, target.light as usize, launch.point, launch.direction, launch.side);
+            let sample = self.projection.sample(sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
+            let target = &self.projection.targets()[sample.target];
+            let ray = leave::<true>(scene, target.light as usize, sample.point, sample.direction, sample.side);
             PhotonRay { path, power: target.carried, ..ray }
         });
         Ok(())

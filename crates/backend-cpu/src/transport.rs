@@ -1,8 +1,8 @@
 //! Every stage of a pass.
 
 use photon_core::{
-    Aim, AimedStages, Area, Backend as _, Costs, FilmPixel, MapStages, PhotonFormat, Query, Requirements, Result,
-    SceneView, Settings, Stages, TransportBackend,
+    AimedStages, Area, Backend as _, Costs, FilmPixel, MapStages, PhotonFormat, ProjectionMap, Query, Requirements,
+    Result, SceneView, Settings, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -43,9 +43,14 @@ impl TransportBackend for Cpu {
         })
     }
 
-    fn aimed(&mut self, required: &Requirements, settings: &Settings, aim: &Aim) -> Result<Option<AimedStages<Self>>> {
-        self.note_memory("aimed photons", aim.bytes());
-        Ok(Some((Box::new(CpuAimedEmitter::new(aim.clone())), Box::new(CpuTracer::aimed(settings, required)))))
+    fn aimed(
+        &mut self,
+        required: &Requirements,
+        settings: &Settings,
+        projection: &ProjectionMap,
+    ) -> Result<Option<AimedStages<Self>>> {
+        self.note_memory("aimed photons", projection.bytes());
+        Ok(Some((Box::new(CpuAimedEmitter::new(projection.clone())), Box::new(CpuTracer::aimed(settings, required)))))
     }
 
     fn costs(&self, photon_format: PhotonFormat) -> Costs {

@@ -1,7 +1,8 @@
 //! Every stage of a pass.
 
 use photon_core::{
-    Aim, AimedStages, Area, Backend, Query, Requirements, Result, SceneView, Settings, Stages, TransportBackend,
+    AimedStages, Area, Backend, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stages,
+    TransportBackend,
 };
 
 use crate::area::VulkanArea;
@@ -45,9 +46,14 @@ impl TransportBackend for Vulkan {
         })
     }
 
-    fn aimed(&mut self, required: &Requirements, settings: &Settings, aim: &Aim) -> Result<Option<AimedStages<Self>>> {
+    fn aimed(
+        &mut self,
+        required: &Requirements,
+        settings: &Settings,
+        projection: &ProjectionMap,
+    ) -> Result<Option<AimedStages<Self>>> {
         let tracer = VulkanTracer::aimed(self, settings, required)?;
-        Ok(Some((Box::new(VulkanAimedEmitter::new(self, aim)?), Box::new(tracer))))
+        Ok(Some((Box::new(VulkanAimedEmitter::new(self, projection)?), Box::new(tracer))))
     }
 
     fn scale_radii(&mut self, queries: &mut VulkanBuffer<Query>, factors: &VulkanBuffer<u32>) -> Result<()> {

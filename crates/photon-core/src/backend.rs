@@ -1,10 +1,10 @@
 //! What a backend is: where buffers live, where films live ([`FilmBackend`]), and how stages come by them.
 
-use crate::aim::Aim;
 use crate::error::Result;
 use crate::layout::{Element, Photon, Query};
 use crate::memory::Costs;
 use crate::photon_format::PhotonFormat;
+use crate::projection::ProjectionMap;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::{IndexKind, Settings};
@@ -122,7 +122,7 @@ pub trait TransportBackend: FilmBackend {
     /// [`crate::Error::Backend`] if they cannot be built.
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>>;
 
-    /// Stages for paths that are aimed as `aim`, which is not empty, says: an emitter, and a tracer that
+    /// Stages for paths that are aimed as `projection`, which is not empty, says: an emitter, and a tracer that
     /// ends paths at the first diffuse surface. `None`: it has none, and the usual paths do it.
     ///
     /// # Errors
@@ -131,7 +131,7 @@ pub trait TransportBackend: FilmBackend {
         &mut self,
         _required: &Requirements,
         _settings: &Settings,
-        _aim: &Aim,
+        _projection: &ProjectionMap,
     ) -> Result<Option<AimedStages<Self>>> {
         Ok(None)
     }

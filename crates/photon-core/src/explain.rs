@@ -1,10 +1,10 @@
 //! What a scene needs, what is left out, and why: the reasons behind [`crate::Requirements`].
 
-use crate::aim::{Aim, Unaimed};
 use crate::features::Features;
 use crate::layout::Light;
 use crate::map_kind::MapKind;
 use crate::photon_format::PhotonFormat;
+use crate::projection::{NoProjection, ProjectionMap};
 use crate::radii;
 use crate::requirements::{Requirements, light_features, material_features};
 use crate::scene::SceneView;
@@ -190,26 +190,27 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
     if !required.maps[MapKind::Caustic] {
         return (false, "there is no map of caustic photons".to_owned());
     }
-    let chosen = if required.aimed { Aim::chosen(scene, settings, required) } else { Err(Unaimed::Shared) };
-    let (aim, paths) = match chosen {
+    let chosen =
+        if required.aimed { ProjectionMap::chosen(scene, settings, required) } else { Err(NoProjection::Shared) };
+    let (projection, paths) = match chosen {
         Ok(chosen) => chosen,
         Err(why) => {
             let why = match why {
-                Unaimed::Shared => "the settings leave caustics to the paths that fill the other maps".to_owned(),
-                Unaimed::Unlit => "no light could shine on mirrors or glass".to_owned(),
-                Unaimed::NotWorth => {
-                    let most = 100.0 * Aim::WORTH;
+                NoProjection::Shared => "the settings leave caustics to the paths that fill the other maps".to_owned(),
+                NoProjection::Unlit => "no light could shine on mirrors or glass".to_owned(),
+                NoProjection::NotWorth => {
+                    let most = 100.0 * ProjectionMap::WORTH;
                     format!("more than {most} % of the light could meet mirrors or glass: to aim would gain little")
                 }
             };
             return (false, why);
         }
     };
-    let share = 100.0 * aim.share();
+    let share = 100.0 * projection.share();
     let lights = counted(scene.lights.len(), "light");
     let why = format!(
         "{paths} paths a pass leave by the {share:.1} % of the light that could meet mirrors or glass, from {} of {lights}",
-        aim.targets().len(),
+        projection.targets().len(),
     );
     (true, why)
 }

@@ -4,7 +4,6 @@
 //! that drives them. No threads, no input or output, no ray-tracing structure.
 #![forbid(unsafe_code)]
 
-mod aim;
 pub mod area;
 mod backend;
 mod bandwidth;
@@ -34,6 +33,7 @@ mod photon_format;
 mod pipeline;
 mod preset;
 mod progressive;
+mod projection;
 mod radii;
 pub mod random;
 mod render;
@@ -50,7 +50,6 @@ mod tally;
 pub mod typical;
 mod units;
 
-pub use aim::{Aim, Launch, Target, Unaimed};
 pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, TransportBackend};
 pub use bsdf::{Bsdf, Lobe};
 pub use budget::{Budget, Plan};
@@ -76,6 +75,7 @@ pub use photon_format::PhotonFormat;
 pub use pipeline::{Pipeline, QUERIES_PER_PIXEL};
 pub use preset::Preset;
 pub use progressive::{inverse_radius_squared_sum, radius_squared_factor, radius_squared_sum};
+pub use projection::{NoProjection, ProjectionMap, ProjectionSample, ProjectionTarget};
 pub use render::{Facts, Outcome, PassEnd, Render, render};
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::{SceneView, light_probability, light_starts, pick_light};

@@ -22,7 +22,7 @@ pub struct Requirements {
     pub media: MediaFeatures,
     /// Which photon maps are filled.
     pub maps: PerMap<bool>,
-    /// The caustic map has paths of light of its own, which are aimed: unless [`crate::Aim`] finds that it does
+    /// The caustic map has paths of light of its own, which are aimed: unless [`crate::ProjectionMap`] finds that it does
     /// not pay.
     pub aimed: bool,
     /// Direct light is asked for with shadow rays.

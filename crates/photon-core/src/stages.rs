@@ -443,7 +443,7 @@ pub struct MapStages<B: Backend> {
 /// Paths of light that are aimed at mirrors and glass, and fill the caustic map alone.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Aimed<B: TransportBackend> {
-    /// Sends photons out where [`crate::Aim`] says.
+    /// Sends photons out where [`crate::ProjectionMap`] says.
     pub emitter: Box<dyn Emitter<B>>,
     /// Follows them to the first diffuse surface, and stores those that met something specular before.
     pub tracer: Box<dyn Tracer<B>>,

@@ -1,7 +1,7 @@
 //! Photons leave the lights.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Aim, Batch, Emitter, PhotonRay, Result};
+use photon_core::{Batch, Emitter, PhotonRay, ProjectionMap, Result};
 
 use super::random_number;
 use crate::buffer::VulkanBuffer;
@@ -26,11 +26,11 @@ struct Push {
     first: u32,
     count: u32,
     pad: u32,
-    /// `AimRef` of aim.glsl; 0 if photons are not aimed.
-    aim: u64,
+    /// `ProjectionRef` of projection.glsl; 0 if photons are not aimed.
+    projection: u64,
 }
 
-pushed!(push_layout: Push => PHOTONS_EMIT, scene rays seed pass first count pad aim);
+pushed!(push_layout: Push => PHOTONS_EMIT, scene rays seed pass first count pad projection);
 
 impl Emitter<Vulkan> for VulkanEmitter {
     fn emit(
@@ -52,7 +52,7 @@ pub(crate) struct VulkanAimedEmitter {
     _tables: [Memory; 3],
 }
 
-/// `AimRef` of aim.glsl.
+/// `ProjectionRef` of projection.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Record {
@@ -68,26 +68,26 @@ impl VulkanAimedEmitter {
     ///
     /// # Errors
     /// [`photon_core::Error::OutOfMemory`].
-    pub(crate) fn new(on: &mut Vulkan, aim: &Aim) -> Result<Self> {
+    pub(crate) fn new(on: &mut Vulkan, projection: &ProjectionMap) -> Result<Self> {
         let mut table = |bytes: &[u8]| {
             let memory = on.memory("aimed photons", bytes.len() as u64)?;
             on.write(&memory, 0, bytes)?;
             Ok::<_, photon_core::Error>(memory)
         };
         let tables = [
-            table(bytemuck::cast_slice(aim.targets()))?,
-            table(bytemuck::cast_slice(aim.starts()))?,
-            table(bytemuck::cast_slice(aim.cells()))?,
+            table(bytemuck::cast_slice(projection.targets()))?,
+            table(bytemuck::cast_slice(projection.starts()))?,
+            table(bytemuck::cast_slice(projection.cells()))?,
         ];
         let record = Record {
             targets: tables[0].address(),
             starts: tables[1].address(),
             cells: tables[2].address(),
-            count: aim.targets().len() as u32,
+            count: projection.targets().len() as u32,
             pad: 0,
         };
         let record = table(bytemuck::bytes_of(&record))?;
-        on.note_memory("aimed photons", aim.bytes());
+        on.note_memory("aimed photons", projection.bytes());
         Ok(Self { record, _tables: tables })
     }
 }
@@ -110,12 +110,12 @@ fn emit(
     scene: &VulkanScene,
     batch: &Batch,
     rays: &mut VulkanBuffer<PhotonRay>,
-    aim: u64,
+    projection: u64,
 ) -> Result<()> {
     let asked = batch.paths.len() as u64;
     let count = asked.min(rays.capacity());
     let pass = batch.pass;
-    let constants = [scene.features().bits(), GROUP, random_number(pass.random), u32::from(aim != 0)];
+    let constants = [scene.features().bits(), GROUP, random_number(pass.random), u32::from(projection != 0)];
     let kernel = on.kernel(&shaders::PHOTONS_EMIT, &constants)?;
     let push = Push {
         scene: scene.address(),
@@ -125,7 +125,7 @@ fn emit(
         first: batch.paths.start,
         count: count as u32,
         pad: 0,
-        aim,
+        projection,
     };
     on.dispatch(&kernel, &push, count.div_ceil(u64::from(GROUP)))?;
     on.set_length(rays, asked)

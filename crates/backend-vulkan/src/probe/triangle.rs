@@ -44,10 +44,10 @@ fn ray(d: &mut Draw) -> Input {
     } else {
         (d.between(-0.3, 1.3), d.between(-0.3, 1.3))
     };
-    let aim = a * (1.0 - u - v) + b * u + c * v;
+    let towards = a * (1.0 - u - v) + b * u + c * v;
     let axis = d.pick(&[Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z]);
-    let origin = if d.now_and_then() { aim - axis * 0.5 } else { d.point() };
-    let direction = (aim - origin).normalize_or(axis);
+    let origin = if d.now_and_then() { towards - axis * 0.5 } else { d.point() };
+    let direction = (towards - origin).normalize_or(axis);
     let farthest = d.pick(&[f32::MAX, f32::MAX, 0.25]);
     let mut input = input(origin.extend(farthest).to_array(), direction.extend(0.0).to_array(), [0.0; 4]);
     input.0[8] = slot;

@@ -1,10 +1,10 @@
 //! Paths of light that are aimed at mirrors and glass: whether there are any, and how many.
 
 use super::Pipeline;
-use crate::aim::Aim;
 use crate::backend::TransportBackend;
 use crate::error::Result;
 use crate::memory::Costs;
+use crate::projection::ProjectionMap;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::Settings;
@@ -19,9 +19,9 @@ pub(super) fn stages<B: TransportBackend>(
 ) -> Result<Stages<B>> {
     let mut stages = on.stages(required, settings)?;
     if required.aimed
-        && let Ok((aim, paths)) = Aim::chosen(scene, settings, required)
+        && let Ok((projection, paths)) = ProjectionMap::chosen(scene, settings, required)
     {
-        let aimed = on.aimed(required, settings, &aim)?;
+        let aimed = on.aimed(required, settings, &projection)?;
         stages.aimed = aimed.map(|(emitter, tracer)| Aimed { emitter, tracer, paths });
     }
     Ok(stages)

@@ -27,12 +27,12 @@ const PAIRS: usize = 1 << 20;
 /// A light from which something specular could be met.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Target {
+pub struct ProjectionTarget {
     /// What each of its aimed photons carries, as [`crate::PhotonRay::power`].
     pub carried: [f32; 3],
     /// Index of the light in the scene's table.
     pub light: u32,
-    /// Index of its first cell in [`Aim::cells`].
+    /// Index of its first cell in [`ProjectionMap::cells`].
     pub first: u32,
     /// How many it has, ≥ 1.
     pub count: u32,
@@ -44,8 +44,8 @@ pub struct Target {
 
 /// From which cells of which lights something specular could be met.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Aim {
-    targets: Vec<Target>,
+pub struct ProjectionMap {
+    targets: Vec<ProjectionTarget>,
     starts: Vec<u32>,
     cells: Vec<u32>,
     share: f64,
@@ -53,8 +53,8 @@ pub struct Aim {
 
 /// What one aimed photon leaves by: random words in the places of those that it was drawn by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Launch {
-    /// Index in [`Aim::targets`].
+pub struct ProjectionSample {
+    /// Index in [`ProjectionMap::targets`].
     pub target: usize,
     /// Where on the light.
     pub point: [u32; 2],
@@ -66,7 +66,7 @@ pub struct Launch {
 
 /// Why no photons are aimed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unaimed {
+pub enum NoProjection {
     /// The settings leave caustics to the paths that fill the other maps.
     Shared,
     /// No light could shine on anything specular.
@@ -77,7 +77,7 @@ pub enum Unaimed {
 
 /// What marking came to.
 struct Marking {
-    aim: Aim,
+    projection: ProjectionMap,
     /// Whether all was marked that there is: if not, more of the light than was asked for.
     whole: bool,
     /// Blocks of cells that were looked at, of any size: the work that it was.
@@ -85,7 +85,7 @@ struct Marking {
     blocks: u64,
 }
 
-impl Aim {
+impl ProjectionMap {
     /// Aiming pays beside other paths where no more than this share of the light could meet something specular:
     /// where it is a seventh, they take more from the other layers than caustics gain (docs/studies/requirements.md).
     pub const WORTH: f64 = 0.05;
@@ -93,26 +93,30 @@ impl Aim {
     /// Marks the cells of all lights of `scene`.
     #[must_use]
     pub fn of(scene: &SceneView<'_>) -> Self {
-        Self::mark(scene, f64::INFINITY).aim
+        Self::mark(scene, f64::INFINITY).projection
     }
 
     /// What is aimed in `scene`, and how many paths of a pass. Marking ends as soon as the answer is no.
     ///
     /// # Errors
     /// Why nothing is.
-    pub fn chosen(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> Result<(Self, u32), Unaimed> {
+    pub fn chosen(
+        scene: &SceneView<'_>,
+        settings: &Settings,
+        required: &Requirements,
+    ) -> Result<(Self, u32), NoProjection> {
         let alone = required.maps.iter().all(|(kind, &filled)| kind.is_aimed() || !filled);
         let (most, paths) = match settings.caustic_photons {
-            CausticPhotons::Shared => return Err(Unaimed::Shared),
+            CausticPhotons::Shared => return Err(NoProjection::Shared),
             CausticPhotons::Auto if alone => (f64::INFINITY, settings.photons),
             CausticPhotons::Auto => (Self::WORTH, (settings.photons / 4).max(1)),
             CausticPhotons::Aimed(paths) => (f64::INFINITY, paths),
         };
-        let Marking { aim, whole, .. } = Self::mark(scene, most);
-        match (whole, aim.is_empty()) {
-            (false, _) => Err(Unaimed::NotWorth),
-            (true, true) => Err(Unaimed::Unlit),
-            (true, false) => Ok((aim, paths)),
+        let Marking { projection, whole, .. } = Self::mark(scene, most);
+        match (whole, projection.is_empty()) {
+            (false, _) => Err(NoProjection::NotWorth),
+            (true, true) => Err(NoProjection::Unlit),
+            (true, false) => Ok((projection, paths)),
         }
     }
 
@@ -123,7 +127,7 @@ impl Aim {
         let bits = (CELLS / lights).max(1).ilog2();
         let power_of = |light: &Light| light.power.iter().map(|&p| f64::from(p)).sum::<f64>();
         let all: f64 = scene.lights.iter().map(power_of).sum();
-        let mut aim = Self { targets: Vec::new(), starts: Vec::new(), cells: Vec::new(), share: 0.0 };
+        let mut projection = Self { targets: Vec::new(), starts: Vec::new(), cells: Vec::new(), share: 0.0 };
         let (mut weights, mut marked, mut blocks) = (Vec::new(), 0.0, 0);
         for (index, light) in scene.lights.iter().enumerate() {
             let power = power_of(light);
@@ -131,32 +135,38 @@ impl Aim {
                 continue;
             }
             let (point_bits, direction_bits) = cells::bits(light, bits);
-            let first = aim.cells.len() as u32;
-            let mut target = Target { light: index as u32, first, point_bits, direction_bits, ..Target::default() };
+            let first = projection.cells.len() as u32;
+            let mut target = ProjectionTarget {
+                light: index as u32,
+                first,
+                point_bits,
+                direction_bits,
+                ..ProjectionTarget::default()
+            };
             let end = cells::mark(scene, light, (point_bits, direction_bits), &clusters, &mut blocks, &mut |cell| {
-                aim.cells.push(cell);
+                projection.cells.push(cell);
                 target.count += 1;
                 // The same sum as that of whole lights, so that the last cell decides as all of them do.
                 let share = (marked + power * part(light, &target)) / all;
                 if share > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
             if end.is_break() {
-                return Marking { aim, whole: false, blocks };
+                return Marking { projection, whole: false, blocks };
             }
             if target.count > 0 {
                 weights.push(power * part(light, &target));
                 marked += power * part(light, &target);
-                aim.targets.push(target);
+                projection.targets.push(target);
             }
         }
-        aim.share = if all > 0.0 { marked / all } else { 0.0 };
-        aim.starts = light_starts(&weights);
-        for (index, target) in aim.targets.iter_mut().enumerate() {
+        projection.share = if all > 0.0 { marked / all } else { 0.0 };
+        projection.starts = light_starts(&weights);
+        for (index, target) in projection.targets.iter_mut().enumerate() {
             let light = &scene.lights[target.light as usize];
-            let factor = part(light, target) / light_probability(&aim.starts, index);
+            let factor = part(light, target) / light_probability(&projection.starts, index);
             target.carried = light.power.map(|power| (f64::from(power) * factor) as f32);
         }
-        Marking { aim, whole: true, blocks }
+        Marking { projection, whole: true, blocks }
     }
 
     /// Whether no light could shine on anything specular: no photon need be sent out for caustics.
@@ -173,7 +183,7 @@ impl Aim {
 
     /// The lights that have marked cells.
     #[must_use]
-    pub fn targets(&self) -> &[Target] {
+    pub fn targets(&self) -> &[ProjectionTarget] {
         &self.targets
     }
 
@@ -184,7 +194,7 @@ impl Aim {
     }
 
     /// The marked cells of all targets. From the lowest bit: two numbers of
-    /// [`Target::direction_bits`] each, the second first; two of [`Target::point_bits`] each, likewise;
+    /// [`ProjectionTarget::direction_bits`] each, the second first; two of [`ProjectionTarget::point_bits`] each, likewise;
     /// one bit for the side.
     #[must_use]
     pub fn cells(&self) -> &[u32] {
@@ -194,14 +204,14 @@ impl Aim {
     /// What the tables take in memory.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        (self.targets.len() * (size_of::<Target>() + 4) + self.cells.len() * 4) as u64
+        (self.targets.len() * (size_of::<ProjectionTarget>() + 4) + self.cells.len() * 4) as u64
     }
 
     /// How one photon leaves: `light` and `start` are its words of [`crate::random::BLOCK_LIGHT`] and
-    /// [`crate::random::BLOCK_START`]. [`Aim::is_empty`] must be false.
+    /// [`crate::random::BLOCK_START`]. [`ProjectionMap::is_empty`] must be false.
     #[inline]
     #[must_use]
-    pub fn launch(&self, light: [u32; 4], start: [u32; 4]) -> Launch {
+    pub fn sample(&self, light: [u32; 4], start: [u32; 4]) -> ProjectionSample {
         let [choice, a, b, side] = light;
         let [c, d, ..] = start;
         let index = pick_light(&self.starts, choice);
@@ -212,7 +222,7 @@ impl Aim {
         let cell = self.cells[target.first as usize + (product >> 32) as usize];
         let (p, q) = (target.point_bits, target.direction_bits);
         let field = |at: u32, bits: u32| cell >> at & ((1 << bits) - 1);
-        Launch {
+        ProjectionSample {
             target: index,
             point: [within(field(2 * q + p, p), p, a), within(field(2 * q, p), p, b)],
             direction: [within(field(q, q), q, product as u32), within(field(0, q), q, d)],
@@ -228,7 +238,7 @@ fn within(cell: u32, bits: u32, random: u32) -> u32 {
 }
 
 /// The part of a light's photons that leaves by its marked cells.
-fn part(light: &Light, target: &Target) -> f64 {
+fn part(light: &Light, target: &ProjectionTarget) -> f64 {
     let sides = if light.flags & Light::BOTH_SIDES == 0 { 0 } else { 1 };
     let bits = 2 * target.point_bits + 2 * target.direction_bits + sides;
     f64::from(target.count) / (1_u64 << bits) as f64

@@ -62,19 +62,19 @@ impl Tables {
 #[test]
 fn lights_that_reach_nothing_specular_are_no_targets() {
     let mut tables = Tables::new();
-    let aim = Aim::of(&tables.view());
+    let projection = ProjectionMap::of(&tables.view());
     // Neither the one that looks away nor the one without power.
-    assert_eq!(aim.targets().iter().map(|t| t.light).collect::<Vec<_>>(), [1, 3]);
-    assert!(aim.share() > 0.0 && aim.share() < 0.3, "{}", aim.share());
+    assert_eq!(projection.targets().iter().map(|t| t.light).collect::<Vec<_>>(), [1, 3]);
+    assert!(projection.share() > 0.0 && projection.share() < 0.3, "{}", projection.share());
     tables.lights.truncate(1);
-    let nothing = Aim::of(&tables.view());
+    let nothing = ProjectionMap::of(&tables.view());
     assert!(nothing.is_empty() && nothing.share() == 0.0);
     let settings = Settings { caustic_photons: CausticPhotons::Aimed(7), ..Settings::default() };
     let required = Requirements::everything(&settings);
-    assert_eq!(Aim::chosen(&tables.view(), &settings, &required), Err(Unaimed::Unlit));
+    assert_eq!(ProjectionMap::chosen(&tables.view(), &settings, &required), Err(NoProjection::Unlit));
     tables = Tables::new();
     tables.materials[1].kind = MaterialKind::Lambert as u32;
-    assert!(Aim::of(&tables.view()).is_empty());
+    assert!(ProjectionMap::of(&tables.view()).is_empty());
 }
 
 #[test]
@@ -82,20 +82,25 @@ fn aiming_is_left_where_it_would_not_pay() {
     let [mut few, mut many] = [Tables::new(), Tables::new()];
     few.lights[0].power = [50.0; 3];
     many.lights[0].power = [0.0; 3];
-    let share = |tables: &Tables| Aim::of(&tables.view()).share();
-    assert!(share(&few) < Aim::WORTH && share(&many) > Aim::WORTH, "{} {}", share(&few), share(&many));
+    let share = |tables: &Tables| ProjectionMap::of(&tables.view()).share();
+    assert!(
+        share(&few) < ProjectionMap::WORTH && share(&many) > ProjectionMap::WORTH,
+        "{} {}",
+        share(&few),
+        share(&many)
+    );
     let paths = |tables: &Tables, caustic_photons, indirect| {
         let settings = Settings { photons: 100, caustic_photons, indirect, ..Settings::default() };
-        let chosen = Aim::chosen(&tables.view(), &settings, &Requirements::everything(&settings));
-        chosen.map(|(aim, paths)| {
-            assert_eq!(aim, Aim::of(&tables.view()));
+        let chosen = ProjectionMap::chosen(&tables.view(), &settings, &Requirements::everything(&settings));
+        chosen.map(|(projection, paths)| {
+            assert_eq!(projection, ProjectionMap::of(&tables.view()));
             paths
         })
     };
     use CausticPhotons::{Aimed, Auto, Shared};
     let map = Indirect::Map;
-    assert_eq!((paths(&few, Auto, map), paths(&many, Auto, map)), (Ok(25), Err(Unaimed::NotWorth)));
-    assert_eq!((paths(&few, Shared, map), paths(&many, Aimed(9), map)), (Err(Unaimed::Shared), Ok(9)));
+    assert_eq!((paths(&few, Auto, map), paths(&many, Auto, map)), (Ok(25), Err(NoProjection::NotWorth)));
+    assert_eq!((paths(&few, Shared, map), paths(&many, Aimed(9), map)), (Err(NoProjection::Shared), Ok(9)));
     // Nobody else sends photons out.
     assert_eq!(paths(&many, Auto, Indirect::None), Ok(100));
 }
@@ -106,11 +111,11 @@ fn marking_ends_as_soon_as_the_answer_is_no() {
     for power in [0.0, 0.5, 2.0, 3.0, 50.0] {
         let mut tables = Tables::new();
         tables.lights[0].power = [power; 3];
-        let all = Aim::mark(&tables.view(), f64::INFINITY);
-        let share = all.aim.share();
+        let all = ProjectionMap::mark(&tables.view(), f64::INFINITY);
+        let share = all.projection.share();
         assert!(all.whole && share > 0.0);
-        for most in [share, share.next_down(), share.next_up(), 0.5 * share, Aim::WORTH, 0.0] {
-            let marked = Aim::mark(&tables.view(), most);
+        for most in [share, share.next_down(), share.next_up(), 0.5 * share, ProjectionMap::WORTH, 0.0] {
+            let marked = ProjectionMap::mark(&tables.view(), most);
             assert_eq!(marked.whole, share <= most, "{share} {most}");
             assert!(if marked.whole { marked.blocks == all.blocks } else { marked.blocks <= all.blocks });
         }
@@ -119,47 +124,47 @@ fn marking_ends_as_soon_as_the_answer_is_no() {
     let mut tables = Tables::new();
     tables.materials[0].kind = MaterialKind::Mirror as u32;
     tables.lights = vec![Light { position: [0.0, -0.45, -0.05], power: [1.0; 3], ..tables.lights[3] }];
-    let [all, enough] = [f64::INFINITY, Aim::WORTH].map(|most| Aim::mark(&tables.view(), most));
-    assert!(all.aim.share() > 0.7 && !enough.whole, "{}", all.aim.share());
+    let [all, enough] = [f64::INFINITY, ProjectionMap::WORTH].map(|most| ProjectionMap::mark(&tables.view(), most));
+    assert!(all.projection.share() > 0.7 && !enough.whole, "{}", all.projection.share());
     assert!(12 * enough.blocks < all.blocks, "{} of {}", enough.blocks, all.blocks);
 }
 
 /// The mean of what photons carry is the power that leaves by marked cells.
 #[test]
 fn what_photons_carry_adds_up_to_the_share() {
-    let aim = Aim::of(&Tables::new().view());
-    let sum = |(index, target): (usize, &Target)| {
-        light_probability(aim.starts(), index) * f64::from(target.carried.iter().sum::<f32>()) / 3.0
+    let projection = ProjectionMap::of(&Tables::new().view());
+    let sum = |(index, target): (usize, &ProjectionTarget)| {
+        light_probability(projection.starts(), index) * f64::from(target.carried.iter().sum::<f32>()) / 3.0
     };
-    let mean: f64 = aim.targets().iter().enumerate().map(sum).sum();
-    assert!((mean / aim.share() - 1.0).abs() < 1e-6, "{mean} {}", aim.share());
+    let mean: f64 = projection.targets().iter().enumerate().map(sum).sum();
+    assert!((mean / projection.share() - 1.0).abs() < 1e-6, "{mean} {}", projection.share());
     // But for what all lamps share evenly.
-    let [a, b] = [0, 1].map(|i: usize| aim.targets()[i].carried[0]);
+    let [a, b] = [0, 1].map(|i: usize| projection.targets()[i].carried[0]);
     assert!((0.5..2.0).contains(&(a / b)), "{a} {b}");
 }
 
 /// Every marked cell gets its part of photons, and evenly within.
 #[test]
 fn cells_are_drawn_evenly() {
-    let aim = Aim::of(&Tables::new().view());
-    for (index, target) in aim.targets().iter().enumerate() {
+    let projection = ProjectionMap::of(&Tables::new().view());
+    for (index, target) in projection.targets().iter().enumerate() {
         let (p, q) = (target.point_bits, target.direction_bits);
-        let choice = aim.starts()[index];
-        let of = |launch: &Launch| {
-            let [[a, b], [c, d]] = [(launch.point, p), (launch.direction, q)]
+        let choice = projection.starts()[index];
+        let of = |sample: &ProjectionSample| {
+            let [[a, b], [c, d]] = [(sample.point, p), (sample.direction, q)]
                 .map(|(words, bits)| words.map(|w| (u64::from(w) >> (32 - bits)) as u32));
             ((a << p | b) << q | c) << q | d
         };
-        let own = &aim.cells()[target.first as usize..(target.first + target.count) as usize];
+        let own = &projection.cells()[target.first as usize..(target.first + target.count) as usize];
         let tries = 16 * target.count;
         let mut seen = vec![0_u32; own.len()];
         let mut upper = 0;
         for i in 0..tries {
             let c = ((u64::from(i) << 32) / u64::from(tries)) as u32 + 7;
-            let launch = aim.launch([choice, 1 << 31, 5, 0], [c, 3 << 30, 0, 0]);
-            assert_eq!((launch.target, launch.direction[1] << q >> 30), (index, 3));
-            seen[own.iter().position(|&cell| cell == of(&launch)).unwrap()] += 1;
-            upper += launch.direction[0] << q >> 31;
+            let sample = projection.sample([choice, 1 << 31, 5, 0], [c, 3 << 30, 0, 0]);
+            assert_eq!((sample.target, sample.direction[1] << q >> 30), (index, 3));
+            seen[own.iter().position(|&cell| cell == of(&sample)).unwrap()] += 1;
+            upper += sample.direction[0] << q >> 31;
         }
         assert!(seen.iter().all(|&times| (15..=17).contains(&times)), "{seen:?}");
         assert!(upper.abs_diff(tries / 2) <= target.count, "{upper} of {tries}");
@@ -174,6 +179,6 @@ fn many_lights_have_few_cells_each() {
     let lights =
         vec![Light { kind: Light::TRIANGLE, primitive: 0, power: [1e-5; 3], area: 0.5, ..Light::default() }; count];
     let starts = light_starts(&vec![1e-5; count]);
-    let aim = Aim::of(&SceneView { lights: &lights, light_starts: &starts, ..tables.view() });
-    assert!(aim.targets().len() == count && aim.cells().len() <= CELLS, "{}", aim.cells().len());
+    let projection = ProjectionMap::of(&SceneView { lights: &lights, light_starts: &starts, ..tables.view() });
+    assert!(projection.targets().len() == count && projection.cells().len() <= CELLS, "{}", projection.cells().len());
 }

@@ -6,7 +6,7 @@ const uint FATE_ABSORBED = 0u;
 const uint FATE_ESCAPED = 1u;
 const uint FATE_TRUNCATED = 2u;
 const uint FATE_DROPPED = 3u;
-const uint FATE_CEDED = 4u;
+const uint FATE_TERMINATED = 4u;
 const uint FATE_NONE = 5u;
 
 // Beside the fate: the path entered more solids at once than can be kept.

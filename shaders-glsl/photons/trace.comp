@@ -239,7 +239,7 @@ uint step_path(inout Path path, Hit hit) {
         if (material.albedo != vec3(0.0) && !(AIMED && path.bounce == 0u)) store(path, at);
         if (AIMED) {
             ++path.bounce;
-            return FATE_CEDED;
+            return FATE_TERMINATED;
         }
         path.specular_only = false;
     } else if (lobe == LOBE_SPECULAR_TRANSMISSION) {

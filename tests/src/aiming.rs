@@ -92,7 +92,7 @@ fn caustics<T: TestBackend>(
                 tally.balances() && tally.stored[MapKind::Direct] + tally.stored[MapKind::Global] == 0,
                 "{tally:?}"
             );
-            assert_eq!(tally.ceded > 0, projection.is_some());
+            assert_eq!(tally.terminated > 0, projection.is_some());
             on.download(&kept, &mut home).unwrap();
             assert_eq!(tally.stored[MapKind::Caustic], home.len() as u64);
             let mut sums = [0.0; 3];
@@ -242,10 +242,10 @@ pub fn g4_aimed_paths_are_accounted_for<T: TestBackend>() {
     assert!(report.tally.balances() && report.aimed.balances(), "{report:?}");
     assert!(
         report.tally.stored[MapKind::Caustic] == 0
-            && report.tally.ceded == 0
+            && report.tally.terminated == 0
             && report.aimed.stored[MapKind::Caustic] > 100
     );
-    assert!(report.aimed.ceded >= report.aimed.stored[MapKind::Caustic]);
+    assert!(report.aimed.terminated >= report.aimed.stored[MapKind::Caustic]);
     // Light leaves by marked cells as it should: two lamps of nearly the same share.
     let share = report.aimed.flux_emitted.value().iter().sum::<f64>() / 3.0 / 2500.0;
     assert!((share / ProjectionMap::of(&scene.view()).share() - 1.0).abs() < 0.02, "{share}");

@@ -234,7 +234,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
                     }
                 }
                 if aimed {
-                    return tally.end(Fate::Ceded, flux);
+                    return tally.end(Fate::Terminated, flux);
                 }
                 specular_only = false;
             }

@@ -14,7 +14,7 @@ pub enum Fate {
     /// Its numbers were no longer finite; the path was given up.
     Dropped,
     /// What came next is for other paths to tell: an aimed one met something diffuse.
-    Ceded,
+    Terminated,
 }
 
 /// Flux, summed exactly: integers, so that the order of summation changes nothing.
@@ -87,7 +87,7 @@ pub struct Tally {
     /// Paths given up since their numbers were not finite.
     pub dropped: u64,
     /// Aimed paths that met something diffuse, from where on other paths tell what becomes of the light.
-    pub ceded: u64,
+    pub terminated: u64,
     /// Surfaces met.
     pub surfaces: u64,
     /// Paths that entered more than four solids at once, of which the fifth was ignored.
@@ -105,7 +105,7 @@ pub struct Tally {
     /// Flux on paths that were dropped, as last known to be finite.
     pub flux_dropped: FluxSum,
     /// Flux on aimed paths when they met something diffuse.
-    pub flux_ceded: FluxSum,
+    pub flux_terminated: FluxSum,
 }
 
 impl Tally {
@@ -117,7 +117,7 @@ impl Tally {
             Fate::Escaped => (&mut self.escaped, &mut self.flux_escaped),
             Fate::Truncated => (&mut self.truncated, &mut self.flux_truncated),
             Fate::Dropped => (&mut self.dropped, &mut self.flux_dropped),
-            Fate::Ceded => (&mut self.ceded, &mut self.flux_ceded),
+            Fate::Terminated => (&mut self.terminated, &mut self.flux_terminated),
         };
         *count += 1;
         sum.add(flux);
@@ -130,7 +130,7 @@ impl Tally {
         self.escaped += other.escaped;
         self.truncated += other.truncated;
         self.dropped += other.dropped;
-        self.ceded += other.ceded;
+        self.terminated += other.terminated;
         self.surfaces += other.surfaces;
         self.too_deep += other.too_deep;
         for (kind, stored) in self.stored.iter_mut() {
@@ -141,7 +141,7 @@ impl Tally {
         self.flux_escaped.merge(&other.flux_escaped);
         self.flux_truncated.merge(&other.flux_truncated);
         self.flux_dropped.merge(&other.flux_dropped);
-        self.flux_ceded.merge(&other.flux_ceded);
+        self.flux_terminated.merge(&other.flux_terminated);
     }
 
     /// Whether emitted = absorbed + escaped + truncated + dropped + ceded, in number and in flux, exactly.
@@ -151,8 +151,8 @@ impl Tally {
         ended.merge(&self.flux_escaped);
         ended.merge(&self.flux_truncated);
         ended.merge(&self.flux_dropped);
-        ended.merge(&self.flux_ceded);
-        let paths = self.absorbed + self.escaped + self.truncated + self.dropped + self.ceded;
+        ended.merge(&self.flux_terminated);
+        let paths = self.absorbed + self.escaped + self.truncated + self.dropped + self.terminated;
         self.emitted == paths && ended == self.flux_emitted
     }
 }

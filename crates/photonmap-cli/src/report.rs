@@ -141,7 +141,7 @@ fn aimed(tally: &Tally) -> Value {
     let flux = |sum: &FluxSum| sum.value().map(|f| f / tally.emitted.max(1) as f64);
     json!({
         "emitted": tally.emitted,
-        "ceded": tally.ceded,
+        "ceded": tally.terminated,
         "absorbed": tally.absorbed,
         "escaped": tally.escaped,
         "truncated": tally.truncated,
@@ -150,7 +150,7 @@ fn aimed(tally: &Tally) -> Value {
         "balance": tally.balances(),
         "flux": {
             "emitted": flux(&tally.flux_emitted),
-            "ceded": flux(&tally.flux_ceded),
+            "ceded": flux(&tally.flux_terminated),
             "absorbed": flux(&tally.flux_absorbed),
             "escaped": flux(&tally.flux_escaped),
             "truncated": flux(&tally.flux_truncated),

@@ -35,7 +35,7 @@ pub(crate) fn tally(words: &[u32], fates: usize, emitted: u64) -> Tally {
         escaped: counter(1),
         truncated: counter(2),
         dropped: counter(3),
-        ceded: if fates == AIMED_FATES { counter(4) } else { 0 },
+        terminated: if fates == AIMED_FATES { counter(4) } else { 0 },
         surfaces: counter(fates),
         stored: PerMap::from_fn(|kind| counter(fates + 1 + kind as usize)),
         too_deep: counter(fates + 1 + MapKind::COUNT),
@@ -44,7 +44,7 @@ pub(crate) fn tally(words: &[u32], fates: usize, emitted: u64) -> Tally {
         flux_escaped: flux(2),
         flux_truncated: flux(3),
         flux_dropped: flux(4),
-        flux_ceded: if fates == AIMED_FATES { flux(5) } else { FluxSum::default() },
+        flux_terminated: if fates == AIMED_FATES { flux(5) } else { FluxSum::default() },
     }
 }
 

@@ -31,9 +31,9 @@ float take(Planes planes, uint plane, uint pixel) {
 }
 
 void end_shape(uint map, uint pixel) {
-    for (uint plane = 0; plane < SHAPE_LOW; plane++) {
+    for (uint plane = 0; plane < MOMENTS_LOW; plane++) {
         float x = take(push.pass_shapes[map], plane, pixel);
-        if (x != 0.0) film_add(push.sum_shapes[map], plane, SHAPE_LOW, push.pixels, pixel, x);
+        if (x != 0.0) film_add(push.sum_shapes[map], plane, MOMENTS_LOW, push.pixels, pixel, x);
     }
 }
 

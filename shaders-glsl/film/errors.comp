@@ -25,7 +25,7 @@ layout(push_constant, scalar) uniform Push {
     Count found_count;
     // Planes of bias and narrow; planes of the map's shape.
     Planes pass;
-    Planes shape;
+    Planes map_moments;
     uint pixels;
     // 1 over 3π times the paths; or 1/3.
     float scale;
@@ -73,11 +73,11 @@ void main() {
     if (power == 0.0 && stray == 0.0) return;
     add(push.pass, 0, pixel, bias);
     add(push.pass, 1, pixel, narrow);
-    add(push.shape, SHAPE_POWER, pixel, power);
-    add(push.shape, SHAPE_POWER_SQUARED, pixel, squared);
+    add(push.map_moments, MOMENTS_POWER, pixel, power);
+    add(push.map_moments, MOMENTS_POWER_SQUARED, pixel, squared);
     for (uint axis = 0; axis < 2; axis++) {
-        add(push.shape, SHAPE_SLOPE + axis, pixel, slope[axis]);
-        add(push.shape, SHAPE_QUADRUPOLE + axis, pixel, quadrupole[axis]);
+        add(push.map_moments, MOMENTS_SLOPE + axis, pixel, slope[axis]);
+        add(push.map_moments, MOMENTS_QUADRUPOLE + axis, pixel, quadrupole[axis]);
     }
-    add(push.shape, SHAPE_STRAY, pixel, stray);
+    add(push.map_moments, MOMENTS_STRAY, pixel, stray);
 }

@@ -36,12 +36,12 @@ const uint ERROR_BIAS_SQUARE = 1;
 const uint ERROR_NARROW = 2;
 const uint ERROR_NARROW_SQUARE = 3;
 const uint ERROR_LOW = 4;
-const uint SHAPE_POWER = 0;
-const uint SHAPE_POWER_SQUARED = 1;
-const uint SHAPE_SLOPE = 2;
-const uint SHAPE_QUADRUPOLE = 4;
-const uint SHAPE_STRAY = 6;
-const uint SHAPE_LOW = 7;
+const uint MOMENTS_POWER = 0;
+const uint MOMENTS_POWER_SQUARED = 1;
+const uint MOMENTS_SLOPE = 2;
+const uint MOMENTS_QUADRUPOLE = 4;
+const uint MOMENTS_STRAY = 6;
+const uint MOMENTS_LOW = 7;
 
 // A pixel's place in a plane. Step by step, since planes times pixels may be more than a word.
 Planes film_place(Planes planes, uint plane, uint pixels, uint pixel) {

@@ -1,8 +1,8 @@
 //! What a film claims of its own error, against fields whose truth is known, and scenes.
 
 use photon_core::{
-    Backend, Budget, Claim, ErrorMoments, EstimateParams, Flags, IndexKind, Kernel, Photon, Plan, RandomKind, Search,
-    Settings, render,
+    Backend, Budget, ConfidenceInterval, ErrorMoments, EstimateParams, Flags, IndexKind, Kernel, Photon, Plan,
+    RandomKind, Search, Settings, render,
 };
 use photon_scene::builtin;
 
@@ -47,15 +47,15 @@ pub fn e3_noise_alone_does_not_cover<T: TestBackend>() {
     // Seven passes are the one reason for all, and for nearly all the only one: by chance a quadrupole is
     // beyond 3 standard errors in exp(−9/2) of pixels, and of two biases either is beyond 3 of its own, which
     // it would have to be to differ, with Student's t of 6 degrees in 0.024. One pass more, and none has it.
-    let claims = |passes| field_film::<T>(&SMOOTH[0], passes, 1.0, 91).claims().unwrap();
-    let few = claims(7);
-    assert!(few.iter().all(|claim| claim.flags.contains(Flags::FEW_PASSES)));
+    let intervals = |passes| field_film::<T>(&SMOOTH[0], passes, 1.0, 91).confidence_intervals().unwrap();
+    let few = intervals(7);
+    assert!(few.iter().all(|interval| interval.flags.contains(Flags::FEW_PASSES)));
     let never = [Flags::FEW_PHOTONS, Flags::OTHER_SURFACE];
-    assert!(few.iter().all(|claim| !never.iter().any(|&flag| claim.flags.contains(flag))));
-    let others = few.iter().filter(|claim| claim.flags != Flags::FEW_PASSES).count() as f64;
+    assert!(few.iter().all(|interval| !never.iter().any(|&flag| interval.flags.contains(flag))));
+    let others = few.iter().filter(|interval| interval.flags != Flags::FEW_PASSES).count() as f64;
     let chance = (-4.5_f64).exp() + 2.0 * 0.024;
     assert!(others <= 256.0 * chance + SIGMAS * (256.0 * chance * (1.0 - chance)).sqrt(), "{others} of 256");
-    assert!(claims(8).iter().all(|claim| !claim.flags.contains(Flags::FEW_PASSES)));
+    assert!(intervals(8).iter().all(|interval| !interval.flags.contains(Flags::FEW_PASSES)));
 }
 
 /// The second sums on photons that are counted by hand: two within the radius, one of them within the
@@ -106,7 +106,7 @@ pub fn e5_errors_leave_the_picture_alone<T: TestBackend>() {
     let plain = Settings { photons: 5_000, seed: 5, ..Settings::default() };
     let asked = Settings { errors: true, ..plain.clone() };
     let (without, with) = (film::<T>(&scene, &plain, 4, 16), film::<T>(&scene, &asked, 4, 16));
-    assert!(without.errors.is_none() && without.claims().is_none());
+    assert!(without.errors.is_none() && without.confidence_intervals().is_none());
     let mean = without.beauty().iter().flatten().sum::<f32>() / (3 * 256) as f32;
     for (a, b) in without.beauty().iter().flatten().zip(with.beauty().iter().flatten()) {
         // The same photons, summed in another order.
@@ -121,12 +121,12 @@ pub fn e5_errors_leave_the_picture_alone<T: TestBackend>() {
     };
     let mut merged = part(0);
     merged.merge(&part(2)).unwrap();
-    for (a, b) in with.claims().unwrap().iter().zip(merged.claims().unwrap()) {
+    for (a, b) in with.confidence_intervals().unwrap().iter().zip(merged.confidence_intervals().unwrap()) {
         assert!((a.bias - b.bias).abs() <= 1e-6 * f64::from(mean), "{a:?} {b:?}");
         assert!((a.bias_error - b.bias_error).abs() <= 1e-6 * f64::from(mean), "{a:?} {b:?}");
         assert_eq!(a.flags, b.flags);
     }
-    assert!(with.claims().unwrap().iter().any(|claim| claim.bias != 0.0));
+    assert!(with.confidence_intervals().unwrap().iter().any(|interval| interval.bias != 0.0));
 }
 
 /// Light that is gathered has the bias of the maps where its rays land: in a ball that glows alike
@@ -141,17 +141,19 @@ pub fn e6_gathered_light_is_claimed<T: TestBackend>() {
         ..Settings::default()
     };
     let scene = builtin("furnace").unwrap().build().unwrap();
-    let claims = film::<T>(&scene, &settings, 12, 12).claims().unwrap();
-    let standing: Vec<&Claim> = claims.iter().filter(|claim| claim.flags.is_empty()).collect();
+    let intervals = film::<T>(&scene, &settings, 12, 12).confidence_intervals().unwrap();
+    let standing: Vec<&ConfidenceInterval> = intervals.iter().filter(|interval| interval.flags.is_empty()).collect();
     let truth = 2.0 * std::f64::consts::FRAC_1_PI;
-    let covered = standing.iter().filter(|claim| (claim.value - truth).abs() <= claim.half_width).count();
-    assert!(standing.len() * 10 >= claims.len() * 9, "{} of {}", standing.len(), claims.len());
+    let covered = standing.iter().filter(|interval| (interval.value - truth).abs() <= interval.half_width).count();
+    assert!(standing.len() * 10 >= intervals.len() * 9, "{} of {}", standing.len(), intervals.len());
     assert!(covered * 100 >= standing.len() * 93, "{covered} of {}", standing.len());
-    let mean = |of: &dyn Fn(&Claim) -> f64, claims: &[Claim]| claims.iter().map(of).sum::<f64>() / claims.len() as f64;
+    let mean = |of: &dyn Fn(&ConfidenceInterval) -> f64, intervals: &[ConfidenceInterval]| {
+        intervals.iter().map(of).sum::<f64>() / intervals.len() as f64
+    };
     let scene = builtin("cornell").unwrap().build().unwrap();
-    let claims = film::<T>(&scene, &settings, 12, 12).claims().unwrap();
+    let intervals = film::<T>(&scene, &settings, 12, 12).confidence_intervals().unwrap();
     // Beyond edges there are no photons, so that larger radii see less light: the picture is too dark.
-    let (bias, value) = (mean(&|claim| claim.bias, &claims), mean(&|claim| claim.value, &claims));
+    let (bias, value) = (mean(&|interval| interval.bias, &intervals), mean(&|interval| interval.value, &intervals));
     assert!(bias < -0.002 * value && bias > -0.2 * value, "{bias} of {value}");
 }
 
@@ -191,10 +193,10 @@ pub fn e8_an_error_asked_for_is_reached<T: TestBackend>() {
     assert!(reached.is_reached() && reached.error <= target && outcome.passes < 1000, "{reached:?}");
     let ratio = f64::from(outcome.passes) / f64::from(predicted.passes_needed.unwrap());
     assert!(predicted.passes == 8 && outcome.passes > 8 && (0.33..=3.0).contains(&ratio), "{predicted:?} {reached:?}");
-    let claims = photon_core::Render::film(&mut renderer).unwrap().claims().unwrap();
+    let intervals = photon_core::Render::film(&mut renderer).unwrap().confidence_intervals().unwrap();
     let truth = 2.0 * std::f64::consts::FRAC_1_PI;
-    let covered = claims.iter().filter(|claim| (claim.value - truth).abs() <= claim.half_width).count();
-    assert!(covered * 100 >= claims.len() * 93, "{covered} of {}", claims.len());
+    let covered = intervals.iter().filter(|interval| (interval.value - truth).abs() <= interval.half_width).count();
+    assert!(covered * 100 >= intervals.len() * 93, "{covered} of {}", intervals.len());
     // Errors that nobody keeps cannot be asked for.
     let mut deaf = crate::harness::renderer::<T>(&scene, &Settings { errors: false, ..settings }, 8);
     assert!(render(&mut deaf, plan, &mut ()).is_err());

@@ -251,12 +251,12 @@ pub fn d7_second_radii_at_ends_tell_no_bias<T: TestBackend>() {
         let told = |area| {
             let settings = Settings { errors: true, ..settings(area, kernel, within()) };
             let film = film::<T>(&floor(beside), &settings, 24, 1);
-            let (claim, pixel) = (film.claims().unwrap()[0], film.errors.as_ref().unwrap()[0]);
+            let (interval, pixel) = (film.confidence_intervals().unwrap()[0], film.errors.as_ref().unwrap()[0]);
             let n = f64::from(film.passes);
             let [mean, square] = [pixel.narrow, pixel.narrow_square].map(|sum| sum / n);
             let unit = film.units.radiance_to_user() / truth;
             let error = ((square - mean * mean) / (n - 1.0)).sqrt();
-            [(claim.bias / truth, claim.bias_error / truth), (mean * unit, error * unit)]
+            [(interval.bias / truth, interval.bias_error / truth), (mean * unit, error * unit)]
         };
         let (mended, plain) = (told(Area::Surface), told(Area::Disc));
         for (what, (mended, plain)) in ["wide", "narrow"].into_iter().zip(mended.into_iter().zip(plain)) {

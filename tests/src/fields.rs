@@ -7,8 +7,8 @@
 use std::f64::consts::PI;
 
 use photon_core::{
-    Claim, ErrorMoments, Estimate, EstimateParams, Film, IndexKind, Kernel, Layer, MapKind, MapStages, Photon, Query,
-    Result, Search, TransportBackend, Units, radius_squared_factor,
+    ConfidenceInterval, ErrorMoments, Estimate, EstimateParams, Film, IndexKind, Kernel, Layer, MapKind, MapStages,
+    Photon, Query, Result, Search, TransportBackend, Units, radius_squared_factor,
 };
 use photon_scene::{MaterialDesc, SceneBuilder};
 
@@ -191,19 +191,19 @@ pub struct Verdict {
 #[must_use]
 pub fn judge(field: &Field, films: &[Film]) -> Verdict {
     let truth = (field.at)(0.0, 0.0);
-    let all: Vec<Claim> = films.iter().flat_map(|film| film.claims().unwrap()).collect();
+    let all: Vec<ConfidenceInterval> = films.iter().flat_map(|film| film.confidence_intervals().unwrap()).collect();
     let quantile = photon_core::student_975(f64::from(films[0].passes) - 1.0);
-    let error = |claim: &Claim| (claim.value - truth).abs();
-    let claimed: Vec<&Claim> = all.iter().filter(|claim| claim.flags.is_empty()).collect();
-    let squares: Vec<f64> = claimed.iter().map(|claim| error(claim).powi(2)).collect();
-    let mut widths: Vec<f64> = claimed.iter().map(|claim| claim.half_width).collect();
+    let error = |interval: &ConfidenceInterval| (interval.value - truth).abs();
+    let claimed: Vec<&ConfidenceInterval> = all.iter().filter(|interval| interval.flags.is_empty()).collect();
+    let squares: Vec<f64> = claimed.iter().map(|interval| error(interval).powi(2)).collect();
+    let mut widths: Vec<f64> = claimed.iter().map(|interval| interval.half_width).collect();
     widths.sort_by(f64::total_cmp);
     let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
     Verdict {
         claimed: share(claimed.len(), all.len()),
-        covered: share(claimed.iter().filter(|claim| error(claim) <= claim.half_width).count(), claimed.len()),
+        covered: share(claimed.iter().filter(|interval| error(interval) <= interval.half_width).count(), claimed.len()),
         covered_by_noise: share(
-            all.iter().filter(|claim| error(claim) <= quantile * claim.standard_error).count(),
+            all.iter().filter(|interval| error(interval) <= quantile * interval.standard_error).count(),
             all.len(),
         ),
         sharpness: widths.get(widths.len() / 2).map_or(f64::NAN, |&width| width / moments(&squares).0.sqrt()),

@@ -1,6 +1,6 @@
 //! E9: what more passes bring is known where light is even, and so are chance and bias of foretelling it.
 
-use photon_core::{Claim, Kernel, Prospect, Schedule, radius_squared_factor, student_975};
+use photon_core::{ConfidenceInterval, ErrorModel, Kernel, Schedule, radius_squared_factor, student_975};
 
 use crate::fields::{EXPECTED, SMOOTH, Trial, films_of};
 use crate::harness::TestBackend;
@@ -91,25 +91,28 @@ fn is_foretold(ratios: &[f64]) -> Result<(), String> {
 pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
     let mut on = T::make(2);
     let mut claims_of = |side: u32, passes: u32| {
-        let (mut claims, trial) = (Vec::new(), Trial { passes, alpha: ALPHA, side, seed: 92 });
-        let keep = &mut |film: photon_core::Film| claims = film.claims().unwrap();
+        let (mut intervals, trial) = (Vec::new(), Trial { passes, alpha: ALPHA, side, seed: 92 });
+        let keep = &mut |film: photon_core::Film| intervals = film.confidence_intervals().unwrap();
         films_of(&mut on, &SMOOTH[0], &trial, &[passes], keep).unwrap();
-        claims
+        intervals
     };
     let second = Kernel::Epanechnikov.second_radius_noise();
     // Pixels are independent, so that each 256 are a pilot by themselves.
-    let claims = claims_of(64, PILOT);
-    let pilots = |schedule: Schedule, factor: f64| -> Vec<Prospect> {
-        let wrong = |claim: &Claim| Claim {
-            standard_error: claim.standard_error * factor,
-            bias: claim.bias * factor,
-            bias_error: claim.bias_error * factor,
-            ..*claim
+    let intervals = claims_of(64, PILOT);
+    let pilots = |schedule: Schedule, factor: f64| -> Vec<ErrorModel> {
+        let wrong = |interval: &ConfidenceInterval| ConfidenceInterval {
+            standard_error: interval.standard_error * factor,
+            bias: interval.bias * factor,
+            bias_error: interval.bias_error * factor,
+            ..*interval
         };
-        let of = |claims: &[Claim]| claims.iter().map(wrong).collect::<Vec<_>>();
-        claims.chunks(PIXELS).map(|claims| Prospect::new(&of(claims), schedule, SHARE, second).unwrap()).collect()
+        let of = |intervals: &[ConfidenceInterval]| intervals.iter().map(wrong).collect::<Vec<_>>();
+        intervals
+            .chunks(PIXELS)
+            .map(|intervals| ErrorModel::new(&of(intervals), schedule, SHARE, second).unwrap())
+            .collect()
     };
-    let ratios = |pilots: &[Prospect], passes: u32| -> Vec<f64> {
+    let ratios = |pilots: &[ErrorModel], passes: u32| -> Vec<f64> {
         pilots.iter().map(|pilot| pilot.least_error_after(passes) / known(passes)).collect()
     };
     let schedule = Schedule::of(PILOT, ALPHA);
@@ -139,7 +142,7 @@ pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
     // What has been reached after 24 passes is what was known, by the noise of each pixel: a variance from 23 degrees of
     // freedom has a relative one of 2/23, its root the quarter of that.
     let passes = 24;
-    let now = Prospect::new(&claims_of(16, passes), Schedule::of(passes, ALPHA), SHARE, second).unwrap();
+    let now = ErrorModel::new(&claims_of(16, passes), Schedule::of(passes, ALPHA), SHARE, second).unwrap();
     let (t, z) = quantiles(passes);
     let spread = (0.5 / (f64::from(passes) - 1.0)).sqrt();
     let part = |step: i32| {

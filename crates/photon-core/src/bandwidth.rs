@@ -55,7 +55,7 @@ impl Radii {
 
     /// Learns from the passes since the last time.
     pub(crate) fn learn(&mut self, film: &Film) {
-        let (Some(errors), Some(claims)) = (&film.errors, film.claims()) else { return };
+        let (Some(errors), Some(intervals)) = (&film.errors, film.confidence_intervals()) else { return };
         let passes = film.passes - self.then;
         let sums: Vec<[f64; 2]> =
             errors.iter().zip(&self.before).map(|(now, before)| tell(now, *before, passes)).collect();
@@ -70,7 +70,7 @@ impl Radii {
                 let bias_squared = (bias_squared - difference).max(0.0) * bias * bias;
                 let step = step(noise_squared, bias_squared);
                 let edge = [Flags::OTHER_SURFACE, Flags::UNEVEN, Flags::CURVED];
-                let broken = edge.iter().any(|&flag| claims[pixel].flags.contains(flag));
+                let broken = edge.iter().any(|&flag| intervals[pixel].flags.contains(flag));
                 // Across an edge a second radius says little of the bias: no broader there.
                 if broken { step.min(1.0) } else { step }
             })
@@ -123,21 +123,22 @@ fn neighbours(pixel: usize, width: usize, height: usize, reach: usize) -> impl I
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::errors::Shape;
+    use crate::errors::PhotonMoments;
     use crate::map_kind::{MapKind, PerMap};
     use crate::units::Units;
 
     /// A film of 8 × 8 pixels whose bias is `bias` and its deviation in a pass `deviation`.
     fn film(passes: u32, bias: f64, deviation: f64) -> Film {
         let mut film = Film::new(8, 8, Units::default()).unwrap();
-        let even = Shape { power: 100.0, power_squared: 100.0, ..Shape::default() };
+        let even = PhotonMoments { power: 100.0, power_squared: 100.0, ..PhotonMoments::default() };
         let mut errors = vec![ErrorPixel::default(); 64];
         for pass in 0..passes {
             for (i, error) in errors.iter_mut().enumerate() {
                 let sign = if (pass + i as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
                 let bias = bias + sign * deviation;
-                let shapes = PerMap::from_fn(|kind| if kind == MapKind::Global { even } else { Shape::default() });
-                error.end_pass(&ErrorPixel { bias, narrow: 0.5 * bias, shapes, ..ErrorPixel::default() });
+                let photon_moments =
+                    PerMap::from_fn(|kind| if kind == MapKind::Global { even } else { PhotonMoments::default() });
+                error.end_pass(&ErrorPixel { bias, narrow: 0.5 * bias, photon_moments, ..ErrorPixel::default() });
             }
         }
         film.passes = passes;

@@ -16,7 +16,7 @@ pub enum Budget {
     Photons(u64),
     /// As many passes as end nearest to this; the first always runs.
     Time(Duration),
-    /// As many passes as it takes until what is claimed of the error ([`crate::Claim`]) is small enough.
+    /// As many passes as it takes until what is claimed of the error ([`crate::ConfidenceInterval`]) is small enough.
     /// [`crate::Settings::errors`] must be set.
     Error {
         /// The largest error, > 0: a fraction of the pixel, or of a tenth of the picture's mean where

@@ -20,13 +20,13 @@ pub struct ErrorPixel {
     /// Its square, pass by pass.
     pub narrow_square: f64,
     /// How the photons of each map lie about the pixel's queries.
-    pub shapes: PerMap<Shape>,
+    pub photon_moments: PerMap<PhotonMoments>,
 }
 
 /// How the photons of one map lie about a pixel's queries: sums of [`ErrorMoments`]'s, weighted as the
 /// queries are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Shape {
+pub struct PhotonMoments {
     /// Σ power.
     pub power: f64,
     /// Σ of its squares.
@@ -39,7 +39,7 @@ pub struct Shape {
     pub stray: f64,
 }
 
-impl Shape {
+impl PhotonMoments {
     fn add(&mut self, other: &Self) {
         self.power += other.power;
         self.power_squared += other.power_squared;
@@ -92,14 +92,14 @@ impl ErrorPixel {
             self.narrow += weight * narrow[c];
         }
         let weight = query.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
-        let shape = &mut self.shapes[kind];
-        shape.power += weight * f64::from(moments.power);
-        shape.power_squared += weight * weight * f64::from(moments.power_squared);
+        let map_moments = &mut self.photon_moments[kind];
+        map_moments.power += weight * f64::from(moments.power);
+        map_moments.power_squared += weight * weight * f64::from(moments.power_squared);
         for axis in 0..2 {
-            shape.slope[axis] += weight * f64::from(moments.slope[axis]);
-            shape.quadrupole[axis] += weight * f64::from(moments.quadrupole[axis]);
+            map_moments.slope[axis] += weight * f64::from(moments.slope[axis]);
+            map_moments.quadrupole[axis] += weight * f64::from(moments.quadrupole[axis]);
         }
-        shape.stray += weight * f64::from(moments.stray);
+        map_moments.stray += weight * f64::from(moments.stray);
     }
 
     /// Adds what one query of a pass was told by photons elsewhere, where final-gather rays landed:
@@ -112,14 +112,14 @@ impl ErrorPixel {
             self.narrow += weight * narrow[c];
         }
         let weight = query.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
-        let shape = &mut self.shapes[MapKind::Global];
-        shape.power += weight * powers[0];
-        shape.power_squared += weight * weight * powers[1];
+        let map_moments = &mut self.photon_moments[MapKind::Global];
+        map_moments.power += weight * powers[0];
+        map_moments.power_squared += weight * weight * powers[1];
     }
 
     /// Whether any photon was found.
     fn is_known(&self) -> bool {
-        self.shapes.values().any(|shape| shape.power > 0.0)
+        self.photon_moments.values().any(|map_moments| map_moments.power > 0.0)
     }
 
     /// Adds a pass that has ended.
@@ -128,7 +128,7 @@ impl ErrorPixel {
         self.bias_square += pass.bias * pass.bias;
         self.narrow += pass.narrow;
         self.narrow_square += pass.narrow * pass.narrow;
-        self.shapes.iter_mut().for_each(|(kind, sum)| sum.add(&pass.shapes[kind]));
+        self.photon_moments.iter_mut().for_each(|(kind, sum)| sum.add(&pass.photon_moments[kind]));
     }
 
     /// Adds another's passes.
@@ -137,7 +137,7 @@ impl ErrorPixel {
         self.bias_square += other.bias_square;
         self.narrow += other.narrow;
         self.narrow_square += other.narrow_square;
-        self.shapes.iter_mut().for_each(|(kind, sum)| sum.add(&other.shapes[kind]));
+        self.photon_moments.iter_mut().for_each(|(kind, sum)| sum.add(&other.photon_moments[kind]));
     }
 }
 
@@ -182,7 +182,7 @@ impl Flags {
 
 /// What is claimed of one pixel, W/(m²·sr), mean of RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Claim {
+pub struct ConfidenceInterval {
     /// The pixel.
     pub value: f64,
     /// Standard error of its mean over passes; infinite before the second.
@@ -214,7 +214,7 @@ impl Film {
     /// final-gather rays land. The latter is not flagged as uneven, since it comes from many places.
     /// Shadow rays have no bias.
     #[must_use]
-    pub fn claims(&self) -> Option<Vec<Claim>> {
+    pub fn confidence_intervals(&self) -> Option<Vec<ConfidenceInterval>> {
         let errors = self.errors.as_ref()?;
         let n = f64::from(self.passes.max(1));
         let quantile = student_975(n - 1.0);
@@ -229,21 +229,21 @@ impl Film {
         let standard_error = |sum: f64, square: f64| {
             if self.passes < 2 { f64::INFINITY } else { ((square - sum * sum / n).max(0.0) / (n * (n - 1.0))).sqrt() }
         };
-        let claim = |(pixel, error): (&crate::FilmPixel, &ErrorPixel)| {
+        let interval = |(pixel, error): (&crate::FilmPixel, &ErrorPixel)| {
             let sum = pixel.layers.iter().flatten().sum::<f64>() / 3.0;
             let (bias, bias_error) = (error.bias / n, standard_error(error.bias, error.bias_square));
             let (half, half_error) = (error.narrow / n, standard_error(error.narrow, error.narrow_square));
             let noise = standard_error(sum, pixel.square);
-            let photons: f64 = error.shapes.values().map(Shape::photons).sum();
+            let photons: f64 = error.photon_moments.values().map(PhotonMoments::photons).sum();
             let mut flags = Flags::default();
             flags.set(Flags::FEW_PASSES, self.passes < LEAST_PASSES);
             flags.set(Flags::FEW_PHOTONS, photons < LEAST_PHOTONS && is_asked(error, pixel));
-            flags.set(Flags::OTHER_SURFACE, error.shapes.values().any(Shape::strays));
-            flags.set(Flags::UNEVEN, error.shapes.values().any(Shape::is_uneven));
+            flags.set(Flags::OTHER_SURFACE, error.photon_moments.values().any(PhotonMoments::strays));
+            flags.set(Flags::UNEVEN, error.photon_moments.values().any(PhotonMoments::is_uneven));
             flags.set(Flags::CURVED, differ(bias, bias_error, 2.0 * half, 2.0 * half_error));
             let half_width =
                 if flags.is_empty() { (quantile * noise + 2.0 * bias.abs()) * to_user } else { f64::INFINITY };
-            Claim {
+            ConfidenceInterval {
                 value: sum / n * to_user,
                 standard_error: noise * to_user,
                 bias: bias * to_user,
@@ -253,7 +253,7 @@ impl Film {
                 flags,
             }
         };
-        Some(self.pixels.iter().zip(errors).map(claim).collect())
+        Some(self.pixels.iter().zip(errors).map(interval).collect())
     }
 }
 
@@ -300,7 +300,7 @@ mod tests {
     }
 
     /// A film of one pixel after `passes` passes of known numbers.
-    fn film(passes: u32, biases: [f64; 2], shape: Shape) -> Film {
+    fn film(passes: u32, biases: [f64; 2], map_moments: PhotonMoments) -> Film {
         let mut film = Film::new(1, 1, Units::default()).unwrap();
         let mut error = ErrorPixel::default();
         for pass in 0..passes {
@@ -313,7 +313,9 @@ mod tests {
             error.end_pass(&ErrorPixel {
                 bias,
                 narrow,
-                shapes: PerMap::from_fn(|kind| if kind == MapKind::Global { shape } else { Shape::default() }),
+                photon_moments: PerMap::from_fn(|kind| {
+                    if kind == MapKind::Global { map_moments } else { PhotonMoments::default() }
+                }),
                 ..ErrorPixel::default()
             });
         }
@@ -322,30 +324,38 @@ mod tests {
         film
     }
 
-    const EVEN: Shape = Shape { power: 10.0, power_squared: 10.0, slope: [0.0; 2], quadrupole: [0.0; 2], stray: 0.0 };
+    const EVEN: PhotonMoments =
+        PhotonMoments { power: 10.0, power_squared: 10.0, slope: [0.0; 2], quadrupole: [0.0; 2], stray: 0.0 };
 
     #[test]
     fn a_claim_is_noise_and_twice_the_bias() {
-        let claim = film(16, [0.02, 0.01], EVEN).claims().unwrap()[0];
+        let interval = film(16, [0.02, 0.01], EVEN).confidence_intervals().unwrap()[0];
         let noise = (0.01 * 16.0 / 15.0 / 16.0_f64).sqrt();
-        assert!((claim.standard_error - noise).abs() < 1e-12 && (claim.value - 2.0).abs() < 1e-12, "{claim:?}");
-        assert!((claim.bias - 0.02).abs() < 1e-12);
-        assert!((claim.half_width - student_975(15.0) * noise - 0.04).abs() < 1e-12);
-        assert!(film(16, [0.0; 2], EVEN).claims().unwrap()[0].half_width < claim.half_width);
+        assert!(
+            (interval.standard_error - noise).abs() < 1e-12 && (interval.value - 2.0).abs() < 1e-12,
+            "{interval:?}"
+        );
+        assert!((interval.bias - 0.02).abs() < 1e-12);
+        assert!((interval.half_width - student_975(15.0) * noise - 0.04).abs() < 1e-12);
+        assert!(film(16, [0.0; 2], EVEN).confidence_intervals().unwrap()[0].half_width < interval.half_width);
     }
 
     #[test]
     fn each_reason_takes_the_claim_away() {
         let flags = |film: Film| {
-            let claim = film.claims().unwrap()[0];
-            assert_eq!(claim.flags.is_empty(), claim.half_width.is_finite());
-            claim.flags
+            let interval = film.confidence_intervals().unwrap()[0];
+            assert_eq!(interval.flags.is_empty(), interval.half_width.is_finite());
+            interval.flags
         };
-        let bent = |slope: f64, quadrupole: f64| Shape { slope: [0.0, slope], quadrupole: [-quadrupole, 0.0], ..EVEN };
+        let bent =
+            |slope: f64, quadrupole: f64| PhotonMoments { slope: [0.0, slope], quadrupole: [-quadrupole, 0.0], ..EVEN };
         assert!(flags(film(8, [0.02, 0.01], EVEN)).is_empty());
         assert_eq!(flags(film(7, [0.02, 0.01], EVEN)), Flags::FEW_PASSES);
-        assert_eq!(flags(film(8, [0.0; 2], Shape { power: 3.0, power_squared: 3.0, ..EVEN })), Flags::FEW_PHOTONS);
-        assert_eq!(flags(film(8, [0.0; 2], Shape { stray: 1.0, ..EVEN })), Flags::OTHER_SURFACE);
+        assert_eq!(
+            flags(film(8, [0.0; 2], PhotonMoments { power: 3.0, power_squared: 3.0, ..EVEN })),
+            Flags::FEW_PHOTONS
+        );
+        assert_eq!(flags(film(8, [0.0; 2], PhotonMoments { stray: 1.0, ..EVEN })), Flags::OTHER_SURFACE);
         assert_eq!(flags(film(8, [0.0; 2], bent(2.6, 0.0))), Flags::UNEVEN);
         assert!(flags(film(8, [0.0; 2], bent(2.4, 0.0))).is_empty());
         assert_eq!(flags(film(64, [0.0; 2], bent(0.0, 0.8))), Flags::UNEVEN);
@@ -358,9 +368,14 @@ mod tests {
     fn errors_merge_with_their_films() {
         let (mut a, b) = (film(8, [0.02, 0.01], EVEN), film(8, [0.02, 0.01], EVEN));
         a.merge(&b).unwrap();
-        let (merged, whole) = (a.claims().unwrap()[0], film(16, [0.02, 0.01], EVEN).claims().unwrap()[0]);
+        let (merged, whole) =
+            (a.confidence_intervals().unwrap()[0], film(16, [0.02, 0.01], EVEN).confidence_intervals().unwrap()[0]);
         assert!((merged.half_width - whole.half_width).abs() < 1e-12, "{merged:?} {whole:?}");
         let without = Film::new(1, 1, Units::default()).unwrap();
-        assert!(a.merge(&without).is_err() && without.clone().merge(&a).is_err() && without.claims().is_none());
+        assert!(
+            a.merge(&without).is_err()
+                && without.clone().merge(&a).is_err()
+                && without.confidence_intervals().is_none()
+        );
     }
 }

@@ -2,7 +2,7 @@
 
 mod group;
 
-use crate::errors::{Claim, Flags, LEAST_PHOTONS, student_975};
+use crate::errors::{ConfidenceInterval, Flags, LEAST_PHOTONS, student_975};
 use crate::schedule::Schedule;
 use group::{Factors, Group, Relative};
 
@@ -25,9 +25,9 @@ pub struct Forecast {
     /// What is to be reached, if anything.
     pub target: Option<f64>,
     /// Passes after which the target should be reached at the latest, those so far included, by
-    /// [`Prospect::error_after`]. `None` if 2³² are too few, or there is no target.
+    /// [`ErrorModel::error_after`]. `None` if 2³² are too few, or there is no target.
     pub passes_needed: Option<u32>,
-    /// And at the earliest, by [`Prospect::least_error_after`].
+    /// And at the earliest, by [`ErrorModel::least_error_after`].
     pub passes_least: Option<u32>,
     /// Passes that the limits of the plan allow.
     pub passes_possible: u32,
@@ -69,7 +69,7 @@ impl Forecast {
 
 /// Claims of a sample of pixels, over what they are measured by.
 #[derive(Clone, Debug)]
-pub struct Prospect {
+pub struct ErrorModel {
     /// Of which something is claimed; of which too few photons are known; that have an edge within reach.
     groups: [Group; 3],
     /// Mean squares over all pixels that were seen, flagged or not.
@@ -89,7 +89,7 @@ struct Parts {
 
 /// Which pixels a forecast is of: some come to be claimed later on, but when is not known well.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Crowd {
+enum PixelSet {
     /// Those of which something is claimed now.
     Claimed,
     /// And those that only lack photons, as soon as these are enough even if a standard error fewer come.
@@ -100,24 +100,24 @@ enum Crowd {
 
 /// Which end of what a pilot leaves open.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum End {
-    Least = 0,
-    Most = 1,
+enum Bound {
+    Lower = 0,
+    Upper = 1,
 }
 
-impl Prospect {
+impl ErrorModel {
     /// From the claims after the passes of a schedule, of which a `share` is looked at; `second` is
     /// [`crate::Kernel::second_radius_noise`]. Claims are in the order of their pixels, so that it is seen how far
     /// neighbours share their luck. `None` if nothing is claimed of any pixel.
     #[must_use]
-    pub fn new(claims: &[Claim], schedule: Schedule, share: f64, second: f64) -> Option<Self> {
-        let mean = claims.iter().map(|claim| claim.value).sum::<f64>() / claims.len().max(1) as f64;
+    pub fn new(intervals: &[ConfidenceInterval], schedule: Schedule, share: f64, second: f64) -> Option<Self> {
+        let mean = intervals.iter().map(|interval| interval.value).sum::<f64>() / intervals.len().max(1) as f64;
         let least = 0.1 * mean.abs();
-        let relative = |claim: &Claim| Relative::new(claim, least, second);
+        let relative = |interval: &ConfidenceInterval| Relative::new(interval, least, second);
         let group = |of: &dyn Fn(Flags) -> bool| {
-            let members: Vec<&Claim> = claims.iter().filter(|claim| of(claim.flags)).collect();
+            let members: Vec<&ConfidenceInterval> = intervals.iter().filter(|interval| of(interval.flags)).collect();
             let step = members.len().div_ceil(SAMPLE).max(1);
-            let pixels: Vec<Relative> = members.iter().step_by(step).map(|&claim| relative(claim)).collect();
+            let pixels: Vec<Relative> = members.iter().step_by(step).map(|&interval| relative(interval)).collect();
             Group::new(pixels, members.len(), f64::from(schedule.passes()) - 1.0, second)
         };
         let at_edge = |flags: Flags| EDGES.iter().any(|&edge| flags.contains(edge));
@@ -126,14 +126,15 @@ impl Prospect {
             group(&|flags| !flags.is_empty() && !at_edge(flags)),
             group(&|flags| at_edge(flags)),
         ];
-        let step = claims.len().div_ceil(SAMPLE).max(1);
-        let mut sum = claims.iter().step_by(step).map(relative).fold(Parts::default(), |sum, pixel| Parts {
+        let step = intervals.len().div_ceil(SAMPLE).max(1);
+        let mut sum = intervals.iter().step_by(step).map(relative).fold(Parts::default(), |sum, pixel| Parts {
             photons: sum.photons + pixel.photons * pixel.photons,
             other: sum.other + pixel.other * pixel.other,
             steady: sum.steady + pixel.bias * pixel.bias - pixel.bias_error * pixel.bias_error,
         });
         sum.steady = sum.steady.max(0.0);
-        let claimed = claims.iter().filter(|claim| claim.flags.is_empty()).count() as f64 / claims.len().max(1) as f64;
+        let claimed = intervals.iter().filter(|interval| interval.flags.is_empty()).count() as f64
+            / intervals.len().max(1) as f64;
         (!groups[0].pixels.is_empty()).then_some(Self { groups, mean: sum, claimed, schedule, share })
     }
 
@@ -181,27 +182,27 @@ impl Prospect {
     /// the set whose error is the largest counts.
     #[must_use]
     pub fn error_after(&self, passes: u32) -> f64 {
-        self.ends(passes, End::Most).fold(0.0, f64::max)
+        self.bounds(passes, Bound::Upper).fold(0.0, f64::max)
     }
 
     /// The same, at least: with noise and bias as small as they may be, of the set of pixels whose error is
     /// the smallest.
     #[must_use]
     pub fn least_error_after(&self, passes: u32) -> f64 {
-        self.ends(passes, End::Least).fold(f64::INFINITY, f64::min)
+        self.bounds(passes, Bound::Lower).fold(f64::INFINITY, f64::min)
     }
 
-    fn ends(&self, passes: u32, end: End) -> impl Iterator<Item = f64> {
-        [Crowd::Claimed, Crowd::Counted, Crowd::All].into_iter().map(move |crowd| self.after(passes, crowd, end))
+    fn bounds(&self, passes: u32, bound: Bound) -> impl Iterator<Item = f64> {
+        [PixelSet::Claimed, PixelSet::Counted, PixelSet::All].into_iter().map(move |set| self.after(passes, set, bound))
     }
 
-    fn after(&self, passes: u32, crowd: Crowd, end: End) -> f64 {
+    fn after(&self, passes: u32, set: PixelSet, bound: Bound) -> f64 {
         let (bias, noise) = self.schedule.factors(passes);
         let then = f64::from(passes.max(self.schedule.passes()));
         let more = then / f64::from(self.schedule.passes().max(1));
         let factors = Factors {
             // As r^(3/2), of which see `error_after`; `bias` goes as r².
-            bias: if end == End::Most { libm::pow(bias, 0.75).max(bias) } else { bias },
+            bias: if bound == Bound::Upper { libm::pow(bias, 0.75).max(bias) } else { bias },
             noise,
             other: more.recip().sqrt(),
             quantile: student_975(then - 1.0),
@@ -209,18 +210,18 @@ impl Prospect {
         let freed = Factors { bias, ..factors };
         let [claimed, few, edge] = &self.groups;
         // Those that were found may have been luck, by their root.
-        let luck = if crowd == Crowd::Counted { 1.0 } else { 0.0 };
+        let luck = if set == PixelSet::Counted { 1.0 } else { 0.0 };
         let enough =
             |pixel: &Relative| (pixel.photon_count - luck * pixel.photon_count.sqrt()) * more * bias >= LEAST_PHOTONS;
-        let (few_free, edge_free) = match crowd {
-            Crowd::Claimed => (0.0, 0.0),
-            Crowd::Counted => (1.0, 0.0),
-            Crowd::All => (1.0, 1.0 - bias.min(1.0).sqrt()),
+        let (few_free, edge_free) = match set {
+            PixelSet::Claimed => (0.0, 0.0),
+            PixelSet::Counted => (1.0, 0.0),
+            PixelSet::All => (1.0, 1.0 - bias.min(1.0).sqrt()),
         };
-        let mut errors: Vec<(f64, f64)> = claimed.errors(&factors, end).collect();
+        let mut errors: Vec<(f64, f64)> = claimed.errors(&factors, bound).collect();
         let joining = [(few, few_free, &factors), (edge, edge_free, &freed)];
         for (group, free, factors) in joining.into_iter().filter(|(_, free, _)| *free > 0.0) {
-            let joining = group.pixels.iter().zip(group.errors(factors, end)).filter(|(pixel, _)| enough(pixel));
+            let joining = group.pixels.iter().zip(group.errors(factors, bound)).filter(|(pixel, _)| enough(pixel));
             errors.extend(joining.map(|(_, (error, weight))| (error, weight * free)));
         }
         quantile(errors, self.share)

@@ -7,7 +7,7 @@ use crate::bandwidth;
 use crate::error::{Error, Result};
 use crate::errors::ErrorPixel;
 use crate::film::Film;
-use crate::forecast::Prospect;
+use crate::forecast::ErrorModel;
 use crate::layout::{ErrorMoments, Estimate, PhotonRay, Query};
 use crate::map_kind::PerMap;
 use crate::memory::Plan;
@@ -301,13 +301,13 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         Ok(film)
     }
 
-    fn prospect(&mut self, share: f64) -> Result<Option<Prospect>> {
+    fn model(&mut self, share: f64) -> Result<Option<ErrorModel>> {
         if !self.settings.errors {
             return Ok(None);
         }
         let film = self.on.read_film(&self.film)?;
-        let claims = film.claims().unwrap_or_default();
-        Ok(Prospect::new(&claims, self.schedule, share, self.settings.kernel.second_radius_noise()))
+        let intervals = film.confidence_intervals().unwrap_or_default();
+        Ok(ErrorModel::new(&intervals, self.schedule, share, self.settings.kernel.second_radius_noise()))
     }
 
     fn rescale(&mut self, factor: f64) -> bool {

@@ -7,7 +7,7 @@ use crate::backend::StageTimings;
 use crate::budget::{Budget, Plan};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::forecast::{Forecast, Prospect};
+use crate::forecast::{ErrorModel, Forecast};
 use crate::observer::{Event, Observer, PassReport};
 use crate::requirements::Requirements;
 use crate::tally::Tally;
@@ -32,7 +32,7 @@ pub trait Render: Send {
     ///
     /// # Errors
     /// What the backend raises.
-    fn prospect(&mut self, _share: f64) -> Result<Option<Prospect>> {
+    fn model(&mut self, _share: f64) -> Result<Option<ErrorModel>> {
         Ok(None)
     }
 
@@ -200,7 +200,7 @@ fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Dura
         Budget::Error { target, share_of_pixels } => (Some(target), share_of_pixels),
         _ => (None, SHARE),
     };
-    let Some(mut prospect) = renderer.prospect(share)? else { return Ok(None) };
+    let Some(mut model) = renderer.model(share)? else { return Ok(None) };
     let pass = elapsed.as_secs_f64() / f64::from(outcome.passes);
     let in_time = plan.time().map_or(f64::INFINITY, |time| time.as_secs_f64() / pass);
     // As far as u32 goes, or as the limits let it.
@@ -210,16 +210,16 @@ fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Dura
     let mut radius_factor = 1.0;
     if outcome.predicted.is_none() && matches!(plan.until, Budget::Time(_) | Budget::Error { .. }) {
         let needed = target
-            .and_then(|target| prospect.passes_until(target, Prospect::least_error_after))
+            .and_then(|target| model.passes_until(target, ErrorModel::least_error_after))
             .unwrap_or(possible)
             .min(possible);
-        let scale = prospect.best_scale(needed);
+        let scale = model.best_scale(needed);
         if needed > 2 * outcome.passes && renderer.rescale(scale) {
-            prospect = prospect.scaled(scale);
+            model = model.scaled(scale);
             radius_factor = scale.sqrt();
         }
     }
-    Ok(Some(Forecast { radius_factor, ..prospect.forecast(target, pass, possible) }))
+    Ok(Some(Forecast { radius_factor, ..model.forecast(target, pass, possible) }))
 }
 
 /// The pass after which to look again: when the target should be reached at the earliest, but before the passes have
@@ -250,9 +250,9 @@ mod tests {
         fn film(&mut self) -> Result<Film> {
             Film::new(1, 1, crate::Units::default())
         }
-        fn prospect(&mut self, share: f64) -> Result<Option<Prospect>> {
+        fn model(&mut self, share: f64) -> Result<Option<ErrorModel>> {
             let noise = f64::from(self.passes).sqrt().recip();
-            let claim = crate::Claim {
+            let interval = crate::ConfidenceInterval {
                 value: 1.0,
                 standard_error: noise,
                 bias: 0.0,
@@ -262,7 +262,7 @@ mod tests {
                 flags: crate::Flags::default(),
             };
             Ok(if self.tells {
-                Prospect::new(&vec![claim; 10_000], crate::Schedule::of(self.passes, 1.0), share, 0.5)
+                ErrorModel::new(&vec![interval; 10_000], crate::Schedule::of(self.passes, 1.0), share, 0.5)
             } else {
                 None
             })

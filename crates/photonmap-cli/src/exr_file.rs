@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use exr::prelude::*;
-use photon_core::{Claim, Film, Layer as Part};
+use photon_core::{ConfidenceInterval, Film, Layer as Part};
 
 use crate::atomic_write;
 use crate::fault::Fault;
@@ -11,7 +11,7 @@ use crate::fault::Fault;
 /// Writes one part of f32 channels: `R G B`, which is the sum of `emission.*`, `direct.*`,
 /// `caustic.*` and `indirect.*`, then `depth.Z`, `N.*`, `albedo.*` and `error.Y`, the standard error
 /// of the mean; if errors were asked for, `stderr.Y`, `bias.Y`, `claimed.Y` and `flag.Y` as in
-/// [`Claim`]; and `attributes`. The file appears whole or not at all.
+/// [`ConfidenceInterval`]; and `attributes`. The file appears whole or not at all.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
@@ -30,14 +30,14 @@ pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::
     triple(["albedo.R", "albedo.G", "albedo.B"].map(str::to_owned), film.albedo());
     channels.push(("depth.Z".to_owned(), film.depth()));
     channels.push(("error.Y".to_owned(), film.standard_error()));
-    if let Some(claims) = film.claims() {
-        let mut details = |name: &str, of: fn(&Claim) -> f32| {
-            channels.push((name.to_owned(), claims.iter().map(of).collect()));
+    if let Some(intervals) = film.confidence_intervals() {
+        let mut details = |name: &str, of: fn(&ConfidenceInterval) -> f32| {
+            channels.push((name.to_owned(), intervals.iter().map(of).collect()));
         };
-        details("stderr.Y", |claim| claim.standard_error as f32);
-        details("bias.Y", |claim| claim.bias as f32);
-        details("claimed.Y", |claim| claim.half_width as f32);
-        details("flag.Y", |claim| claim.flags.bits() as f32);
+        details("stderr.Y", |interval| interval.standard_error as f32);
+        details("bias.Y", |interval| interval.bias as f32);
+        details("claimed.Y", |interval| interval.half_width as f32);
+        details("flag.Y", |interval| interval.flags.bits() as f32);
     }
 
     let size = (film.width as usize, film.height as usize);

@@ -2,7 +2,7 @@
 //! over passes in two floats each; what is known of a map is allocated when it is first read.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, Query, Result, Shape};
+use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
 
 use super::{GROUP, VulkanFilm, home, zeroed};
 use crate::buffer::VulkanBuffer;
@@ -12,7 +12,7 @@ use crate::vulkan::Vulkan;
 
 /// Planes of sums, each of which has another for what it leaves over, as in film.glsl.
 const SUMS: usize = 4;
-const SHAPE: usize = 7;
+const MOMENTS: usize = 7;
 
 /// What a fold reads, constant 2 of its kernel.
 const FROM_MOMENTS: u32 = 0;
@@ -24,7 +24,7 @@ pub(super) struct Errors {
     pass: Memory,
     sum: Memory,
     /// Of each map that was read: the present pass, and the sums.
-    shapes: PerMap<Option<(Memory, Memory)>>,
+    photon_moments: PerMap<Option<(Memory, Memory)>>,
 }
 
 #[repr(C)]
@@ -36,14 +36,14 @@ struct FoldPush {
     error_moments: u64,
     found_count: u64,
     pass: u64,
-    shape: u64,
+    map_moments: u64,
     pixels: u32,
     scale: f32,
 }
 
 pushed!(
     fold_push_layout: FoldPush => FILM_ERRORS,
-    queries query_count estimates error_moments found_count pass shape pixels scale
+    queries query_count estimates error_moments found_count pass map_moments pixels scale
 );
 
 #[repr(C)]
@@ -62,17 +62,17 @@ pushed!(end_push_layout: EndPush => FILM_END_ERRORS, pass sum pass_shapes sum_sh
 impl Errors {
     fn new(on: &mut Vulkan, pixels: u64) -> Result<Self> {
         let (pass, sum) = (zeroed(on, pixels * 8)?, zeroed(on, pixels * 8 * SUMS as u64)?);
-        Ok(Self { pass, sum, shapes: PerMap::default() })
+        Ok(Self { pass, sum, photon_moments: PerMap::default() })
     }
 
     pub(super) fn bytes(&self) -> u64 {
-        let shapes = self.shapes.values().flatten().map(|(pass, sum)| pass.bytes() + sum.bytes());
-        self.pass.bytes() + self.sum.bytes() + shapes.sum::<u64>()
+        let photon_moments = self.photon_moments.values().flatten().map(|(pass, sum)| pass.bytes() + sum.bytes());
+        self.pass.bytes() + self.sum.bytes() + photon_moments.sum::<u64>()
     }
 
     /// What is kept of the present pass.
     fn passes(&self) -> impl Iterator<Item = &Memory> {
-        std::iter::once(&self.pass).chain(self.shapes.values().flatten().map(|(pass, _)| pass))
+        std::iter::once(&self.pass).chain(self.photon_moments.values().flatten().map(|(pass, _)| pass))
     }
 }
 
@@ -133,15 +133,15 @@ fn dispatch(
 ) -> Result<()> {
     let pixels = film.pixels();
     let Some(errors) = &mut film.errors else { return Ok(()) };
-    if errors.shapes[kind].is_none() {
-        let pass = zeroed(on, pixels * 4 * SHAPE as u64)?;
-        errors.shapes[kind] = Some((pass, zeroed(on, pixels * 8 * SHAPE as u64)?));
+    if errors.photon_moments[kind].is_none() {
+        let pass = zeroed(on, pixels * 4 * MOMENTS as u64)?;
+        errors.photon_moments[kind] = Some((pass, zeroed(on, pixels * 8 * MOMENTS as u64)?));
     }
     let push = FoldPush {
         queries: queries.data_address(),
         query_count: queries.count_address(),
         pass: errors.pass.address(),
-        shape: errors.shapes[kind].as_ref().map_or(0, |(pass, _)| pass.address()),
+        map_moments: errors.photon_moments[kind].as_ref().map_or(0, |(pass, _)| pass.address()),
         pixels: pixels as u32,
         ..push
     };
@@ -155,7 +155,11 @@ fn dispatch(
 pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
     let Some(errors) = &film.errors else { return Ok(()) };
     let address = |of: fn(&(Memory, Memory)) -> &Memory| {
-        errors.shapes.each_ref().map(|shape| shape.as_ref().map_or(0, |shape| of(shape).address())).into_array()
+        errors
+            .photon_moments
+            .each_ref()
+            .map(|map_moments| map_moments.as_ref().map_or(0, |map_moments| of(map_moments).address()))
+            .into_array()
     };
     let push = EndPush {
         pass: errors.pass.address(),
@@ -165,7 +169,7 @@ pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
         pixels: film.pixels() as u32,
         padding: 0,
     };
-    let present = errors.shapes.each_ref().map(Option::is_some).bits();
+    let present = errors.photon_moments.each_ref().map(Option::is_some).bits();
     let kernel = on.kernel(&shaders::FILM_END_ERRORS, &[0, GROUP, present])?;
     on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))
 }
@@ -179,18 +183,21 @@ pub(super) fn abandon_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
 pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Result<()> {
     let Some(errors) = &film.errors else { return Ok(()) };
     let mut all = vec![ErrorPixel::default(); picture.pixels.len()];
-    let shapes = errors.shapes.values().flatten().flat_map(|(_, sum)| (0..2 * SHAPE).map(move |i| (sum, i)));
-    let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(shapes).collect();
+    let photon_moments =
+        errors.photon_moments.values().flatten().flat_map(|(_, sum)| (0..2 * MOMENTS).map(move |i| (sum, i)));
+    let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(photon_moments).collect();
     home(on, &planes, picture.pixels.len(), |stretch| {
         for (i, pixel) in all[stretch.pixels.clone()].iter_mut().enumerate() {
             let [bias, bias_square, narrow, narrow_square] = std::array::from_fn(|plane| stretch.sum(plane, SUMS, i));
             *pixel = ErrorPixel { bias, bias_square, narrow, narrow_square, ..ErrorPixel::default() };
             let mut first = 2 * SUMS;
-            for (_, shape) in pixel.shapes.iter_mut().filter(|(kind, _)| errors.shapes[*kind].is_some()) {
+            for (_, map_moments) in
+                pixel.photon_moments.iter_mut().filter(|(kind, _)| errors.photon_moments[*kind].is_some())
+            {
                 let [power, power_squared, x, y, xx, xy, stray] =
-                    std::array::from_fn(|plane| stretch.sum(first + plane, SHAPE, i));
-                *shape = Shape { power, power_squared, slope: [x, y], quadrupole: [xx, xy], stray };
-                first += 2 * SHAPE;
+                    std::array::from_fn(|plane| stretch.sum(first + plane, MOMENTS, i));
+                *map_moments = PhotonMoments { power, power_squared, slope: [x, y], quadrupole: [xx, xy], stray };
+                first += 2 * MOMENTS;
             }
         }
     })?;

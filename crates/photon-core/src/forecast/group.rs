@@ -1,7 +1,7 @@
 //! Pixels of one kind, as a pilot tells them, and what of it is chance.
 
-use super::End;
-use crate::errors::Claim;
+use super::Bound;
+use crate::errors::ConfidenceInterval;
 
 /// Standard errors by which what is known of all pixels together may be off.
 const DOUBT: f64 = 2.0;
@@ -30,24 +30,24 @@ pub(super) struct Relative {
 
 impl Relative {
     /// Of a claim; errors of pixels darker than `least` are fractions of that.
-    pub(super) fn new(claim: &Claim, least: f64, second: f64) -> Self {
-        let unit = claim.value.abs().max(least);
+    pub(super) fn new(interval: &ConfidenceInterval, least: f64, second: f64) -> Self {
+        let unit = interval.value.abs().max(least);
         // A pixel that is black in a black picture is as good as it gets.
         let of = |x: f64| if x > 0.0 { x / unit } else { 0.0 };
         // The bias is told by photons alone: its noise tells theirs.
-        let photons = (claim.bias_error / second).min(claim.standard_error);
-        let other = (claim.standard_error * claim.standard_error - photons * photons).max(0.0).sqrt();
+        let photons = (interval.bias_error / second).min(interval.standard_error);
+        let other = (interval.standard_error * interval.standard_error - photons * photons).max(0.0).sqrt();
         Self {
             photons: of(photons),
             other: of(other),
-            standard_error: of(claim.standard_error),
-            signed: of(claim.bias.abs()).copysign(claim.bias),
-            bias: of(claim.bias.abs()),
+            standard_error: of(interval.standard_error),
+            signed: of(interval.bias.abs()).copysign(interval.bias),
+            bias: of(interval.bias.abs()),
             steady: [0.0; 2],
-            bias_error: of(claim.bias_error),
+            bias_error: of(interval.bias_error),
             random: 0.0,
             luck: 0.0,
-            photon_count: claim.photons,
+            photon_count: interval.photons,
         }
     }
 
@@ -111,12 +111,12 @@ impl Group {
     }
 
     /// What the errors come to, and how many pixels each stands for.
-    pub(super) fn errors(&self, factors: &Factors, end: End) -> impl Iterator<Item = (f64, f64)> {
-        let level = self.level[end as usize];
+    pub(super) fn errors(&self, factors: &Factors, bound: Bound) -> impl Iterator<Item = (f64, f64)> {
+        let level = self.level[bound as usize];
         self.pixels.iter().map(move |pixel| {
             let noise = libm::hypot(pixel.photons * factors.noise, pixel.other * factors.other);
             let random = level * pixel.random * factors.noise * pixel.luck;
-            let steady = pixel.steady[end as usize] * factors.bias;
+            let steady = pixel.steady[bound as usize] * factors.bias;
             (factors.quantile * level * noise + 2.0 * (steady + random).abs(), self.weight)
         })
     }

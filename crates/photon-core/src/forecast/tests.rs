@@ -5,8 +5,8 @@ use super::*;
 use crate::random::{Domain, Sampler};
 use crate::settings::RandomKind;
 
-fn claims(noise: f64, bias: f64, bias_error: f64) -> Vec<Claim> {
-    let claim = Claim {
+fn intervals(noise: f64, bias: f64, bias_error: f64) -> Vec<ConfidenceInterval> {
+    let interval = ConfidenceInterval {
         value: 2.0,
         standard_error: 2.0 * noise,
         bias: 2.0 * bias,
@@ -15,20 +15,21 @@ fn claims(noise: f64, bias: f64, bias_error: f64) -> Vec<Claim> {
         half_width: 1.0,
         flags: Flags::default(),
     };
-    let mut claims = vec![claim; 90];
-    claims.extend(vec![Claim { flags: Flags::UNEVEN, half_width: f64::INFINITY, ..claim }; 10]);
+    let mut intervals = vec![interval; 90];
+    intervals.extend(vec![ConfidenceInterval { flags: Flags::UNEVEN, half_width: f64::INFINITY, ..interval }; 10]);
     // Each by itself.
-    claims.iter_mut().step_by(2).for_each(|claim| claim.bias *= -1.0);
-    claims
+    intervals.iter_mut().step_by(2).for_each(|interval| interval.bias *= -1.0);
+    intervals
 }
 
-fn model_of(claims: &[Claim], passes: u32, alpha: f64) -> Option<Prospect> {
-    Prospect::new(claims, Schedule::of(passes, alpha), 0.95, 0.5)
+fn model_of(intervals: &[ConfidenceInterval], passes: u32, alpha: f64) -> Option<ErrorModel> {
+    ErrorModel::new(intervals, Schedule::of(passes, alpha), 0.95, 0.5)
 }
 
 #[test]
 fn radii_go_to_where_noise_and_bias_balance() {
-    let best = |bias: f64, noise: f64| model_of(&claims(noise, bias, 0.5 * noise), 8, 1.0).unwrap().best_scale(10_000);
+    let best =
+        |bias: f64, noise: f64| model_of(&intervals(noise, bias, 0.5 * noise), 8, 1.0).unwrap().best_scale(10_000);
     // Nothing but noise wants all that may be had, a bias that dwarfs it the least.
     assert_eq!((best(0.05, 0.1), best(1.0, 0.01)), (2.0, 0.25));
     // Squares of noise fall by 1250/c; what is left of the bias has a square of 0.0032 c². They balance
@@ -38,29 +39,29 @@ fn radii_go_to_where_noise_and_bias_balance() {
 
 #[test]
 fn errors_fall_as_the_cube_root_of_passes() {
-    let prospect = model_of(&claims(0.1, 0.1, 0.05), 1000, 2.0 / 3.0).unwrap();
-    assert!((prospect.error() - (student_975(999.0) * 0.1 + 0.2)).abs() < 1e-12);
-    let least = Prospect::least_error_after;
-    let half = f64::from(prospect.passes_until(least(&prospect, 1000) / 2.0, least).unwrap());
+    let model = model_of(&intervals(0.1, 0.1, 0.05), 1000, 2.0 / 3.0).unwrap();
+    assert!((model.error() - (student_975(999.0) * 0.1 + 0.2)).abs() < 1e-12);
+    let least = ErrorModel::least_error_after;
+    let half = f64::from(model.passes_until(least(&model, 1000) / 2.0, least).unwrap());
     assert!((half / 8000.0 - 1.0).abs() < 0.1, "{half}");
     // At most, a bias without noise falls as the fourth root.
-    let biased = model_of(&claims(0.0, 0.1, 0.0), 100_000, 2.0 / 3.0).unwrap();
-    for (of, power) in [(Prospect::error_after as fn(&Prospect, u32) -> f64, 0.25), (least, 1.0 / 3.0)] {
+    let biased = model_of(&intervals(0.0, 0.1, 0.0), 100_000, 2.0 / 3.0).unwrap();
+    for (of, power) in [(ErrorModel::error_after as fn(&ErrorModel, u32) -> f64, 0.25), (least, 1.0 / 3.0)] {
         let half = f64::from(biased.passes_until(0.1, of).unwrap());
         assert!((half / 100_000.0 / 2.0_f64.powf(1.0 / power) - 1.0).abs() < 0.05, "{half} {power}");
     }
-    assert!((prospect.forecast(None, 1.0, 9).claimed - 0.9).abs() < 1e-12);
+    assert!((model.forecast(None, 1.0, 9).claimed - 0.9).abs() < 1e-12);
 }
 
 #[test]
 fn noise_alone_at_a_fixed_radius_falls_as_the_square_root() {
-    let prospect = model_of(&claims(0.1, 0.05, 0.05), 1000, 1.0).unwrap();
-    let half = f64::from(prospect.passes_until(prospect.error_after(1000) / 2.0, Prospect::error_after).unwrap());
+    let model = model_of(&intervals(0.1, 0.05, 0.05), 1000, 1.0).unwrap();
+    let half = f64::from(model.passes_until(model.error_after(1000) / 2.0, ErrorModel::error_after).unwrap());
     assert!((half / 4000.0 - 1.0).abs() < 0.02, "{half}");
     // A bias that stays is a floor.
-    let floor = model_of(&claims(0.1, 0.05, 0.0), 1000, 1.0).unwrap();
-    assert_eq!(floor.passes_until(0.09, Prospect::error_after), None);
-    assert_eq!(floor.passes_until(10.0, Prospect::error_after), Some(1000));
+    let floor = model_of(&intervals(0.1, 0.05, 0.0), 1000, 1.0).unwrap();
+    assert_eq!(floor.passes_until(0.09, ErrorModel::error_after), None);
+    assert_eq!(floor.passes_until(10.0, ErrorModel::error_after), Some(1000));
 }
 
 /// Pixels that are alike, of which 8 passes tell different noise and biases by chance: 95 % of them come
@@ -80,20 +81,21 @@ fn luck_of_the_pilot_is_not_foretold() {
     let slack = 6.5 / (2.0 * 7.0 * 4000.0_f64).sqrt() + 0.01;
     let (mut within, mut off) = (0, 0);
     for pilot in 0..PILOTS {
-        let claims: Vec<Claim> = (0..4000).map(|pixel| told_by_chance(pilot * 4000 + pixel)).collect();
-        let prospect = model_of(&claims, 8, 1.0).unwrap();
+        let intervals: Vec<ConfidenceInterval> = (0..4000).map(|pixel| told_by_chance(pilot * 4000 + pixel)).collect();
+        let model = model_of(&intervals, 8, 1.0).unwrap();
         let truth = 2.0 * student_975(799.0) * 0.01;
-        let (least, most) = (prospect.least_error_after(800) / truth, prospect.error_after(800) / truth);
+        let (least, most) = (model.least_error_after(800) / truth, model.error_after(800) / truth);
         assert!(least > 1.0 - slack && least < highest(2.5) + slack, "{pilot}: {least}");
         assert!(most > 1.0 - slack && most < highest(6.5) + slack, "{pilot}: {most}");
         within += usize::from(least <= 1.01 && most >= 0.99);
         // Without luck of their own, the unlucky ones foretell a bias that is not there.
-        let alone = claims.iter().map(|c| 2.0 * (c.bias * c.bias - c.bias_error * c.bias_error).max(0.0).sqrt());
+        let alone = intervals.iter().map(|c| 2.0 * (c.bias * c.bias - c.bias_error * c.bias_error).max(0.0).sqrt());
         let mut alone: Vec<f64> = alone.collect();
         alone.sort_by(f64::total_cmp);
         assert!(alone[3800] / truth > highest(6.5) + slack, "{}", alone[3800]);
         // And neighbours that saw the same photons are no more than one pixel: who takes them for many is too sure.
-        let shared: Vec<Claim> = claims.iter().step_by(40).flat_map(|claim| [*claim; 40]).collect();
+        let shared: Vec<ConfidenceInterval> =
+            intervals.iter().step_by(40).flat_map(|interval| [*interval; 40]).collect();
         let shared = model_of(&shared, 8, 1.0).unwrap();
         off += usize::from(shared.least_error_after(800) / truth > 1.01 || shared.error_after(800) / truth < 0.99);
         assert!(shared.error_after(800) / shared.least_error_after(800) > 1.5 * most / least);
@@ -104,7 +106,7 @@ fn luck_of_the_pilot_is_not_foretold() {
 }
 
 /// A pixel of noise 0.1 and no bias, as 8 passes tell it.
-fn told_by_chance(pixel: usize) -> Claim {
+fn told_by_chance(pixel: usize) -> ConfidenceInterval {
     let mut sampler = Sampler::new(RandomKind::Counter, 5, 0, Domain::Gather, pixel as u32);
     let mut normal = |index: u32| {
         let [word, ..] = sampler.words(index);
@@ -113,7 +115,7 @@ fn told_by_chance(pixel: usize) -> Claim {
     let draws: Vec<f64> = (0..8).map(&mut normal).collect();
     let mean = draws.iter().sum::<f64>() / 8.0;
     let spread = (draws.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 7.0).sqrt();
-    Claim {
+    ConfidenceInterval {
         value: 1.0,
         standard_error: 0.1 * spread,
         bias: 0.05 * normal(8),
@@ -134,50 +136,53 @@ fn pixels_at_edges_join_in_as_radii_shrink() {
     // 10 (1 − √b) are a twentieth of themselves and 90 where √b is 1 − 0.45/0.95.
     let join = (8..100_000).find(|&passes| schedule.factors(passes).0.sqrt() < 1.0 - 0.45 / 0.95).unwrap();
     for flag in EDGES {
-        let prospect = of(flag, 1000.0);
-        let over = |passes| prospect.error_after(passes) / prospect.least_error_after(passes);
+        let model = of(flag, 1000.0);
+        let over = |passes| model.error_after(passes) / model.least_error_after(passes);
         assert!(over(join - 1) < 2.0 && over(join + 1) > 3.5, "{} {}", over(join - 1), over(join + 1));
-        let forecast = prospect.forecast(Some(prospect.least_error_after(2 * join)), 1.0, 3 * join);
+        let forecast = model.forecast(Some(model.least_error_after(2 * join)), 1.0, 3 * join);
         assert!(forecast.may_be_reached() && !forecast.is_reachable(), "{forecast:?}");
     }
     // 16 photons are twice as many as soon as passes times squared radii are: before 32 passes.
-    let prospect = of(Flags::FEW_PHOTONS, 16.0);
-    let over = |passes| prospect.error_after(passes) / prospect.least_error_after(passes);
+    let model = of(Flags::FEW_PHOTONS, 16.0);
+    let over = |passes| model.error_after(passes) / model.least_error_after(passes);
     assert!(over(16) < 1.5 && over(32) > 3.5, "{} {}", over(16), over(32));
     // And nothing ever of none.
     let never = of(Flags::FEW_PHOTONS, 0.0).error_after(1 << 20);
-    assert!(never / prospect.least_error_after(1 << 20) < 3.0, "{never}");
+    assert!(never / model.least_error_after(1 << 20) < 3.0, "{never}");
 }
 
 /// 10 of 100 pixels whose errors are `times` those of the others, and why nothing is claimed of them.
-fn joining(flags: Flags, photons: f64, times: f64) -> Prospect {
-    let mut claims = claims(0.1, 0.1, 0.0);
-    for claim in claims.iter_mut().filter(|claim| !claim.flags.is_empty()) {
-        (claim.flags, claim.photons) = (flags, photons);
-        (claim.standard_error, claim.bias) = (times * claim.standard_error, times * claim.bias);
+fn joining(flags: Flags, photons: f64, times: f64) -> ErrorModel {
+    let mut intervals = intervals(0.1, 0.1, 0.0);
+    for interval in intervals.iter_mut().filter(|interval| !interval.flags.is_empty()) {
+        (interval.flags, interval.photons) = (flags, photons);
+        (interval.standard_error, interval.bias) = (times * interval.standard_error, times * interval.bias);
     }
-    model_of(&claims, 8, 2.0 / 3.0).unwrap()
+    model_of(&intervals, 8, 2.0 / 3.0).unwrap()
 }
 
 /// Pixels that lack photons alone are foretold to come, and may do better than those that are claimed: of 95
 /// pixels, 5 and 85 of small errors, the 95 % come to be theirs. With an edge within reach, nobody knows.
 #[test]
 fn pixels_that_lack_photons_can_be_the_better_ones() {
-    let mut few = claims(0.1, 0.1, 0.0);
-    for claim in few.iter_mut().skip(4) {
-        (claim.standard_error, claim.bias) = (0.1 * claim.standard_error, 0.1 * claim.bias);
-        (claim.flags, claim.photons) = (Flags::FEW_PHOTONS, 16.0);
+    let mut few = intervals(0.1, 0.1, 0.0);
+    for interval in few.iter_mut().skip(4) {
+        (interval.standard_error, interval.bias) = (0.1 * interval.standard_error, 0.1 * interval.bias);
+        (interval.flags, interval.photons) = (Flags::FEW_PHOTONS, 16.0);
     }
-    let ratio = |claims: &[Claim], passes| {
-        let (whole, alone) = (model_of(claims, 8, 2.0 / 3.0).unwrap(), model_of(&claims[..4], 8, 2.0 / 3.0).unwrap());
+    let ratio = |intervals: &[ConfidenceInterval], passes| {
+        let (whole, alone) =
+            (model_of(intervals, 8, 2.0 / 3.0).unwrap(), model_of(&intervals[..4], 8, 2.0 / 3.0).unwrap());
         whole.least_error_after(passes) / alone.least_error_after(passes)
     };
     // Of 16 photons, 4 fewer are 32 when passes times squared radii are 8/3 of what they were.
     assert!(ratio(&few, 16) > 0.9 && ratio(&few, 64) < 0.2, "{} {}", ratio(&few, 16), ratio(&few, 64));
     for lost in [Flags::UNEVEN, Flags::FEW_PHOTONS] {
         let mut none = few.clone();
-        let flagged = none.iter_mut().filter(|claim| !claim.flags.is_empty());
-        flagged.for_each(|claim| (claim.flags, claim.photons) = (lost, if lost == Flags::UNEVEN { 16.0 } else { 1.0 }));
+        let flagged = none.iter_mut().filter(|interval| !interval.flags.is_empty());
+        flagged.for_each(|interval| {
+            (interval.flags, interval.photons) = (lost, if lost == Flags::UNEVEN { 16.0 } else { 1.0 })
+        });
         assert!(ratio(&none, 16) > 0.9, "{lost:?}");
     }
 }
@@ -186,13 +191,13 @@ fn pixels_that_lack_photons_can_be_the_better_ones() {
 /// passes have doubled: nothing between is looked at.
 #[test]
 fn the_first_time_counts() {
-    let prospect = model_of(&claims(0.1, 0.0, 0.0), 8, 1.0).unwrap();
-    let wave = |_: &Prospect, passes: u32| if (20..25).contains(&passes) || passes > 1000 { 0.1 } else { 1.0 };
-    let found = prospect.passes_until(0.15, wave).unwrap();
+    let model = model_of(&intervals(0.1, 0.0, 0.0), 8, 1.0).unwrap();
+    let wave = |_: &ErrorModel, passes: u32| if (20..25).contains(&passes) || passes > 1000 { 0.1 } else { 1.0 };
+    let found = model.passes_until(0.15, wave).unwrap();
     assert!(found > 1000 && found < 1010, "{found}");
-    let wide = |_: &Prospect, passes: u32| if (20..200).contains(&passes) || passes > 1000 { 0.1 } else { 1.0 };
-    assert_eq!(prospect.passes_until(0.15, wide), Some(20));
-    assert_eq!(prospect.passes_until(0.15, |_, _| 1.0), None);
+    let wide = |_: &ErrorModel, passes: u32| if (20..200).contains(&passes) || passes > 1000 { 0.1 } else { 1.0 };
+    assert_eq!(model.passes_until(0.15, wide), Some(20));
+    assert_eq!(model.passes_until(0.15, |_, _| 1.0), None);
 }
 
 #[test]
@@ -204,6 +209,7 @@ fn quantiles_of_the_normal_distribution() {
 
 #[test]
 fn nothing_claimed_is_nothing_foretold() {
-    let none: Vec<Claim> = claims(0.1, 0.0, 0.0).iter().map(|c| Claim { flags: Flags::FEW_PASSES, ..*c }).collect();
+    let none: Vec<ConfidenceInterval> =
+        intervals(0.1, 0.0, 0.0).iter().map(|c| ConfidenceInterval { flags: Flags::FEW_PASSES, ..*c }).collect();
     assert!(model_of(&none, 7, 1.0).is_none() && model_of(&[], 7, 1.0).is_none());
 }

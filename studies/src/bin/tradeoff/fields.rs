@@ -82,7 +82,9 @@ impl Work for Rates {
             let trial = Trial { passes: most, alpha, side: self.side, seed: 7_000_000 };
             films_of(on, field, &trial, &after, &mut |film| {
                 let truth = (field.at)(0.0, 0.0);
-                values.push(film.claims().unwrap_or_default().iter().map(|claim| claim.value - truth).collect());
+                values.push(
+                    film.confidence_intervals().unwrap_or_default().iter().map(|claim| claim.value - truth).collect(),
+                );
             })?;
             crate::progress(&format!("rates: {}, α = {alpha:.2}", field.name));
             rows.extend(of_field(field, alpha, &after, &values));

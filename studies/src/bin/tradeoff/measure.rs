@@ -1,6 +1,6 @@
 //! Errors of several runs of one setting.
 
-use photon_core::{Claim, Film, student_975};
+use photon_core::{ConfidenceInterval, Film, student_975};
 
 use crate::records::{Claims, Summary};
 use crate::truth::Truth;
@@ -8,7 +8,7 @@ use crate::truth::Truth;
 /// What is kept of one run: a film is a hundred times as large.
 pub(crate) struct Run {
     pub(crate) grey: Vec<f64>,
-    pub(crate) claims: Option<Vec<Claim>>,
+    pub(crate) claims: Option<Vec<ConfidenceInterval>>,
     pub(crate) passes: u32,
     pub(crate) seconds: f64,
     pub(crate) photons: u64,
@@ -17,7 +17,7 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) fn new(film: &Film, seconds: f64, photons: u64) -> Self {
         let grey = film.beauty().iter().map(|c| c.iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0).collect();
-        Self { grey, claims: film.claims(), passes: film.passes, seconds, photons }
+        Self { grey, claims: film.confidence_intervals(), passes: film.passes, seconds, photons }
     }
 }
 
@@ -62,7 +62,7 @@ pub(crate) fn summarise(runs: &[Run], truth: &Truth) -> Summary {
 
 /// How the claims of runs did.
 pub(crate) fn claims(runs: &[Run], truth: &dyn Fn(usize) -> f64) -> Claims {
-    let all: Vec<(&[Claim], f64)> = runs
+    let all: Vec<(&[ConfidenceInterval], f64)> = runs
         .iter()
         .filter_map(|run| Some((run.claims.as_deref()?, student_975(f64::from(run.passes) - 1.0))))
         .collect();
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_claim_that_is_wrong_is_not_covered() {
-        let claim = |value: f64, half_width: f64| Claim {
+        let claim = |value: f64, half_width: f64| ConfidenceInterval {
             photons: 1000.0,
             value,
             standard_error: 0.01,

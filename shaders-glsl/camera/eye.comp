@@ -49,7 +49,7 @@ layout(push_constant, scalar) uniform Push {
 struct Path {
     Ray ray;
     // Of radiance over n^2, which refraction leaves as it is.
-    vec3 weight;
+    vec3 throughput;
     uint media;
     uint surfaces;
     uint splits;
@@ -84,8 +84,8 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, u
             vec3 onward =
                 bsdf_direction(bsdf, LOBE_SPECULAR_REFLECTION, path.ray.direction, at.normal, 0.0, 0.0);
             other.ray = surface_leave(at, onward);
-            vec3 share = path.weight * bsdf.reflectance;
-            other.weight = share;
+            vec3 share = path.throughput * bsdf.reflectance;
+            other.throughput = share;
             other.branch |= 1u << path.splits;
             other.splits++;
             lobe = LOBE_SPECULAR_TRANSMISSION;
@@ -95,7 +95,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, u
         }
     }
     vec3 onward = bsdf_direction(bsdf, lobe, path.ray.direction, at.normal, 0.0, 0.0);
-    path.weight *= bsdf_weight(bsdf, lobe);
+    path.throughput *= bsdf_weight(bsdf, lobe);
     if (lobe == LOBE_SPECULAR_TRANSMISSION) {
         path.ray = surface_pass(at, onward);
         path.media = beyond;
@@ -103,8 +103,8 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, u
         path.ray = surface_leave(at, onward);
     }
     if (split) {
-        vec3 rest = path.weight * (1.0 - bsdf.reflectance);
-        path.weight = rest;
+        vec3 rest = path.throughput * (1.0 - bsdf.reflectance);
+        path.throughput = rest;
         path.splits++;
     }
     return split;
@@ -144,24 +144,24 @@ void main() {
             }
             Interface sides = media_interface(push.scene, material, at.front, path.media);
             if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
-                path.weight *= transmittance(push.scene, sides.before, at.t);
+                path.throughput *= transmittance(push.scene, sides.before, at.t);
             }
             if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && material.emission != vec3(0.0)
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
-                vec3 weight = path.weight;
-                if (GLASS) weight *= radiance_scale(push.scene, push.camera.at.media, sides.before);
-                emission += weight * material.emission;
+                vec3 throughput = path.throughput;
+                if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                emission += throughput * material.emission;
             }
             Bsdf bsdf = bsdf_new(material, at.cosine, sides);
             if (bsdf.kind == MATERIAL_LAMBERT) {
-                vec3 weight = path.weight;
-                if (GLASS) weight *= radiance_scale(push.scene, push.camera.at.media, sides.before);
-                weight = weight * bsdf.albedo * 0.318309886;
-                if (weight != vec3(0.0)) {
+                vec3 throughput = path.throughput;
+                if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                throughput = throughput * bsdf.albedo * 0.318309886;
+                if (throughput != vec3(0.0)) {
                     uint key = (pixel << PATHS_LOG2) + path.branch;
                     // Off edges, beside which rounding may put it behind the next wall, out of its shadow.
                     push.found[(pixel << MAX_SPLITS) + found].at = Query(
-                        at.start, 1.0, at.normal, pixel, weight, sides.before,
+                        at.start, 1.0, at.normal, pixel, throughput, sides.before,
                         octahedral_pack(-path.ray.direction), key, uint[2](0u, 0u));
                     found++;
                 }

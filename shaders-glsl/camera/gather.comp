@@ -54,7 +54,7 @@ void main() {
     vec3 direction = cosine_hemisphere(normal, min(height, 1.0 - 1.1920929e-7), unit_f32(words.y));
     Ray ray = Ray(off_surface(push.queries[from].at.position, normal), direction, NO_LIMIT);
     // Of radiance over n^2, which refraction leaves as it is.
-    vec3 weight = vec3(1.0);
+    vec3 throughput = vec3(1.0);
     uint start = GLASS ? push.queries[from].at.media : VACUUM;
     uint media = start;
     Query landing =
@@ -64,7 +64,7 @@ void main() {
         Material material = push.scene.materials[at.material].at;
         Interface sides = media_interface(push.scene, material, at.front, media);
         if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
-            weight *= transmittance(push.scene, sides.before, at.t);
+            throughput *= transmittance(push.scene, sides.before, at.t);
         }
         Bsdf bsdf = bsdf_new(material, at.cosine, sides);
         uint lobe = bsdf_choose(bsdf, 0.0);
@@ -73,7 +73,7 @@ void main() {
             lobe = bsdf_choose(bsdf, unit_f32(choice.x));
         }
         if (lobe != LOBE_DIFFUSE) {
-            weight *= bsdf_weight(bsdf, lobe);
+            throughput *= bsdf_weight(bsdf, lobe);
             vec3 onward = bsdf_direction(bsdf, lobe, ray.direction, at.normal, 0.0, 0.0);
             if (lobe == LOBE_SPECULAR_TRANSMISSION) {
                 ray = surface_pass(at, onward);
@@ -85,10 +85,10 @@ void main() {
             // Radiance is irradiance times albedo over π; the π cancels.
             landing.position = at.point;
             landing.normal = at.normal;
-            if (GLASS) weight *= radiance_scale(push.scene, start, sides.before);
-            landing.weight = weight * bsdf_weight(bsdf, lobe);
+            if (GLASS) throughput *= radiance_scale(push.scene, start, sides.before);
+            landing.throughput = throughput * bsdf_weight(bsdf, lobe);
             landing.media = sides.before;
-            landing.outgoing = octahedral_pack(-ray.direction);
+            landing.wo = octahedral_pack(-ray.direction);
             break;
         }
     }

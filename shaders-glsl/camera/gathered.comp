@@ -49,12 +49,12 @@ void main() {
         if (push.estimates[i].at.photons == 0 && !with_errors) continue;
         float density = IRRADIANCE != 0 ? push.share : push.scale / push.estimates[i].at.radius_squared;
         vec3 flux = push.estimates[i].at.flux;
-        vec3 weight = push.landings[i].at.weight;
-        two_add(sum, low, weight * (flux * density));
+        vec3 throughput = push.landings[i].at.throughput;
+        two_add(sum, low, throughput * (flux * density));
         if (with_errors) {
-            bias += weight * (density * (0.5 * push.error_moments[i].at.wide - flux));
-            narrow += weight * (density * (flux - 2.0 * push.error_moments[i].at.narrow));
-            float mean = push.share * (weight.x + weight.y + weight.z) * (1.0 / 3.0);
+            bias += throughput * (density * (0.5 * push.error_moments[i].at.wide - flux));
+            narrow += throughput * (density * (flux - 2.0 * push.error_moments[i].at.narrow));
+            float mean = push.share * (throughput.x + throughput.y + throughput.z) * (1.0 / 3.0);
             power += mean * push.error_moments[i].at.power;
             squared += mean * mean * push.error_moments[i].at.power_squared;
         }

@@ -19,9 +19,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer Q
     float radius;
     vec3 normal;
     uint pixel;
-    vec3 weight;
+    vec3 throughput;
     uint material;
-    uint outgoing;
+    uint wo;
     uint path;
     uint reserved[2];
 };
@@ -69,9 +69,9 @@ void main() {
         query.radius = push.radius;
         query.normal = vec3(0.0, 0.0, 1.0);
         query.pixel = i;
-        query.weight = vec3(1.0);
+        query.throughput = vec3(1.0);
         query.material = 0u;
-        query.outgoing = UP;
+        query.wo = UP;
         query.path = i;
         query.reserved[0] = 0u;
         query.reserved[1] = 0u;

@@ -48,7 +48,7 @@ void main() {
     do {
         ErrorMomentsBuffer moments = push.error_moments + i;
         if (moments.at.photons != 0) {
-            vec3 weight = push.queries[i].at.weight;
+            vec3 throughput = push.queries[i].at.throughput;
             vec3 wide = moments.at.wide, inner = moments.at.narrow;
             float density = push.scale;
             if (FROM == 0) {
@@ -57,11 +57,11 @@ void main() {
                 inner = flux - 2.0 * inner;
                 density /= push.estimates[i].at.radius_squared;
             }
-            wide *= weight;
-            inner *= weight;
+            wide *= throughput;
+            inner *= throughput;
             bias += density * (wide.x + wide.y + wide.z);
             narrow += density * (inner.x + inner.y + inner.z);
-            float mean = (weight.x + weight.y + weight.z) * (1.0 / 3.0);
+            float mean = (throughput.x + throughput.y + throughput.z) * (1.0 / 3.0);
             power += mean * moments.at.power;
             squared += mean * mean * moments.at.power_squared;
             slope += mean * moments.at.slope;

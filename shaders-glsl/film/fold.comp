@@ -46,7 +46,7 @@ void main() {
     if (pixel >= push.pixels || (i > 0 && push.queries[i - 1].at.pixel == pixel)) return;
     precise vec3 sum = vec3(0.0);
     do {
-        sum += push.queries[i].at.weight * value(i);
+        sum += push.queries[i].at.throughput * value(i);
         i++;
     } while (i < count && push.queries[i].at.pixel == pixel);
     if (sum == vec3(0.0)) return;

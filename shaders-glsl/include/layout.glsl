@@ -24,9 +24,9 @@ struct Query {
     float radius;
     vec3 normal;
     uint pixel;
-    vec3 weight;
+    vec3 throughput;
     uint media;
-    uint outgoing;
+    uint wo;
     uint path;
     uint reserved[2];
 };

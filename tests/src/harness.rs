@@ -60,7 +60,7 @@ pub fn photon_at(position: [f32; 3]) -> Photon {
 /// A query on the plane z = 0.
 #[must_use]
 pub fn query_at(position: [f32; 3], radius: f32) -> Query {
-    Query { position, radius, normal: [0.0, 0.0, 1.0], weight: [1.0; 3], ..Query::default() }
+    Query { position, radius, normal: [0.0, 0.0, 1.0], throughput: [1.0; 3], ..Query::default() }
 }
 
 /// What a map of `photons` says about `queries`.

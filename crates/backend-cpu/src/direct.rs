@@ -30,7 +30,7 @@ impl DirectLight<Cpu> for CpuDirect {
                 || (),
                 |(), _, query, pixel, _| {
                     let irradiance = irradiance(scene, pass, query, shadow_rays);
-                    deposit(pixel, Layer::Direct, query.weight, irradiance);
+                    deposit(pixel, Layer::Direct, query.throughput, irradiance);
                 },
             );
         });

@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use photon_core::{ErrorMoments, Estimate, EstimateParams, sampling};
 
-use crate::estimate::{Place, Sum};
+use crate::estimate::{Sum, VisiblePoint};
 use crate::map::{CpuMap, Powers};
 use crate::power::Power;
 
@@ -14,14 +14,14 @@ const OFF_PLANE: f32 = 0.25;
 /// The estimate of `Search::Radius`, to the bit, and what the photons within √2 times the radius tell.
 pub(crate) fn estimate_with_moments_at(
     map: &CpuMap,
-    place: Place,
+    point: VisiblePoint,
     gather: &EstimateParams,
 ) -> (Estimate, ErrorMoments) {
     match (map.powers(), gather.is_flat()) {
-        (Powers::Grey(powers), false) => estimate_with_moments_of::<false, _>(map, powers, place, gather),
-        (Powers::Grey(powers), true) => estimate_with_moments_of::<true, _>(map, powers, place, gather),
-        (Powers::Colour(powers), false) => estimate_with_moments_of::<false, _>(map, powers, place, gather),
-        (Powers::Colour(powers), true) => estimate_with_moments_of::<true, _>(map, powers, place, gather),
+        (Powers::Grey(powers), false) => estimate_with_moments_of::<false, _>(map, powers, point, gather),
+        (Powers::Grey(powers), true) => estimate_with_moments_of::<true, _>(map, powers, point, gather),
+        (Powers::Colour(powers), false) => estimate_with_moments_of::<false, _>(map, powers, point, gather),
+        (Powers::Colour(powers), true) => estimate_with_moments_of::<true, _>(map, powers, point, gather),
     }
 }
 
@@ -30,22 +30,22 @@ pub(crate) fn estimate_with_moments_at(
 fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     map: &CpuMap,
     powers: &[P],
-    place: Place,
+    point: VisiblePoint,
     gather: &EstimateParams,
 ) -> (Estimate, ErrorMoments) {
-    let normal = place.normal;
-    let radius_squared = place.radius * place.radius;
-    let most = gather.max_plane_distance * place.radius;
+    let normal = point.normal;
+    let radius_squared = point.radius * point.radius;
+    let most = gather.max_plane_distance * point.radius;
     let sum = Sum::new(radius_squared);
     let scale = 1.0 / sum.radius_squared;
     let wide_squared = 2.0 * radius_squared;
     let reach = 1.0 / (2.0 * sum.radius_squared).sqrt();
     let (tangent, bitangent) = sampling::basis(normal);
     let state = (sum, Sums::<P::Sum>::default());
-    let (sum, sums) = map.index().fold_within(place.position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
+    let (sum, sums) = map.index().fold_within(point.position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
         let carried = powers[slot as usize];
         let power = f64::from(carried.mean());
-        let off = if FLAT { place.off_plane(map, slot) } else { 0.0 };
+        let off = if FLAT { point.off_plane(map, slot) } else { 0.0 };
         if map.normal(slot).dot(normal) < gather.min_normal_cosine || (FLAT && off > SQRT_2 * most) {
             sums.stray += power;
             return (sum, sums);
@@ -58,7 +58,7 @@ fn estimate_with_moments_of<const FLAT: bool, P: Power>(
             }
         }
         carried.add(&mut sums.wide, gather.kernel.weight((0.5 * u).min(1.0)));
-        let offset = place.to(map, slot) * reach;
+        let offset = point.to(map, slot) * reach;
         if offset.dot(normal).abs() > OFF_PLANE {
             sums.stray += power;
         }

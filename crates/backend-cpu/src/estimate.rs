@@ -41,7 +41,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
                 // Neighbouring queries have similar radii, which the scratch remembers.
                 let mut scratch = Neighbours::default();
                 for (estimate, query) in out.iter_mut().zip(queries) {
-                    *estimate = estimate_at(map, Place::of(query, gather), gather, &mut scratch);
+                    *estimate = estimate_at(map, VisiblePoint::of(query, gather), gather, &mut scratch);
                 }
             });
         });
@@ -68,7 +68,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
             let out = estimates.data.par_chunks_mut(BLOCK).zip(error_moments.data.par_chunks_mut(BLOCK));
             out.zip(queries.data.par_chunks(BLOCK)).for_each(|((estimates, error_moments), queries)| {
                 for ((estimate, moments), query) in estimates.iter_mut().zip(error_moments).zip(queries) {
-                    (*estimate, *moments) = estimate_with_moments_at(map, Place::of(query, gather), gather);
+                    (*estimate, *moments) = estimate_with_moments_at(map, VisiblePoint::of(query, gather), gather);
                 }
             });
         });
@@ -112,14 +112,14 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
 
 /// Where an estimate is asked for.
 #[derive(Clone, Copy)]
-pub(crate) struct Place {
+pub(crate) struct VisiblePoint {
     pub(crate) position: [f32; 3],
     /// Unit, on the side looked at.
     pub(crate) normal: Vec3,
     pub(crate) radius: f32,
 }
 
-impl Place {
+impl VisiblePoint {
     fn of(query: &Query, gather: &EstimateParams) -> Self {
         let radius = query.radius * gather.radius_scale;
         Self { position: query.position, normal: query.normal.into(), radius }
@@ -139,10 +139,15 @@ impl Place {
 }
 
 /// The estimate at one place.
-pub(crate) fn estimate_at(map: &CpuMap, place: Place, gather: &EstimateParams, scratch: &mut Neighbours) -> Estimate {
+pub(crate) fn estimate_at(
+    map: &CpuMap,
+    point: VisiblePoint,
+    gather: &EstimateParams,
+    scratch: &mut Neighbours,
+) -> Estimate {
     match map.powers() {
-        Powers::Grey(powers) => estimate_of(map, powers, place, gather, scratch),
-        Powers::Colour(powers) => estimate_of(map, powers, place, gather, scratch),
+        Powers::Grey(powers) => estimate_of(map, powers, point, gather, scratch),
+        Powers::Colour(powers) => estimate_of(map, powers, point, gather, scratch),
     }
 }
 
@@ -150,17 +155,17 @@ pub(crate) fn estimate_at(map: &CpuMap, place: Place, gather: &EstimateParams, s
 fn estimate_of<P: Power>(
     map: &CpuMap,
     powers: &[P],
-    place: Place,
+    point: VisiblePoint,
     gather: &EstimateParams,
     scratch: &mut Neighbours,
 ) -> Estimate {
-    let Place { position, normal, radius } = place;
+    let VisiblePoint { position, normal, radius } = point;
     let radius_squared = radius * radius;
     let accept = |slot: u32| map.normal(slot).dot(normal) >= gather.min_normal_cosine;
     let power = |slot: u32| powers[slot as usize];
     match gather.search {
-        Search::Radius if gather.is_flat() => within::<true, P>(map, powers, place, gather),
-        Search::Radius => within::<false, P>(map, powers, place, gather),
+        Search::Radius if gather.is_flat() => within::<true, P>(map, powers, point, gather),
+        Search::Radius => within::<false, P>(map, powers, point, gather),
         Search::KNearest { k } => {
             map.index().nearest(position, k as usize, radius_squared, accept, scratch);
             let nearest = scratch.as_slice();
@@ -207,14 +212,19 @@ fn estimate_of<P: Power>(
 }
 
 /// The estimate from all photons within a radius; if `FLAT`, from those near the query's plane.
-fn within<const FLAT: bool, P: Power>(map: &CpuMap, powers: &[P], place: Place, gather: &EstimateParams) -> Estimate {
-    let radius_squared = place.radius * place.radius;
-    let most = gather.max_plane_distance * place.radius;
+fn within<const FLAT: bool, P: Power>(
+    map: &CpuMap,
+    powers: &[P],
+    point: VisiblePoint,
+    gather: &EstimateParams,
+) -> Estimate {
+    let radius_squared = point.radius * point.radius;
+    let most = gather.max_plane_distance * point.radius;
     let sum = Sum::new(radius_squared);
     let scale = 1.0 / sum.radius_squared;
-    let sum = map.index().fold_within(place.position, radius_squared, sum, |sum, slot, d2| {
-        let same = map.normal(slot).dot(place.normal) >= gather.min_normal_cosine;
-        if !same || (FLAT && place.off_plane(map, slot) > most) {
+    let sum = map.index().fold_within(point.position, radius_squared, sum, |sum, slot, d2| {
+        let same = map.normal(slot).dot(point.normal) >= gather.min_normal_cosine;
+        if !same || (FLAT && point.off_plane(map, slot) > most) {
             return sum;
         }
         let weight = gather.kernel.weight((d2 * scale).min(1.0));

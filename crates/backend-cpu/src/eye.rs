@@ -69,7 +69,7 @@ struct Eye<'a> {
 struct Path {
     ray: Ray,
     /// Of radiance over n², which refraction leaves as it is.
-    weight: Vec3,
+    throughput: Vec3,
     media: MediumStack,
     surfaces: u32,
     splits: u32,
@@ -89,7 +89,7 @@ impl Eye<'_> {
         let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;
         let first = Path {
             ray: camera_ray(&self.view.camera, across, -down),
-            weight: Vec3::ONE,
+            throughput: Vec3::ONE,
             media: MediumStack::from_bits(self.view.camera.media),
             surfaces: 0,
             splits: 0,
@@ -129,28 +129,28 @@ impl Eye<'_> {
             }
         }
         let interface = self.scene.interface(&surface, path.media);
-        path.weight *= self.scene.attenuation(interface.before, surface.t);
+        path.throughput *= self.scene.attenuation(interface.before, surface.t);
         // What the surface sends to the camera, beside what the path carries.
         let seen = || {
             let camera = MediumStack::from_bits(self.view.camera.media);
-            path.weight * self.scene.radiance_scale(camera, interface.before)
+            path.throughput * self.scene.radiance_scale(camera, interface.before)
         };
         if material.is_emissive() && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
             deposit(pixel, Layer::Emission, seen().into(), material.emission.map(f64::from));
         }
         let bsdf = self.scene.bsdf(&surface, &interface);
         if material.is_diffuse() {
-            let weight = bsdf.diffuse_throughput(seen());
-            if weight != Vec3::ZERO {
+            let throughput = bsdf.diffuse_throughput(seen());
+            if throughput != Vec3::ZERO {
                 queries.push(Query {
                     // Off edges, beside which rounding may put it behind the next wall, out of its shadow.
                     position: surface.start.into(),
                     radius: 1.0,
                     normal: surface.normal.into(),
                     pixel: number,
-                    weight: weight.into(),
+                    throughput: throughput.into(),
                     media: interface.before.bits(),
-                    outgoing: octahedral::pack(-path.ray.direction),
+                    wo: octahedral::pack(-path.ray.direction),
                     path: number * QUERIES_PER_PIXEL + path.branch,
                     reserved: [0; 2],
                 });
@@ -164,16 +164,26 @@ impl Eye<'_> {
         let go_on = |lobe: Lobe| {
             let direction = bsdf.direction(lobe, path.ray.direction, surface.normal, 0.0, 0.0);
             let media = if lobe == Lobe::SpecularTransmission { interface.beyond } else { path.media };
-            Path { ray: surface.spawn(lobe, direction), weight: path.weight * bsdf.weight(lobe), media, ..*path }
+            Path {
+                ray: surface.spawn(lobe, direction),
+                throughput: path.throughput * bsdf.throughput(lobe),
+                media,
+                ..*path
+            }
         };
         let lobe = match bsdf.split() {
             None => bsdf.choose(0.0),
             Some(reflectance) if reflectance > 0.0 && reflectance < 1.0 && path.splits < self.max_splits => {
                 let [reflected, passed] = [Lobe::SpecularReflection, Lobe::SpecularTransmission].map(go_on);
                 let (bit, splits) = (1 << path.splits, path.splits + 1);
-                *path = Path { weight: passed.weight * (1.0 - reflectance), splits, ..passed };
+                *path = Path { throughput: passed.throughput * (1.0 - reflectance), splits, ..passed };
                 let branch = path.branch | bit;
-                return Some(Some(Path { weight: reflected.weight * reflectance, splits, branch, ..reflected }));
+                return Some(Some(Path {
+                    throughput: reflected.throughput * reflectance,
+                    splits,
+                    branch,
+                    ..reflected
+                }));
             }
             Some(_) => {
                 let [choice, ..] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);

@@ -75,7 +75,7 @@ impl FilmBackend for Cpu {
                 || (),
                 |(), index, query, pixel, _| {
                     if let Some(estimate) = estimates.get(index) {
-                        deposit(pixel, layer, query.weight, estimate.irradiance(paths));
+                        deposit(pixel, layer, query.throughput, estimate.irradiance(paths));
                     }
                 },
             );

@@ -9,7 +9,7 @@ use photon_core::{
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::error_moments::estimate_with_moments_at;
-use crate::estimate::{Place, estimate_at};
+use crate::estimate::{VisiblePoint, estimate_at};
 use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::CpuScene;
@@ -44,7 +44,7 @@ impl FinalGather<Cpu> for CpuGather {
                     let ray = (ray, rays, errors.is_some());
                     sum.add(&follow(scene, maps, query, sampler, ray, max_bounces, scratch), 1.0 / f64::from(rays));
                 }
-                deposit(pixel, Layer::Indirect, query.weight, sum.irradiance);
+                deposit(pixel, Layer::Indirect, query.throughput, sum.irradiance);
                 if let Some(errors) = errors {
                     errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
                 }
@@ -132,13 +132,13 @@ fn follow(
         t_max: f32::INFINITY,
     };
     // Of radiance over n², which refraction leaves as it is.
-    let mut weight = Vec3::ONE;
+    let mut throughput = Vec3::ONE;
     let start = MediumStack::from_bits(query.media);
     let mut media = start;
     for bounce in 1..=max_bounces {
         let Some(surface) = scene.surface(&ray) else { break };
         let interface = scene.interface(&surface, media);
-        weight *= scene.attenuation(interface.before, surface.t);
+        throughput *= scene.attenuation(interface.before, surface.t);
         let bsdf = scene.bsdf(&surface, &interface);
         let lobe = match bsdf.split() {
             None => bsdf.choose(0.0),
@@ -149,16 +149,16 @@ fn follow(
         };
         match lobe {
             Lobe::SpecularReflection | Lobe::SpecularTransmission => {
-                weight *= bsdf.weight(lobe);
+                throughput *= bsdf.throughput(lobe);
                 ray = surface.spawn(lobe, bsdf.direction(lobe, ray.direction, surface.normal, 0.0, 0.0));
                 if lobe == Lobe::SpecularTransmission {
                     media = interface.beyond;
                 }
             }
             Lobe::Diffuse => {
-                let weight = weight * scene.radiance_scale(start, interface.before) * bsdf.weight(lobe);
+                let throughput = throughput * scene.radiance_scale(start, interface.before) * bsdf.throughput(lobe);
                 let mut found = Found::default();
-                let at = |gather: &EstimateParams| Place {
+                let at = |gather: &EstimateParams| VisiblePoint {
                     position: surface.point.into(),
                     normal: surface.normal,
                     radius: gather.radius_scale,
@@ -166,7 +166,7 @@ fn follow(
                 if let Some((map, gather)) = &maps.irradiance {
                     let estimate = estimate_at(map, at(gather), gather, &mut scratch[MapKind::Global]);
                     found.irradiance = estimate.flux.map(f64::from);
-                    return found.times(weight.to_array());
+                    return found.times(throughput.to_array());
                 }
                 for (kind, map) in maps.photons.iter() {
                     let Some((map, gather)) = map else { continue };
@@ -183,7 +183,7 @@ fn follow(
                     }
                 }
                 // Radiance is irradiance times albedo over π; the π cancels.
-                return found.times(weight.to_array());
+                return found.times(throughput.to_array());
             }
         }
     }

@@ -68,7 +68,7 @@ fn same(a: &Query, b: &Query) -> bool {
     (a.pixel, a.path, a.media, a.radius) == (b.pixel, b.path, b.media, b.radius)
         && near(a.position, b.position, 1e-4)
         && near(a.normal, b.normal, 1e-4)
-        && near(a.weight, b.weight, 1e-3 * Vec3::from(a.weight).length())
+        && near(a.throughput, b.throughput, 1e-3 * Vec3::from(a.throughput).length())
 }
 
 /// Share of queries that both have. Both lists are in order of path within a pass.

@@ -87,11 +87,11 @@ impl ErrorPixel {
         let area = std::f64::consts::PI * f64::from(estimate.radius_squared) * paths as f64;
         let (bias, narrow) = moments.biases(estimate);
         for c in 0..3 {
-            let weight = f64::from(query.weight[c]) / (3.0 * area);
+            let weight = f64::from(query.throughput[c]) / (3.0 * area);
             self.bias += weight * bias[c];
             self.narrow += weight * narrow[c];
         }
-        let weight = query.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
+        let weight = query.throughput.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
         let map_moments = &mut self.photon_moments[kind];
         map_moments.power += weight * f64::from(moments.power);
         map_moments.power_squared += weight * weight * f64::from(moments.power_squared);
@@ -107,11 +107,11 @@ impl ErrorPixel {
     /// estimates over half the area, and power and squared power of the photons. How they lie is not told.
     pub fn deposit_gathered(&mut self, query: &Query, bias: [f64; 3], narrow: [f64; 3], powers: [f64; 2]) {
         for c in 0..3 {
-            let weight = f64::from(query.weight[c]) / 3.0;
+            let weight = f64::from(query.throughput[c]) / 3.0;
             self.bias += weight * bias[c];
             self.narrow += weight * narrow[c];
         }
-        let weight = query.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
+        let weight = query.throughput.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0;
         let map_moments = &mut self.photon_moments[MapKind::Global];
         map_moments.power += weight * powers[0];
         map_moments.power_squared += weight * weight * powers[1];

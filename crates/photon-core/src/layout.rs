@@ -61,11 +61,11 @@ pub struct Query {
     pub pixel: u32,
     /// What irradiance here is multiplied by to give the pixel's radiance: throughput of the
     /// camera path times the albedo over π.
-    pub weight: [f32; 3],
+    pub throughput: [f32; 3],
     /// The media in front of the surface: bits of a [`crate::MediumStack`]. Shadow and gather rays start in them.
     pub media: u32,
     /// Unit vector towards the viewer, packed by [`crate::octahedral::pack`].
-    pub outgoing: u32,
+    pub wo: u32,
     /// Number of the camera path within its pass: the key of the random numbers spent here.
     pub path: u32,
     /// Zero.
@@ -387,7 +387,7 @@ mod tests {
             (offset_of!(PhotonRay, power), offset_of!(PhotonRay, media)),
             (offset_of!(Query, position), offset_of!(Query, radius)),
             (offset_of!(Query, normal), offset_of!(Query, pixel)),
-            (offset_of!(Query, weight), offset_of!(Query, media)),
+            (offset_of!(Query, throughput), offset_of!(Query, media)),
             (offset_of!(Estimate, flux), offset_of!(Estimate, radius_squared)),
             (offset_of!(ErrorMoments, wide), offset_of!(ErrorMoments, power)),
             (offset_of!(ErrorMoments, narrow), offset_of!(ErrorMoments, power_squared)),
@@ -407,7 +407,7 @@ mod tests {
             assert_eq!(scalar, vector + 12);
         }
         assert_eq!(offset_of!(Light, versine_outer), 48);
-        assert_eq!(offset_of!(Query, outgoing), 48);
+        assert_eq!(offset_of!(Query, wo), 48);
         assert_eq!(offset_of!(Estimate, photons), 16);
         assert_eq!(offset_of!(ErrorMoments, slope), 32);
         assert_eq!(offset_of!(ErrorMoments, stray), 48);

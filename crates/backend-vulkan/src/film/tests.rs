@@ -12,7 +12,7 @@ const HEIGHT: u32 = 7;
 /// Up to three queries a pixel, none for some, in order of pixels; weights are 1.
 fn queries() -> Vec<Query> {
     let pixels = (0..WIDTH * HEIGHT).flat_map(|pixel| std::iter::repeat_n(pixel, (pixel % 4) as usize));
-    pixels.map(|pixel| Query { pixel, weight: [1.0; 3], radius: 1.0, ..Query::default() }).collect()
+    pixels.map(|pixel| Query { pixel, throughput: [1.0; 3], radius: 1.0, ..Query::default() }).collect()
 }
 
 /// Positive numbers over six orders of magnitude.
@@ -87,7 +87,7 @@ fn estimates_fold_and_abandoned_passes_vanish() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let mut queries = queries();
     for (i, query) in queries.iter_mut().enumerate() {
-        query.weight = number([i as u32, 1, 1, 1]);
+        query.throughput = number([i as u32, 1, 1, 1]);
     }
     let mut estimates: Vec<Estimate> = (0..queries.len() as u32)
         .map(|i| Estimate {
@@ -105,7 +105,7 @@ fn estimates_fold_and_abandoned_passes_vanish() {
     for (query, estimate) in queries.iter().zip(&estimates) {
         let irradiance = estimate.irradiance(PATHS);
         for c in 0..3 {
-            expected[query.pixel as usize][c] += f64::from(query.weight[c]) * irradiance[c];
+            expected[query.pixel as usize][c] += f64::from(query.throughput[c]) * irradiance[c];
         }
     }
     fold(&mut on, &mut film, Layer::Caustic, &there, &found, PATHS).unwrap();

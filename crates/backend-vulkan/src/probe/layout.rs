@@ -45,7 +45,7 @@ fn records() -> Vec<Record> {
     vec![
         record!(Photon: position normal power direction),
         record!(PhotonRay: origin path direction light power media),
-        record!(Query: position radius normal pixel weight media outgoing path reserved),
+        record!(Query: position radius normal pixel throughput media wo path reserved),
         record!(Estimate: flux radius_squared photons flags reserved),
         record!(ErrorMoments: wide power narrow power_squared slope quadrupole stray photons reserved),
         record!(Primitive: normal material),

@@ -22,7 +22,7 @@ pub trait FilmBackend: Backend {
     /// [`crate::Error::OutOfMemory`], [`crate::Error::InvalidSetting`] for a size without pixels.
     fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<Self::Film>;
 
-    /// Adds `query.weight × estimate.irradiance(paths)` to `layer` of each query's pixel.
+    /// Adds `query.throughput × estimate.irradiance(paths)` to `layer` of each query's pixel.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].

@@ -89,7 +89,7 @@ fn ratio<B: Backend>(on: &mut B, search: Search, slanted: bool, radius: f32) -> 
     let query = |i: u32| {
         let at = |n: u32| MARGIN + (1.0 - 2.0 * MARGIN) * (n as f32 + 0.5) / SIDE as f32;
         let position = [at(i % SIDE), at(i / SIDE), 0.0];
-        Query { position, radius, normal: [0.0, 0.0, 1.0], weight: [1.0; 3], ..Query::default() }
+        Query { position, radius, normal: [0.0, 0.0, 1.0], throughput: [1.0; 3], ..Query::default() }
     };
     let queries: Vec<Query> = (0..SIDE * SIDE).map(query).collect();
     let gather = EstimateParams { min_normal_cosine: 0.7, ..EstimateParams::new(search) };

@@ -74,7 +74,7 @@ Ray camera_ray(float x, float y) {
 }
 
 // Where the path goes on from `at`, and the other path in `other` if it splits there.
-bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, uint beyond) {
+bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, uint transmitted) {
     bool split = false;
     uint lobe = bsdf_choose(bsdf, 0.0);
     if (bsdf_splits(bsdf)) {
@@ -98,7 +98,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, u
     path.throughput *= bsdf_weight(bsdf, lobe);
     if (lobe == LOBE_SPECULAR_TRANSMISSION) {
         path.ray = surface_pass(at, onward);
-        path.media = beyond;
+        path.media = transmitted;
     } else {
         path.ray = surface_leave(at, onward);
     }
@@ -170,7 +170,7 @@ void main() {
                 path.surfaces++;
                 alive = path.surfaces < push.max_bounces;
                 Path other;
-                if (alive && go_on(path, other, pixel, at, bsdf, sides.beyond)) {
+                if (alive && go_on(path, other, pixel, at, bsdf, sides.transmitted)) {
                     waiting[waits] = other;
                     waits++;
                 }

@@ -77,7 +77,7 @@ void main() {
             vec3 onward = bsdf_direction(bsdf, lobe, ray.direction, at.normal, 0.0, 0.0);
             if (lobe == LOBE_SPECULAR_TRANSMISSION) {
                 ray = surface_pass(at, onward);
-                media = sides.beyond;
+                media = sides.transmitted;
             } else {
                 ray = surface_leave(at, onward);
             }

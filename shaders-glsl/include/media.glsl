@@ -46,13 +46,13 @@ uint media_current(SceneRef scene, uint stack) {
 }
 
 // By functions, since a `precise` variable of members of a record keeps the compiler busy for ever.
-float index_quotient(float beyond, float before) {
-    precise float eta = beyond / before;
+float index_quotient(float transmitted, float before) {
+    precise float eta = transmitted / before;
     return eta;
 }
 
-float index_quotient_squared(float beyond, float before) {
-    precise float ratio = beyond / before;
+float index_quotient_squared(float transmitted, float before) {
+    precise float ratio = transmitted / before;
     precise float squared = ratio * ratio;
     return squared;
 }
@@ -61,7 +61,7 @@ float index_quotient_squared(float beyond, float before) {
 struct Interface {
     float eta;
     uint before;
-    uint beyond;
+    uint transmitted;
     bool is_active;
     bool is_too_deep;
 };
@@ -71,11 +71,11 @@ Interface media_interface(SceneRef scene, Material material, bool front, uint he
     if (material.kind != MATERIAL_DIELECTRIC) return Interface(1.0, here, here, true, false);
     if (NESTED) {
         uint before = front || media_contains(here, material.medium) ? here : media_enter(here, material.medium);
-        uint beyond = front ? media_enter(before, material.medium) : media_leave(before, material.medium);
+        uint transmitted = front ? media_enter(before, material.medium) : media_leave(before, material.medium);
         uint from = media_current(scene, before);
-        uint to = media_current(scene, beyond);
+        uint to = media_current(scene, transmitted);
         float eta = index_quotient(scene.media[to].at.ior, scene.media[from].at.ior);
-        return Interface(eta, before, beyond, from != to, front && media_is_full(before));
+        return Interface(eta, before, transmitted, from != to, front && media_is_full(before));
     }
     uint solid = material.medium & 0xFFu;
     float eta = front ? material.ior : index_quotient(1.0, material.ior);

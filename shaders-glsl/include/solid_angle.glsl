@@ -98,8 +98,8 @@ bool solid_angle_sample(
     precise float here = pole_length * sines;
     precise float rest_of_arc = (1.0 - part) - (1.0 - versine) * sines;
     precise float left = reach * max(rest_of_arc, 0.0);
-    precise float beyond = solid_angle_share(here, left);
-    precise vec3 three = vec3(beyond * (1.0 - along), 1.0 - beyond, beyond * along);
+    precise float transmitted = solid_angle_share(here, left);
+    precise vec3 three = vec3(transmitted * (1.0 - along), 1.0 - transmitted, transmitted * along);
     weights = first == 0u ? three.yz : (first == 1u ? three.xy : three.zx);
     precise float angle = 12.566371 * half_turns;
     solid_angle = angle;

@@ -244,7 +244,7 @@ uint step_path(inout Path path, Hit hit) {
         path.specular_only = false;
     } else if (lobe == LOBE_SPECULAR_TRANSMISSION) {
         if (NESTED && sides.is_too_deep) path.too_deep = true;
-        path.media = sides.beyond;
+        path.media = sides.transmitted;
     }
     bool absorbed = false;
     vec3 weight = bsdf_weight(bsdf, lobe);

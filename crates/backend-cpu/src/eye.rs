@@ -163,7 +163,7 @@ impl Eye<'_> {
         }
         let go_on = |lobe: Lobe| {
             let direction = bsdf.direction(lobe, path.ray.direction, surface.normal, 0.0, 0.0);
-            let media = if lobe == Lobe::SpecularTransmission { interface.beyond } else { path.media };
+            let media = if lobe == Lobe::SpecularTransmission { interface.transmitted } else { path.media };
             Path {
                 ray: surface.spawn(lobe, direction),
                 throughput: path.throughput * bsdf.throughput(lobe),

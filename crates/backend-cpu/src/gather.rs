@@ -152,7 +152,7 @@ fn follow(
                 throughput *= bsdf.throughput(lobe);
                 ray = surface.spawn(lobe, bsdf.direction(lobe, ray.direction, surface.normal, 0.0, 0.0));
                 if lobe == Lobe::SpecularTransmission {
-                    media = interface.beyond;
+                    media = interface.transmitted;
                 }
             }
             Lobe::Diffuse => {

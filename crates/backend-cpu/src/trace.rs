@@ -243,7 +243,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
                     too_deep = true;
                     tally.too_deep += 1;
                 }
-                media = interface.beyond;
+                media = interface.transmitted;
             }
             Lobe::SpecularReflection => {}
         }

@@ -161,7 +161,7 @@ mod tests {
             let material = Material { kind: kind as u32, albedo: [1.0; 3], ior: 1.5, ..Material::default() };
             for cosine in [0.0, 1e-3, 0.3, 1.0] {
                 let interface =
-                    Interface { eta: 1.5, before: vacuum, beyond: vacuum, is_active: true, is_too_deep: false };
+                    Interface { eta: 1.5, before: vacuum, transmitted: vacuum, is_active: true, is_too_deep: false };
                 let bsdf = Bsdf::new(Features::ALL, &material, cosine, &interface);
                 let total = match bsdf.split() {
                     None => bsdf.weight(bsdf.choose(0.5)),
@@ -180,7 +180,8 @@ mod tests {
         let vacuum = MediumStack::VACUUM;
         let material =
             Material { kind: MaterialKind::Dielectric as u32, albedo: [0.5; 3], ior: 1.5, ..Material::default() };
-        let interface = Interface { eta: 1.0, before: vacuum, beyond: vacuum, is_active: false, is_too_deep: false };
+        let interface =
+            Interface { eta: 1.0, before: vacuum, transmitted: vacuum, is_active: false, is_too_deep: false };
         let bsdf = Bsdf::new(Features::ALL, &material, 0.4, &interface);
         let along = Vec3::new(0.6, 0.0, -0.8);
         assert_eq!(bsdf.choose(0.0), Lobe::SpecularTransmission);

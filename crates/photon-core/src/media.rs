@@ -140,7 +140,7 @@ pub struct Interface {
     /// The media before it.
     pub before: MediumStack,
     /// The media beyond it.
-    pub beyond: MediumStack,
+    pub transmitted: MediumStack,
     /// Whether the medium changes there. If not, light passes as if nothing were there.
     pub is_active: bool,
     /// Whether a path that passes enters more solids than [`MediumStack::DEPTH`], and this one is ignored.
@@ -169,16 +169,16 @@ pub fn interface(
             } else {
                 media_here.enter(material.medium)
             };
-            let beyond = if front { before.enter(material.medium) } else { before.leave(material.medium) };
-            let (from, to) = (before.current(media), beyond.current(media));
+            let transmitted = if front { before.enter(material.medium) } else { before.leave(material.medium) };
+            let (from, to) = (before.current(media), transmitted.current(media));
             let eta = media[to as usize].ior / media[from as usize].ior;
-            Interface { eta, before, beyond, is_active: from != to, is_too_deep: front && before.is_full() }
+            Interface { eta, before, transmitted, is_active: from != to, is_too_deep: front && before.is_full() }
         }
         MaterialKind::Dielectric => {
             let solid = MediumStack::in_medium(material.medium);
-            let (before, beyond) = if front { (media_here, solid) } else { (solid, MediumStack::VACUUM) };
+            let (before, transmitted) = if front { (media_here, solid) } else { (solid, MediumStack::VACUUM) };
             let eta = if front { material.ior } else { 1.0 / material.ior };
-            Interface { eta, before, beyond, is_active: true, is_too_deep: false }
+            Interface { eta, before, transmitted, is_active: true, is_too_deep: false }
         }
     }
 }
@@ -186,7 +186,7 @@ pub fn interface(
 /// Both sides in the same media.
 #[inline(always)]
 fn around(eta: f32, media: MediumStack) -> Interface {
-    Interface { eta, before: media, beyond: media, is_active: true, is_too_deep: false }
+    Interface { eta, before: media, transmitted: media, is_active: true, is_too_deep: false }
 }
 
 /// What radiance in the medium of `at` is multiplied by when it is seen from that of `from`, with nothing reflected or
@@ -255,13 +255,13 @@ mod tests {
         let water = MediumStack::VACUUM.enter(1);
         let into_glass = interface(&media, &solid(2), true, water, true);
         assert_eq!((into_glass.eta, into_glass.is_active), (1.5 / 1.33, true));
-        assert_eq!(into_glass.beyond, water.enter(2));
+        assert_eq!(into_glass.transmitted, water.enter(2));
         // Within something of a higher priority nothing changes.
         let hidden = interface(&media, &solid(2), true, MediumStack::VACUUM.enter(3), true);
         assert_eq!((hidden.eta, hidden.is_active), (1.0, false));
         // A back that was never entered from the front says that it was.
         let out = interface(&media, &solid(2), false, water, true);
-        assert_eq!((out.before, out.beyond, out.eta), (water.enter(2), water, 1.33 / 1.5));
+        assert_eq!((out.before, out.transmitted, out.eta), (water.enter(2), water, 1.33 / 1.5));
     }
 
     /// For solids apart, both rules are the same to the bit.

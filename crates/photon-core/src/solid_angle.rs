@@ -120,11 +120,11 @@ pub fn sample(corners: [Vec3; 3], height: f32, area: f32, u: f32, v: f32) -> Opt
     let reach = (corners[first] + side * along).length();
     let before = lengths[second] * sines;
     let after = reach * ((1.0 - part) - (1.0 - versine) * sines).max(0.0);
-    let beyond = share(before, after);
+    let transmitted = share(before, after);
     let mut weights = [0.0; 3];
-    weights[first] = beyond * (1.0 - along);
-    weights[second] = 1.0 - beyond;
-    weights[third] = beyond * along;
+    weights[first] = transmitted * (1.0 - along);
+    weights[second] = 1.0 - transmitted;
+    weights[third] = transmitted * along;
     let solid_angle = 4.0 * std::f32::consts::PI * half;
     Some(Seen { b: weights[1], c: weights[2], solid_angle })
 }

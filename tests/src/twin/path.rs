@@ -116,14 +116,14 @@ impl Twin<'_> {
             power *= DVec3::from(before.absorption.map(|sigma| (-f64::from(sigma) * hit.t).exp()));
             let [choice, u, v, _] = sampler.words(BLOCK_SURFACES + bounce).map(|word| f64::from(unit_f32(word)));
             let albedo = DVec3::from(material.albedo.map(f64::from));
-            let survive = |power: DVec3| {
+            let russian_roulette = |power: DVec3| {
                 let next = power * albedo;
                 let chance = next.max_element() / power.max_element();
                 (choice < chance).then(|| next / chance)
             };
             match material.kind() {
                 MaterialKind::Mirror => {
-                    let Some(next) = survive(power) else { return (landings, End::Absorbed) };
+                    let Some(next) = russian_roulette(power) else { return (landings, End::Absorbed) };
                     power = next;
                     (origin, direction) = (point + normal * scene.step, optics::reflect(direction, normal));
                 }
@@ -152,7 +152,7 @@ impl Twin<'_> {
                         let primitive = hit.primitive;
                         landings.push(Landing { bounce, map, point, back: -direction, power, normal, primitive });
                     }
-                    let Some(next) = survive(power) else { return (landings, End::Absorbed) };
+                    let Some(next) = russian_roulette(power) else { return (landings, End::Absorbed) };
                     power = next;
                     specular_only = false;
                     (origin, direction) = (point + normal * scene.step, optics::cosine_hemisphere(normal, u, v));

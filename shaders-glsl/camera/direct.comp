@@ -23,7 +23,7 @@ layout(constant_id = 3) const uint MEDIA = 1;
 #include "solid_angle.glsl"
 #include "scene.glsl"
 #include "two_float.glsl"
-#include "choice.glsl"
+#include "light_sampler.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
@@ -149,13 +149,13 @@ void main() {
     vec3 position = push.queries[i].at.position;
     vec3 normal = push.queries[i].at.normal;
     uint key = push.queries[i].at.path;
-    Choices choices = choices_at(push.scene, WEIGHED, position, normal);
+    LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, position, normal);
     vec3 sum = vec3(0.0);
     vec3 low = vec3(0.0);
     for (uint k = push.start_ray; k < push.end_ray; k++) {
         uvec4 words = philox4x32(uvec4(key, k, push.pass, DOMAIN_SHADOW), push.seed);
         float share;
-        uint index = choices_pick(push.scene, choices, stratum(k, push.rays, words.x), share);
+        uint index = light_sampler_pick(push.scene, light_sampler, stratum(k, push.rays, words.x), share);
         vec3 value;
         Ray ray;
         if (sample_light(index, position, normal, words, value, ray)

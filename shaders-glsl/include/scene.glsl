@@ -56,7 +56,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     Primitives primitives;
     Materials materials;
     Lights lights;
-    LightStarts light_starts;
+    LightStarts light_cdf;
     Emissions emissions;
     Media media;
     uint triangles;
@@ -128,7 +128,7 @@ uint pick_light(SceneRef scene, uint random) {
     // The first start is 0, so that `low` is right all along.
     while (high - low > 1u) {
         uint middle = low + (high - low) / 2u;
-        if (scene.light_starts[middle].at <= random) low = middle;
+        if (scene.light_cdf[middle].at <= random) low = middle;
         else high = middle;
     }
     return low;

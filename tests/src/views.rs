@@ -14,7 +14,7 @@ struct Tables {
     primitives: Vec<Primitive>,
     materials: Vec<Material>,
     lights: Vec<Light>,
-    light_starts: Vec<u32>,
+    light_cdf: Vec<u32>,
 }
 
 impl Tables {
@@ -26,7 +26,7 @@ impl Tables {
             primitives: view.primitives.to_vec(),
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
-            light_starts: view.light_starts.to_vec(),
+            light_cdf: view.light_cdf.to_vec(),
         }
     }
 
@@ -37,7 +37,7 @@ impl Tables {
             primitives: &self.primitives,
             materials: &self.materials,
             lights: &self.lights,
-            light_starts: &self.light_starts,
+            light_cdf: &self.light_cdf,
             ..scene.view()
         }
     }
@@ -54,7 +54,7 @@ const FAULTS: [Damage; 8] = [
     (|t| t.lights[1].kind = 77, "light 1"),
     (|t| t.positions[5][0] = f32::NAN, "position 5"),
     (|t| t.materials[0].albedo[2] = f32::NAN, "material 0"),
-    (|t| t.light_starts.truncate(1), "light_starts"),
+    (|t| t.light_cdf.truncate(1), "light_cdf"),
 ];
 
 #[track_caller]

@@ -5,9 +5,9 @@ use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::solid_angle::{self, Seen};
 use photon_core::{DirectLight, Layer, Light, MediumStack, Pass, Query, RandomKind, Ray, Result, offset, sampling};
 
-use crate::choice::Choices;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
+use crate::light_sampler::LightSampler;
 use crate::scene::CpuScene;
 
 /// Shadow rays to points on the lights.
@@ -41,13 +41,13 @@ impl DirectLight<Cpu> for CpuDirect {
 /// Mean over `rays` shadow rays.
 fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
     let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
-    let choices = Choices::at(scene, query);
+    let light_sampler = LightSampler::at(scene, query);
     let mut sum = [0.0; 3];
     for ray in 0..rays {
         let [choice, u, v, _] = sampler.words(ray);
         // One stratum of the lights for each ray.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
-        let (index, share) = choices.pick(scene, choice);
+        let (index, share) = light_sampler.pick(scene, choice);
         let sample = sample(scene, &scene.lights[index], query, unit_f32(u), unit_f32(v));
         let Some((value, ray)) = sample else { continue };
         if !scene.caster.occluded(&ray) {

@@ -19,8 +19,8 @@ impl Emitter<Cpu> for CpuEmitter {
         each(on, batch, Domain::Photon, rays, |sampler, path| {
             let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
             let [c, d, ..] = sampler.words(BLOCK_START);
-            let index = pick_light(&scene.light_starts, choice);
-            let share = light_probability(&scene.light_starts, index);
+            let index = pick_light(&scene.light_cdf, choice);
+            let share = light_probability(&scene.light_cdf, index);
             // Every path carries the power of its light over the light's probability.
             let power = scene.lights[index].power.map(|p| (f64::from(p) / share) as f32);
             PhotonRay { path, power, ..leave::<false>(scene, index, [a, b], [c, d], side) }

@@ -6,7 +6,6 @@
 
 mod area;
 mod backend;
-mod choice;
 mod cpu;
 mod direct;
 mod emit;
@@ -17,6 +16,7 @@ mod film;
 mod gather;
 pub mod index;
 mod irradiance;
+mod light_sampler;
 mod map;
 mod normals;
 mod power;

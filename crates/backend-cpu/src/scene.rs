@@ -19,7 +19,7 @@ pub struct CpuScene {
     pub(crate) primitives: Vec<Primitive>,
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
-    pub(crate) light_starts: Vec<u32>,
+    pub(crate) light_cdf: Vec<u32>,
     media: Vec<Medium>,
     /// The media that photons of each light start in, on its front and its back; empty where media do not matter.
     light_media: Vec<[MediumStack; 2]>,
@@ -60,7 +60,7 @@ impl CpuScene {
             primitives: view.primitives.to_vec(),
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
-            light_starts: view.light_starts.to_vec(),
+            light_cdf: view.light_cdf.to_vec(),
             media: view.media.to_vec(),
             light_media,
             nested,

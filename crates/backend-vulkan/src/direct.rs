@@ -12,7 +12,7 @@ use crate::vulkan::Vulkan;
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
 /// Up to so many lights are weighed for each query.
-const FEW: u32 = 16;
+const MAX_LIGHTS: u32 = 16;
 
 /// Shadow rays to points on the lights.
 #[derive(Debug)]
@@ -53,7 +53,7 @@ impl DirectLight<Vulkan> for VulkanDirect {
             return Ok(());
         }
         let lights = scene.light_count();
-        let weighed = if (2..=FEW).contains(&lights) { lights } else { 0 };
+        let weighed = if (2..=MAX_LIGHTS).contains(&lights) { lights } else { 0 };
         let kernel =
             on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed, scene.media().bits()])?;
         // How many there are need not be known here yet: as many as fit.

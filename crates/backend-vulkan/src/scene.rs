@@ -40,7 +40,7 @@ struct Record {
     primitives: u64,
     materials: u64,
     lights: u64,
-    light_starts: u64,
+    light_cdf: u64,
     emissions: u64,
     media: u64,
     triangles: u32,
@@ -90,7 +90,7 @@ impl VulkanScene {
             primitives,
             materials: upload.table("materials", view.materials)?,
             lights: upload.table("lights", view.lights)?,
-            light_starts: upload.table("lights", view.light_starts)?,
+            light_cdf: upload.table("lights", view.light_cdf)?,
             emissions: upload.table("lights", &emissions)?,
             media: upload.table("media", view.media)?,
             triangles: view.triangles.len() as u32,
@@ -145,7 +145,7 @@ fn margin(corners: [[f32; 3]; 3]) -> f32 {
 /// What a path from a light carries, and where it starts if the light is a triangle.
 fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -> Emission {
     let light = &view.lights[index];
-    let share = light_probability(view.light_starts, index);
+    let share = light_probability(view.light_cdf, index);
     let area = light.kind == photon_core::Light::TRIANGLE;
     let (corners, normal, margin) = if area {
         let primitive = light.primitive as usize;

@@ -237,7 +237,7 @@ mod tests {
             materials: &materials,
             media: &[crate::layout::Medium::VACUUM],
             lights: &lights,
-            light_starts: &[0],
+            light_cdf: &[0],
             radius: 1.0,
             units: Units::default(),
         };

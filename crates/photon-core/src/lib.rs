@@ -78,7 +78,7 @@ pub use progressive::{inverse_radius_squared_sum, radius_squared_factor, radius_
 pub use projection::{NoProjection, ProjectionMap, ProjectionSample, ProjectionTarget};
 pub use render::{Facts, Outcome, PassEnd, Render, render};
 pub use requirements::{Requirements, light_features, material_features};
-pub use scene::{SceneView, light_probability, light_starts, pick_light};
+pub use scene::{SceneView, light_cdf, light_probability, pick_light};
 pub use schedule::Schedule;
 pub use settings::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing,

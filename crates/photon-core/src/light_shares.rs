@@ -42,7 +42,7 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
     let mut lamps: Vec<Option<usize>> = vec![None; scene.materials.len()];
     for (index, light) in scene.lights.iter().enumerate() {
         let power = if total > 0.0 { mean(light) / total } else { 0.0 };
-        let probability = light_probability(scene.light_starts, index);
+        let probability = light_probability(scene.light_cdf, index);
         let material = scene.primitives.get(light.primitive as usize).map(|primitive| primitive.material as usize);
         let known = material.and_then(|material| lamps.get(material).copied().flatten());
         if let Some(lamp) = known {
@@ -71,7 +71,7 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
 mod tests {
     use super::*;
     use crate::layout::{Material, Primitive};
-    use crate::scene::light_starts;
+    use crate::scene::light_cdf;
     use crate::units::Units;
 
     #[test]
@@ -88,7 +88,7 @@ mod tests {
             materials: &materials,
             media: &[crate::layout::Medium::VACUUM],
             lights: &lights,
-            light_starts: &light_starts(&[0.25, 1e-20, 0.75]),
+            light_cdf: &light_cdf(&[0.25, 1e-20, 0.75]),
             radius: 1.0,
             units: Units::default(),
         };

@@ -12,7 +12,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::layout::Light;
 use crate::requirements::Requirements;
-use crate::scene::{SceneView, light_probability, light_starts, pick_light};
+use crate::scene::{SceneView, light_cdf, light_probability, pick_light};
 use crate::settings::{CausticPhotons, Settings};
 
 mod cells;
@@ -160,7 +160,7 @@ impl ProjectionMap {
             }
         }
         projection.share = if all > 0.0 { marked / all } else { 0.0 };
-        projection.starts = light_starts(&weights);
+        projection.starts = light_cdf(&weights);
         for (index, target) in projection.targets.iter_mut().enumerate() {
             let light = &scene.lights[target.light as usize];
             let factor = part(light, target) / light_probability(&projection.starts, index);
@@ -187,7 +187,7 @@ impl ProjectionMap {
         &self.targets
     }
 
-    /// Where each target's share of the range of a random `u32` begins, as [`SceneView::light_starts`].
+    /// Where each target's share of the range of a random `u32` begins, as [`SceneView::light_cdf`].
     #[must_use]
     pub fn starts(&self) -> &[u32] {
         &self.starts

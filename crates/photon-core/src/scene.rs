@@ -24,7 +24,7 @@ pub struct SceneView<'a> {
     /// Everything that emits photons.
     pub lights: &'a [Light],
     /// Where each light's share of the range of a random `u32` begins; first 0, strictly rising.
-    pub light_starts: &'a [u32],
+    pub light_cdf: &'a [u32],
     /// Radius of a sphere about the origin that holds the scene: vertices, point lights and spot lights.
     pub radius: f32,
     /// The way back to the user's space and watts.
@@ -45,7 +45,7 @@ impl<'a> SceneView<'a> {
 }
 
 /// What all lights share evenly, of the photons that are sent out; the rest goes by power.
-const EVEN: f64 = 1.0 / 64.0;
+const DEFENSIVE_SHARE_PHOTONS: f64 = 1.0 / 64.0;
 
 /// Divides the range of a random `u32` among lights: nearly all of it in proportion to their power, and
 /// a sixty-fourth evenly, so that a lamp beside one 10²⁰ times as strong still gets photons.
@@ -53,7 +53,7 @@ const EVEN: f64 = 1.0 / 64.0;
 /// What a path carries is divided by the *quantised* probability ([`light_probability`]), so that the
 /// sum stays exact. Lights of equal power get equal shares, and their paths equal power.
 #[must_use]
-pub fn light_starts(powers: &[f64]) -> Vec<u32> {
+pub fn light_cdf(powers: &[f64]) -> Vec<u32> {
     let total: f64 = powers.iter().sum();
     let spare = (1_u64 << 32).saturating_sub(powers.len() as u64);
     let count = powers.len().max(1) as f64;
@@ -63,7 +63,8 @@ pub fn light_starts(powers: &[f64]) -> Vec<u32> {
         .enumerate()
         .map(|(index, power)| {
             let by_power = if total > 0.0 { (before / total).min(1.0) } else { index as f64 / count };
-            let fraction = (1.0 - EVEN) * by_power + EVEN * (index as f64 / count);
+            let fraction =
+                (1.0 - DEFENSIVE_SHARE_PHOTONS) * by_power + DEFENSIVE_SHARE_PHOTONS * (index as f64 / count);
             before += power;
             ((fraction * spare as f64) as u64 + index as u64).min(u64::from(u32::MAX)) as u32
         })
@@ -89,7 +90,7 @@ mod tests {
 
     #[test]
     fn shares_are_by_power_and_leave_nobody_out() {
-        let starts = light_starts(&[1.0, 3.0, 0.0, 1e-30]);
+        let starts = light_cdf(&[1.0, 3.0, 0.0, 1e-30]);
         assert_eq!(starts[0], 0);
         let shares: Vec<f64> = (0..4).map(|i| light_probability(&starts, i)).collect();
         for (share, by_power) in shares.iter().zip([0.25, 0.75, 0.0, 0.0]) {
@@ -101,7 +102,7 @@ mod tests {
     #[test]
     fn equal_lights_get_equal_shares() {
         for count in [1_usize, 2, 16, 64] {
-            let starts = light_starts(&vec![0.1; count]);
+            let starts = light_cdf(&vec![0.1; count]);
             for index in 0..count {
                 assert!((light_probability(&starts, index) * count as f64 - 1.0).abs() < 1e-7);
             }
@@ -110,7 +111,7 @@ mod tests {
 
     #[test]
     fn picking_inverts_the_shares() {
-        let starts = light_starts(&[1.0, 1.0, 2.0]);
+        let starts = light_cdf(&[1.0, 1.0, 2.0]);
         for (index, &start) in starts.iter().enumerate() {
             assert_eq!(pick_light(&starts, start), index);
             if start > 0 {

@@ -349,7 +349,7 @@ mod tests {
                 materials: &self.materials,
                 media: &[Medium::VACUUM; 3],
                 lights: &self.lights,
-                light_starts: &[],
+                light_cdf: &[],
                 radius: 1.0,
                 units: Units { center: [0.0; 3], scale: 1.0, power: 1.0 },
             }

@@ -2,7 +2,7 @@
 
 use photon_core::{
     Direct, Error, Features, Indirect, Light, MapKind, Material, MaterialKind, Medium, PerMap, Primitive, Requirements,
-    SceneView, Settings, Units, light_starts,
+    SceneView, Settings, Units, light_cdf,
 };
 
 /// A light facing down at height 0.5, a diffuse floor, and a triangle of `kind` at height `z`.
@@ -38,7 +38,7 @@ impl Tables {
                 area: 0.32,
                 ..Light::default()
             }],
-            starts: light_starts(&[1.0]),
+            starts: light_cdf(&[1.0]),
         }
     }
 
@@ -50,7 +50,7 @@ impl Tables {
             materials: &self.materials,
             media: &[Medium::VACUUM],
             lights: &self.lights,
-            light_starts: &self.starts,
+            light_cdf: &self.starts,
             radius: 0.9,
             units: Units::default(),
         }

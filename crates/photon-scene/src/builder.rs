@@ -5,7 +5,7 @@ use crate::error::SceneError;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::{camera, lights, normalise, solids, validate};
-use photon_core::{Primitive, Units, light_starts};
+use photon_core::{Primitive, Units, light_cdf};
 
 /// A material of one [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -136,7 +136,7 @@ impl SceneBuilder {
 
         let radius = lit.lights.iter().map(|light| normalise::length(light.position)).fold(geometry.radius, f64::max);
         Ok(Scene {
-            light_starts: light_starts(&lit.means),
+            light_cdf: light_cdf(&lit.means),
             units,
             radius: normalise::round_up(radius),
             primitives: geometry.primitives.iter().map(|&(normal, material)| Primitive { normal, material }).collect(),

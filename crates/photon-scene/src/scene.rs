@@ -19,7 +19,7 @@ pub struct Scene {
     pub(crate) materials: Vec<Material>,
     pub(crate) media: Vec<Medium>,
     pub(crate) lights: Vec<Light>,
-    pub(crate) light_starts: Vec<u32>,
+    pub(crate) light_cdf: Vec<u32>,
     pub(crate) radius: f32,
     pub(crate) units: Units,
     pub(crate) mesh_starts: Vec<u32>,
@@ -41,7 +41,7 @@ impl Scene {
             materials: &self.materials,
             media: &self.media,
             lights: &self.lights,
-            light_starts: &self.light_starts,
+            light_cdf: &self.light_cdf,
             radius: self.radius,
             units: self.units,
         }

@@ -58,7 +58,7 @@ fn tables(scene: &Scene) -> (Vec<u8>, Vec<f32>) {
     floats(&mut numbers, &[camera.origin, camera.forward, camera.right, camera.up]);
     numbers.push(view.radius);
     bytes.extend(numbers.iter().flat_map(|number| number.to_bits().to_le_bytes()));
-    bytes.extend(view.light_starts.iter().flat_map(|start| start.to_le_bytes()));
+    bytes.extend(view.light_cdf.iter().flat_map(|start| start.to_le_bytes()));
     bytes.extend(view.triangles.iter().flatten().flat_map(|index| index.to_le_bytes()));
     (bytes, numbers)
 }
@@ -221,7 +221,7 @@ fn dark_lights_are_left_out() {
     builder.light("on", LightDesc::Point { position: [2.0; 3], intensity: [1.0; 3] });
     let scene = builder.build().expect("a scene");
     assert_eq!(scene.view().lights.len(), 1);
-    assert_eq!(scene.view().light_starts, [0]);
+    assert_eq!(scene.view().light_cdf, [0]);
     assert!((scene.units().power - 4.0 * PI).abs() < 1e-12);
 }
 

@@ -60,9 +60,9 @@ pub fn emit(scene: &Wide, pass: Pass, path: u32) -> Start {
     let [c, d, ..] = sampler.words(BLOCK_START);
     let height = f64::from(centred_f32(c)).rem_euclid(1.0);
     let [a, b, c, d] = [a, b, c, d].map(|word| f64::from(unit_f32(word)));
-    let index = pick_light(&scene.light_starts, choice);
+    let index = pick_light(&scene.light_cdf, choice);
     let light = &scene.lights[index];
-    let power = DVec3::from(light.power.map(f64::from)) / light_probability(&scene.light_starts, index);
+    let power = DVec3::from(light.power.map(f64::from)) / light_probability(&scene.light_cdf, index);
     let mut back = false;
     let (origin, direction, from) = match light.kind {
         Light::POINT => (scene.light_places[index], optics::uniform_sphere(height, d), u32::MAX),

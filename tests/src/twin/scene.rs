@@ -61,7 +61,7 @@ pub struct Wide {
     pub(crate) light_media: Vec<[MediumStack; 2]>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_places: Vec<DVec3>,
-    pub(crate) light_starts: Vec<u32>,
+    pub(crate) light_cdf: Vec<u32>,
     pub(crate) tree: Tree,
     /// How far rays step off surfaces along their normals: against the rounding of f64, unless set otherwise. Points
     /// keep twice that from edges.
@@ -151,7 +151,7 @@ impl Wide {
             light_media: view.lights.iter().map(|light| locator.of_light(light)).collect(),
             lights: view.lights.to_vec(),
             light_places: Vec::new(),
-            light_starts: view.light_starts.to_vec(),
+            light_cdf: view.light_cdf.to_vec(),
             tree: Tree::new(triangles.clone()),
             triangles,
             step: 1e-14,

@@ -17,7 +17,7 @@ pub(crate) fn with_view<R>((positions, triangles): &Mesh, with: impl FnOnce(&Sce
         materials: &[Material { albedo: [0.5; 3], ..Material::default() }],
         media: &[Medium::VACUUM],
         lights: &[],
-        light_starts: &[],
+        light_cdf: &[],
         radius: 1.0,
         units: Units::default(),
     })

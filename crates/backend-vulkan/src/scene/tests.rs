@@ -29,7 +29,7 @@ fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
         materials: &materials,
         media: &[Medium::VACUUM],
         lights: &[],
-        light_starts: &[],
+        light_cdf: &[],
         radius: 1.0,
         units: Units::default(),
     };

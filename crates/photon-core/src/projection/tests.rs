@@ -34,7 +34,7 @@ impl Tables {
                 spot(-1.0, 0.0),
                 Light { kind: Light::POINT, ..spot(0.0, 0.25) },
             ],
-            starts: light_starts(&[0.5, 0.25, 0.0, 0.25]),
+            starts: light_cdf(&[0.5, 0.25, 0.0, 0.25]),
             materials: vec![
                 Material { albedo: [0.5; 3], ..Material::default() },
                 Material { kind: MaterialKind::Mirror as u32, albedo: [1.0; 3], ..Material::default() },
@@ -52,7 +52,7 @@ impl Tables {
             materials: &self.materials,
             media: &[crate::layout::Medium::VACUUM],
             lights: &self.lights,
-            light_starts: &self.starts,
+            light_cdf: &self.starts,
             radius: 1.0,
             units: Units::default(),
         }
@@ -178,7 +178,7 @@ fn many_lights_have_few_cells_each() {
     let count = 100_000;
     let lights =
         vec![Light { kind: Light::TRIANGLE, primitive: 0, power: [1e-5; 3], area: 0.5, ..Light::default() }; count];
-    let starts = light_starts(&vec![1e-5; count]);
-    let projection = ProjectionMap::of(&SceneView { lights: &lights, light_starts: &starts, ..tables.view() });
+    let starts = light_cdf(&vec![1e-5; count]);
+    let projection = ProjectionMap::of(&SceneView { lights: &lights, light_cdf: &starts, ..tables.view() });
     assert!(projection.targets().len() == count && projection.cells().len() <= CELLS, "{}", projection.cells().len());
 }

@@ -35,7 +35,7 @@ impl SceneView<'_> {
         each("medium", self.media, check_medium)?;
         each("material", self.materials, |material| check_material(material, self.media))?;
         each("light", self.lights, |light| check_light(light, self.triangles.len(), self.radius))?;
-        check_starts(self.light_starts)
+        check_starts(self.light_cdf)
     }
 }
 
@@ -61,10 +61,10 @@ fn whole(view: &SceneView<'_>) -> Result<()> {
         let value = format!("{primitives} for {triangles} triangles");
         return invalid("the number of facets", value, "every triangle needs one");
     }
-    let (lights, starts) = (view.lights.len(), view.light_starts.len());
+    let (lights, starts) = (view.lights.len(), view.light_cdf.len());
     if starts != lights {
         let value = format!("{starts} for {lights} lights");
-        return invalid("the length of light_starts", value, "fill it in with photon_core::light_starts");
+        return invalid("the length of light_cdf", value, "fill it in with photon_core::light_cdf");
     }
     let media = view.media.len();
     if view.media.first() != Some(&Medium::VACUUM) || media > MediumStack::MAX_MEDIA + 1 {
@@ -188,7 +188,7 @@ fn check_starts(starts: &[u32]) -> Result<()> {
     };
     wrong.map_or(Ok(()), |at| {
         let why =
-            format!("{} breaks a list that begins with 0 and rises strictly; fill it in with light_starts", starts[at]);
+            format!("{} breaks a list that begins with 0 and rises strictly; fill it in with light_cdf", starts[at]);
         Err(Error::InvalidInput { what: "light start", index: at as u64, why })
     })
 }

@@ -1,7 +1,7 @@
 //! Every rule is broken once, and the message names what broke it.
 
 use crate::layout::{Light, Material, MaterialKind, Medium, Primitive};
-use crate::scene::{SceneView, light_starts};
+use crate::scene::{SceneView, light_cdf};
 use crate::units::Units;
 
 /// Tables of a view, to be broken.
@@ -48,7 +48,7 @@ impl Tables {
             materials: MaterialKind::ALL.map(material).to_vec(),
             media: vec![Medium::VACUUM, Medium { ior: 1.5, ..Medium::VACUUM }],
             lights: [Light::TRIANGLE, Light::POINT, Light::SPOT, Light::DIRECTIONAL].map(light).to_vec(),
-            starts: light_starts(&[1.0; 4]),
+            starts: light_cdf(&[1.0; 4]),
             radius: 0.75,
             units: Units::default(),
         }
@@ -62,7 +62,7 @@ impl Tables {
             materials: &self.materials,
             media: &self.media,
             lights: &self.lights,
-            light_starts: &self.starts,
+            light_cdf: &self.starts,
             radius: self.radius,
             units: self.units,
         };
@@ -114,8 +114,8 @@ fn lengths_and_units() {
     all_fail(&[
         (|t| t.primitives.truncate(1), "scene view: the number of facets is 1 for 2 triangles"),
         (|t| t.primitives.push(t.primitives[0]), "scene view: the number of facets is 3 for 2 triangles"),
-        (|t| t.starts.truncate(3), "scene view: the length of light_starts is 3 for 4 lights"),
-        (|t| t.starts.push(u32::MAX), "scene view: the length of light_starts is 5 for 4 lights"),
+        (|t| t.starts.truncate(3), "scene view: the length of light_cdf is 3 for 4 lights"),
+        (|t| t.starts.push(u32::MAX), "scene view: the length of light_cdf is 5 for 4 lights"),
         (|t| t.radius = f32::NAN, "scene view: the radius is NaN"),
         (|t| t.radius = -1.0, "scene view: the radius is -1"),
         (|t| t.radius = 17.0, "scene view: the radius is 17"),
@@ -210,7 +210,7 @@ fn what_is_out_of_range_needs_no_feature() {
         materials: &tables.materials,
         media: &[],
         lights: &tables.lights,
-        light_starts: &[],
+        light_cdf: &[],
         radius: 1.0,
         units: Units::default(),
     };

@@ -6,59 +6,59 @@ use photon_core::{Light, Query, light_probability, pick_light, sampling, solid_a
 use crate::scene::CpuScene;
 
 /// Up to so many lights are weighed for each query; more are chosen by power alone.
-const FEW: usize = 16;
+const MAX_LIGHTS: usize = 16;
 
 /// What is shared out evenly whatever the weights say: a lamp that outshines all others but stands
 /// behind a wall leaves them this much.
-const BLIND: f64 = 0.1;
+const DEFENSIVE_SHARE: f64 = 0.1;
 
 /// The probabilities of the lights at one query.
 ///
 /// In proportion to what each would give if nothing were in between: a weak lamp close by, or the
 /// narrow cone of a spot, counts for what it is here and not for its share of the scene's power.
-pub(crate) struct Choices {
+pub(crate) struct LightSampler {
     /// Running sums; empty where power alone decides.
-    ends: [f64; FEW],
+    cdf: [f64; MAX_LIGHTS],
     count: usize,
 }
 
-impl Choices {
+impl LightSampler {
     pub(crate) fn at(scene: &CpuScene, query: &Query) -> Self {
-        let mut choices = Self { ends: [0.0; FEW], count: 0 };
+        let mut light_sampler = Self { cdf: [0.0; MAX_LIGHTS], count: 0 };
         let lights = scene.lights.len();
-        if !(2..=FEW).contains(&lights) {
-            return choices;
+        if !(2..=MAX_LIGHTS).contains(&lights) {
+            return light_sampler;
         }
-        let mut weights = [0.0_f64; FEW];
+        let mut weights = [0.0_f64; MAX_LIGHTS];
         for (weight, light) in weights.iter_mut().zip(&scene.lights) {
             *weight = f64::from(weigh(scene, light, query));
         }
         let total: f64 = weights.iter().sum();
         if !(total > 0.0 && total.is_finite()) {
-            return choices;
+            return light_sampler;
         }
         let mut sum = 0.0;
         for index in 0..lights {
-            sum += BLIND / lights as f64 + (1.0 - BLIND) * weights[index] / total;
-            choices.ends[index] = sum;
+            sum += DEFENSIVE_SHARE / lights as f64 + (1.0 - DEFENSIVE_SHARE) * weights[index] / total;
+            light_sampler.cdf[index] = sum;
         }
-        choices.count = lights;
-        choices
+        light_sampler.count = lights;
+        light_sampler
     }
 
     /// A light and its probability.
     pub(crate) fn pick(&self, scene: &CpuScene, random: u32) -> (usize, f64) {
         if self.count == 0 {
-            let index = pick_light(&scene.light_starts, random);
-            return (index, light_probability(&scene.light_starts, index));
+            let index = pick_light(&scene.light_cdf, random);
+            return (index, light_probability(&scene.light_cdf, index));
         }
-        let ends = &self.ends[..self.count];
+        let cdf = &self.cdf[..self.count];
         // The sums end at 1 but for rounding, hence in proportion to the last.
-        let whole = ends[self.count - 1];
+        let whole = cdf[self.count - 1];
         let at = f64::from(random) / 4_294_967_296.0 * whole;
-        let index = ends.partition_point(|&end| end <= at).min(self.count - 1);
-        let before = if index == 0 { 0.0 } else { ends[index - 1] };
-        (index, (ends[index] - before) / whole)
+        let index = cdf.partition_point(|&end| end <= at).min(self.count - 1);
+        let before = if index == 0 { 0.0 } else { cdf[index - 1] };
+        (index, (cdf[index] - before) / whole)
     }
 }
 

@@ -1,6 +1,6 @@
-// Which light a shadow ray goes to. Twin of backend-cpu's choice.rs, in f32.
-#ifndef CHOICE_GLSL
-#define CHOICE_GLSL
+// Which light a shadow ray goes to. Twin of backend-cpu's light_sampler.rs, in f32.
+#ifndef LIGHT_SAMPLER_GLSL
+#define LIGHT_SAMPLER_GLSL
 
 #include "layout.glsl"
 #include "sampling.glsl"
@@ -8,14 +8,14 @@
 #include "solid_angle.glsl"
 
 // Up to so many lights are weighed for each query; more are chosen by power alone.
-const uint FEW = 16;
+const uint MAX_LIGHTS = 16;
 
 // What is shared out evenly whatever the weights say.
-const float BLIND = 0.1;
+const float DEFENSIVE_SHARE = 0.1;
 
 // Running sums of the probabilities at one query; power alone decides where the count is 0.
-struct Choices {
-    float ends[FEW];
+struct LightSampler {
+    float cdf[MAX_LIGHTS];
     uint count;
 };
 
@@ -58,41 +58,41 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
 }
 
 // `lights` is 0 where there is nothing to weigh: one light, or more than a few.
-Choices choices_at(SceneRef scene, uint lights, vec3 position, vec3 normal) {
-    Choices choices;
-    choices.count = 0;
+LightSampler light_sampler_at(SceneRef scene, uint lights, vec3 position, vec3 normal) {
+    LightSampler light_sampler;
+    light_sampler.count = 0;
     float total = 0.0;
     for (uint i = 0; i < lights; i++) {
-        choices.ends[i] = weigh(scene, i, position, normal);
-        total += choices.ends[i];
+        light_sampler.cdf[i] = weigh(scene, i, position, normal);
+        total += light_sampler.cdf[i];
     }
-    if (lights == 0 || !is_positive_finite(total)) return choices;
+    if (lights == 0 || !is_positive_finite(total)) return light_sampler;
     float sum = 0.0;
     for (uint i = 0; i < lights; i++) {
-        sum += BLIND / float(lights) + (1.0 - BLIND) * (choices.ends[i] / total);
-        choices.ends[i] = sum;
+        sum += DEFENSIVE_SHARE / float(lights) + (1.0 - DEFENSIVE_SHARE) * (light_sampler.cdf[i] / total);
+        light_sampler.cdf[i] = sum;
     }
-    choices.count = lights;
-    return choices;
+    light_sampler.count = lights;
+    return light_sampler;
 }
 
 // A light, and its probability in `share`.
-uint choices_pick(SceneRef scene, Choices choices, uint random, out float share) {
-    if (choices.count == 0) {
+uint light_sampler_pick(SceneRef scene, LightSampler light_sampler, uint random, out float share) {
+    if (light_sampler.count == 0) {
         uint index = pick_light(scene, random);
         share = scene.emissions[index].at.probability;
         return index;
     }
     // The sums end at 1 but for rounding, hence in proportion to the last.
-    float whole = choices.ends[choices.count - 1];
+    float whole = light_sampler.cdf[light_sampler.count - 1];
     float at = float(random) * (1.0 / 4294967296.0) * whole;
     float before = 0.0;
     uint index = 0;
-    while (index + 1 < choices.count && choices.ends[index] <= at) {
-        before = choices.ends[index];
+    while (index + 1 < light_sampler.count && light_sampler.cdf[index] <= at) {
+        before = light_sampler.cdf[index];
         index++;
     }
-    share = (choices.ends[index] - before) / whole;
+    share = (light_sampler.cdf[index] - before) / whole;
     return index;
 }
 

@@ -62,7 +62,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer States { St
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Waiting { uint at; };
 
 // What one stretch of paths works on, the same for all its dispatches.
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Stretch {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Chunk {
     // An array of `count` words for each map: photons that each path stored in it.
     Counts stored;
     Endings endings;
@@ -75,7 +75,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Stretch {
 };
 
 layout(push_constant, scalar) uniform Push {
-    Stretch quadrupole;
+    Chunk quadrupole;
     // What is needed at every surface.
     SceneRef scene;
     PhotonRays rays;

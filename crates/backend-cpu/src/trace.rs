@@ -45,7 +45,7 @@ impl CpuTracer {
 
 /// What a thread brings home from some paths: photons for each map.
 #[derive(Default)]
-struct Harvest {
+struct TraceOutput {
     photons: PerMap<Vec<Photon>>,
     tally: Tally,
 }
@@ -63,13 +63,13 @@ impl Tracer<Cpu> for CpuTracer {
         let follow = kernel(self.features, self.nested, self.aimed);
         let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow };
         let rays = rays.as_slice();
-        let harvests = match self.sharing {
+        let outputs = match self.sharing {
             Sharing::Static => share_statically(on, &walk, rays),
             Sharing::Dynamic => share_dynamically(on, &walk, rays),
         };
-        for harvest in harvests {
-            self.tally.merge(&harvest.tally);
-            for (kind, photons) in harvest.photons.iter() {
+        for output in outputs {
+            self.tally.merge(&output.tally);
+            for (kind, photons) in output.photons.iter() {
                 if let Some(target) = &mut deposits[kind] {
                     target.append_photons(photons);
                 }
@@ -88,17 +88,17 @@ impl Tracer<Cpu> for CpuTracer {
 }
 
 /// The paper's first way: each thread has its quota.
-fn share_statically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<Harvest> {
+fn share_statically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<TraceOutput> {
     let quota = rays.len().div_ceil(on.threads()).max(1);
-    on.pool.install(|| rays.par_chunks(quota).with_max_len(1).map(|chunk| walk.harvest(chunk)).collect())
+    on.pool.install(|| rays.par_chunks(quota).with_max_len(1).map(|chunk| walk.trace_all(chunk)).collect())
 }
 
 /// The paper's second way: threads take blocks from a shared counter until none is left. Blocks are
 /// put back in order afterwards, so that it does not show which thread took which.
-fn share_dynamically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<Harvest> {
+fn share_dynamically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<TraceOutput> {
     let next = AtomicUsize::new(0);
     let threads = on.threads();
-    let mut harvests: Vec<(usize, Harvest)> = on.pool.install(|| {
+    let mut outputs: Vec<(usize, TraceOutput)> = on.pool.install(|| {
         (0..threads)
             .into_par_iter()
             .with_max_len(1)
@@ -108,16 +108,16 @@ fn share_dynamically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<Harve
                     let block = next.fetch_add(1, Ordering::Relaxed);
                     let start = block * BLOCK;
                     let end = (start + BLOCK).min(rays.len());
-                    (start < rays.len()).then(|| (block, walk.harvest(&rays[start..end])))
+                    (start < rays.len()).then(|| (block, walk.trace_all(&rays[start..end])))
                 })
             })
             .collect()
     });
-    harvests.sort_unstable_by_key(|(block, _)| *block);
-    harvests.into_iter().map(|(_, harvest)| harvest).collect()
+    outputs.sort_unstable_by_key(|(block, _)| *block);
+    outputs.into_iter().map(|(_, output)| output).collect()
 }
 
-type Follow = fn(&Walk<'_>, &PhotonRay, &mut Harvest);
+type Follow = fn(&Walk<'_>, &PhotonRay, &mut TraceOutput);
 
 struct Walk<'a> {
     scene: &'a CpuScene,
@@ -128,12 +128,12 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    fn harvest(&self, rays: &[PhotonRay]) -> Harvest {
-        let mut harvest = Harvest::default();
+    fn trace_all(&self, rays: &[PhotonRay]) -> TraceOutput {
+        let mut output = TraceOutput::default();
         for ray in rays {
-            (self.follow)(self, ray, &mut harvest);
+            (self.follow)(self, ray, &mut output);
         }
-        harvest
+        output
     }
 }
 
@@ -173,7 +173,7 @@ fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
 }
 
 /// Follows one path to its end. `F` says which lobes are compiled in.
-fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harvest) {
+fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput) {
     let features = Features::from_bits(F);
     let (aimed, nested) = (F & AIMED != 0, F & NESTED != 0);
     let scene = walk.scene;
@@ -184,7 +184,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
         // The sequence goes on where emission left it.
         let _ = (sampler.words(0), sampler.words(0));
     }
-    let tally = &mut harvest.tally;
+    let tally = &mut output.tally;
     let mut ray = Ray { origin: start.origin.into(), direction: start.direction.into(), t_max: f32::INFINITY };
     let mut power = Vec3::from(start.power);
     let mut flux = FixedFlux::new(start.power);
@@ -225,7 +225,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, harvest: &mut Harves
                     let kind = MapKind::of_path(specular_only, bounce);
                     if walk.wanted[kind] {
                         tally.stored[kind] += 1;
-                        harvest.photons[kind].push(Photon {
+                        output.photons[kind].push(Photon {
                             position: surface.point.into(),
                             normal: octahedral::pack(surface.normal),
                             power: power.into(),

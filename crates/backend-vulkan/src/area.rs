@@ -56,8 +56,8 @@ impl AreaProbe<Vulkan> for VulkanArea {
         // How many there are need not be known here: as many as fit.
         let capacity = queries.capacity().min(estimates.capacity());
         let capacity = error_moments.as_ref().map_or(capacity, |error_moments| capacity.min(error_moments.capacity()));
-        let stretch = (on.portions.shadow_rays / RAYS).max(1).next_multiple_of(u64::from(GROUP));
-        for start in (0..capacity).step_by(stretch as usize) {
+        let chunk = (on.dispatch_limits.shadow_rays / RAYS).max(1).next_multiple_of(u64::from(GROUP));
+        for start in (0..capacity).step_by(chunk as usize) {
             let push = Push {
                 scene: scene.address(),
                 queries: queries.data_address(),
@@ -72,7 +72,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
                 max_plane_distance: gather.max_plane_distance,
                 padding: 0,
             };
-            on.dispatch(&kernel, &push, stretch.min(capacity - start).div_ceil(u64::from(GROUP)))?;
+            on.dispatch(&kernel, &push, chunk.min(capacity - start).div_ceil(u64::from(GROUP)))?;
         }
         Ok(())
     }

@@ -58,10 +58,10 @@ impl DirectLight<Vulkan> for VulkanDirect {
             on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed, scene.media().bits()])?;
         // How many there are need not be known here yet: as many as fit.
         let capacity = queries.capacity();
-        let rounds = shadow_rays.min(on.portions.shadow_rays_of_query);
-        let stretch = (on.portions.shadow_rays / u64::from(rounds)).max(1).next_multiple_of(u64::from(GROUP));
+        let rounds = shadow_rays.min(on.dispatch_limits.shadow_rays_of_query);
+        let chunk = (on.dispatch_limits.shadow_rays / u64::from(rounds)).max(1).next_multiple_of(u64::from(GROUP));
         let values = film.values_address(on, capacity)?;
-        for start in (0..capacity).step_by(stretch as usize) {
+        for start in (0..capacity).step_by(chunk as usize) {
             for start_ray in (0..shadow_rays).step_by(rounds as usize) {
                 let push = Push {
                     scene: scene.address(),
@@ -76,7 +76,7 @@ impl DirectLight<Vulkan> for VulkanDirect {
                     end_ray: start_ray.saturating_add(rounds).min(shadow_rays),
                     padding: 0,
                 };
-                on.dispatch(&kernel, &push, stretch.min(capacity - start).div_ceil(u64::from(GROUP)))?;
+                on.dispatch(&kernel, &push, chunk.min(capacity - start).div_ceil(u64::from(GROUP)))?;
             }
         }
         film::fold_values(on, film, Layer::Direct, queries)

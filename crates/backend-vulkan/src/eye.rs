@@ -27,12 +27,12 @@ pub(crate) struct VulkanEye {
     max_bounces: u32,
     scan: Scan,
     camera: Memory,
-    room: Option<Room>,
+    scratch: Option<EyeScratch>,
 }
 
 /// Scratch for pictures of one size.
 #[derive(Debug)]
-struct Room {
+struct EyeScratch {
     counts: Memory,
     offsets: Memory,
     /// A stretch of queries or, if they have no places of their own, all of them.
@@ -96,7 +96,7 @@ impl VulkanEye {
     /// For paths of so many surfaces at most.
     pub(crate) fn new(on: &mut Vulkan, max_bounces: u32) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
-        Ok(Self { max_bounces, scan: Scan::new(on)?, camera, room: None })
+        Ok(Self { max_bounces, scan: Scan::new(on)?, camera, scratch: None })
     }
 }
 
@@ -117,13 +117,13 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let places = u64::from(pixels) << splits;
         let in_place = queries.capacity() >= places;
         let apart =
-            if in_place { places.min(u64::from(on.portions.places >> splits).max(1) << splits) } else { places };
-        if !self.room.as_ref().is_some_and(|room| room.fits(pixels, apart)) {
-            self.room = None;
-            self.room = Some(Room::new(on, pixels, apart)?);
+            if in_place { places.min(u64::from(on.dispatch_limits.places >> splits).max(1) << splits) } else { places };
+        if !self.scratch.as_ref().is_some_and(|scratch| scratch.fits(pixels, apart)) {
+            self.scratch = None;
+            self.scratch = Some(EyeScratch::new(on, pixels, apart)?);
         }
-        let Some(room) = &self.room else { return Ok(()) };
-        let found = if in_place { queries.data_address() } else { room.queries.address() };
+        let Some(scratch) = &self.scratch else { return Ok(()) };
+        let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
         let lit = features.contains(Features::AREA_LIGHTS);
@@ -132,7 +132,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
         let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows, scene.media().bits()];
         let look = on.kernel(&shaders::CAMERA_EYE, &constants)?;
-        let rows = (on.portions.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
+        let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
         for start_row in (0..view.height).step_by(rows as usize) {
             let end_row = start_row.saturating_add(rows).min(view.height);
             let push = EyePush {
@@ -141,7 +141,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
                 first: film.first_address(),
                 emission,
                 found,
-                counts: room.counts.address(),
+                counts: scratch.counts.address(),
                 seed: pass.seed,
                 pass: pass.index,
                 width: view.width,
@@ -154,17 +154,17 @@ impl EyeTracer<Vulkan> for VulkanEye {
             let tiles = u64::from(view.width.div_ceil(32 >> tile_rows)) * u64::from(tiles_down);
             on.dispatch(&look, &push, (tiles * 32).div_ceil(u64::from(GROUP)))?;
         }
-        let (counts, offsets) = (room.counts.address(), room.offsets.address());
+        let (counts, offsets) = (scratch.counts.address(), scratch.offsets.address());
         self.scan.exclusive(on, counts, offsets, u64::from(pixels), queries.count_address())?;
         queries.touch();
-        close_ranks(on, room, queries, in_place, splits, pixels)
+        close_ranks(on, scratch, queries, in_place, splits, pixels)
     }
 }
 
-/// Brings queries from their pixels' places to where `room.offsets` says.
+/// Brings queries from their pixels' places to where `scratch.offsets` says.
 fn close_ranks(
     on: &mut Vulkan,
-    room: &Room,
+    scratch: &EyeScratch,
     queries: &VulkanBuffer<Query>,
     in_place: bool,
     splits: u32,
@@ -172,19 +172,19 @@ fn close_ranks(
 ) -> Result<()> {
     let compact = on.kernel(&shaders::CAMERA_COMPACT, &[0, GROUP, splits])?;
     let settle = on.kernel(&shaders::CAMERA_SETTLE, &[0, GROUP])?;
-    let stretch = if in_place { (on.portions.places >> splits).max(1) } else { pixels };
-    for start in (0..pixels).step_by(stretch as usize) {
-        let count = stretch.min(pixels - start);
+    let chunk = if in_place { (on.dispatch_limits.places >> splits).max(1) } else { pixels };
+    for start in (0..pixels).step_by(chunk as usize) {
+        let count = chunk.min(pixels - start);
         let groups = (u64::from(count) << splits).div_ceil(u64::from(GROUP));
-        let (found, to) = (queries.data_address(), room.queries.address());
+        let (found, to) = (queries.data_address(), scratch.queries.address());
         let (found, to, capacity) =
             if in_place { (found, to, count << splits) } else { (to, found, queries.capacity() as u32) };
-        let (counts, offsets) = (room.counts.address(), room.offsets.address());
+        let (counts, offsets) = (scratch.counts.address(), scratch.offsets.address());
         let push = CompactPush { found, counts, offsets, to, capacity, start, count, padding: 0 };
         on.dispatch(&compact, &push, groups)?;
         if in_place {
             let push = SettlePush {
-                from: room.queries.address(),
+                from: scratch.queries.address(),
                 queries: queries.data_address(),
                 offsets,
                 total: queries.count_address(),
@@ -199,7 +199,7 @@ fn close_ranks(
     Ok(())
 }
 
-impl Room {
+impl EyeScratch {
     fn new(on: &mut Vulkan, pixels: u32, queries: u64) -> Result<Self> {
         let (words, bytes) = (u64::from(pixels) * 4, queries * size_of::<Query>() as u64);
         let counts = on.memory("camera paths", words)?;

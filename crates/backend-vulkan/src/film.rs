@@ -262,18 +262,18 @@ pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     let sums = film.layers.iter().flatten().flat_map(|plane| (0..6).map(|i| (&plane.sum, i)));
     let planes: Vec<_> = (0..FIRST_PLANES).map(|i| (&film.first_sum, i)).chain(sums).collect();
     let pixels = &mut picture.pixels;
-    home(on, &planes, pixels.len(), |stretch| {
-        for (i, pixel) in pixels[stretch.pixels.clone()].iter_mut().enumerate() {
-            let first = |plane: usize| stretch.sum(plane, FIRST_LOW, i);
+    home(on, &planes, pixels.len(), |chunk| {
+        for (i, pixel) in pixels[chunk.pixels.clone()].iter_mut().enumerate() {
+            let first = |plane: usize| chunk.sum(plane, FIRST_LOW, i);
             pixel.normal = std::array::from_fn(first);
             pixel.albedo = std::array::from_fn(|axis| first(3 + axis));
             pixel.depth = first(6);
             // The device squares the sum of the channels, not their mean.
             pixel.square = first(7) / 9.0;
-            pixel.hits = u64::from(stretch.word(2 * FIRST_LOW, i));
+            pixel.hits = u64::from(chunk.word(2 * FIRST_LOW, i));
             let mut plane = FIRST_PLANES;
             for (sum, _) in pixel.layers.iter_mut().zip(&film.layers).filter(|(_, plane)| plane.is_some()) {
-                *sum = std::array::from_fn(|channel| stretch.sum(plane + channel, 3, i));
+                *sum = std::array::from_fn(|channel| chunk.sum(plane + channel, 3, i));
                 plane += 6;
             }
         }
@@ -283,13 +283,13 @@ pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
 }
 
 /// What several planes have for some of the pixels.
-struct Stretch<'a> {
+struct PixelChunk<'a> {
     pixels: Range<usize>,
     /// Plane after plane.
     words: &'a [u32],
 }
 
-impl Stretch<'_> {
+impl PixelChunk<'_> {
     /// What a plane has for the `i`th pixel of the stretch.
     fn word(&self, plane: usize, i: usize) -> u32 {
         self.words[plane * self.pixels.len() + i]
@@ -303,7 +303,12 @@ impl Stretch<'_> {
 }
 
 /// Brings planes home, each of a number in a memory, a stretch of pixels at a time with all of them together.
-fn home(on: &mut Vulkan, planes: &[(&Memory, usize)], pixels: usize, mut take: impl FnMut(&Stretch<'_>)) -> Result<()> {
+fn home(
+    on: &mut Vulkan,
+    planes: &[(&Memory, usize)],
+    pixels: usize,
+    mut take: impl FnMut(&PixelChunk<'_>),
+) -> Result<()> {
     let mut words = vec![0_u32; planes.len() * BLOCK.min(pixels)];
     let together = on.memory("film", words.len() as u64 * 4).map_err(label)?;
     for start in (0..pixels).step_by(BLOCK) {
@@ -316,7 +321,7 @@ fn home(on: &mut Vulkan, planes: &[(&Memory, usize)], pixels: usize, mut take: i
         })?;
         let words = &mut words[..planes.len() * length];
         on.read(&together, 0, bytemuck::cast_slice_mut(words))?;
-        take(&Stretch { pixels: start..start + length, words });
+        take(&PixelChunk { pixels: start..start + length, words });
     }
     Ok(())
 }

@@ -121,8 +121,8 @@ impl FinalGather<Vulkan> for VulkanGather {
         if length == 0 || maps.paths.values().all(|&paths| paths == 0) {
             return Ok(());
         }
-        let portions = on.portions;
-        let room = u64::from(portions.gather_rays).min(length * u64::from(rays));
+        let dispatch_limits = on.dispatch_limits;
+        let room = u64::from(dispatch_limits.gather_rays).min(length * u64::from(rays));
         let (mut landings, mut estimates) = match self.landed.take() {
             Some(landed) if landed.0.capacity() >= room => landed,
             _ => (VulkanBuffer::new(on, "gather rays", room)?, VulkanBuffer::new(on, "gather estimates", room)?),
@@ -142,10 +142,10 @@ impl FinalGather<Vulkan> for VulkanGather {
             }
         };
         // Whole queries at a time, unless one alone has too many rays.
-        let per_query = rays.min(portions.gather_rays_of_query);
-        let per_stretch = u64::from(portions.gather_rays / per_query);
-        for start_query in (0..length).step_by(per_stretch as usize) {
-            let count_queries = per_stretch.min(length - start_query) as u32;
+        let per_query = rays.min(dispatch_limits.gather_rays_of_query);
+        let per_chunk = u64::from(dispatch_limits.gather_rays / per_query);
+        for start_query in (0..length).step_by(per_chunk as usize) {
+            let count_queries = per_chunk.min(length - start_query) as u32;
             for start_ray in (0..rays).step_by(per_query as usize) {
                 let count_rays = per_query.min(rays - start_ray);
                 let count = u64::from(count_queries) * u64::from(count_rays);

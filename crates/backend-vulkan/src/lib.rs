@@ -14,6 +14,7 @@ mod backend;
 mod buffer;
 mod device;
 mod direct;
+mod dispatch_limits;
 mod estimate;
 mod eye;
 mod film;
@@ -22,7 +23,6 @@ mod index;
 mod irradiance;
 mod map;
 mod photons;
-mod portions;
 #[cfg(test)]
 mod probe;
 mod rays;
@@ -36,14 +36,14 @@ mod vulkan;
 pub use ash;
 pub use buffer::VulkanBuffer;
 pub use device::{Candidate, Fault, Limits, Options, RawDevice, devices};
+#[doc(hidden)]
+pub use dispatch_limits::DispatchLimits;
 pub use film::VulkanFilm;
 #[doc(hidden)]
 pub use index::bench as index_bench;
 pub use map::VulkanMap;
 #[doc(hidden)]
 pub use photons::TracePlan;
-#[doc(hidden)]
-pub use portions::Portions;
 #[doc(hidden)]
 pub use rays::RayPlan;
 pub use scene::VulkanScene;

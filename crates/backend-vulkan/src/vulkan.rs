@@ -9,8 +9,8 @@ use photon_core::{Error, Result};
 use crate::device::{
     Device, DiskCache, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
 };
+use crate::dispatch_limits::DispatchLimits;
 use crate::photons::TracePlan;
-use crate::portions::Portions;
 use crate::shaders;
 
 /// Renders on a GPU.
@@ -27,7 +27,7 @@ pub struct Vulkan {
     pub(crate) memory: Vec<(String, u64)>,
     pub(crate) fault: Option<Error>,
     pub(crate) trace_plan: TracePlan,
-    pub(crate) portions: Portions,
+    pub(crate) dispatch_limits: DispatchLimits,
     watched: bool,
 }
 
@@ -72,7 +72,7 @@ impl Vulkan {
             profile: Profile::new(&device)?,
             pipelines: Pipelines::new(&device, disk)?,
             trace_plan: TracePlan::for_subgroups(device.limits.subgroup_size),
-            portions: Portions::default(),
+            dispatch_limits: DispatchLimits::default(),
             device,
             memory: Vec::new(),
             fault: None,
@@ -126,8 +126,8 @@ impl Vulkan {
 
     /// How much a dispatch takes on, for tests that the picture does not show it.
     #[doc(hidden)]
-    pub fn set_portions(&mut self, portions: Portions) {
-        self.portions = portions;
+    pub fn set_dispatch_limits(&mut self, dispatch_limits: DispatchLimits) {
+        self.dispatch_limits = dispatch_limits;
     }
 
     /// Makes every allocation of memory from that number on, and every submission from that number on,

@@ -24,7 +24,7 @@ fn settings() -> Settings {
 
 /// What comes of some paths.
 #[derive(Debug, PartialEq)]
-struct Harvest {
+struct TraceOutput {
     rays: Vec<PhotonRay>,
     photons: PerMap<Vec<Photon>>,
     tally: Tally,
@@ -49,7 +49,7 @@ impl Default for How {
     }
 }
 
-fn harvest<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> Harvest {
+fn trace<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> TraceOutput {
     let view = scene.view();
     let required = Requirements::of(&view, &how.settings);
     let prepared = on.prepare(&view, &required).unwrap();
@@ -79,7 +79,7 @@ fn harvest<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> Harvest
         photons
     });
     let tally = stages.tracer.take_tally(on).unwrap();
-    Harvest { rays: all, photons, tally, needed }
+    TraceOutput { rays: all, photons, tally, needed }
 }
 
 fn near(a: [f32; 3], b: [f32; 3], bound: f32) -> bool {
@@ -126,7 +126,7 @@ fn photons_are_those_of_the_processor() {
         .chain([("cornell", RandomKind::Lcg), ("cornell", RandomKind::Sobol)])
     {
         let (scene, how) = (scene(name), How { random, ..How::default() });
-        let (a, b) = (harvest(&mut cpu, &scene, &how), harvest(&mut gpu, &scene, &how));
+        let (a, b) = (trace(&mut cpu, &scene, &how), trace(&mut gpu, &scene, &how));
         let rays = a.rays.iter().zip(&b.rays).filter(|(a, b)| same_ray(a, b)).count();
         assert_eq!(rays, PATHS as usize, "{name}: rays");
         assert!(b.tally.balances(), "{name}: {:?}", b.tally);
@@ -147,8 +147,8 @@ fn photons_are_those_of_the_processor() {
 fn photons_of_other_paths_are_noticed() {
     let mut cpu = Cpu::with_threads(1).unwrap();
     let scene = scene("cornell");
-    let a = harvest(&mut cpu, &scene, &How::default());
-    let b = harvest(&mut cpu, &scene, &How { random: RandomKind::Lcg, ..How::default() });
+    let a = trace(&mut cpu, &scene, &How::default());
+    let b = trace(&mut cpu, &scene, &How { random: RandomKind::Lcg, ..How::default() });
     let (ours, theirs) = (&a.photons[MapKind::Global], &b.photons[MapKind::Global]);
     assert!(share(ours, theirs) < 0.01);
     assert!(!same_ray(&a.rays[5], &b.rays[5]));
@@ -166,7 +166,7 @@ fn the_way_of_sharing_does_not_show() {
         let scene = scene(name);
         let how = |sharing| How { settings: Settings { sharing, max_bounces, ..settings() }, ..How::default() };
         gpu.set_trace_plan(plain);
-        let first = harvest(&mut gpu, &scene, &how(Sharing::Static));
+        let first = trace(&mut gpu, &scene, &how(Sharing::Static));
         assert!(first.needed.values().sum::<u64>() > 5000, "{:?}", first.needed);
         for (sharing, plan) in [
             (Sharing::Static, plain),
@@ -181,11 +181,11 @@ fn the_way_of_sharing_does_not_show() {
             (Sharing::Dynamic, TracePlan { places: 5000, ..plain }),
         ] {
             gpu.set_trace_plan(plan);
-            assert!(harvest(&mut gpu, &scene, &how(sharing)) == first, "{name}: {sharing:?}, {plan:?}");
+            assert!(trace(&mut gpu, &scene, &how(sharing)) == first, "{name}: {sharing:?}, {plan:?}");
         }
         // So do batches, all of one stretch or not.
         let cuts = vec![1, 77, 9000, 19_999];
-        let parts = harvest(&mut gpu, &scene, &How { cuts, ..how(Sharing::Dynamic) });
+        let parts = trace(&mut gpu, &scene, &How { cuts, ..how(Sharing::Dynamic) });
         assert!(parts == first, "{name}: in batches");
     }
 }
@@ -194,8 +194,8 @@ fn the_way_of_sharing_does_not_show() {
 fn overflow_counts_what_there_was() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
     let scene = scene("cornell-glass");
-    let all = harvest(&mut gpu, &scene, &How::default());
-    let few = harvest(&mut gpu, &scene, &How { capacity: 100, cuts: vec![5000], ..How::default() });
+    let all = trace(&mut gpu, &scene, &How::default());
+    let few = trace(&mut gpu, &scene, &How { capacity: 100, cuts: vec![5000], ..How::default() });
     assert_eq!(few.needed, all.needed);
     assert_eq!(few.tally, all.tally);
 }
@@ -209,7 +209,7 @@ fn long_paths_are_followed_to_their_end() {
     let scene = photon_scene::furnace(0.999, photon_scene::FurnaceShape::Box).build().unwrap();
     let settings = Settings { max_bounces: 333, ..settings() };
     let how = How { settings, paths: 1000, ..How::default() };
-    let (a, b) = (harvest(&mut cpu, &scene, &how), harvest(&mut gpu, &scene, &how));
+    let (a, b) = (trace(&mut cpu, &scene, &how), trace(&mut gpu, &scene, &how));
     assert!(b.tally.balances());
     assert_eq!((b.tally.truncated, b.tally.surfaces), (a.tally.truncated, a.tally.surfaces));
     assert_eq!(b.needed, a.needed);

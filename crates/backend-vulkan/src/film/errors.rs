@@ -186,16 +186,16 @@ pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Re
     let photon_moments =
         errors.photon_moments.values().flatten().flat_map(|(_, sum)| (0..2 * MOMENTS).map(move |i| (sum, i)));
     let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(photon_moments).collect();
-    home(on, &planes, picture.pixels.len(), |stretch| {
-        for (i, pixel) in all[stretch.pixels.clone()].iter_mut().enumerate() {
-            let [bias, bias_square, narrow, narrow_square] = std::array::from_fn(|plane| stretch.sum(plane, SUMS, i));
+    home(on, &planes, picture.pixels.len(), |chunk| {
+        for (i, pixel) in all[chunk.pixels.clone()].iter_mut().enumerate() {
+            let [bias, bias_square, narrow, narrow_square] = std::array::from_fn(|plane| chunk.sum(plane, SUMS, i));
             *pixel = ErrorPixel { bias, bias_square, narrow, narrow_square, ..ErrorPixel::default() };
             let mut first = 2 * SUMS;
             for (_, map_moments) in
                 pixel.photon_moments.iter_mut().filter(|(kind, _)| errors.photon_moments[*kind].is_some())
             {
                 let [power, power_squared, x, y, xx, xy, stray] =
-                    std::array::from_fn(|plane| stretch.sum(first + plane, MOMENTS, i));
+                    std::array::from_fn(|plane| chunk.sum(first + plane, MOMENTS, i));
                 *map_moments = PhotonMoments { power, power_squared, slope: [x, y], quadrupole: [xx, xy], stray };
                 first += 2 * MOMENTS;
             }

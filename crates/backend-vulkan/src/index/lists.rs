@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
 
-use super::room::grow;
+use super::map_storage::grow;
 use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
 use crate::shaders;

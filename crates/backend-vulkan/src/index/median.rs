@@ -8,7 +8,7 @@ use photon_core::{Photon, Result};
 use super::WIDTH;
 use super::bounds::BoundsOf;
 use super::lists::{Lists, SHORT, TILE, WORKGROUP};
-use super::room::grow;
+use super::map_storage::grow;
 use crate::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
 use crate::shaders;

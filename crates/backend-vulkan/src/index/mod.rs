@@ -4,12 +4,12 @@
 #[doc(hidden)]
 pub mod bench;
 mod bounds;
-mod giants;
 mod lists;
+mod map_storage;
 mod median;
 mod morton;
+mod oversized_runs;
 mod regular;
-mod room;
 #[cfg(test)]
 mod tests;
 mod vvh;
@@ -21,10 +21,10 @@ use crate::buffer::VulkanBuffer;
 use crate::device::{Kernel, Module};
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
+use map_storage::MapStorage;
 use median::Median;
 use morton::Morton;
 use regular::{Ordered, Regular};
-use room::Room;
 use vvh::Vvh;
 use vvh_nodes::VvhNodes;
 
@@ -43,7 +43,7 @@ pub(crate) struct VulkanBuilder {
     arrange: Arrange,
     regular: Regular,
     /// Of maps that came back.
-    spare: Vec<Room>,
+    spare: Vec<MapStorage>,
 }
 
 #[derive(Debug)]
@@ -76,14 +76,14 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
         // Emptied as soon as the length is known, since whoever gives the map back cannot tell the device.
         let words = [0, photons.capacity().min(u64::from(u32::MAX)) as u32, 0, 0];
         on.write(&photons.count, 0, bytemuck::cast_slice(&words))?;
-        let mut room = self.spare.pop().map_or_else(|| Room::new(on), Ok)?;
-        room.grow(on, length, nodes, photons.photon_format())?;
+        let mut storage = self.spare.pop().map_or_else(|| MapStorage::new(on), Ok)?;
+        storage.grow(on, length, nodes, photons.photon_format())?;
         let order = match &mut self.arrange {
             Arrange::Median(median) => median.order(on, &photons, length)?,
             Arrange::Morton(morton) => morton.order(on, &photons, length)?,
             Arrange::Vvh(both) => both.0.order(on, &photons, length)?,
         };
-        let ordered = Ordered { photons: &photons, length, order, room: &room };
+        let ordered = Ordered { photons: &photons, length, order, storage: &storage };
         match &mut self.arrange {
             Arrange::Median(_) | Arrange::Morton(_) => self.regular.arrange(on, ordered)?,
             Arrange::Vvh(both) => {
@@ -92,8 +92,8 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
             }
         }
         // The photons as they were stored have a line of their own.
-        on.note_memory(&format!("map of {}", photons.label()), room.bytes());
-        let Room { positions, power, ids, nodes: of_nodes, totals } = room;
+        on.note_memory(&format!("map of {}", photons.label()), storage.bytes());
+        let MapStorage { positions, power, ids, nodes: of_nodes, totals } = storage;
         Ok(VulkanMap {
             kind: self.kind,
             photons,
@@ -109,7 +109,7 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
 
     fn reclaim(&mut self, map: VulkanMap) -> VulkanBuffer<Photon> {
         let VulkanMap { mut photons, positions, power, ids, nodes, totals, .. } = map;
-        self.spare.push(Room { positions, power, ids, nodes, totals });
+        self.spare.push(MapStorage { positions, power, ids, nodes, totals });
         // As `build` has told the device.
         photons.is_now(0);
         photons

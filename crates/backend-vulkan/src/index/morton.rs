@@ -8,8 +8,8 @@ use photon_core::{Photon, Result};
 
 use super::WIDTH;
 use super::bounds::BoundsOf;
-use super::giants;
-use super::room::grow;
+use super::map_storage::grow;
+use super::oversized_runs;
 use crate::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
 use crate::shaders;
@@ -163,9 +163,9 @@ impl Morton {
         let runs = |number: u64| self.runs[(number % 2) as usize].address();
         let push = LongRunsPush { order, sorted_high, low, round: round(0), runs: runs(0), count, pad: 0 };
         on.dispatch(&self.long_runs, &push, groups(&self.long_runs))?;
-        if giants::worth_a_look(on, length, depth) {
+        if oversized_runs::worth_a_look(on, length, depth) {
             let here = usize::from(self.ids[0].address() != order);
-            self.giants(on, photons, &self.ids[here], depth)?;
+            self.oversized_runs(on, photons, &self.ids[here], depth)?;
         }
         let refine = super::reading(on, &shaders::INDEX_REFINE, self.tile, photons)?;
         for number in 0..ROUNDS {

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
 
 use super::WIDTH;
-use super::room::Room;
+use super::map_storage::MapStorage;
 use crate::buffer::VulkanBuffer;
 use crate::device::Kernel;
 use crate::shaders;
@@ -61,7 +61,7 @@ pub(crate) struct Ordered<'a> {
     pub(crate) length: u64,
     /// The address of their numbers in the order of the slots.
     pub(crate) order: u64,
-    pub(crate) room: &'a Room,
+    pub(crate) storage: &'a MapStorage,
 }
 
 impl Regular {
@@ -86,13 +86,13 @@ impl Regular {
 
     /// Fills the slots, and the leaves and their totals, at the two addresses `leaves`.
     pub(crate) fn slots(&self, on: &mut Vulkan, ordered: Ordered<'_>, leaves: [u64; 2]) -> Result<()> {
-        let Ordered { photons, length, order, room } = ordered;
+        let Ordered { photons, length, order, storage } = ordered;
         let push = ArrangePush {
             photons: photons.data_address(),
             order,
-            positions: room.positions.address(),
-            power: room.power.address(),
-            ids: room.ids.address(),
+            positions: storage.positions.address(),
+            power: storage.power.address(),
+            ids: storage.ids.address(),
             nodes: leaves[0],
             totals: leaves[1],
             count: length as u32,
@@ -104,17 +104,17 @@ impl Regular {
 
     /// Fills the slots and all nodes.
     pub(crate) fn arrange(&self, on: &mut Vulkan, ordered: Ordered<'_>) -> Result<()> {
-        let Ordered { length, room, .. } = ordered;
+        let Ordered { length, storage, .. } = ordered;
         let levels = Self::levels(length);
         // Where a level begins: the levels above it come first.
         let first = |level: usize| levels[level + 1..].iter().sum::<u64>() as u32;
         let leaves = u64::from(first(0));
-        let leaves = [room.nodes.address() + 32 * leaves, room.totals.address() + 4 * leaves];
+        let leaves = [storage.nodes.address() + 32 * leaves, storage.totals.address() + 4 * leaves];
         self.slots(on, ordered, leaves)?;
         for level in 1..levels.len() {
             let push = ParentsPush {
-                nodes: room.nodes.address(),
-                totals: room.totals.address(),
+                nodes: storage.nodes.address(),
+                totals: storage.totals.address(),
                 first: first(level),
                 count: levels[level] as u32,
                 first_below: first(level - 1),

@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::Result;
 
 use super::WIDTH;
+use super::map_storage::grow;
 use super::regular::{Ordered, Regular};
-use super::room::grow;
 use crate::device::{Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
@@ -83,7 +83,7 @@ impl VvhNodes {
         ordered: Ordered<'_>,
         splits: u64,
     ) -> Result<()> {
-        let Ordered { length, room, .. } = ordered;
+        let Ordered { length, storage, .. } = ordered;
         let blocks = length.div_ceil(WIDTH);
         if blocks == 0 {
             return Ok(());
@@ -101,7 +101,7 @@ impl VvhNodes {
         // Number, first block, blocks, splits, nodes below from.
         let root = [0, 0, blocks as u32, 0, 1, 0, 0, 0];
         on.write(&self.pending, 0, bytemuck::bytes_of(&root))?;
-        let (nodes, totals, pending) = (room.nodes.address(), room.totals.address(), self.pending.address());
+        let (nodes, totals, pending) = (storage.nodes.address(), storage.totals.address(), self.pending.address());
         let depth = |level: u64| self.depths.address() + DEPTH * level;
         for level in 0..levels {
             let push = CollapsePush {

@@ -1,8 +1,8 @@
 //! Photons leave the lights and are followed until they end.
 
 mod emit;
-mod ends;
 mod plan;
+mod tally;
 mod trace;
 
 pub(crate) use emit::{VulkanAimedEmitter, VulkanEmitter};

@@ -12,8 +12,8 @@ use photon_core::{
     Tracer,
 };
 
-use super::ends::{AIMED_FATES, FATES, tally, words};
 use super::random_number;
+use super::tally::{AIMED_FATES, FATES, tally, words};
 use crate::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
 use crate::scan::Scan;
@@ -41,7 +41,7 @@ pub(crate) struct VulkanTracer {
     scan: Scan,
     /// Most paths of a stretch, as seen so far.
     longest: u64,
-    room: Option<Room>,
+    scratch: Option<TraceScratch>,
     /// Words of the tally, and how many paths they are about.
     sums: Memory,
     emitted: u64,
@@ -49,7 +49,7 @@ pub(crate) struct VulkanTracer {
 
 /// Memory for one stretch.
 #[derive(Debug)]
-struct Room {
+struct TraceScratch {
     paths: u64,
     places: u64,
     photons: Memory,
@@ -61,10 +61,10 @@ struct Room {
     waiting: Memory,
     /// Next free place; a word of photons for each map; then two words for each of two rounds.
     cursors: Memory,
-    stretch: Memory,
+    chunk: Memory,
 }
 
-/// Bytes within `Room::cursors`.
+/// Bytes within `TraceScratch::cursors`.
 const PLACE: u64 = 0;
 const TOTALS: u64 = 4;
 const ROUNDS: u64 = (TOTALS + 4 * MAPS as u64).next_multiple_of(8);
@@ -78,10 +78,10 @@ const STATE: u64 = (4 * (13 + MAPS as u64)).next_multiple_of(16);
 /// The buffer of each map that is called for.
 type Targets<'a> = PerMap<Option<&'a VulkanBuffer<Photon>>>;
 
-/// `Stretch` of trace.comp.
+/// `Chunk` of trace.comp.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Stretch {
+struct Chunk {
     stored: u64,
     endings: u64,
     states: u64,
@@ -95,7 +95,7 @@ struct Stretch {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct TracePush {
-    stretch: u64,
+    chunk: u64,
     scene: u64,
     rays: u64,
     photons: u64,
@@ -115,7 +115,7 @@ struct TracePush {
 
 pushed!(
     trace_push_layout: TracePush => PHOTONS_TRACE,
-    stretch scene rays photons owners place now then waiting left quota surfaces begins places max_bounces pad
+    chunk scene rays photons owners place now then waiting left quota surfaces begins places max_bounces pad
 );
 
 #[repr(C)]
@@ -176,20 +176,20 @@ impl VulkanTracer {
             fates,
             scan: Scan::new(on)?,
             longest: LONGEST,
-            room: None,
+            scratch: None,
             sums,
             emitted: 0,
         })
     }
 
     /// Memory for stretches of `paths` paths and `places` photons.
-    fn room(&mut self, on: &mut Vulkan, paths: u64, places: u64) -> Result<()> {
-        if self.room.as_ref().is_some_and(|room| room.paths >= paths && room.places >= places) {
+    fn scratch(&mut self, on: &mut Vulkan, paths: u64, places: u64) -> Result<()> {
+        if self.scratch.as_ref().is_some_and(|scratch| scratch.paths >= paths && scratch.places >= places) {
             return Ok(());
         }
-        self.room = None;
+        self.scratch = None;
         let long = self.max_bounces > on.trace_plan.surfaces;
-        let room = Room {
+        let scratch = TraceScratch {
             paths,
             places,
             photons: on.memory("photons in no order", places * size_of::<Photon>() as u64)?,
@@ -199,12 +199,12 @@ impl VulkanTracer {
             states: on.memory("paths under way", if long { paths * STATE } else { 0 })?,
             waiting: on.memory("paths under way", if long { paths * 8 } else { 0 })?,
             cursors: on.memory("cursors", CURSORS)?,
-            stretch: on.memory("stretch", size_of::<Stretch>() as u64)?,
+            chunk: on.memory("stretch", size_of::<Chunk>() as u64)?,
         };
         let label = if self.fates == AIMED_FATES { "tracing aimed photons" } else { "tracing" };
         let path = 4 * MAPS as u64 + 16 + if long { STATE + 8 } else { 0 };
         on.note_memory(label, places * 40 + paths * path);
-        self.room = Some(room);
+        self.scratch = Some(scratch);
         Ok(())
     }
 }
@@ -221,12 +221,12 @@ impl Tracer<Vulkan> for VulkanTracer {
         let count = on.length(rays)?;
         let mut first = 0;
         while first < count {
-            let stretch = self.longest.min(count - first);
+            let chunk = self.longest.min(count - first);
             let targets = deposits.each_ref().map(Option::as_deref);
-            let places = on.trace_plan.places.min(self.most(&targets, stretch));
-            self.room(on, stretch, places)?;
-            if self.stretch(on, scene, batch, rays, &mut deposits, first, stretch)? {
-                first += stretch;
+            let places = on.trace_plan.places.min(self.most(&targets, chunk));
+            self.scratch(on, chunk, places)?;
+            if self.chunk(on, scene, batch, rays, &mut deposits, first, chunk)? {
+                first += chunk;
             }
         }
         self.emitted += count;
@@ -252,7 +252,7 @@ impl Tracer<Vulkan> for VulkanTracer {
 impl VulkanTracer {
     /// False if there were too few places: nothing has come of it, and the next one is to be shorter.
     #[expect(clippy::too_many_arguments, reason = "a part of `trace`, with what it was called with")]
-    fn stretch(
+    fn chunk(
         &mut self,
         on: &mut Vulkan,
         scene: &VulkanScene,
@@ -281,35 +281,35 @@ impl VulkanTracer {
         constants[10] = plan.shared_groups;
         let trace = on.kernel(&shaders::PHOTONS_TRACE, &constants)?;
         loop {
-            let Some(room) = &self.room else { return Ok(false) };
-            on.fill(&room.cursors, 0, CURSORS, 0)?;
-            let stretch = Stretch {
-                stored: room.stored.address(),
-                endings: room.endings.address(),
-                states: room.states.address(),
+            let Some(scratch) = &self.scratch else { return Ok(false) };
+            on.fill(&scratch.cursors, 0, CURSORS, 0)?;
+            let chunk = Chunk {
+                stored: scratch.stored.address(),
+                endings: scratch.endings.address(),
+                states: scratch.states.address(),
                 seed: [pass.seed as u32, (pass.seed >> 32) as u32],
                 pass: pass.index,
                 first: first as u32,
                 count: count as u32,
                 pad: 0,
             };
-            on.write(&room.stretch, 0, bytemuck::bytes_of(&stretch))?;
-            self.rounds(on, room, (scene.address(), rays.data_address()), &trace, count)?;
-            if self.most(&targets, count) <= room.places {
+            on.write(&scratch.chunk, 0, bytemuck::bytes_of(&chunk))?;
+            self.rounds(on, scratch, (scene.address(), rays.data_address()), &trace, count)?;
+            if self.most(&targets, count) <= scratch.places {
                 break;
             }
             // Only here can photons be missing, and only then is it asked.
             let mut stored = [0_u32];
-            on.read(&room.cursors, PLACE, bytemuck::bytes_of_mut(&mut stored))?;
+            on.read(&scratch.cursors, PLACE, bytemuck::bytes_of_mut(&mut stored))?;
             let stored = u64::from(stored[0]);
-            if stored <= room.places {
+            if stored <= scratch.places {
                 break;
             }
             if count > SHORTEST {
-                self.longest = (count * room.places / stored * 7 / 8).max(SHORTEST);
+                self.longest = (count * scratch.places / stored * 7 / 8).max(SHORTEST);
                 return Ok(false);
             }
-            self.room(on, count, stored + stored / 8)?;
+            self.scratch(on, count, stored + stored / 8)?;
         }
         self.arrange(on, rays, targets, first, count)?;
         Ok(true)
@@ -328,7 +328,7 @@ impl VulkanTracer {
     fn rounds(
         &self,
         on: &mut Vulkan,
-        room: &Room,
+        scratch: &TraceScratch,
         (scene, rays): (u64, u64),
         trace: &Kernel,
         count: u64,
@@ -339,21 +339,21 @@ impl VulkanTracer {
         let threads = plan.threads.max(count.div_ceil(plan.quota)).min(count).next_multiple_of(group);
         // A counter leaves it open who takes how many; twice the quota is never short.
         let quota = count.div_ceil(threads) as u32 * if self.sharing == Sharing::Dynamic { 2 } else { 1 };
-        let round = |number: u32| room.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
-        let list = |number: u32| room.waiting.address() + u64::from(number % 2) * room.paths * 4;
+        let round = |number: u32| scratch.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
+        let list = |number: u32| scratch.waiting.address() + u64::from(number % 2) * scratch.paths * 4;
         let rounds = self.max_bounces.div_ceil(plan.surfaces);
         for number in 0..rounds {
             if number > 0 {
                 // What the next round will count is what the last one counted.
-                on.fill(&room.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
+                on.fill(&scratch.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
             }
             let push = TracePush {
-                stretch: room.stretch.address(),
+                chunk: scratch.chunk.address(),
                 scene,
                 rays,
-                photons: room.photons.address(),
-                owners: room.owners.address(),
-                place: room.cursors.address() + PLACE,
+                photons: scratch.photons.address(),
+                owners: scratch.owners.address(),
+                place: scratch.cursors.address() + PLACE,
                 now: round(number),
                 then: round(number + 1),
                 waiting: list(number),
@@ -361,7 +361,7 @@ impl VulkanTracer {
                 quota,
                 surfaces: plan.surfaces,
                 begins: u32::from(number == 0),
-                places: room.places as u32,
+                places: scratch.places as u32,
                 max_bounces: self.max_bounces,
                 pad: 0,
             };
@@ -369,7 +369,7 @@ impl VulkanTracer {
             if number % LOOK == LOOK - 1 && number + 1 < rounds {
                 let mut left = [0_u32];
                 let offset = ROUNDS + u64::from((number + 1) % 2) * 8 + 4;
-                on.read(&room.cursors, offset, bytemuck::bytes_of_mut(&mut left))?;
+                on.read(&scratch.cursors, offset, bytemuck::bytes_of_mut(&mut left))?;
                 if left[0] == 0 {
                     break;
                 }
@@ -387,12 +387,12 @@ impl VulkanTracer {
         first: u64,
         count: u64,
     ) -> Result<()> {
-        let Some(room) = &self.room else { return Ok(()) };
+        let Some(scratch) = &self.scratch else { return Ok(()) };
         let wanted = targets.map(|target| target.is_some());
         let push = TallyPush {
             rays: rays.data_address(),
-            endings: room.endings.address(),
-            stored: room.stored.address(),
+            endings: scratch.endings.address(),
+            stored: scratch.stored.address(),
             sums: self.sums.address(),
             first: first as u32,
             count: count as u32,
@@ -404,28 +404,28 @@ impl VulkanTracer {
         }
         for (kind, _) in wanted.iter().filter(|(_, wanted)| **wanted) {
             let map = kind as u64;
-            let part = room.stored.address() + map * count * 4;
-            self.scan.exclusive(on, part, part, count, room.cursors.address() + TOTALS + map * 4)?;
+            let part = scratch.stored.address() + map * count * 4;
+            self.scan.exclusive(on, part, part, count, scratch.cursors.address() + TOTALS + map * 4)?;
         }
         let address = |of: fn(&VulkanBuffer<Photon>) -> u64| targets.map(|target| target.map_or(0, of)).into_array();
         let push = ScatterPush {
-            photons: room.photons.address(),
-            owners: room.owners.address(),
-            offsets: room.stored.address(),
-            cursors: room.cursors.address(),
+            photons: scratch.photons.address(),
+            owners: scratch.owners.address(),
+            offsets: scratch.stored.address(),
+            cursors: scratch.cursors.address(),
             to: address(VulkanBuffer::data_address),
             fills: address(VulkanBuffer::count_address),
             count: count as u32,
-            places: room.places as u32,
+            places: scratch.places as u32,
         };
         let formats = |(kind, target): (MapKind, &Option<&VulkanBuffer<Photon>>)| {
             target.map_or(0, |to| to.photon_format().number()) << (2 * kind as u32)
         };
         let formats = targets.iter().map(formats).sum();
         let scatter = on.kernel(&shaders::PHOTONS_SCATTER, &[0, 256, formats])?;
-        on.dispatch(&scatter, &push, room.places.div_ceil(256).min(2048))?;
+        on.dispatch(&scatter, &push, scratch.places.div_ceil(256).min(2048))?;
         let push =
-            AdvancePush { totals: room.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };
+            AdvancePush { totals: scratch.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };
         let advance = on.kernel(&shaders::PHOTONS_ADVANCE, &[0, 32, 0, wanted.bits()])?;
         on.dispatch(&advance, &push, 1)
     }

@@ -66,12 +66,12 @@ impl Engine {
         settings: &Settings,
         plan: impl Into<Plan>,
     ) -> Result<(Film, Details), Fault> {
-        let (mut films, details) = self.stretches(subject, settings, &[plan.into()])?;
+        let (mut films, details) = self.films_at(subject, settings, &[plan.into()])?;
         Ok((films.pop().ok_or_else(gone)?, details))
     }
 
     /// Renders one plan after another: the film after each, and what the last one tells, with all passes and paths.
-    pub(crate) fn stretches(
+    pub(crate) fn films_at(
         &mut self,
         subject: &Subject,
         settings: &Settings,

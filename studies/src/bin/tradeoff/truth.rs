@@ -120,7 +120,7 @@ fn long_run(engine: &mut Engine, subject: &Subject, base: &Settings, effort: Eff
     let early = passes / EARLY;
     let plans = [(0, early), (early, passes - early)]
         .map(|(first, passes)| Plan { first, ..Plan::from(Budget::Passes(passes)) });
-    let (films, details) = engine.stretches(subject, &settings, &plans)?;
+    let (films, details) = engine.films_at(subject, &settings, &plans)?;
     let [first, film] = &films[..] else { return Err(Fault::Failure("a film for each stretch was to be had".into())) };
     let [noise, bias] = told_by_parts(first, film, settings.alpha);
     Ok(Reference {

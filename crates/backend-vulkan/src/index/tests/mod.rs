@@ -1,7 +1,7 @@
 //! Maps from the device, against those of the CPU.
 
 mod check;
-mod giants;
+mod oversized_runs;
 mod sets;
 
 use backend_cpu::index::PointIndex;

@@ -5,7 +5,7 @@ use photon_core::random::SplitMix64;
 use photon_core::{Backend, IndexKind, KdTreeBuilder};
 
 use super::super::VulkanBuilder;
-use super::super::giants::GIANT;
+use super::super::oversized_runs::OVERSIZED;
 use super::check::{Seen, check};
 use super::{KINDS, photons};
 use crate::vulkan::Vulkan;
@@ -41,7 +41,7 @@ fn cells_that_hold_too_many_for_a_workgroup() {
     let mut random = SplitMix64(4);
     let scales = [1.0, 1e-8, 0.0];
     let mut points: Vec<[f32; 3]> = (0..300_000).map(|i| [0; 3].map(|_| random.unit() * scales[i % 3])).collect();
-    assert!(points.len() / 3 > GIANT as usize);
+    assert!(points.len() / 3 > OVERSIZED as usize);
     points[77] = [1e9, 0.0, 0.0];
     compare(&mut on, IndexKind::Morton, &points).unwrap();
 }

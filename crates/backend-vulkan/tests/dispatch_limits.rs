@@ -2,15 +2,15 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use backend_cpu::Cpu;
-use backend_vulkan::{Portions, Vulkan};
+use backend_vulkan::{DispatchLimits, Vulkan};
 use photon_core::{
     Backend, Budget, Estimate, EstimateParams, Film, IndexKind, Indirect, Photon, Pipeline, Query, Render, Search,
     Settings, View, render,
 };
 
-fn film(portions: Portions, width: u32, height: u32) -> Film {
+fn film(dispatch_limits: DispatchLimits, width: u32, height: u32) -> Film {
     let mut on = Vulkan::for_tests().unwrap();
-    on.set_portions(portions);
+    on.set_dispatch_limits(dispatch_limits);
     let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
     let view = View { camera: scene.camera(None, width, height).unwrap(), width, height };
     let settings = Settings {
@@ -40,15 +40,15 @@ fn pictures_do_not_depend_on_portions() {
     if Vulkan::for_tests().is_none() {
         return;
     }
-    let default = Portions::default();
+    let default = DispatchLimits::default();
     let whole = film(default, 17, 13);
-    let rows = Portions { pixels: 100, places: 300, shadow_rays: 1000, ..default };
+    let rows = DispatchLimits { pixels: 100, places: 300, shadow_rays: 1000, ..default };
     assert!(film(rows, 17, 13).pixels == whole.pixels);
-    let rays = Portions { shadow_rays_of_query: 3, gather_rays: 999, gather_rays_of_query: 2, ..rows };
+    let rays = DispatchLimits { shadow_rays_of_query: 3, gather_rays: 999, gather_rays_of_query: 2, ..rows };
     assert!(apart(&film(rays, 17, 13), &whole) < 1e-5);
     // The least that there can be of each.
     let tiny = film(default, 6, 5);
-    let least = Portions { pixels: 1, places: 1, shadow_rays: 1, ..default };
+    let least = DispatchLimits { pixels: 1, places: 1, shadow_rays: 1, ..default };
     assert!(film(least, 6, 5).pixels == tiny.pixels);
     // What differs is seen.
     let mut other = tiny.clone();

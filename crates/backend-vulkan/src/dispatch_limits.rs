@@ -4,7 +4,7 @@
 /// lies in memory between two of them. The picture is the same whatever they are: to the bit, but for the
 /// rounding of sums over the rays of one query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Portions {
+pub struct DispatchLimits {
     /// Pixels that are looked at.
     pub pixels: u32,
     /// Queries that close ranks, 64 bytes each.
@@ -19,7 +19,7 @@ pub struct Portions {
     pub gather_rays_of_query: u32,
 }
 
-impl Default for Portions {
+impl Default for DispatchLimits {
     /// Large enough for a GPU to be busy. Rays of one query stay far below the 65 535 rounds of all
     /// loops together after which Mesa's software device leaves a kernel.
     fn default() -> Self {

@@ -7,7 +7,7 @@ use crate::vulkan::Vulkan;
 
 /// The memory of a map; see [`crate::VulkanMap`].
 #[derive(Debug)]
-pub(crate) struct Room {
+pub(crate) struct MapStorage {
     pub(crate) positions: Memory,
     pub(crate) power: Memory,
     pub(crate) ids: Memory,
@@ -15,7 +15,7 @@ pub(crate) struct Room {
     pub(crate) totals: Memory,
 }
 
-impl Room {
+impl MapStorage {
     /// For no photons.
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         Ok(Self {

@@ -16,7 +16,7 @@ use crate::vulkan::Vulkan;
 
 /// Longer runs are giants. A workgroup of a device in software comes to the end of its loops with runs
 /// of about twice as many.
-pub(super) const GIANT: u32 = 1 << 16;
+pub(super) const OVERSIZED: u32 = 1 << 16;
 /// From so many photons on, a wait does not count.
 const WORTH_WAITING: u64 = 1 << 20;
 /// Devices with smaller subgroups are software.
@@ -37,13 +37,13 @@ pushed!(pick_push_layout: PickPush => INDEX_PICK, photons ids picked count capac
 /// Whether so many photons are worth a look for giants.
 pub(super) fn worth_a_look(on: &Vulkan, length: u64, depth: u64) -> bool {
     let large = length >= WORTH_WAITING || on.limits().subgroup_size < SOFTWARE;
-    large && length > u64::from(GIANT) && depth < ROUNDS
+    large && length > u64::from(OVERSIZED) && depth < ROUNDS
 }
 
 impl Morton {
     /// Arranges the giants among the runs of round 0, and takes them off its list; `order` is what the
     /// runs lie in.
-    pub(super) fn giants(
+    pub(super) fn oversized_runs(
         &self,
         on: &mut Vulkan,
         photons: &VulkanBuffer<Photon>,
@@ -54,14 +54,14 @@ impl Morton {
         on.read(&self.rounds, 0, bytemuck::cast_slice_mut(&mut round))?;
         let mut runs = vec![[0_u32; 2]; round[3] as usize];
         on.read(&self.runs[0], 0, bytemuck::cast_slice_mut(&mut runs))?;
-        let (giants, others): (Vec<_>, Vec<_>) = runs.into_iter().partition(|[_, length]| *length > GIANT);
-        if giants.is_empty() {
+        let (oversized_runs, others): (Vec<_>, Vec<_>) = runs.into_iter().partition(|[_, length]| *length > OVERSIZED);
+        if oversized_runs.is_empty() {
             return Ok(());
         }
         let groups = round[0].min(others.len() as u32);
         on.write(&self.runs[0], 0, bytemuck::cast_slice(&others))?;
         on.write(&self.rounds, 0, bytemuck::bytes_of(&[groups, 1, 1, others.len() as u32]))?;
-        for [first, length] in giants {
+        for [first, length] in oversized_runs {
             self.giant(on, photons, order, [u64::from(first), u64::from(length)], depth)?;
         }
         Ok(())

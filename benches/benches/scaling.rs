@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use backend_cpu::Cpu;
 use photon_benches::load::Load;
-use photon_core::{Budget, Indirect, Pipeline, Plan, Settings, Sharing, Stage, StageTimings, View, render};
+use photon_core::{Budget, Indirect, Pipeline, Plan, Scheduling, Settings, Stage, StageTimings, View, render};
 
 const ROUNDS: usize = 15;
 /// Rounds in all, disturbed ones included.
@@ -30,15 +30,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let threads: Vec<usize> = (0..).map(|power| 1 << power).take_while(|&count| count <= most).collect();
     let builder = photon_scene::builtin("cornell-glass").ok_or("no such scene")?;
     let scene = builder.build()?;
-    for (name, indirect, sharing) in [
-        ("map, dynamic sharing", Indirect::Map, Sharing::Dynamic),
-        ("map, static sharing", Indirect::Map, Sharing::Static),
-        ("final gather", Indirect::Gather, Sharing::Dynamic),
+    for (name, indirect, scheduling) in [
+        ("map, dynamic sharing", Indirect::Map, Scheduling::Dynamic),
+        ("map, static sharing", Indirect::Map, Scheduling::Static),
+        ("final gather", Indirect::Gather, Scheduling::Dynamic),
     ]
     .into_iter()
     .filter(|(name, ..)| name.contains(&only))
     {
-        let settings = Settings { photons, indirect, sharing, gather_rays: 4, ..Settings::default() };
+        let settings = Settings { photons, indirect, scheduling, gather_rays: 4, ..Settings::default() };
         let view = View { camera: scene.camera(None, size, size)?, width: size, height: size };
         let mut pipelines = Vec::new();
         for &count in &threads {

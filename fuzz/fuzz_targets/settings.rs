@@ -3,7 +3,7 @@
 
 use photon_core::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, RandomKind, Settings,
-    Sharing,
+    Scheduling,
 };
 
 /// Takes numbers off the front of the input; zeros when it is used up.
@@ -67,7 +67,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         direct: [Direct::Nee, Direct::Photons, Direct::None][usize::from(from.byte() % 3)],
         indirect: [Indirect::Map, Indirect::Gather, Indirect::None][usize::from(from.byte() % 3)],
         random: [RandomKind::Counter, RandomKind::Lcg, RandomKind::Sobol][usize::from(from.byte() % 3)],
-        sharing: [Sharing::Static, Sharing::Dynamic][usize::from(from.byte() % 2)],
+        scheduling: [Scheduling::Static, Scheduling::Dynamic][usize::from(from.byte() % 2)],
         caustics: from.byte() & 1 == 1,
         errors: from.byte() & 1 == 1,
         alpha: from.any(),

@@ -2,7 +2,7 @@
 
 use photon_core::{
     Backend, Bandwidth, Budget, CausticPhotons, Error, Indirect, MapKind, Pipeline, Plan, Render, Requirements,
-    Settings, Sharing, View, render,
+    Scheduling, Settings, View, render,
 };
 use photon_scene::Scene;
 
@@ -27,18 +27,19 @@ fn settings() -> Settings {
 /// Photons, in order, and tallies: one thread or seven, static or dynamic, one batch or many.
 pub fn photons_do_not_depend_on_sharing<T: TestBackend>() {
     let scene = scene();
-    let of =
-        |threads, sharing, batches: &[u32]| trace::<T>(threads, &scene, &Settings { sharing, ..settings() }, batches);
-    let expected = of(1, Sharing::Static, &[9000]);
+    let of = |threads, scheduling, batches: &[u32]| {
+        trace::<T>(threads, &scene, &Settings { scheduling, ..settings() }, batches)
+    };
+    let expected = of(1, Scheduling::Static, &[9000]);
     assert!(expected.0.values().all(|photons| !photons.is_empty()));
-    for (threads, sharing, batches) in [
-        (1, Sharing::Dynamic, vec![9000]),
-        (2, Sharing::Static, vec![9000]),
-        (3, Sharing::Dynamic, vec![9000]),
-        (7, Sharing::Static, vec![1, 4095, 4904]),
-        (7, Sharing::Dynamic, vec![5000, 4000]),
+    for (threads, scheduling, batches) in [
+        (1, Scheduling::Dynamic, vec![9000]),
+        (2, Scheduling::Static, vec![9000]),
+        (3, Scheduling::Dynamic, vec![9000]),
+        (7, Scheduling::Static, vec![1, 4095, 4904]),
+        (7, Scheduling::Dynamic, vec![5000, 4000]),
     ] {
-        assert!(of(threads, sharing, &batches) == expected, "{threads} {sharing:?} {batches:?}");
+        assert!(of(threads, scheduling, &batches) == expected, "{threads} {scheduling:?} {batches:?}");
     }
 }
 

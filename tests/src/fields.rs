@@ -162,8 +162,8 @@ pub fn films_of<B: TransportBackend>(
         let photons = on.upload("photons", &trial.photons(field, shrink, &mut uniform))?;
         let map = builder.build(on, photons)?;
         estimator.estimate_with_moments(on, &map, &queries, &gather, &mut estimates, &mut error_moments)?;
-        on.fold(&mut there, Layer::Indirect, &queries, &estimates, 1)?;
-        on.fold_errors(&mut there, MapKind::Global, &queries, &estimates, &error_moments, 1)?;
+        on.accumulate(&mut there, Layer::Indirect, &queries, &estimates, 1)?;
+        on.accumulate_errors(&mut there, MapKind::Global, &queries, &estimates, &error_moments, 1)?;
         on.end_pass(&mut there)?;
         if after.contains(&(pass + 1)) {
             let mut film = on.read_film(&there)?;

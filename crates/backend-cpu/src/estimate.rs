@@ -2,7 +2,8 @@
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    ErrorMoments, Estimate, EstimateParams, PhotonFormat, Query, RadianceEstimator, Result, Search, octahedral, typical,
+    ErrorMoments, Estimate, EstimateParams, PhotonFormat, Query, RadianceEstimator, Result, Search, neighbour_radius,
+    octahedral,
 };
 use rayon::prelude::*;
 
@@ -13,7 +14,7 @@ use crate::map::{CpuMap, Powers};
 use crate::power::Power;
 
 /// The least squared radius that an estimate divides by.
-const LEAST: f32 = typical::LEAST * typical::LEAST;
+const LEAST: f32 = neighbour_radius::MIN_RADIUS * neighbour_radius::MIN_RADIUS;
 
 /// Queries that a thread takes at a time.
 const BLOCK: usize = 256;
@@ -75,7 +76,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         Ok(())
     }
 
-    fn typical_radius(
+    fn neighbour_radius(
         &mut self,
         on: &mut Cpu,
         map: &CpuMap,
@@ -83,8 +84,8 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         min_normal_cosine: f32,
     ) -> Result<Option<f32>> {
         // No photon is asked to look farther.
-        const LIMIT: f32 = typical::WIDEST * typical::WIDEST;
-        let count = map.len().min(typical::SAMPLE as usize);
+        const LIMIT: f32 = neighbour_radius::MAX_RADIUS * neighbour_radius::MAX_RADIUS;
+        let count = map.len().min(neighbour_radius::SAMPLE as usize);
         if map.len() <= neighbours as usize {
             return Ok(None);
         }
@@ -102,7 +103,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
                 })
                 .collect()
         });
-        Ok(Some(typical::radius(found, count as u32)))
+        Ok(Some(neighbour_radius::median(found, count as u32)))
     }
 
     fn required_format(&self) -> PhotonFormat {

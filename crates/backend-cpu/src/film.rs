@@ -60,7 +60,7 @@ impl FilmBackend for Cpu {
         Ok(CpuFilm { film, pending, pending_errors: Vec::new() })
     }
 
-    fn fold(
+    fn accumulate(
         &mut self,
         film: &mut CpuFilm,
         layer: Layer,
@@ -98,7 +98,7 @@ impl FilmBackend for Cpu {
         Ok(())
     }
 
-    fn fold_errors(
+    fn accumulate_errors(
         &mut self,
         film: &mut CpuFilm,
         kind: MapKind,

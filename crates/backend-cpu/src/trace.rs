@@ -6,7 +6,7 @@ use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
-    PhotonFormat, PhotonRay, Ray, Requirements, Result, Settings, Sharing, Tally, Tracer, octahedral,
+    PhotonFormat, PhotonRay, Ray, Requirements, Result, Scheduling, Settings, Tally, Tracer, octahedral,
 };
 use rayon::prelude::*;
 
@@ -22,7 +22,7 @@ const TOO_MUCH: f32 = 1_048_576.0;
 /// Follows photons.
 #[derive(Debug)]
 pub(crate) struct CpuTracer {
-    sharing: Sharing,
+    scheduling: Scheduling,
     max_bounces: u32,
     features: Features,
     nested: bool,
@@ -32,9 +32,9 @@ pub(crate) struct CpuTracer {
 
 impl CpuTracer {
     pub(crate) fn new(settings: &Settings, required: &Requirements) -> Self {
-        let (sharing, max_bounces) = (settings.sharing, settings.max_bounces);
+        let (scheduling, max_bounces) = (settings.scheduling, settings.max_bounces);
         let nested = required.media.contains(MediaFeatures::NESTED);
-        Self { sharing, max_bounces, features: required.features, nested, aimed: false, tally: Tally::default() }
+        Self { scheduling, max_bounces, features: required.features, nested, aimed: false, tally: Tally::default() }
     }
 
     /// For aimed paths, which end at the first diffuse surface.
@@ -63,9 +63,9 @@ impl Tracer<Cpu> for CpuTracer {
         let follow = kernel(self.features, self.nested, self.aimed);
         let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow };
         let rays = rays.as_slice();
-        let outputs = match self.sharing {
-            Sharing::Static => share_statically(on, &walk, rays),
-            Sharing::Dynamic => share_dynamically(on, &walk, rays),
+        let outputs = match self.scheduling {
+            Scheduling::Static => share_statically(on, &walk, rays),
+            Scheduling::Dynamic => share_dynamically(on, &walk, rays),
         };
         for output in outputs {
             self.tally.merge(&output.tally);

@@ -88,7 +88,7 @@ impl TransportBackend for Cpu {
         memory
     }
 
-    fn renew(&mut self) -> Result<()> {
+    fn reset(&mut self) -> Result<()> {
         self.forget_memory();
         self.timings().map(drop)
     }

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use backend_vulkan::{TracePlan, Vulkan};
 use photon_core::{
-    Backend, Batch, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Settings, Sharing, Stage,
+    Backend, Batch, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Scheduling, Settings, Stage,
     TransportBackend,
 };
 
@@ -48,9 +48,9 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
     );
     let prepared = on.prepare(&view, &required)?;
     let usual = on.trace_plan();
-    for (sharing, plan) in plans(usual) {
+    for (scheduling, plan) in plans(usual) {
         on.set_trace_plan(plan);
-        let settings = Settings { sharing, ..settings.clone() };
+        let settings = Settings { scheduling, ..settings.clone() };
         let mut stages = on.stages(&required, &settings)?;
         let mut rays = on.alloc::<PhotonRay>("photon rays", u64::from(paths))?;
         let capacity = u64::from(paths) * 4;
@@ -88,7 +88,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
         let TracePlan { group, threads, quota, busy, shared_groups, .. } = plan;
         println!(
             "{:>8} {group:>6} {threads:>8} {quota:>6} {busy:>5} {shared_groups:>7} {:>9.3} {:>9.3} {:>12.1} {:>13.1}",
-            format!("{sharing:?}").to_lowercase(),
+            format!("{scheduling:?}").to_lowercase(),
             1e3 * emit,
             1e3 * trace,
             f64::from(paths) / (emit + trace) / 1e6,
@@ -99,12 +99,12 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
 }
 
 /// The usual one both ways, and others.
-fn plans(usual: TracePlan) -> Vec<(Sharing, TracePlan)> {
-    let mut plans = vec![(Sharing::Static, usual), (Sharing::Dynamic, usual)];
-    plans.push((Sharing::Dynamic, TracePlan { surfaces: 16, ..usual }));
+fn plans(usual: TracePlan) -> Vec<(Scheduling, TracePlan)> {
+    let mut plans = vec![(Scheduling::Static, usual), (Scheduling::Dynamic, usual)];
+    plans.push((Scheduling::Dynamic, TracePlan { surfaces: 16, ..usual }));
     for busy in [0, 8, 16, 24] {
         for (group, threads, quota) in [(128, 1 << 17, 64), (64, 1 << 17, 64), (128, 1 << 16, 64), (128, 1 << 18, 64)] {
-            plans.push((Sharing::Dynamic, TracePlan { group, threads, quota, busy, ..usual }));
+            plans.push((Scheduling::Dynamic, TracePlan { group, threads, quota, busy, ..usual }));
         }
     }
     plans

@@ -79,6 +79,6 @@ impl DirectLight<Vulkan> for VulkanDirect {
                 on.dispatch(&kernel, &push, chunk.min(capacity - start).div_ceil(u64::from(GROUP)))?;
             }
         }
-        film::fold_values(on, film, Layer::Direct, queries)
+        film::accumulate_values(on, film, Layer::Direct, queries)
     }
 }

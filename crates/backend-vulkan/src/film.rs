@@ -58,7 +58,7 @@ const FIRST_PASS: u64 = 32;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct FoldPush {
+struct AccumulatePush {
     queries: u64,
     query_count: u64,
     estimates: u64,
@@ -69,7 +69,7 @@ struct FoldPush {
     scale: f32,
 }
 
-pushed!(fold_push_layout: FoldPush => FILM_FOLD, queries query_count estimates values found_count pass pixels scale);
+pushed!(fold_push_layout: AccumulatePush => FILM_ACCUMULATE, queries query_count estimates values found_count pass pixels scale);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -174,7 +174,7 @@ impl VulkanFilm {
 
 /// Adds `weight × irradiance` of each estimate to `layer` of its query's pixel. The queries of a
 /// pixel stand together; they are added in their order.
-pub(crate) fn fold(
+pub(crate) fn accumulate(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
     layer: Layer,
@@ -185,7 +185,7 @@ pub(crate) fn fold(
     if paths == 0 {
         return Ok(());
     }
-    let push = FoldPush {
+    let push = AccumulatePush {
         queries: queries.data_address(),
         query_count: queries.count_address(),
         estimates: estimates.data_address(),
@@ -200,13 +200,13 @@ pub(crate) fn fold(
 }
 
 /// Adds `weight × value` of each query to `layer` of its pixel; the values are the film's scratch.
-pub(crate) fn fold_values(
+pub(crate) fn accumulate_values(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
     layer: Layer,
     queries: &VulkanBuffer<Query>,
 ) -> Result<()> {
-    let push = FoldPush {
+    let push = AccumulatePush {
         queries: queries.data_address(),
         query_count: queries.count_address(),
         estimates: 0,
@@ -220,8 +220,8 @@ pub(crate) fn fold_values(
     dispatch(on, FROM_VALUES, &push, queries.capacity())
 }
 
-fn dispatch(on: &mut Vulkan, from: u32, push: &FoldPush, queries: u64) -> Result<()> {
-    let kernel = on.kernel(&shaders::FILM_FOLD, &[0, GROUP, from])?;
+fn dispatch(on: &mut Vulkan, from: u32, push: &AccumulatePush, queries: u64) -> Result<()> {
+    let kernel = on.kernel(&shaders::FILM_ACCUMULATE, &[0, GROUP, from])?;
     on.dispatch(&kernel, push, queries.div_ceil(u64::from(GROUP)))
 }
 

@@ -199,10 +199,10 @@ impl FinalGather<Vulkan> for VulkanGather {
         }
         self.landed = Some((landings, estimates));
         if let Some(errors) = errors {
-            film::errors::fold_gathered(on, film, queries, &errors.queries)?;
+            film::errors::accumulate_gathered(on, film, queries, &errors.queries)?;
             self.errors = Some(errors);
         }
-        film::fold_values(on, film, Layer::Indirect, queries)
+        film::accumulate_values(on, film, Layer::Indirect, queries)
     }
 
     fn required_format(&self) -> PhotonFormat {

@@ -39,7 +39,8 @@ pub(crate) static FILM_END_ERRORS: Module =
 pub(crate) static FILM_ERRORS: Module =
     Module { name: "film_errors", bytes: include_bytes!("../spirv/film_errors.spv") };
 
-pub(crate) static FILM_FOLD: Module = Module { name: "film_fold", bytes: include_bytes!("../spirv/film_fold.spv") };
+pub(crate) static FILM_ACCUMULATE: Module =
+    Module { name: "film_fold", bytes: include_bytes!("../spirv/film_fold.spv") };
 
 pub(crate) static GATHER_CLOSEST: Module =
     Module { name: "gather_closest", bytes: include_bytes!("../spirv/gather_closest.spv") };
@@ -201,7 +202,7 @@ pub(crate) static ALL: [&Module; 65] = [
     &FILM_END,
     &FILM_END_ERRORS,
     &FILM_ERRORS,
-    &FILM_FOLD,
+    &FILM_ACCUMULATE,
     &GATHER_CLOSEST,
     &GATHER_CODES,
     &GATHER_COUNT,

@@ -65,7 +65,7 @@ impl TransportBackend for Vulkan {
         tables.chain(self.memory.iter().cloned()).collect()
     }
 
-    fn renew(&mut self) -> Result<()> {
+    fn reset(&mut self) -> Result<()> {
         self.timings()?;
         self.finish()?;
         // What the last render freed and the next may not want; pipelines stay.

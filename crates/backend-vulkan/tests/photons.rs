@@ -6,7 +6,7 @@ use backend_cpu::Cpu;
 use backend_vulkan::{TracePlan, Vulkan};
 use photon_core::glam::Vec3;
 use photon_core::{
-    Batch, MapKind, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Settings, Sharing, Tally,
+    Batch, MapKind, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Scheduling, Settings, Tally,
     TransportBackend,
 };
 use photon_scene::{Scene, builtin};
@@ -164,28 +164,28 @@ fn the_way_of_sharing_does_not_show() {
         TracePlan { group: 32, threads: 1 << 17, quota: 4, busy: 0, shared_groups: 0, surfaces: 16, places: 1 << 20 };
     for (name, max_bounces) in [("cornell-glass", 40), ("ring", 7)] {
         let scene = scene(name);
-        let how = |sharing| How { settings: Settings { sharing, max_bounces, ..settings() }, ..How::default() };
+        let how = |scheduling| How { settings: Settings { scheduling, max_bounces, ..settings() }, ..How::default() };
         gpu.set_trace_plan(plain);
-        let first = trace(&mut gpu, &scene, &how(Sharing::Static));
+        let first = trace(&mut gpu, &scene, &how(Scheduling::Static));
         assert!(first.needed.values().sum::<u64>() > 5000, "{:?}", first.needed);
-        for (sharing, plan) in [
-            (Sharing::Static, plain),
-            (Sharing::Dynamic, plain),
-            (Sharing::Static, TracePlan { threads: 3000, quota: 16, busy: 3, ..plain }),
-            (Sharing::Dynamic, TracePlan { surfaces: 3, busy: 3, ..plain }),
+        for (scheduling, plan) in [
+            (Scheduling::Static, plain),
+            (Scheduling::Dynamic, plain),
+            (Scheduling::Static, TracePlan { threads: 3000, quota: 16, busy: 3, ..plain }),
+            (Scheduling::Dynamic, TracePlan { surfaces: 3, busy: 3, ..plain }),
             (
-                Sharing::Dynamic,
+                Scheduling::Dynamic,
                 TracePlan { group: 64, threads: 3000, quota: 16, busy: 1000, shared_groups: 2, ..plain },
             ),
             // Stretches that store too much are made shorter, and in the end given more room.
-            (Sharing::Dynamic, TracePlan { places: 5000, ..plain }),
+            (Scheduling::Dynamic, TracePlan { places: 5000, ..plain }),
         ] {
             gpu.set_trace_plan(plan);
-            assert!(trace(&mut gpu, &scene, &how(sharing)) == first, "{name}: {sharing:?}, {plan:?}");
+            assert!(trace(&mut gpu, &scene, &how(scheduling)) == first, "{name}: {scheduling:?}, {plan:?}");
         }
         // So do batches, all of one stretch or not.
         let cuts = vec![1, 77, 9000, 19_999];
-        let parts = trace(&mut gpu, &scene, &How { cuts, ..how(Sharing::Dynamic) });
+        let parts = trace(&mut gpu, &scene, &How { cuts, ..how(Scheduling::Dynamic) });
         assert!(parts == first, "{name}: in batches");
     }
 }

@@ -156,7 +156,7 @@ pub trait TransportBackend: FilmBackend {
     ///
     /// # Errors
     /// Deferred errors surface here.
-    fn renew(&mut self) -> Result<()> {
+    fn reset(&mut self) -> Result<()> {
         self.timings().map(drop)
     }
 }

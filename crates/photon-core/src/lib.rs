@@ -25,6 +25,7 @@ mod map_kind;
 pub mod math;
 mod media;
 mod memory;
+pub mod neighbour_radius;
 mod observer;
 pub mod octahedral;
 pub mod offset;
@@ -47,7 +48,6 @@ pub mod solid_angle;
 mod solids;
 mod stages;
 mod tally;
-pub mod typical;
 mod units;
 
 pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, TransportBackend};
@@ -81,7 +81,7 @@ pub use requirements::{Requirements, light_features, material_features};
 pub use scene::{SceneView, light_cdf, light_probability, pick_light};
 pub use schedule::Schedule;
 pub use settings::{
-    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Settings, Sharing,
+    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Scheduling, Settings,
 };
 pub use solids::{Locator, Solids};
 pub use stages::{

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::kernel::Kernel;
 use crate::preset::Preset;
 use crate::settings::{
-    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Sharing,
+    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Scheduling,
 };
 
 /// Implements `ALL`, `name`, `Display` and `FromStr` for an enum whose variants have no fields.
@@ -53,7 +53,7 @@ option_names!("direct", Direct { Nee = "nee", Photons = "photons", None = "none"
 option_names!("indirect", Indirect { Map = "map", EstimateParams = "gather", None = "none" });
 option_names!("area", Area { Disc = "disc", Surface = "surface" });
 option_names!("bandwidth", Bandwidth { Shared = "shared", PerPixel = "per-pixel" });
-option_names!("scheduling", Sharing { Static = "static", Dynamic = "dynamic" });
+option_names!("scheduling", Scheduling { Static = "static", Dynamic = "dynamic" });
 option_names!("random", RandomKind { Counter = "counter", Lcg = "lcg", Sobol = "sobol" });
 
 fn unknown(option: &'static str, text: &str, mend: &'static str) -> Error {
@@ -165,7 +165,7 @@ mod tests {
         round_trip(&Indirect::ALL);
         round_trip(&Area::ALL);
         round_trip(&Bandwidth::ALL);
-        round_trip(&Sharing::ALL);
+        round_trip(&Scheduling::ALL);
         round_trip(&RandomKind::ALL);
         round_trip(&[CausticPhotons::Auto, CausticPhotons::Shared, CausticPhotons::Aimed(7)]);
         round_trip(&[Kernel::Constant, Kernel::Epanechnikov, Kernel::Biweight, Kernel::Cone { slope: 1.1 }]);

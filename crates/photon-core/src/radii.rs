@@ -1,10 +1,10 @@
 //! The radius within which each map is searched.
 
 use crate::map_kind::MapKind;
+use crate::neighbour_radius;
 use crate::progressive::radius_squared_factor;
 use crate::settings::{Estimator, Settings};
 use crate::stages::{EstimateParams, Search};
-use crate::typical;
 use crate::units::Units;
 
 /// Photons of a map that the first pass is to find within the derived radius, where a typical photon lies.
@@ -26,7 +26,7 @@ const NEAREST_LIMIT: f32 = 0.1;
 
 /// A radius times a factor, within the bounds of those that are derived. Normalised space.
 pub(crate) fn scaled(radius: f32, factor: f32) -> f32 {
-    (radius * factor).clamp(1e-6, typical::WIDEST)
+    (radius * factor).clamp(1e-6, neighbour_radius::MAX_RADIUS)
 }
 
 /// Whether radii must be derived from photons.
@@ -54,7 +54,7 @@ pub(crate) fn given(settings: &Settings, units: &Units) -> f32 {
 pub(crate) fn from_pilot(radius: Option<f32>, asked: u32, pilot: u32, wanted: u32, photons: u32) -> f32 {
     let Some(radius) = radius else { return FALLBACK };
     let factor = f64::from(wanted) * f64::from(pilot) / (f64::from(asked) * f64::from(photons));
-    ((f64::from(radius) * factor.sqrt()) as f32).clamp(1e-6, typical::WIDEST)
+    ((f64::from(radius) * factor.sqrt()) as f32).clamp(1e-6, neighbour_radius::MAX_RADIUS)
 }
 
 /// How pass `index` reads a map whose first radius is `radius`.

@@ -105,7 +105,7 @@ pub enum Bandwidth {
 
 /// How paths are shared out among threads. The result is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Sharing {
+pub enum Scheduling {
     /// A fixed quota for each.
     Static,
     /// From a shared counter, so that all finish together.
@@ -171,7 +171,7 @@ pub struct Settings {
     /// How fast radii shrink from pass to pass, in `(0, 1]`; 1 keeps them.
     pub alpha: f64,
     /// How paths are shared out among threads.
-    pub sharing: Sharing,
+    pub scheduling: Scheduling,
     /// Which random numbers.
     pub random: RandomKind,
     /// Shadow rays per query and pass, ≥ 1.
@@ -219,7 +219,7 @@ impl Default for Settings {
             max_bounces: 64,
             seed: 0,
             alpha: 2.0 / 3.0,
-            sharing: Sharing::default(),
+            scheduling: Scheduling::default(),
             random: RandomKind::default(),
             shadow_rays: 2,
             gather_rays: 16,
@@ -242,7 +242,7 @@ impl Settings {
             estimator: Estimator::Paper(Paper::default()),
             kernel: Kernel::Constant,
             index: IndexKind::Median,
-            sharing: Sharing::Static,
+            scheduling: Scheduling::Static,
             random: RandomKind::Lcg,
             caustic_photons: CausticPhotons::Shared,
             alpha: 1.0,

@@ -270,7 +270,7 @@ pub trait RadianceEstimator<B: Backend>: Send {
     ///
     /// # Errors
     /// What the backend raises.
-    fn typical_radius(
+    fn neighbour_radius(
         &mut self,
         on: &mut B,
         map: &B::PhotonMap,

@@ -14,7 +14,7 @@ mod tests;
 
 use photon_core::{
     Backend, Error, ErrorMoments, Estimate, EstimateParams, Kernel, PhotonFormat, Query, RadianceEstimator, Result,
-    Search, typical,
+    Search, neighbour_radius,
 };
 
 use crate::buffer::VulkanBuffer;
@@ -98,7 +98,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         on.set_length(error_moments, count)
     }
 
-    fn typical_radius(
+    fn neighbour_radius(
         &mut self,
         on: &mut Vulkan,
         map: &VulkanMap,
@@ -108,9 +108,9 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         if map.length <= neighbours {
             return Ok(None);
         }
-        let count = map.length.min(typical::SAMPLE);
+        let count = map.length.min(neighbour_radius::SAMPLE);
         let mut queries = VulkanBuffer::<Query>::new(on, "queries", u64::from(count))?;
-        search::sample(on, map, &queries, count, typical::WIDEST)?;
+        search::sample(on, map, &queries, count, neighbour_radius::MAX_RADIUS)?;
         on.set_length(&mut queries, u64::from(count))?;
         let mut estimates = VulkanBuffer::<Estimate>::new(on, "estimates", u64::from(count))?;
         // The photon itself is the nearest.
@@ -120,7 +120,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         let mut found = Vec::new();
         on.download(&estimates, &mut found)?;
         let squares = found.iter().filter(|e| e.photons == k).map(|e| e.radius_squared).collect();
-        Ok(Some(typical::radius(squares, count)))
+        Ok(Some(neighbour_radius::median(squares, count)))
     }
 
     fn required_format(&self) -> PhotonFormat {

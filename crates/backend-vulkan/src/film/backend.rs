@@ -13,7 +13,7 @@ impl FilmBackend for Vulkan {
         VulkanFilm::new(self, width, height, scene.units)
     }
 
-    fn fold(
+    fn accumulate(
         &mut self,
         film: &mut VulkanFilm,
         layer: Layer,
@@ -28,7 +28,7 @@ impl FilmBackend for Vulkan {
         super::errors::keep(self, film)
     }
 
-    fn fold_errors(
+    fn accumulate_errors(
         &mut self,
         film: &mut VulkanFilm,
         kind: MapKind,
@@ -37,7 +37,7 @@ impl FilmBackend for Vulkan {
         error_moments: &VulkanBuffer<ErrorMoments>,
         paths: u64,
     ) -> Result<()> {
-        super::errors::fold(self, film, kind, queries, estimates, error_moments, paths)
+        super::errors::accumulate(self, film, kind, queries, estimates, error_moments, paths)
     }
 
     fn end_pass(&mut self, film: &mut VulkanFilm) -> Result<()> {

@@ -29,7 +29,7 @@ pub(super) struct Errors {
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct FoldPush {
+struct AccumulatePush {
     queries: u64,
     query_count: u64,
     estimates: u64,
@@ -42,7 +42,7 @@ struct FoldPush {
 }
 
 pushed!(
-    fold_push_layout: FoldPush => FILM_ERRORS,
+    fold_push_layout: AccumulatePush => FILM_ERRORS,
     queries query_count estimates error_moments found_count pass map_moments pixels scale
 );
 
@@ -84,7 +84,7 @@ pub(crate) fn keep(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
 }
 
 /// Adds what `error_moments` tell of `estimates` to each query's pixel.
-pub(crate) fn fold(
+pub(crate) fn accumulate(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
     kind: MapKind,
@@ -97,28 +97,28 @@ pub(crate) fn fold(
         return Ok(());
     }
     let scale = (1.0 / (3.0 * std::f64::consts::PI * paths as f64)) as f32;
-    let push = FoldPush {
+    let push = AccumulatePush {
         estimates: estimates.data_address(),
         error_moments: error_moments.data_address(),
         found_count: estimates.count_address(),
         scale,
-        ..FoldPush::zeroed()
+        ..AccumulatePush::zeroed()
     };
     dispatch(on, film, kind, queries, FROM_MOMENTS, push)
 }
 
 /// Adds what final-gather rays were told, one record for each query.
-pub(crate) fn fold_gathered(
+pub(crate) fn accumulate_gathered(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
     queries: &VulkanBuffer<Query>,
     gathered: &VulkanBuffer<ErrorMoments>,
 ) -> Result<()> {
-    let push = FoldPush {
+    let push = AccumulatePush {
         error_moments: gathered.data_address(),
         found_count: queries.count_address(),
         scale: 1.0 / 3.0,
-        ..FoldPush::zeroed()
+        ..AccumulatePush::zeroed()
     };
     dispatch(on, film, MapKind::Global, queries, FROM_GATHERED, push)
 }
@@ -129,7 +129,7 @@ fn dispatch(
     kind: MapKind,
     queries: &VulkanBuffer<Query>,
     from: u32,
-    push: FoldPush,
+    push: AccumulatePush,
 ) -> Result<()> {
     let pixels = film.pixels();
     let Some(errors) = &mut film.errors else { return Ok(()) };
@@ -137,7 +137,7 @@ fn dispatch(
         let pass = zeroed(on, pixels * 4 * MOMENTS as u64)?;
         errors.photon_moments[kind] = Some((pass, zeroed(on, pixels * 8 * MOMENTS as u64)?));
     }
-    let push = FoldPush {
+    let push = AccumulatePush {
         queries: queries.data_address(),
         query_count: queries.count_address(),
         pass: errors.pass.address(),

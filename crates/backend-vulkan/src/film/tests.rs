@@ -3,7 +3,7 @@
 use photon_core::random::{philox4x32, unit_f32};
 use photon_core::{Backend, Estimate, Film, Layer, Query, Units};
 
-use super::{VulkanFilm, abandon_pass, end_pass, fold, fold_values, read};
+use super::{VulkanFilm, abandon_pass, accumulate, accumulate_values, end_pass, read};
 use crate::Vulkan;
 
 const WIDTH: u32 = 19;
@@ -49,7 +49,7 @@ fn sums_over_passes_lose_nothing() {
         let values: Vec<[f32; 3]> = (0..queries.len() as u32).map(|i| number([i, pass, 0, 0])).collect();
         film.values_address(&mut on, there.capacity()).unwrap();
         on.write(film.values.as_ref().unwrap(), 0, bytemuck::cast_slice(&values)).unwrap();
-        fold_values(&mut on, &mut film, Layer::Direct, &there).unwrap();
+        accumulate_values(&mut on, &mut film, Layer::Direct, &there).unwrap();
         end_pass(&mut on, &mut film).unwrap();
         // Within a pass, f32 in order of the queries, as the device does.
         let mut pass = vec![[0.0_f32; 3]; pixels];
@@ -108,7 +108,7 @@ fn estimates_fold_and_abandoned_passes_vanish() {
             expected[query.pixel as usize][c] += f64::from(query.throughput[c]) * irradiance[c];
         }
     }
-    fold(&mut on, &mut film, Layer::Caustic, &there, &found, PATHS).unwrap();
+    accumulate(&mut on, &mut film, Layer::Caustic, &there, &found, PATHS).unwrap();
     end_pass(&mut on, &mut film).unwrap();
     let once = read(&mut on, &film).unwrap();
     let error = worst(&once, Layer::Caustic, &expected);
@@ -118,7 +118,7 @@ fn estimates_fold_and_abandoned_passes_vanish() {
     let off: Vec<[f64; 3]> = expected.iter().map(|sum| sum.map(|x| x * (1.0 + 1.0 / PATHS as f64))).collect();
     assert!(worst(&once, Layer::Caustic, &off) > 1e-5);
 
-    fold(&mut on, &mut film, Layer::Caustic, &there, &found, PATHS).unwrap();
+    accumulate(&mut on, &mut film, Layer::Caustic, &there, &found, PATHS).unwrap();
     abandon_pass(&mut on, &mut film).unwrap();
     assert_eq!(read(&mut on, &film).unwrap(), once);
     end_pass(&mut on, &mut film).unwrap();

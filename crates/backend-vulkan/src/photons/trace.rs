@@ -8,8 +8,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{
-    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result, Settings, Sharing, Tally,
-    Tracer,
+    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result, Scheduling, Settings,
+    Tally, Tracer,
 };
 
 use super::random_number;
@@ -33,7 +33,7 @@ const SHORTEST: u64 = 1 << 13;
 /// Follows photons.
 #[derive(Debug)]
 pub(crate) struct VulkanTracer {
-    sharing: Sharing,
+    scheduling: Scheduling,
     max_bounces: u32,
     required: Requirements,
     /// Ways in which paths end: those of aimed ones, or of others.
@@ -170,7 +170,7 @@ impl VulkanTracer {
         let sums = on.memory("tally", bytes)?;
         on.fill(&sums, 0, bytes, 0)?;
         Ok(Self {
-            sharing: settings.sharing,
+            scheduling: settings.scheduling,
             max_bounces: settings.max_bounces,
             required: *required,
             fates,
@@ -265,7 +265,7 @@ impl VulkanTracer {
         let targets = deposits.each_ref().map(Option::as_deref);
         let wanted = targets.map(|target| target.is_some());
         let pass = batch.pass;
-        let dynamic = self.sharing == Sharing::Dynamic;
+        let dynamic = self.scheduling == Scheduling::Dynamic;
         let plan = on.trace_plan;
         let mut constants = [0; 11];
         constants[..6].copy_from_slice(&[
@@ -338,7 +338,7 @@ impl VulkanTracer {
         // As many as fit the device, but enough for every path.
         let threads = plan.threads.max(count.div_ceil(plan.quota)).min(count).next_multiple_of(group);
         // A counter leaves it open who takes how many; twice the quota is never short.
-        let quota = count.div_ceil(threads) as u32 * if self.sharing == Sharing::Dynamic { 2 } else { 1 };
+        let quota = count.div_ceil(threads) as u32 * if self.scheduling == Scheduling::Dynamic { 2 } else { 1 };
         let round = |number: u32| scratch.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
         let list = |number: u32| scratch.waiting.address() + u64::from(number % 2) * scratch.paths * 4;
         let rounds = self.max_bounces.div_ceil(plan.surfaces);

@@ -26,7 +26,7 @@ pub trait FilmBackend: Backend {
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].
-    fn fold(
+    fn accumulate(
         &mut self,
         film: &mut Self::Film,
         layer: Layer,
@@ -48,7 +48,7 @@ pub trait FilmBackend: Backend {
     ///
     /// # Errors
     /// As [`FilmBackend::keep_errors`].
-    fn fold_errors(
+    fn accumulate_errors(
         &mut self,
         _film: &mut Self::Film,
         _kind: MapKind,

@@ -19,7 +19,7 @@ impl<B: TransportBackend> Pipeline<B> {
             mut on, scene, stages, film, rays, maps, queries, estimates, error_moments, points, bandwidth, ..
         } = self;
         drop((scene, stages, film, rays, maps, queries, estimates, error_moments, points, bandwidth));
-        on.renew()?;
+        on.reset()?;
         Ok(on)
     }
 

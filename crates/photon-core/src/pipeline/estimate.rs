@@ -90,8 +90,8 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         on.mark(Some(Stage::Film));
         if let Some(error_moments) = &self.error_moments {
-            on.fold_errors(&mut self.film, *kind, &self.queries, estimates, error_moments, *paths)?;
+            on.accumulate_errors(&mut self.film, *kind, &self.queries, estimates, error_moments, *paths)?;
         }
-        on.fold(&mut self.film, kind.layer(), &self.queries, estimates, *paths)
+        on.accumulate(&mut self.film, kind.layer(), &self.queries, estimates, *paths)
     }
 }

@@ -52,7 +52,7 @@ impl<B: TransportBackend> Pipeline<B> {
             let traced = traced_paths[slot.kind];
             let share = f64::from(traced) / f64::from(wanted_paths);
             let asked = ((f64::from(wanted) * share) as u32).max(8);
-            let typical = self.stages.map.estimator.typical_radius(&mut self.on, &built, asked, cosine)?;
+            let typical = self.stages.map.estimator.neighbour_radius(&mut self.on, &built, asked, cosine)?;
             let radius = radii::from_pilot(typical, asked, traced, wanted, wanted_paths);
             slot.radius = radii::scaled(radius, self.settings.radius_factor as f32);
             self.on.mark(None);

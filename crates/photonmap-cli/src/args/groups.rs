@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use photon_core::{
-    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Sharing,
+    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Scheduling,
 };
 
 use super::values::{caustic_photons, choice, count, size, total};
@@ -116,8 +116,8 @@ pub struct PhotonArgs {
     pub rng: Option<RandomKind>,
     /// How paths are distributed over threads: fixed quotas, or a shared counter; the picture is the same
     /// [default: dynamic, with --estimator paper static].
-    #[arg(long, alias = "sharing", value_parser = choice::<Sharing>(Sharing::ALL.map(Sharing::name)), hide_short_help = true)]
-    pub scheduling: Option<Sharing>,
+    #[arg(long, alias = "sharing", value_parser = choice::<Scheduling>(Scheduling::ALL.map(Scheduling::name)), hide_short_help = true)]
+    pub scheduling: Option<Scheduling>,
 }
 
 /// How photons become radiance.

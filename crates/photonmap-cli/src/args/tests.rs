@@ -1,7 +1,7 @@
 //! Options in, settings out.
 
 use super::*;
-use photon_core::{Area, CausticPhotons, Kernel, RandomKind, Sharing};
+use photon_core::{Area, CausticPhotons, Kernel, RandomKind, Scheduling};
 
 fn args(arguments: &[&str]) -> Result<RenderArgs, Fault> {
     RenderArgs::try_parse_from([&["render"], arguments].concat()).map_err(Fault::input)
@@ -27,7 +27,7 @@ fn options_reach_the_settings() {
 #[test]
 fn the_paper_brings_its_habits_unless_told_otherwise() {
     let s = settings(&["--estimator", "paper"]).unwrap();
-    assert_eq!((s.random, s.sharing, s.index), (RandomKind::Lcg, Sharing::Static, IndexKind::Median));
+    assert_eq!((s.random, s.scheduling, s.index), (RandomKind::Lcg, Scheduling::Static, IndexKind::Median));
     assert_eq!(s.caustic_photons, CausticPhotons::Shared);
     let s = settings(&["--estimator", "paper", "--rng", "counter", "--index", "morton"]).unwrap();
     assert_eq!((s.random, s.index), (RandomKind::Counter, IndexKind::Morton));

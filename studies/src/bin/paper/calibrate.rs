@@ -79,7 +79,7 @@ impl Calibration {
         // As many neighbours among the sample's photons as are wanted among the map's, as near as can be.
         let asked = (f64::from(wanted.neighbours) * found / photons).clamp(8.0, (found / 8.0).max(8.0)) as u32;
         let cosine = plan_cosine(wanted);
-        let typical = self.stages.estimator.typical_radius(&mut self.on, map, asked, cosine)?;
+        let typical = self.stages.estimator.neighbour_radius(&mut self.on, map, asked, cosine)?;
         // Around a place of even density, numbers grow as squares of radii.
         let scale = f64::from(wanted.neighbours) / photons * found / f64::from(asked);
         let radius = typical.map_or(FARTHEST, |radius| (f64::from(radius) * scale.sqrt()).min(FARTHEST));

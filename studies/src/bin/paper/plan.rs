@@ -1,6 +1,6 @@
 //! What is rendered: the paper's grid in both of its readings, and a larger one of our own.
 
-use photon_core::{EstimateParams, IndexKind, Kernel, RandomKind, Search, Settings, Sharing};
+use photon_core::{EstimateParams, IndexKind, Kernel, RandomKind, Scheduling, Search, Settings};
 
 /// The paper's seconds: caustic photons, global, on its CPU, on its GPU (Lin and Wang 2010, table of
 /// results; Pentium 4 530 and GeForce 8600 GT).
@@ -133,7 +133,7 @@ impl Plan {
         let paper = paper_settings();
         let variants = [
             ("the paper's way", paper.clone()),
-            ("dynamic sharing", Settings { sharing: Sharing::Dynamic, ..paper.clone() }),
+            ("dynamic sharing", Settings { scheduling: Scheduling::Dynamic, ..paper.clone() }),
             ("VVH kd-tree", Settings { index: IndexKind::Vvh, ..paper.clone() }),
             ("Morton order", Settings { index: IndexKind::Morton, ..paper.clone() }),
             ("counter-based numbers", Settings { random: RandomKind::Counter, ..paper }),
@@ -181,7 +181,7 @@ mod tests {
         let base = &all[0].settings;
         for other in &all[1..5] {
             let s = &other.settings;
-            let differ = [s.sharing != base.sharing, s.index != base.index, s.random != base.random];
+            let differ = [s.scheduling != base.scheduling, s.index != base.index, s.random != base.random];
             assert_eq!(differ.iter().filter(|&&d| d).count(), 1, "{}", other.name);
         }
         assert_eq!(all[5].global.unwrap().search, Search::Radius);

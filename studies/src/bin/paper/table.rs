@@ -89,10 +89,10 @@ pub(crate) fn csv_heading() -> String {
 /// One row of it.
 pub(crate) fn csv_row(backend: &str, device: &str, plan: &Plan, measured: &Measured) -> String {
     let wanted = |map: Option<crate::plan::MapPlan>| map.map_or(0, |map| map.photons);
-    let Settings { index, sharing, random, .. } = plan.settings;
+    let Settings { index, scheduling, random, .. } = plan.settings;
     let stages: Vec<String> = Stage::ALL.iter().map(|&stage| format!("{:.9}", measured.stages.get(stage))).collect();
     format!(
-        "{backend},\"{}\",{},{},{},{},{},{},{},{index:?},{sharing:?},{random:?},{:.9},{:.9},{},{}\n",
+        "{backend},\"{}\",{},{},{},{},{},{},{},{index:?},{scheduling:?},{random:?},{:.9},{:.9},{},{}\n",
         device.replace('"', "'"),
         plan.table,
         plan.name,

@@ -1,8 +1,8 @@
 //! The settings that are tried: each knob by itself, about a middle setting.
 
 use photon_core::{
-    Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, RandomKind, Settings,
-    Sharing,
+    Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, RandomKind, Scheduling,
+    Settings,
 };
 use photonmap_cli::fault::Fault;
 
@@ -91,7 +91,7 @@ fn points(base: &Settings) -> Vec<Point> {
             add("bandwidth", &format!("{name}, {passes} passes"), Settings { area, ..per_pixel.clone() }, passes);
         }
     }
-    add("sharing", "static", with(&|s| s.sharing = Sharing::Static), PASSES);
+    add("sharing", "static", with(&|s| s.scheduling = Scheduling::Static), PASSES);
     add("generator", "LCG", with(&|s| s.random = RandomKind::Lcg), PASSES);
     for passes in [4, PASSES] {
         add("generator", &format!("Sobol, {passes} passes"), with(&|s| s.random = RandomKind::Sobol), passes);

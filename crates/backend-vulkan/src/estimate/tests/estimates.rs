@@ -234,9 +234,9 @@ fn typical_radii_agree_with_the_processor() {
         let mut stages = cpu.map_stages(IndexKind::Median).unwrap();
         let uploaded = cpu.upload("photons: global", &photons).unwrap();
         let cpu_map = stages.builder.build(&mut cpu, uploaded).unwrap();
-        let expected = stages.estimator.typical_radius(&mut cpu, &cpu_map, neighbours, 0.5).unwrap();
+        let expected = stages.estimator.neighbour_radius(&mut cpu, &cpu_map, neighbours, 0.5).unwrap();
         let map = map(&mut on, &photons, IndexKind::Median);
-        let found = VulkanEstimator::default().typical_radius(&mut on, &map, neighbours, 0.5).unwrap();
+        let found = VulkanEstimator::default().neighbour_radius(&mut on, &map, neighbours, 0.5).unwrap();
         assert_eq!(found, expected, "{} points", points.len());
     }
 }

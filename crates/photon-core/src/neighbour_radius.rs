@@ -4,20 +4,20 @@
 pub const SAMPLE: u32 = 1024;
 
 /// No photon looks farther, a quarter of the scene.
-pub const WIDEST: f32 = 0.25;
+pub const MAX_RADIUS: f32 = 0.25;
 
 /// The least radius that an estimate divides by, 2⁻²⁰ of the scene.
-pub const LEAST: f32 = 1.0 / 1_048_576.0;
+pub const MIN_RADIUS: f32 = 1.0 / 1_048_576.0;
 
-/// The median of the radii whose squares were found around `asked` photons, within [`LEAST`] and [`WIDEST`];
+/// The median of the radii whose squares were found around `asked` photons, within [`MIN_RADIUS`] and [`MAX_RADIUS`];
 /// the latter if fewer than half of the photons have as many neighbours so near.
 #[must_use]
-pub fn radius(mut squares: Vec<f32>, asked: u32) -> f32 {
+pub fn median(mut squares: Vec<f32>, asked: u32) -> f32 {
     if squares.is_empty() || squares.len() * 2 < asked as usize {
-        return WIDEST;
+        return MAX_RADIUS;
     }
     squares.sort_unstable_by(f32::total_cmp);
-    squares[squares.len() / 2].sqrt().clamp(LEAST, WIDEST)
+    squares[squares.len() / 2].sqrt().clamp(MIN_RADIUS, MAX_RADIUS)
 }
 
 #[cfg(test)]
@@ -26,9 +26,9 @@ mod tests {
 
     #[test]
     fn it_is_the_median_of_what_enough_photons_found() {
-        assert_eq!(radius(vec![0.04, 0.01, 0.0], 4), 0.1);
-        assert_eq!(radius(vec![0.0; 3], 3), LEAST);
-        assert_eq!(radius(vec![1e-4, 1e-4], 5), WIDEST);
-        assert_eq!(radius(Vec::new(), 0), WIDEST);
+        assert_eq!(median(vec![0.04, 0.01, 0.0], 4), 0.1);
+        assert_eq!(median(vec![0.0; 3], 3), MIN_RADIUS);
+        assert_eq!(median(vec![1e-4, 1e-4], 5), MAX_RADIUS);
+        assert_eq!(median(Vec::new(), 0), MAX_RADIUS);
     }
 }

@@ -66,7 +66,7 @@ void main() {
     if ((SECOND != 0 ? push.error_moments[i].at.photons : push.estimates[i].at.photons) == 0) return;
     float squared = push.estimates[i].at.radius_squared;
     float radius = sqrt(squared);
-    if (!(radius >= AREA_LEAST_RADIUS)) return;
+    if (!(radius >= AREA_MIN_RADIUS)) return;
     vec3 normal = push.queries[i].at.normal;
     vec3 tangent, bitangent;
     sampling_basis(normal, tangent, bitangent);

@@ -85,7 +85,7 @@ bool at_lamp(Emission lamp, Light light, vec3 from, float u, float v, out Target
     vec3 a = lamp.a - eye, b = lamp.b - eye, c = lamp.c - eye;
     float height = -dot3(target.front, a);
     bool near = solid_angle_is_near(a, b, c);
-    if (!(height > (near ? SOLID_ANGLE_LEAST_HEIGHT : 0.0))) return false;
+    if (!(height > (near ? SOLID_ANGLE_MIN_HEIGHT : 0.0))) return false;
     vec2 weights;
     if (!near
         || !solid_angle_sample(a, b, c, height, light.area, u, v, weights, target.solid_angle)) {

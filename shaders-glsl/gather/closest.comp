@@ -123,10 +123,10 @@ void main() {
         walk();
     }
     // The least squared radius that an estimate divides by is (2^-20 of the scene) squared.
-    const float LEAST = 1.0 / (1048576.0 * 1048576.0);
+    const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
     float reach = uintBitsToFloat(best);
     vec3 flux = vec3(0.0);
     if (nearest_slot != NONE) flux = uintBitsToFloat(flux_at(FORMAT, push.power, nearest_slot).xyz);
-    push.results[index].at = Estimate(flux, max(reach, LEAST), nearest_slot != NONE ? 1u : 0u,
-        reach < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+    push.results[index].at = Estimate(flux, max(reach, MIN_RADIUS_SQUARED), nearest_slot != NONE ? 1u : 0u,
+        reach < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
 }

@@ -31,7 +31,7 @@ layout(constant_id = 5) const uint FILTER = 1;
 #include "search_sum.glsl"
 
 // The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.
-const float LEAST = 1.0 / (1048576.0 * 1048576.0);
+const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
 
 // Positions; then normals or directions, and powers or ids.
 shared uvec4 staged[TILES * TILE_POINTS];

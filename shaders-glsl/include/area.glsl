@@ -7,8 +7,8 @@
 const uint AREA_SPOKES = 8;
 const uint AREA_RINGS = 3;
 const float AREA_HEIGHT = 0.5;
-const float AREA_LEAST_SHARE = 1.0 / 16.0;
-const float AREA_LEAST_RADIUS = 1.0 / 262144.0;
+const float AREA_MIN_SHARE = 1.0 / 16.0;
+const float AREA_MIN_RADIUS = 1.0 / 262144.0;
 const uint AREA_SHEETS = 4;
 
 float area_spoke_turns(uint spoke, float random) {
@@ -45,7 +45,7 @@ vec2 area_second_weights(uint kernel, float slope, float away) {
 }
 
 float area_share(float found, float all) {
-    return found > 0.0 && found < all ? max(found / all, AREA_LEAST_SHARE) : 1.0;
+    return found > 0.0 && found < all ? max(found / all, AREA_MIN_SHARE) : 1.0;
 }
 
 #endif

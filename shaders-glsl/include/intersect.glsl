@@ -24,7 +24,7 @@ const uint NO_PRIMITIVE = 0xFFFFFFFFu;
 
 // Smallest component of a direction whose inverse is taken: no infinity comes up, and within a
 // scene of unit size the ray is off by less than can be seen. Boxes are padded by more than that.
-const float LEAST_COMPONENT = 5.4210109e-20;
+const float MIN_COMPONENT = 5.4210109e-20;
 
 // Far sides of boxes are moved by this factor, so that rounding never closes a box before a triangle
 // on its face (after Ize 2013).
@@ -227,7 +227,7 @@ bool walk_begin(SceneRef scene, Ray ray, out Walk walk) {
     walk.corners = scene.corners;
     walk.best = Hit(min(ray.t_max, NO_LIMIT), NO_PRIMITIVE, 0.0, 0.0, 0u);
     bvec3 negative = lessThan(ray.direction, vec3(0.0));
-    vec3 size = max(abs(ray.direction), vec3(LEAST_COMPONENT));
+    vec3 size = max(abs(ray.direction), vec3(MIN_COMPONENT));
     walk.inverse = mix(1.0 / size, -1.0 / size, negative);
     walk.octant = (negative.x ? 0u : 4u) | (negative.y ? 0u : 2u) | (negative.z ? 0u : 1u);
     // The root is alone in its group.

@@ -35,7 +35,7 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
             height = abs(height);
             power = 0.5 * power;
         }
-        if (!(height > SOLID_ANGLE_LEAST_HEIGHT)) return 0.0;
+        if (!(height > SOLID_ANGLE_MIN_HEIGHT)) return 0.0;
         // The radiance times the solid angle: its cosine here varies within a lamp near by, and is left out.
         if (solid_angle_is_near(a, b, c)) {
             return power * solid_angle_of(a, b, c, height, light.area) / (3.14159265 * light.area);

@@ -128,7 +128,7 @@ Estimate estimate(bool full, float reach) {
         sum0 = NOTHING;
         reach = uintBitsToFloat(highest);
     }
-    float divisor = reach >= LEAST ? reach : LEAST;
+    float divisor = reach >= MIN_RADIUS_SQUARED ? reach : MIN_RADIUS_SQUARED;
     float ratio = per_high > 0.0 ? uintBitsToFloat(high_bits) / divisor : 0.0;
     vec3 flux = sum0.total - sum0.excess;
     if (MODE == DENSITY && KERNEL != KERNEL_CONSTANT) {
@@ -145,7 +145,7 @@ Estimate estimate(bool full, float reach) {
         // Weights are not negative; what is left of nearly nothing may be.
         flux = max(flux, vec3(0.0));
     }
-    return Estimate(flux, divisor, photons, reach < LEAST ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+    return Estimate(flux, divisor, photons, reach < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
 }
 
 #endif

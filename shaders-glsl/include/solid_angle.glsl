@@ -8,7 +8,7 @@
 const float SOLID_ANGLE_NEAR = 32.0;
 
 // Nearer than this to its plane a triangle is not seen.
-const float SOLID_ANGLE_LEAST_HEIGHT = 1.0 / 2097152.0;
+const float SOLID_ANGLE_MIN_HEIGHT = 1.0 / 2097152.0;
 
 // Whether a triangle is nearer than four times its radius.
 bool solid_angle_is_near(vec3 a, vec3 b, vec3 c) {

@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use photon_core::area::{self, HEIGHT, LEAST_RADIUS, Probe, RINGS, SHEETS, SPOKES};
+use photon_core::area::{self, HEIGHT, MIN_RADIUS, Probe, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
@@ -80,7 +80,7 @@ impl Disc<'_> {
     /// radius too, else 1.
     fn shares<const SECOND: bool>(&self) -> [f32; 3] {
         let Self { scene, query, gather, radius, .. } = *self;
-        if radius < LEAST_RADIUS {
+        if radius < MIN_RADIUS {
             return [1.0; 3];
         }
         let normal = Vec3::from(query.normal);

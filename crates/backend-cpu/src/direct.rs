@@ -134,7 +134,7 @@ fn at_lamp(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Optio
     let corners = vertices.map(|vertex| vertex - eye);
     let height = -front.dot(corners[0]);
     let near = solid_angle::is_near(corners);
-    if !(height > if near { solid_angle::LEAST_HEIGHT } else { 0.0 }) {
+    if !(height > if near { solid_angle::MIN_HEIGHT } else { 0.0 }) {
         return None;
     }
     let seen = if near { solid_angle::sample(corners, height, light.area, u, v) } else { None };

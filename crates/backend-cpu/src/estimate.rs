@@ -14,7 +14,7 @@ use crate::map::{CpuMap, Powers};
 use crate::power::Power;
 
 /// The least squared radius that an estimate divides by.
-const LEAST: f32 = neighbour_radius::MIN_RADIUS * neighbour_radius::MIN_RADIUS;
+const MIN_RADIUS_SQUARED: f32 = neighbour_radius::MIN_RADIUS * neighbour_radius::MIN_RADIUS;
 
 /// Queries that a thread takes at a time.
 const BLOCK: usize = 256;
@@ -244,10 +244,10 @@ pub(crate) struct Sum<P: Power> {
 
 impl<P: Power> Sum<P> {
     pub(crate) fn new(radius_squared: f32) -> Self {
-        let singular = radius_squared < LEAST;
+        let singular = radius_squared < MIN_RADIUS_SQUARED;
         Self {
             flux: P::Sum::default(),
-            radius_squared: radius_squared.max(LEAST),
+            radius_squared: radius_squared.max(MIN_RADIUS_SQUARED),
             photons: 0,
             flags: if singular { Estimate::SINGULAR } else { 0 },
         }

@@ -78,7 +78,7 @@ fn weigh(scene: &CpuScene, light: &Light, query: &Query) -> f32 {
             let height = -corners[0].dot(scene.primitives[light.primitive as usize].normal.into());
             let both = light.flags & Light::BOTH_SIDES != 0;
             let (height, power) = if both { (height.abs(), 0.5 * power) } else { (height, power) };
-            if !(height > solid_angle::LEAST_HEIGHT) {
+            if !(height > solid_angle::MIN_HEIGHT) {
                 return 0.0;
             }
             // The radiance times the solid angle: its cosine here varies within a lamp near by, and is left out.

@@ -6,7 +6,7 @@ use photon_core::octahedral;
 use rayon::prelude::*;
 
 /// Different normals at most: a table that stays in a core's own cache.
-const MOST: usize = 1 << 14;
+const MAX_DIFFERENT: usize = 1 << 14;
 
 /// Photons that a thread takes at a time.
 const CHUNK: usize = 1 << 14;
@@ -23,7 +23,7 @@ pub(crate) enum Normals {
 impl Normals {
     /// Of packed ones.
     pub(crate) fn new(packed: &[u32]) -> Self {
-        match different(packed, MOST) {
+        match different(packed, MAX_DIFFERENT) {
             None => Self::Each(packed.par_iter().with_min_len(4096).map(|&n| octahedral::unpack(n)).collect()),
             Some(known) => {
                 let mut which = vec![0; packed.len()];
@@ -91,10 +91,10 @@ mod tests {
     /// Whichever way they are kept, and whatever they are: the same bits.
     #[test]
     fn every_normal_is_that_of_its_photon() {
-        for different in [0, 1, 2, 300, MOST as u32, MOST as u32 + 1, 50_000] {
+        for different in [0, 1, 2, 300, MAX_DIFFERENT as u32, MAX_DIFFERENT as u32 + 1, 50_000] {
             let packed: Vec<u32> = (0..different * 2).map(|i| (i % different).wrapping_mul(0x9E37_79B1)).collect();
             let normals = Normals::new(&packed);
-            assert_eq!(matches!(normals, Normals::Few(..)), different <= MOST as u32, "{different}");
+            assert_eq!(matches!(normals, Normals::Few(..)), different <= MAX_DIFFERENT as u32, "{different}");
             assert_eq!(normals.len(), packed.len());
             for (slot, &normal) in packed.iter().enumerate() {
                 let (seen, expected) = (normals.of(slot as u32), octahedral::unpack(normal));

@@ -14,7 +14,7 @@ const ITEMS: u64 = 16;
 const MANY: u32 = 256;
 const ALONE: u32 = 512;
 /// Up to so many tiles one workgroup goes through all, sooner than three kernels are started.
-const FEW: u64 = 2;
+const MAX_TILES_ALONE: u64 = 2;
 
 /// Sums words.
 #[derive(Debug)]
@@ -92,7 +92,7 @@ impl Scan {
             let has_total = u32::from(total != 0);
             AlonePush { from, to, total: if total == 0 { to } else { total }, count, has_total }
         };
-        if n <= self.alone_tile * FEW {
+        if n <= self.alone_tile * MAX_TILES_ALONE {
             if n == 0 && total == 0 {
                 return Ok(());
             }

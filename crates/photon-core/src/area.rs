@@ -27,10 +27,10 @@ pub const RINGS: u32 = 3;
 pub const HEIGHT: f32 = 0.5;
 
 /// The least share that is believed in, so that no probe brightens a pixel beyond measure.
-pub const LEAST_SHARE: f32 = 1.0 / 16.0;
+pub const MIN_SHARE: f32 = 1.0 / 16.0;
 
 /// Below this radius, normalised length, probes would be as short as the rounding of points.
-pub const LEAST_RADIUS: f32 = 1.0 / 262_144.0;
+pub const MIN_RADIUS: f32 = 1.0 / 262_144.0;
 
 /// Sheets and boundaries of glass that a probe passes.
 pub const SHEETS: u32 = 4;
@@ -74,7 +74,7 @@ pub fn probe(kernel: Kernel, spoke: u32, ring: u32, random: f32) -> Probe {
 #[must_use]
 pub fn share(found: f32, all: f32) -> f32 {
     // Nothing at all: what the query stands on is too thin or too small to be probed.
-    if found > 0.0 && found < all { (found / all).max(LEAST_SHARE) } else { 1.0 }
+    if found > 0.0 && found < all { (found / all).max(MIN_SHARE) } else { 1.0 }
 }
 
 /// The squared distance from which on the outer probes stand, in squared radii; they end at 2, and are evenly dense.
@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn no_share_is_below_the_least() {
-        assert_eq!(share(1.0, 24.0), LEAST_SHARE);
+        assert_eq!(share(1.0, 24.0), MIN_SHARE);
         assert_eq!(share(12.0, 24.0), 0.5);
     }
 }

@@ -202,10 +202,10 @@ pub struct ConfidenceInterval {
 
 /// The pass from which on something is claimed. With fewer, stopping as soon as a claim is good
 /// enough would stop on lucky ones: 92 instead of 95 % are right with 2, 94 with 8.
-const LEAST_PASSES: u32 = 8;
+const MIN_PASSES: u32 = 8;
 
 /// Photons below which the sums are too far from normal.
-pub(crate) const LEAST_PHOTONS: f64 = 32.0;
+pub(crate) const MIN_PHOTONS: f64 = 32.0;
 
 impl Film {
     /// What is claimed of each pixel; `None` if errors were not asked for.
@@ -236,8 +236,8 @@ impl Film {
             let noise = standard_error(sum, pixel.square);
             let photons: f64 = error.photon_moments.values().map(PhotonMoments::photons).sum();
             let mut flags = Flags::default();
-            flags.set(Flags::FEW_PASSES, self.passes < LEAST_PASSES);
-            flags.set(Flags::FEW_PHOTONS, photons < LEAST_PHOTONS && is_asked(error, pixel));
+            flags.set(Flags::FEW_PASSES, self.passes < MIN_PASSES);
+            flags.set(Flags::FEW_PHOTONS, photons < MIN_PHOTONS && is_asked(error, pixel));
             flags.set(Flags::OTHER_SURFACE, error.photon_moments.values().any(PhotonMoments::strays));
             flags.set(Flags::UNEVEN, error.photon_moments.values().any(PhotonMoments::is_uneven));
             flags.set(Flags::CURVED, differ(bias, bias_error, 2.0 * half, 2.0 * half_error));

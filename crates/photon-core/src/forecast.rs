@@ -2,7 +2,7 @@
 
 mod group;
 
-use crate::errors::{ConfidenceInterval, Flags, LEAST_PHOTONS, student_975};
+use crate::errors::{ConfidenceInterval, Flags, MIN_PHOTONS, student_975};
 use crate::schedule::Schedule;
 use group::{Factors, Group, Relative};
 
@@ -212,7 +212,7 @@ impl ErrorModel {
         // Those that were found may have been luck, by their root.
         let luck = if set == PixelSet::Counted { 1.0 } else { 0.0 };
         let enough =
-            |pixel: &Relative| (pixel.photon_count - luck * pixel.photon_count.sqrt()) * more * bias >= LEAST_PHOTONS;
+            |pixel: &Relative| (pixel.photon_count - luck * pixel.photon_count.sqrt()) * more * bias >= MIN_PHOTONS;
         let (few_free, edge_free) = match set {
             PixelSet::Claimed => (0.0, 0.0),
             PixelSet::Counted => (1.0, 0.0),
@@ -251,17 +251,17 @@ impl ErrorModel {
 
     /// Passes after which that error should be within the target for the first time.
     pub(crate) fn passes_until(&self, target: f64, error_after: impl Fn(&Self, u32) -> f64) -> Option<u32> {
-        const MOST: u32 = u32::MAX - 1;
+        const MAX_PASSES: u32 = u32::MAX - 1;
         let (mut low, mut high) = (self.schedule.passes(), self.schedule.passes());
         if self.error() <= target {
             return Some(low);
         }
         // In doublings, since nobody knows the order of magnitude, and pixels that join in may raise it again.
         while error_after(self, high) > target {
-            if high == MOST {
+            if high == MAX_PASSES {
                 return None;
             }
-            (low, high) = (high, high.max(1).saturating_mul(2).min(MOST));
+            (low, high) = (high, high.max(1).saturating_mul(2).min(MAX_PASSES));
         }
         while high.saturating_sub(low) > 1 && f64::from(high) > f64::from(low) * 1.005 {
             let middle = ((f64::from(low) * f64::from(high)).sqrt() as u32).clamp(low + 1, high - 1);

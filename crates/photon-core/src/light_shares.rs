@@ -18,7 +18,7 @@ pub struct LightShare {
 
 impl LightShare {
     /// Fewer paths than this tell its light in blotches or not at all.
-    pub const FEW: f64 = 64.0;
+    pub const MIN_PATHS: f64 = 64.0;
 
     /// Paths that are to be expected of it among so many.
     #[must_use]
@@ -29,7 +29,7 @@ impl LightShare {
     /// Whether a pass of so many paths has too few of it to show what it does.
     #[must_use]
     pub fn starves(&self, of: u32) -> bool {
-        self.paths(of) < Self::FEW
+        self.paths(of) < Self::MIN_PATHS
     }
 }
 

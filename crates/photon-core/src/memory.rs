@@ -30,7 +30,7 @@ pub(crate) struct Plan {
 }
 
 /// With less room than for so many photons there is nothing to plan.
-const LEAST: u64 = 4096;
+const MIN_PATHS: u64 = 4096;
 
 impl Plan {
     /// Shares out what `fixed` bytes leave of `cap`, before anybody knows how many photons a path
@@ -39,7 +39,7 @@ impl Plan {
     /// # Errors
     /// [`Error::OverMemory`] if that is not even enough for a few thousand photons.
     pub(crate) fn new(cap: u64, fixed: u64, costs: &Costs) -> Result<Self> {
-        let least = LEAST * (costs.photon + costs.path + BUSY * costs.under_way);
+        let least = MIN_PATHS * (costs.photon + costs.path + BUSY * costs.under_way);
         let needed = fixed.saturating_add(least);
         if needed > cap {
             return Err(Error::OverMemory { needed, allowed: cap });

@@ -28,7 +28,7 @@ const STEP: f32 = 1.0 / 1_048_576.0;
 const MARGIN: f32 = 2.0 * STEP;
 
 /// No weight is raised to more than this: of three such, the rest is more than half.
-const MOST: f32 = 1.0 / 16.0;
+const MAX_SLOPE: f32 = 1.0 / 16.0;
 
 /// A point of a triangle that a ray begins at: [`barycentric`], two steps at least from its edges.
 ///
@@ -90,7 +90,7 @@ fn above(corner: Vec3, from: Vec3, to: Vec3) -> (f32, f32) {
     // Never by 0, which Vulkan leaves open.
     let along = side.dot(edge) / if squared > 0.0 { squared } else { 1.0 };
     let height = side - edge * along;
-    (MARGIN / height.abs().max_element().max(MARGIN / MOST), along.clamp(0.0, 1.0))
+    (MARGIN / height.abs().max_element().max(MARGIN / MAX_SLOPE), along.clamp(0.0, 1.0))
 }
 
 #[cfg(test)]
@@ -116,7 +116,7 @@ mod tests {
             {
                 let (before, after) = (barycentric(triangle, u, v), within(triangle, margin(triangle), u, v));
                 // The margin leaves out nothing that would be moved.
-                assert_eq!(after, within(triangle, MOST, u, v));
+                assert_eq!(after, within(triangle, MAX_SLOPE, u, v));
                 // Rounding of a point is less than a step.
                 assert!(distances(triangle, after).iter().all(|&away| away > 1.5e-6), "{triangle:?} {u} {v}");
                 // Eight steps, and a rounding.

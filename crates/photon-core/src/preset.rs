@@ -36,9 +36,9 @@ impl Preset {
 }
 
 /// Photons of a pass, at least: fewer leave a scene of any depth unlit.
-const FEWEST: f64 = 20_000.0;
+const MIN_PHOTONS: f64 = 20_000.0;
 /// And at most, as far as a graphics card with 8 GiB goes.
-const MOST: f64 = 16e6;
+const MAX_PHOTONS: f64 = 16e6;
 
 impl Settings {
     /// The settings of a preset for a picture of so many pixels.
@@ -60,7 +60,7 @@ impl Settings {
     /// ```
     #[must_use]
     pub fn preset(preset: Preset, pixels: u64) -> Self {
-        let photons = (preset.photons_per_pixel() * pixels as f64).clamp(FEWEST, MOST) as u32;
+        let photons = (preset.photons_per_pixel() * pixels as f64).clamp(MIN_PHOTONS, MAX_PHOTONS) as u32;
         let base = Self { photons, ..Self::default() };
         match preset {
             Preset::Preview => base,

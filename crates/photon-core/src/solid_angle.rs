@@ -14,7 +14,7 @@ const NEAR: f32 = 32.0;
 /// Nearer than this to its plane a triangle is not seen: half a step of [`crate::offset`], which is more than
 /// roundings of points and normals within a unit box. Else the neighbours of a point in its own plane would be a hemisphere of
 /// light, as roundings have it.
-pub const LEAST_HEIGHT: f32 = 1.0 / 2_097_152.0;
+pub const MIN_HEIGHT: f32 = 1.0 / 2_097_152.0;
 
 /// Whether a triangle, its corners relative to the eye, is nearer than four times its radius, the largest distance of
 /// a corner from the centroid, or a little more where its corners are as far as each other.

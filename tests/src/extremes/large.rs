@@ -42,7 +42,7 @@ fn at(i: u32, side: u32) -> f32 {
 }
 
 /// The most photons that one query is asked about: a GPU gives a single query a single subgroup.
-const MOST: u64 = 31_000_000;
+const MAX_PHOTONS: u64 = 31_000_000;
 
 /// A map of `side²` photons: whether it fits; that discs of many sizes hold what a count of the lattice finds
 /// there, up to all of it, and that its flux adds up.
@@ -53,7 +53,7 @@ fn lattice<T: TestBackend>(sheet: &mut Sheet, side: u32, kind: IndexKind) -> boo
     let radii = [5.3 / side as f32, 20.0 / side as f32, 0.01_f32.max(40.0 / side as f32)];
     let about = |radius: f32| places.iter().flat_map(move |&y| places.map(|x| query_at([x, y, 0.0], radius)));
     let mut queries: Vec<Query> = radii.into_iter().flat_map(about).collect();
-    let whole = count <= MOST;
+    let whole = count <= MAX_PHOTONS;
     if whole {
         queries.push(query_at([0.5, 0.5, 0.0], 2.0));
     }

@@ -9,7 +9,7 @@ use crate::{determinism, estimators, numerics};
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
 
 /// What a squared radius is raised to (S6), so that nothing is divided by 0.
-const LEAST: f32 = 1.0 / (1_u64 << 40) as f32;
+const MIN_REACH: f32 = 1.0 / (1_u64 << 40) as f32;
 
 /// The group.
 pub fn all<T: TestBackend>(sheet: &mut Sheet) {
@@ -154,7 +154,7 @@ fn brute(points: &[[f32; 3]], at: [f32; 3], radius: f32, k: usize) -> (u32, f32)
     let mut squares: Vec<f32> = points.iter().map(square).filter(|&square| square <= radius * radius).collect();
     let count = squares.len();
     let reach = if count >= k { *squares.select_nth_unstable_by(k - 1, f32::total_cmp).1 } else { radius * radius };
-    (count as u32, reach.max(LEAST))
+    (count as u32, reach.max(MIN_REACH))
 }
 
 /// No query is slower than 20 times the median of its set. On the CPU, where one query can be timed;

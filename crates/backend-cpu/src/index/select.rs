@@ -126,27 +126,27 @@ struct Cut {
     tied: usize,
 }
 
-/// The cut through at most `MOST` points with `left` on its left.
+/// The cut through at most `MAX_COUNT` points with `left` on its left.
 #[inline(always)]
-fn cut_few<const AXIS: usize, const MOST: usize>(from: &[Item], left: usize) -> Cut {
-    let mut coordinates = [f32::INFINITY; MOST];
+fn cut_few<const AXIS: usize, const MAX_COUNT: usize>(from: &[Item], left: usize) -> Cut {
+    let mut coordinates = [f32::INFINITY; MAX_COUNT];
     for (c, item) in coordinates.iter_mut().zip(from) {
         *c = item.0[AXIS];
     }
     // How many are less than each: the same for equals.
-    let mut less = [0_i32; MOST];
+    let mut less = [0_i32; MAX_COUNT];
     for &c in &coordinates[..from.len()] {
-        for lane in 0..MOST {
+        for lane in 0..MAX_COUNT {
             less[lane] += i32::from(c < coordinates[lane]);
         }
     }
     // The greatest of those that have fewer than `left` below them; absent points have more.
     let mut below = 0;
-    for lane in 0..MOST {
+    for lane in 0..MAX_COUNT {
         below = below.max(if less[lane] < left as i32 { less[lane] } else { 0 });
     }
-    let (mut tied, mut place) = (0, MOST as i32 - 1);
-    for lane in 0..MOST {
+    let (mut tied, mut place) = (0, MAX_COUNT as i32 - 1);
+    for lane in 0..MAX_COUNT {
         tied += i32::from(less[lane] == below);
         place = place.min(if less[lane] == below { lane as i32 } else { i32::MAX });
     }

@@ -17,7 +17,7 @@ const ROWS: u64 = 256 << 20;
 const ROOM: u32 = 2048;
 
 /// And at least: short rows share a workgroup.
-const LEAST_ROOM: u32 = 512;
+const MIN_ROOM: u32 = 512;
 
 /// The push constants of `gather/order.comp`.
 #[repr(C)]
@@ -72,7 +72,7 @@ impl Vulkan {
             let portion = (ROWS / (8 * u64::from(k))).clamp(1, count);
             let rows = self.memory("rows", portion * u64::from(k) * 8)?;
             let room = k.checked_next_power_of_two().unwrap_or(1 << 31).max(32);
-            let in_shared = room.clamp(LEAST_ROOM, ROOM);
+            let in_shared = room.clamp(MIN_ROOM, ROOM);
             let threads = (in_shared / 2).min(256).min(self.limits().max_workgroup);
             let rows_each = u64::from((in_shared / room).max(1));
             let order = search.order(self, map, queries)?;

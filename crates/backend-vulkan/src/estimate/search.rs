@@ -24,7 +24,7 @@ const PORTION: u64 = 1 << 19;
 const WORTH_ORDER: u64 = 1 << 15;
 
 /// The largest k on a device that ends long loops: what sorting a row in one workgroup has turns for.
-const MOST_PAUSING: u32 = 1 << 17;
+const MAX_PAUSING: u32 = 1 << 17;
 
 /// Bins of 16 bits serve up to here.
 const NARROW_BINS: u32 = 60_000;
@@ -170,7 +170,7 @@ impl MapSearch {
         let ordered = u32::from(order != 0);
         // The rest is for what a search does outside of its walks.
         let turns = if self.turns > 0 { self.turns } else { on.limits().loop_turns / 2 };
-        if turns > 0 && on.limits().loop_turns > 0 && question.k > MOST_PAUSING {
+        if turns > 0 && on.limits().loop_turns > 0 && question.k > MAX_PAUSING {
             let mend = "must be at most 131072 on this device, whose driver ends long loops";
             return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), mend });
         }

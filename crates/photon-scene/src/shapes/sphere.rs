@@ -6,14 +6,14 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 
 /// More would not fit the memory of most machines: 20 million triangles.
-const MOST_SUBDIVISIONS: u32 = 10;
+const MAX_SUBDIVISIONS: u32 = 10;
 
 /// A sphere of `20 · 4^subdivision` nearly equal triangles, inscribed: an icosahedron whose
 /// triangles are divided into four, again and again, at most 10 times.
 #[must_use]
 pub fn icosphere(subdivision: u32, center: [f64; 3], radius: f64) -> Shape {
     let (mut points, mut triangles) = icosahedron();
-    for _ in 0..subdivision.min(MOST_SUBDIVISIONS) {
+    for _ in 0..subdivision.min(MAX_SUBDIVISIONS) {
         let mut middles = HashMap::with_capacity(triangles.len() * 3 / 2);
         let mut finer = Vec::with_capacity(triangles.len() * 4);
         for [a, b, c] in triangles {

@@ -6,7 +6,7 @@ use crate::bvh::{Binary, BinaryTree};
 /// What testing a triangle costs, against a node of eight boxes.
 const TRIANGLE: f32 = 0.3;
 /// A node has two subtrees, which share eight places; each gets one to seven.
-const MOST: usize = 7;
+const MAX_CHILDREN: usize = 7;
 /// As few places as the entry before it; or, in the first entry, a leaf.
 const NONE: u8 = u8::MAX;
 
@@ -15,14 +15,14 @@ const NONE: u8 = u8::MAX;
 #[derive(Debug)]
 pub(crate) struct Plan {
     /// Entry 0: the first child's places of eight, where the node is a tree by itself.
-    firsts: Vec<[u8; MOST]>,
+    firsts: Vec<[u8; MAX_CHILDREN]>,
 }
 
 impl Plan {
     /// For leaves of up to `leaf` triangles.
     pub(crate) fn of(nodes: &[Binary], leaf: u32) -> Self {
-        let mut firsts = vec![[NONE; MOST]; nodes.len()];
-        let mut costs = vec![[0.0_f32; MOST]; nodes.len()];
+        let mut firsts = vec![[NONE; MAX_CHILDREN]; nodes.len()];
+        let mut costs = vec![[0.0_f32; MAX_CHILDREN]; nodes.len()];
         let mut counts = vec![0_u32; nodes.len()];
         for &index in parents_first(nodes).iter().rev() {
             let index = index as usize;
@@ -30,7 +30,7 @@ impl Plan {
             let area = area(node);
             if node.count > 0 {
                 counts[index] = node.count;
-                costs[index] = [area * node.count as f32 * TRIANGLE; MOST];
+                costs[index] = [area * node.count as f32 * TRIANGLE; MAX_CHILDREN];
                 continue;
             }
             let (a, b) = (node.first as usize, node.first as usize + 1);
@@ -38,20 +38,20 @@ impl Plan {
             // Of `places`, the best share for the first child.
             let best = |places: usize| {
                 (1..places)
-                    .filter(|&first| first <= MOST && places - first <= MOST)
+                    .filter(|&first| first <= MAX_CHILDREN && places - first <= MAX_CHILDREN)
                     .map(|first| (first as u8, costs[a][first - 1] + costs[b][places - first - 1]))
                     .fold((NONE, f32::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
             };
-            let (first, below) = best(MOST + 1);
-            let mut own = [below + area; MOST];
-            let mut shares = [NONE; MOST];
+            let (first, below) = best(MAX_CHILDREN + 1);
+            let mut own = [below + area; MAX_CHILDREN];
+            let mut shares = [NONE; MAX_CHILDREN];
             shares[0] = first;
             let as_leaf = area * counts[index] as f32 * TRIANGLE;
             if counts[index] <= leaf && as_leaf < own[0] {
                 own[0] = as_leaf;
                 shares[0] = NONE;
             }
-            for places in 2..=MOST {
+            for places in 2..=MAX_CHILDREN {
                 let (first, cost) = best(places);
                 if cost < own[places - 2] {
                     (shares[places - 1], own[places - 1]) = (first, cost);
@@ -77,9 +77,9 @@ impl Plan {
         }
         let first = self.firsts[root as usize][0];
         let below = nodes[root as usize].first;
-        let mut children = Vec::with_capacity(MOST + 1);
+        let mut children = Vec::with_capacity(MAX_CHILDREN + 1);
         self.forest(nodes, below, first, &mut children);
-        self.forest(nodes, below + 1, MOST as u8 + 1 - first, &mut children);
+        self.forest(nodes, below + 1, MAX_CHILDREN as u8 + 1 - first, &mut children);
         children
     }
 

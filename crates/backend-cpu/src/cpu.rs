@@ -37,7 +37,7 @@ impl Cpu {
             return Err(Error::InvalidSetting {
                 name: "threads",
                 value: threads.to_string(),
-                mend: "must lie between 1 and 4096",
+                hint: "must lie between 1 and 4096",
             });
         }
         Self::start(threads)

@@ -114,7 +114,7 @@ impl VulkanFilm {
         Err(Error::InvalidSetting {
             name: "size",
             value: format!("{width}x{height}"),
-            mend: "must be the size of the film that the picture goes to",
+            hint: "must be the size of the film that the picture goes to",
         })
     }
 

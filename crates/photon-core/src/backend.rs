@@ -144,7 +144,7 @@ pub trait TransportBackend: FilmBackend {
         Err(crate::Error::InvalidSetting {
             name: "bandwidth",
             value: "per pixel".into(),
-            mend: "this backend has one for all pixels",
+            hint: "this backend has one for all pixels",
         })
     }
 

@@ -82,8 +82,8 @@ impl Plan {
     /// # Errors
     /// [`Error::InvalidSetting`] for no passes, no photons, or an error that is no positive number.
     pub fn validate(&self) -> Result<()> {
-        let ensure = |good: bool, name, value: String, mend| {
-            if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, mend }) }
+        let ensure = |good: bool, name, value: String, hint| {
+            if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, hint }) }
         };
         ensure(self.passes() > 0, "passes", self.passes().to_string(), "at least 1 is needed")?;
         match self.until {

@@ -60,14 +60,14 @@ pub enum Error {
         allowed: u64,
     },
     /// A setting that makes no sense.
-    #[error("{name} is {value}, but {mend}")]
+    #[error("{name} is {value}, but {hint}")]
     InvalidSetting {
         /// The setting.
         name: &'static str,
         /// What it was set to.
         value: String,
         /// What it may be.
-        mend: &'static str,
+        hint: &'static str,
     },
     /// Data of the caller's that make no sense.
     #[error("{what} {index}: {why}")]

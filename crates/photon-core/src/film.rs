@@ -112,7 +112,7 @@ impl Film {
             return Err(Error::InvalidSetting {
                 name: "merged film",
                 value: format!("{}x{}, {:?}", other.width, other.height, other.units),
-                mend: "must have the size and the units of the film that it is merged into",
+                hint: "must have the size and the units of the film that it is merged into",
             });
         }
         match (&mut self.errors, &other.errors) {
@@ -122,7 +122,7 @@ impl Film {
                 return Err(Error::InvalidSetting {
                     name: "merged film",
                     value: (if mine.is_some() { "without errors" } else { "with errors" }).into(),
-                    mend: "must tell errors if the film that it is merged into does, and not if not",
+                    hint: "must tell errors if the film that it is merged into does, and not if not",
                 });
             }
         }
@@ -214,7 +214,7 @@ pub fn check_size(width: u32, height: u32) -> Result<()> {
         return Err(Error::InvalidSetting {
             name: "size",
             value: format!("{width}x{height}"),
-            mend: "must be at least 1x1 and at most 2^31 pixels",
+            hint: "must be at least 1x1 and at most 2^31 pixels",
         });
     }
     Ok(())

@@ -56,8 +56,8 @@ option_names!("bandwidth", Bandwidth { Shared = "shared", PerPixel = "per-pixel"
 option_names!("scheduling", Scheduling { Static = "static", Dynamic = "dynamic" });
 option_names!("random", RandomKind { Counter = "counter", Lcg = "lcg", Sobol = "sobol" });
 
-fn unknown(option: &'static str, text: &str, mend: &'static str) -> Error {
-    Error::InvalidSetting { name: option, value: format!("{text:?}"), mend }
+fn unknown(option: &'static str, text: &str, hint: &'static str) -> Error {
+    Error::InvalidSetting { name: option, value: format!("{text:?}"), hint }
 }
 
 impl Estimator {
@@ -103,13 +103,13 @@ impl FromStr for CausticPhotons {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let mend = "must be auto, shared, or a whole number of paths from 1 on";
+        let hint = "must be auto, shared, or a whole number of paths from 1 on";
         match text {
             "auto" => Ok(Self::Auto),
             "shared" => Ok(Self::Shared),
             _ => match text.parse() {
                 Ok(paths) if paths > 0 => Ok(Self::Aimed(paths)),
-                _ => Err(unknown("caustic-photons", text, mend)),
+                _ => Err(unknown("caustic-photons", text, hint)),
             },
         }
     }
@@ -129,7 +129,7 @@ impl FromStr for Kernel {
 
     /// `cone` alone has the slope 1; another is given as `cone:SLOPE`.
     fn from_str(text: &str) -> Result<Self, Error> {
-        let mend =
+        let hint =
             "must be one of constant, epanechnikov, biweight, cone, cone:SLOPE with a finite slope of at least 1";
         match text {
             "constant" => Ok(Self::Constant),
@@ -139,7 +139,7 @@ impl FromStr for Kernel {
             _ => {
                 let slope = text.strip_prefix("cone:").and_then(|slope| slope.parse::<f32>().ok());
                 let slope = slope.filter(|slope| *slope >= 1.0 && slope.is_finite());
-                slope.map(|slope| Self::Cone { slope }).ok_or_else(|| unknown("kernel", text, mend))
+                slope.map(|slope| Self::Cone { slope }).ok_or_else(|| unknown("kernel", text, hint))
             }
         }
     }

@@ -73,7 +73,7 @@ impl PhotonFormat {
         Err(Error::InvalidSetting {
             name: label,
             value: format!("kept as {}", self.name()),
-            mend: "whole photons were asked for: keep them whole",
+            hint: "whole photons were asked for: keep them whole",
         })
     }
 

@@ -127,7 +127,7 @@ impl<B: TransportBackend> Pipeline<B> {
             return Err(Error::InvalidSetting {
                 name: "batch",
                 value: batch.to_string(),
-                mend: "at least 1 path is needed",
+                hint: "at least 1 path is needed",
             });
         }
         scene.validate()?;
@@ -282,7 +282,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
             return Err(Error::InvalidSetting {
                 name: "pass",
                 value: "after a restart that ended in an error".into(),
-                mend: "restart once more, or make another pipeline",
+                hint: "restart once more, or make another pipeline",
             });
         }
         if self.state == State::PassFailed {
@@ -340,7 +340,7 @@ impl<B: TransportBackend> Pipeline<B> {
             return Err(Error::InvalidSetting {
                 name: "pass",
                 value: index.to_string(),
-                mend: "passes are numbered from 0 to 2^32 - 2",
+                hint: "passes are numbered from 0 to 2^32 - 2",
             });
         }
         let sent = self.emit_and_trace(index, self.settings.photons, observer)?;

@@ -174,7 +174,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
 
 /// Whether to wait on for claims that have not come.
 fn patience(renderer: &mut dyn Render, passes: u32) -> Result<()> {
-    let refuse = |value: &str, mend| Err(Error::InvalidSetting { name: "target-error", value: value.into(), mend });
+    let refuse = |value: &str, hint| Err(Error::InvalidSetting { name: "target-error", value: value.into(), hint });
     if passes == PILOT && renderer.film()?.errors.is_none() {
         return refuse("asked for", "errors must be kept for it: set Settings::errors");
     }

@@ -88,7 +88,7 @@ impl Requirements {
         Err(Error::InvalidSetting {
             name: "what stages model of media",
             value: self.media.to_string(),
-            mend: "solids of this scene lie within each other or overlap; derive the requirements from it",
+            hint: "solids of this scene lie within each other or overlap; derive the requirements from it",
         })
     }
 
@@ -103,7 +103,7 @@ impl Requirements {
         Err(Error::InvalidSetting {
             name: "what maps keep of a photon",
             value: self.photon_format.name().into(),
-            mend: "more of it is read; derive the requirements from this scene and these settings",
+            hint: "more of it is read; derive the requirements from this scene and these settings",
         })
     }
 }

@@ -255,8 +255,8 @@ impl Settings {
     /// # Errors
     /// [`Error::InvalidSetting`] names the first that makes no sense.
     pub fn validate(&self) -> Result<()> {
-        let ensure = |good: bool, name, value: String, mend| {
-            if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, mend }) }
+        let ensure = |good: bool, name, value: String, hint| {
+            if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, hint }) }
         };
         let length = |name, radius: Option<f64>| match radius {
             Some(r) => ensure(r > 0.0 && r.is_finite(), name, r.to_string(), "must be above 0 and finite"),
@@ -283,14 +283,14 @@ impl Settings {
             return Err(Error::InvalidSetting {
                 name: "errors",
                 value: format!("asked of {:?}", self.estimator),
-                mend: "what an error is told by are estimates within two radii: take the estimator of a radius",
+                hint: "what an error is told by are estimates within two radii: take the estimator of a radius",
             });
         }
         if self.area == Area::Surface && matches!(self.estimator, Estimator::Paper(_)) {
             return Err(Error::InvalidSetting {
                 name: "area",
                 value: format!("surface, with {:?}", self.estimator),
-                mend: "the paper's estimator divides by its disc: take another, or area disc",
+                hint: "the paper's estimator divides by its disc: take another, or area disc",
             });
         }
         if let Kernel::Cone { slope } = self.kernel {
@@ -307,23 +307,23 @@ impl Settings {
         ensure(self.shadow_rays >= 1, "shadow-rays", self.shadow_rays.to_string(), "at least 1 is needed")?;
         ensure(self.gather_rays >= 1, "gather-rays", self.gather_rays.to_string(), "at least 1 is needed")?;
         if self.bandwidth == Bandwidth::PerPixel {
-            let mend = "asks for errors, and for light that is not gathered elsewhere";
-            ensure(self.errors && self.indirect != Indirect::Gather, "bandwidth", "per pixel".into(), mend)?;
+            let hint = "asks for errors, and for light that is not gathered elsewhere";
+            ensure(self.errors && self.indirect != Indirect::Gather, "bandwidth", "per pixel".into(), hint)?;
         }
         if let Some(every) = self.irradiance_every {
             let name = "irradiance-every";
             ensure(every >= 1, name, every.to_string(), "at least 1 is needed")?;
             let gathers = self.indirect == Indirect::Gather;
             ensure(gathers, name, format!("{every}, with {:?}", self.indirect), "is for final gathering: ask for it")?;
-            let mend = "cannot tell errors: leave one of the two out";
-            ensure(!self.errors, name, format!("{every}, with errors"), mend)?;
+            let hint = "cannot tell errors: leave one of the two out";
+            ensure(!self.errors, name, format!("{every}, with errors"), hint)?;
         }
         let cosine = self.min_normal_cosine;
         ensure((-1.0..=1.0).contains(&cosine), "min-normal-cosine", cosine.to_string(), "must lie between -1 and 1")?;
         let plane = self.max_plane_distance;
-        let mend = "must be above 0 and at most 1, and 1 with estimators other than that of a radius";
+        let hint = "must be above 0 and at most 1, and 1 with estimators other than that of a radius";
         let good = plane == 1.0 || (plane > 0.0 && plane < 1.0 && matches!(self.estimator, Estimator::Radius { .. }));
-        ensure(good, "max-plane-distance", plane.to_string(), mend)?;
+        ensure(good, "max-plane-distance", plane.to_string(), hint)?;
         Ok(())
     }
 }

@@ -98,7 +98,7 @@ impl EstimateParams {
             return Err(Error::InvalidSetting {
                 name: "max-plane-distance",
                 value: self.max_plane_distance.to_string(),
-                mend: "must be greater than 0; 1 takes the whole ball",
+                hint: "must be greater than 0; 1 takes the whole ball",
             });
         }
         if !self.is_flat() || self.search == Search::Radius {
@@ -107,7 +107,7 @@ impl EstimateParams {
         Err(Error::InvalidSetting {
             name: "max-plane-distance",
             value: format!("{}, with {:?}", self.max_plane_distance, self.search),
-            mend: "is a share of a radius that is given: take the estimator of a radius, or 1",
+            hint: "is a share of a radius that is given: take the estimator of a radius, or 1",
         })
     }
 
@@ -123,7 +123,7 @@ impl EstimateParams {
         Err(Error::InvalidSetting {
             name: "the paper's estimator",
             value: format!("asked of a map that keeps {}", photon_format.name()),
-            mend: "it reads directions: keep photons whole",
+            hint: "it reads directions: keep photons whole",
         })
     }
 
@@ -136,7 +136,7 @@ impl EstimateParams {
             return Err(Error::InvalidSetting {
                 name: "errors",
                 value: format!("asked of {:?}", self.search),
-                mend: "can be told of estimates within a radius alone",
+                hint: "can be told of estimates within a radius alone",
             });
         }
         self.validate()
@@ -289,7 +289,7 @@ pub(crate) fn no_errors() -> Error {
     Error::InvalidSetting {
         name: "errors",
         value: "asked for".into(),
-        mend: "these stages cannot tell them: take those of the backend, and estimates within a radius",
+        hint: "these stages cannot tell them: take those of the backend, and estimates within a radius",
     }
 }
 

@@ -38,7 +38,7 @@ pub(crate) fn resolve(
         return Err(SceneError::Extreme {
             what: format!("camera '{name}'"),
             value: format!("at {:?} with {:?}", desc.position, desc.projection),
-            mend: "bring its position and its view within the reach of the scene",
+            hint: "bring its position and its view within the reach of the scene",
         });
     }
     Ok(camera)

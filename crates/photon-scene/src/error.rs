@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum SceneError {
     /// A number of a material is out of its range.
-    #[error("material '{material}': {property} is {value}, but {mend}")]
+    #[error("material '{material}': {property} is {value}, but {hint}")]
     Material {
         /// Its name.
         material: String,
@@ -16,10 +16,10 @@ pub enum SceneError {
         /// What it is.
         value: String,
         /// What it may be.
-        mend: &'static str,
+        hint: &'static str,
     },
     /// A number of a light is out of its range.
-    #[error("light '{light}': {property} is {value}, but {mend}")]
+    #[error("light '{light}': {property} is {value}, but {hint}")]
     Light {
         /// Its name.
         light: String,
@@ -28,10 +28,10 @@ pub enum SceneError {
         /// What it is.
         value: String,
         /// What it may be.
-        mend: &'static str,
+        hint: &'static str,
     },
     /// A number of a camera is out of its range.
-    #[error("camera '{camera}': {property} is {value}, but {mend}")]
+    #[error("camera '{camera}': {property} is {value}, but {hint}")]
     Camera {
         /// Its name.
         camera: String,
@@ -40,7 +40,7 @@ pub enum SceneError {
         /// What it is.
         value: String,
         /// What it may be.
-        mend: &'static str,
+        hint: &'static str,
     },
     /// A vertex that is nowhere.
     #[error("mesh '{mesh}': vertex {vertex} is {value}, but every coordinate must be a finite number")]
@@ -87,14 +87,14 @@ pub enum SceneError {
         material: String,
     },
     /// Numbers that leave the range of floating point.
-    #[error("{what} is {value}, beyond what can be computed with; {mend}")]
+    #[error("{what} is {value}, beyond what can be computed with; {hint}")]
     Extreme {
         /// What leaves it.
         what: String,
         /// How far.
         value: String,
         /// What to change.
-        mend: &'static str,
+        hint: &'static str,
     },
     /// More of something than can be numbered.
     #[error("{count} {what} are more than can be numbered with 32 bits; split the scene")]
@@ -134,7 +134,7 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// A file whose content makes no sense.
-    #[error("{}{}: {what}; {mend}", path.display(), line.map(|line| format!(", line {line}")).unwrap_or_default())]
+    #[error("{}{}: {what}; {hint}", path.display(), line.map(|line| format!(", line {line}")).unwrap_or_default())]
     Content {
         /// Which file.
         path: PathBuf,
@@ -143,7 +143,7 @@ pub enum SceneError {
         /// What is wrong.
         what: String,
         /// What would be right.
-        mend: String,
+        hint: String,
     },
     /// A kind of file that no loader reads.
     #[error("{}: unknown kind of scene file; supported are {supported}", path.display())]

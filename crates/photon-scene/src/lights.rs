@@ -49,7 +49,7 @@ pub(crate) fn table(
         return Err(SceneError::Extreme {
             what: "the power of all lights together".to_owned(),
             value: format!("{power:e} W"),
-            mend: "use another unit of length or of power",
+            hint: "use another unit of length or of power",
         });
     }
     let mut lit = Lit { lights: Vec::new(), means: Vec::new(), power: if total > 0.0 { power } else { 1.0 }, total };

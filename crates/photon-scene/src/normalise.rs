@@ -75,7 +75,7 @@ impl Frame {
             return Err(SceneError::Extreme {
                 what: "the extent of the scene".to_owned(),
                 value: format!("more than {:e}", f64::MAX),
-                mend: "use a larger unit of length",
+                hint: "use a larger unit of length",
             });
         }
         let scale = if extent > 0.0 { extent } else { 1.0 };

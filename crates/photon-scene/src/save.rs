@@ -217,7 +217,7 @@ fn pack(json: &[u8], bin: &[u8]) -> Result<Vec<u8>, SceneError> {
         return Err(SceneError::Extreme {
             what: "the size of the file".to_owned(),
             value: format!("{length} bytes"),
-            mend: "a .glb holds at most 4 GiB; split the scene",
+            hint: "a .glb holds at most 4 GiB; split the scene",
         });
     };
     let mut file = Vec::with_capacity(length);
@@ -318,7 +318,7 @@ fn single(value: f64, what: impl Fn() -> String) -> Result<f32, SceneError> {
     Err(SceneError::Extreme {
         what: what(),
         value: value.to_string(),
-        mend: "glTF has single precision; use another unit of length or of power",
+        hint: "glTF has single precision; use another unit of length or of power",
     })
 }
 

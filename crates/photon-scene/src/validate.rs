@@ -13,30 +13,30 @@ type Fault = (&'static str, String, &'static str);
 /// Checks materials, meshes, lights and cameras, in that order.
 pub(crate) fn check(scene: &SceneBuilder) -> Result<(), SceneError> {
     for desc in &scene.materials {
-        material(desc).map_err(|(property, value, mend)| SceneError::Material {
+        material(desc).map_err(|(property, value, hint)| SceneError::Material {
             material: desc.name.clone(),
             property,
             value,
-            mend,
+            hint,
         })?;
     }
     for desc in &scene.meshes {
         mesh(desc, scene.materials.len())?;
     }
     for (name, desc) in &scene.lights {
-        light(desc).map_err(|(property, value, mend)| SceneError::Light {
+        light(desc).map_err(|(property, value, hint)| SceneError::Light {
             light: name.clone(),
             property,
             value,
-            mend,
+            hint,
         })?;
     }
     for (name, desc) in &scene.cameras {
-        camera(desc).map_err(|(property, value, mend)| SceneError::Camera {
+        camera(desc).map_err(|(property, value, hint)| SceneError::Camera {
             camera: name.clone(),
             property,
             value,
-            mend,
+            hint,
         })?;
     }
     Ok(())
@@ -89,8 +89,8 @@ fn heading(property: &'static str, direction: [f64; 3]) -> Result<(), Fault> {
     require(direction != [0.0; 3], property, direction, "it must point somewhere")
 }
 
-fn require(fine: bool, property: &'static str, value: impl std::fmt::Debug, mend: &'static str) -> Result<(), Fault> {
-    if fine { Ok(()) } else { Err((property, format!("{value:?}"), mend)) }
+fn require(fine: bool, property: &'static str, value: impl std::fmt::Debug, hint: &'static str) -> Result<(), Fault> {
+    if fine { Ok(()) } else { Err((property, format!("{value:?}"), hint)) }
 }
 
 fn mesh(mesh: &Mesh, materials: usize) -> Result<(), SceneError> {

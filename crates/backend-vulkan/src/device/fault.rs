@@ -70,8 +70,8 @@ mod tests {
         let device = super::super::choose::choose(Vec::new(), None).unwrap_err();
         assert!(matches!(device, Error::NoDevice { .. }));
         let texts = [loader.to_string(), driver.to_string(), device.to_string()];
-        for (text, mend) in texts.iter().zip(["libvulkan1", "mesa-vulkan-drivers", "another device"]) {
-            assert!(text.contains(mend) && text.contains("CPU backend"), "{text}");
+        for (text, hint) in texts.iter().zip(["libvulkan1", "mesa-vulkan-drivers", "another device"]) {
+            assert!(text.contains(hint) && text.contains("CPU backend"), "{text}");
         }
     }
 

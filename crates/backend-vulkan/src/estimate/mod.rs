@@ -150,5 +150,5 @@ fn check_radius(name: &'static str, radius: f32) -> Result<()> {
     if radius >= 0.0 {
         return Ok(());
     }
-    Err(Error::InvalidSetting { name, value: radius.to_string(), mend: "must be at least 0" })
+    Err(Error::InvalidSetting { name, value: radius.to_string(), hint: "must be at least 0" })
 }

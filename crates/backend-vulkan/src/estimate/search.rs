@@ -171,8 +171,8 @@ impl MapSearch {
         // The rest is for what a search does outside of its walks.
         let turns = if self.turns > 0 { self.turns } else { on.limits().loop_turns / 2 };
         if turns > 0 && on.limits().loop_turns > 0 && question.k > MAX_PAUSING {
-            let mend = "must be at most 131072 on this device, whose driver ends long loops";
-            return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), mend });
+            let hint = "must be at most 131072 on this device, whose driver ends long loops";
+            return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), hint });
         }
         let format = map.photon_format().number();
         let kernel = match question.mode {

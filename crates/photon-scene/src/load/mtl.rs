@@ -79,11 +79,11 @@ fn parse(path: &Path) -> Result<Vec<Entry>, SceneError> {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
-        let fault = |mend: &str| SceneError::Content {
+        let fault = |hint: &str| SceneError::Content {
             path: path.to_owned(),
             line: Some(index as u64 + 1),
             what: format!("'{line}' cannot be understood"),
-            mend: mend.to_owned(),
+            hint: hint.to_owned(),
         };
         if keyword == "newmtl" {
             if rest.is_empty() {

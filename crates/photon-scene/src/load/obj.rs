@@ -103,9 +103,9 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn fault(&self, line: usize, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
-        let (what, mend) = (what.into(), mend.into());
-        SceneError::Content { path: self.path.to_owned(), line: Some(line as u64), what, mend }
+    fn fault(&self, line: usize, what: impl Into<String>, hint: impl Into<String>) -> SceneError {
+        let (what, hint) = (what.into(), hint.into());
+        SceneError::Content { path: self.path.to_owned(), line: Some(line as u64), what, hint }
     }
 
     fn statement(&mut self, line: &str, number: usize) -> Result<(), SceneError> {

@@ -43,7 +43,7 @@ impl Overrides {
                     path,
                     line,
                     what,
-                    mend: "docs/scene-files.md lists what may stand there".to_owned(),
+                    hint: "docs/scene-files.md lists what may stand there".to_owned(),
                 })
             }
         }
@@ -80,8 +80,8 @@ impl Overrides {
         Ok(())
     }
 
-    fn fault(&self, what: String, mend: impl Into<String>) -> SceneError {
-        SceneError::Content { path: self.path.clone(), line: None, what, mend: mend.into() }
+    fn fault(&self, what: String, hint: impl Into<String>) -> SceneError {
+        SceneError::Content { path: self.path.clone(), line: None, what, hint: hint.into() }
     }
 
     fn material(&self, name: &str, with: &Material, scene: &mut SceneBuilder) -> Result<(), SceneError> {
@@ -103,8 +103,8 @@ impl Overrides {
 
     fn unknown(&self, what: &str, scene: &SceneBuilder) -> SceneError {
         let names: Vec<_> = scene.materials.iter().map(|material| format!("'{}'", material.name)).collect();
-        let mend = format!("there are {}; 'new = true' in [materials] adds one", names.join(", "));
-        self.fault(what.to_owned(), mend)
+        let hint = format!("there are {}; 'new = true' in [materials] adds one", names.join(", "));
+        self.fault(what.to_owned(), hint)
     }
 
     fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
@@ -145,9 +145,9 @@ impl Overrides {
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
-            let mend = "lambert and mirror have albedo, glass has ior, tint, absorption and priority, thin has ior and tint; \
+            let hint = "lambert and mirror have albedo, glass has ior, tint, absorption and priority, thin has ior and tint; \
                         give another kind, or leave it out";
-            return Err(self.fault(what, mend));
+            return Err(self.fault(what, hint));
         }
         desc.emission = with.emission.map_or(desc.emission, |given| given.rgb());
         desc.emits_both_sides = with.emits_both_sides.unwrap_or(desc.emits_both_sides);

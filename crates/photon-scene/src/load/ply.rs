@@ -20,11 +20,11 @@ use std::path::Path;
 /// names a vertex which is not there.
 pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let bytes = read(path)?;
-    let fault = |line: Option<usize>, what: String, mend: &str| SceneError::Content {
+    let fault = |line: Option<usize>, what: String, hint: &str| SceneError::Content {
         path: path.to_owned(),
         line: line.map(|line| line as u64),
         what,
-        mend: mend.to_owned(),
+        hint: hint.to_owned(),
     };
     let damaged = |error: ParseError| {
         // Its message begins with the line's number and spreads over several lines.

@@ -91,7 +91,7 @@ fn obj_faults_name_their_line() {
     names(&fault("v 0 0\n"), &["line 1", "nothing", "three finite numbers"]);
     // Wild references to what is not used do no harm.
     assert!(load_obj(&folder.file("b.obj", format!("vt 0 0\n{start}f 1/-9/-9 2/7/7 3//0\n"))).is_ok());
-    for (statement, mend) in [
+    for (statement, hint) in [
         ("Kd 1 x 0", "one number, or three"),
         ("Kd 1 1", "one number, or three"),
         ("Ke", "one number, or three"),
@@ -100,7 +100,7 @@ fn obj_faults_name_their_line() {
         ("newmtl", "a name"),
     ] {
         folder.file("bad.mtl", format!("newmtl a\n{statement}\n"));
-        names(&fault("mtllib bad.mtl\n"), &["bad.mtl, line 2", &format!("'{statement}'"), mend]);
+        names(&fault("mtllib bad.mtl\n"), &["bad.mtl, line 2", &format!("'{statement}'"), hint]);
     }
     folder.file("bad.mtl", "Kd 1 1 1\n");
     names(&fault("mtllib bad.mtl\n"), &["bad.mtl, line 1", "newmtl"]);

@@ -70,7 +70,7 @@ impl<'a> Buffers<'a> {
         let bytes = match (&buffer.uri, self.bin) {
             (Some(uri), _) => match uri::read(uri, self.folder) {
                 Ok(bytes) => Cow::Owned(bytes),
-                Err((why, mend)) => return Err(Fault::new(part, why, mend)),
+                Err((why, hint)) => return Err(Fault::new(part, why, hint)),
             },
             (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
             (None, _) => {

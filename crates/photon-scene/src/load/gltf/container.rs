@@ -24,7 +24,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<(Root, Option<&[u8]>), Fault> {
 /// Not the parser's own splitter: that one subtracts before it compares, so that a length below 12
 /// overflows, and it refuses the trailing chunks that the specification tells readers to skip.
 fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
-    let header = |why: String, mend| Fault::new("the GLB header", why, mend);
+    let header = |why: String, hint| Fault::new("the GLB header", why, hint);
     let (Some(version), Some(length)) = (read_u32(bytes, 4), read_u32(bytes, 8)) else {
         let why = format!("needs 12 bytes, but the file has {}", bytes.len());
         return Err(header(why, COPY_AGAIN));
@@ -72,10 +72,10 @@ fn read_u32(bytes: &[u8], at: usize) -> Option<u32> {
 
 /// The document that the JSON text describes.
 fn parse(json: &[u8]) -> Result<Root, Fault> {
-    const MEND: &str = "the file is damaged, or it is not a glTF file";
+    const HINT: &str = "the file is damaged, or it is not a glTF file";
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut value: Value = deserialize::from_slice(json)
-        .map_err(|error| Fault::new("the JSON", error.to_string(), MEND).at_line(error.line()))?;
+        .map_err(|error| Fault::new("the JSON", error.to_string(), HINT).at_line(error.line()))?;
     if let Some(place) = find_oversized_index(&value, "") {
         return Err(Fault::new(place.trim_start_matches('/'), "is above 4294967295, which no index can be", AGAIN));
     }
@@ -88,7 +88,7 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
                 |error: &gltf::json::Error| error.to_string().split(" at line ").next().unwrap_or_default().to_owned();
             // Line numbers are the user's only if the original text fails for the same reason.
             let is_same = message(&error) == message(&remaining);
-            let fault = Fault::new(blame(&value), message(&remaining), MEND);
+            let fault = Fault::new(blame(&value), message(&remaining), HINT);
             if is_same { fault.at_line(error.line()) } else { fault }
         })
     })

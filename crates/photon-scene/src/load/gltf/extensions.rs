@@ -26,7 +26,7 @@ const KNOWN: &[&str] = &[
 const HARMLESS: &[&str] = &["KHR_xmp", "KHR_xmp_json_ld"];
 
 /// What to do about an extension that data cannot be read without.
-fn mend(extension: &str) -> &'static str {
+fn hint(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" => "export the file without Draco mesh compression",
         "EXT_meshopt_compression" | "KHR_meshopt_compression" => "export the file without meshopt compression",
@@ -44,14 +44,14 @@ pub(super) fn check(root: &Root, report: &mut LoadReport) -> Result<(), Fault> {
     for name in root.extensions_required.iter().map(String::as_str) {
         if !KNOWN.contains(&name) && !HARMLESS.contains(&name) && !is_of_material(name) {
             let why = format!("requires the extension {name}, which is not supported");
-            return Err(Fault::new("extensionsRequired", why, mend(name)));
+            return Err(Fault::new("extensionsRequired", why, hint(name)));
         }
     }
     for name in root.extensions_used.iter().map(String::as_str) {
         if name == "KHR_materials_variants" {
             report.note("the file", "has material variants; the default ones are rendered");
         } else if !KNOWN.contains(&name) && !HARMLESS.contains(&name) && !is_of_material(name) {
-            report.left_out("the file", format!("the extension {name} is not supported; {}", mend(name)));
+            report.left_out("the file", format!("the extension {name} is not supported; {}", hint(name)));
         }
     }
     Ok(())

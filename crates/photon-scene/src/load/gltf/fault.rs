@@ -16,15 +16,15 @@ pub(super) struct Fault {
     /// The culprit and what is wrong with it: "accessor 7: has 3 elements, but …".
     what: String,
     /// What would be right.
-    mend: String,
+    hint: String,
     /// Where in the JSON text, from 1, where that is known.
     line: Option<u64>,
 }
 
 impl Fault {
-    pub(super) fn new(part: impl AsRef<str>, why: impl AsRef<str>, mend: impl Into<String>) -> Self {
+    pub(super) fn new(part: impl AsRef<str>, why: impl AsRef<str>, hint: impl Into<String>) -> Self {
         let what = format!("{}: {}", part.as_ref(), why.as_ref());
-        Self { what, mend: mend.into(), line: None }
+        Self { what, hint: hint.into(), line: None }
     }
 
     /// A reference to something that the file does not have.
@@ -44,14 +44,14 @@ impl Fault {
 
     /// With the name of the file.
     pub(super) fn in_file(self, path: &Path) -> SceneError {
-        let Self { what, mend, line } = self;
-        SceneError::Content { path: path.to_owned(), line, what, mend }
+        let Self { what, hint, line } = self;
+        SceneError::Content { path: path.to_owned(), line, what, hint }
     }
 }
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}; {}", self.what, self.mend)
+        write!(f, "{}; {}", self.what, self.hint)
     }
 }
 

@@ -75,7 +75,7 @@ impl<'a> Textures<'a> {
         match (&image.uri, image.buffer_view) {
             (Some(uri), _) => {
                 let bytes =
-                    uri::read(uri, self.buffers.folder()).map_err(|(why, mend)| format!("its image {why}; {mend}"))?;
+                    uri::read(uri, self.buffers.folder()).map_err(|(why, hint)| format!("its image {why}; {hint}"))?;
                 mean_of_png(&bytes)
             }
             (None, Some(view)) => {

@@ -10,7 +10,7 @@ pub(super) struct Translation<'a> {
     pub(super) report: &'a mut LoadReport,
 }
 
-const MEND: &str = "give it in an override file";
+const HINT: &str = "give it in an override file";
 
 impl Translation<'_> {
     fn subject(&self) -> String {
@@ -83,7 +83,7 @@ impl Translation<'_> {
                 ));
             }
             let albedo = diffuse.unwrap_or_else(|| {
-                self.approximated(format!("has no Kd and is made a diffuse grey of 0.5; {MEND}"));
+                self.approximated(format!("has no Kd and is made a diffuse grey of 0.5; {HINT}"));
                 [0.5; 3]
             });
             Surface::Lambert { albedo }
@@ -92,7 +92,7 @@ impl Translation<'_> {
 
     fn ior(&mut self) -> f64 {
         let Some(ior) = self.material.ior else {
-            self.approximated(format!("has no refractive index Ni; 1.5 is taken; {MEND}"));
+            self.approximated(format!("has no refractive index Ni; 1.5 is taken; {HINT}"));
             return 1.5;
         };
         if ior == 1.0 {

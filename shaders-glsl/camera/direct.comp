@@ -75,14 +75,14 @@ struct Target {
 };
 
 // A point of a triangle, on the side that faces the query; false if none does.
-bool at_lamp(Emission lamp, Light light, vec3 from, float u, float v, out Target target) {
-    target.front = lamp.normal;
+bool at_area_light(Emission area_light, Light light, vec3 from, float u, float v, out Target target) {
+    target.front = area_light.normal;
     target.solid_angle = 0.0;
-    target.to = lamp.a;
-    if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(lamp.normal, from - lamp.a) < 0.0) target.front = -lamp.normal;
+    target.to = area_light.a;
+    if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(area_light.normal, from - area_light.a) < 0.0) target.front = -area_light.normal;
     // As seen from as far behind as rays end above the lamp.
     vec3 eye = off_surface(from, -target.front);
-    vec3 a = lamp.a - eye, b = lamp.b - eye, c = lamp.c - eye;
+    vec3 a = area_light.a - eye, b = area_light.b - eye, c = area_light.c - eye;
     float height = -dot3(target.front, a);
     bool near = solid_angle_is_near(a, b, c);
     if (!(height > (near ? SOLID_ANGLE_MIN_HEIGHT : 0.0))) return false;
@@ -91,7 +91,7 @@ bool at_lamp(Emission lamp, Light light, vec3 from, float u, float v, out Target
         || !solid_angle_sample(a, b, c, height, light.area, u, v, weights, target.solid_angle)) {
         weights = sampling_triangle(u, v);
     }
-    target.to = off_surface(barycentric(lamp.a, lamp.b, lamp.c, weights.x, weights.y), target.front);
+    target.to = off_surface(barycentric(area_light.a, area_light.b, area_light.c, weights.x, weights.y), target.front);
     return true;
 }
 
@@ -110,7 +110,7 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
     }
     Target target = Target(light.position, vec3(0.0), 0.0);
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE
-        && !at_lamp(push.scene.emissions[index].at, light, from, unit_f32(words.y), unit_f32(words.z), target)) {
+        && !at_area_light(push.scene.emissions[index].at, light, from, unit_f32(words.y), unit_f32(words.z), target)) {
         return false;
     }
     vec3 gap = target.to - from;

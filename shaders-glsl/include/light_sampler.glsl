@@ -28,9 +28,9 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
         return power * max(-dot3(normal, light.direction), 0.0) / (3.14159265 * light.radius * light.radius);
     }
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE) {
-        Emission lamp = scene.emissions[index].at;
-        vec3 a = lamp.a - position, b = lamp.b - position, c = lamp.c - position;
-        float height = -dot3(a, lamp.normal);
+        Emission area_light = scene.emissions[index].at;
+        vec3 a = area_light.a - position, b = area_light.b - position, c = area_light.c - position;
+        float height = -dot3(a, area_light.normal);
         if ((light.flags & LIGHT_BOTH_SIDES) != 0) {
             height = abs(height);
             power = 0.5 * power;

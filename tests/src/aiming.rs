@@ -14,11 +14,11 @@ use crate::harness::{TestBackend, per_pass, renderer};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
 /// Kinds of lamps, one scene each; the last has all of them.
-const LAMPS: [&str; 5] = ["point", "spot", "sun", "panel", "all"];
+const LIGHT_KINDS: [&str; 5] = ["point", "spot", "sun", "panel", "all"];
 
 /// A ball of glass, a mirror and a pane above a floor, under lamps; or, for a table that is wrong, a bead
 /// in the place of the ball alone.
-fn room(lamps: &str, whole: bool) -> Scene {
+fn room(kinds: &str, whole: bool) -> Scene {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
     let glass = builder.material(MaterialDesc::glass("glass", 1.5));
@@ -30,7 +30,7 @@ fn room(lamps: &str, whole: bool) -> Scene {
     let (metal, pane) = if whole { (metal, pane) } else { (grey, grey) };
     builder.quad("mirror", [[-1.2, 0.1, -0.4], [-0.7, 0.1, -0.8], [-0.7, 0.6, -0.8], [-1.2, 0.6, -0.4]], metal);
     builder.quad("pane", [[0.9, 0.1, 0.2], [1.4, 0.1, 0.6], [1.4, 0.5, 0.6], [0.9, 0.5, 0.2]], pane);
-    let has = |lamp: &str| lamps == lamp || lamps == "all";
+    let has = |kind: &str| kinds == kind || kinds == "all";
     if has("point") {
         builder.light("point", LightDesc::Point { position: [-0.2, 1.9, 0.4], intensity: [2.0, 1.0, 1.0] });
     }
@@ -117,21 +117,21 @@ fn compared(a: &[[f64; 3]], b: &[[f64; 3]], sum: usize) -> (f64, f64, f64) {
 /// G1: flux of the map and where it lies are those of photons sent everywhere, for each kind of light, and
 /// by a quarter of the paths no noisier; by the table of another scene they are not.
 pub fn g1_aimed_photons_have_the_same_expectation<T: TestBackend>() {
-    for lamps in LAMPS {
-        let scene = room(lamps, true);
+    for kinds in LIGHT_KINDS {
+        let scene = room(kinds, true);
         let projection = ProjectionMap::of(&scene.view());
         let plain = caustics::<T>(&scene, None, 8, 4000);
         let aimed = caustics::<T>(&scene, Some(&projection), 8, 1000);
         for sum in 0..3 {
             let (truth, found, error) = compared(&plain, &aimed, sum);
-            assert_agrees(lamps, found, truth, error, 0.0);
+            assert_agrees(kinds, found, truth, error, 0.0);
         }
         let noise = |values: &[[f64; 3]]| moments(&values.iter().map(|v| v[0]).collect::<Vec<_>>()).1;
         let gain = noise(&plain) * 4000.0 / (noise(&aimed) * 1000.0);
-        eprintln!("{lamps}: share {:.3}, variance of a path's flux {gain:.1} times less", projection.share());
-        let wrong = caustics::<T>(&scene, Some(&ProjectionMap::of(&room(lamps, false).view())), 8, 1000);
+        eprintln!("{kinds}: share {:.3}, variance of a path's flux {gain:.1} times less", projection.share());
+        let wrong = caustics::<T>(&scene, Some(&ProjectionMap::of(&room(kinds, false).view())), 8, 1000);
         let (truth, found, error) = compared(&plain, &wrong, 0);
-        assert!(!agrees(found, truth, error, 0.0), "{lamps}: {found} {truth} {error}");
+        assert!(!agrees(found, truth, error, 0.0), "{kinds}: {found} {truth} {error}");
     }
 }
 
@@ -164,8 +164,8 @@ impl<'a> Cells<'a> {
 /// G2: no photon sent everywhere meets something specular first, and has not left by a marked cell. So no
 /// defensive share of aimed photons is needed.
 pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
-    for lamps in LAMPS {
-        let scene = room(lamps, true);
+    for kinds in LIGHT_KINDS {
+        let scene = room(kinds, true);
         let view = scene.view();
         let settings = Settings { seed: 5, ..Settings::default() };
         let mut on = T::make(2);
@@ -197,9 +197,9 @@ pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
             counts
         };
         let [lost, held] = missed(&ProjectionMap::of(&view));
-        assert!(lost == 0 && held > 200, "{lamps}: {lost} of {}", lost + held);
-        let [lost, _] = missed(&ProjectionMap::of(&room(lamps, false).view()));
-        assert!(lost > 10, "{lamps}: {lost}");
+        assert!(lost == 0 && held > 200, "{kinds}: {lost} of {}", lost + held);
+        let [lost, _] = missed(&ProjectionMap::of(&room(kinds, false).view()));
+        assert!(lost > 10, "{kinds}: {lost}");
     }
 }
 

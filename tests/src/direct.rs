@@ -39,10 +39,10 @@ fn point<T: TestBackend>(mut builder: SceneBuilder, x: f64, shadow_rays: u32, pa
     film::<T>(&scene, &settings, passes, size)
 }
 
-fn with_lamp(name: &str, (positions, triangles): shapes::Shape, radiance: f64) -> SceneBuilder {
+fn with_area_light(name: &str, (positions, triangles): shapes::Shape, radiance: f64) -> SceneBuilder {
     let mut builder = floor();
-    let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [radiance; 3]));
-    builder.mesh(name, positions, triangles, lamp);
+    let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [radiance; 3]));
+    builder.mesh(name, positions, triangles, area_light);
     builder
 }
 
@@ -78,9 +78,9 @@ pub fn b2_flux_through_a_disc<T: TestBackend>() {
 /// B3: a Lambertian disc. Its 512 segments lack `1 − sin(2π/n)/(2π/n)` = 2.5e-5 of the area.
 pub fn b3_lambertian_disc<T: TestBackend>() {
     for (x, truth) in [(0.0, std::f64::consts::FRAC_PI_2), (1.0, 0.868_314_9), (2.0, 0.165_833_4)] {
-        let lamp = shapes::disc([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], 1.0, 512);
+        let area_light = shapes::disc([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], 1.0, 512);
         let closed = PI / 2.0 * (1.0 - (x * x + 1.0 - 1.0) / ((x * x + 2.0_f64).powi(2) - 4.0 * x * x).sqrt());
-        let (found, error) = irradiance::<T>(with_lamp("disc", lamp, 1.0), x, 64);
+        let (found, error) = irradiance::<T>(with_area_light("disc", area_light, 1.0), x, 64);
         assert_agrees("disc", found, closed, error, 1e-4 * closed);
         if x < 2.0 {
             assert!((closed - truth).abs() < 1e-6, "{closed}");
@@ -96,8 +96,9 @@ pub fn b4_rectangle<T: TestBackend>() {
         ([-0.5, -0.5], [0.5, 0.5], 0.239_456_5),
     ] {
         let at = |x: f64, z: f64| [x, 1.0, z];
-        let lamp = shapes::quad([at(low[0], low[1]), at(high[0], low[1]), at(high[0], high[1]), at(low[0], high[1])]);
-        let (found, error) = irradiance::<T>(with_lamp("lamp", lamp, 1.0), 0.0, 64);
+        let area_light =
+            shapes::quad([at(low[0], low[1]), at(high[0], low[1]), at(high[0], high[1]), at(low[0], high[1])]);
+        let (found, error) = irradiance::<T>(with_area_light("lamp", area_light, 1.0), 0.0, 64);
         assert_agrees("rectangle", found, PI * factor, error, 1e-5);
     }
 }
@@ -118,9 +119,9 @@ pub fn b5_form_factors<T: TestBackend>() {
         (disc(0.0, 1.0), disc(1.0, -1.0), 0.381_966_0),
     ] {
         let mut builder = SceneBuilder::new();
-        let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]));
+        let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]));
         let black = builder.material(MaterialDesc::lambert("black", [0.0; 3]));
-        builder.mesh("emitter", emitter.0, emitter.1, lamp);
+        builder.mesh("emitter", emitter.0, emitter.1, area_light);
         builder.mesh("receiver", receiver.0, receiver.1, black);
         let scene = builder.build().unwrap();
         let n = 400_000;
@@ -133,9 +134,9 @@ pub fn b5_form_factors<T: TestBackend>() {
 /// A wall of light on the floor at x = 0, `2·half` long and `high`, that shines towards larger x; or to both sides.
 fn wall_of_light(half: f64, high: f64, both: bool) -> SceneBuilder {
     let mut builder = floor();
-    let lamp = MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]);
-    let lamp = builder.material(MaterialDesc { emits_both_sides: both, ..lamp });
-    builder.quad("wall", [[0.0, 0.0, half], [0.0, 0.0, -half], [0.0, high, -half], [0.0, high, half]], lamp);
+    let area_light = MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]);
+    let area_light = builder.material(MaterialDesc { emits_both_sides: both, ..area_light });
+    builder.quad("wall", [[0.0, 0.0, half], [0.0, 0.0, -half], [0.0, high, -half], [0.0, high, half]], area_light);
     builder
 }
 
@@ -143,7 +144,7 @@ fn wall_of_light(half: f64, high: f64, both: bool) -> SceneBuilder {
 /// that stands on its plane, a corner opposite: `E = atan(b/x) − x/√(a² + x²) atan(b/√(a² + x²))` for height a and
 /// half its length b; to 3·10⁻⁵ of π/2 of it, of the steps off both surfaces, 8·10⁻⁶ m each where E falls by 2 per metre. A
 /// ceiling of light: four times that of B4.
-pub fn b9_lamps_near_by<T: TestBackend>() {
+pub fn b9_area_lights_near_by<T: TestBackend>() {
     for (x, half, high, both) in [
         (0.5, 1.0, 1.0, false),
         (1e-2, 1.0, 1.0, false),
@@ -163,14 +164,14 @@ pub fn b9_lamps_near_by<T: TestBackend>() {
         let quad = shapes::quad([[-1.0, high, -1.0], [1.0, high, -1.0], [1.0, high, 1.0], [-1.0, high, 1.0]]);
         let root = 1.0_f64.hypot(high);
         let truth = 4.0 / root * (1.0 / root).atan();
-        let (found, error) = irradiance::<T>(with_lamp("ceiling", quad, 1.0), 0.0, 64);
+        let (found, error) = irradiance::<T>(with_area_light("ceiling", quad, 1.0), 0.0, 64);
         assert_agrees("ceiling of light", found, truth, error, 5e-5);
     }
 }
 
 /// B10: no shadow ray brings more than the radiance times the solid angle of all that shines, over the 0.9 of the choice among lamps
 /// that go by it. Points uniform in area would.
-pub fn b10_no_shadow_ray_outshines_its_lamp<T: TestBackend>() {
+pub fn b10_no_shadow_ray_outshines_its_area_light<T: TestBackend>() {
     let x = 1e-2;
     // A wall of light that meets the floor fills half of the hemisphere at most.
     let most = PI / 0.9 * 1.001;
@@ -192,8 +193,11 @@ pub fn b10_no_shadow_ray_outshines_its_lamp<T: TestBackend>() {
 
 /// B8: the power of emitters.
 pub fn b8_power_of_emitters<T: TestBackend>() {
-    let area =
-        with_lamp("lamp", shapes::quad([[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]]), 1.0);
+    let area = with_area_light(
+        "lamp",
+        shapes::quad([[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]]),
+        1.0,
+    );
     let mut spot = floor();
     let angle = 30.0_f64.to_radians();
     spot.light(
@@ -217,8 +221,11 @@ pub fn b8_power_of_emitters<T: TestBackend>() {
 
 /// Photons and shadow rays are two estimates of one thing: their direct layers agree.
 pub fn direct_light_by_photons_agrees<T: TestBackend>() {
-    let mut builder =
-        with_lamp("lamp", shapes::quad([[-1.0, 2.0, -1.0], [1.0, 2.0, -1.0], [1.0, 2.0, 1.0], [-1.0, 2.0, 1.0]]), 1.0);
+    let mut builder = with_area_light(
+        "lamp",
+        shapes::quad([[-1.0, 2.0, -1.0], [1.0, 2.0, -1.0], [1.0, 2.0, 1.0], [-1.0, 2.0, 1.0]]),
+        1.0,
+    );
     look_at_point(&mut builder, [0.5, 0.0, 0.2], [0.0, 1.0, 0.0], 0.5, 0.2);
     let scene = builder.build().unwrap();
     let base = Settings { indirect: Indirect::None, caustics: false, photons: 100_000, ..Settings::default() };

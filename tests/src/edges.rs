@@ -16,9 +16,9 @@ fn unit(a: Point) -> Point {
     a.map(|x| x / length)
 }
 
-/// A closed room within a shell, lamps between the two, and with a `lamp` one in the room too; cameras in the room that
+/// A closed room within a shell, lamps between the two, and with an `area_light` one in the room too; cameras in the room that
 /// see 2·10⁻⁶ of an edge each.
-fn nested(shape: shapes::Shape, edges: usize, lamp: bool) -> (Scene, Vec<String>) {
+fn nested(shape: shapes::Shape, edges: usize, area_light: bool) -> (Scene, Vec<String>) {
     let (mut positions, triangles) = shapes::flip(shapes::rotate_y(shape, 0.7));
     for p in &mut positions {
         // About x too, so that no wall lies along an axis.
@@ -36,7 +36,7 @@ fn nested(shape: shapes::Shape, edges: usize, lamp: bool) -> (Scene, Vec<String>
             builder.light("outside", LightDesc::Point { position, intensity: [1.0; 3] });
         }
     }
-    if lamp {
+    if area_light {
         builder.light("inside", LightDesc::Point { position: [0.1; 3], intensity: [1.0; 3] });
     }
     // Edges of the room are those from a wall to one that faces another way.

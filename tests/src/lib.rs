@@ -80,7 +80,7 @@ macro_rules! whole_suite {
             }
             direct::{
                 b1_point_light, b2_flux_through_a_disc, b3_lambertian_disc, b4_rectangle, b5_form_factors,
-                b8_power_of_emitters, b9_lamps_near_by, b10_no_shadow_ray_outshines_its_lamp,
+                b8_power_of_emitters, b9_area_lights_near_by, b10_no_shadow_ray_outshines_its_area_light,
                 direct_light_by_photons_agrees,
             }
             interreflection::{

@@ -286,8 +286,8 @@ pub fn s29_nothing_to_render<T: TestBackend>() {
     assert!(start(with(0.5, 1.0), Settings { photons: 0, ..small.clone() }, 4).is_err());
     assert!(start(with(0.5, 1.0), small.clone(), 0).is_err());
     let mut flat = with(0.5, 1.0);
-    let lamp = flat.material(MaterialDesc::emissive("strip", [0.0; 3], [1.0; 3]));
-    flat.mesh("strip", vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], vec![[0, 1, 2]], lamp);
+    let area_light = flat.material(MaterialDesc::emissive("strip", [0.0; 3], [1.0; 3]));
+    flat.mesh("strip", vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], vec![[0, 1, 2]], area_light);
     let error = flat.build().unwrap_err();
     assert!(matches!(error, SceneError::ZeroAreaLight { .. }), "{error}");
 }

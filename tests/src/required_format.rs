@@ -27,9 +27,9 @@ fn room(which: Option<&str>) -> Scene {
         let (positions, triangles) = shapes::icosphere(1, [x, -0.6, 0.0], 0.3);
         builder.mesh("ball", positions, triangles, material);
     }
-    let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], of("lamp", 1.0)));
+    let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], of("lamp", 1.0)));
     let (y, h) = (0.9, 0.3);
-    builder.quad("lamp", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], lamp);
+    builder.quad("lamp", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], area_light);
     builder.light("bulb", LightDesc::Point { position: [0.1, 0.3, 0.2], intensity: of("bulb", 0.1) });
     // What no surface has does not count.
     builder.material(MaterialDesc::lambert("unused", [0.1, 0.2, 0.3]));

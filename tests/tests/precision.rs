@@ -54,7 +54,7 @@ fn a_detail_of_a_thousandth_holds_and_one_of_a_hundred_thousandth_does_not() {
 
 /// The comparison notices a lamp that is moved by a hundred-thousandth of the room.
 #[test]
-fn a_lamp_beside_its_place_is_seen() {
+fn an_area_light_beside_its_place_is_seen() {
     let here = studio(1.0, 0.0, 0.6);
     let median = |described| {
         let pair = Pair::new(&here, described, 2000, 4);

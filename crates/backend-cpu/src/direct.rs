@@ -75,7 +75,7 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Opt
         return (cosine > 0.0).then(|| (power * (cosine / area), ray));
     }
     let Target { to, front, solid_angle } = if light.kind == Light::TRIANGLE {
-        at_lamp(scene, light, from, u, v)?
+        at_area_light(scene, light, from, u, v)?
     } else {
         Target { to: Vec3::from(light.position), front: Vec3::ZERO, solid_angle: 0.0 }
     };
@@ -122,7 +122,7 @@ struct Target {
 }
 
 /// A point of a triangle, on the side that faces the query; `None` if none does.
-fn at_lamp(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Target> {
+fn at_area_light(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Target> {
     let primitive = light.primitive as usize;
     let vertices = scene.vertices[primitive];
     let mut front = Vec3::from(scene.primitives[primitive].normal);

@@ -219,8 +219,8 @@ fn lights(count: usize) -> Scene {
     let mut scene = SceneBuilder::new();
     let floor = scene.material(MaterialDesc::lambert("floor", [0.8, 0.7, 0.6]));
     let sheet = scene.material(MaterialDesc::thin("sheet", 1.5));
-    let lamp = MaterialDesc::emissive("lamp", [0.5; 3], [8.0, 9.0, 10.0]);
-    let lamp = scene.material(MaterialDesc { emits_both_sides: true, ..lamp });
+    let area_light = MaterialDesc::emissive("lamp", [0.5; 3], [8.0, 9.0, 10.0]);
+    let area_light = scene.material(MaterialDesc { emits_both_sides: true, ..area_light });
     scene.quad("floor", [[-2., 0., 2.], [2., 0., 2.], [2., 0., -2.], [-2., 0., -2.]], floor);
     scene.quad("sheet", [[-1., 0.3, 0.], [1., 0.3, 0.], [1., 1.2, -0.4], [-1., 1.2, -0.4]], sheet);
     for i in 0..count {
@@ -230,7 +230,7 @@ fn lights(count: usize) -> Scene {
         match i % 4 {
             0 => scene.light("point", LightDesc::Point { position, intensity: [0.3, 0.2, 0.1] }),
             3 if i > 3 => {
-                scene.quad("lamp", [[x, y, z], [x + 0.2, y, z], [x + 0.2, y + 0.2, z], [x, y + 0.2, z]], lamp)
+                scene.quad("lamp", [[x, y, z], [x + 0.2, y, z], [x + 0.2, y + 0.2, z], [x, y + 0.2, z]], area_light)
             }
             3 => scene.light("sun", LightDesc::Directional { direction: [0.2, -1.0, 0.1], irradiance: [0.4; 3] }),
             soft => scene.light(

@@ -39,22 +39,22 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
     let mean = |light: &Light| light.power.iter().map(|&power| f64::from(power)).sum::<f64>() / 3.0;
     let total: f64 = scene.lights.iter().map(mean).sum();
     let mut shares: Vec<LightShare> = Vec::new();
-    let mut lamps: Vec<Option<usize>> = vec![None; scene.materials.len()];
+    let mut area_lights: Vec<Option<usize>> = vec![None; scene.materials.len()];
     for (index, light) in scene.lights.iter().enumerate() {
         let power = if total > 0.0 { mean(light) / total } else { 0.0 };
         let probability = light_probability(scene.light_cdf, index);
         let material = scene.primitives.get(light.primitive as usize).map(|primitive| primitive.material as usize);
-        let known = material.and_then(|material| lamps.get(material).copied().flatten());
-        if let Some(lamp) = known {
-            shares[lamp].lights += 1;
-            shares[lamp].power += power;
-            shares[lamp].probability += probability;
+        let known = material.and_then(|material| area_lights.get(material).copied().flatten());
+        if let Some(area_light) = known {
+            shares[area_light].lights += 1;
+            shares[area_light].power += power;
+            shares[area_light].probability += probability;
             continue;
         }
         let what = match (light.kind, material) {
             (_, Some(material)) => {
-                if let Some(lamp) = lamps.get_mut(material) {
-                    *lamp = Some(shares.len());
+                if let Some(area_light) = area_lights.get_mut(material) {
+                    *area_light = Some(shares.len());
                 }
                 format!("lamp of material {material}")
             }
@@ -75,7 +75,7 @@ mod tests {
     use crate::units::Units;
 
     #[test]
-    fn a_lamp_is_one_and_a_weak_light_is_told_from_a_starving_one() {
+    fn an_area_light_is_one_and_a_weak_light_is_told_from_a_starving_one() {
         let primitives = [0, 1, 1].map(|material| Primitive { normal: [0.0, 1.0, 0.0], material });
         let materials = [Material::default(); 2];
         let light = |kind, primitive, power| Light { kind, primitive, power: [power; 3], ..Light::default() };

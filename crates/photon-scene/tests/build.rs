@@ -16,13 +16,13 @@ fn nudged(size: f64, brightness: f64, nudge: f64) -> Scene {
     let at = |x: f64, y: f64, z: f64| [x * size, y * size, z * size];
     let glow = |value: f64| [value * brightness, 0.5 * value * brightness, 0.25 * value * brightness];
     let white = builder.material(MaterialDesc::lambert("white", [0.7, 0.6, 0.5]));
-    let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], glow(9.0)));
+    let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], glow(9.0)));
     let absorption = [0.3 / size, 0.2 / size, 0.1 / size];
     let glass =
         builder.material(MaterialDesc::new("glass", Surface::Dielectric { ior: 1.5, absorption, tint: [1.0; 3] }));
     let floor = [at(-1.3, 0.1, 1.1), at(1.7, 0.1, 1.1), at(1.7, 0.1, -1.9), at(-1.3, 0.1, -1.9)];
     builder.quad("floor", floor, white);
-    builder.quad("lamp", [at(-0.3, 2.0, -0.3), at(0.3, 2.0, -0.3), at(0.3, 2.0, 0.3), at(-0.3, 2.0, 0.3)], lamp);
+    builder.quad("lamp", [at(-0.3, 2.0, -0.3), at(0.3, 2.0, -0.3), at(0.3, 2.0, 0.3), at(-0.3, 2.0, 0.3)], area_light);
     let corners = vec![at(0.0, 0.5, 0.0), at(0.4, 0.5, 0.0), at(0.0, 0.9, 0.0), at(0.0, 0.5, 0.4)];
     builder.mesh("gem", corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], glass);
     let intensity = glow(2.0).map(|value| value * size * size);
@@ -148,9 +148,9 @@ fn the_box_is_of_unit_size_about_the_origin() {
 fn both_sides_emit_twice() {
     let build = |emits_both_sides| {
         let mut builder = SceneBuilder::new();
-        let lamp = MaterialDesc { emits_both_sides, ..MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]) };
-        let lamp = builder.material(lamp);
-        builder.quad("lamp", [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], lamp);
+        let area_light = MaterialDesc { emits_both_sides, ..MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]) };
+        let area_light = builder.material(area_light);
+        builder.quad("lamp", [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], area_light);
         builder.build().expect("a lamp")
     };
     let (one, two) = (build(false), build(true));

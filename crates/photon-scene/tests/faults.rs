@@ -51,8 +51,8 @@ fn materials() {
     names(&material(glass([f64::INFINITY; 3], [1.0; 3])), &["'ink'", "absorption", "inf"]);
     names(&material(glass([0.0; 3], [1.1; 3])), &["'ink'", "tint", "1.1"]);
     for emission in [-1.0, f64::NAN, f64::INFINITY] {
-        let lamp = MaterialDesc::emissive("lamp", [0.0; 3], [emission; 3]);
-        names(&material(lamp), &["'lamp'", "emission", "finite"]);
+        let area_light = MaterialDesc::emissive("lamp", [0.0; 3], [emission; 3]);
+        names(&material(area_light), &["'lamp'", "emission", "finite"]);
     }
 }
 
@@ -81,8 +81,8 @@ fn meshes() {
     });
     names(&foreign, &["'alien'", "material number 2", "1 of this builder"]);
     let flat = fault(|builder| {
-        let lamp = builder.material(MaterialDesc::emissive("glow", [0.0; 3], [1.0; 3]));
-        builder.mesh("lamp", vec![[0.0; 3], [1.0; 3], [2.0; 3]], vec![[0, 1, 2]], lamp);
+        let area_light = builder.material(MaterialDesc::emissive("glow", [0.0; 3], [1.0; 3]));
+        builder.mesh("lamp", vec![[0.0; 3], [1.0; 3], [2.0; 3]], vec![[0, 1, 2]], area_light);
     });
     names(&flat, &["'lamp'", "'glow'", "no area", "point light"]);
 }

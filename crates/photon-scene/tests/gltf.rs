@@ -31,7 +31,7 @@ impl Drop for Folder {
 }
 
 /// Two triangles that make a square of side 2, 3 above the origin, facing down, radiance 5.
-fn lamp(uri: &str) -> String {
+fn area_light(uri: &str) -> String {
     format!(
         r#"{{"asset": {{"version": "2.0"}},
         "buffers": [{{"byteLength": 54, "uri": "{uri}"}}],
@@ -61,10 +61,10 @@ fn build(path: &Path) -> Scene {
 }
 
 #[test]
-fn a_lamp_has_the_power_of_its_area() {
+fn an_area_light_has_the_power_of_its_area() {
     let folder = Folder::new("lamp");
     folder.write("square.bin", square());
-    let scene = build(&folder.write("lamp.gltf", lamp("square.bin")));
+    let scene = build(&folder.write("lamp.gltf", area_light("square.bin")));
     // π · radiance · area, for a lamp that shines from one side.
     let expected = std::f64::consts::PI * 5.0 * 4.0;
     assert!((scene.units().power / expected - 1.0).abs() < 1e-12, "{:?}", scene.units());
@@ -85,7 +85,7 @@ fn names_may_be_escaped_or_not_and_lie_in_folders() {
         [("a b.bin", "a%20b.bin"), ("a b.bin", "a b.bin"), ("100%.bin", "100%.bin"), ("data/c.bin", "data/c.bin")]
     {
         folder.write(file, square());
-        let scene = build(&folder.write("lamp.gltf", lamp(uri)));
+        let scene = build(&folder.write("lamp.gltf", area_light(uri)));
         assert_eq!(scene.view().triangles.len(), 2, "{uri}");
     }
 }
@@ -97,7 +97,7 @@ fn missing_and_cut_files_are_named() {
     assert!(matches!(&error, SceneError::Read { path, .. } if path.ends_with("none.gltf")), "{error}");
     assert!(matches!(load_gltf(&folder.0), Err(SceneError::Read { .. })));
 
-    let path = folder.write("lamp.gltf", lamp("square.bin"));
+    let path = folder.write("lamp.gltf", area_light("square.bin"));
     let error = load_gltf(&path).unwrap_err().to_string();
     assert!(error.contains("lamp.gltf") && error.contains("buffer 0") && error.contains("square.bin"), "{error}");
 
@@ -105,7 +105,7 @@ fn missing_and_cut_files_are_named() {
     let error = load_gltf(&path).unwrap_err().to_string();
     assert!(error.contains("needs 54 bytes") && error.contains("square.bin has 40"), "{error}");
 
-    let path = folder.write("cut.gltf", &lamp("square.bin")[..200]);
+    let path = folder.write("cut.gltf", &area_light("square.bin")[..200]);
     let error = load_gltf(&path).unwrap_err();
     assert!(matches!(error, SceneError::Content { line: Some(_), .. }), "{error}");
 }

@@ -89,9 +89,9 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
         }
         "directional" => builder.light("lamp", LightDesc::Directional { direction, irradiance: [1.0; 3] }),
         "area" => {
-            let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]));
+            let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]));
             let (y, h) = (0.9, 0.3);
-            builder.quad("lamp", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], lamp);
+            builder.quad("lamp", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], area_light);
         }
         _ => builder.light("lamp", LightDesc::Point { position, intensity: [1.0; 3] }),
     }

@@ -14,7 +14,7 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     inside_glass::<T>(sheet);
     frames(sheet);
     cones::<T>(sheet);
-    small_lamp::<T>(sheet);
+    small_area_light::<T>(sheet);
     large_picture::<T>(sheet);
 }
 
@@ -190,14 +190,14 @@ fn cones<T: TestBackend>(sheet: &mut Sheet) {
 }
 
 /// A lamp of a millionth of the scene, far above a floor: as a point of its power.
-fn small_lamp<T: TestBackend>(sheet: &mut Sheet) {
+fn small_area_light<T: TestBackend>(sheet: &mut Sheet) {
     let side = 2e-6;
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
     builder.quad("floor", [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]], grey);
-    let lamp = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0 / side / side; 3]));
+    let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0 / side / side; 3]));
     let h = 0.5 * side;
-    builder.quad("lamp", [[-h, 1.0, -h], [h, 1.0, -h], [h, 1.0, h], [-h, 1.0, h]], lamp);
+    builder.quad("lamp", [[-h, 1.0, -h], [h, 1.0, -h], [h, 1.0, h], [-h, 1.0, h]], area_light);
     look_at_point(&mut builder, [0.0; 3], [0.0, 1.0, 0.0], 0.5, 1e-3);
     let scene = builder.build().unwrap();
     let settings =

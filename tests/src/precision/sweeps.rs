@@ -69,7 +69,7 @@ fn shadows(described: &Described, pair: &Pair) -> f64 {
     let wide = Wide::exact(&scene, described);
     let view = scene.view();
     let accel = Accel::build(view.positions, view.triangles).unwrap();
-    let (lamp, place) = (view.lights.len() - 1, *wide.light_places.last().unwrap());
+    let (area_light, place) = (view.lights.len() - 1, *wide.light_places.last().unwrap());
     let (mut differ, mut count) = (0_u32, 0_u32);
     for (shipped, twin) in pair.shipped.iter().zip(&pair.twin) {
         let (Some((_, photon)), Some(landing)) = (shipped.first(), twin.first()) else { continue };
@@ -78,7 +78,7 @@ fn shadows(described: &Described, pair: &Pair) -> f64 {
             continue;
         }
         let from = offset::off_surface(photon.position.into(), landing.normal.as_vec3());
-        let gap = Vec3::from(view.lights[lamp].position) - from;
+        let gap = Vec3::from(view.lights[area_light].position) - from;
         let ray = Ray { origin: from, direction: gap / gap.length(), t_max: gap.length() };
         let gap: DVec3 = place - landing.point;
         let blocked =

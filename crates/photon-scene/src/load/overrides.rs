@@ -215,10 +215,10 @@ fn add_light(index: usize, light: &Light, frame: Frame, scene: &mut SceneBuilder
         }
         Light::Quad { name, relative, corner, edges, radiance, emits_both_sides } => {
             let name = called(name);
-            let mut lamp = MaterialDesc::emissive(&name, [0.0; 3], radiance.rgb());
-            lamp.emits_both_sides = *emits_both_sides;
-            let lamp = scene.material(lamp);
-            scene.quad(name, frame.corners(*relative, *corner, *edges), lamp);
+            let mut area_light = MaterialDesc::emissive(&name, [0.0; 3], radiance.rgb());
+            area_light.emits_both_sides = *emits_both_sides;
+            let area_light = scene.material(area_light);
+            scene.quad(name, frame.corners(*relative, *corner, *edges), area_light);
         }
     }
 }

@@ -130,12 +130,12 @@ fn the_index_0_reflects_everything() {
 
 #[test]
 fn nits_are_radiance() {
-    let (lamp, _) = read(
+    let (area_light, _) = read(
         r#""emissiveFactor": [1, 0.5, 0], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}"#,
     );
-    assert_eq!((lamp.emission, lamp.emits_both_sides), ([8.0, 4.0, 0.0], false));
-    let (lamp, _) = read(r#""emissiveFactor": [1, 1, 1], "doubleSided": true"#);
-    assert_eq!((lamp.emission, lamp.emits_both_sides), ([1.0; 3], true));
+    assert_eq!((area_light.emission, area_light.emits_both_sides), ([8.0, 4.0, 0.0], false));
+    let (area_light, _) = read(r#""emissiveFactor": [1, 1, 1], "doubleSided": true"#);
+    assert_eq!((area_light.emission, area_light.emits_both_sides), ([1.0; 3], true));
 }
 
 #[test]

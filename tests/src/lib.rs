@@ -8,7 +8,6 @@
 
 pub mod accuracy;
 pub mod aiming;
-pub mod cut;
 pub mod debias;
 pub mod determinism;
 pub mod dielectrics;
@@ -18,13 +17,14 @@ pub mod equivalence;
 pub mod estimators;
 pub mod extremes;
 pub mod fields;
-pub mod foretold;
+pub mod forecasts;
 pub mod harness;
 pub mod inside;
 pub mod interreflection;
 pub mod nesting;
 pub mod numerics;
 pub mod paper;
+pub mod photon_formats;
 pub mod precision;
 pub mod required_format;
 pub mod sheets;
@@ -60,7 +60,7 @@ macro_rules! whole_suite {
                 e4_spread_of_known_photons, e5_errors_leave_the_picture_alone, e6_gathered_light_is_claimed,
                 e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached,
             }
-            foretold::{ e9_what_an_error_takes_is_foretold }
+            forecasts::{ e9_what_an_error_takes_is_foretold }
             debias::{
                 d1_light_at_edges_is_whole, d2_nothing_changes_within_a_surface, d3_irradiance_found_beforehand,
                 d4_radii_of_pixels_keep_the_mean, d7_second_radii_at_ends_tell_no_bias,
@@ -109,7 +109,7 @@ macro_rules! whole_suite {
             required_format::{
                 m1_grey_is_what_treats_channels_alike, m2_less_is_the_same_picture, m3_too_little_is_refused,
             }
-            cut::{ m4_the_same_photons_are_found }
+            photon_formats::{ m4_the_same_photons_are_found }
             views::{ v1_hand_filled_views_are_checked }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,

@@ -80,7 +80,7 @@ fn least_of() -> f64 {
 /// Whether what is foretold at least for so many passes, over what is known, is that on average; `ratios` are
 /// independent, and know their mean to `√(s²/n)`. Neighbours that seem to share their luck by chance, correlations of
 /// which the square is 1/256, and the quantile of a sample are within a hundredth.
-fn is_foretold(ratios: &[f64]) -> Result<(), String> {
+fn is_forecast(ratios: &[f64]) -> Result<(), String> {
     let (mean, chance) = (moments(ratios).0, SIGMAS * standard_error(ratios) + 0.01);
     let (low, high) = (least_of() - chance, least_of() + chance);
     if (low..=high).contains(&mean) { Ok(()) } else { Err(format!("{mean} is not within {low} and {high}")) }
@@ -118,7 +118,7 @@ pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
     let schedule = Schedule::of(PILOT, ALPHA);
     let pilots_of_8 = pilots(schedule, 1.0);
     for passes in [64, 512, 4096] {
-        is_foretold(&ratios(&pilots_of_8, passes)).unwrap();
+        is_forecast(&ratios(&pilots_of_8, passes)).unwrap();
         // Truth is beyond the most, which a bias that may be there raises, no more often than one pilot in 44 by two
         // standard errors of the noise: of 16, 6 or more by chance less than once in a million.
         let beyond = pilots_of_8.iter().filter(|pilot| pilot.error_after(passes) < known(passes)).count();
@@ -135,9 +135,9 @@ pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
     }
     // What must fail does: noise too small or too large by a quarter, and radii that are not known to shrink.
     for factor in [0.75, 1.25] {
-        assert!(is_foretold(&ratios(&pilots(schedule, factor), 64)).is_err(), "{factor}");
+        assert!(is_forecast(&ratios(&pilots(schedule, factor), 64)).is_err(), "{factor}");
     }
-    assert!(is_foretold(&ratios(&pilots(Schedule::of(PILOT, 1.0), 1.0), 64)).is_err());
+    assert!(is_forecast(&ratios(&pilots(Schedule::of(PILOT, 1.0), 1.0), 64)).is_err());
 
     // What has been reached after 24 passes is what was known, by the noise of each pixel: a variance from 23 degrees of
     // freedom has a relative one of 2/23, its root the quarter of that.

@@ -166,7 +166,7 @@ impl Eye<'_> {
             let media = if lobe == Lobe::SpecularTransmission { interface.transmitted } else { path.media };
             Path {
                 ray: surface.spawn(lobe, direction),
-                throughput: path.throughput * bsdf.throughput(lobe),
+                throughput: path.throughput * bsdf.weight(lobe),
                 media,
                 ..*path
             }

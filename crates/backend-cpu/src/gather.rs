@@ -149,14 +149,14 @@ fn follow(
         };
         match lobe {
             Lobe::SpecularReflection | Lobe::SpecularTransmission => {
-                throughput *= bsdf.throughput(lobe);
+                throughput *= bsdf.weight(lobe);
                 ray = surface.spawn(lobe, bsdf.direction(lobe, ray.direction, surface.normal, 0.0, 0.0));
                 if lobe == Lobe::SpecularTransmission {
                     media = interface.transmitted;
                 }
             }
             Lobe::Diffuse => {
-                let throughput = throughput * scene.radiance_scale(start, interface.before) * bsdf.throughput(lobe);
+                let throughput = throughput * scene.radiance_scale(start, interface.before) * bsdf.weight(lobe);
                 let mut found = Found::default();
                 let at = |gather: &EstimateParams| VisiblePoint {
                     position: surface.point.into(),

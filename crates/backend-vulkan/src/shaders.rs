@@ -31,6 +31,9 @@ pub(crate) static DEVICE_COPY: Module =
 pub(crate) static EXAMPLE_PHOTONS: Module =
     Module { name: "example_photons", bytes: include_bytes!("../spirv/example_photons.spv") };
 
+pub(crate) static FILM_ACCUMULATE: Module =
+    Module { name: "film_accumulate", bytes: include_bytes!("../spirv/film_accumulate.spv") };
+
 pub(crate) static FILM_END: Module = Module { name: "film_end", bytes: include_bytes!("../spirv/film_end.spv") };
 
 pub(crate) static FILM_END_ERRORS: Module =
@@ -38,9 +41,6 @@ pub(crate) static FILM_END_ERRORS: Module =
 
 pub(crate) static FILM_ERRORS: Module =
     Module { name: "film_errors", bytes: include_bytes!("../spirv/film_errors.spv") };
-
-pub(crate) static FILM_ACCUMULATE: Module =
-    Module { name: "film_fold", bytes: include_bytes!("../spirv/film_fold.spv") };
 
 pub(crate) static GATHER_CLOSEST: Module =
     Module { name: "gather_closest", bytes: include_bytes!("../spirv/gather_closest.spv") };
@@ -199,10 +199,10 @@ pub(crate) static ALL: [&Module; 65] = [
     &CAMERA_SETTLE,
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
+    &FILM_ACCUMULATE,
     &FILM_END,
     &FILM_END_ERRORS,
     &FILM_ERRORS,
-    &FILM_ACCUMULATE,
     &GATHER_CLOSEST,
     &GATHER_CODES,
     &GATHER_COUNT,

@@ -50,7 +50,7 @@ macro_rules! option_names {
 option_names!("preset", Preset { Preview = "preview", Balanced = "balanced", Final = "final" });
 option_names!("index", IndexKind { Median = "median", Vvh = "vvh", Morton = "morton" });
 option_names!("direct", Direct { Nee = "nee", Photons = "photons", None = "none" });
-option_names!("indirect", Indirect { Map = "map", EstimateParams = "gather", None = "none" });
+option_names!("indirect", Indirect { Map = "map", Gather = "gather", None = "none" });
 option_names!("area", Area { Disc = "disc", Surface = "surface" });
 option_names!("bandwidth", Bandwidth { Shared = "shared", PerPixel = "per-pixel" });
 option_names!("scheduling", Scheduling { Static = "static", Dynamic = "dynamic" });

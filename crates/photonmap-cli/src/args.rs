@@ -138,7 +138,7 @@ impl SettingsArgs {
             max_bounces: photon.max_bounces.unwrap_or(base.max_bounces),
             seed: photon.seed,
             alpha: if paper { base.alpha } else { estimate.alpha.unwrap_or(base.alpha) },
-            sharing: photon.scheduling.unwrap_or(base.sharing),
+            scheduling: photon.scheduling.unwrap_or(base.scheduling),
             random: photon.rng.unwrap_or(base.random),
             shadow_rays: light.shadow_rays.unwrap_or(base.shadow_rays),
             gather_rays: light.gather_rays.unwrap_or(base.gather_rays),

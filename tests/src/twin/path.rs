@@ -130,7 +130,8 @@ impl Twin<'_> {
                 MaterialKind::Dielectric | MaterialKind::Thin => {
                     let solid = material.kind() == MaterialKind::Dielectric;
                     let index = |stack: MediumStack| f64::from(scene.media[stack.current(&scene.media) as usize].ior);
-                    let eta = if solid { index(sides.beyond) / index(sides.before) } else { f64::from(material.ior) };
+                    let eta =
+                        if solid { index(sides.transmitted) / index(sides.before) } else { f64::from(material.ior) };
                     let (single, transmitted) = optics::fresnel(cosine, eta);
                     let reflectance = if solid { single } else { optics::sheet(single) };
                     if choice < reflectance {
@@ -141,7 +142,7 @@ impl Twin<'_> {
                         }
                         if solid {
                             direction = optics::refract(direction, normal, eta, transmitted);
-                            media = sides.beyond;
+                            media = sides.transmitted;
                         }
                         origin = point - normal * scene.step;
                     }

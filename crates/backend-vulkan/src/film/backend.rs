@@ -21,7 +21,7 @@ impl FilmBackend for Vulkan {
         estimates: &VulkanBuffer<Estimate>,
         paths: u64,
     ) -> Result<()> {
-        super::fold(self, film, layer, queries, estimates, paths)
+        super::accumulate(self, film, layer, queries, estimates, paths)
     }
 
     fn keep_errors(&mut self, film: &mut VulkanFilm) -> Result<()> {

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::layout::Photon;
 use crate::map_kind::{MapKind, PerMap};
 use crate::photon_format::PhotonFormat;
-use crate::stages::Gather;
+use crate::stages::EstimateParams;
 
 /// The photons of one map, and how far they are searched.
 pub(super) struct MapSlot<B: Backend> {

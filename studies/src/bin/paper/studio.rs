@@ -106,7 +106,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
                 let gather = plan.gather(map_plan, lanes[lane].radius);
                 stages.map.estimator.estimate(&mut self.on, &map, &queries, &gather, &mut estimates)?;
                 self.on.mark(Some(Stage::Film));
-                self.on.fold(&mut film, layer, &queries, &estimates, u64::from(lanes[lane].paths))?;
+                self.on.accumulate(&mut film, layer, &queries, &estimates, u64::from(lanes[lane].paths))?;
                 lanes[lane].photons = Some(stages.map.builder.reclaim(map));
             }
             self.on.mark(Some(Stage::Film));

@@ -80,7 +80,7 @@ struct Push {
     results: u64,
     result_count: u64,
     order: u64,
-    paused: u64,
+    pauses: u64,
     points: u32,
     first: u32,
     end: u32,
@@ -95,7 +95,7 @@ struct Push {
 
 pushed!(
     push_layout: Push => GATHER_COUNT GATHER_NEAREST GATHER_RADIUS,
-    nodes totals positions power ids queries query_count results result_count order kept points first end k radius
+    nodes totals positions power ids queries query_count results result_count order pauses points first end k radius
     min_cosine parameter threshold capacity max_plane_distance
 );
 
@@ -205,7 +205,7 @@ impl MapSearch {
             results,
             result_count,
             order,
-            paused: 0,
+            pauses: 0,
             points,
             first: 0,
             end: 0,
@@ -229,7 +229,7 @@ impl MapSearch {
                     push.results = results + (first - range.start) * u64::from(question.k) * 8;
                 }
                 if turns > 0 {
-                    push.paused = paused.room(on, groups * span)?;
+                    push.pauses = paused.room(on, groups * span)?;
                     paused.all(on, |on| on.dispatch(&kernel, &push, groups))?;
                 } else {
                     on.dispatch(&kernel, &push, groups)?;

@@ -164,6 +164,8 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
     match desc.surface {
         Surface::Lambert { albedo } => Material { albedo: colour(albedo), ..of(MaterialKind::Lambert) },
         Surface::Mirror { reflectance } => Material { albedo: colour(reflectance), ..of(MaterialKind::Mirror) },
+        // A solid that no triangle is made of takes none of the 255 places of media, without which it would be no solid.
+        Surface::Dielectric { tint, .. } if !in_use => Material { albedo: colour(tint), ..of(MaterialKind::Lambert) },
         Surface::Dielectric { ior, absorption, tint } => {
             let medium = Medium {
                 // Black beyond a few units anyway; an infinity would make 0 · ∞ at no distance.
@@ -172,8 +174,7 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
                 priority: desc.priority,
                 ..Medium::VACUUM
             };
-            // One that no triangle uses takes none of the 255 places.
-            let medium = if in_use { index_of(media, medium) } else { 0 };
+            let medium = index_of(media, medium);
             Material { albedo: colour(tint), ior: ior as f32, medium, ..of(MaterialKind::Dielectric) }
         }
         Surface::Thin { ior, tint } => Material { albedo: colour(tint), ior: ior as f32, ..of(MaterialKind::Thin) },

@@ -74,6 +74,16 @@ fn every_built_in_scene_comes_back_number_by_number() {
     }
 }
 
+/// A material that no triangle has is exported, and in nobody's way.
+#[test]
+fn unused_glass_does_not_matter() {
+    let mut scene = builtin("cornell").unwrap();
+    scene.material(MaterialDesc::glass("unused", 1.5));
+    let (again, _) = reload("unused", &glb(&scene).unwrap());
+    assert_eq!(described(&scene), described(&again));
+    again.build().unwrap().view().validate().unwrap();
+}
+
 /// Without the extras the file is read as others read it: the same scene in single precision.
 #[test]
 fn the_comparison_sees_single_precision() {

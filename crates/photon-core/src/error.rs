@@ -1,6 +1,6 @@
 //! What can go wrong, each naming its culprit and its mend.
 
-use crate::features::Features;
+use crate::requirements::features::Features;
 
 /// The result of everything that can fail here.
 pub type Result<T, E = Error> = std::result::Result<T, E>;

@@ -1,12 +1,12 @@
 //! Where pictures in progress live: sums over passes, which estimates are added to.
 
 use super::Backend;
+use crate::backend::stages::no_errors;
 use crate::error::Result;
 use crate::film::{Film, Layer};
-use crate::layout::{ErrorMoments, Estimate, Query};
-use crate::map_kind::MapKind;
+use crate::requirements::map_kind::MapKind;
 use crate::scene::SceneView;
-use crate::stages::no_errors;
+use crate::scene::layout::{ErrorMoments, Estimate, Query};
 
 /// A backend that keeps films. Not object-safe, as [`Backend`] is not.
 ///

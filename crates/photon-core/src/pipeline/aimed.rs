@@ -2,13 +2,13 @@
 
 use super::Pipeline;
 use crate::backend::TransportBackend;
+use crate::backend::memory::Costs;
+use crate::backend::stages::{Aimed, Stages};
 use crate::error::Result;
-use crate::memory::Costs;
 use crate::projection::ProjectionMap;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::Settings;
-use crate::stages::{Aimed, Stages};
 
 /// All stages of the backend's, those of aimed paths among them if they pay.
 pub(super) fn stages<B: TransportBackend>(

@@ -3,9 +3,9 @@
 use super::{Pipeline, State};
 use crate::backend::TransportBackend;
 use crate::error::{Error, Result};
-use crate::radii;
+use crate::radius::radii;
+use crate::radius::schedule::Schedule;
 use crate::scene::SceneView;
-use crate::schedule::Schedule;
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Ends it, and gives back what it worked on, ready for another render; all that this one had in

@@ -3,12 +3,12 @@
 use super::Pipeline;
 use super::photons::Sent;
 use super::slot::BuiltMap;
+use crate::backend::stages::{EstimateBuffers, Maps, Pass};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
-use crate::map_kind::{MapKind, PerMap};
-use crate::radii;
+use crate::radius::radii;
+use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::settings::{Direct, Indirect, Settings};
-use crate::stages::{EstimateBuffers, Maps, Pass};
 
 /// Whether the camera sees a map's light at once, and not by final-gather rays alone.
 fn is_shown(settings: &Settings, kind: MapKind) -> bool {

@@ -2,9 +2,9 @@
 
 use super::{PILOT, PILOT_PATHS, Pipeline, aimed, irradiance};
 use crate::backend::TransportBackend;
+use crate::backend::memory::Plan;
 use crate::error::Result;
-use crate::map_kind::PerMap;
-use crate::memory::Plan;
+use crate::requirements::map_kind::PerMap;
 
 /// Photons of a map that are allocated to count how many there are; those beyond are counted too.
 const COUNTED: u64 = 65_536;

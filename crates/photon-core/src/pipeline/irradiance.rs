@@ -2,14 +2,14 @@
 
 use super::Pipeline;
 use super::slot::BuiltMap;
+use crate::backend::memory::Costs;
+use crate::backend::stages::{EstimateBuffers, EstimateParams, Pass, Search};
 use crate::backend::{Backend, Stage, TransportBackend};
 use crate::error::Result;
-use crate::kernel::Kernel;
-use crate::layout::{Estimate, Photon, Query};
-use crate::memory::Costs;
-use crate::photon_format::PhotonFormat;
+use crate::requirements::photon_format::PhotonFormat;
+use crate::scene::layout::{Estimate, Photon, Query};
 use crate::settings::Settings;
-use crate::stages::{EstimateBuffers, EstimateParams, Pass, Search};
+use crate::settings::kernel::Kernel;
 
 /// Places where irradiance is found: kept from pass to pass.
 pub(super) struct Points<B: Backend> {

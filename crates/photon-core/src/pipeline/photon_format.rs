@@ -1,8 +1,8 @@
 //! How much of a photon the stages ask for.
 
 use crate::backend::TransportBackend;
-use crate::photon_format::PhotonFormat;
-use crate::stages::Stages;
+use crate::backend::stages::Stages;
+use crate::requirements::photon_format::PhotonFormat;
 
 /// The least that all stages can work with which touch photons.
 pub(super) fn least<B: TransportBackend>(stages: &Stages<B>) -> PhotonFormat {

@@ -1,13 +1,13 @@
 //! Photons of a pass: sent out, followed, kept.
 
 use super::{PILOT, PILOT_PATHS, Pipeline};
+use crate::backend::observer::{Event, Observer};
+use crate::backend::stages::{Batch, Deposits, Pass};
+use crate::backend::tally::Tally;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::{Error, Result};
-use crate::map_kind::PerMap;
-use crate::observer::{Event, Observer};
-use crate::radii;
-use crate::stages::{Batch, Deposits, Pass};
-use crate::tally::Tally;
+use crate::radius::radii;
+use crate::requirements::map_kind::PerMap;
 
 /// What was sent out.
 #[derive(Clone, Debug, Default)]

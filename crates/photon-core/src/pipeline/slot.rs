@@ -1,11 +1,11 @@
 //! The maps of a pipeline: one slot for each that is required.
 
 use crate::backend::Backend;
+use crate::backend::stages::EstimateParams;
 use crate::error::Result;
-use crate::layout::Photon;
-use crate::map_kind::{MapKind, PerMap};
-use crate::photon_format::PhotonFormat;
-use crate::stages::EstimateParams;
+use crate::requirements::map_kind::{MapKind, PerMap};
+use crate::requirements::photon_format::PhotonFormat;
+use crate::scene::layout::Photon;
 
 /// The photons of one map, and how far they are searched.
 pub(super) struct MapSlot<B: Backend> {

@@ -6,9 +6,9 @@ use std::ops::ControlFlow;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::clusters::Sphere;
-use crate::layout::Light;
 use crate::sampling;
 use crate::scene::SceneView;
+use crate::scene::layout::Light;
 
 /// Bits of a cell for each number of a light's point and direction, of so many altogether at most.
 pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {

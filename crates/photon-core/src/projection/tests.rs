@@ -1,7 +1,7 @@
 use super::*;
-use crate::layout::{Material, MaterialKind, Primitive};
+use crate::scene::layout::{Material, MaterialKind, Primitive};
+use crate::scene::units::Units;
 use crate::settings::Indirect;
-use crate::units::Units;
 
 /// A floor and a small mirror beneath a lamp on each side: a spot that looks at the mirror, and one that
 /// looks away.
@@ -50,7 +50,7 @@ impl Tables {
             triangles: &[[0, 1, 2], [3, 4, 5]],
             primitives: &PRIMITIVES,
             materials: &self.materials,
-            media: &[crate::layout::Medium::VACUUM],
+            media: &[crate::scene::layout::Medium::VACUUM],
             lights: &self.lights,
             light_cdf: &self.starts,
             radius: 1.0,

@@ -2,9 +2,9 @@
 
 use super::SceneView;
 use crate::error::{Error, Result};
-use crate::layout::{Light, Material, MaterialKind, Medium};
-use crate::media::MediumStack;
-use crate::units::Units;
+use crate::scene::layout::{Light, Material, MaterialKind, Medium};
+use crate::scene::media::MediumStack;
+use crate::scene::units::Units;
 
 /// Normals and directions are unit vectors to this much of their squared length.
 const UNIT: f32 = 1e-4;
@@ -18,7 +18,7 @@ impl SceneView<'_> {
     /// materials and lights, and that numbers are finite and within their ranges.
     ///
     /// [`crate::Pipeline`] and every backend's [`crate::TransportBackend::prepare`] call it. What takes a view
-    /// and returns no error, such as [`crate::explain`], may panic on a view that fails here. Not checked:
+    /// and returns no error, such as [`crate::requirements::explain`], may panic on a view that fails here. Not checked:
     /// whether normals are those of their triangles, and whether triangles have an area.
     ///
     /// # Errors

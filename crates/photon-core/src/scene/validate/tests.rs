@@ -1,8 +1,8 @@
 //! Every rule is broken once, and the message names what broke it.
 
-use crate::layout::{Light, Material, MaterialKind, Medium, Primitive};
+use crate::scene::layout::{Light, Material, MaterialKind, Medium, Primitive};
+use crate::scene::units::Units;
 use crate::scene::{SceneView, light_cdf};
-use crate::units::Units;
 
 /// Tables of a view, to be broken.
 #[derive(Clone)]

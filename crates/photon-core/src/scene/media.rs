@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use crate::layout::{Material, MaterialKind, Medium};
+use crate::scene::layout::{Material, MaterialKind, Medium};
 
 /// The solids that a point lies in, in the order in which they were entered: a byte each, the last one lowest.
 ///

@@ -9,9 +9,9 @@
 //! its radius, an estimate has the expectation that it always has. A factor that saw the photons it
 //! weighs would favour radii by which they happen to look smooth or bright, which is a bias of its own.
 
-use crate::errors::{ErrorPixel, Flags};
 use crate::film::Film;
-use crate::progressive::{inverse_radius_squared_sum, radius_squared_sum};
+use crate::film::confidence::{ErrorPixel, Flags};
+use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_sum};
 
 /// After so many passes the first factors are found, then whenever their number has doubled.
 const FIRST: u32 = 8;
@@ -123,9 +123,9 @@ fn neighbours(pixel: usize, width: usize, height: usize, reach: usize) -> impl I
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::errors::PhotonMoments;
-    use crate::map_kind::{MapKind, PerMap};
-    use crate::units::Units;
+    use crate::film::confidence::PhotonMoments;
+    use crate::requirements::map_kind::{MapKind, PerMap};
+    use crate::scene::units::Units;
 
     /// A film of 8 × 8 pixels whose bias is `bias` and its deviation in a pass `deviation`.
     fn film(passes: u32, bias: f64, deviation: f64) -> Film {

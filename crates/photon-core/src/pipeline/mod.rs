@@ -1,25 +1,27 @@
 //! One pass, from photons to film, on any backend.
 
+pub(crate) mod render;
+
 use std::ops::ControlFlow;
 
+use crate::backend::memory::Plan;
+use crate::backend::observer::{Event, Observer, PassReport};
+use crate::backend::stages::{Pass, Stages, View};
 use crate::backend::{Stage, StageTimings, TransportBackend};
-use crate::bandwidth;
 use crate::error::{Error, Result};
-use crate::errors::ErrorPixel;
 use crate::film::Film;
-use crate::forecast::ErrorModel;
-use crate::layout::{ErrorMoments, Estimate, PhotonRay, Query};
-use crate::map_kind::PerMap;
-use crate::memory::Plan;
-use crate::observer::{Event, Observer, PassReport};
-use crate::radii;
-use crate::render::{Facts, PassEnd, Render};
+use crate::film::confidence::ErrorPixel;
+use crate::film::forecast::ErrorModel;
+use crate::pipeline::render::{Facts, PassEnd, Render};
+use crate::radius::bandwidth;
+use crate::radius::radii;
+use crate::radius::schedule::Schedule;
 use crate::requirements::Requirements;
+use crate::requirements::map_kind::PerMap;
 use crate::scene::SceneView;
-use crate::schedule::Schedule;
+use crate::scene::layout::{ErrorMoments, Estimate, PhotonRay, Query};
+use crate::scene::units::Units;
 use crate::settings::{Bandwidth, Estimator, Settings};
-use crate::stages::{Pass, Stages, View};
-use crate::units::Units;
 
 /// The pass that the derived radii come from; no pass of a picture has this number.
 const PILOT: u32 = u32::MAX;

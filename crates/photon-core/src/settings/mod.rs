@@ -1,7 +1,12 @@
 //! What a user chooses.
 
+pub(crate) mod budget;
+pub(crate) mod kernel;
+pub(crate) mod option_names;
+pub(crate) mod preset;
+
 use crate::error::{Error, Result};
-use crate::kernel::Kernel;
+use crate::settings::kernel::Kernel;
 
 /// How photons are arranged for search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

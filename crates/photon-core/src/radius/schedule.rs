@@ -1,6 +1,6 @@
 //! The radii of the passes of a film, so far and to come.
 
-use crate::progressive::{inverse_radius_squared_sum, radius_squared_factor, radius_squared_sum};
+use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_factor, radius_squared_sum};
 
 /// Sums over the squared radii of passes, in units of the first. Bias goes with their mean, the noise of
 /// photons with the mean of their reciprocals.

@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::layout::{Light, MaterialKind};
-use crate::media::{MediaFeatures, MediumStack};
 use crate::offset;
 use crate::scene::SceneView;
+use crate::scene::layout::{Light, MaterialKind};
+use crate::scene::media::{MediaFeatures, MediumStack};
 
 /// Boundaries that hang together, of one medium.
 #[derive(Debug)]
@@ -291,8 +291,8 @@ fn solid(scene: &SceneView<'_>, triangles: &[(u32, u32, u32)]) -> Solid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Material, Medium, Primitive};
-    use crate::units::Units;
+    use crate::scene::layout::{Material, Medium, Primitive};
+    use crate::scene::units::Units;
 
     /// Boxes: lower corner, upper corner, material, and whether they face inwards.
     struct Tables {

@@ -1,14 +1,19 @@
 //! What a backend is: where buffers live, where films live ([`FilmBackend`]), and how stages come by them.
 
+pub(crate) mod memory;
+pub(crate) mod observer;
+pub(crate) mod stages;
+pub(crate) mod tally;
+
+use crate::backend::memory::Costs;
+use crate::backend::stages::{Emitter, MapStages, Stages, Tracer};
 use crate::error::Result;
-use crate::layout::{Element, Photon, Query};
-use crate::memory::Costs;
-use crate::photon_format::PhotonFormat;
 use crate::projection::ProjectionMap;
 use crate::requirements::Requirements;
+use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
+use crate::scene::layout::{Element, Photon, Query};
 use crate::settings::{IndexKind, Settings};
-use crate::stages::{Emitter, MapStages, Stages, Tracer};
 
 mod film;
 

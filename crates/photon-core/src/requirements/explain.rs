@@ -1,13 +1,13 @@
 //! What a scene needs, what is left out, and why: the reasons behind [`crate::Requirements`].
 
-use crate::features::Features;
-use crate::layout::Light;
-use crate::map_kind::MapKind;
-use crate::photon_format::PhotonFormat;
 use crate::projection::{NoProjection, ProjectionMap};
-use crate::radii;
+use crate::radius::radii;
+use crate::requirements::features::Features;
+use crate::requirements::map_kind::MapKind;
+use crate::requirements::photon_format::PhotonFormat;
 use crate::requirements::{Requirements, light_features, material_features};
 use crate::scene::SceneView;
+use crate::scene::layout::Light;
 use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
 
 /// One thing that a renderer can model, allocate or build.
@@ -222,8 +222,8 @@ fn counted(count: usize, what: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Material, Primitive};
-    use crate::units::Units;
+    use crate::scene::layout::{Material, Primitive};
+    use crate::scene::units::Units;
 
     #[test]
     fn reasons_agree_with_the_requirements() {
@@ -235,7 +235,7 @@ mod tests {
             triangles: &[[0, 1, 2]],
             primitives: &[Primitive { normal: [0.0, 1.0, 0.0], material: 0 }],
             materials: &materials,
-            media: &[crate::layout::Medium::VACUUM],
+            media: &[crate::scene::layout::Medium::VACUUM],
             lights: &lights,
             light_cdf: &[0],
             radius: 1.0,

@@ -2,8 +2,8 @@
 
 mod group;
 
-use crate::errors::{ConfidenceInterval, Flags, MIN_PHOTONS, student_975};
-use crate::schedule::Schedule;
+use crate::film::confidence::{ConfidenceInterval, Flags, MIN_PHOTONS, student_975};
+use crate::radius::schedule::Schedule;
 use group::{Factors, Group, Relative};
 
 /// Pixels that a forecast looks at; so many tell a share to a hundredth.

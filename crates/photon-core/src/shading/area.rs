@@ -14,7 +14,7 @@
 //! Where errors are told, estimates within the second radii lose light in the same places, and other shares of it.
 //! The same probes tell them, each counted as these radii weigh photons, and one more on each spoke, farther out.
 
-use crate::kernel::Kernel;
+use crate::settings::kernel::Kernel;
 
 /// Directions in which probes stand.
 pub const SPOKES: u32 = 8;

@@ -5,8 +5,8 @@
 //! squares in f64 is lost only where the standard deviation of a pass is below 10⁻⁷ of the pixel.
 
 use crate::film::Film;
-use crate::layout::{ErrorMoments, Estimate, Query};
-use crate::map_kind::{MapKind, PerMap};
+use crate::requirements::map_kind::{MapKind, PerMap};
+use crate::scene::layout::{ErrorMoments, Estimate, Query};
 
 /// What tells the error of a pixel, summed over passes. Normalised units, mean of RGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -289,7 +289,7 @@ pub fn student_975(freedom: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::Units;
+    use crate::scene::units::Units;
 
     #[test]
     fn quantiles_of_the_tables() {

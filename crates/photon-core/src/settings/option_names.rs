@@ -7,8 +7,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::error::Error;
-use crate::kernel::Kernel;
-use crate::preset::Preset;
+use crate::settings::kernel::Kernel;
+use crate::settings::preset::Preset;
 use crate::settings::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Scheduling,
 };

@@ -1,6 +1,6 @@
 //! Who gets how many of the photons: a report on lights that go short of them.
 
-use crate::layout::Light;
+use crate::scene::layout::Light;
 use crate::scene::{SceneView, light_probability};
 
 /// A light, or all emissive triangles of one material, which are a lamp together.
@@ -70,9 +70,9 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{Material, Primitive};
+    use crate::scene::layout::{Material, Primitive};
     use crate::scene::light_cdf;
-    use crate::units::Units;
+    use crate::scene::units::Units;
 
     #[test]
     fn an_area_light_is_one_and_a_weak_light_is_told_from_a_starving_one() {
@@ -86,7 +86,7 @@ mod tests {
             triangles: &[],
             primitives: &primitives,
             materials: &materials,
-            media: &[crate::layout::Medium::VACUUM],
+            media: &[crate::scene::layout::Medium::VACUUM],
             lights: &lights,
             light_cdf: &light_cdf(&[0.25, 1e-20, 0.75]),
             radius: 1.0,

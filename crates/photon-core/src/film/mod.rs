@@ -1,8 +1,11 @@
 //! The picture, on the host: sums in f64, mergeable.
 
+pub(crate) mod confidence;
+pub(crate) mod forecast;
+
 use crate::error::{Error, Result};
-use crate::errors::ErrorPixel;
-use crate::units::Units;
+use crate::film::confidence::ErrorPixel;
+use crate::scene::units::Units;
 
 /// The parts of a picture. No path of light is in two of them; their sum is the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,8 +10,8 @@ use std::ops::ControlFlow;
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::layout::Light;
 use crate::requirements::Requirements;
+use crate::scene::layout::Light;
 use crate::scene::{SceneView, light_cdf, light_probability, pick_light};
 use crate::settings::{CausticPhotons, Settings};
 

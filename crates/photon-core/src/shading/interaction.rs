@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
-use crate::bsdf::Lobe;
-use crate::caster::{Hit, Ray};
-use crate::layout::Primitive;
 use crate::offset;
+use crate::scene::caster::{Hit, Ray};
+use crate::scene::layout::Primitive;
+use crate::shading::bsdf::Lobe;
 
 /// Where a ray meets the scene.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! What became of the photons: nothing is lost.
 
-use crate::map_kind::PerMap;
+use crate::requirements::map_kind::PerMap;
 
 /// How the path of a photon ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

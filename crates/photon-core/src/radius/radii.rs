@@ -1,11 +1,11 @@
 //! The radius within which each map is searched.
 
-use crate::map_kind::MapKind;
+use crate::backend::stages::{EstimateParams, Search};
 use crate::neighbour_radius;
-use crate::progressive::radius_squared_factor;
+use crate::radius::progressive::radius_squared_factor;
+use crate::requirements::map_kind::MapKind;
+use crate::scene::units::Units;
 use crate::settings::{Estimator, Settings};
-use crate::stages::{EstimateParams, Search};
-use crate::units::Units;
 
 /// Photons of a map that the first pass is to find within the derived radius, where a typical photon lies.
 /// Caustics are sharp, so that they are worth more noise per pass; light that has been scattered is smooth.

@@ -6,11 +6,11 @@
 
 use glam::Vec3;
 
-use crate::features::Features;
 use crate::fresnel::{fresnel, reflect, refract, sheet_reflectance};
-use crate::layout::{Material, MaterialKind};
-use crate::media::Interface;
+use crate::requirements::features::Features;
 use crate::sampling;
+use crate::scene::layout::{Material, MaterialKind};
+use crate::scene::media::Interface;
 
 /// Part of a [`Bsdf`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,7 +150,7 @@ impl Bsdf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::media::MediumStack;
+    use crate::scene::media::MediumStack;
 
     /// What a lobe's probability times its weight sums to is what the surface reflects and transmits, and no light is
     /// made: white furnace.

@@ -2,16 +2,16 @@
 
 use std::ops::Range;
 
+use crate::backend::tally::Tally;
 use crate::backend::{Backend, TransportBackend};
 use crate::error::{Error, Result};
-use crate::kernel::Kernel;
-use crate::layout::{Camera, ErrorMoments, Estimate, Photon, PhotonRay, Query};
-use crate::map_kind::PerMap;
-use crate::photon_format::PhotonFormat;
+use crate::requirements::map_kind::PerMap;
+use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
+use crate::scene::layout::{Camera, ErrorMoments, Estimate, Photon, PhotonRay, Query};
+use crate::scene::solids::Solids;
 use crate::settings::RandomKind;
-use crate::solids::Solids;
-use crate::tally::Tally;
+use crate::settings::kernel::Kernel;
 
 /// Which paths of which pass.
 #[derive(Clone, Debug, PartialEq)]

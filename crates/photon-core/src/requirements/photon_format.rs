@@ -1,9 +1,9 @@
 //! How much of a photon is kept in maps: what somebody reads, and no more.
 
 use crate::error::{Error, Result};
-use crate::features::Features;
-use crate::layout::{Light, Material, Photon};
+use crate::requirements::features::Features;
 use crate::scene::SceneView;
+use crate::scene::layout::{Light, Material, Photon};
 use crate::settings::{Estimator, Settings};
 
 /// So many bytes from the front of [`Photon`] on: its members stand in the order in which they are read.

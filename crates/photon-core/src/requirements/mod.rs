@@ -1,14 +1,19 @@
 //! What a renderer must model to render a scene: derived, never declared.
 
+pub(crate) mod explain;
+pub(crate) mod features;
+pub(crate) mod map_kind;
+pub(crate) mod photon_format;
+
 use crate::error::{Error, Result};
-use crate::features::Features;
-use crate::layout::{Light, Material, MaterialKind, Medium};
-use crate::map_kind::{MapKind, PerMap};
-use crate::media::MediaFeatures;
-use crate::photon_format::PhotonFormat;
+use crate::requirements::features::Features;
+use crate::requirements::map_kind::{MapKind, PerMap};
+use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
+use crate::scene::layout::{Light, Material, MaterialKind, Medium};
+use crate::scene::media::MediaFeatures;
+use crate::scene::solids::Solids;
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
-use crate::solids::Solids;
 
 /// What stages are built for.
 ///

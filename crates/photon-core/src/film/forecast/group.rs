@@ -1,7 +1,7 @@
 //! Pixels of one kind, as a pilot tells them, and what of it is chance.
 
 use super::Bound;
-use crate::errors::ConfidenceInterval;
+use crate::film::confidence::ConfidenceInterval;
 
 /// Standard errors by which what is known of all pixels together may be off.
 const DOUBT: f64 = 2.0;

@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use crate::backend::StageTimings;
-use crate::forecast::Forecast;
-use crate::map_kind::PerMap;
-use crate::tally::Tally;
+use crate::backend::tally::Tally;
+use crate::film::forecast::Forecast;
+use crate::requirements::map_kind::PerMap;
 
 /// What a renderer tells while it works.
 #[derive(Debug)]

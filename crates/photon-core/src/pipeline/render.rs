@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use crate::backend::StageTimings;
-use crate::budget::{Budget, Plan};
+use crate::backend::observer::{Event, Observer, PassReport};
+use crate::backend::tally::Tally;
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::forecast::{ErrorModel, Forecast};
-use crate::observer::{Event, Observer, PassReport};
+use crate::film::forecast::{ErrorModel, Forecast};
 use crate::requirements::Requirements;
-use crate::tally::Tally;
+use crate::settings::budget::{Budget, Plan};
 
 /// A renderer whose backend was chosen at run time. One virtual call per pass.
 pub trait Render: Send {

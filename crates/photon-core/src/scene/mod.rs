@@ -1,7 +1,14 @@
 //! What a backend is lent of a scene: plain slices.
 
-use crate::layout::{Light, Material, Medium, Primitive};
-use crate::units::Units;
+pub(crate) mod caster;
+pub(crate) mod layout;
+pub(crate) mod light_shares;
+pub(crate) mod media;
+pub(crate) mod solids;
+pub(crate) mod units;
+
+use crate::scene::layout::{Light, Material, Medium, Primitive};
+use crate::scene::units::Units;
 
 mod validate;
 

@@ -1,0 +1,7 @@
+//! Radii of estimates: derived from the photons, shrunk from pass to pass, adapted per pixel.
+
+pub(crate) mod bandwidth;
+pub mod neighbour_radius;
+pub(crate) mod progressive;
+pub(crate) mod radii;
+pub(crate) mod schedule;

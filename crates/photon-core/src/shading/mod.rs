@@ -1,0 +1,13 @@
+//! Scattering, sampling and the geometry of shading.
+
+pub mod area;
+pub(crate) mod bsdf;
+pub mod fresnel;
+pub(crate) mod interaction;
+pub mod math;
+pub mod octahedral;
+pub mod offset;
+pub mod random;
+pub mod sampling;
+pub mod sobol;
+pub mod solid_angle;

@@ -7,9 +7,9 @@ use photon_core::{
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::estimate::CpuEstimator;
+use crate::map::rows::Rows;
 use crate::map::{CpuBuilder, CpuMap};
-use crate::rows::Rows;
+use crate::stages::estimate::CpuEstimator;
 
 impl Backend for Cpu {
     type Buffer<T: Element> = CpuBuffer<T>;

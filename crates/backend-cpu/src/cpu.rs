@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use photon_core::{Error, Photon, PhotonFormat, RayCaster, Result, SceneView, Stage, StageTimings};
 
-use crate::rows::Rows;
+use crate::map::rows::Rows;
 
 /// Makes the ray caster of a scene.
 pub(crate) type MakeCaster = Box<dyn Fn(&SceneView<'_>) -> Result<Box<dyn RayCaster>> + Send>;

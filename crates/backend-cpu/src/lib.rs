@@ -4,25 +4,13 @@
 //! on the size of batches: not in a single bit.
 #![deny(unsafe_code)]
 
-mod area;
 mod backend;
 mod cpu;
-mod direct;
-mod emit;
-mod error_moments;
-mod estimate;
-mod eye;
 mod film;
-mod gather;
 pub mod index;
-mod irradiance;
-mod light_sampler;
 mod map;
-mod normals;
-mod power;
-mod rows;
 mod scene;
-mod trace;
+mod stages;
 mod transport;
 
 pub use cpu::{Cpu, CpuBuffer};

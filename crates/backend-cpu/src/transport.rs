@@ -6,17 +6,17 @@ use photon_core::{
 };
 use rayon::prelude::*;
 
-use crate::area::CpuArea;
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::direct::CpuDirect;
-use crate::emit::{CpuAimedEmitter, CpuEmitter};
-use crate::estimate::CpuEstimator;
-use crate::eye::CpuEye;
-use crate::gather::CpuGather;
-use crate::irradiance::CpuIrradiance;
 use crate::map::CpuBuilder;
 use crate::scene::CpuScene;
-use crate::trace::CpuTracer;
+use crate::stages::area::CpuArea;
+use crate::stages::direct::CpuDirect;
+use crate::stages::emit::{CpuAimedEmitter, CpuEmitter};
+use crate::stages::estimate::CpuEstimator;
+use crate::stages::eye::CpuEye;
+use crate::stages::final_gather::CpuGather;
+use crate::stages::irradiance::CpuIrradiance;
+use crate::stages::trace::CpuTracer;
 
 impl TransportBackend for Cpu {
     type Scene = CpuScene;

@@ -5,10 +5,10 @@ use photon_core::{
     StageTimings,
 };
 
-use crate::buffer::VulkanBuffer;
-use crate::estimate::VulkanEstimator;
+use crate::device::buffer::VulkanBuffer;
 use crate::index::VulkanBuilder;
 use crate::map::VulkanMap;
+use crate::map::estimate::VulkanEstimator;
 use crate::vulkan::Vulkan;
 
 impl Backend for Vulkan {

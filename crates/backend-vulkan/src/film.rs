@@ -9,8 +9,8 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Estimate, Film, Layer, Query, Result, Units, check_size};
 
-use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
+use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 

@@ -6,23 +6,16 @@
 //! Another renderer brings its own device ([`Vulkan::from_raw`]) and its own photons
 //! ([`VulkanBuffer::from_raw`]), which then never leave the card.
 
+// First, since its macro is used below.
 #[macro_use]
 mod push;
 
-mod area;
 mod backend;
-mod buffer;
 mod device;
-mod direct;
 mod dispatch_limits;
-mod estimate;
-mod eye;
 mod film;
-mod final_gather;
 mod index;
-mod irradiance;
 mod map;
-mod photons;
 #[cfg(test)]
 mod probe;
 mod rays;
@@ -30,11 +23,12 @@ mod scan;
 mod scene;
 mod shaders;
 mod sort;
+mod stages;
 mod transport;
 mod vulkan;
 
 pub use ash;
-pub use buffer::VulkanBuffer;
+pub use device::buffer::VulkanBuffer;
 pub use device::{Candidate, Fault, Limits, Options, RawDevice, devices};
 #[doc(hidden)]
 pub use dispatch_limits::DispatchLimits;
@@ -43,8 +37,8 @@ pub use film::VulkanFilm;
 pub use index::bench as index_bench;
 pub use map::VulkanMap;
 #[doc(hidden)]
-pub use photons::TracePlan;
-#[doc(hidden)]
 pub use rays::RayPlan;
 pub use scene::VulkanScene;
+#[doc(hidden)]
+pub use stages::photons::TracePlan;
 pub use vulkan::Vulkan;

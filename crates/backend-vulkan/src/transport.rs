@@ -5,15 +5,15 @@ use photon_core::{
     TransportBackend,
 };
 
-use crate::area::VulkanArea;
-use crate::buffer::VulkanBuffer;
-use crate::direct::VulkanDirect;
-use crate::estimate::VulkanEstimator;
-use crate::eye::{self, VulkanEye};
-use crate::final_gather::VulkanGather;
-use crate::irradiance::VulkanIrradiance;
-use crate::photons::{VulkanAimedEmitter, VulkanEmitter, VulkanTracer};
+use crate::device::buffer::VulkanBuffer;
+use crate::map::estimate::VulkanEstimator;
 use crate::scene::VulkanScene;
+use crate::stages::area::VulkanArea;
+use crate::stages::direct::VulkanDirect;
+use crate::stages::eye::{self, VulkanEye};
+use crate::stages::final_gather::VulkanGather;
+use crate::stages::irradiance::VulkanIrradiance;
+use crate::stages::photons::{VulkanAimedEmitter, VulkanEmitter, VulkanTracer};
 use crate::vulkan::Vulkan;
 
 impl TransportBackend for Vulkan {

@@ -10,8 +10,8 @@ use crate::device::{
     Device, DiskCache, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
 };
 use crate::dispatch_limits::DispatchLimits;
-use crate::photons::TracePlan;
 use crate::shaders;
+use crate::stages::photons::TracePlan;
 
 /// Renders on a GPU.
 ///

@@ -1,5 +1,7 @@
 //! Vulkan itself: instance and device, memory, pipelines, and the one recorder of commands.
 
+pub(crate) mod buffer;
+
 mod cache;
 mod choose;
 mod fault;

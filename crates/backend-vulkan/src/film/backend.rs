@@ -3,7 +3,7 @@
 use photon_core::{ErrorMoments, Estimate, Film, FilmBackend, Layer, MapKind, Query, Result, SceneView};
 
 use super::VulkanFilm;
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::vulkan::Vulkan;
 
 impl FilmBackend for Vulkan {

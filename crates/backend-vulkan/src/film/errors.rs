@@ -5,8 +5,8 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
 
 use super::{GROUP, VulkanFilm, home, zeroed};
-use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
+use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 

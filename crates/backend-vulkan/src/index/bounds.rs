@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
 
-use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
+use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 

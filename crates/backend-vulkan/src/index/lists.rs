@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
 
 use super::map_storage::grow;
-use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
+use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::sort::{Pairs, Sort};
 use crate::vulkan::Vulkan;

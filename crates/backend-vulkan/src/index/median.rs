@@ -9,7 +9,7 @@ use super::WIDTH;
 use super::bounds::BoundsOf;
 use super::lists::{Lists, SHORT, TILE, WORKGROUP};
 use super::map_storage::grow;
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;

@@ -17,7 +17,7 @@ mod vvh_nodes;
 
 use photon_core::{IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result};
 
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::device::{Kernel, Module};
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;

@@ -10,7 +10,7 @@ use super::WIDTH;
 use super::bounds::BoundsOf;
 use super::map_storage::grow;
 use super::oversized_runs;
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
 use crate::shaders;
 use crate::sort::{self, Pairs, Sort};

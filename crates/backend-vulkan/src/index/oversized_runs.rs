@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
 
 use super::morton::{GatherPush, Morton, ROUNDS};
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;

@@ -6,8 +6,8 @@ use photon_core::{Photon, Result};
 
 use super::WIDTH;
 use super::map_storage::MapStorage;
-use crate::buffer::VulkanBuffer;
 use crate::device::Kernel;
+use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 

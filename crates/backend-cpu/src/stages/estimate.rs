@@ -8,10 +8,10 @@ use photon_core::{
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::error_moments::estimate_with_moments_at;
 use crate::index::Neighbours;
+use crate::map::power::Power;
 use crate::map::{CpuMap, Powers};
-use crate::power::Power;
+use crate::stages::error_moments::estimate_with_moments_at;
 
 /// The least squared radius that an estimate divides by.
 const MIN_RADIUS_SQUARED: f32 = neighbour_radius::MIN_RADIUS * neighbour_radius::MIN_RADIUS;

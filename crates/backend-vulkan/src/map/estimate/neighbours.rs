@@ -5,7 +5,7 @@ use photon_core::{Backend, Kernel, Query, Result};
 
 use super::check_radius;
 use super::search::{MapSearch, Mode, Question};
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
 use crate::vulkan::Vulkan;

@@ -1,9 +1,11 @@
 //! Photons arranged for search, on the device.
 
+pub(crate) mod estimate;
+
 use photon_core::{Error, IndexKind, Photon, PhotonFormat, Result};
 
-use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
+use crate::device::buffer::VulkanBuffer;
 use crate::vulkan::Vulkan;
 
 /// A photon map.

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Estimate, IrradiancePoints, Photon, PhotonFormat, Query, Result};
 
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
 use crate::vulkan::Vulkan;

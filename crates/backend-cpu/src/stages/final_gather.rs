@@ -8,11 +8,11 @@ use photon_core::{
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
-use crate::error_moments::estimate_with_moments_at;
-use crate::estimate::{VisiblePoint, estimate_at};
 use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::CpuScene;
+use crate::stages::error_moments::estimate_with_moments_at;
+use crate::stages::estimate::{VisiblePoint, estimate_at};
 
 /// Rays from the queries to where the maps are read.
 #[derive(Debug)]

@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Batch, Emitter, PhotonRay, ProjectionMap, Result};
 
 use super::random_number;
-use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
+use crate::device::buffer::VulkanBuffer;
 use crate::scene::VulkanScene;
 use crate::shaders;
 use crate::vulkan::Vulkan;

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{DirectLight, Layer, Pass, Query, Result};
 
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
 use crate::scene::VulkanScene;
 use crate::shaders;

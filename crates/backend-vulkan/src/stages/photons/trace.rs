@@ -14,7 +14,7 @@ use photon_core::{
 
 use super::random_number;
 use super::tally::{AIMED_FATES, FATES, tally, words};
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::device::{Kernel, Memory};
 use crate::scan::Scan;
 use crate::scene::VulkanScene;

@@ -7,8 +7,8 @@ use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Kernel, Photon, 
 use super::inputs::{caustic, photon, photons, places, point_sets, queries, walls};
 use super::maps::map;
 use crate::Vulkan;
-use crate::estimate::VulkanEstimator;
-use crate::estimate::search::MapSearch;
+use crate::map::estimate::VulkanEstimator;
+use crate::map::estimate::search::MapSearch;
 
 /// Relative to the sum of all weights times powers that a kernel can give: rounding of each weight, of
 /// the sums within a leaf, and of the moments' differences, which weigh up to 12 times as much as what

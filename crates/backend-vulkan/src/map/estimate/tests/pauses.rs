@@ -5,8 +5,8 @@ use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Kernel, Query, R
 
 use super::inputs::{photons, places, point_sets, queries, walls};
 use super::maps::map;
-use crate::estimate::VulkanEstimator;
-use crate::estimate::search::MapSearch;
+use crate::map::estimate::VulkanEstimator;
+use crate::map::estimate::search::MapSearch;
 use crate::{Vulkan, VulkanBuffer, VulkanMap};
 
 /// At every turn, in the middle of leaves and of runs of equal points, now and then.

@@ -7,7 +7,7 @@ use photon_core::{Error, Kernel, Query, Result};
 
 use super::order::Order;
 use super::pause::{PausedSearches, SUBGROUPS};
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
 use crate::vulkan::Vulkan;

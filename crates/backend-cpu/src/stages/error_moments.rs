@@ -4,9 +4,9 @@ use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use photon_core::{ErrorMoments, Estimate, EstimateParams, sampling};
 
-use crate::estimate::{Sum, VisiblePoint};
+use crate::map::power::Power;
 use crate::map::{CpuMap, Powers};
-use crate::power::Power;
+use crate::stages::estimate::{Sum, VisiblePoint};
 
 /// A photon farther from the query's plane than this share of the wide radius is on another surface.
 const OFF_PLANE: f32 = 0.25;

@@ -7,7 +7,7 @@ use photon_core::{Backend, Error, IndexKind};
 use super::inputs::{caustic, photons, places, point_sets, walls};
 use super::maps::map;
 use crate::Vulkan;
-use crate::estimate::search::MapSearch;
+use crate::map::estimate::search::MapSearch;
 
 const KINDS: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
 

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{AreaProbe, EstimateBuffers, EstimateParams, Pass, Query, Result};
 
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::scene::VulkanScene;
 use crate::shaders;
 use crate::vulkan::Vulkan;

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Query, Result};
 
-use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
+use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
 use crate::sort::{Pairs, Sort};

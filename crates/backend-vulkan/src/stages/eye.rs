@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Camera, EyeTracer, Features, Layer, Pass, QUERIES_PER_PIXEL, Query, Result, View};
 
-use crate::buffer::VulkanBuffer;
 use crate::device::Memory;
+use crate::device::buffer::VulkanBuffer;
 use crate::film::VulkanFilm;
 use crate::scan::Scan;
 use crate::scene::VulkanScene;

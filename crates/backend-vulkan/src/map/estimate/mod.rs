@@ -17,7 +17,7 @@ use photon_core::{
     Search, neighbour_radius,
 };
 
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
 use search::{MapSearch, Mode, Question};

@@ -7,8 +7,8 @@ use photon_core::{DirectLight, Layer, Light, MediumStack, Pass, Query, RandomKin
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
-use crate::light_sampler::LightSampler;
 use crate::scene::CpuScene;
+use crate::stages::light_sampler::LightSampler;
 
 /// Shadow rays to points on the lights.
 #[derive(Debug)]

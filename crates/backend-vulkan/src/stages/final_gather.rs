@@ -5,7 +5,7 @@ use photon_core::{
     ErrorMoments, Estimate, FinalGather, Layer, Maps, Pass, PhotonFormat, Query, RadianceEstimator, Result,
 };
 
-use crate::buffer::VulkanBuffer;
+use crate::device::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
 use crate::scene::VulkanScene;
 use crate::shaders;

@@ -1,12 +1,16 @@
 //! Photons arranged for search.
 
+pub(crate) mod normals;
+pub(crate) mod power;
+pub(crate) mod rows;
+
 use photon_core::glam::Vec3;
 use photon_core::{Error, IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result, octahedral};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::index::{PointIndex, Workspace};
-use crate::normals::Normals;
+use crate::map::normals::Normals;
 
 /// A photon map.
 #[derive(Debug)]

@@ -1,0 +1,12 @@
+//! The stages of a pass.
+
+pub(crate) mod area;
+pub(crate) mod direct;
+pub(crate) mod emit;
+pub(crate) mod error_moments;
+pub(crate) mod estimate;
+pub(crate) mod eye;
+pub(crate) mod final_gather;
+pub(crate) mod irradiance;
+pub(crate) mod light_sampler;
+pub(crate) mod trace;

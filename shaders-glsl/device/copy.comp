@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "grid.glsl"
+#include "device/grid.glsl"
 
 layout(local_size_x_id = 1) in;
 

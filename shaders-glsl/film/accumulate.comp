@@ -10,9 +10,9 @@ layout(local_size_x_id = 1) in;
 // What is read: 0 estimates of photon maps, 1 vectors.
 layout(constant_id = 2) const uint FROM = 0;
 
-#include "film.glsl"
-#include "grid.glsl"
-#include "layout.glsl"
+#include "film/film.glsl"
+#include "device/grid.glsl"
+#include "shading/layout.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Values { vec3 at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };

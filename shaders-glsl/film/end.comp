@@ -9,8 +9,8 @@ layout(local_size_x_id = 1) in;
 // Bit by bit, the layers that there are.
 layout(constant_id = 2) const uint LAYERS = 15;
 
-#include "film.glsl"
-#include "grid.glsl"
+#include "film/film.glsl"
+#include "device/grid.glsl"
 
 layout(push_constant, scalar) uniform Push {
     Planes passes[4];

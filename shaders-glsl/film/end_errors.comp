@@ -10,9 +10,9 @@ layout(local_size_x_id = 1) in;
 // Bit by bit, the maps that there are.
 layout(constant_id = 2) const uint MAPS = 7;
 
-#include "constants.glsl"
-#include "film.glsl"
-#include "grid.glsl"
+#include "shading/constants.glsl"
+#include "film/film.glsl"
+#include "device/grid.glsl"
 
 layout(push_constant, scalar) uniform Push {
     Planes pass;

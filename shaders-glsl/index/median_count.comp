@@ -6,9 +6,9 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "grid.glsl"
-#include "group_scan.glsl"
-#include "lists.glsl"
+#include "device/grid.glsl"
+#include "scan/group_scan.glsl"
+#include "search/lists.glsl"
 
 layout(local_size_x_id = 1) in;
 

@@ -8,8 +8,8 @@
 
 #extension GL_EXT_control_flow_attributes : require
 
-#include "grid.glsl"
-#include "lists.glsl"
+#include "device/grid.glsl"
+#include "search/lists.glsl"
 
 layout(local_size_x_id = 1) in;
 

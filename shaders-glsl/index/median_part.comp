@@ -7,8 +7,8 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "grid.glsl"
-#include "list_part.glsl"
+#include "device/grid.glsl"
+#include "search/list_part.glsl"
 
 layout(push_constant, scalar) uniform Push {
     Words lists;

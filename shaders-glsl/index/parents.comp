@@ -5,9 +5,9 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "grid.glsl"
-#include "map_records.glsl"
-#include "words.glsl"
+#include "device/grid.glsl"
+#include "search/map_records.glsl"
+#include "device/words.glsl"
 
 layout(local_size_x_id = 1) in;
 

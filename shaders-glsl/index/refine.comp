@@ -9,11 +9,11 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "group_box.glsl"
-#include "map_records.glsl"
-#include "morton.glsl"
-#include "runs.glsl"
-#include "sort_tile.glsl"
+#include "index/group_box.glsl"
+#include "search/map_records.glsl"
+#include "index/morton.glsl"
+#include "index/runs.glsl"
+#include "sort/sort_tile.glsl"
 
 // Invocations of a workgroup write what others of it read.
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Codes { uvec2 code; };

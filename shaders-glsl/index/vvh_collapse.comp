@@ -6,9 +6,9 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "map_records.glsl"
-#include "vvh_nodes.glsl"
-#include "words.glsl"
+#include "search/map_records.glsl"
+#include "index/vvh_nodes.glsl"
+#include "device/words.glsl"
 
 layout(local_size_x_id = 1) in;
 

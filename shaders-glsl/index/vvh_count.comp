@@ -6,9 +6,9 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "group_scan.glsl"
-#include "lists.glsl"
-#include "vvh_records.glsl"
+#include "scan/group_scan.glsl"
+#include "search/lists.glsl"
+#include "index/vvh_records.glsl"
 
 layout(local_size_x_id = 1) in;
 

@@ -12,8 +12,8 @@ layout(local_size_x_id = 1) in;
 
 // Segments of two blocks or more, in 64 blocks.
 #define VVH_ROWS 32
-#include "vvh.glsl"
-#include "vvh_records.glsl"
+#include "index/vvh.glsl"
+#include "index/vvh_records.glsl"
 
 // Invocations of a workgroup write what others of it read.
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Places { uint place; };

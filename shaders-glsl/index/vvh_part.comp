@@ -7,8 +7,8 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "list_part.glsl"
-#include "vvh_records.glsl"
+#include "search/list_part.glsl"
+#include "index/vvh_records.glsl"
 
 layout(push_constant, scalar) uniform Push {
     Words lists;

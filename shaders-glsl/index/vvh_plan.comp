@@ -9,8 +9,8 @@
 layout(local_size_x_id = 1) in;
 
 #define VVH_ROWS 1
-#include "vvh.glsl"
-#include "vvh_records.glsl"
+#include "index/vvh.glsl"
+#include "index/vvh_records.glsl"
 
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;

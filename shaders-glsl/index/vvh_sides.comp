@@ -5,8 +5,8 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "lists.glsl"
-#include "vvh_records.glsl"
+#include "search/lists.glsl"
+#include "index/vvh_records.glsl"
 
 layout(local_size_x_id = 1) in;
 

@@ -6,8 +6,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-#include "grid.glsl"
-#include "layout.glsl"
+#include "device/grid.glsl"
+#include "shading/layout.glsl"
 
 layout(local_size_x_id = 1) in;
 layout(constant_id = 2) const uint RECORD = 0u;

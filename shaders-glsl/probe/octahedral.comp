@@ -7,8 +7,8 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "probe.glsl"
-#include "octahedral.glsl"
+#include "probe/probe.glsl"
+#include "shading/octahedral.glsl"
 
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 0u) return Output(uvec4(octahedral_pack(a.xyz), 0u, 0u, 0u), uvec4(0u));

@@ -7,9 +7,9 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "probe.glsl"
-#include "math.glsl"
-#include "offset.glsl"
+#include "probe/probe.glsl"
+#include "shading/math.glsl"
+#include "shading/offset.glsl"
 
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 0u) return floats(vec4(barycentric(a.xyz, b.xyz, c.xyz, a.w, b.w), 0.0), vec4(0.0));

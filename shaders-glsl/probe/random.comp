@@ -7,8 +7,8 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "probe.glsl"
-#include "random.glsl"
+#include "probe/probe.glsl"
+#include "shading/random.glsl"
 
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     switch (FUNCTION) {

@@ -7,9 +7,9 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "probe.glsl"
-#include "random.glsl"
-#include "solid_angle.glsl"
+#include "probe/probe.glsl"
+#include "shading/random.glsl"
+#include "shading/solid_angle.glsl"
 
 // Corners; in the last numbers of their rows the height, the area, and two words of 16 bits in one.
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {

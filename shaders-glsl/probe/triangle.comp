@@ -8,8 +8,8 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "probe.glsl"
-#include "scene.glsl"
+#include "probe/probe.glsl"
+#include "shading/scene.glsl"
 
 // Origin and farthest distance; direction; which triangle, and the address of the scene.
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {

@@ -10,9 +10,9 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "counter.glsl"
-#include "grid.glsl"
-#include "scene.glsl"
+#include "device/counter.glsl"
+#include "device/grid.glsl"
+#include "shading/scene.glsl"
 
 // Whether any hit will do.
 layout(constant_id = 2) const bool SHADOW = false;

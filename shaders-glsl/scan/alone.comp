@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "scan_tile.glsl"
+#include "scan/scan_tile.glsl"
 
 layout(local_size_x_id = 1) in;
 

@@ -5,8 +5,8 @@
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "grid.glsl"
-#include "scan_tile.glsl"
+#include "device/grid.glsl"
+#include "scan/scan_tile.glsl"
 
 layout(local_size_x_id = 1) in;
 

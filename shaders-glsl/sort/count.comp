@@ -9,9 +9,9 @@ layout(local_size_x_id = 1) in;
 // Words to a key.
 layout(constant_id = 2) const uint KEY_WORDS = 1;
 
-#include "grid.glsl"
-#include "words.glsl"
-#include "sort_tile.glsl"
+#include "device/grid.glsl"
+#include "device/words.glsl"
+#include "sort/sort_tile.glsl"
 
 layout(push_constant, scalar) uniform Push {
     Words keys;

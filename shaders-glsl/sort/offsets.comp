@@ -8,8 +8,8 @@
 
 layout(local_size_x_id = 1) in;
 
-#include "grid.glsl"
-#include "scan_tile.glsl"
+#include "device/grid.glsl"
+#include "scan/scan_tile.glsl"
 
 layout(push_constant, scalar) uniform Push {
     Words counts;

@@ -10,7 +10,7 @@ use glslang::{
 
 use crate::sources::{Kernel, read};
 
-/// Finds `#include "stem.glsl"` in one folder.
+/// Finds `#include "folder/stem.glsl"` below one folder.
 struct Includes<'a> {
     folder: &'a Path,
 }

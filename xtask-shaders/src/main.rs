@@ -38,7 +38,7 @@ fn run(root: &Path, check: bool) -> Result<usize, String> {
     let mut modules = Vec::new();
     let mut failed = 0;
     for kernel in &kernels {
-        match apart::compile(kernel, &root.join("shaders-glsl/include")) {
+        match apart::compile(kernel, &root.join("shaders-glsl")) {
             Ok(words) => modules.push((kernel, words)),
             Err(message) => {
                 eprintln!("{}:\n{message}", kernel.path.display());

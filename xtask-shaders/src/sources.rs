@@ -21,7 +21,7 @@ pub(crate) struct Kernel {
 pub(crate) fn kernels(folder: &Path) -> Result<Vec<Kernel>, String> {
     let mut found = Vec::new();
     for entry in entries(folder)? {
-        if !entry.is_dir() || entry.ends_with("include") {
+        if !entry.is_dir() {
             continue;
         }
         let group = stem(&entry);

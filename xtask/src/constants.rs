@@ -1,4 +1,4 @@
-//! Numbers that Rust and GLSL share: `shaders-glsl/include/constants.glsl`, written from Rust.
+//! Numbers that Rust and GLSL share: `shaders-glsl/shading/constants.glsl`, written from Rust.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -131,7 +131,7 @@ fn text() -> String {
 }
 
 fn file() -> PathBuf {
-    shell::root().join("shaders-glsl/include/constants.glsl")
+    shell::root().join("shaders-glsl/shading/constants.glsl")
 }
 
 /// Writes the file, if it says anything else.

@@ -13,7 +13,7 @@ const MARK: &str = "<!-- rows: written by `cargo xtask requirements` -->\n";
 
 /// The kernels that are specialised by features, and where the GLSL says which it has.
 const KERNELS: [&str; 6] =
-    ["photons/emit", "photons/trace", "camera/eye", "camera/direct", "camera/gather", "camera/area"];
+    ["stages/emit", "stages/trace", "stages/eye", "stages/direct", "stages/final_gather", "stages/area"];
 
 /// Bits of `photon_core::Features` that a scene has or has not, together.
 const FEATURES: [(&str, u32); 8] = [
@@ -143,16 +143,7 @@ fn compiled(kernel: &str, struck: Option<u32>, features: u32) -> Result<usize, S
     };
     fs::write(&glsl, source).map_err(|error| error.to_string())?;
     let (glsl, spirv) = (glsl.to_string_lossy(), spirv.to_string_lossy());
-    shell::capture(&[
-        "glslangValidator",
-        "--target-env",
-        "vulkan1.2",
-        "-V",
-        "-Ishaders-glsl/include",
-        "-o",
-        &spirv,
-        &glsl,
-    ])?;
+    shell::capture(&["glslangValidator", "--target-env", "vulkan1.2", "-V", "-Ishaders-glsl", "-o", &spirv, &glsl])?;
     count(&spirv, features)
 }
 

@@ -40,5 +40,5 @@ pub use map::VulkanMap;
 pub use rays::RayPlan;
 pub use scene::VulkanScene;
 #[doc(hidden)]
-pub use stages::photons::TracePlan;
+pub use stages::TracePlan;
 pub use vulkan::Vulkan;

@@ -2,29 +2,6 @@
 
 use crate::device::Module;
 
-pub(crate) static CAMERA_AREA: Module =
-    Module { name: "camera_area", bytes: include_bytes!("../spirv/camera_area.spv") };
-
-pub(crate) static CAMERA_COMPACT: Module =
-    Module { name: "camera_compact", bytes: include_bytes!("../spirv/camera_compact.spv") };
-
-pub(crate) static CAMERA_DIRECT: Module =
-    Module { name: "camera_direct", bytes: include_bytes!("../spirv/camera_direct.spv") };
-
-pub(crate) static CAMERA_EYE: Module = Module { name: "camera_eye", bytes: include_bytes!("../spirv/camera_eye.spv") };
-
-pub(crate) static CAMERA_GATHER: Module =
-    Module { name: "camera_gather", bytes: include_bytes!("../spirv/camera_gather.spv") };
-
-pub(crate) static CAMERA_GATHERED: Module =
-    Module { name: "camera_gathered", bytes: include_bytes!("../spirv/camera_gathered.spv") };
-
-pub(crate) static CAMERA_RADII: Module =
-    Module { name: "camera_radii", bytes: include_bytes!("../spirv/camera_radii.spv") };
-
-pub(crate) static CAMERA_SETTLE: Module =
-    Module { name: "camera_settle", bytes: include_bytes!("../spirv/camera_settle.spv") };
-
 pub(crate) static DEVICE_COPY: Module =
     Module { name: "device_copy", bytes: include_bytes!("../spirv/device_copy.spv") };
 
@@ -42,33 +19,6 @@ pub(crate) static FILM_END_ERRORS: Module =
 pub(crate) static FILM_ERRORS: Module =
     Module { name: "film_errors", bytes: include_bytes!("../spirv/film_errors.spv") };
 
-pub(crate) static GATHER_CLOSEST: Module =
-    Module { name: "gather_closest", bytes: include_bytes!("../spirv/gather_closest.spv") };
-
-pub(crate) static GATHER_CODES: Module =
-    Module { name: "gather_codes", bytes: include_bytes!("../spirv/gather_codes.spv") };
-
-pub(crate) static GATHER_COUNT: Module =
-    Module { name: "gather_count", bytes: include_bytes!("../spirv/gather_count.spv") };
-
-pub(crate) static GATHER_IRRADIANCE: Module =
-    Module { name: "gather_irradiance", bytes: include_bytes!("../spirv/gather_irradiance.spv") };
-
-pub(crate) static GATHER_NEAREST: Module =
-    Module { name: "gather_nearest", bytes: include_bytes!("../spirv/gather_nearest.spv") };
-
-pub(crate) static GATHER_ORDER: Module =
-    Module { name: "gather_order", bytes: include_bytes!("../spirv/gather_order.spv") };
-
-pub(crate) static GATHER_PLACES: Module =
-    Module { name: "gather_places", bytes: include_bytes!("../spirv/gather_places.spv") };
-
-pub(crate) static GATHER_RADIUS: Module =
-    Module { name: "gather_radius", bytes: include_bytes!("../spirv/gather_radius.spv") };
-
-pub(crate) static GATHER_SAMPLE: Module =
-    Module { name: "gather_sample", bytes: include_bytes!("../spirv/gather_sample.spv") };
-
 pub(crate) static INDEX_ARRANGE: Module =
     Module { name: "index_arrange", bytes: include_bytes!("../spirv/index_arrange.spv") };
 
@@ -77,9 +27,6 @@ pub(crate) static INDEX_BOUNDS: Module =
 
 pub(crate) static INDEX_CODES: Module =
     Module { name: "index_codes", bytes: include_bytes!("../spirv/index_codes.spv") };
-
-pub(crate) static INDEX_GATHER: Module =
-    Module { name: "index_gather", bytes: include_bytes!("../spirv/index_gather.spv") };
 
 pub(crate) static INDEX_KEYS: Module = Module { name: "index_keys", bytes: include_bytes!("../spirv/index_keys.spv") };
 
@@ -100,6 +47,9 @@ pub(crate) static INDEX_MEDIAN_SIDES: Module =
 
 pub(crate) static INDEX_PARENTS: Module =
     Module { name: "index_parents", bytes: include_bytes!("../spirv/index_parents.spv") };
+
+pub(crate) static INDEX_PERMUTE: Module =
+    Module { name: "index_permute", bytes: include_bytes!("../spirv/index_permute.spv") };
 
 pub(crate) static INDEX_PICK: Module = Module { name: "index_pick", bytes: include_bytes!("../spirv/index_pick.spv") };
 
@@ -126,21 +76,6 @@ pub(crate) static INDEX_VVH_PLAN: Module =
 
 pub(crate) static INDEX_VVH_SIDES: Module =
     Module { name: "index_vvh_sides", bytes: include_bytes!("../spirv/index_vvh_sides.spv") };
-
-pub(crate) static PHOTONS_ADVANCE: Module =
-    Module { name: "photons_advance", bytes: include_bytes!("../spirv/photons_advance.spv") };
-
-pub(crate) static PHOTONS_EMIT: Module =
-    Module { name: "photons_emit", bytes: include_bytes!("../spirv/photons_emit.spv") };
-
-pub(crate) static PHOTONS_SCATTER: Module =
-    Module { name: "photons_scatter", bytes: include_bytes!("../spirv/photons_scatter.spv") };
-
-pub(crate) static PHOTONS_TALLY: Module =
-    Module { name: "photons_tally", bytes: include_bytes!("../spirv/photons_tally.spv") };
-
-pub(crate) static PHOTONS_TRACE: Module =
-    Module { name: "photons_trace", bytes: include_bytes!("../spirv/photons_trace.spv") };
 
 pub(crate) static PROBE_BSDF: Module = Module { name: "probe_bsdf", bytes: include_bytes!("../spirv/probe_bsdf.spv") };
 
@@ -179,6 +114,27 @@ pub(crate) static SCAN_SUMS: Module = Module { name: "scan_sums", bytes: include
 
 pub(crate) static SCAN_TILES: Module = Module { name: "scan_tiles", bytes: include_bytes!("../spirv/scan_tiles.spv") };
 
+pub(crate) static SEARCH_CODES: Module =
+    Module { name: "search_codes", bytes: include_bytes!("../spirv/search_codes.spv") };
+
+pub(crate) static SEARCH_COUNT: Module =
+    Module { name: "search_count", bytes: include_bytes!("../spirv/search_count.spv") };
+
+pub(crate) static SEARCH_K_NEAREST: Module =
+    Module { name: "search_k_nearest", bytes: include_bytes!("../spirv/search_k_nearest.spv") };
+
+pub(crate) static SEARCH_NEAREST_PHOTON: Module =
+    Module { name: "search_nearest_photon", bytes: include_bytes!("../spirv/search_nearest_photon.spv") };
+
+pub(crate) static SEARCH_ORDER: Module =
+    Module { name: "search_order", bytes: include_bytes!("../spirv/search_order.spv") };
+
+pub(crate) static SEARCH_RADIUS: Module =
+    Module { name: "search_radius", bytes: include_bytes!("../spirv/search_radius.spv") };
+
+pub(crate) static SEARCH_SAMPLE: Module =
+    Module { name: "search_sample", bytes: include_bytes!("../spirv/search_sample.spv") };
+
 pub(crate) static SORT_COUNT: Module = Module { name: "sort_count", bytes: include_bytes!("../spirv/sort_count.spv") };
 
 pub(crate) static SORT_OFFSETS: Module =
@@ -187,35 +143,61 @@ pub(crate) static SORT_OFFSETS: Module =
 pub(crate) static SORT_SCATTER: Module =
     Module { name: "sort_scatter", bytes: include_bytes!("../spirv/sort_scatter.spv") };
 
+pub(crate) static STAGES_AREA: Module =
+    Module { name: "stages_area", bytes: include_bytes!("../spirv/stages_area.spv") };
+
+pub(crate) static STAGES_DIRECT: Module =
+    Module { name: "stages_direct", bytes: include_bytes!("../spirv/stages_direct.spv") };
+
+pub(crate) static STAGES_EMIT: Module =
+    Module { name: "stages_emit", bytes: include_bytes!("../spirv/stages_emit.spv") };
+
+pub(crate) static STAGES_EYE: Module = Module { name: "stages_eye", bytes: include_bytes!("../spirv/stages_eye.spv") };
+
+pub(crate) static STAGES_EYE_COMPACT: Module =
+    Module { name: "stages_eye_compact", bytes: include_bytes!("../spirv/stages_eye_compact.spv") };
+
+pub(crate) static STAGES_EYE_RADII: Module =
+    Module { name: "stages_eye_radii", bytes: include_bytes!("../spirv/stages_eye_radii.spv") };
+
+pub(crate) static STAGES_EYE_SETTLE: Module =
+    Module { name: "stages_eye_settle", bytes: include_bytes!("../spirv/stages_eye_settle.spv") };
+
+pub(crate) static STAGES_FINAL_GATHER: Module =
+    Module { name: "stages_final_gather", bytes: include_bytes!("../spirv/stages_final_gather.spv") };
+
+pub(crate) static STAGES_FINAL_GATHER_SUM: Module =
+    Module { name: "stages_final_gather_sum", bytes: include_bytes!("../spirv/stages_final_gather_sum.spv") };
+
+pub(crate) static STAGES_IRRADIANCE: Module =
+    Module { name: "stages_irradiance", bytes: include_bytes!("../spirv/stages_irradiance.spv") };
+
+pub(crate) static STAGES_IRRADIANCE_PLACES: Module =
+    Module { name: "stages_irradiance_places", bytes: include_bytes!("../spirv/stages_irradiance_places.spv") };
+
+pub(crate) static STAGES_TALLY: Module =
+    Module { name: "stages_tally", bytes: include_bytes!("../spirv/stages_tally.spv") };
+
+pub(crate) static STAGES_TRACE: Module =
+    Module { name: "stages_trace", bytes: include_bytes!("../spirv/stages_trace.spv") };
+
+pub(crate) static STAGES_TRACE_ADVANCE: Module =
+    Module { name: "stages_trace_advance", bytes: include_bytes!("../spirv/stages_trace_advance.spv") };
+
+pub(crate) static STAGES_TRACE_REORDER: Module =
+    Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
+
 /// All of them.
 pub(crate) static ALL: [&Module; 65] = [
-    &CAMERA_AREA,
-    &CAMERA_COMPACT,
-    &CAMERA_DIRECT,
-    &CAMERA_EYE,
-    &CAMERA_GATHER,
-    &CAMERA_GATHERED,
-    &CAMERA_RADII,
-    &CAMERA_SETTLE,
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
     &FILM_END,
     &FILM_END_ERRORS,
     &FILM_ERRORS,
-    &GATHER_CLOSEST,
-    &GATHER_CODES,
-    &GATHER_COUNT,
-    &GATHER_IRRADIANCE,
-    &GATHER_NEAREST,
-    &GATHER_ORDER,
-    &GATHER_PLACES,
-    &GATHER_RADIUS,
-    &GATHER_SAMPLE,
     &INDEX_ARRANGE,
     &INDEX_BOUNDS,
     &INDEX_CODES,
-    &INDEX_GATHER,
     &INDEX_KEYS,
     &INDEX_LONG_RUNS,
     &INDEX_MEDIAN_COUNT,
@@ -223,6 +205,7 @@ pub(crate) static ALL: [&Module; 65] = [
     &INDEX_MEDIAN_PART,
     &INDEX_MEDIAN_SIDES,
     &INDEX_PARENTS,
+    &INDEX_PERMUTE,
     &INDEX_PICK,
     &INDEX_REFINE,
     &INDEX_VVH_BOXES,
@@ -232,11 +215,6 @@ pub(crate) static ALL: [&Module; 65] = [
     &INDEX_VVH_PART,
     &INDEX_VVH_PLAN,
     &INDEX_VVH_SIDES,
-    &PHOTONS_ADVANCE,
-    &PHOTONS_EMIT,
-    &PHOTONS_SCATTER,
-    &PHOTONS_TALLY,
-    &PHOTONS_TRACE,
     &PROBE_BSDF,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,
@@ -251,7 +229,29 @@ pub(crate) static ALL: [&Module; 65] = [
     &SCAN_ALONE,
     &SCAN_SUMS,
     &SCAN_TILES,
+    &SEARCH_CODES,
+    &SEARCH_COUNT,
+    &SEARCH_K_NEAREST,
+    &SEARCH_NEAREST_PHOTON,
+    &SEARCH_ORDER,
+    &SEARCH_RADIUS,
+    &SEARCH_SAMPLE,
     &SORT_COUNT,
     &SORT_OFFSETS,
     &SORT_SCATTER,
+    &STAGES_AREA,
+    &STAGES_DIRECT,
+    &STAGES_EMIT,
+    &STAGES_EYE,
+    &STAGES_EYE_COMPACT,
+    &STAGES_EYE_RADII,
+    &STAGES_EYE_SETTLE,
+    &STAGES_FINAL_GATHER,
+    &STAGES_FINAL_GATHER_SUM,
+    &STAGES_IRRADIANCE,
+    &STAGES_IRRADIANCE_PLACES,
+    &STAGES_TALLY,
+    &STAGES_TRACE,
+    &STAGES_TRACE_ADVANCE,
+    &STAGES_TRACE_REORDER,
 ];

@@ -10,10 +10,11 @@ use crate::map::estimate::VulkanEstimator;
 use crate::scene::VulkanScene;
 use crate::stages::area::VulkanArea;
 use crate::stages::direct::VulkanDirect;
+use crate::stages::emit::{VulkanAimedEmitter, VulkanEmitter};
 use crate::stages::eye::{self, VulkanEye};
 use crate::stages::final_gather::VulkanGather;
 use crate::stages::irradiance::VulkanIrradiance;
-use crate::stages::photons::{VulkanAimedEmitter, VulkanEmitter, VulkanTracer};
+use crate::stages::trace::VulkanTracer;
 use crate::vulkan::Vulkan;
 
 impl TransportBackend for Vulkan {

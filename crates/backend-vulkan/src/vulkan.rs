@@ -11,7 +11,7 @@ use crate::device::{
 };
 use crate::dispatch_limits::DispatchLimits;
 use crate::shaders;
-use crate::stages::photons::TracePlan;
+use crate::stages::TracePlan;
 
 /// Renders on a GPU.
 ///

@@ -63,7 +63,7 @@ pub(super) struct GatherPush {
     pub(super) pad: u32,
 }
 
-pushed!(gather_push_layout: GatherPush => INDEX_GATHER, words order gathered count pad);
+pushed!(gather_push_layout: GatherPush => INDEX_PERMUTE, words order gathered count pad);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -106,7 +106,7 @@ impl Morton {
             |on: &mut Vulkan, label| -> Result<[Memory; 2]> { Ok([on.memory(label, 16)?, on.memory(label, 16)?]) };
         Ok(Self {
             bounds: BoundsOf::new(on)?,
-            gather: on.kernel(&shaders::INDEX_GATHER, &[0, size])?,
+            gather: on.kernel(&shaders::INDEX_PERMUTE, &[0, size])?,
             long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, &[0, size])?,
             tile,
             sort: Sort::new(on)?,

@@ -25,7 +25,7 @@ pub(super) struct Row {
     pub(super) twin: fn(&Input) -> Output,
 }
 
-/// Everything in `shaders-glsl/include` that photon-core has a twin of.
+/// Everything in `shaders-glsl` that photon-core has a twin of.
 pub(super) fn rows() -> Vec<Row> {
     let row = |name, module, function, bound, draw, twin| Row { name, module, function, bound, draw, twin };
     [math_rows(row), random_rows(row), direction_rows(row), surface_rows(row), solid_angle::rows()].concat()

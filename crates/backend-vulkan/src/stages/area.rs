@@ -35,7 +35,7 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => CAMERA_AREA,
+    push_layout: Push => STAGES_AREA,
     scene queries count estimates error_moments seed pass start min_cosine slope max_plane_distance padding
 );
 
@@ -52,7 +52,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
         let EstimateBuffers { estimates, error_moments } = buffers;
         let [flat, second] = [gather.is_flat(), error_moments.is_some()].map(u32::from);
         let constants = [scene.features().bits(), GROUP, gather.kernel.number(), flat, second];
-        let kernel = on.kernel(&shaders::CAMERA_AREA, &constants)?;
+        let kernel = on.kernel(&shaders::STAGES_AREA, &constants)?;
         // How many there are need not be known here: as many as fit.
         let capacity = queries.capacity().min(estimates.capacity());
         let capacity = error_moments.as_ref().map_or(capacity, |error_moments| capacity.min(error_moments.capacity()));

@@ -35,7 +35,7 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => CAMERA_DIRECT,
+    push_layout: Push => STAGES_DIRECT,
     scene queries count values seed pass rays start start_ray end_ray padding
 );
 
@@ -55,7 +55,7 @@ impl DirectLight<Vulkan> for VulkanDirect {
         let lights = scene.light_count();
         let weighed = if (2..=MAX_LIGHTS).contains(&lights) { lights } else { 0 };
         let kernel =
-            on.kernel(&shaders::CAMERA_DIRECT, &[scene.features().bits(), GROUP, weighed, scene.media().bits()])?;
+            on.kernel(&shaders::STAGES_DIRECT, &[scene.features().bits(), GROUP, weighed, scene.media().bits()])?;
         // How many there are need not be known here yet: as many as fit.
         let capacity = queries.capacity();
         let rounds = shadow_rays.min(on.dispatch_limits.shadow_rays_of_query);

@@ -58,7 +58,7 @@ struct EyePush {
 }
 
 pushed!(
-    eye_push_layout: EyePush => CAMERA_EYE,
+    eye_push_layout: EyePush => STAGES_EYE,
     scene camera first emission found counts seed pass width height start_row end_row max_bounces
 );
 
@@ -75,7 +75,7 @@ struct CompactPush {
     padding: u32,
 }
 
-pushed!(compact_push_layout: CompactPush => CAMERA_COMPACT, found counts offsets to capacity start count padding);
+pushed!(compact_push_layout: CompactPush => STAGES_EYE_COMPACT, found counts offsets to capacity start count padding);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -90,7 +90,7 @@ struct SettlePush {
     padding: u32,
 }
 
-pushed!(settle_push_layout: SettlePush => CAMERA_SETTLE, from queries offsets total start end pixels padding);
+pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offsets total start end pixels padding);
 
 impl VulkanEye {
     /// For paths of so many surfaces at most.
@@ -131,7 +131,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         // Tiles of 32 pixels, as square as may be.
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
         let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows, scene.media().bits()];
-        let look = on.kernel(&shaders::CAMERA_EYE, &constants)?;
+        let look = on.kernel(&shaders::STAGES_EYE, &constants)?;
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
         for start_row in (0..view.height).step_by(rows as usize) {
             let end_row = start_row.saturating_add(rows).min(view.height);
@@ -170,8 +170,8 @@ fn close_ranks(
     splits: u32,
     pixels: u32,
 ) -> Result<()> {
-    let compact = on.kernel(&shaders::CAMERA_COMPACT, &[0, GROUP, splits])?;
-    let settle = on.kernel(&shaders::CAMERA_SETTLE, &[0, GROUP])?;
+    let compact = on.kernel(&shaders::STAGES_EYE_COMPACT, &[0, GROUP, splits])?;
+    let settle = on.kernel(&shaders::STAGES_EYE_SETTLE, &[0, GROUP])?;
     let chunk = if in_place { (on.dispatch_limits.places >> splits).max(1) } else { pixels };
     for start in (0..pixels).step_by(chunk as usize) {
         let count = chunk.min(pixels - start);
@@ -225,11 +225,11 @@ struct RadiiPush {
     padding: u32,
 }
 
-pushed!(radii_push_layout: RadiiPush => CAMERA_RADII, queries count factors pixels padding);
+pushed!(radii_push_layout: RadiiPush => STAGES_EYE_RADII, queries count factors pixels padding);
 
 /// Multiplies each query's radius by its pixel's factor.
 pub(crate) fn scale_radii(on: &mut Vulkan, queries: &VulkanBuffer<Query>, factors: &VulkanBuffer<u32>) -> Result<()> {
-    let kernel = on.kernel(&shaders::CAMERA_RADII, &[0, GROUP])?;
+    let kernel = on.kernel(&shaders::STAGES_EYE_RADII, &[0, GROUP])?;
     let push = RadiiPush {
         queries: queries.data_address(),
         count: queries.count_address(),

@@ -47,7 +47,7 @@ struct GatherPush {
 }
 
 pushed!(
-    gather_push_layout: GatherPush => CAMERA_GATHER,
+    gather_push_layout: GatherPush => STAGES_FINAL_GATHER,
     scene queries landings seed pass rays start_ray count_rays start_query count_queries max_bounces padding
 );
 
@@ -68,7 +68,7 @@ struct GatheredPush {
 }
 
 pushed!(
-    gathered_push_layout: GatheredPush => CAMERA_GATHERED,
+    gathered_push_layout: GatheredPush => STAGES_FINAL_GATHER_SUM,
     landings estimates values error_moments errors count_rays start_query count_queries scale share padding
 );
 
@@ -129,10 +129,11 @@ impl FinalGather<Vulkan> for VulkanGather {
         };
         film.clear_values(on, queries.capacity())?;
         let values = film.values_address(on, queries.capacity())?;
-        let follow = on.kernel(&shaders::CAMERA_GATHER, &[scene.features().bits(), GROUP, scene.media().bits()])?;
+        let follow =
+            on.kernel(&shaders::STAGES_FINAL_GATHER, &[scene.features().bits(), GROUP, scene.media().bits()])?;
         let mut errors = self.error_buffers(on, film, room, queries.capacity())?;
         let (moments, found) = (u32::from(errors.is_some()), u32::from(maps.irradiance.is_some()));
-        let add = on.kernel(&shaders::CAMERA_GATHERED, &[0, GROUP, moments, found])?;
+        let add = on.kernel(&shaders::STAGES_FINAL_GATHER_SUM, &[0, GROUP, moments, found])?;
         // What is known of irradiance is no sum over paths.
         let asked: Vec<_> = match maps.irradiance {
             Some(irradiance) => vec![(irradiance, 1)],

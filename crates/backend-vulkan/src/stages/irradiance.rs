@@ -26,7 +26,7 @@ struct PlacesPush {
     padding: u32,
 }
 
-pushed!(places_push_layout: PlacesPush => GATHER_PLACES, positions queries first count every padding);
+pushed!(places_push_layout: PlacesPush => STAGES_IRRADIANCE_PLACES, positions queries first count every padding);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -40,7 +40,7 @@ struct AddPush {
     padding: u32,
 }
 
-pushed!(add_push_layout: AddPush => GATHER_IRRADIANCE, queries estimates points count first scale padding);
+pushed!(add_push_layout: AddPush => STAGES_IRRADIANCE, queries estimates points count first scale padding);
 
 impl IrradiancePoints<Vulkan> for VulkanIrradiance {
     fn places(
@@ -53,7 +53,7 @@ impl IrradiancePoints<Vulkan> for VulkanIrradiance {
         let first = on.length(queries)?;
         let room = queries.capacity() - first;
         let count = u64::from(map.length.div_ceil(every.max(1))).min(room);
-        let kernel = on.kernel(&shaders::GATHER_PLACES, &[0, GROUP])?;
+        let kernel = on.kernel(&shaders::STAGES_IRRADIANCE_PLACES, &[0, GROUP])?;
         let push = PlacesPush {
             positions: map.positions.address(),
             queries: queries.data_address(),
@@ -76,7 +76,7 @@ impl IrradiancePoints<Vulkan> for VulkanIrradiance {
         points: &mut VulkanBuffer<Photon>,
     ) -> Result<()> {
         let count = on.length(queries)?.min(points.capacity());
-        let kernel = on.kernel(&shaders::GATHER_IRRADIANCE, &[0, GROUP])?;
+        let kernel = on.kernel(&shaders::STAGES_IRRADIANCE, &[0, GROUP])?;
         let push = AddPush {
             queries: queries.data_address(),
             estimates: estimates.data_address(),

@@ -2,7 +2,12 @@
 
 pub(crate) mod area;
 pub(crate) mod direct;
+pub(crate) mod emit;
 pub(crate) mod eye;
 pub(crate) mod final_gather;
 pub(crate) mod irradiance;
-pub(crate) mod photons;
+mod tally;
+pub(crate) mod trace;
+mod trace_plan;
+
+pub use trace_plan::TracePlan;

@@ -32,7 +32,7 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     let photons = PerMap::only(MapKind::Global, (&map, gather));
     let maps = Maps { photons, irradiance: None, paths: PerMap::splat(500) };
     stages.gather.as_mut().unwrap().gather(&mut on, &prepared, &maps, pass, &queries, 1, &mut film).unwrap();
-    let names = ["photons_emit", "photons_trace", "camera_eye", "camera_direct", "camera_gather"];
+    let names = ["stages_emit", "stages_trace", "stages_eye", "stages_direct", "stages_final_gather"];
     let mut found = Vec::new();
     for (name, constants) in on.compiled() {
         let first = constants.first().copied().unwrap_or(0);

@@ -13,7 +13,7 @@ const GROUP: u32 = 64;
 /// Queries of a dispatch at most.
 const PORTION: u64 = 1 << 20;
 
-/// The push constants of `gather/closest.comp`.
+/// The push constants of `search/nearest_photon.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct Push {
@@ -35,7 +35,7 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => GATHER_CLOSEST,
+    push_layout: Push => SEARCH_NEAREST_PHOTON,
     nodes positions power ids queries query_count results result_count order points first capacity radius min_cosine
     padding
 );
@@ -50,7 +50,7 @@ pub(super) fn ask(
     estimates: &VulkanBuffer<Estimate>,
 ) -> Result<()> {
     let kernel =
-        on.kernel(&shaders::GATHER_CLOSEST, &[0, GROUP, u32::from(order != 0), map.photon_format().number()])?;
+        on.kernel(&shaders::SEARCH_NEAREST_PHOTON, &[0, GROUP, u32::from(order != 0), map.photon_format().number()])?;
     let mut push = Push {
         nodes: map.nodes.address(),
         positions: map.positions.address(),

@@ -1,7 +1,7 @@
 //! Irradiance from the photons near a point, on the device. Twin of backend-cpu's estimate.rs.
 //!
 //! A subgroup answers as many queries at a time as it has invocations, and walks the tree once for all
-//! of them: `shaders-glsl/include/search_walk.glsl`. Queries that lie near each other share what they
+//! of them: `shaders-glsl/search/search_walk.glsl`. Queries that lie near each other share what they
 //! read.
 
 mod closest;

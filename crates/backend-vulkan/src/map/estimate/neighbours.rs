@@ -19,7 +19,7 @@ const ROOM: u32 = 2048;
 /// And at least: short rows share a workgroup.
 const MIN_ROOM: u32 = 512;
 
-/// The push constants of `gather/order.comp`.
+/// The push constants of `search/order.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct OrderPush {
@@ -32,7 +32,7 @@ struct OrderPush {
     room: u32,
 }
 
-pushed!(order_push_layout: OrderPush => GATHER_ORDER, rows ids order first count k room);
+pushed!(order_push_layout: OrderPush => SEARCH_ORDER, rows ids order first count k room);
 
 impl Vulkan {
     /// The `k` nearest photons of every query within `max_radius`, which may be infinite, whatever their
@@ -76,7 +76,7 @@ impl Vulkan {
             let threads = (in_shared / 2).min(256).min(self.limits().max_workgroup);
             let rows_each = u64::from((in_shared / room).max(1));
             let order = search.order(self, map, queries)?;
-            let sort = self.kernel(&shaders::GATHER_ORDER, &[0, threads, in_shared, u32::from(order != 0)])?;
+            let sort = self.kernel(&shaders::SEARCH_ORDER, &[0, threads, in_shared, u32::from(order != 0)])?;
             let mut first = 0;
             while first < count {
                 let end = count.min(first + portion);

@@ -10,7 +10,7 @@ use crate::shaders;
 use crate::sort::{Pairs, Sort};
 use crate::vulkan::Vulkan;
 
-/// The push constants of `gather/codes.comp`.
+/// The push constants of `search/codes.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct CodesPush {
@@ -22,7 +22,7 @@ struct CodesPush {
     reserved: u32,
 }
 
-pushed!(codes_push_layout: CodesPush => GATHER_CODES, nodes queries query_count codes count reserved);
+pushed!(codes_push_layout: CodesPush => SEARCH_CODES, nodes queries query_count codes count reserved);
 
 /// Puts queries into Morton order, without moving them.
 #[derive(Debug)]
@@ -66,7 +66,7 @@ impl Order {
             count: count as u32,
             reserved: 0,
         };
-        let kernel = on.kernel(&shaders::GATHER_CODES, &[0, 128])?;
+        let kernel = on.kernel(&shaders::SEARCH_CODES, &[0, 128])?;
         on.dispatch(&kernel, &push, count.div_ceil(128))?;
         let pairs = Pairs {
             keys: [self.keys[0].address(), self.keys[1].address()],

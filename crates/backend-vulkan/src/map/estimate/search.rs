@@ -1,4 +1,4 @@
-//! Dispatching searches: what the kernels of `shaders-glsl/gather` are asked, and in which portions.
+//! Dispatching searches: what the kernels of `shaders-glsl/search` are asked, and in which portions.
 
 use std::ops::Range;
 
@@ -94,12 +94,12 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => GATHER_COUNT GATHER_NEAREST GATHER_RADIUS,
+    push_layout: Push => SEARCH_COUNT SEARCH_K_NEAREST SEARCH_RADIUS,
     nodes totals positions power ids queries query_count results result_count order pauses points first end k radius
     min_cosine parameter threshold capacity max_plane_distance
 );
 
-/// The push constants of `gather/sample.comp`.
+/// The push constants of `search/sample.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct SamplePush {
@@ -111,7 +111,7 @@ struct SamplePush {
     reserved: u32,
 }
 
-pushed!(sample_push_layout: SamplePush => GATHER_SAMPLE, photons queries points count radius reserved);
+pushed!(sample_push_layout: SamplePush => SEARCH_SAMPLE, photons queries points count radius reserved);
 
 /// Asks maps.
 #[derive(Debug)]
@@ -182,15 +182,15 @@ impl MapSearch {
                 let flat = u32::from(question.flat);
                 let kernel = question.kernel.number();
                 let constants = [0, workgroup, TILES, ordered, kernel, filter, moments, flat, turns, format];
-                on.kernel(&shaders::GATHER_RADIUS, &constants)?
+                on.kernel(&shaders::SEARCH_RADIUS, &constants)?
             }
-            Mode::Count => on.kernel(&shaders::GATHER_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
+            Mode::Count => on.kernel(&shaders::SEARCH_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
             Mode::Nearest | Mode::Paper | Mode::Rows => {
                 let mode = question.mode as u32 - Mode::Nearest as u32;
                 let (filter, wide) = (u32::from(question.filter), u32::from(question.k > self.narrow_bins));
                 let constants =
                     [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide, turns, format];
-                on.kernel(&shaders::GATHER_NEAREST, &constants)?
+                on.kernel(&shaders::SEARCH_K_NEAREST, &constants)?
             }
         };
         let span = u64::from(workgroup);
@@ -250,7 +250,7 @@ pub(super) fn sample(
     radius: f32,
 ) -> Result<()> {
     let (photons, queries) = (map.photons.data_address(), queries.data_address());
-    let kernel = on.kernel(&shaders::GATHER_SAMPLE, &[0, 64, map.photon_format().number()])?;
+    let kernel = on.kernel(&shaders::SEARCH_SAMPLE, &[0, 64, map.photon_format().number()])?;
     on.dispatch(
         &kernel,
         &SamplePush { photons, queries, points: map.length, count, radius, reserved: 0 },

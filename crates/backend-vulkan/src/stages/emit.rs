@@ -1,0 +1,131 @@
+//! Photons leave the lights.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Batch, Emitter, PhotonRay, ProjectionMap, Result};
+
+use crate::device::Memory;
+use crate::device::buffer::VulkanBuffer;
+use crate::scene::VulkanScene;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+const GROUP: u32 = 128;
+
+/// Sends photons out in proportion to the power of the lights.
+#[derive(Debug)]
+pub(crate) struct VulkanEmitter;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    scene: u64,
+    rays: u64,
+    seed: [u32; 2],
+    pass: u32,
+    first: u32,
+    count: u32,
+    pad: u32,
+    /// `ProjectionRef` of projection.glsl; 0 if photons are not aimed.
+    projection: u64,
+}
+
+pushed!(push_layout: Push => STAGES_EMIT, scene rays seed pass first count pad projection);
+
+impl Emitter<Vulkan> for VulkanEmitter {
+    fn emit(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        batch: &Batch,
+        rays: &mut VulkanBuffer<PhotonRay>,
+    ) -> Result<()> {
+        emit(on, scene, batch, rays, 0)
+    }
+}
+
+/// Sends photons out where something specular could be met.
+#[derive(Debug)]
+pub(crate) struct VulkanAimedEmitter {
+    /// One `Record`, the way to the tables.
+    record: Memory,
+    _tables: [Memory; 3],
+}
+
+/// `ProjectionRef` of projection.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Record {
+    targets: u64,
+    starts: u64,
+    cells: u64,
+    count: u32,
+    pad: u32,
+}
+
+impl VulkanAimedEmitter {
+    /// Brings the tables to the device.
+    ///
+    /// # Errors
+    /// [`photon_core::Error::OutOfMemory`].
+    pub(crate) fn new(on: &mut Vulkan, projection: &ProjectionMap) -> Result<Self> {
+        let mut table = |bytes: &[u8]| {
+            let memory = on.memory("aimed photons", bytes.len() as u64)?;
+            on.write(&memory, 0, bytes)?;
+            Ok::<_, photon_core::Error>(memory)
+        };
+        let tables = [
+            table(bytemuck::cast_slice(projection.targets()))?,
+            table(bytemuck::cast_slice(projection.starts()))?,
+            table(bytemuck::cast_slice(projection.cells()))?,
+        ];
+        let record = Record {
+            targets: tables[0].address(),
+            starts: tables[1].address(),
+            cells: tables[2].address(),
+            count: projection.targets().len() as u32,
+            pad: 0,
+        };
+        let record = table(bytemuck::bytes_of(&record))?;
+        on.note_memory("aimed photons", projection.bytes());
+        Ok(Self { record, _tables: tables })
+    }
+}
+
+impl Emitter<Vulkan> for VulkanAimedEmitter {
+    fn emit(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        batch: &Batch,
+        rays: &mut VulkanBuffer<PhotonRay>,
+    ) -> Result<()> {
+        emit(on, scene, batch, rays, self.record.address())
+    }
+}
+
+/// Sends out the paths of a batch, aimed if there is an address of what to aim at.
+fn emit(
+    on: &mut Vulkan,
+    scene: &VulkanScene,
+    batch: &Batch,
+    rays: &mut VulkanBuffer<PhotonRay>,
+    projection: u64,
+) -> Result<()> {
+    let asked = batch.paths.len() as u64;
+    let count = asked.min(rays.capacity());
+    let pass = batch.pass;
+    let constants = [scene.features().bits(), GROUP, pass.random as u32, u32::from(projection != 0)];
+    let kernel = on.kernel(&shaders::STAGES_EMIT, &constants)?;
+    let push = Push {
+        scene: scene.address(),
+        rays: rays.data_address(),
+        seed: [pass.seed as u32, (pass.seed >> 32) as u32],
+        pass: pass.index,
+        first: batch.paths.start,
+        count: count as u32,
+        pad: 0,
+        projection,
+    };
+    on.dispatch(&kernel, &push, count.div_ceil(u64::from(GROUP)))?;
+    on.set_length(rays, asked)
+}

@@ -1,0 +1,431 @@
+//! Photons are followed through the scene, and stored in order.
+//!
+//! A stretch of paths at a time, in rounds of so many surfaces: invocations store what they have to
+//! wherever there is room, and count for every path; prefix sums of the counts then say where each
+//! photon goes. Rounds bound how long a dispatch runs. Some drivers end loops silently that are too
+//! long: lavapipe (of Mesa 22) after 65 535 turns in all, which is what
+//! [`TracePlan::surfaces`] and [`TracePlan::quota`] mind.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{
+    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result, Scheduling, Settings,
+    Tally, Tracer,
+};
+
+use super::tally::{AIMED_FATES, FATES, tally, words};
+use crate::device::buffer::VulkanBuffer;
+use crate::device::{Kernel, Memory};
+use crate::scan::Scan;
+use crate::scene::VulkanScene;
+use crate::shaders;
+use crate::vulkan::Vulkan;
+
+/// Rounds between two looks at whether anything is still under way.
+const LOOK: u32 = 4;
+/// Invocations per workgroup of all kernels but the tracing one.
+const GROUP: u32 = 128;
+/// Most paths of a stretch: what a GPU needs to be busy; it bounds how long one dispatch runs. If they
+/// store more photons than there are places, it is traced again, shorter; but not shorter than this.
+const LONGEST: u64 = 1 << 22;
+const SHORTEST: u64 = 1 << 13;
+
+/// Follows photons.
+#[derive(Debug)]
+pub(crate) struct VulkanTracer {
+    scheduling: Scheduling,
+    max_bounces: u32,
+    required: Requirements,
+    /// Ways in which paths end: those of aimed ones, or of others.
+    fates: usize,
+    scan: Scan,
+    /// Most paths of a stretch, as seen so far.
+    longest: u64,
+    scratch: Option<TraceScratch>,
+    /// Words of the tally, and how many paths they are about.
+    sums: Memory,
+    emitted: u64,
+}
+
+/// Memory for one stretch.
+#[derive(Debug)]
+struct TraceScratch {
+    paths: u64,
+    places: u64,
+    photons: Memory,
+    owners: Memory,
+    stored: Memory,
+    endings: Memory,
+    states: Memory,
+    /// Numbers of paths under way, twice.
+    waiting: Memory,
+    /// Next free place; a word of photons for each map; then two words for each of two rounds.
+    cursors: Memory,
+    chunk: Memory,
+}
+
+/// Bytes within `TraceScratch::cursors`.
+const PLACE: u64 = 0;
+const TOTALS: u64 = 4;
+const ROUNDS: u64 = (TOTALS + 4 * MAPS as u64).next_multiple_of(8);
+const CURSORS: u64 = ROUNDS + 16;
+
+/// Maps that photons are stored in.
+const MAPS: usize = MapKind::COUNT;
+/// Bytes of `State` of trace.comp.
+const STATE: u64 = (4 * (13 + MAPS as u64)).next_multiple_of(16);
+
+/// The buffer of each map that is called for.
+type Targets<'a> = PerMap<Option<&'a VulkanBuffer<Photon>>>;
+
+/// `Chunk` of trace.comp.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Chunk {
+    stored: u64,
+    endings: u64,
+    states: u64,
+    seed: [u32; 2],
+    pass: u32,
+    first: u32,
+    count: u32,
+    pad: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct TracePush {
+    chunk: u64,
+    scene: u64,
+    rays: u64,
+    photons: u64,
+    owners: u64,
+    place: u64,
+    now: u64,
+    then: u64,
+    waiting: u64,
+    left: u64,
+    quota: u32,
+    surfaces: u32,
+    begins: u32,
+    places: u32,
+    max_bounces: u32,
+    pad: u32,
+}
+
+pushed!(
+    trace_push_layout: TracePush => STAGES_TRACE,
+    chunk scene rays photons owners place now then waiting left quota surfaces begins places max_bounces pad
+);
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct TallyPush {
+    rays: u64,
+    endings: u64,
+    stored: u64,
+    sums: u64,
+    first: u32,
+    count: u32,
+}
+
+pushed!(tally_push_layout: TallyPush => STAGES_TALLY, rays endings stored sums first count);
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct ScatterPush {
+    photons: u64,
+    owners: u64,
+    offsets: u64,
+    cursors: u64,
+    to: [u64; MAPS],
+    fills: [u64; MAPS],
+    count: u32,
+    places: u32,
+}
+
+pushed!(scatter_push_layout: ScatterPush => STAGES_TRACE_REORDER, photons owners offsets cursors to fills count places);
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct AdvancePush {
+    totals: u64,
+    needed: [u64; MAPS],
+}
+
+pushed!(advance_push_layout: AdvancePush => STAGES_TRACE_ADVANCE, totals needed);
+
+impl VulkanTracer {
+    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
+        Self::with_fates(on, settings, required, FATES)
+    }
+
+    /// For aimed paths, which end at the first diffuse surface.
+    pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
+        Self::with_fates(on, settings, required, AIMED_FATES)
+    }
+
+    fn with_fates(on: &mut Vulkan, settings: &Settings, required: &Requirements, fates: usize) -> Result<Self> {
+        let bytes = 4 * words(fates) as u64;
+        let sums = on.memory("tally", bytes)?;
+        on.fill(&sums, 0, bytes, 0)?;
+        Ok(Self {
+            scheduling: settings.scheduling,
+            max_bounces: settings.max_bounces,
+            required: *required,
+            fates,
+            scan: Scan::new(on)?,
+            longest: LONGEST,
+            scratch: None,
+            sums,
+            emitted: 0,
+        })
+    }
+
+    /// Memory for stretches of `paths` paths and `places` photons.
+    fn scratch(&mut self, on: &mut Vulkan, paths: u64, places: u64) -> Result<()> {
+        if self.scratch.as_ref().is_some_and(|scratch| scratch.paths >= paths && scratch.places >= places) {
+            return Ok(());
+        }
+        self.scratch = None;
+        let long = self.max_bounces > on.trace_plan.surfaces;
+        let scratch = TraceScratch {
+            paths,
+            places,
+            photons: on.memory("photons in no order", places * size_of::<Photon>() as u64)?,
+            owners: on.memory("owners of photons", places * 8)?,
+            stored: on.memory("photons per path", paths * MAPS as u64 * 4)?,
+            endings: on.memory("ends of paths", paths * 16)?,
+            states: on.memory("paths under way", if long { paths * STATE } else { 0 })?,
+            waiting: on.memory("paths under way", if long { paths * 8 } else { 0 })?,
+            cursors: on.memory("cursors", CURSORS)?,
+            chunk: on.memory("stretch", size_of::<Chunk>() as u64)?,
+        };
+        let label = if self.fates == AIMED_FATES { "tracing aimed photons" } else { "tracing" };
+        let path = 4 * MAPS as u64 + 16 + if long { STATE + 8 } else { 0 };
+        on.note_memory(label, places * 40 + paths * path);
+        self.scratch = Some(scratch);
+        Ok(())
+    }
+}
+
+impl Tracer<Vulkan> for VulkanTracer {
+    fn trace(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        batch: &Batch,
+        rays: &VulkanBuffer<PhotonRay>,
+        mut deposits: Deposits<'_, Vulkan>,
+    ) -> Result<()> {
+        let count = on.length(rays)?;
+        let mut first = 0;
+        while first < count {
+            let chunk = self.longest.min(count - first);
+            let targets = deposits.each_ref().map(Option::as_deref);
+            let places = on.trace_plan.places.min(self.most(&targets, chunk));
+            self.scratch(on, chunk, places)?;
+            if self.chunk(on, scene, batch, rays, &mut deposits, first, chunk)? {
+                first += chunk;
+            }
+        }
+        self.emitted += count;
+        for (_, target) in deposits {
+            let Some(target) = target else { continue };
+            target.touch();
+        }
+        Ok(())
+    }
+
+    fn take_tally(&mut self, on: &mut Vulkan) -> Result<Tally> {
+        let mut words = vec![0_u32; words(self.fates)];
+        on.read(&self.sums, 0, bytemuck::cast_slice_mut(&mut words))?;
+        on.fill(&self.sums, 0, 4 * words.len() as u64, 0)?;
+        Ok(tally(&words, self.fates, std::mem::take(&mut self.emitted)))
+    }
+
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Mono
+    }
+}
+
+impl VulkanTracer {
+    /// False if there were too few places: nothing has come of it, and the next one is to be shorter.
+    #[expect(clippy::too_many_arguments, reason = "a part of `trace`, with what it was called with")]
+    fn chunk(
+        &mut self,
+        on: &mut Vulkan,
+        scene: &VulkanScene,
+        batch: &Batch,
+        rays: &VulkanBuffer<PhotonRay>,
+        deposits: &mut Deposits<'_, Vulkan>,
+        first: u64,
+        count: u64,
+    ) -> Result<bool> {
+        let targets = deposits.each_ref().map(Option::as_deref);
+        let wanted = targets.map(|target| target.is_some());
+        let pass = batch.pass;
+        let dynamic = self.scheduling == Scheduling::Dynamic;
+        let plan = on.trace_plan;
+        let mut constants = [0; 11];
+        constants[..6].copy_from_slice(&[
+            self.required.features.bits(),
+            plan.group,
+            pass.random as u32,
+            wanted.bits(),
+            u32::from(dynamic),
+            plan.busy,
+        ]);
+        constants[6] = u32::from(self.fates == AIMED_FATES);
+        constants[7] = self.required.media.bits();
+        constants[10] = plan.shared_groups;
+        let trace = on.kernel(&shaders::STAGES_TRACE, &constants)?;
+        loop {
+            let Some(scratch) = &self.scratch else { return Ok(false) };
+            on.fill(&scratch.cursors, 0, CURSORS, 0)?;
+            let chunk = Chunk {
+                stored: scratch.stored.address(),
+                endings: scratch.endings.address(),
+                states: scratch.states.address(),
+                seed: [pass.seed as u32, (pass.seed >> 32) as u32],
+                pass: pass.index,
+                first: first as u32,
+                count: count as u32,
+                pad: 0,
+            };
+            on.write(&scratch.chunk, 0, bytemuck::bytes_of(&chunk))?;
+            self.rounds(on, scratch, (scene.address(), rays.data_address()), &trace, count)?;
+            if self.most(&targets, count) <= scratch.places {
+                break;
+            }
+            // Only here can photons be missing, and only then is it asked.
+            let mut stored = [0_u32];
+            on.read(&scratch.cursors, PLACE, bytemuck::bytes_of_mut(&mut stored))?;
+            let stored = u64::from(stored[0]);
+            if stored <= scratch.places {
+                break;
+            }
+            if count > SHORTEST {
+                self.longest = (count * scratch.places / stored * 7 / 8).max(SHORTEST);
+                return Ok(false);
+            }
+            self.scratch(on, count, stored + stored / 8)?;
+        }
+        self.arrange(on, rays, targets, first, count)?;
+        Ok(true)
+    }
+
+    /// Photons of `count` paths that need a place: if there are more than all maps hold, one of them
+    /// has overflowed, and it does not matter which ones it holds.
+    fn most(&self, targets: &Targets<'_>, count: u64) -> u64 {
+        let held = targets.values().flatten().map(|target| target.capacity()).sum::<u64>();
+        // An aimed path ends where it leaves one.
+        let each = if self.fates == AIMED_FATES { 1 } else { u64::from(self.max_bounces) };
+        held.min(count * each)
+    }
+
+    /// Follows the paths of a stretch to their ends, so many surfaces at a time.
+    fn rounds(
+        &self,
+        on: &mut Vulkan,
+        scratch: &TraceScratch,
+        (scene, rays): (u64, u64),
+        trace: &Kernel,
+        count: u64,
+    ) -> Result<()> {
+        let plan = on.trace_plan;
+        let group = u64::from(plan.group);
+        // As many as fit the device, but enough for every path.
+        let threads = plan.threads.max(count.div_ceil(plan.quota)).min(count).next_multiple_of(group);
+        // A counter leaves it open who takes how many; twice the quota is never short.
+        let quota = count.div_ceil(threads) as u32 * if self.scheduling == Scheduling::Dynamic { 2 } else { 1 };
+        let round = |number: u32| scratch.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
+        let list = |number: u32| scratch.waiting.address() + u64::from(number % 2) * scratch.paths * 4;
+        let rounds = self.max_bounces.div_ceil(plan.surfaces);
+        for number in 0..rounds {
+            if number > 0 {
+                // What the next round will count is what the last one counted.
+                on.fill(&scratch.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
+            }
+            let push = TracePush {
+                chunk: scratch.chunk.address(),
+                scene,
+                rays,
+                photons: scratch.photons.address(),
+                owners: scratch.owners.address(),
+                place: scratch.cursors.address() + PLACE,
+                now: round(number),
+                then: round(number + 1),
+                waiting: list(number),
+                left: list(number + 1),
+                quota,
+                surfaces: plan.surfaces,
+                begins: u32::from(number == 0),
+                places: scratch.places as u32,
+                max_bounces: self.max_bounces,
+                pad: 0,
+            };
+            on.dispatch(trace, &push, threads / group)?;
+            if number % LOOK == LOOK - 1 && number + 1 < rounds {
+                let mut left = [0_u32];
+                let offset = ROUNDS + u64::from((number + 1) % 2) * 8 + 4;
+                on.read(&scratch.cursors, offset, bytemuck::bytes_of_mut(&mut left))?;
+                if left[0] == 0 {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Sums how paths ended, and brings what they stored to where it belongs.
+    fn arrange(
+        &mut self,
+        on: &mut Vulkan,
+        rays: &VulkanBuffer<PhotonRay>,
+        targets: Targets<'_>,
+        first: u64,
+        count: u64,
+    ) -> Result<()> {
+        let Some(scratch) = &self.scratch else { return Ok(()) };
+        let wanted = targets.map(|target| target.is_some());
+        let push = TallyPush {
+            rays: rays.data_address(),
+            endings: scratch.endings.address(),
+            stored: scratch.stored.address(),
+            sums: self.sums.address(),
+            first: first as u32,
+            count: count as u32,
+        };
+        let sum = on.kernel(&shaders::STAGES_TALLY, &[0, GROUP, 0, wanted.bits(), self.fates as u32])?;
+        on.dispatch(&sum, &push, count.div_ceil(u64::from(GROUP) * 16).min(512))?;
+        if !wanted.any() {
+            return Ok(());
+        }
+        for (kind, _) in wanted.iter().filter(|(_, wanted)| **wanted) {
+            let map = kind as u64;
+            let part = scratch.stored.address() + map * count * 4;
+            self.scan.exclusive(on, part, part, count, scratch.cursors.address() + TOTALS + map * 4)?;
+        }
+        let address = |of: fn(&VulkanBuffer<Photon>) -> u64| targets.map(|target| target.map_or(0, of)).into_array();
+        let push = ScatterPush {
+            photons: scratch.photons.address(),
+            owners: scratch.owners.address(),
+            offsets: scratch.stored.address(),
+            cursors: scratch.cursors.address(),
+            to: address(VulkanBuffer::data_address),
+            fills: address(VulkanBuffer::count_address),
+            count: count as u32,
+            places: scratch.places as u32,
+        };
+        let formats = |(kind, target): (MapKind, &Option<&VulkanBuffer<Photon>>)| {
+            target.map_or(0, |to| to.photon_format().number()) << (2 * kind as u32)
+        };
+        let formats = targets.iter().map(formats).sum();
+        let scatter = on.kernel(&shaders::STAGES_TRACE_REORDER, &[0, 256, formats])?;
+        on.dispatch(&scatter, &push, scratch.places.div_ceil(256).min(2048))?;
+        let push =
+            AdvancePush { totals: scratch.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };
+        let advance = on.kernel(&shaders::STAGES_TRACE_ADVANCE, &[0, 32, 0, wanted.bits()])?;
+        on.dispatch(&advance, &push, 1)
+    }
+}

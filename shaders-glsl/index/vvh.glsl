@@ -1,0 +1,90 @@
+// The Voxel Volume Heuristic (Wald, Günther, Slusallek 2004): the twin of backend-cpu's `plane`, which
+// documents it, with the same splits bit for bit. Whoever includes this says in VVH_ROWS how many
+// segments it counts at a time.
+#ifndef VVH_GLSL
+#define VVH_GLSL
+
+#include "search/lists.glsl"
+
+// Slabs across a segment; photons counted, at most; depth below which segments are halved.
+const uint SLABS = 32;
+const uint VVH_SAMPLE = 64;
+const uint HEURISTIC_DEPTH = 24;
+
+// By row, then by slab.
+shared uint slab_counts[VVH_ROWS * SLABS];
+
+uint left_size(uint length) {
+    uint blocks = (length + MAP_WIDTH - 1) / MAP_WIDTH;
+    return MAP_WIDTH << findMSB(blocks - 1);
+}
+
+// One photon in so many is counted.
+uint vvh_stride(uint length) {
+    return (length - 1) / VVH_SAMPLE + 1;
+}
+
+// 32 / extent rounded to the nearest, which division does not promise: by long division of the
+// mantissas. 0 where there are no slabs to speak of.
+float slab_scale(uint length, uint depth, uint extent) {
+    // Up to 2^-123 the quotient is infinite, of infinity it is zero.
+    if (depth >= HEURISTIC_DEPTH || length <= 2 * MAP_WIDTH || extent <= 0x02000000u || extent >= FLOAT_INFINITY) return 0.0;
+    uint mantissa = extent & 0x007fffffu | 0x00800000u;
+    uint exponent = 258 - (extent >> 23);
+    uint quotient = 0x00800000u;
+    if (mantissa == 0x00800000u) {
+        exponent++;
+    } else {
+        uint rest = 0x00800000u;
+        quotient = 0;
+        for (uint bit = 0; bit < 24; bit++) {
+            rest *= 2;
+            quotient *= 2;
+            if (rest >= mantissa) {
+                rest -= mantissa;
+                quotient++;
+            }
+        }
+        // Never a tie, as the divisor is no power of two.
+        quotient += uint(2 * rest > mantissa);
+    }
+    // A carry out of the mantissa goes to the exponent.
+    return uintBitsToFloat((exponent << 23) + (quotient - 0x00800000u));
+}
+
+// Where a coordinate lies in slabs that begin at `low`.
+uint slab_of(uint coordinate, uint low, float scale) {
+    uint distance = difference_bits(coordinate, low);
+    precise float slabs;
+    if (distance < 0x00800000u) {
+        // Subnormal, which a device may take for zero: 2^64 times as much, by 2^-64 times as many.
+        if (scale < 1.0) return 0;
+        slabs = float(distance) * SMALLEST_UP * (scale * 5.421010862427522e-20);
+    } else {
+        slabs = uintBitsToFloat(distance) * scale;
+    }
+    return min(uint(slabs), SLABS - 1);
+}
+
+// Photons left of the best plane through a segment whose slabs are counted in `row`.
+uint best_plane(uint row, uint length) {
+    uint stride = vvh_stride(length);
+    uint sampled = (length - 1) / stride + 1;
+    uint best = 0;
+    uint best_cost = 0xffffffffu;
+    uint left = 0;
+    for (uint slab = 1; slab < SLABS; slab++) {
+        left += slab_counts[row * SLABS + slab - 1];
+        uint cost = slab * left + (SLABS - slab) * (sampled - left);
+        if (left > 0 && cost < best_cost) {
+            best = left;
+            best_cost = cost;
+        }
+    }
+    // ⌊best · length / sampled⌋ within 32 bits.
+    best = best * (length / sampled) + best * (length % sampled) / sampled;
+    uint blocks = (length + MAP_WIDTH - 1) / MAP_WIDTH;
+    return clamp((best + MAP_WIDTH / 2) / MAP_WIDTH, 1, blocks - 1) * MAP_WIDTH;
+}
+
+#endif

@@ -1,0 +1,40 @@
+// A tile of a prefix sum: 16 words to an invocation.
+#ifndef SCAN_TILE_GLSL
+#define SCAN_TILE_GLSL
+
+#extension GL_EXT_control_flow_attributes : require
+
+#include "scan/group_scan.glsl"
+#include "device/words.glsl"
+
+const uint SCAN_ITEMS = 16;
+
+// First word of this subgroup's share of the tile at `base`, and the one for this invocation.
+uint scan_first(uint base) {
+    return base + gl_SubgroupID * gl_SubgroupSize * SCAN_ITEMS + gl_SubgroupInvocationID;
+}
+
+// Writes the exclusive sums of `input[base ..]`, `carry` added, and returns the sum of the tile.
+uint scan_tile(Words from, Words to, uint base, uint count, uint carry) {
+    uint sums[SCAN_ITEMS];
+    uint first = scan_first(base);
+    uint sum = 0;
+    // No branch before the sums of a subgroup, and no demand to unroll them: where either was, one
+    // driver's subgroups fell apart, and each part summed for itself.
+    for (uint i = 0; i < SCAN_ITEMS; i++) {
+        uint at = first + i * gl_SubgroupSize;
+        uint value = from[min(at, count - 1)].word;
+        value = at < count ? value : 0;
+        sums[i] = sum + subgroupExclusiveAdd(value);
+        sum += subgroupAdd(value);
+    }
+    uint total;
+    uint before = carry + group_before(sum, total);
+    [[unroll]] for (uint i = 0; i < SCAN_ITEMS; i++) {
+        uint at = first + i * gl_SubgroupSize;
+        if (at < count) to[at].word = before + sums[i];
+    }
+    return total;
+}
+
+#endif

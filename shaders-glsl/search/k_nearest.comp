@@ -1,0 +1,220 @@
+// The k nearest photons, exactly, ties by lower id: estimates from them, or their ids. Twin of
+// backend-cpu's estimate.rs, `Search::KNearest` and `Search::Paper`, and of its index/nearest.rs.
+//
+// No list of k is kept: bins tell between which distances the k-th lies, and a second walk adds up what
+// is nearer and holds the few points in between one by one.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_memory_scope_semantics : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+layout(local_size_x_id = 1) in;
+
+// What to make of them: estimates, estimates as in the paper, or rows of (bits of d², id).
+layout(constant_id = 6) const uint MODE = 0;
+const uint DENSITY = 0, PAPER = 1, ROWS = 2;
+layout(constant_id = 4) const uint KERNEL = 0;
+// Whether a normal, or in the paper's mode a direction, decides what counts.
+layout(constant_id = 5) const uint FILTER = 1;
+
+#include "shading/kernel.glsl"
+#include "shading/octahedral.glsl"
+#include "search/search_map.glsl"
+#include "search/search_distance.glsl"
+#include "search/search_sum.glsl"
+
+// The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.
+const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
+
+// Positions; then normals or directions, and powers or ids.
+shared uvec4 staged[TILES * TILE_POINTS];
+shared vec3 axes[TILES * TILE_POINTS];
+shared uvec3 goods[TILES * TILE_POINTS];
+
+vec3 at, normal;
+uint limit, accepted;
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Rows { uvec2 key; };
+
+#define SEARCH_NEAREST
+#include "search/search_histogram.glsl"
+#include "search/search_guess.glsl"
+#include "search/search_rank.glsl"
+#include "search/search_moments.glsl"
+
+void stage(uint mode, uint place, uint slot) {
+    uvec4 point = push.positions[slot].at;
+    staged[place] = point;
+    if (MODE == ROWS) {
+        if (mode == COLLECT) goods[place].x = push.ids[slot].at;
+        return;
+    }
+    if (mode == COLLECT || MODE == PAPER) {
+        uvec4 power = flux_at(FORMAT, push.power, slot);
+        goods[place] = power.xyz;
+        if (MODE == PAPER) axes[place] = octahedral_unpack(power.w);
+    }
+    if (MODE == DENSITY && FILTER != 0) axes[place] = octahedral_unpack(point.w);
+}
+
+bool accepts(uint place) {
+    if (FILTER == 0) return true;
+    float cosine = dot3(axes[place], normal);
+    return MODE == PAPER ? cosine > 0.0 : cosine >= push.min_cosine;
+}
+
+// The bits of the squared distance to a staged point; all ones if it is not to be looked at.
+uint look(uint place) {
+    uint bits = floatBitsToUint(point_distance(at, uintBitsToFloat(staged[place].xyz)));
+    return bits < limit && accepts(place) ? bits : 0xFFFFFFFFu;
+}
+
+void widen(uint place) {
+    uint bits = look(place);
+    if (bits != 0xFFFFFFFFu) rank_widen(uintBitsToFloat(bits));
+}
+
+void narrow(uint place, uint slots) {
+    uint bits = look(place);
+    if (bits != 0xFFFFFFFFu) rank_narrow(bits, slots + place);
+}
+
+void take(uint place, uint slots) {
+    uint bits = look(place);
+    if (bits != 0xFFFFFFFFu) collect(place, bits, slots + place);
+}
+
+#define NARROW_AT(place) narrow(place, slots)
+#define TAKE_AT(place) take(place, slots)
+
+void visit(uint mode, uvec2 firsts) {
+    uint begin = gl_SubgroupID * TILE_POINTS;
+    for (uint part = 0; part < TILE_POINTS; part += 8) {
+        // What is added to a place to make it a slot.
+        uint slots = part < WIDTH ? firsts.x - begin : firsts.y - begin - WIDTH;
+        if (mode == WIDEN) {
+            EIGHT(widen, begin + part);
+            rank_shrink();
+        } else if (mode == COLLECT) {
+            EIGHT(TAKE_AT, begin + part);
+            if (MODE != ROWS) moments_part_end();
+        } else {
+            EIGHT(NARROW_AT, begin + part);
+        }
+    }
+}
+
+const uint VISIT_TURNS = TILE_POINTS / 8 * 2 + 1;
+#include "search/search_walk.glsl"
+
+// Turns of a round besides those of its walk, a first guess included.
+const uint ROUND_TURNS = COLUMN + BINS + LEVELS;
+
+void query_keep(inout uint round) {
+    pause_begin(PAUSE_KERNEL);
+    keep(round);
+    keep(limit);
+    keep(accepted);
+    rank_keep();
+    moments_keep();
+    bins_keep();
+}
+
+// What is known about this query before the tree is looked at.
+void ask(uint index) {
+    at = push.queries[index].at.position;
+    normal = push.queries[index].at.normal;
+    precise float radius = MODE == ROWS ? push.radius : push.queries[index].at.radius * push.radius;
+    precise float most = radius * radius;
+    phase = DONE;
+    highest = floatBitsToUint(most);
+    range_set(DONE, highest + 1, highest);
+    if (push.k == 0 || push.points == 0 || is_nan(most) || is_nan(at.x) || is_nan(at.y) || is_nan(at.z)) return;
+    base = box_distance(at, uintBitsToFloat(push.nodes[0].low.xyz), uintBitsToFloat(push.nodes[0].high.xyz));
+    if (floatBitsToUint(base) > highest) return;
+    if (push.points < push.k) {
+        rank_few();
+        return;
+    }
+    phase = WIDEN;
+}
+
+// A first radius for all of the tile.
+void guess() {
+    bool wanted = phase == WIDEN;
+    uvec4 all = subgroupBallot(wanted);
+    if (any(notEqual(all, uvec4(0)))) {
+        vec3 middle = subgroupShuffle(at, subgroupBallotFindLSB(all));
+        float shared_guess = guess_together(middle, push.k);
+        if (wanted) {
+            bool near = point_distance(at, middle) <= 16.0 * shared_guess;
+            squared_radius = near ? shared_guess : guess_alone(at, push.k);
+        }
+    }
+    squared_radius = max(squared_radius, base);
+    if (floatBitsToUint(squared_radius) > highest) squared_radius = uintBitsToFloat(highest);
+}
+
+// Walks until all queries of the tile are answered, or a walk pauses.
+void search(uint place) {
+    uint round = 0;
+    if (resumed) query_keep(round);
+    else guess();
+    for (;; round++) {
+        uint mode = subgroupMin(phase);
+        if (mode == DONE) return;
+        bool busy = phase == mode;
+        if (!resumed) {
+            turns += TURNS != 0 ? ROUND_TURNS : 0;
+            limit = 0;
+            below = 0;
+            if (busy && mode < COLLECT) rank_begin();
+            if (busy && mode == COLLECT) {
+                limit = high_bits + 1;
+                moments_begin(place);
+            }
+        }
+        walk(mode);
+        if (paused) {
+            query_keep(round);
+            return;
+        }
+        if (busy && mode < COLLECT) rank_end(round);
+        if (busy && mode == COLLECT) rank_collected(sure, open);
+    }
+}
+
+void main() {
+    if (MODE != ROWS && gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
+        push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
+    }
+    uvec2 own;
+    if (!own_queries(own) || (TURNS != 0 && !pause_open())) return;
+    column_find();
+    uint place = own.x + gl_SubgroupInvocationID;
+    bool asked = place < own.y;
+    uint index = asked && ORDERED != 0 ? push.order[place].at : place;
+    at = vec3(0.0);
+    normal = vec3(0.0);
+    accepted = 0;
+    highest = 0;
+    moments_begin(place);
+    range_set(DONE, 1, 0);
+    base = 0.0;
+    squared_radius = 0.0;
+    if (asked) ask(index);
+    search(place);
+    if (!paused && asked) {
+        bool full = sure + open >= push.k && push.k > 0;
+        float reach = finish(full);
+        if (MODE != ROWS && index < push.capacity) Estimates(push.results)[index].at = estimate(full, reach);
+    }
+    if (TURNS != 0) pause_close();
+}

@@ -1,0 +1,132 @@
+// What the nearest photon of each query says: twin of backend-cpu's estimate.rs, `Search::NearestPhoton`. One
+// invocation per query, and little to be shared: a few leaves are all that is read. Where a device ends
+// long loops it looks at some 60 000 photons that face another way before it gives up.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+// Whether queries are taken in the order of `push.order`.
+layout(constant_id = 2) const uint ORDERED = 0;
+// How much the map keeps of a photon.
+layout(constant_id = 3) const uint FORMAT = 2;
+
+#include "shading/constants.glsl"
+#include "device/grid.glsl"
+#include "shading/photon_format.glsl"
+#include "shading/layout.glsl"
+#include "shading/math.glsl"
+#include "shading/octahedral.glsl"
+#include "search/map_nodes.glsl"
+#include "search/search_distance.glsl"
+
+layout(push_constant, scalar) uniform Push {
+    BoxNodes nodes;
+    Slots positions;
+    Fluxes power;
+    Words ids;
+    Queries queries;
+    Words query_count;
+    Estimates results;
+    Words result_count;
+    Words order;
+    // Points in the map.
+    uint points;
+    // The first query of this dispatch.
+    uint first;
+    uint capacity;
+    float radius;
+    float min_cosine;
+} push;
+
+const uint NONE = 0xFFFFFFFFu;
+
+vec3 at, normal;
+// The nearest so far: bits of its squared distance, or of the squared radius; its slot.
+uint best;
+uint nearest_slot;
+
+void look(uint first, uint count) {
+    for (uint slot = first; slot < first + count; slot++) {
+        uvec4 point = push.positions[slot].at;
+        uint bits = floatBitsToUint(point_distance(at, uintBitsToFloat(point.xyz)));
+        bool same = push.min_cosine <= -1.0 || dot3(octahedral_unpack(point.w), normal) >= push.min_cosine;
+        if (bits > best || !same) continue;
+        if (bits == best && nearest_slot != NONE && push.ids[nearest_slot].at <= push.ids[slot].at) continue;
+        best = bits;
+        nearest_slot = slot;
+    }
+}
+
+uint bits_to(uint node) {
+    vec3 low = uintBitsToFloat(push.nodes[node].low.xyz), high = uintBitsToFloat(push.nodes[node].high.xyz);
+    return floatBitsToUint(box_distance(at, low, high));
+}
+
+// Groups of children that wait: the first child, and which are to be entered.
+uvec2 groups[LEVELS];
+
+void walk() {
+    uint node = 0, waiting = 0;
+    uvec2 group = uvec2(0);
+    bool more = true;
+    while (more) {
+        uint count = push.nodes[node].high.w, first = push.nodes[node].low.w;
+        more = false;
+        if ((count & LEAF) != 0) {
+            look(first, count & ~LEAF);
+        } else {
+            // The nearest child at once, the others later.
+            uint mask = 0, nearest = 0, least = NONE;
+            for (uint child = 0; child < count; child++) {
+                uint bits = bits_to(first + child);
+                if (bits > best) continue;
+                mask |= 1u << child;
+                if (bits < least) {
+                    least = bits;
+                    nearest = child;
+                }
+            }
+            if (mask != 0) {
+                if (group.y != 0) groups[min(waiting++, LEVELS - 1)] = group;
+                group = uvec2(first, mask & ~(1u << nearest));
+                node = first + nearest;
+                more = true;
+            }
+        }
+        while (!more && (group.y != 0 || waiting > 0)) {
+            if (group.y == 0) group = groups[min(--waiting, LEVELS - 1)];
+            node = group.x + uint(findLSB(group.y));
+            group.y &= group.y - 1;
+            more = bits_to(node) <= best;
+        }
+    }
+}
+
+void main() {
+    uint i = push.first + thread();
+    uint count = min(push.query_count[0].at, push.query_count[1].at);
+    if (i == 0) push.result_count[0].at = count;
+    if (i >= count) return;
+    uint index = ORDERED != 0 ? push.order[i].at : i;
+    if (index >= push.capacity) return;
+    at = push.queries[index].at.position;
+    normal = push.queries[index].at.normal;
+    precise float radius = push.queries[index].at.radius * push.radius;
+    precise float squared_radius = radius * radius;
+    best = floatBitsToUint(squared_radius);
+    nearest_slot = NONE;
+    bool sound = !is_nan(squared_radius) && !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z);
+    if (push.points > 0 && sound) {
+        walk();
+    }
+    // The least squared radius that an estimate divides by is (2^-20 of the scene) squared.
+    const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
+    float reach = uintBitsToFloat(best);
+    vec3 flux = vec3(0.0);
+    if (nearest_slot != NONE) flux = uintBitsToFloat(flux_at(FORMAT, push.power, nearest_slot).xyz);
+    push.results[index].at = Estimate(flux, max(reach, MIN_RADIUS_SQUARED), nearest_slot != NONE ? 1u : 0u,
+        reach < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+}

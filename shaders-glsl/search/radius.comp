@@ -1,0 +1,141 @@
+// Estimates from all photons within a radius. Twin of backend-cpu's estimate.rs, `Search::Radius`.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_memory_scope_semantics : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+layout(local_size_x_id = 1) in;
+
+#include "shading/kernel.glsl"
+#include "shading/octahedral.glsl"
+#include "search/search_map.glsl"
+#include "search/search_distance.glsl"
+#include "search/search_sum.glsl"
+
+// Whether photons off the query's plane are turned away.
+layout(constant_id = 7) const uint FLAT = 0;
+
+#include "search/search_error_moments.glsl"
+
+layout(constant_id = 4) const uint KERNEL = 0;
+// Whether normals are compared.
+layout(constant_id = 5) const uint FILTER = 1;
+// Whether an `ErrorMoments` is told with each estimate, to where `push.ids` points.
+layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
+
+// The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.
+const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
+
+// Positions with packed normals, normals, powers.
+shared uvec4 staged[TILES * TILE_POINTS];
+shared vec3 normals[TILES * TILE_POINTS];
+shared vec3 powers[TILES * TILE_POINTS];
+
+vec3 at, normal;
+uint limit;
+float scale;
+// How far from the query's plane a photon may lie, if `FLAT`.
+float flat_most;
+Sum flux;
+uint photons;
+
+void stage(uint mode, uint place, uint slot) {
+    uvec4 point = push.positions[slot].at;
+    staged[place] = point;
+    powers[place] = uintBitsToFloat(flux_at(FORMAT, push.power, slot).xyz);
+    if (FILTER != 0) normals[place] = octahedral_unpack(point.w);
+}
+
+void add(uint place, inout vec3 sum) {
+    vec3 point = uintBitsToFloat(staged[place].xyz);
+    float d2 = point_distance(at, point);
+    float off = FLAT != 0 ? abs(dot3(point - at, normal)) : 0.0;
+    if (ERROR_MOMENTS != 0) {
+        bool near = floatBitsToUint(d2) < limit;
+        bool same = FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine;
+        if (FLAT != 0) same = same && !(off > 1.41421356 * flat_most);
+        bvec2 flat_enough = FLAT != 0 ? bvec2(!(off > flat_most), !(off > 0.70710678 * flat_most)) : bvec2(true);
+        if (near) {
+            error_moments_add(
+                KERNEL, push.parameter, point - at, normal, powers[place], d2, d2 * scale, same, flat_enough, sum, photons);
+        }
+    } else if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)
+        && (FLAT == 0 || !(off > flat_most))) {
+        sum += powers[place] * kernel_weight(KERNEL, push.parameter, min(d2 * scale, 1.0));
+        photons++;
+    }
+}
+
+#define ADD(place) add(place, sum)
+
+void visit(uint mode, uvec2 firsts) {
+    uint end = (gl_SubgroupID + 1) * TILE_POINTS;
+    for (uint place = end - TILE_POINTS; place < end; place += 8) {
+        vec3 sum = vec3(0.0);
+        if (ERROR_MOMENTS != 0) error_moments_eight_begin();
+        EIGHT(ADD, place);
+        sum_add(flux, sum);
+        if (ERROR_MOMENTS != 0) error_moments_eight_end();
+    }
+}
+
+const uint VISIT_TURNS = TILE_POINTS / 8 + 1;
+#include "search/search_walk.glsl"
+
+void query_keep() {
+    pause_begin(PAUSE_KERNEL);
+    sum_keep(flux);
+    keep(photons);
+    if (ERROR_MOMENTS != 0) error_moments_keep();
+}
+
+void main() {
+    if (gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
+        push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
+    }
+    uvec2 own;
+    if (!own_queries(own) || (TURNS != 0 && !pause_open())) return;
+    uint place = own.x + gl_SubgroupInvocationID;
+    bool asked = place < own.y;
+    uint index = asked && ORDERED != 0 ? push.order[place].at : place;
+    precise float squared_radius = 0.0;
+    limit = 0;
+    at = vec3(0.0);
+    normal = vec3(0.0);
+    flat_most = 0.0;
+    if (asked) {
+        at = push.queries[index].at.position;
+        normal = push.queries[index].at.normal;
+        precise float radius = push.queries[index].at.radius * push.radius;
+        squared_radius = radius * radius;
+        if (FLAT != 0) flat_most = push.max_plane_distance * radius;
+        if (push.points > 0 && !is_nan(squared_radius) && !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z)) {
+            precise float reach = ERROR_MOMENTS != 0 ? 2.0 * squared_radius : squared_radius;
+            limit = floatBitsToUint(reach) + 1;
+            // Too far from all of them.
+            vec3 low = uintBitsToFloat(push.nodes[0].low.xyz), high = uintBitsToFloat(push.nodes[0].high.xyz);
+            if (floatBitsToUint(box_distance(at, low, high)) >= limit) limit = 0;
+        }
+    }
+    float divisor = squared_radius >= MIN_RADIUS_SQUARED ? squared_radius : MIN_RADIUS_SQUARED;
+    scale = 1.0 / divisor;
+    flux = NOTHING;
+    photons = 0;
+    if (ERROR_MOMENTS != 0) error_moments_begin(normal, squared_radius, divisor);
+    if (resumed) query_keep();
+    walk(0);
+    if (paused) {
+        query_keep();
+    } else if (asked && index < push.capacity) {
+        Estimates(push.results)[index].at = Estimate(
+            flux.total - flux.excess, divisor, photons, squared_radius < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+        if (ERROR_MOMENTS != 0) ErrorMomentsBuffer(push.ids)[index].at = error_moments_found();
+    }
+    if (TURNS != 0) pause_close();
+}

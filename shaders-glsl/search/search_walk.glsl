@@ -1,0 +1,241 @@
+// One walk over the tree for all queries of a tile.
+//
+// A child is entered if the box around all of the tile's balls meets it, and then any ball by itself.
+// Points of leaves that are entered are staged in shared memory, two leaves at a time, and every
+// invocation holds each of them against its own query: no divergence, and one load for the tile.
+//
+// The kernel defines, before it includes this,
+//   vec3 at, uint limit        the query, and one more than the bits of the squared radius; 0 for none,
+//   shared uvec4 staged[]      points, TILE_POINTS to a tile,
+//   stage(mode, place, slot)   which puts the point of a slot at a place of `staged`,
+//   visit(mode, firsts)        which looks at the staged points, two leaves whose first slots these are,
+//   uint VISIT_TURNS           turns of loops that a visit makes at most;
+// and may #define SEARCH_NEAREST, for searches that need no more than k of many equal points (they
+// count what they accept in `accepted`), or SEARCH_COUNT, which takes whole nodes at once (in `found`).
+//
+// A walk that has to pause sets `paused` and returns; what it knows is then written down, and read again
+// by the walk that goes on. What the kernel knows of its queries is for the kernel to keep.
+#ifndef SEARCH_WALK_GLSL
+#define SEARCH_WALK_GLSL
+
+#include "search/search_pause.glsl"
+
+// First child and a mask of the children still to be entered, level by level.
+shared uvec2 walk_stack[TILES * LEVELS];
+
+// Between writing shared memory and reading what others wrote: of no concern to buffers, whose loads may
+// be moved across.
+void tile_barrier() {
+    controlBarrier(gl_ScopeSubgroup, gl_ScopeSubgroup, gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);
+}
+
+// Whether anybody's ball meets a box.
+bool meets(vec3 low, vec3 high) {
+    return subgroupAny(floatBitsToUint(box_distance(at, low, high)) < limit);
+}
+
+void walk(uint mode) {
+    uint lane = gl_SubgroupInvocationID;
+    uint levels = gl_SubgroupID * LEVELS;
+    // The box around all balls, larger than rounding and underflow can matter.
+    vec3 low = vec3(INFINITE), high = vec3(-INFINITE);
+    if (limit > 0) {
+        float reach = limit > INFINITE_BITS ? INFINITE : sqrt(uintBitsToFloat(limit - 1)) * 1.00001 + 4.0e-19;
+        bool all_of_it = floatBitsToUint(reach) >= INFINITE_BITS;
+        low = all_of_it ? vec3(-INFINITE) : at - reach;
+        high = all_of_it ? vec3(INFINITE) : at + reach;
+    }
+    low = subgroupMin(low);
+    high = subgroupMax(high);
+    vec3 middle = 0.5 * low + 0.5 * high;
+
+    // The root as the only child of nothing.
+    uint first = 0, mask = 1, depth = 0;
+    uint next = WIDTH;
+    uvec2 firsts = uvec2(0), counts = uvec2(0);
+    uint pending = 0;
+#ifdef SEARCH_NEAREST
+    // Equal points that are being taken one leaf's worth at a time.
+    uint same_first = 0, same_left = 0, same_start = 0, limit_then = 0;
+    // Where, from which slot on, and how many of them were accepted in nodes before that one.
+    vec3 same_at = vec3(0.0);
+    uint same_last = 0xFFFFFFFFu, same_taken = 0;
+#endif
+    bool more = true;
+    for (;;) {
+        if (TURNS != 0) paused = !resumed && more && turns > TURNS;
+        if (TURNS != 0 && (resumed || paused)) {
+            pause_begin(0);
+            keep(low);
+            keep(high);
+            keep(first);
+            keep(mask);
+            keep(depth);
+            keep(next);
+            keep(firsts);
+            keep(counts);
+            keep(pending);
+#ifdef SEARCH_NEAREST
+            keep(same_first);
+            keep(same_left);
+            keep(same_start);
+            keep(limit_then);
+            keep(same_at);
+            keep(same_last);
+            keep(same_taken);
+#endif
+            for (uint level = lane; level < depth; level += gl_SubgroupSize) keep(walk_stack[levels + level]);
+            tile_barrier();
+            middle = 0.5 * low + 0.5 * high;
+            resumed = false;
+        }
+        if (!more || paused) break;
+        turns += TURNS != 0 ? 4 : 0;
+        bool flush = false, same_ends = false;
+        uvec2 leaf = uvec2(0);
+#ifdef SEARCH_NEAREST
+        if (same_left > 0) {
+            // Equal points stand in order of id: after k of them no other can be among the nearest.
+            if (same_taken + accepted - same_start >= push.k && limit > 0) {
+                limit_then = limit;
+                limit = 0;
+            }
+            if (meets(same_at, same_at)) {
+                leaf = uvec2(same_first, min(same_left, WIDTH));
+                same_first += leaf.y;
+                same_left -= leaf.y;
+            } else {
+                same_left = 0;
+            }
+            // The last of them are looked at before anything else adds to what was accepted.
+            same_ends = same_left == 0;
+            flush = same_ends;
+        } else
+#endif
+        if (mask == 0) {
+            if (depth == 0) {
+                more = false;
+            } else {
+                depth--;
+                first = walk_stack[levels + depth].x;
+                mask = walk_stack[levels + depth].y;
+            }
+        } else {
+            uint child = next < WIDTH ? next : findLSB(mask);
+            next = WIDTH;
+            uint number = first + child;
+            uvec4 node_low = push.nodes[number].low, node_high = push.nodes[number].high;
+            vec3 box_low = uintBitsToFloat(node_low.xyz), box_high = uintBitsToFloat(node_high.xyz);
+            bool is_leaf = (node_high.w & LEAF) != 0;
+            bool enter = meets(box_low, box_high);
+            bool take = true;
+#ifdef SEARCH_NEAREST
+            bool same = enter && !is_leaf && box_low == box_high;
+            // What is pending is looked at first, as its points are other points.
+            if (same && pending > 0) {
+                next = child;
+                flush = true;
+                take = false;
+            }
+#endif
+            if (take) {
+                mask &= ~(1u << child);
+#ifdef SEARCH_COUNT
+                if (enter) {
+                    bool touched = floatBitsToUint(box_distance(at, box_low, box_high)) < limit;
+                    bool inside = floatBitsToUint(corner_distance(at, box_low, box_high)) < limit;
+                    if (!subgroupAny(touched && !inside)) {
+                        if (touched) found += is_leaf ? node_high.w & ~LEAF : push.totals[number].at;
+                        enter = false;
+                    }
+                }
+#endif
+                if (enter && is_leaf) {
+                    leaf = uvec2(node_low.w, node_high.w & ~LEAF);
+                }
+#ifdef SEARCH_NEAREST
+                else if (same) {
+                    same_left = push.totals[number].at;
+                    same_start = accepted;
+                    uint below = node_low.w;
+                    while ((push.nodes[below].high.w & LEAF) == 0) {
+                        below = push.nodes[below].low.w;
+                        turns += TURNS != 0 ? 1 : 0;
+                    }
+                    same_first = push.nodes[below].low.w;
+                    // Those of nodes before, at the same place, are before these.
+                    if (!(same_at == box_low && same_first > same_last)) same_taken = 0;
+                    same_at = box_low;
+                    same_last = same_first;
+                }
+#endif
+                else if (enter) {
+                    if (mask != 0) {
+                        tile_barrier();
+                        if (lane == 0) walk_stack[levels + depth] = uvec2(first, mask);
+                        tile_barrier();
+                        depth++;
+                    }
+                    first = node_low.w;
+                    mask = 0;
+                    uint nearest = 0xFFFFFFFFu;
+                    for (uint from = 0; from < WIDTH; from += gl_SubgroupSize) {
+                        uint i = from + lane;
+                        bool met = false;
+                        uint key = 0xFFFFFFFFu;
+                        if (i < node_high.w && i < WIDTH) {
+                            vec3 child_low = uintBitsToFloat(push.nodes[first + i].low.xyz);
+                            vec3 child_high = uintBitsToFloat(push.nodes[first + i].high.xyz);
+                            met = all(lessThanEqual(child_low, high)) && all(greaterThanEqual(child_high, low));
+                            uint gap = floatBitsToUint(box_distance(middle, child_low, child_high));
+                            if (met) key = (gap & ~15u) | i;
+                        }
+                        mask |= subgroupBallot(met).x << from;
+                        nearest = min(nearest, subgroupMin(key));
+                    }
+                    // The nearest child first, as what it holds may save the others.
+                    next = nearest & 15u;
+                    // Of infinite balls, nothing is the middle.
+                    if ((mask >> next & 1u) == 0) next = WIDTH;
+                }
+            }
+        }
+        if (leaf.y > 0) {
+            if (pending == 0) {
+                firsts.x = leaf.x;
+                counts.x = leaf.y;
+            } else {
+                firsts.y = leaf.x;
+                counts.y = leaf.y;
+            }
+            pending++;
+        }
+        if (pending == 2 || (pending > 0 && (flush || !more))) {
+            for (uint i = lane; i < TILE_POINTS; i += gl_SubgroupSize) {
+                uint j = i & (WIDTH - 1);
+                uint place = gl_SubgroupID * TILE_POINTS + i;
+                if (j < (i < WIDTH ? counts.x : counts.y)) {
+                    stage(mode, place, (i < WIDTH ? firsts.x : firsts.y) + j);
+                } else {
+                    // NaN: nobody's neighbour.
+                    staged[place] = uvec4(0x7FC00000u);
+                }
+            }
+            turns += TURNS != 0 ? TILE_POINTS / gl_SubgroupSize + VISIT_TURNS + 2 : 0;
+            tile_barrier();
+            visit(mode, firsts);
+            tile_barrier();
+            pending = 0;
+            counts = uvec2(0);
+        }
+#ifdef SEARCH_NEAREST
+        if (same_ends) {
+            same_taken += accepted - same_start;
+            if (limit_then > 0) limit = limit_then;
+            limit_then = 0;
+        }
+#endif
+    }
+}
+
+#endif

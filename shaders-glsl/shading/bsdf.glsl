@@ -1,0 +1,68 @@
+// How surfaces scatter light: one rule for photons, camera paths and gather rays. Twin of photon-core's bsdf.rs.
+#ifndef BSDF_GLSL
+#define BSDF_GLSL
+
+#include "shading/constants.glsl"
+#include "shading/fresnel.glsl"
+#include "shading/layout.glsl"
+#include "shading/media.glsl"
+#include "shading/sampling.glsl"
+
+// The kernel declares FEATURES, a specialization constant: bits of Features.
+const bool MIRRORS = (FEATURES & FEATURE_MIRROR) != 0u;
+const bool GLASS = (FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0u;
+
+const uint LOBE_DIFFUSE = 0u;
+const uint LOBE_SPECULAR_REFLECTION = 1u;
+const uint LOBE_SPECULAR_TRANSMISSION = 2u;
+
+// A surface as one path meets it.
+struct Bsdf {
+    uint kind;
+    vec3 albedo;
+    float eta;
+    float reflectance;
+    float cos_transmitted;
+    bool is_active;
+};
+
+// Whether some light passes through a material of this kind.
+bool kind_transmits(uint kind) { return GLASS && (kind == MATERIAL_DIELECTRIC || kind == MATERIAL_THIN); }
+
+Bsdf bsdf_new(Material material, float cosine, Interface sides) {
+    Bsdf bsdf = Bsdf(MATERIAL_LAMBERT, material.albedo, sides.eta, 0.0, 0.0, sides.is_active);
+    if (MIRRORS && material.kind == MATERIAL_MIRROR) {
+        bsdf.kind = MATERIAL_MIRROR;
+        bsdf.reflectance = 1.0;
+    } else if (kind_transmits(material.kind)) {
+        Fresnel split = fresnel(cosine, sides.eta);
+        bsdf.kind = material.kind;
+        bool thin = material.kind == MATERIAL_THIN;
+        bsdf.reflectance = thin ? sheet_reflectance(split.reflectance) : split.reflectance;
+        bsdf.cos_transmitted = split.cos_transmitted;
+    }
+    return bsdf;
+}
+
+// Whether light is both reflected, by the share `reflectance`, and transmitted.
+bool bsdf_splits(Bsdf bsdf) { return kind_transmits(bsdf.kind); }
+
+uint bsdf_choose(Bsdf bsdf, float u) {
+    if (bsdf_splits(bsdf)) return u < bsdf.reflectance ? LOBE_SPECULAR_REFLECTION : LOBE_SPECULAR_TRANSMISSION;
+    return MIRRORS && bsdf.kind == MATERIAL_MIRROR ? LOBE_SPECULAR_REFLECTION : LOBE_DIFFUSE;
+}
+
+vec3 bsdf_weight(Bsdf bsdf, uint lobe) {
+    if (bsdf_splits(bsdf) && (lobe == LOBE_SPECULAR_REFLECTION || !bsdf.is_active)) return vec3(1.0);
+    return bsdf.albedo;
+}
+
+// `u` and `v` are looked at for LOBE_DIFFUSE alone.
+vec3 bsdf_direction(Bsdf bsdf, uint lobe, vec3 incoming, vec3 normal, float u, float v) {
+    if (lobe == LOBE_DIFFUSE) return cosine_hemisphere(normal, u, v);
+    if (lobe == LOBE_SPECULAR_REFLECTION) return bsdf_reflect(incoming, normal);
+    if (bsdf.kind == MATERIAL_THIN) return incoming;
+    return bsdf_refract(incoming, normal, bsdf.eta, bsdf.cos_transmitted);
+}
+
+#endif

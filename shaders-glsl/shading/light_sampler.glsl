@@ -1,0 +1,99 @@
+// Which light a shadow ray goes to. Twin of backend-cpu's light_sampler.rs, in f32.
+#ifndef LIGHT_SAMPLER_GLSL
+#define LIGHT_SAMPLER_GLSL
+
+#include "shading/layout.glsl"
+#include "shading/sampling.glsl"
+#include "shading/scene.glsl"
+#include "shading/solid_angle.glsl"
+
+// Up to so many lights are weighed for each query; more are chosen by power alone.
+const uint MAX_LIGHTS = 16;
+
+// What is shared out evenly whatever the weights say.
+const float DEFENSIVE_SHARE = 0.1;
+
+// Running sums of the probabilities at one query; power alone decides where the count is 0.
+struct LightSampler {
+    float cdf[MAX_LIGHTS];
+    uint count;
+};
+
+// Roughly the unoccluded irradiance from a light, mean of RGB; 0 only where it is 0 or the light is in the plane but
+// for roundings.
+float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
+    Light light = scene.lights[index].at;
+    float power = (light.power.x + light.power.y + light.power.z) / 3.0;
+    if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0 && light.kind == LIGHT_DIRECTIONAL) {
+        return power * max(-dot3(normal, light.direction), 0.0) / (3.14159265 * light.radius * light.radius);
+    }
+    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE) {
+        Emission area_light = scene.emissions[index].at;
+        vec3 a = area_light.a - position, b = area_light.b - position, c = area_light.c - position;
+        float height = -dot3(a, area_light.normal);
+        if ((light.flags & LIGHT_BOTH_SIDES) != 0) {
+            height = abs(height);
+            power = 0.5 * power;
+        }
+        if (!(height > SOLID_ANGLE_MIN_HEIGHT)) return 0.0;
+        // The radiance times the solid angle: its cosine here varies within a lamp near by, and is left out.
+        if (solid_angle_is_near(a, b, c)) {
+            return power * solid_angle_of(a, b, c, height, light.area) / (3.14159265 * light.area);
+        }
+        vec3 gap = (a + b + c) / 3.0;
+        float square = dot3(gap, gap);
+        return power * height / (3.14159265 * (square * sqrt(square)));
+    }
+    vec3 gap = light.position - position;
+    float square = dot3(gap, gap);
+    vec3 direction = gap / sqrt(square);
+    float cosine = max(dot3(normal, direction), 0.0);
+    float intensity = power / 12.5663706;
+    if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0 && light.kind == LIGHT_SPOT) {
+        float off = sampling_versine(-direction, light.direction);
+        intensity = power * spot_falloff(off, light.versine_inner, light.versine_outer)
+            / spot_solid_angle(light.versine_inner, light.versine_outer);
+    }
+    return intensity * cosine / square;
+}
+
+// `lights` is 0 where there is nothing to weigh: one light, or more than a few.
+LightSampler light_sampler_at(SceneRef scene, uint lights, vec3 position, vec3 normal) {
+    LightSampler light_sampler;
+    light_sampler.count = 0;
+    float total = 0.0;
+    for (uint i = 0; i < lights; i++) {
+        light_sampler.cdf[i] = weigh(scene, i, position, normal);
+        total += light_sampler.cdf[i];
+    }
+    if (lights == 0 || !is_positive_finite(total)) return light_sampler;
+    float sum = 0.0;
+    for (uint i = 0; i < lights; i++) {
+        sum += DEFENSIVE_SHARE / float(lights) + (1.0 - DEFENSIVE_SHARE) * (light_sampler.cdf[i] / total);
+        light_sampler.cdf[i] = sum;
+    }
+    light_sampler.count = lights;
+    return light_sampler;
+}
+
+// A light, and its probability in `share`.
+uint light_sampler_pick(SceneRef scene, LightSampler light_sampler, uint random, out float share) {
+    if (light_sampler.count == 0) {
+        uint index = pick_light(scene, random);
+        share = scene.emissions[index].at.probability;
+        return index;
+    }
+    // The sums end at 1 but for rounding, hence in proportion to the last.
+    float whole = light_sampler.cdf[light_sampler.count - 1];
+    float at = float(random) * (1.0 / 4294967296.0) * whole;
+    float before = 0.0;
+    uint index = 0;
+    while (index + 1 < light_sampler.count && light_sampler.cdf[index] <= at) {
+        before = light_sampler.cdf[index];
+        index++;
+    }
+    share = (light_sampler.cdf[index] - before) / whole;
+    return index;
+}
+
+#endif

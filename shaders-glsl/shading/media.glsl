@@ -1,0 +1,98 @@
+// Which media a point lies in, and which of them is there. Twin of photon-core's media.rs.
+#ifndef MEDIA_GLSL
+#define MEDIA_GLSL
+
+#include "shading/constants.glsl"
+#include "shading/layout.glsl"
+#include "shading/scene.glsl"
+
+// The kernel declares MEDIA, a specialization constant: bits of MediaFeatures.
+const bool NESTED = (MEDIA & MEDIA_NESTED) != 0u;
+
+// A stack of media: a byte each, the last one entered lowest. 0: in none.
+const uint VACUUM = 0u;
+
+bool media_is_full(uint stack) { return stack >> 24 != 0u; }
+
+bool media_contains(uint stack, uint medium) {
+    for (; stack != 0u; stack >>= 8) {
+        if ((stack & 0xFFu) == medium) return true;
+    }
+    return false;
+}
+
+uint media_enter(uint stack, uint medium) { return media_is_full(stack) ? stack : stack << 8 | medium & 0xFFu; }
+
+uint media_leave(uint stack, uint medium) {
+    for (uint shift = 0u; shift < 32u && stack >> shift != 0u; shift += 8u) {
+        if ((stack >> shift & 0xFFu) == medium) {
+            uint below = stack & ((1u << shift) - 1u);
+            // In two steps, as a shift by 32 is none.
+            return (stack >> shift >> 8) << shift | below;
+        }
+    }
+    return stack;
+}
+
+// Index of the medium that is there: the highest priority, of equals the last entered.
+uint media_current(SceneRef scene, uint stack) {
+    uint found = stack & 0xFFu;
+    if (!NESTED) return found;
+    for (uint rest = stack >> 8; rest != 0u; rest >>= 8) {
+        uint medium = rest & 0xFFu;
+        if (scene.media[medium].at.priority > scene.media[found].at.priority) found = medium;
+    }
+    return found;
+}
+
+// By functions, since a `precise` variable of members of a record keeps the compiler busy for ever.
+float index_quotient(float transmitted, float before) {
+    precise float eta = transmitted / before;
+    return eta;
+}
+
+float index_quotient_squared(float transmitted, float before) {
+    precise float ratio = transmitted / before;
+    precise float squared = ratio * ratio;
+    return squared;
+}
+
+// What a boundary separates, as the path that arrives there meets it.
+struct Interface {
+    float eta;
+    uint before;
+    uint transmitted;
+    bool is_active;
+    bool is_too_deep;
+};
+
+Interface media_interface(SceneRef scene, Material material, bool front, uint here) {
+    if (material.kind == MATERIAL_THIN) return Interface(material.ior, here, here, true, false);
+    if (material.kind != MATERIAL_DIELECTRIC) return Interface(1.0, here, here, true, false);
+    if (NESTED) {
+        uint before = front || media_contains(here, material.medium) ? here : media_enter(here, material.medium);
+        uint transmitted = front ? media_enter(before, material.medium) : media_leave(before, material.medium);
+        uint from = media_current(scene, before);
+        uint to = media_current(scene, transmitted);
+        float eta = index_quotient(scene.media[to].at.ior, scene.media[from].at.ior);
+        return Interface(eta, before, transmitted, from != to, front && media_is_full(before));
+    }
+    uint solid = material.medium & 0xFFu;
+    float eta = front ? material.ior : index_quotient(1.0, material.ior);
+    return Interface(eta, front ? here : solid, front ? solid : VACUUM, true, false);
+}
+
+// What radiance in the medium of `at` is multiplied by when it is seen from that of `from`.
+float radiance_scale(SceneRef scene, uint from, uint at) {
+    if (from == at) return 1.0;
+    return index_quotient_squared(
+        scene.media[media_current(scene, from)].at.ior, scene.media[media_current(scene, at)].at.ior);
+}
+
+// Share of each channel that is left after `far` in a stack of media: Beer and Lambert's law.
+vec3 transmittance(SceneRef scene, uint stack, float far) {
+    vec3 depth = scene.media[media_current(scene, stack)].at.absorption * far;
+    return vec3(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));
+}
+
+#endif

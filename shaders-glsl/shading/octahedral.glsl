@@ -1,0 +1,34 @@
+// Twin of photon-core's octahedral.rs: unit vectors in 32 bits.
+#ifndef OCTAHEDRAL_GLSL
+#define OCTAHEDRAL_GLSL
+
+#include "shading/math.glsl"
+
+uint octahedral_quantise(float f) {
+    precise float scaled = clamp(f, -1.0, 1.0) * 32767.0 + copysign(0.5, f);
+    return uint(int(scaled)) & 0xFFFFu;
+}
+
+// Anything without a direction becomes +z.
+uint octahedral_pack(vec3 v) {
+    precise float sum = abs(v.x) + abs(v.y) + abs(v.z);
+    if (!is_positive_finite(sum)) return 0u;
+    precise vec2 square = v.xy / sum;
+    if (v.z < 0.0) {
+        precise vec2 folded = (1.0 - abs(square.yx)) * vec2(copysign(1.0, v.x), copysign(1.0, v.y));
+        square = folded;
+    }
+    return octahedral_quantise(square.x) | octahedral_quantise(square.y) << 16;
+}
+
+vec3 octahedral_unpack(uint word) {
+    float x = float(bitfieldExtract(int(word), 0, 16)) * (1.0 / 32767.0);
+    float y = float(bitfieldExtract(int(word), 16, 16)) * (1.0 / 32767.0);
+    precise float z = 1.0 - abs(x) - abs(y);
+    float fold = max(-z, 0.0);
+    precise vec3 v = vec3(x - copysign(fold, x), y - copysign(fold, y), z);
+    precise vec3 unit = v / sqrt(dot3(v, v));
+    return unit;
+}
+
+#endif

@@ -1,0 +1,73 @@
+// Twin of photon-core's random.rs: the same words, bit for bit.
+#ifndef RANDOM_GLSL
+#define RANDOM_GLSL
+
+#include "shading/constants.glsl"
+#include "shading/sobol.glsl"
+
+// Philox4x32-10.
+uvec4 philox4x32(uvec4 counter, uvec2 key) {
+    for (uint i = 0u; i < 10u; ++i) {
+        uvec2 a, b;
+        umulExtended(0xD2511F53u, counter.x, a.y, a.x);
+        umulExtended(0xCD9E8D57u, counter.z, b.y, b.x);
+        counter = uvec4(b.y ^ counter.y ^ key.x, b.x, a.y ^ counter.w ^ key.y, a.x);
+        key += uvec2(0x9E3779B9u, 0xBB67AE85u);
+    }
+    return counter;
+}
+
+// One step of the paper's generator.
+uint lcg(uint state) {
+    return (state * 1103515245u + 12345u) & 0x7FFFFFFFu;
+}
+
+// In [0, 1): the upper 24 bits, exactly.
+float unit_f32(uint word) {
+    return float(word >> 8) * (1.0 / 16777216.0);
+}
+
+// Modulo 1 the same, in [-1/2, 1/2] and by all bits. Both parts are exact: one rounding.
+float centred_f32(uint word) {
+    precise float sum = float(int(word) >> 8) * (1.0 / 16777216.0) + float(word & 0xFFu) * (1.0 / 4294967296.0);
+    return sum;
+}
+
+// The random numbers of one path.
+struct Sampler {
+    uint kind;
+    uvec2 key;
+    uint path;
+    uint pass;
+    uint domain;
+    uint state;
+};
+
+// `seed` is the low word, then the high one. Only photons obey `kind`.
+Sampler sampler_new(uint kind, uvec2 seed, uint pass, uint domain, uint path) {
+    uint state = (path + pass * 0x9E3779B9u + seed.x) & 0x7FFFFFFFu;
+    bool photon = domain == DOMAIN_PHOTON || domain == DOMAIN_AIMED;
+    return Sampler(photon ? kind : RANDOM_COUNTER, seed, path, pass, domain, state);
+}
+
+// Four words: those of block `block`, or the next four of the LCG.
+uvec4 sampler_words(inout Sampler s, uint block) {
+    uvec4 words;
+    if (s.kind != RANDOM_LCG) {
+        words = philox4x32(uvec4(s.path, block, s.pass, s.domain), s.key);
+        if (s.kind != RANDOM_SOBOL || block > BLOCK_START) return words;
+        uvec4 seeds = philox4x32(uvec4(0xFFFFFFFFu, block, s.pass, s.domain), s.key);
+        bool start = block == BLOCK_START;
+        words.x = sobol_scramble(sobol(s.path, start ? 0u : 4u), seeds.x);
+        words.y = sobol_scramble(sobol(s.path, start ? 1u : 2u), seeds.y);
+        if (!start) words.z = sobol_scramble(sobol(s.path, 3u), seeds.z);
+        return words;
+    }
+    for (uint i = 0u; i < 4u; ++i) {
+        s.state = lcg(s.state);
+        words[i] = s.state << 1;
+    }
+    return words;
+}
+
+#endif

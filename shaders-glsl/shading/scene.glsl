@@ -1,0 +1,137 @@
+// Twin of backend-cpu's scene.rs: the tables of a scene, and what shading needs of a hit.
+//
+// A kernel gets one address, that of a SceneRef; all else is found from there. Corners and facets are
+// in the order of the tree (Hit::slot); Hit::primitive is the index that the user gave.
+#ifndef SCENE_GLSL
+#define SCENE_GLSL
+
+#include "shading/constants.glsl"
+#include "shading/layout.glsl"
+#include "shading/math.glsl"
+#include "shading/offset.glsl"
+
+struct Ray {
+    vec3 origin;
+    vec3 direction;
+    // Hits farther than this do not count.
+    float t_max;
+};
+
+const float NO_LIMIT = 3.4028235e38;
+
+// Eight children, their boxes in steps of a power of two from a corner; see intersect.glsl.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WideNodes {
+    uvec4 words[5];
+};
+
+// A triangle, as the tree orders them: three vertices; in the last word of the first its index, of the second its
+// margin.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Corners {
+    vec4 a;
+    vec4 b;
+    vec4 c;
+};
+
+// What a light's record leaves out: its power over the probability that it is picked, that
+// probability, and the corners of its triangle with its margin.
+struct Emission {
+    vec3 carried;
+    float probability;
+    vec3 a;
+    vec3 b;
+    vec3 c;
+    vec3 normal;
+    float margin;
+    // Media that paths start in, on the front and on the back.
+    uvec2 media;
+    uint reserved;
+};
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Emissions { Emission at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightStarts { uint at; };
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
+    WideNodes nodes;
+    Corners corners;
+    Primitives primitives;
+    Materials materials;
+    Lights lights;
+    LightStarts light_cdf;
+    Emissions emissions;
+    Media media;
+    uint triangles;
+    uint light_count;
+    uint reserved[2];
+};
+
+#include "shading/intersect.glsl"
+
+// Where a ray meets the scene.
+struct Surface {
+    float t;
+    vec3 point;
+    // Where rays go on from, but for the step off the surface.
+    vec3 start;
+    // On the side that the ray came from.
+    vec3 normal;
+    // Between that normal and the way back, at least 0.
+    float cosine;
+    // Whether that is the front.
+    bool front;
+    uint material;
+};
+
+// All that shading needs of a hit of a ray in this direction.
+Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
+    Primitive primitive = scene.primitives[hit.slot].at;
+    // Each as a whole: llvmpipe of Mesa 22.3 reads the third component of a vector for the fourth, if that alone is
+    // asked for where the first three are too.
+    Corners corners = scene.corners[hit.slot];
+    vec4 a = corners.a;
+    vec4 b = corners.b;
+    vec4 c = corners.c;
+    float cosine = -dot3(direction, primitive.normal);
+    bool front = cosine > 0.0;
+    Surface found;
+    found.t = hit.t;
+    found.point = barycentric(a.xyz, b.xyz, c.xyz, hit.u, hit.v);
+    found.start = within(a.xyz, b.xyz, c.xyz, b.w, hit.u, hit.v);
+    found.normal = front ? primitive.normal : -primitive.normal;
+    found.cosine = abs(cosine);
+    found.front = front;
+    found.material = primitive.material;
+    return found;
+}
+
+// The nearest surface.
+bool surface(SceneRef scene, Ray ray, out Surface found) {
+    Hit hit;
+    if (!nearest(scene, ray, hit)) return false;
+    found = surface_of(scene, ray.direction, hit);
+    return true;
+}
+
+// A ray that goes on from here on the side that it came from.
+Ray surface_leave(Surface at, vec3 direction) {
+    return Ray(off_surface(at.start, at.normal), direction, NO_LIMIT);
+}
+
+// A ray that goes on beyond.
+Ray surface_pass(Surface at, vec3 direction) {
+    return Ray(off_surface(at.start, -at.normal), direction, NO_LIMIT);
+}
+
+// The light whose share of the range of a random word holds `random`.
+uint pick_light(SceneRef scene, uint random) {
+    uint low = 0u;
+    uint high = scene.light_count;
+    // The first start is 0, so that `low` is right all along.
+    while (high - low > 1u) {
+        uint middle = low + (high - low) / 2u;
+        if (scene.light_cdf[middle].at <= random) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+#endif

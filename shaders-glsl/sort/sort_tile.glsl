@@ -1,0 +1,92 @@
+// A tile of a stable radix sort: up to eight subgroups, 16 keys to an invocation, digits of eight bits.
+//
+// Every subgroup owns a contiguous share of the tile and goes through it in order, a row of one key
+// to an invocation at a time. Those with equal digits in a row find each other by ballots, digit bit
+// by digit bit; so ranks are stable whatever the size of the subgroups (Merrill and Grimshaw 2011,
+// "High performance and scalable radix sorting", rank digits in shared memory instead).
+//
+// To be included after the workgroup's size is declared.
+#ifndef SORT_TILE_GLSL
+#define SORT_TILE_GLSL
+
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+
+#include "scan/group_scan.glsl"
+
+const uint SORT_ITEMS = 16;
+const uint SORT_SUBGROUPS = 8;
+const uint SORT_DIGITS = 256;
+
+#define SORT_TILE (gl_WorkGroupSize.x * SORT_ITEMS)
+
+// How often each subgroup has seen each digit; then the place in the tile of its first.
+shared uint sort_counts[SORT_SUBGROUPS * SORT_DIGITS];
+// What is on its way to its place.
+shared uint sort_staged[gl_WorkGroupSize.x * SORT_ITEMS];
+// Where the keys of a digit go, less their place in the tile.
+shared uint sort_offset[SORT_DIGITS];
+
+// Place in the tile of this invocation's first element; the next ones are a subgroup apart.
+uint sort_first() {
+    return gl_SubgroupID * gl_SubgroupSize * SORT_ITEMS + gl_SubgroupInvocationID;
+}
+
+// The ranks of this invocation's elements among those of its subgroup with the same digit.
+// `digits` are below 256, or 256 for none. Leaves the counts in `sort_counts`.
+void sort_rank(uint digits[SORT_ITEMS], out uint ranks[SORT_ITEMS]) {
+    for (uint at = group_rank(); at < SORT_SUBGROUPS * SORT_DIGITS; at += gl_WorkGroupSize.x) sort_counts[at] = 0;
+    barrier();
+    uint own = gl_SubgroupID * SORT_DIGITS;
+    // Not to be unrolled on demand: see scan_tile.glsl.
+    for (uint i = 0; i < SORT_ITEMS; i++) {
+        uint digit = digits[i];
+        uvec4 peers = subgroupBallot(digit < SORT_DIGITS);
+        for (uint bit = 0; bit < 8; bit++) {
+            bool set = (digit >> bit & 1) != 0;
+            uvec4 ballot = subgroupBallot(set);
+            peers &= set ? ballot : ~ballot;
+        }
+        bool valid = digit < SORT_DIGITS;
+        uint leader = valid ? subgroupBallotFindLSB(peers) : gl_SubgroupInvocationID;
+        uint before = 0;
+        if (valid && leader == gl_SubgroupInvocationID) {
+            before = atomicAdd(sort_counts[own + digit], subgroupBallotBitCount(peers));
+        }
+        ranks[i] = subgroupShuffle(before, leader) + subgroupBallotExclusiveBitCount(peers);
+        // The next row's atomics come after this row's.
+        subgroupMemoryBarrierShared();
+    }
+    barrier();
+}
+
+// Turns the counts into places in the tile, and sets `sort_offset` to the negative place of the first
+// key of every digit.
+void sort_places() {
+    // Consecutive digits to an invocation.
+    uint share = max(SORT_DIGITS / gl_WorkGroupSize.x, 1);
+    uint first = group_rank() * share;
+    uint sum = 0;
+    if (first < SORT_DIGITS) {
+        for (uint digit = first; digit < first + share; digit++) {
+            for (uint part = 0; part < SORT_SUBGROUPS; part++) sum += sort_counts[part * SORT_DIGITS + digit];
+        }
+    }
+    uint total;
+    uint place = group_exclusive(sum, total);
+    if (first < SORT_DIGITS) {
+        for (uint digit = first; digit < first + share; digit++) {
+            sort_offset[digit] = 0 - place;
+            for (uint part = 0; part < SORT_SUBGROUPS; part++) {
+                uint at = part * SORT_DIGITS + digit;
+                uint count = sort_counts[at];
+                sort_counts[at] = place;
+                place += count;
+            }
+        }
+    }
+    barrier();
+}
+
+#endif

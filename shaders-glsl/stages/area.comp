@@ -1,0 +1,125 @@
+// Divides estimates by the part of their disc that lies on the surface. Twin of backend-cpu's area.rs:
+// the same random numbers. One invocation per query.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+layout(constant_id = 0) const uint FEATURES = 511;
+layout(constant_id = 2) const uint KERNEL = 0;
+// Whether photons off the query's plane are turned away, and surfaces with them.
+layout(constant_id = 3) const uint FLAT = 0;
+// Whether errors are told: shares of the second radii are found too, and divided out.
+layout(constant_id = 4) const uint SECOND = 0;
+
+#include "shading/area.glsl"
+#include "shading/constants.glsl"
+#include "device/grid.glsl"
+#include "shading/layout.glsl"
+#include "shading/math.glsl"
+#include "shading/offset.glsl"
+#include "shading/random.glsl"
+#include "shading/sampling.glsl"
+#include "shading/scene.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
+
+layout(push_constant, scalar) uniform Push {
+    SceneRef scene;
+    Queries queries;
+    Count count;
+    Estimates estimates;
+    ErrorMomentsBuffer error_moments;
+    uvec2 seed;
+    uint pass;
+    uint start;
+    float min_cosine;
+    // The cone's slope.
+    float slope;
+    // Of photons from a query's plane, in radii.
+    float max_plane_distance;
+} push;
+
+// The nearest surface that is not glass; its `t` from where the ray began.
+bool opaque(Ray ray, out Surface found) {
+    float passed = 0.0;
+    for (uint sheet = 0; sheet <= AREA_SHEETS; sheet++) {
+        if (!surface(push.scene, ray, found)) return false;
+        if ((FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) == 0) return true;
+        uint kind = push.scene.materials[found.material].at.kind;
+        float gone = found.t;
+        found.t += passed;
+        if (kind != MATERIAL_DIELECTRIC && kind != MATERIAL_THIN) return true;
+        passed = found.t;
+        float left = ray.t_max - gone;
+        ray = surface_pass(found, ray.direction);
+        ray.t_max = left;
+    }
+    return false;
+}
+
+void main() {
+    uint i = push.start + thread();
+    if (i >= min(push.count.needed, push.count.capacity)) return;
+    if ((SECOND != 0 ? push.error_moments[i].at.photons : push.estimates[i].at.photons) == 0) return;
+    float squared = push.estimates[i].at.radius_squared;
+    float radius = sqrt(squared);
+    if (!(radius >= AREA_MIN_RADIUS)) return;
+    vec3 normal = push.queries[i].at.normal;
+    vec3 tangent, bitangent;
+    sampling_basis(normal, tangent, bitangent);
+    uvec4 words = philox4x32(uvec4(push.queries[i].at.path, 0u, push.pass, DOMAIN_AREA), push.seed);
+    float turn = unit_f32(words.x), shift = unit_f32(words.y);
+    vec3 from = off_surface(push.queries[i].at.position, normal);
+    Surface at;
+    // Under a ceiling, from half its height.
+    float height = AREA_HEIGHT * radius;
+    if (opaque(Ray(from, normal, height), at)) height = 0.5 * at.t;
+    vec3 apex = from + normal * height;
+    float far = SECOND != 0 ? 1.41421356 * radius : radius;
+    // By the first radius, √2 of it and 1/√2 of it.
+    vec3 found = vec3(0.0), all = vec3(0.0);
+    for (uint spoke = 0; spoke < AREA_SPOKES; spoke++) {
+        vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
+        vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
+        float free = opaque(Ray(apex, direction, far), at) ? at.t : far;
+        // From the outermost on: where that lies on the surface and nothing is in the way, so do all within.
+        bool whole = false;
+        for (uint left = AREA_RINGS + SECOND; left > 0; left--) {
+            uint ring = left - 1;
+            vec2 probe = ring < AREA_RINGS ? area_probe(KERNEL, push.slope, spoke, ring, shift)
+                                           : vec2(area_outer_distance(spoke, shift), 0.0);
+            vec3 weights = vec3(probe.y, 0.0, 0.0);
+            if (SECOND != 0) weights.yz = area_second_weights(KERNEL, push.slope, probe.x);
+            all += weights;
+            if (whole) {
+                found += weights;
+                continue;
+            }
+            float away = probe.x * radius;
+            if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
+            Material material = push.scene.materials[at.material].at;
+            bool keeps = material.kind == MATERIAL_LAMBERT && material.albedo != vec3(0.0);
+            if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
+            if (FLAT != 0) {
+                float off = abs(dot3(at.point - push.queries[i].at.position, normal));
+                vec3 most = push.max_plane_distance * (vec3(1.0, 1.41421356, 0.70710678) * radius);
+                weights *= vec3(lessThanEqual(vec3(off), most));
+                if (weights == vec3(0.0)) continue;
+            }
+            // Behind something, it may lie within a solid, where no photon lands.
+            if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
+            found += weights;
+            // The outer probe is not asked where no errors are told, and the picture is to be the same.
+            whole = ring < AREA_RINGS && FLAT == 0 && away <= free;
+        }
+    }
+    float share = area_share(found.x, all.x);
+    push.estimates[i].at.radius_squared = squared * share;
+    if (SECOND != 0) {
+        push.error_moments[i].at.wide *= share / area_share(found.y, all.y);
+        push.error_moments[i].at.narrow *= share / area_share(found.z, all.z);
+    }
+}

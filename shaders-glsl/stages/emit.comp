@@ -1,0 +1,92 @@
+// Photons leave the lights, one invocation a path: twin of backend-cpu's emit.rs.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+
+layout(local_size_x_id = 1) in;
+layout(constant_id = 0) const uint FEATURES = 511;
+layout(constant_id = 2) const uint RANDOM = 0;
+// Whether photons are aimed at mirrors and glass.
+layout(constant_id = 3) const bool AIMED = false;
+
+#include "shading/projection.glsl"
+#include "device/grid.glsl"
+#include "shading/random.glsl"
+#include "shading/sampling.glsl"
+#include "shading/scene.glsl"
+
+layout(push_constant, scalar) uniform Push {
+    SceneRef scene;
+    PhotonRays rays;
+    uvec2 seed;
+    uint pass;
+    uint first;
+    uint count;
+    uint pad;
+    ProjectionRef projection;
+} push;
+
+// Apart from `main`, since the compiler does not bear `precise` on what was just loaded.
+vec3 behind_disc(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, float radius) {
+    precise vec3 behind = (tangent * at.x + bitangent * at.y - along) * radius;
+    return behind;
+}
+
+void main() {
+    uint index = thread();
+    if (index >= push.count) return;
+    uint path = push.first + index;
+    Sampler numbers = sampler_new(RANDOM, push.seed, push.pass, AIMED ? DOMAIN_AIMED : DOMAIN_PHOTON, path);
+    uvec4 choice = sampler_words(numbers, BLOCK_LIGHT);
+    uvec4 start = sampler_words(numbers, BLOCK_START);
+    uint picked;
+    vec3 carried;
+    if (AIMED) {
+        ProjectionSample projected = projection_sample(push.projection, choice, start);
+        picked = projected.light;
+        carried = projected.carried;
+        choice.yzw = uvec3(projected.point, projected.side);
+        start.xy = projected.direction;
+    } else {
+        picked = pick_light(push.scene, choice.x);
+        carried = push.scene.emissions[picked].at.carried;
+    }
+    float a = unit_f32(choice.y);
+    float b = unit_f32(choice.z);
+    float c = unit_f32(start.x);
+    float d = unit_f32(start.y);
+    Light light = push.scene.lights[picked].at;
+    Emission emission = push.scene.emissions[picked].at;
+    vec3 origin = light.position;
+    vec3 direction = light.direction;
+    uint media = emission.media.x;
+    if ((FEATURES & FEATURE_POINT_LIGHTS) != 0u && light.kind == LIGHT_POINT) {
+        direction = uniform_sphere(centred_f32(start.x), d);
+    } else if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0u && light.kind == LIGHT_SPOT) {
+        direction = sampling_about(light.direction, spot_versine(light.versine_inner, light.versine_outer, c), d);
+    } else if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0u && light.kind == LIGHT_DIRECTIONAL) {
+        vec2 at = sampling_disc(a, b);
+        vec3 tangent, bitangent;
+        sampling_basis(light.direction, tangent, bitangent);
+        origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
+    } else if ((FEATURES & FEATURE_AREA_LIGHTS) != 0u) {
+        vec2 weights = sampling_triangle(a, b);
+        vec3 point = within(emission.a, emission.b, emission.c, emission.margin, weights.x, weights.y);
+        bool back = (light.flags & LIGHT_BOTH_SIDES) != 0u && choice.w >> 31 == 1u;
+        vec3 normal = back ? -emission.normal : emission.normal;
+        if (back) media = emission.media.y;
+        origin = off_surface(point, normal);
+        direction = cosine_hemisphere(normal, c, d);
+    }
+    PhotonRay ray;
+    ray.origin = origin;
+    ray.path = path;
+    ray.direction = direction;
+    ray.light = picked;
+    ray.power = carried;
+    ray.media = media;
+    push.rays[index].at = ray;
+}

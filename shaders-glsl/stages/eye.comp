@@ -1,0 +1,192 @@
+// Follows the camera path of each pixel through mirrors and glass to diffuse surfaces. Twin of
+// backend-cpu's eye.rs: the same random numbers, the same order of a pixel's queries.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+layout(constant_id = 0) const uint FEATURES = 511;
+// How often a path splits at glass; it may then end in 2 to that power of queries.
+layout(constant_id = 2) const uint MAX_SPLITS = 2;
+// Numbers of random numbers that a pixel has to itself, in powers of two.
+layout(constant_id = 3) const uint PATHS_LOG2 = 2;
+// Neighbouring invocations look at tiles of 32 pixels, that is 2 to this power of rows.
+layout(constant_id = 4) const uint TILE_ROWS_LOG2 = 2;
+layout(constant_id = 5) const uint MEDIA = 1;
+
+#include "shading/bsdf.glsl"
+#include "shading/constants.glsl"
+#include "film/film.glsl"
+#include "device/grid.glsl"
+#include "shading/layout.glsl"
+#include "shading/octahedral.glsl"
+#include "shading/random.glsl"
+#include "shading/scene.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
+
+layout(push_constant, scalar) uniform Push {
+    SceneRef scene;
+    Cameras camera;
+    FirstPass first;
+    Planes emission;
+    // 2 to the power of MAX_SPLITS places for each pixel, and how many of them are taken.
+    Queries found;
+    Words counts;
+    uvec2 seed;
+    uint pass;
+    uint width;
+    uint height;
+    // The rows of this dispatch.
+    uint start_row;
+    uint end_row;
+    uint max_bounces;
+} push;
+
+// A camera path under way.
+struct Path {
+    Ray ray;
+    // Of radiance over n^2, which refraction leaves as it is.
+    vec3 throughput;
+    uint media;
+    uint surfaces;
+    uint splits;
+    // Which of the pixel's paths this is; a key of random numbers.
+    uint branch;
+};
+
+uvec4 words(uint pixel, uint branch, uint block) {
+    return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, DOMAIN_EYE), push.seed);
+}
+
+// The ray through a point of the picture, both coordinates in [-1, 1].
+Ray camera_ray(float x, float y) {
+    Camera camera = push.camera.at;
+    precise vec3 offset = camera.right * x + camera.up * y;
+    if (camera.kind == CAMERA_ORTHOGRAPHIC) {
+        precise vec3 origin = camera.origin + offset;
+        return Ray(origin, camera.forward, NO_LIMIT);
+    }
+    precise vec3 towards = camera.forward + offset;
+    return Ray(camera.origin, normalize_or(towards, camera.forward), NO_LIMIT);
+}
+
+// Where the path goes on from `at`, and the other path in `other` if it splits there.
+bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, uint transmitted) {
+    bool split = false;
+    uint lobe = bsdf_choose(bsdf, 0.0);
+    if (bsdf_splits(bsdf)) {
+        split = bsdf.reflectance > 0.0 && bsdf.reflectance < 1.0 && path.splits < MAX_SPLITS;
+        if (split) {
+            other = path;
+            vec3 onward =
+                bsdf_direction(bsdf, LOBE_SPECULAR_REFLECTION, path.ray.direction, at.normal, 0.0, 0.0);
+            other.ray = surface_leave(at, onward);
+            vec3 share = path.throughput * bsdf.reflectance;
+            other.throughput = share;
+            other.branch |= 1u << path.splits;
+            other.splits++;
+            lobe = LOBE_SPECULAR_TRANSMISSION;
+        } else {
+            uvec4 choice = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
+            lobe = bsdf_choose(bsdf, unit_f32(choice.x));
+        }
+    }
+    vec3 onward = bsdf_direction(bsdf, lobe, path.ray.direction, at.normal, 0.0, 0.0);
+    path.throughput *= bsdf_weight(bsdf, lobe);
+    if (lobe == LOBE_SPECULAR_TRANSMISSION) {
+        path.ray = surface_pass(at, onward);
+        path.media = transmitted;
+    } else {
+        path.ray = surface_leave(at, onward);
+    }
+    if (split) {
+        vec3 rest = path.throughput * (1.0 - bsdf.reflectance);
+        path.throughput = rest;
+        path.splits++;
+    }
+    return split;
+}
+
+void main() {
+    const uint columns_log2 = 5 - TILE_ROWS_LOG2;
+    uint tile = thread() >> 5;
+    uint within = thread() & 31;
+    uint tiles_across = ((push.width - 1) >> columns_log2) + 1;
+    uint x = (tile % tiles_across << columns_log2) + (within & ((1u << columns_log2) - 1));
+    uint y = push.start_row + (tile / tiles_across << TILE_ROWS_LOG2) + (within >> columns_log2);
+    if (x >= push.width || y >= push.end_row) return;
+    uint pixel = y * push.width + x;
+    uvec4 jitter = words(pixel, 0, BLOCK_START);
+    precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
+    precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
+    Path path = Path(camera_ray(across, -down), vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0);
+
+    // No path splits more than twice, so that no more than two wait.
+    Path waiting[2];
+    uint waits = 0;
+    uint found = 0;
+    vec3 emission = vec3(0.0);
+    bool alive = true;
+    while (alive) {
+        Surface at;
+        alive = surface(push.scene, path.ray, at);
+        if (alive) {
+            Material material = push.scene.materials[at.material].at;
+            if (path.surfaces == 0) {
+                FirstPass first = push.first + pixel;
+                first.normal = at.normal;
+                first.depth = at.t;
+                first.albedo = material.albedo;
+                first.hits = 1;
+            }
+            Interface sides = media_interface(push.scene, material, at.front, path.media);
+            if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
+                path.throughput *= transmittance(push.scene, sides.before, at.t);
+            }
+            if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && material.emission != vec3(0.0)
+                && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
+                vec3 throughput = path.throughput;
+                if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                emission += throughput * material.emission;
+            }
+            Bsdf bsdf = bsdf_new(material, at.cosine, sides);
+            if (bsdf.kind == MATERIAL_LAMBERT) {
+                vec3 throughput = path.throughput;
+                if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                throughput = throughput * bsdf.albedo * 0.318309886;
+                if (throughput != vec3(0.0)) {
+                    uint key = (pixel << PATHS_LOG2) + path.branch;
+                    // Off edges, beside which rounding may put it behind the next wall, out of its shadow.
+                    push.found[(pixel << MAX_SPLITS) + found].at = Query(
+                        at.start, 1.0, at.normal, pixel, throughput, sides.before,
+                        octahedral_pack(-path.ray.direction), key, uint[2](0u, 0u));
+                    found++;
+                }
+                alive = false;
+            } else {
+                path.surfaces++;
+                alive = path.surfaces < push.max_bounces;
+                Path other;
+                if (alive && go_on(path, other, pixel, at, bsdf, sides.transmitted)) {
+                    waiting[waits] = other;
+                    waits++;
+                }
+            }
+        }
+        if (!alive && waits > 0) {
+            waits--;
+            path = waiting[waits];
+            alive = true;
+        }
+    }
+    push.counts[pixel].at = found;
+    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && emission != vec3(0.0)) {
+        for (uint c = 0; c < 3; c++) {
+            Planes place = film_place(push.emission, c, push.width * push.height, pixel);
+            place.at += emission[c];
+        }
+    }
+}

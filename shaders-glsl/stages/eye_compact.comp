@@ -1,0 +1,39 @@
+// Queries close ranks: from a fixed number of places for each pixel to one after another, in order of
+// pixel, then as they were found. One invocation per place.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+// Places of a pixel, in powers of two.
+layout(constant_id = 2) const uint PLACES_LOG2 = 2;
+
+#include "device/grid.glsl"
+#include "shading/layout.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint at; };
+
+layout(push_constant, scalar) uniform Push {
+    // As the camera left them.
+    Queries found;
+    Words counts;
+    // How many stand before each pixel.
+    Words offsets;
+    // Where the first query of pixel `start` goes.
+    Queries to;
+    uint capacity;
+    uint start;
+    uint count;
+} push;
+
+void main() {
+    uint place = thread();
+    uint pixel = push.start + (place >> PLACES_LOG2);
+    if (place >> PLACES_LOG2 >= push.count) return;
+    uint ordinal = place & ((1u << PLACES_LOG2) - 1);
+    if (ordinal >= push.counts[pixel].at) return;
+    uint to = push.offsets[pixel].at - push.offsets[push.start].at + ordinal;
+    if (to < push.capacity) push.to[to].at = push.found[(pixel << PLACES_LOG2) + ordinal].at;
+}

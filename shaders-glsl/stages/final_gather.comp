@@ -1,0 +1,96 @@
+// Follows final-gather rays from queries to the diffuse surfaces where photon maps are read. Twin of
+// backend-cpu's gather.rs: the same random numbers. One invocation per ray, all rays of a query one
+// after another; what lands is a query in its turn.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+layout(constant_id = 0) const uint FEATURES = 511;
+layout(constant_id = 2) const uint MEDIA = 1;
+
+#include "shading/bsdf.glsl"
+#include "shading/constants.glsl"
+#include "device/grid.glsl"
+#include "shading/layout.glsl"
+#include "shading/octahedral.glsl"
+#include "shading/offset.glsl"
+#include "shading/random.glsl"
+#include "shading/sampling.glsl"
+#include "shading/scene.glsl"
+
+layout(push_constant, scalar) uniform Push {
+    SceneRef scene;
+    Queries queries;
+    Queries landings;
+    uvec2 seed;
+    uint pass;
+    // Rays of a query, altogether and in this dispatch.
+    uint rays;
+    uint start_ray;
+    uint count_rays;
+    uint start_query;
+    uint count_queries;
+    uint max_bounces;
+} push;
+
+// Where no photon is: what has not landed asks there, and is told nothing.
+const float NOWHERE = 1.0e6;
+
+void main() {
+    uint i = thread();
+    uint local = i / push.count_rays;
+    if (local >= push.count_queries) return;
+    uint index = push.start_ray + i % push.count_rays;
+    uint from = push.start_query + local;
+    vec3 normal = push.queries[from].at.normal;
+    uint key = push.queries[from].at.path;
+    uint block = index * (push.max_bounces + 1);
+    uvec4 words = philox4x32(uvec4(key, block, push.pass, DOMAIN_GATHER), push.seed);
+    // One stratum of the height for each ray.
+    precise float height = (float(index) + unit_f32(words.x)) / float(push.rays);
+    vec3 direction = cosine_hemisphere(normal, min(height, 1.0 - 1.1920929e-7), unit_f32(words.y));
+    Ray ray = Ray(off_surface(push.queries[from].at.position, normal), direction, NO_LIMIT);
+    // Of radiance over n^2, which refraction leaves as it is.
+    vec3 throughput = vec3(1.0);
+    uint start = GLASS ? push.queries[from].at.media : VACUUM;
+    uint media = start;
+    Query landing =
+        Query(vec3(NOWHERE), 1.0, normal, from, vec3(0.0), 0u, 0u, key, uint[2](0u, 0u));
+    Surface at;
+    for (uint bounce = 1; bounce <= push.max_bounces && surface(push.scene, ray, at); bounce++) {
+        Material material = push.scene.materials[at.material].at;
+        Interface sides = media_interface(push.scene, material, at.front, media);
+        if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
+            throughput *= transmittance(push.scene, sides.before, at.t);
+        }
+        Bsdf bsdf = bsdf_new(material, at.cosine, sides);
+        uint lobe = bsdf_choose(bsdf, 0.0);
+        if (bsdf_splits(bsdf)) {
+            uvec4 choice = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
+            lobe = bsdf_choose(bsdf, unit_f32(choice.x));
+        }
+        if (lobe != LOBE_DIFFUSE) {
+            throughput *= bsdf_weight(bsdf, lobe);
+            vec3 onward = bsdf_direction(bsdf, lobe, ray.direction, at.normal, 0.0, 0.0);
+            if (lobe == LOBE_SPECULAR_TRANSMISSION) {
+                ray = surface_pass(at, onward);
+                media = sides.transmitted;
+            } else {
+                ray = surface_leave(at, onward);
+            }
+        } else {
+            // Radiance is irradiance times albedo over π; the π cancels.
+            landing.position = at.point;
+            landing.normal = at.normal;
+            if (GLASS) throughput *= radiance_scale(push.scene, start, sides.before);
+            landing.throughput = throughput * bsdf_weight(bsdf, lobe);
+            landing.media = sides.before;
+            landing.wo = octahedral_pack(-ray.direction);
+            break;
+        }
+    }
+    push.landings[i].at = landing;
+}

@@ -1,0 +1,70 @@
+// Adds up what the rays of each query found in one photon map. One invocation per query.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+// Whether what estimates tell of their errors is added up too.
+layout(constant_id = 2) const uint ERROR_MOMENTS = 0;
+// Whether what was found is irradiance itself, not flux within a disc.
+layout(constant_id = 3) const uint IRRADIANCE = 0;
+
+#include "device/grid.glsl"
+#include "shading/layout.glsl"
+#include "shading/two_float.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at; };
+
+layout(push_constant, scalar) uniform Push {
+    Queries landings;
+    Estimates estimates;
+    Values values;
+    ErrorMomentsBuffer error_moments;
+    // For each query: irradiance by twice the area less that of the picture, that less the one by half the
+    // area, and powers; in the places of `wide`, `narrow` and the powers.
+    ErrorMomentsBuffer errors;
+    uint count_rays;
+    uint start_query;
+    uint count_queries;
+    // 1 over π times the paths times the rays of a query.
+    float scale;
+    // 1 over the rays.
+    float share;
+    uint padding;
+} push;
+
+void main() {
+    uint local = thread();
+    if (local >= push.count_queries) return;
+    Values value = push.values + (push.start_query + local);
+    vec3 sum = value.at;
+    vec3 low = vec3(0.0);
+    vec3 bias = vec3(0.0), narrow = vec3(0.0);
+    float power = 0.0, squared = 0.0;
+    for (uint ray = 0; ray < push.count_rays; ray++) {
+        uint i = local * push.count_rays + ray;
+        bool with_errors = ERROR_MOMENTS != 0 && push.error_moments[i].at.photons != 0;
+        if (push.estimates[i].at.photons == 0 && !with_errors) continue;
+        float density = IRRADIANCE != 0 ? push.share : push.scale / push.estimates[i].at.radius_squared;
+        vec3 flux = push.estimates[i].at.flux;
+        vec3 throughput = push.landings[i].at.throughput;
+        two_add(sum, low, throughput * (flux * density));
+        if (with_errors) {
+            bias += throughput * (density * (0.5 * push.error_moments[i].at.wide - flux));
+            narrow += throughput * (density * (flux - 2.0 * push.error_moments[i].at.narrow));
+            float mean = push.share * (throughput.x + throughput.y + throughput.z) * (1.0 / 3.0);
+            power += mean * push.error_moments[i].at.power;
+            squared += mean * mean * push.error_moments[i].at.power_squared;
+        }
+    }
+    value.at = sum;
+    if (ERROR_MOMENTS == 0) return;
+    ErrorMomentsBuffer all = push.errors + (push.start_query + local);
+    all.at.wide += bias;
+    all.at.narrow += narrow;
+    all.at.power += power;
+    all.at.power_squared += squared;
+    if (power > 0.0) all.at.photons = 1;
+}

@@ -1,0 +1,34 @@
+// Adds what one map's estimates say to the irradiance at points, which are photons with irradiance for
+// their power. Twin of backend-cpu's irradiance.rs.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+#include "device/grid.glsl"
+#include "shading/layout.glsl"
+#include "shading/octahedral.glsl"
+
+layout(push_constant, scalar) uniform Push {
+    Queries queries;
+    Estimates estimates;
+    Photons points;
+    uint count;
+    // Whether it is the first map, and the points are not there yet.
+    uint first;
+    // 1 over π times the paths.
+    float scale;
+} push;
+
+void main() {
+    uint i = thread();
+    if (i >= push.count) return;
+    if (push.first != 0) {
+        uint normal = octahedral_pack(push.queries[i].at.normal);
+        push.points[i].at = Photon(push.queries[i].at.position, normal, vec3(0.0), normal);
+    }
+    if (push.estimates[i].at.photons == 0) return;
+    push.points[i].at.power += push.estimates[i].at.flux * (push.scale / push.estimates[i].at.radius_squared);
+}

@@ -1,0 +1,340 @@
+// Photons are followed through the scene: twin of backend-cpu's trace.rs.
+//
+// One dispatch follows paths for so many surfaces; what is under way then is kept, and the next one
+// goes on with it, closed up. Nothing runs for long, however long paths may be. An invocation takes
+// paths by its quota, or one after the other from a counter that all share. What it stores goes to
+// the next free place, with the path and how many the path had stored before, by which it is put in
+// order afterwards.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_EXT_control_flow_attributes : require
+
+layout(local_size_x_id = 1) in;
+layout(constant_id = 0) const uint FEATURES = 511;
+layout(constant_id = 2) const uint RANDOM = 0;
+// Bits: which maps are kept.
+layout(constant_id = 3) const uint WANTED = 7;
+layout(constant_id = 4) const bool DYNAMIC = true;
+// When fewer than so many rays of a subgroup are under way, the others are seen to first: shaded, or
+// replaced by the next path's.
+layout(constant_id = 5) const uint BUSY = 0;
+// Whether paths are aimed: they end at the first diffuse surface, and keep nothing straight from a light.
+layout(constant_id = 6) const bool AIMED = false;
+layout(constant_id = 7) const uint MEDIA = 1;
+
+#include "shading/bsdf.glsl"
+#include "device/counter.glsl"
+#include "device/grid.glsl"
+#include "shading/octahedral.glsl"
+#include "shading/random.glsl"
+#include "shading/scene.glsl"
+#include "stages/tally.glsl"
+
+// Path, and ordinal << MAP_BITS | map.
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Owners { uvec2 at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counts { uint at; };
+// Next path to be taken in a dispatch, and paths that it was given: two counters.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Round {
+    uint taken;
+    uint given;
+};
+
+// A path under way, between two dispatches.
+struct State {
+    vec3 origin;
+    uint bounce;
+    vec3 direction;
+    uint media;
+    vec3 power;
+    // Bits: only specular surfaces so far; a fifth solid was ignored.
+    uint flags;
+    // Photons stored in each map so far.
+    uint stored[MAP_COUNT];
+    uint numbers;
+};
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer States { State at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Waiting { uint at; };
+
+// What one stretch of paths works on, the same for all its dispatches.
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Chunk {
+    // An array of `count` words for each map: photons that each path stored in it.
+    Counts stored;
+    Endings endings;
+    States states;
+    uvec2 seed;
+    uint pass;
+    // Index of the first ray of this stretch.
+    uint first;
+    uint count;
+};
+
+layout(push_constant, scalar) uniform Push {
+    Chunk quadrupole;
+    // What is needed at every surface.
+    SceneRef scene;
+    PhotonRays rays;
+    Photons photons;
+    Owners owners;
+    Counter place;
+    // This dispatch's and the next one's.
+    Round now;
+    Round then;
+    Waiting waiting;
+    Waiting left;
+    // Paths that one invocation takes at most, and surfaces that it follows each for.
+    uint quota;
+    uint surfaces;
+    uint begins;
+    uint places;
+    uint max_bounces;
+} push;
+
+// More power than this on one path is a sign of broken numbers.
+const float TOO_MUCH = 1048576.0;
+
+const bool ABSORPTION = (FEATURES & FEATURE_ABSORPTION) != 0u;
+
+bool is_finite3(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+
+float greatest(vec3 v) { return max(max(v.x, v.y), v.z); }
+
+vec3 tinted(vec3 power, vec3 by) {
+    precise vec3 left = power * by;
+    return left;
+}
+
+// Russian roulette that keeps the brightest channel; false if the photon is absorbed.
+bool russian_roulette(inout vec3 power, vec3 weight, float choice) {
+    precise vec3 next = power * weight;
+    precise float chance = greatest(next) / greatest(power);
+    // 0/0 is not below anything.
+    if (!(choice < chance) || is_nan(chance)) return false;
+    precise vec3 left = next / chance;
+    power = left;
+    return true;
+}
+
+// The next path that this invocation follows, as a number among those given; `given` when there is
+// none left for it.
+uint next_path(inout uint turn, uint given) {
+    if (turn >= push.quota) return given;
+    uint threads = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
+    uint number = turn * threads + thread();
+    if (DYNAMIC) number = counter_take(Counter(push.now));
+    ++turn;
+    return min(number, given);
+}
+
+// A path under way.
+struct Path {
+    uint index;
+    uint left;
+    Sampler numbers;
+    Ray ray;
+    vec3 power;
+    uint bounce;
+    uint media;
+    bool specular_only;
+    bool too_deep;
+    uint stored[MAP_COUNT];
+};
+
+Path begin(uint number) {
+    Path path;
+    path.index = push.begins != 0u ? number : push.waiting[number].at;
+    path.left = push.surfaces;
+    PhotonRay start = push.rays[push.quadrupole.first + path.index].at;
+    path.numbers = sampler_new(RANDOM, push.quadrupole.seed, push.quadrupole.pass, AIMED ? DOMAIN_AIMED : DOMAIN_PHOTON, start.path);
+    if (push.begins != 0u) {
+        if (RANDOM == RANDOM_LCG) {
+            // The sequence goes on where emission left it.
+            sampler_words(path.numbers, 0u);
+            sampler_words(path.numbers, 0u);
+        }
+        path.ray = Ray(start.origin, start.direction, NO_LIMIT);
+        path.power = start.power;
+        path.bounce = 0u;
+        path.media = start.media;
+        path.specular_only = true;
+        path.too_deep = false;
+        [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) path.stored[map] = 0u;
+        return path;
+    }
+    State state = push.quadrupole.states[path.index].at;
+    path.numbers.state = state.numbers;
+    path.ray = Ray(state.origin, state.direction, NO_LIMIT);
+    path.power = state.power;
+    path.bounce = state.bounce;
+    path.media = state.media;
+    path.specular_only = (state.flags & 1u) != 0u;
+    path.too_deep = NESTED && (state.flags & 2u) != 0u;
+    path.stored = state.stored;
+    return path;
+}
+
+void keep(Path path) {
+    State state;
+    state.origin = path.ray.origin;
+    state.bounce = path.bounce;
+    state.direction = path.ray.direction;
+    state.media = path.media;
+    state.power = path.power;
+    state.flags = (path.specular_only ? 1u : 0u) | (path.too_deep ? 2u : 0u);
+    state.stored = path.stored;
+    state.numbers = path.numbers.state;
+    push.quadrupole.states[path.index].at = state;
+    push.left[counter_take(Counter(push.then) + 1)].at = path.index;
+}
+
+// How many photons a path has stored in a map.
+uint stored_in(uint stored[MAP_COUNT], uint map) {
+    uint count = stored[0];
+    [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) count = map == m ? stored[m] : count;
+    return count;
+}
+
+void store(inout Path path, Surface at) {
+    uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
+    if ((WANTED >> map & 1u) == 0u) return;
+    uint ordinal = stored_in(path.stored, map);
+    uint place = counter_take(push.place);
+    if (place < push.places) {
+        Photon photon;
+        photon.position = at.point;
+        photon.direction = octahedral_pack(-path.ray.direction);
+        photon.power = path.power;
+        photon.normal = octahedral_pack(at.normal);
+        push.photons[place].at = photon;
+        push.owners[place].at = uvec2(path.index, ordinal << MAP_BITS | map);
+    }
+    [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? 1u : 0u;
+}
+
+// Whether the path's numbers can be gone on with.
+bool is_sane(Path path) {
+    return is_finite3(path.ray.origin) && is_finite3(path.ray.direction) && is_finite3(path.power)
+        && greatest(abs(path.power)) <= TOO_MUCH;
+}
+
+// One surface; how the path ended there, or FATE_NONE.
+uint step_path(inout Path path, Hit hit) {
+    if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
+    Surface at = surface_of(push.scene, path.ray.direction, hit);
+    Material material = push.scene.materials[at.material].at;
+    Interface sides = media_interface(push.scene, material, at.front, path.media);
+    if (ABSORPTION && sides.before != VACUUM) {
+        path.power = tinted(path.power, transmittance(push.scene, sides.before, at.t));
+    }
+    uvec4 words = sampler_words(path.numbers, BLOCK_SURFACES + path.bounce);
+    float choice = unit_f32(words.x);
+    Bsdf bsdf = bsdf_new(material, at.cosine, sides);
+    uint lobe = bsdf_choose(bsdf, choice);
+    if (lobe == LOBE_DIFFUSE) {
+        if (material.albedo != vec3(0.0) && !(AIMED && path.bounce == 0u)) store(path, at);
+        if (AIMED) {
+            ++path.bounce;
+            return FATE_TERMINATED;
+        }
+        path.specular_only = false;
+    } else if (lobe == LOBE_SPECULAR_TRANSMISSION) {
+        if (NESTED && sides.is_too_deep) path.too_deep = true;
+        path.media = sides.transmitted;
+    }
+    bool absorbed = false;
+    vec3 weight = bsdf_weight(bsdf, lobe);
+    if (bsdf_splits(bsdf)) {
+        // The word went into the choice of the lobe.
+        path.power = tinted(path.power, weight);
+    } else {
+        absorbed = !russian_roulette(path.power, weight, choice);
+    }
+    ++path.bounce;
+    if (absorbed) return FATE_ABSORBED;
+    vec3 onward =
+        bsdf_direction(bsdf, lobe, path.ray.direction, at.normal, unit_f32(words.y), unit_f32(words.z));
+    path.ray = lobe == LOBE_SPECULAR_TRANSMISSION ? surface_pass(at, onward) : surface_leave(at, onward);
+    return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
+}
+
+void finish(Path path, uint fate) {
+    uint count = push.quadrupole.count;
+    [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
+        if ((WANTED >> map & 1u) != 0u) push.quadrupole.stored[map * count + path.index].at = path.stored[map];
+    }
+    Ending ending;
+    ending.power = path.power;
+    ending.fate_surfaces = fate << 28 | (path.too_deep ? TOO_DEEP : 0u) | min(path.bounce, SURFACES_MASK);
+    push.quadrupole.endings[path.index].at = ending;
+}
+
+// The end of a path, or of what this dispatch does for it; the next path. False if there is none.
+bool follow_next(inout Path path, uint fate, inout uint turn, uint given) {
+    if (fate == FATE_NONE) keep(path);
+    else finish(path, fate);
+    uint number = next_path(turn, given);
+    if (number >= given) return false;
+    path = begin(number);
+    return true;
+}
+
+// What an invocation is about.
+const uint READY = 0u;
+const uint UNDER_WAY = 1u;
+const uint ARRIVED = 2u;
+const uint IDLE = 3u;
+
+void main() {
+    uint given = push.begins != 0u ? push.quadrupole.count : push.now.given;
+    uint turn = 0u;
+    uint number = next_path(turn, given);
+    bool any = number < given;
+    if (!any && BUSY == 0u) return;
+    Path path;
+    if (any) path = begin(number);
+    Walk walk;
+    if (BUSY == 0u) {
+        // One loop for surfaces and paths: an invocation whose path has ended goes on with the next one
+        // while its neighbours are still under way.
+        while (any) {
+            uint fate = FATE_DROPPED;
+            if (is_sane(path)) {
+                bool under_way = walk_begin(push.scene, path.ray, walk);
+                while (under_way) under_way = walk_step(walk, false);
+                fate = step_path(path, walk.best);
+            }
+            --path.left;
+            if (fate != FATE_NONE || path.left == 0u) any = follow_next(path, fate, turn, given);
+        }
+        return;
+    }
+    // One loop for nodes too. All of a subgroup come to its head together and do there what most of
+    // them need: nobody leaves before all are done, so that they stay together.
+    uint state = any ? READY : IDLE;
+    while (true) {
+        uint under_way = subgroupBallotBitCount(subgroupBallot(state == UNDER_WAY));
+        uint waiting = subgroupBallotBitCount(subgroupBallot(state == READY || state == ARRIVED));
+        if (under_way + waiting == 0u) break;
+        if (waiting > 0u && under_way < BUSY) {
+            if (state == ARRIVED) {
+                uint fate = is_sane(path) ? step_path(path, walk.best) : FATE_DROPPED;
+                --path.left;
+                bool goes_on = fate == FATE_NONE && path.left > 0u;
+                if (!goes_on) goes_on = follow_next(path, fate, turn, given);
+                state = goes_on ? READY : IDLE;
+            }
+            if (state == READY) {
+                bool starts = is_sane(path) && walk_begin(push.scene, path.ray, walk);
+                state = starts ? UNDER_WAY : ARRIVED;
+                if (!starts) walk.best.primitive = NO_PRIMITIVE;
+            }
+        } else if (state == UNDER_WAY) {
+            if (!walk_step(walk, false)) state = ARRIVED;
+        }
+    }
+}

@@ -1,0 +1,67 @@
+// Brings photons, stored in whatever order, into that of their paths and bounces, as much of each as its map keeps.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+
+layout(local_size_x_id = 1) in;
+// What each map keeps of a photon, two bits each.
+layout(constant_id = 2) const uint FORMAT = 42;
+
+#include "shading/constants.glsl"
+#include "device/grid.glsl"
+#include "shading/photon_format.glsl"
+#include "shading/layout.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Places { uvec4 row; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Owners { uvec2 at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Offsets { uint at; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Cursors { uint place; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Fill {
+    uint needed;
+    uint capacity;
+};
+
+layout(push_constant, scalar) uniform Push {
+    Photons photons;
+    Owners owners;
+    // An array of `count` words for each map: its photons before those of each path.
+    Offsets offsets;
+    Cursors cursors;
+    Photons to[MAP_COUNT];
+    Fill fills[MAP_COUNT];
+    uint count;
+    uint places;
+} push;
+
+void main() {
+    uint stored = min(push.cursors.place, push.places);
+    uint threads = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
+    for (uint i = thread(); i < stored; i += threads) {
+        uvec2 owner = push.owners[i].at;
+        uint map = owner.y & (1u << MAP_BITS) - 1u;
+        // By constant numbers, since not every driver takes another for what is pushed.
+        Fill fill = push.fills[0];
+        Photons to = push.to[0];
+        [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) {
+            if (map == m) {
+                fill = push.fills[m];
+                to = push.to[m];
+            }
+        }
+        uint place = fill.needed + push.offsets[map * push.count + owner.x].at + (owner.y >> MAP_BITS);
+        // What does not fit is counted all the same, and the pass done again.
+        if (place >= fill.capacity) continue;
+        Photon photon = push.photons[i].at;
+        uint format = FORMAT >> 2u * map & 3u;
+        if (format == FORMAT_FULL) {
+            to[place].at = photon;
+        } else {
+            Places(to)[place].row = uvec4(floatBitsToUint(photon.position), photon.normal);
+            uvec4 flux = uvec4(floatBitsToUint(photon.power), photon.direction);
+            flux_put(format, Fluxes(Places(to) + fill.capacity), place, flux);
+        }
+    }
+}

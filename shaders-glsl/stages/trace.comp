@@ -75,7 +75,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Chunk {
 };
 
 layout(push_constant, scalar) uniform Push {
-    Chunk quadrupole;
+    Chunk chunk;
     // What is needed at every surface.
     SceneRef scene;
     PhotonRays rays;
@@ -149,8 +149,8 @@ Path begin(uint number) {
     Path path;
     path.index = push.begins != 0u ? number : push.waiting[number].at;
     path.left = push.surfaces;
-    PhotonRay start = push.rays[push.quadrupole.first + path.index].at;
-    path.numbers = sampler_new(RANDOM, push.quadrupole.seed, push.quadrupole.pass, AIMED ? DOMAIN_AIMED : DOMAIN_PHOTON, start.path);
+    PhotonRay start = push.rays[push.chunk.first + path.index].at;
+    path.numbers = sampler_new(RANDOM, push.chunk.seed, push.chunk.pass, AIMED ? DOMAIN_AIMED : DOMAIN_PHOTON, start.path);
     if (push.begins != 0u) {
         if (RANDOM == RANDOM_LCG) {
             // The sequence goes on where emission left it.
@@ -166,7 +166,7 @@ Path begin(uint number) {
         [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) path.stored[map] = 0u;
         return path;
     }
-    State state = push.quadrupole.states[path.index].at;
+    State state = push.chunk.states[path.index].at;
     path.numbers.state = state.numbers;
     path.ray = Ray(state.origin, state.direction, NO_LIMIT);
     path.power = state.power;
@@ -188,7 +188,7 @@ void keep(Path path) {
     state.flags = (path.specular_only ? 1u : 0u) | (path.too_deep ? 2u : 0u);
     state.stored = path.stored;
     state.numbers = path.numbers.state;
-    push.quadrupole.states[path.index].at = state;
+    push.chunk.states[path.index].at = state;
     push.left[counter_take(Counter(push.then) + 1)].at = path.index;
 }
 
@@ -263,14 +263,14 @@ uint step_path(inout Path path, Hit hit) {
 }
 
 void finish(Path path, uint fate) {
-    uint count = push.quadrupole.count;
+    uint count = push.chunk.count;
     [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
-        if ((WANTED >> map & 1u) != 0u) push.quadrupole.stored[map * count + path.index].at = path.stored[map];
+        if ((WANTED >> map & 1u) != 0u) push.chunk.stored[map * count + path.index].at = path.stored[map];
     }
     Ending ending;
     ending.power = path.power;
     ending.fate_surfaces = fate << 28 | (path.too_deep ? TOO_DEEP : 0u) | min(path.bounce, SURFACES_MASK);
-    push.quadrupole.endings[path.index].at = ending;
+    push.chunk.endings[path.index].at = ending;
 }
 
 // The end of a path, or of what this dispatch does for it; the next path. False if there is none.
@@ -290,7 +290,7 @@ const uint ARRIVED = 2u;
 const uint IDLE = 3u;
 
 void main() {
-    uint given = push.begins != 0u ? push.quadrupole.count : push.now.given;
+    uint given = push.begins != 0u ? push.chunk.count : push.now.given;
     uint turn = 0u;
     uint number = next_path(turn, given);
     bool any = number < given;

@@ -49,7 +49,7 @@ impl View {
     /// [`EyeTracer`] by itself does it once.
     #[must_use]
     pub fn within(mut self, scene: &SceneView<'_>) -> Self {
-        self.camera.media = Solids::of(scene).locate().at(self.camera.origin).bits();
+        self.camera.media = Solids::of(scene).at(self.camera.origin).bits();
         self
     }
 }

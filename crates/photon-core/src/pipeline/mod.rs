@@ -17,7 +17,9 @@ use crate::radius::bandwidth;
 use crate::radius::radii;
 use crate::radius::schedule::Schedule;
 use crate::requirements::Requirements;
+use crate::requirements::features::Features;
 use crate::requirements::map_kind::PerMap;
+use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::scene::layout::{ErrorMoments, Estimate, PhotonRay, Query};
 use crate::scene::units::Units;
@@ -160,11 +162,9 @@ impl<B: TransportBackend> Pipeline<B> {
     ) -> Result<Self> {
         settings.validate()?;
         check::check_scene(scene)?;
-        let needed = Requirements::of(scene, &settings);
-        required.check(needed.features)?;
-        required.check_media(needed.media)?;
+        required.check(Features::of(scene))?;
+        required.check_format(PhotonFormat::of(scene, &settings))?;
         let view = view.within(scene);
-        required.check_format(needed.photon_format)?;
         let required =
             Requirements { photon_format: required.photon_format.max(photon_format::least(&stages)), ..required };
         let mut film = on.film(scene, view.width, view.height)?;

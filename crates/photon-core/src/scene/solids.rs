@@ -14,15 +14,12 @@ struct Solid {
     triangles: Vec<u32>,
     low: Vec3,
     high: Vec3,
-    /// Enclosed, negative for a bubble, whose boundary faces inwards.
-    volume: f64,
 }
 
 /// All solids of a scene.
 #[derive(Debug)]
 pub struct Solids<'a> {
     scene: SceneView<'a>,
-    /// The largest first: what lies within another comes after it.
     solids: Vec<Solid>,
 }
 
@@ -44,25 +41,13 @@ impl<'a> Solids<'a> {
         if boundary.is_empty() {
             return Self { scene: *scene, solids: Vec::new() };
         }
-        let mut solids = group(scene, &boundary);
-        solids.sort_by(|a, b| b.volume.abs().total_cmp(&a.volume.abs()));
-        Self { scene: *scene, solids }
+        Self { scene: *scene, solids: group(scene, &boundary) }
     }
 
     /// What their media ask kernels to do: [`MediaFeatures::NESTED`] if the boxes about two of them meet.
     #[must_use]
     pub fn features(&self) -> MediaFeatures {
-        let mut by_place: Vec<&Solid> = self.solids.iter().collect();
-        by_place.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
-        for (index, solid) in by_place.iter().enumerate() {
-            let beside = by_place[index + 1..].iter().take_while(|other| other.low.x <= solid.high.x);
-            for other in beside {
-                if solid.low.cmple(other.high).all() && other.low.cmple(solid.high).all() {
-                    return MediaFeatures::NESTED;
-                }
-            }
-        }
-        MediaFeatures::NONE
+        if boxes_meet(&self.solids) { MediaFeatures::NESTED } else { MediaFeatures::NONE }
     }
 
     /// Ready to find which of them points lie in.
@@ -70,12 +55,22 @@ impl<'a> Solids<'a> {
     pub fn locate(&self) -> Locator<'_> {
         Locator::new(self)
     }
+
+    /// As [`Locator::at`], of one point: at once where it lies outside of all boxes.
+    #[must_use]
+    pub fn at(&self, point: [f32; 3]) -> MediumStack {
+        let at = Vec3::from(point);
+        let near = |solid: &Solid| at.cmpge(solid.low).all() && at.cmple(solid.high).all();
+        if self.solids.iter().any(near) { self.locate().at(point) } else { MediumStack::VACUUM }
+    }
 }
 
 /// Finds the solids that points lie in: by what a ray along +x crosses, which is looked up in a grid of its columns.
 #[derive(Debug)]
 pub struct Locator<'a> {
     solids: &'a Solids<'a>,
+    /// The largest first: what lies within another comes after it.
+    order: Vec<usize>,
     /// Of y and z.
     low: DVec2,
     cells_per_length: DVec2,
@@ -95,8 +90,20 @@ impl<'a> Locator<'a> {
             (low.min(across(solid.low.as_dvec3())), high.max(across(solid.high.as_dvec3())))
         });
         let extent = (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
+        // Enclosed, negative for a bubble, whose boundary faces inwards (the divergence theorem, times 6).
+        let volume = |solid: &Solid| -> f64 {
+            let part = |&triangle: &u32| {
+                let [a, b, c] = solids.corners(triangle);
+                a.dot(b.cross(c))
+            };
+            solid.triangles.iter().map(part).sum::<f64>().abs()
+        };
+        let volumes: Vec<f64> = solids.solids.iter().map(volume).collect();
+        let mut order: Vec<usize> = (0..volumes.len()).collect();
+        order.sort_by(|&a, &b| volumes[b].total_cmp(&volumes[a]));
         let mut locator = Self {
             solids,
+            order,
             low,
             cells_per_length: DVec2::splat(side as f64) / extent,
             side,
@@ -177,10 +184,8 @@ impl<'a> Locator<'a> {
         for &(solid, triangle) in &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
             windings[solid as usize] += crossing(self.solids.corners(triangle), point.as_dvec3());
         }
-        for (index, (solid, winding)) in self.solids.solids.iter().zip(windings).enumerate() {
-            if Some(index) == but {
-                continue;
-            }
+        for &index in self.order.iter().filter(|&&index| Some(index) != but) {
+            let (solid, winding) = (&self.solids.solids[index], windings[index]);
             for _ in 0..winding.unsigned_abs().min(MediumStack::DEPTH) {
                 stack = if winding > 0 { stack.enter(solid.medium) } else { stack.leave(solid.medium) };
             }
@@ -228,34 +233,76 @@ fn side(a: DVec2, b: DVec2, at: DVec2) -> bool {
     if (a.x, a.y) <= (b.x, b.y) { turn(a, b) } else { !turn(b, a) }
 }
 
-/// Connected components by union and find, over the places of vertices.
+/// Whether the boxes about two of them meet.
+fn boxes_meet(solids: &[Solid]) -> bool {
+    let mut by_place: Vec<&Solid> = solids.iter().collect();
+    by_place.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+    by_place.iter().enumerate().any(|(index, solid)| {
+        let mut beside = by_place[index + 1..].iter().take_while(|other| other.low.x <= solid.high.x);
+        beside.any(|other| solid.low.cmple(other.high).all() && other.low.cmple(solid.high).all())
+    })
+}
+
+/// Connected components by union and find: over the indices of vertices, and where the boxes of what that gives meet, also
+/// over the vertices at the same place.
 fn group(scene: &SceneView<'_>, boundary: &[(u32, u32)]) -> Vec<Solid> {
-    let place = |vertex: u32| scene.positions[vertex as usize].map(|x| (x + 0.0).to_bits());
-    // One node for each place and medium.
-    let mut nodes: Vec<([u32; 3], u32)> = boundary
-        .iter()
-        .flat_map(|&(triangle, medium)| scene.triangles[triangle as usize].map(|vertex| (place(vertex), medium)))
-        .collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    let node = |vertex: u32, medium: u32| nodes.binary_search(&(place(vertex), medium)).unwrap_or(0) as u32;
-    let mut parents: Vec<u32> = (0..nodes.len() as u32).collect();
-    for &(triangle, medium) in boundary {
-        let [a, b, c] = scene.triangles[triangle as usize].map(|vertex| node(vertex, medium));
-        for other in [b, c] {
-            let (from, to) = (root(&mut parents, other), root(&mut parents, a));
-            parents[from.max(to) as usize] = from.min(to);
+    let mut media: Vec<u32> = boundary.iter().map(|&(_, medium)| medium).collect();
+    media.dedup();
+    media.sort_unstable();
+    media.dedup();
+    // Of each vertex one above it in its component; of those that no boundary uses, nothing.
+    let mut parents = vec![u32::MAX; scene.positions.len()];
+    let by_index = components(scene, boundary, &media, &mut parents, false);
+    if boxes_meet(&by_index) { components(scene, boundary, &media, &mut parents, true) } else { by_index }
+}
+
+fn components(
+    scene: &SceneView<'_>,
+    boundary: &[(u32, u32)],
+    media: &[u32],
+    parents: &mut [u32],
+    by_place: bool,
+) -> Vec<Solid> {
+    let mut solids = Vec::new();
+    for &medium in media {
+        let triangles = || {
+            boundary
+                .iter()
+                .filter(|of| of.1 == medium)
+                .map(|&(triangle, _)| (triangle, scene.triangles[triangle as usize]))
+        };
+        for (_, [a, b, c]) in triangles() {
+            for vertex in [a, b, c] {
+                if parents[vertex as usize] == u32::MAX {
+                    parents[vertex as usize] = vertex;
+                }
+            }
+            unite(parents, a, b);
+            unite(parents, a, c);
+        }
+        if by_place {
+            let place = |vertex: u32| scene.positions[vertex as usize].map(|x| (x + 0.0).to_bits());
+            let mut places: Vec<([u32; 3], u32)> =
+                triangles().flat_map(|(_, corners)| corners.map(|vertex| (place(vertex), vertex))).collect();
+            places.sort_unstable();
+            for pair in places.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+                unite(parents, pair[0].1, pair[1].1);
+            }
+        }
+        let mut by_root: Vec<(u32, u32)> =
+            triangles().map(|(triangle, [a, ..])| (root(parents, a), triangle)).collect();
+        by_root.sort_unstable();
+        solids.extend(by_root.chunk_by(|a, b| a.0 == b.0).map(|same| solid(scene, medium, same)));
+        for vertex in triangles().flat_map(|(_, corners)| corners) {
+            parents[vertex as usize] = u32::MAX;
         }
     }
-    let mut by_root: Vec<(u32, u32, u32)> = boundary
-        .iter()
-        .map(|&(triangle, medium)| {
-            let first = node(scene.triangles[triangle as usize][0], medium);
-            (root(&mut parents, first), triangle, medium)
-        })
-        .collect();
-    by_root.sort_unstable();
-    by_root.chunk_by(|a, b| a.0 == b.0).map(|same| solid(scene, same)).collect()
+    solids
+}
+
+fn unite(parents: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b) as usize] = a.min(b);
 }
 
 /// The node that stands for all that hang together with `node`.
@@ -268,24 +315,15 @@ fn root(parents: &mut [u32], mut node: u32) -> u32 {
     node
 }
 
-fn solid(scene: &SceneView<'_>, triangles: &[(u32, u32, u32)]) -> Solid {
-    let mut solid = Solid {
-        medium: triangles[0].2,
-        triangles: triangles.iter().map(|&(_, triangle, _)| triangle).collect(),
-        low: Vec3::INFINITY,
-        high: Vec3::NEG_INFINITY,
-        volume: 0.0,
-    };
-    for &triangle in &solid.triangles {
-        let corners = scene.triangles[triangle as usize].map(|vertex| Vec3::from(scene.positions[vertex as usize]));
-        for corner in corners {
-            solid.low = solid.low.min(corner);
-            solid.high = solid.high.max(corner);
+fn solid(scene: &SceneView<'_>, medium: u32, triangles: &[(u32, u32)]) -> Solid {
+    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for &(_, triangle) in triangles {
+        for vertex in scene.triangles[triangle as usize] {
+            let corner = Vec3::from(scene.positions[vertex as usize]);
+            (low, high) = (low.min(corner), high.max(corner));
         }
-        let [a, b, c]: [DVec3; 3] = corners.map(Vec3::as_dvec3);
-        solid.volume += a.dot(b.cross(c)) / 6.0;
     }
-    solid
+    Solid { medium, triangles: triangles.iter().map(|&(_, triangle)| triangle).collect(), low, high }
 }
 
 #[cfg(test)]

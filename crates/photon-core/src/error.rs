@@ -17,7 +17,8 @@ pub enum Error {
     },
     /// More elements than a buffer can hold.
     #[error(
-        "{label}: {needed} elements do not fit into a buffer of {capacity}; raise the capacity to {needed}, or emit fewer photons per pass"
+        "{label}: {needed} elements do not fit into a buffer of {capacity}; raise the capacity to {needed}, or emit \
+         fewer photons per pass"
     )]
     CapacityExceeded {
         /// Label of the buffer.

@@ -70,9 +70,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         match (any_map, paper, required.photon_format) {
             (false, ..) => "there are none",
             (_, true, _) => "the paper's estimator needs full photons of 32 bytes",
-            (_, _, PhotonFormat::Mono) => {
-                "lights and surfaces are grey: one power per photon is stored, in 20 bytes"
-            }
+            (_, _, PhotonFormat::Mono) => "lights and surfaces are grey: one power per photon is stored, in 20 bytes",
             _ => "a light or a surface is not grey: 12 of the 28 bytes of each photon",
         },
     );

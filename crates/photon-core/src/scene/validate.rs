@@ -189,8 +189,10 @@ fn check_starts(starts: &[u32]) -> Result<()> {
         _ => starts.windows(2).position(|pair| pair[0] >= pair[1]).map(|before| before + 1),
     };
     wrong.map_or(Ok(()), |at| {
-        let why =
-            format!("{} is invalid in a list that must begin with 0 and increase strictly; fill it in with light_cdf", starts[at]);
+        let why = format!(
+            "{} is invalid in a list that must begin with 0 and increase strictly; fill it in with light_cdf",
+            starts[at]
+        );
         Err(Error::InvalidInput { what: "light_cdf entry", index: at as u64, why })
     })
 }

@@ -321,7 +321,7 @@ impl Settings {
             let name = "irradiance-every";
             ensure(every >= 1, name, every.to_string(), "at least 1 is needed")?;
             let gathers = self.indirect == Indirect::Gather;
-            ensure(gathers, name, format!("{every}, with {:?}", self.indirect), "is for final gathering only: set indirect to gather")?;
+            ensure(gathers, name, format!("{every}, with {:?}", self.indirect), "needs indirect gather")?;
             let hint = "does not support error estimates: turn one of the two off";
             ensure(!self.errors, name, format!("{every}, with errors"), hint)?;
         }

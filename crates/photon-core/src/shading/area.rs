@@ -203,7 +203,7 @@ mod tests {
                 assert!((reciprocal * truth - 1.0).abs() < 1.5e-2, "{kernel:?}, {at}, {radius}: {reciprocal}");
                 // With weights for the first radius, the share is different.
                 let first = means(kernel, |x, _| x < at * radius).0;
-                assert!(at == 0.0 || (first - truth).abs() > 0.015, "{kernel:?}, {at}: the test cannot detect an error");
+                assert!(at == 0.0 || (first - truth).abs() > 0.015, "{kernel:?}, {at}: no error detectable");
             }
         }
         for kernel in [Kernel::Constant, Kernel::Epanechnikov, Kernel::Biweight, Kernel::Cone { slope: 1.1 }] {

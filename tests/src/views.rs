@@ -48,7 +48,7 @@ type Damage = (fn(&mut Tables), &'static str);
 
 const FAULTS: [Damage; 8] = [
     (|t| t.triangles[3][1] = t.positions.len() as u32, "triangle 3"),
-    (|t| t.primitives[2].material = t.materials.len() as u32, "facet 2"),
+    (|t| t.primitives[2].material = t.materials.len() as u32, "primitive 2"),
     (|t| t.lights[0].primitive = t.triangles.len() as u32, "light 0"),
     (|t| t.materials[1].kind = 77, "material 1"),
     (|t| t.lights[1].kind = 77, "light 1"),

@@ -1,116 +1,117 @@
-//! What can go wrong, each naming its culprit and its mend.
+//! Errors, each with its cause and a remedy.
 
 use crate::requirements::features::Features;
 
-/// The result of everything that can fail here.
+/// The result type of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// What can go wrong.
+/// The errors of this crate and of backends.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Stages were built for less than the scene needs.
+    /// The stages were built for fewer features than the scene needs.
     #[error("the scene needs {missing}, which the stages were not built for; derive the requirements from this scene")]
     MissingFeatures {
-        /// What is lacking.
+        /// The features that are missing.
         missing: Features,
     },
-    /// More elements than a buffer holds.
+    /// More elements than a buffer can hold.
     #[error(
-        "{label}: {needed} elements do not fit a buffer of {capacity}; allow {needed}, or emit fewer photons per pass"
+        "{label}: {needed} elements do not fit into a buffer of {capacity}; raise the capacity to {needed}, or emit \
+         fewer photons per pass"
     )]
     CapacityExceeded {
-        /// The buffer.
+        /// Label of the buffer.
         label: &'static str,
-        /// How many there are.
+        /// Number of elements.
         needed: u64,
-        /// How many fit.
+        /// Capacity of the buffer, elements.
         capacity: u64,
     },
-    /// Memory ran out.
+    /// An allocation failed.
     #[error("out of memory: {bytes} bytes for {label}")]
     OutOfMemory {
-        /// The buffer.
+        /// Label of the buffer.
         label: &'static str,
-        /// Its size.
+        /// Its size, bytes.
         bytes: u64,
     },
-    /// One buffer is more than the device gives in one piece, whatever memory is free.
+    /// One buffer is larger than the device can allocate in one piece, however much memory is free.
     #[error(
-        "{label}: {bytes} bytes, but the device gives at most {limit} in one piece; render fewer photons per pass, or \
+        "{label}: {bytes} bytes, but the device allocates at most {limit} in one piece; render fewer photons per pass, or \
          fewer pixels"
     )]
     AllocationTooLarge {
-        /// The buffer.
+        /// Label of the buffer.
         label: &'static str,
-        /// Its size.
+        /// Its size, bytes.
         bytes: u64,
-        /// What the device allows.
+        /// Largest allocation that the device allows, bytes.
         limit: u64,
     },
-    /// More memory would be needed than is allowed, however small the passes.
+    /// Even with the smallest passes, more memory is needed than is allowed.
     #[error(
         "at least {needed} bytes are needed for the scene, the picture and a few photons, but only {allowed} are allowed; \
          allow more, or make the picture smaller"
     )]
     OverMemory {
-        /// The least that would do, bytes.
+        /// The smallest sufficient limit, bytes.
         needed: u64,
-        /// What is allowed, bytes.
+        /// The limit, bytes.
         allowed: u64,
     },
-    /// A setting that makes no sense.
+    /// A setting has an invalid value.
     #[error("{name} is {value}, but {hint}")]
     InvalidSetting {
-        /// The setting.
+        /// Name of the setting.
         name: &'static str,
-        /// What it was set to.
+        /// Its value.
         value: String,
-        /// What it may be.
+        /// What is valid, or what to change.
         hint: &'static str,
     },
-    /// Data of the caller's that make no sense.
+    /// Input data of the caller are invalid.
     #[error("{what} {index}: {why}")]
     InvalidInput {
-        /// What kind of thing.
+        /// Kind of the invalid element.
         what: &'static str,
-        /// Which of them.
+        /// Index of the invalid element.
         index: u64,
-        /// What is wrong, and what would be right.
+        /// What is wrong, and what would be valid.
         why: String,
     },
-    /// A scene view that is wrong as a whole: [`crate::SceneView::validate`].
+    /// A scene view is inconsistent: [`crate::SceneView::validate`].
     #[error("scene view: {what} is {value}; {hint}")]
     InvalidScene {
         /// The member, or what is counted.
         what: &'static str,
-        /// What it is.
+        /// Its value.
         value: String,
-        /// What it must be.
+        /// What it has to be.
         hint: &'static str,
     },
-    /// Nothing gives light.
-    #[error("no light gives any power; add an emissive material or a light, in the file or in an override file")]
+    /// The scene has no light with power above 0.
+    #[error("no light emits any power; add an emissive material or a light, in the file or in an override file")]
     NoLight,
-    /// Nothing keeps a photon.
-    #[error("no surface can keep a photon: every material is specular or black; give one a diffuse albedo above 0")]
+    /// No surface can store photons.
+    #[error("no surface can store photons: every material is specular or black; give one a diffuse albedo above 0")]
     NoReceiver,
-    /// No device can do it.
+    /// No device is suitable.
     #[error("no suitable device: {}; update its driver, choose another device, or use the CPU backend", each(rejected))]
     NoDevice {
-        /// Each device's name, and what it lacks.
+        /// Name of each device, and what it lacks.
         rejected: Vec<(String, String)>,
     },
-    /// The device stopped answering, and took with it what it held, films included.
+    /// The device was lost, with all buffers and films on it.
     #[error(
         "the device was lost, and the picture with it; render again, and if it is lost again, with fewer photons per \
          pass or a newer driver"
     )]
     DeviceLost,
-    /// The observer asked to stop before there was anything to show.
+    /// The observer cancelled the render before there was a picture.
     #[error("cancelled before there was a picture")]
     Cancelled,
-    /// Something beneath the backend.
+    /// An error of a library or driver beneath the backend.
     #[error("{backend}")]
     Backend {
         /// Which backend, and what it was doing.
@@ -123,7 +124,7 @@ pub enum Error {
 
 fn each(rejected: &[(String, String)]) -> String {
     if rejected.is_empty() {
-        return "none is there".to_owned();
+        return "none was found".to_owned();
     }
     rejected.iter().map(|(name, why)| format!("{name} {why}")).collect::<Vec<_>>().join("; ")
 }
@@ -139,7 +140,7 @@ mod tests {
         let text = Error::NoDevice { rejected }.to_string();
         assert!(text.contains("Old card lacks shaderInt64; Soft is slow") && text.contains("CPU backend"), "{text}");
         let text = Error::NoDevice { rejected: Vec::new() }.to_string();
-        assert!(text.contains("none is there"), "{text}");
+        assert!(text.contains("none was found"), "{text}");
     }
 
     #[test]

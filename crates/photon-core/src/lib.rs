@@ -1,6 +1,6 @@
-//! Photon mapping, the part that is the same on every backend.
+//! Photon mapping: the part that all backends share.
 //!
-//! Records, random numbers, physics, settings, the traits that a backend implements, and the loop
+//! Data layouts, random numbers, scattering, settings, the traits that a backend implements, and the loop
 //! that drives them. No threads, no input or output, no ray-tracing structure.
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Requirements are derived from the scene and are the least that renders it.
+//! Requirements are derived from the scene, and are the smallest that render it.
 
 use photon_core::{
     Direct, Error, Features, Indirect, Light, MapKind, Material, MaterialKind, Medium, PerMap, Primitive, Requirements,
@@ -75,7 +75,7 @@ fn a_caustic_map_needs_a_specular_surface_that_a_light_can_reach() {
     let settings = Settings::default();
     for kind in [MaterialKind::Mirror as u32, MaterialKind::Dielectric as u32, MaterialKind::Thin as u32] {
         assert!(Requirements::of(&Tables::new(kind, 0.0).view(), &settings).maps[MapKind::Caustic]);
-        // Behind the light, which shines from its front only.
+        // Behind the light, which emits from its front only.
         let mut behind = Tables::new(kind, 0.45);
         assert!(!Requirements::of(&behind.view(), &settings).maps[MapKind::Caustic]);
         behind.lights[0].flags = Light::BOTH_SIDES;

@@ -1,4 +1,4 @@
-//! Settings that make no sense are refused by name; presets make sense.
+//! Invalid settings are refused by name; presets are valid.
 
 use photon_core::{Area, Bandwidth, CausticPhotons, Error, Estimator, Indirect, Kernel, Paper, Preset, Settings};
 

@@ -1,4 +1,4 @@
-//! Where pictures in progress live: sums over passes, which estimates are added to.
+//! Films of a backend: sums over passes, to which estimates are added.
 
 use super::Backend;
 use crate::backend::stages::no_errors;
@@ -8,15 +8,15 @@ use crate::requirements::map_kind::MapKind;
 use crate::scene::SceneView;
 use crate::scene::layout::{ErrorMoments, Estimate, Query};
 
-/// A backend that keeps films. Not object-safe, as [`Backend`] is not.
+/// A backend with films. Not object-safe, like [`Backend`].
 ///
-/// A film has two parts: the sums over finished passes, and what the present pass has added, which
-/// [`FilmBackend::end_pass`] moves into the sums and [`FilmBackend::abandon_pass`] drops.
+/// A film has two parts: the sums over finished passes, and the contributions of the current pass, which
+/// [`FilmBackend::end_pass`] moves into the sums and [`FilmBackend::abandon_pass`] discards.
 pub trait FilmBackend: Backend {
-    /// A picture in progress, where the backend keeps it.
+    /// A film, in the memory of the backend.
     type Film: Send;
 
-    /// An empty film.
+    /// Allocates an empty film.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`], [`crate::Error::InvalidSetting`] for a size without pixels.
@@ -35,19 +35,19 @@ pub trait FilmBackend: Backend {
         paths: u64,
     ) -> Result<()>;
 
-    /// From here on the film keeps what tells errors: memory is allocated for it. Called before the
-    /// first pass, and only if errors are asked for.
+    /// Enables error statistics in the film, and allocates memory for them. Called before the first pass,
+    /// and only if errors are to be estimated.
     ///
     /// # Errors
-    /// [`crate::Error::OutOfMemory`]; [`crate::Error::InvalidSetting`] from a backend that cannot.
+    /// [`crate::Error::OutOfMemory`]; [`crate::Error::InvalidSetting`] if the backend does not support it.
     fn keep_errors(&mut self, _film: &mut Self::Film) -> Result<()> {
         Err(no_errors())
     }
 
-    /// Adds to each query's pixel what `error_moments` tell of the `estimates` that were folded into `layer`.
+    /// Adds the error statistics of the `estimates` that were added to `layer` to each query's pixel.
     ///
     /// # Errors
-    /// As [`FilmBackend::keep_errors`].
+    /// Those of [`FilmBackend::keep_errors`].
     fn accumulate_errors(
         &mut self,
         _film: &mut Self::Film,
@@ -60,19 +60,19 @@ pub trait FilmBackend: Backend {
         Err(no_errors())
     }
 
-    /// Ends a pass: from here on it counts in the mean.
+    /// Ends a pass: its contributions now count in the mean.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].
     fn end_pass(&mut self, film: &mut Self::Film) -> Result<()>;
 
-    /// Forgets what the present pass has added since the last [`FilmBackend::end_pass`].
+    /// Discards what the current pass has added since the last [`FilmBackend::end_pass`].
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].
     fn abandon_pass(&mut self, film: &mut Self::Film) -> Result<()>;
 
-    /// The picture so far. Blocks.
+    /// Reads back the film so far. Blocks.
     ///
     /// # Errors
     /// Deferred errors surface here.

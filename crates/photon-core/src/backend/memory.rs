@@ -1,27 +1,26 @@
-//! A hard cap on memory: smaller batches, and passes of fewer photons.
+//! A hard limit on memory, kept by smaller batches and passes of fewer photons.
 //!
-//! What a scene and a picture take is fixed. The rest is shared out between the photons on their way and
-//! those in the maps; how many of them a path leaves is counted by a few paths beforehand.
+//! The memory of scene and picture is fixed. The rest is divided between photons in flight and photons in
+//! the maps; a few paths are traced beforehand to count how many photons a path stores.
 
 use crate::error::{Error, Result};
 
-/// What a backend keeps at the height of a pass, bytes: upper bounds, rounded up from what it
-/// allocates.
+/// Memory of a backend at the peak of a pass, in bytes: upper bounds, rounded up from its allocations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Costs {
-    /// For a photon of a map: stored, and arranged for search, with what arranging takes meanwhile.
+    /// Per photon of a map: as stored, and as arranged for searching, including scratch memory for that.
     pub photon: u64,
-    /// For a photon that is not in its map yet, in the paths of one batch.
+    /// Per photon of the current batch that is not in its map yet.
     pub under_way: u64,
-    /// For a path of a batch, besides its photons.
+    /// Per path of a batch, besides its photons.
     pub path: u64,
-    /// For a pixel of the picture, besides its queries and the film.
+    /// Per pixel of the picture, besides its queries and the film.
     pub pixel: u64,
-    /// For a query, with its estimate.
+    /// Per query, with its estimate.
     pub query: u64,
 }
 
-/// Photons of all maps, and paths of a batch, that fit.
+/// Number of photons of all maps, and of paths of a batch, that fit into memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Plan {
     pub(crate) photons: u64,
@@ -29,12 +28,12 @@ pub(crate) struct Plan {
     left: u64,
 }
 
-/// With less room than for so many photons there is nothing to plan.
+/// With memory for fewer photons than this, rendering is refused.
 const MIN_PATHS: u64 = 4096;
 
 impl Plan {
-    /// Shares out what `fixed` bytes leave of `cap`, before anybody knows how many photons a path
-    /// leaves: as if it were [`BUSY`].
+    /// Divides what `fixed` bytes leave of `cap`, before the number of photons per path is known: assumes
+    /// [`BUSY`].
     ///
     /// # Errors
     /// [`Error::OverMemory`] if that is not even enough for a few thousand photons.
@@ -50,23 +49,23 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The same, now that it is known how many photons a path leaves in all maps.
+    /// Divides it again, with the measured number of photons per path in all maps.
     pub(crate) fn share(&mut self, photons_per_path: f64, costs: &Costs) {
-        // A quarter for what is under way, which batches make small; the rest is for the maps.
+        // A quarter for photons in flight, which batches keep few; the rest is for the maps.
         let under_way = self.left / 4;
         let per_path = costs.path as f64 + photons_per_path * costs.under_way as f64;
         self.batch = (under_way as f64 / per_path).clamp(1.0, f64::from(u32::MAX)) as u32;
         self.photons = (self.left - under_way) / costs.photon;
     }
 
-    /// Paths of a pass that leave no more photons than fit, a twentieth less for chance; at least 1.
+    /// Number of paths per pass whose photons fit, less a twentieth for random variation; at least 1.
     pub(crate) fn paths(&self, photons_per_path: f64, wanted: u32) -> u32 {
         let fit = self.photons as f64 * 0.95 / photons_per_path.max(1e-9);
         fit.min(f64::from(wanted)).max(1.0) as u32
     }
 }
 
-/// Photons per path that nothing but counting can refute: a bright closed room.
+/// Photons per path before they are counted: those of a bright closed room.
 const BUSY: u64 = 4;
 
 #[cfg(test)]

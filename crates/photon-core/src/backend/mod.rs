@@ -1,4 +1,5 @@
-//! What a backend is: where buffers live, where films live ([`FilmBackend`]), and how stages come by them.
+//! The interface of a backend: its buffers, its films ([`FilmBackend`]), and the construction of its
+//! stages.
 
 pub(crate) mod memory;
 pub(crate) mod observer;
@@ -19,10 +20,10 @@ mod film;
 
 pub use film::FilmBackend;
 
-/// Where buffers live and how they are filled. Not object-safe, on purpose: buffers are types, so
-/// that nothing is downcast.
+/// Allocates and transfers buffers. Not object-safe, on purpose: buffers are associated types, so that
+/// nothing has to be downcast.
 pub trait Backend: Sized + Send + 'static {
-    /// Elements of one kind, of fixed capacity; the length is kept where the data are.
+    /// Elements of one type, with fixed capacity; the current length is stored with the data.
     type Buffer<T: Element>: Send;
     /// Photons arranged for search.
     type PhotonMap: Send;
@@ -30,18 +31,19 @@ pub trait Backend: Sized + Send + 'static {
     /// Short name: `cpu`, `vulkan`.
     fn name(&self) -> &'static str;
 
-    /// The device in words, for reports.
+    /// Description of the device, for reports.
     fn device(&self) -> String;
 
-    /// An empty buffer.
+    /// Allocates an empty buffer.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     fn alloc<T: Element>(&mut self, label: &'static str, capacity: u64) -> Result<Self::Buffer<T>>;
 
-    /// An empty buffer of photons of which no more than `photon_format` need be stored. What a tracer appends to it
-    /// is cut short; a map that is built from it keeps as much; it cannot be downloaded unless that is
-    /// [`PhotonFormat::Full`]. A backend without shorter records stores whole ones.
+    /// Allocates an empty buffer of photons of which only the fields in `photon_format` have to be stored.
+    /// Tracers that append to it drop the other fields, and so does a map that is built from it; it cannot
+    /// be downloaded unless the format is [`PhotonFormat::Full`]. A backend without shorter formats stores
+    /// full photons.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
@@ -55,38 +57,39 @@ pub trait Backend: Sized + Send + 'static {
         self.alloc(label, capacity)
     }
 
-    /// A buffer that holds `data`.
+    /// Allocates a buffer that holds `data`.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     fn upload<T: Element>(&mut self, label: &'static str, data: &[T]) -> Result<Self::Buffer<T>>;
 
-    /// Replaces `to` with what the buffer holds. Blocks until everything enqueued before is done.
+    /// Replaces the contents of `to` with those of the buffer. Blocks until all work enqueued before is
+    /// done.
     ///
     /// # Errors
     /// Deferred errors surface here; [`crate::Error::CapacityExceeded`] if more was appended than fits;
-    /// [`crate::Error::InvalidSetting`] of photons that were cut short: [`Backend::alloc_photons`].
+    /// [`crate::Error::InvalidSetting`] if photons are not stored in full: [`Backend::alloc_photons`].
     fn download<T: Element>(&mut self, from: &Self::Buffer<T>, to: &mut Vec<T>) -> Result<()>;
 
-    /// How full a buffer is. Blocks likewise.
+    /// Length and capacity of a buffer. Blocks like [`Backend::download`].
     ///
     /// # Errors
     /// Deferred errors surface here.
     fn fill<T: Element>(&mut self, buffer: &Self::Buffer<T>) -> Result<Fill>;
 
-    /// Empties a buffer; it keeps its storage.
+    /// Empties a buffer, without freeing its storage.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].
     fn clear<T: Element>(&mut self, buffer: &mut Self::Buffer<T>) -> Result<()>;
 
-    /// The stages that need no scene.
+    /// The stages that do not need a scene.
     ///
     /// # Errors
     /// [`crate::Error::Backend`] if they cannot be built.
     fn map_stages(&mut self, index: IndexKind) -> Result<MapStages<Self>>;
 
-    /// What follows belongs to `stage`, for [`Backend::timings`]; `None`: to none.
+    /// Attributes the work that follows to `stage` in [`Backend::timings`]; `None`: to no stage.
     fn mark(&mut self, stage: Option<Stage>);
 
     /// Seconds spent in each stage since the last call. Blocks.
@@ -96,29 +99,30 @@ pub trait Backend: Sized + Send + 'static {
     fn timings(&mut self) -> Result<StageTimings>;
 }
 
-/// A backend that can also find out what photons hit.
+/// A backend that can also trace photons through a scene.
 pub trait TransportBackend: FilmBackend {
-    /// A scene, ready to be traced.
+    /// A scene, prepared for tracing.
     type Scene: Send;
 
-    /// Paths that are traced at a time: enough to keep it busy, few enough for the memory of their
-    /// rays, 48 bytes each, and for an observer who wants to stop. The result does not depend on it.
+    /// Number of paths that are traced at a time: enough to keep the device busy, but few enough to limit
+    /// the memory of their rays (48 bytes each) and the delay until an observer can stop. The result does
+    /// not depend on it.
     fn batch(&self) -> u32 {
         1 << 18
     }
 
-    /// What it keeps in memory at the height of a pass, if maps keep so much of a photon.
+    /// Upper bounds of the memory in use at the peak of a pass, if maps store photons in `photon_format`.
     fn costs(&self, photon_format: PhotonFormat) -> Costs {
-        // As stored and as arranged for search.
+        // As stored, and as arranged for searching.
         let photon = 96 + 2 * photon_format.bytes();
         Costs { photon, under_way: 100, path: 200, pixel: 1200, query: 200 }
     }
 
-    /// Brings a scene to the device, after [`SceneView::validate`].
+    /// Uploads a scene to the device, after [`SceneView::validate`].
     ///
     /// # Errors
-    /// What that finds; [`crate::Error::MissingFeatures`] if it needs more than `required`;
-    /// [`crate::Error::OutOfMemory`].
+    /// Those of [`SceneView::validate`]; [`crate::Error::MissingFeatures`] if the scene needs more than
+    /// `required`; [`crate::Error::OutOfMemory`].
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<Self::Scene>;
 
     /// All stages, built for `required`.
@@ -127,8 +131,9 @@ pub trait TransportBackend: FilmBackend {
     /// [`crate::Error::Backend`] if they cannot be built.
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>>;
 
-    /// Stages for paths that are aimed as `projection`, which is not empty, says: an emitter, and a tracer that
-    /// ends paths at the first diffuse surface. `None`: it has none, and the usual paths do it.
+    /// Stages for paths that are aimed with `projection`, which is not empty: an emitter, and a tracer that
+    /// ends paths at the first diffuse surface. `None`: the backend has no such stages, and the ordinary
+    /// paths fill the map.
     ///
     /// # Errors
     /// [`crate::Error::Backend`] if they cannot be built; [`crate::Error::OutOfMemory`].
@@ -141,23 +146,23 @@ pub trait TransportBackend: FilmBackend {
         Ok(None)
     }
 
-    /// Multiplies the radius of each query by its pixel's factor, given as the bits of an `f32`.
+    /// Multiplies the radius of each query by the factor of its pixel, given as the bits of an `f32`.
     ///
     /// # Errors
-    /// [`crate::Error::InvalidSetting`] from a backend that cannot.
+    /// [`crate::Error::InvalidSetting`] if the backend does not support it.
     fn scale_radii(&mut self, _queries: &mut Self::Buffer<Query>, _factors: &Self::Buffer<u32>) -> Result<()> {
         Err(crate::Error::InvalidSetting {
             name: "bandwidth",
             value: "per pixel".into(),
-            hint: "this backend has one for all pixels",
+            hint: "this backend has one radius for all pixels",
         })
     }
 
-    /// What is allocated now: label and bytes.
+    /// Current allocations: label and bytes.
     fn memory(&self, scene: &Self::Scene) -> Vec<(String, u64)>;
 
-    /// Makes it ready for another render, after everything of the last was dropped: waits for what is
-    /// under way, and forgets what reports told of it.
+    /// Prepares the backend for another render, after everything of the previous one was dropped: waits for
+    /// pending work, and clears the statistics that reports have read.
     ///
     /// # Errors
     /// Deferred errors surface here.
@@ -166,45 +171,45 @@ pub trait TransportBackend: FilmBackend {
     }
 }
 
-/// An emitter of aimed paths, and their tracer.
+/// An emitter of aimed paths, and the tracer for them.
 pub type AimedStages<B> = (Box<dyn Emitter<B>>, Box<dyn Tracer<B>>);
 
-/// How full a buffer is.
+/// Length and capacity of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fill {
-    /// Elements that it holds.
+    /// Number of elements stored.
     pub length: u64,
-    /// Elements that were to be appended; more than `length` if it overflowed.
+    /// Number of elements that were to be appended; more than `length` if the buffer overflowed.
     pub needed: u64,
-    /// Elements that fit.
+    /// Maximum number of elements.
     pub capacity: u64,
 }
 
 /// The stages of a pass, for timing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
-    /// The scene is brought to the device, and its ray-tracing structure built.
+    /// The scene is uploaded to the device, and its ray-tracing structure built.
     Prepare,
-    /// Photons leave the lights.
+    /// Photons are emitted from the lights.
     Emit,
-    /// They are followed through the scene.
+    /// Photons are traced through the scene.
     Trace,
-    /// They are arranged for search.
+    /// Photons are arranged for searching.
     Build,
-    /// Camera paths.
+    /// Camera paths are traced.
     Eye,
-    /// Shadow rays.
+    /// Direct light is estimated with shadow rays.
     Direct,
-    /// Radiance from the maps.
+    /// Radiance is estimated from the maps.
     Estimate,
     /// Final gathering.
     Gather,
-    /// Sums over passes.
+    /// Results are added to the film.
     Film,
 }
 
 impl Stage {
-    /// In the order of their work.
+    /// All stages, in order of execution.
     pub const ALL: [Self; 9] = [
         Self::Prepare,
         Self::Emit,
@@ -250,7 +255,7 @@ impl StageTimings {
         self.0[stage as usize] += seconds;
     }
 
-    /// Adds another's.
+    /// Adds the timings of `other`.
     pub fn merge(&mut self, other: &Self) {
         for stage in Stage::ALL {
             self.add(stage, other.get(stage));

@@ -7,34 +7,34 @@ use crate::backend::tally::Tally;
 use crate::film::forecast::Forecast;
 use crate::requirements::map_kind::PerMap;
 
-/// What a renderer tells while it works.
+/// What a renderer reports while it works.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Event<'a> {
-    /// Paths of the present pass that have been followed, of how many.
+    /// Progress of the current pass, in traced paths.
     Photons {
-        /// Number of the pass, from 0.
+        /// Index of the pass, from 0.
         pass: u32,
-        /// Followed so far.
+        /// Paths traced so far.
         traced: u32,
-        /// To follow.
+        /// Paths of the pass.
         total: u32,
     },
-    /// A pass is in the film.
+    /// A pass was added to the film.
     PassDone(&'a PassReport),
-    /// What is claimed of the errors so far, and what more passes would bring.
+    /// The current error estimate, and a forecast for more passes.
     Forecast(&'a Forecast),
-    /// Something that the user should know.
+    /// A warning for the user.
     Warning(&'a str),
 }
 
-/// Hears of progress, and may ask to stop.
+/// Receives progress reports, and may ask to stop.
 pub trait Observer {
     /// [`ControlFlow::Break`] asks to stop as soon as the film is valid.
     fn on_event(&mut self, event: &Event<'_>) -> ControlFlow<()>;
 }
 
-/// Hears nothing, never stops.
+/// Ignores all events, and never stops.
 impl Observer for () {
     fn on_event(&mut self, _event: &Event<'_>) -> ControlFlow<()> {
         ControlFlow::Continue(())
@@ -47,20 +47,20 @@ impl<F: FnMut(&Event<'_>) -> ControlFlow<()>> Observer for F {
     }
 }
 
-/// What one pass did.
+/// Results of one pass.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PassReport {
-    /// Number of the pass, from 0.
+    /// Index of the pass, from 0.
     pub index: u32,
     /// Paths emitted; fewer than asked for if the pass was cut short.
     pub paths: u64,
-    /// What became of them.
+    /// Counts and flux of its paths.
     pub tally: Tally,
-    /// What became of those that were aimed, apart from these.
+    /// Counts and flux of its aimed paths, which `tally` does not include.
     pub aimed: Tally,
-    /// Radius within which each map was searched, user space; `None`: the map was not built.
+    /// Search radius of each map, user space; `None`: the map was not built.
     pub radius: PerMap<Option<f64>>,
-    /// Points whose radiance was estimated.
+    /// Number of points at which radiance was estimated.
     pub queries: u64,
     /// Seconds per stage.
     pub seconds: StageTimings,

@@ -1,4 +1,4 @@
-//! The stages of a pass. Each is object-safe for a fixed backend, so that a user may swap one.
+//! The stages of a pass. Each is object-safe for a fixed backend, so that a user may replace one.
 
 use std::ops::Range;
 
@@ -13,12 +13,12 @@ use crate::scene::solids::Solids;
 use crate::settings::RandomKind;
 use crate::settings::kernel::Kernel;
 
-/// Which paths of which pass.
+/// A range of paths of one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
     /// The pass.
     pub pass: Pass,
-    /// Numbers of the paths within the pass.
+    /// Indices of the paths within the pass.
     pub paths: Range<u32>,
 }
 
@@ -27,26 +27,26 @@ pub struct Batch {
 pub struct Pass {
     /// Key of all random numbers.
     pub seed: u64,
-    /// Number of the pass, from 0.
+    /// Index of the pass, from 0.
     pub index: u32,
-    /// Which random numbers photons get.
+    /// Which random numbers photon paths use.
     pub random: RandomKind,
 }
 
-/// A camera and the picture that it takes.
+/// A camera and the size of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// The camera, its right and up vectors fitted to the picture's aspect.
+    /// The camera, its right and up vectors scaled to the aspect ratio of the picture.
     pub camera: Camera,
-    /// Pixels across, ≥ 1.
+    /// Width in pixels, ≥ 1.
     pub width: u32,
-    /// Pixels down, ≥ 1.
+    /// Height in pixels, ≥ 1.
     pub height: u32,
 }
 
 impl View {
-    /// The same, with the media of `scene` that the camera lies in. [`crate::Pipeline`] does this; a caller that runs
-    /// [`EyeTracer`] by itself does it once.
+    /// The same view, with the media of `scene` that the camera lies in. [`crate::Pipeline`] calls this; a
+    /// caller that runs [`EyeTracer`] directly has to call it once.
     #[must_use]
     pub fn within(mut self, scene: &SceneView<'_>) -> Self {
         self.camera.media = Solids::of(scene).at(self.camera.origin).bits();
@@ -54,51 +54,52 @@ impl View {
     }
 }
 
-/// How photons near a query become an estimate.
+/// How radiance is estimated from the photons near a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimateParams {
-    /// Which photons.
+    /// Which photons count.
     pub search: Search,
-    /// How they are weighted.
+    /// How photons are weighted by distance.
     pub kernel: Kernel,
     /// Factor on every query's radius, > 0.
     pub radius_scale: f32,
-    /// A photon counts if its surface's normal and the query's have at least this cosine; −1 lets
-    /// all count.
+    /// A photon counts if the cosine between its surface's normal and the query's is at least this; −1: all
+    /// photons count.
     pub min_normal_cosine: f32,
-    /// A photon counts if its distance from the query's plane is at most this share of the radius, > 0;
-    /// 1 lets all of the ball count. Below 1 for [`Search::Radius`] alone.
+    /// A photon counts if its distance from the query's plane is at most this share of the radius, > 0; 1:
+    /// all photons in the ball count. Below 1 only with [`Search::Radius`].
     pub max_plane_distance: f32,
 }
 
 impl EstimateParams {
-    /// By `search` alone: over each query's own radius, with equal weights, and no photon turned away for its
-    /// normal or its distance from the query's plane.
+    /// Parameters for `search` with defaults: each query's own radius, the constant kernel, and no photon
+    /// rejected for its normal or its distance from the query's plane.
     ///
-    /// What differs is said by struct update: `EstimateParams { min_normal_cosine: 0.7, ..EstimateParams::new(Search::Radius) }`.
+    /// Use struct update to change some of them: `EstimateParams { min_normal_cosine: 0.7,
+    /// ..EstimateParams::new(Search::Radius) }`.
     #[must_use]
     pub const fn new(search: Search) -> Self {
         Self { search, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0, max_plane_distance: 1.0 }
     }
 
-    /// Whether photons are turned away for their distance from the query's plane.
+    /// Whether photons are rejected for their distance from the query's plane.
     #[must_use]
     pub fn is_flat(&self) -> bool {
         self.max_plane_distance < 1.0
     }
 
-    /// Checks that photons are turned away for what the rule knows of.
+    /// Checks `max_plane_distance`, alone and against the search.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] for a plane distance that is no positive number, or with a rule that has no radius of
-    /// its own.
+    /// [`Error::InvalidSetting`] for a plane distance that is not a positive number, or below 1 with a
+    /// search other than [`Search::Radius`].
     pub fn validate(&self) -> Result<()> {
-        // NaN is not greater either.
+        // Negated, so that NaN is refused too.
         if !(self.max_plane_distance > 0.0) {
             return Err(Error::InvalidSetting {
                 name: "max-plane-distance",
                 value: self.max_plane_distance.to_string(),
-                hint: "must be greater than 0; 1 takes the whole ball",
+                hint: "must be greater than 0; with 1, all photons in the ball count",
             });
         }
         if !self.is_flat() || self.search == Search::Radius {
@@ -107,11 +108,12 @@ impl EstimateParams {
         Err(Error::InvalidSetting {
             name: "max-plane-distance",
             value: format!("{}, with {:?}", self.max_plane_distance, self.search),
-            hint: "is a share of a radius that is given: take the estimator of a radius, or 1",
+            hint: "is a share of a given radius: use the radius estimator, or 1",
         })
     }
 
-    /// [`Self::validate`], of a map that keeps so much of its photons: [`Search::Paper`] reads their directions.
+    /// [`Self::validate`], for a map with this photon format: [`Search::Paper`] needs the directions of
+    /// photons.
     ///
     /// # Errors
     /// [`Error::InvalidSetting`].
@@ -122,70 +124,70 @@ impl EstimateParams {
         }
         Err(Error::InvalidSetting {
             name: "the paper's estimator",
-            value: format!("asked of a map that keeps {}", photon_format.name()),
-            hint: "it reads directions: keep photons whole",
+            value: format!("used with a map that stores {}", photon_format.name()),
+            hint: "it needs the directions of photons: use the full photon format",
         })
     }
 
     /// [`Self::validate`], for [`RadianceEstimator::estimate_with_moments`].
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`], for every rule but [`Search::Radius`] too.
+    /// [`Error::InvalidSetting`], also for any search but [`Search::Radius`].
     pub fn validate_moments(&self) -> Result<()> {
         if self.search != Search::Radius {
             return Err(Error::InvalidSetting {
                 name: "errors",
-                value: format!("asked of {:?}", self.search),
-                hint: "can be told of estimates within a radius alone",
+                value: format!("enabled, with {:?}", self.search),
+                hint: "can be estimated only with the radius estimator",
             });
         }
         self.validate()
     }
 }
 
-/// Which photons count.
+/// Which photons near a query count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Search {
-    /// All within the radius.
+    /// All photons within the radius.
     Radius,
-    /// The `k` nearest within the radius. If there are k, the farthest sets the radius and does
-    /// not count itself, which makes the estimate free of bias: (k−1)/(π r_k²). If there are
-    /// fewer, all count over the full radius.
+    /// The `k` nearest photons within the radius. If there are k, the farthest sets the radius and does not
+    /// count itself, which makes the estimate unbiased: (k−1)/(π r_k²). If there are fewer, all count, with
+    /// the full radius.
     KNearest {
         /// ≥ 2.
         k: u32,
     },
-    /// The nearest within the radius, ties by lower number, alone: [`Estimate::flux`] is its power, and
-    /// stands for itself. For maps of what is known at points, such as irradiance.
+    /// Only the nearest photon within the radius, ties broken by the lower index: [`Estimate::flux`] is its
+    /// power, as it is. For maps of values known at points, such as irradiance.
     NearestPhoton,
-    /// Equation (2) of Lin and Wang 2010: the `max` nearest within the radius, each times its
-    /// cosine and `factor`, over π r²; 0 with fewer than `threshold`.
+    /// Equation (2) of Lin and Wang 2010: the `max` nearest photons within the radius, each times its
+    /// cosine and `factor`, divided by π r²; 0 with fewer than `threshold`.
     Paper {
         /// ≥ 1.
         max: u32,
-        /// Least count.
+        /// Minimum number of photons.
         threshold: u32,
-        /// Free scale.
+        /// Scale factor.
         factor: f32,
     },
 }
 
-/// Sends photons out from the lights.
+/// Emits photons from the lights.
 pub trait Emitter<B: TransportBackend>: Send {
     /// Replaces `rays` with one ray per path of the batch.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn emit(&mut self, on: &mut B, scene: &B::Scene, batch: &Batch, rays: &mut B::Buffer<PhotonRay>) -> Result<()>;
 }
 
-/// Follows photons through the scene.
+/// Traces photons through the scene.
 pub trait Tracer<B: TransportBackend>: Send {
-    /// Follows `rays` and appends a photon to one of `deposits` at each diffuse surface met, in
-    /// order of path, then bounce; of each as much as the buffer keeps.
+    /// Traces `rays`, and appends a photon to one of `deposits` at each diffuse surface met, ordered by
+    /// path, then bounce; of each photon the fields that the buffer stores.
     ///
     /// # Errors
-    /// What the backend raises. A full buffer is no error here; it shows in [`Backend::fill`].
+    /// Errors of the backend. A full buffer is not an error here; it shows in [`Backend::fill`].
     fn trace(
         &mut self,
         on: &mut B,
@@ -195,34 +197,34 @@ pub trait Tracer<B: TransportBackend>: Send {
         deposits: Deposits<'_, B>,
     ) -> Result<()>;
 
-    /// What became of all paths since the last call. Blocks.
+    /// Counts and flux of all paths since the last call. Blocks.
     ///
     /// # Errors
     /// Deferred errors surface here.
     fn take_tally(&mut self, on: &mut B) -> Result<Tally>;
 
-    /// The least of a photon that this stage can work with. Whoever brings a stage of their own gets whole
-    /// records unless they override it; see [`Backend::alloc_photons`].
+    /// The smallest photon format that this stage can work with. Stages of users get full photons unless
+    /// they override this; see [`Backend::alloc_photons`].
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Full
     }
 }
 
-/// Where the photons of each map go; `None` for a map that is not called for.
+/// The buffer for the photons of each map; `None` for a map that is not required.
 pub type Deposits<'a, B> = PerMap<Option<&'a mut <B as Backend>::Buffer<Photon>>>;
 
-/// Arranges photons for search.
+/// Arranges photons for searching.
 pub trait KdTreeBuilder<B: Backend>: Send {
-    /// Consumes the photons; the map owns them.
+    /// Builds a map from the photons, and takes ownership of them.
     ///
     /// # Errors
-    /// [`crate::Error::InvalidInput`] names a photon that is not finite.
+    /// [`crate::Error::InvalidInput`] names a photon with a number that is not finite.
     fn build(&mut self, on: &mut B, photons: B::Buffer<Photon>) -> Result<B::PhotonMap>;
 
-    /// Gives the storage back, emptied, for the next pass.
+    /// Returns the storage of a map, emptied, for the next pass.
     fn reclaim(&mut self, map: B::PhotonMap) -> B::Buffer<Photon>;
 
-    /// As [`Tracer::required_format`].
+    /// Like [`Tracer::required_format`].
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Full
     }
@@ -230,13 +232,13 @@ pub trait KdTreeBuilder<B: Backend>: Send {
 
 /// Estimates the irradiance at queries.
 ///
-/// Swapped in [`MapStages`], it reads the maps at what the camera sees, finds the derived radii, and fills irradiance
-/// points. It is not asked where final-gather rays land: see [`FinalGather`].
+/// A replacement in [`MapStages`] is used for the visible points of camera paths, for derived radii, and to
+/// precompute irradiance. It is not used at the hits of final-gather rays: see [`FinalGather`].
 pub trait RadianceEstimator<B: Backend>: Send {
-    /// Replaces `estimates` with one per query.
+    /// Replaces the contents of `estimates` with one estimate per query.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn estimate(
         &mut self,
         on: &mut B,
@@ -246,12 +248,12 @@ pub trait RadianceEstimator<B: Backend>: Send {
         estimates: &mut B::Buffer<Estimate>,
     ) -> Result<()>;
 
-    /// The same, and what the same photons say about the error: replaces `error_moments` too. For
-    /// [`Search::Radius`] alone.
+    /// The same, and replaces the contents of `error_moments` with error statistics from the same photons.
+    /// Only with [`Search::Radius`].
     ///
     /// # Errors
-    /// What the backend raises; [`Error::InvalidSetting`] for another rule, or from an estimator that
-    /// cannot tell, which is what this does unless it is overridden.
+    /// Errors of the backend; [`Error::InvalidSetting`] for another search, or if the estimator does not
+    /// support it, as in this default implementation.
     fn estimate_with_moments(
         &mut self,
         _on: &mut B,
@@ -264,12 +266,12 @@ pub trait RadianceEstimator<B: Backend>: Send {
         Err(no_errors())
     }
 
-    /// A radius within which a typical photon has `neighbours` others on its side, normalised
-    /// space: the median over a fixed sample, or a quarter of the scene if that is not enough for half of
-    /// them. `None` if there are no more photons than that.
+    /// Median distance to the n-th nearest photon facing the same way, n = `neighbours`, in normalised
+    /// space, over a fixed sample of photons; at most a quarter of the scene, which is returned if half of
+    /// the sample have fewer neighbours within that distance. `None` if there are no more than n photons.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn neighbour_radius(
         &mut self,
         on: &mut B,
@@ -278,27 +280,28 @@ pub trait RadianceEstimator<B: Backend>: Send {
         min_normal_cosine: f32,
     ) -> Result<Option<f32>>;
 
-    /// As [`Tracer::required_format`].
+    /// Like [`Tracer::required_format`].
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Full
     }
 }
 
-/// What a stage says that knows nothing of errors.
+/// The error of a stage that does not support error statistics.
 pub(crate) fn no_errors() -> Error {
     Error::InvalidSetting {
         name: "errors",
-        value: "asked for".into(),
-        hint: "these stages cannot tell them: take those of the backend, and estimates within a radius",
+        value: "enabled".into(),
+        hint: "these stages do not support them: use those of the backend, with the radius estimator",
     }
 }
 
-/// Follows camera paths to the first diffuse surface.
+/// Traces camera paths to the first diffuse surface.
 pub trait EyeTracer<B: TransportBackend>: Send {
-    /// Adds the lights seen to the film, with depth, normal and albedo, and replaces `queries`.
+    /// Adds the emission seen by the camera to the film, with depth, normal and albedo, and replaces the
+    /// contents of `queries` with the visible points.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn trace_eye(
         &mut self,
         on: &mut B,
@@ -312,10 +315,10 @@ pub trait EyeTracer<B: TransportBackend>: Send {
 
 /// Direct light by next-event estimation.
 pub trait DirectLight<B: TransportBackend>: Send {
-    /// Adds to [`crate::Layer::Direct`] of the film what `shadow_rays` rays per query find.
+    /// Adds the direct light found by `shadow_rays` rays per query to [`crate::Layer::Direct`] of the film.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn light(
         &mut self,
         on: &mut B,
@@ -327,24 +330,25 @@ pub trait DirectLight<B: TransportBackend>: Send {
     ) -> Result<()>;
 }
 
-/// What an estimator told of each query.
+/// Per-query estimates and optional error statistics.
 #[derive(Debug)]
 pub struct EstimateBuffers<'a, B: Backend> {
-    /// As many as there are queries.
+    /// One estimate per query.
     pub estimates: &'a mut B::Buffer<Estimate>,
-    /// Likewise, if errors are told.
+    /// One per query; `None` if errors are not estimated.
     pub error_moments: Option<&'a mut B::Buffer<ErrorMoments>>,
 }
 
-/// Finds out how much of an estimate's disc lies on the surface.
+/// Estimates which part of an estimate's disc lies on the surface.
 pub trait AreaProbe<B: TransportBackend>: Send {
-    /// Multiplies each estimate's [`Estimate::radius_squared`] by the share of its disc that lies on the
-    /// query's surface and can be seen from above the query, as [`crate::area`] says; `gather` is how
-    /// the estimates were made. What errors are told by, if it is there, is divided by the shares of its own
-    /// discs: [`ErrorMoments::wide`] and [`ErrorMoments::narrow`] are multiplied by the first share over theirs.
+    /// Multiplies each [`Estimate::radius_squared`] by the share of its disc that lies on the query's
+    /// surface and is visible from above the query, as [`crate::area`] defines it; `gather` are the
+    /// parameters of the estimates. Error statistics, if present, are divided by the shares of their own
+    /// discs: [`ErrorMoments::wide`] and [`ErrorMoments::narrow`] are multiplied by the ratio of the first
+    /// share to theirs.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn correct(
         &mut self,
         on: &mut B,
@@ -356,33 +360,33 @@ pub trait AreaProbe<B: TransportBackend>: Send {
     ) -> Result<()>;
 }
 
-/// The photon maps of a pass, each with how it is read.
+/// The photon maps of a pass, each with its estimate parameters.
 #[derive(Debug)]
 pub struct Maps<'a, B: Backend> {
-    /// Those that were built.
+    /// The maps that were built.
     pub photons: PerMap<Option<(&'a B::PhotonMap, EstimateParams)>>,
-    /// Irradiance by all of them, at every so-manieth photon, as its power: if it is there, rays ask
-    /// it alone, for what [`Estimate::flux`] says.
+    /// Irradiance from all maps, precomputed at every n-th photon and stored as its power. If present,
+    /// final-gather rays use only this map, and take [`Estimate::flux`] as irradiance.
     pub irradiance: Option<(&'a B::PhotonMap, EstimateParams)>,
-    /// Paths that filled each map: all that were emitted, or those that were aimed.
+    /// Number of paths that filled each map: all that were emitted, or those that were aimed.
     pub paths: PerMap<u64>,
 }
 
-/// Finds irradiance at the places of photons, for final-gather rays (Christensen 1999).
+/// Precomputes irradiance at the positions of photons, for final-gather rays (Christensen 1999).
 pub trait IrradiancePoints<B: Backend>: Send {
-    /// Appends to `queries` every `every`-th photon's place, in the order of the map, in which
-    /// neighbours stand together, with its normal, a radius of 1, and its number in `queries` as its
-    /// path.
+    /// Appends the position of every `every`-th photon to `queries`, in the order of the map, in which
+    /// neighbours are close together, with the photon's normal, a radius of 1, and the query's index in
+    /// `queries` as its path.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn places(&mut self, on: &mut B, map: &B::PhotonMap, every: u32, queries: &mut B::Buffer<Query>) -> Result<()>;
 
-    /// Adds what one map's `estimates` say to the power of as many `points`; the first map's replace
-    /// them, with the queries' places and normals.
+    /// Adds the irradiance in one map's `estimates` to the power of as many `points`; those of the first
+    /// map replace the points, with the positions and normals of the queries.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn add(
         &mut self,
         on: &mut B,
@@ -393,7 +397,7 @@ pub trait IrradiancePoints<B: Backend>: Send {
         points: &mut B::Buffer<Photon>,
     ) -> Result<()>;
 
-    /// As [`Tracer::required_format`].
+    /// Like [`Tracer::required_format`].
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Full
     }
@@ -401,15 +405,16 @@ pub trait IrradiancePoints<B: Backend>: Send {
 
 /// Indirect light by final gathering.
 ///
-/// The stage reads the maps with an estimator of its own, not with [`MapStages::estimator`]: on the CPU rays and
-/// estimates are one loop, on Vulkan the stage owns an estimator whose buffers are sized for its rays. Whoever swaps
-/// the estimator and gathers has to swap this stage too. Only [`IrradiancePoints`] are filled by the swapped one.
+/// The stage reads the maps with an estimator of its own, not with [`MapStages::estimator`]: on the CPU
+/// rays and estimates are one loop, on Vulkan the stage owns an estimator whose buffers are sized for its
+/// rays. To replace the estimator for gathered light, replace this stage too. Only [`IrradiancePoints`] use
+/// the replacement.
 pub trait FinalGather<B: TransportBackend>: Send {
-    /// Adds to [`crate::Layer::Indirect`] of the film what `rays` rays per query find in the maps
-    /// where they land.
+    /// Adds the radiance that `rays` rays per query find, estimated from the maps at their hits, to
+    /// [`crate::Layer::Indirect`] of the film.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     #[expect(
         clippy::too_many_arguments,
         reason = "each is a resource of its own; a struct would be taken apart at once"
@@ -425,53 +430,54 @@ pub trait FinalGather<B: TransportBackend>: Send {
         film: &mut B::Film,
     ) -> Result<()>;
 
-    /// As [`Tracer::required_format`].
+    /// Like [`Tracer::required_format`].
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Full
     }
 }
 
-/// The stages that need no scene. Swap a field to bring your own.
+/// The stages that do not need a scene. Replace a field to use an implementation of your own.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct MapStages<B: Backend> {
-    /// Arranges photons.
+    /// Builds maps from photons.
     pub builder: Box<dyn KdTreeBuilder<B>>,
-    /// Reads them, but not for final-gather rays: see [`FinalGather`].
+    /// Estimates from the maps, but not at the hits of final-gather rays: see [`FinalGather`].
     pub estimator: Box<dyn RadianceEstimator<B>>,
 }
 
-/// Paths of light that are aimed at mirrors and glass, and fill the caustic map alone.
+/// Stages for light paths that are aimed at mirrors and glass, and fill only the caustic map.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Aimed<B: TransportBackend> {
-    /// Sends photons out where [`crate::ProjectionMap`] says.
+    /// Emits photons in the directions of the [`crate::ProjectionMap`].
     pub emitter: Box<dyn Emitter<B>>,
-    /// Follows them to the first diffuse surface, and stores those that met something specular before.
+    /// Traces photons to the first diffuse surface, and stores those that met something specular before.
     pub tracer: Box<dyn Tracer<B>>,
-    /// How many in a pass; none if no light could shine on anything specular.
+    /// Number of aimed paths per pass; 0 if no light can reach a specular surface.
     pub paths: u32,
 }
 
-/// All stages. Swap a field to bring your own.
+/// All stages. Replace a field to use an implementation of your own.
 ///
-/// Fields are independent with one exception: [`Stages::gather`] does not use the estimator of [`Stages::map`] but
-/// reads the maps itself, so that another estimator needs another [`FinalGather`] where indirect light is gathered.
+/// Fields are independent, with one exception: [`Stages::gather`] does not use the estimator of
+/// [`Stages::map`] but reads the maps itself, so that another estimator needs another [`FinalGather`] if
+/// indirect light is gathered.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Stages<B: TransportBackend> {
-    /// Sends photons out.
+    /// Emits photons.
     pub emitter: Box<dyn Emitter<B>>,
-    /// Follows them.
+    /// Traces photons.
     pub tracer: Box<dyn Tracer<B>>,
-    /// Follows camera paths.
+    /// Traces camera paths.
     pub eye: Box<dyn EyeTracer<B>>,
-    /// Shadow rays; `None` if not called for.
+    /// Shadow rays; `None` if not required.
     pub direct: Option<Box<dyn DirectLight<B>>>,
-    /// Final gathering; `None` if not called for.
+    /// Final gathering; `None` if not required.
     pub gather: Option<Box<dyn FinalGather<B>>>,
-    /// What final-gather rays find, found beforehand; `None` if not called for.
+    /// Precomputed irradiance for final-gather rays; `None` if not required.
     pub irradiance: Option<Box<dyn IrradiancePoints<B>>>,
-    /// The area of estimates; `None` if not called for.
+    /// Corrects the area of estimates; `None` if not required.
     pub area: Option<Box<dyn AreaProbe<B>>>,
-    /// Paths of its own for the caustic map; `None`: it is filled by the others.
+    /// Separate paths for the caustic map; `None`: the other paths fill it.
     pub aimed: Option<Aimed<B>>,
     /// Photon maps.
     pub map: MapStages<B>,

@@ -1,41 +1,41 @@
-//! What became of the photons: nothing is lost.
+//! Counts and flux of photon paths, exact, so that conservation of energy can be checked.
 
 use crate::requirements::map_kind::PerMap;
 
-/// How the path of a photon ended.
+/// How a photon path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// By a surface.
+    /// Absorbed by a surface.
     Absorbed,
     /// It left the scene.
     Escaped,
-    /// It met as many surfaces as were allowed.
+    /// It reached the maximum path length.
     Truncated,
-    /// Its numbers were no longer finite; the path was given up.
+    /// A number was no longer finite; the path was given up.
     Dropped,
-    /// What came next is for other paths to tell: an aimed one met something diffuse.
+    /// An aimed path met something diffuse; other paths continue from there.
     Terminated,
 }
 
-/// Flux, summed exactly: integers, so that the order of summation changes nothing.
+/// A sum of flux, exact: in integers, so that the order of summation does not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FluxSum([i128; 3]);
 
-/// What one path carries, in the units of [`FluxSum`]: 2⁻⁴⁰ of the scene's total power.
+/// Flux of one path, in the units of [`FluxSum`]: 2⁻⁴⁰ of the scene's total power.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FixedFlux([i64; 3]);
 
 const FIXED_ONE: f32 = (1_u64 << 40) as f32;
 
 impl FixedFlux {
-    /// Rounds towards zero; beyond ±2²² it saturates, and NaN becomes 0.
+    /// Rounds towards zero; saturates beyond ±2²², and NaN becomes 0.
     #[inline]
     #[must_use]
     pub fn new(flux: [f32; 3]) -> Self {
         Self(flux.map(|f| (f * FIXED_ONE) as i64))
     }
 
-    /// What is left of it when `other` goes on.
+    /// The flux that remains after `other` is subtracted.
     #[inline]
     #[must_use]
     pub fn minus(self, other: Self) -> Self {
@@ -44,14 +44,14 @@ impl FixedFlux {
 }
 
 impl FluxSum {
-    /// A sum in units of 2⁻⁴⁰ of the scene's total power: what a backend that sums in integers of its
-    /// own brings home.
+    /// A sum in units of 2⁻⁴⁰ of the scene's total power, as computed by a backend with integers of its
+    /// own.
     #[must_use]
     pub fn from_units(units: [i128; 3]) -> Self {
         Self(units)
     }
 
-    /// Adds one path's.
+    /// Adds the flux of one path.
     #[inline]
     pub fn add(&mut self, flux: FixedFlux) {
         for (sum, f) in self.0.iter_mut().zip(flux.0) {
@@ -76,35 +76,35 @@ impl FluxSum {
 /// Counts and flux, of one pass or of many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Paths begun.
+    /// Paths emitted.
     pub emitted: u64,
-    /// Paths that ended on a surface.
+    /// Paths that were absorbed by a surface.
     pub absorbed: u64,
     /// Paths that left the scene.
     pub escaped: u64,
-    /// Paths that met as many surfaces as were allowed.
+    /// Paths that reached the maximum path length.
     pub truncated: u64,
-    /// Paths given up since their numbers were not finite.
+    /// Paths given up because a number was not finite.
     pub dropped: u64,
-    /// Aimed paths that met something diffuse, from where on other paths tell what becomes of the light.
+    /// Aimed paths that met something diffuse; other paths account for the light from there on.
     pub terminated: u64,
     /// Surfaces met.
     pub surfaces: u64,
-    /// Paths that entered more than four solids at once, of which the fifth was ignored.
+    /// Paths that were inside more than four solids at once, of which the fifth was ignored.
     pub too_deep: u64,
     /// Photons stored in each map.
     pub stored: PerMap<u64>,
-    /// Flux that left the lights.
+    /// Flux emitted by the lights.
     pub flux_emitted: FluxSum,
-    /// Flux that surfaces and solids took.
+    /// Flux absorbed by surfaces and solids.
     pub flux_absorbed: FluxSum,
     /// Flux that left the scene.
     pub flux_escaped: FluxSum,
-    /// Flux on paths that were truncated.
+    /// Flux of paths that were truncated.
     pub flux_truncated: FluxSum,
-    /// Flux on paths that were dropped, as last known to be finite.
+    /// Flux of paths that were dropped, as last known to be finite.
     pub flux_dropped: FluxSum,
-    /// Flux on aimed paths when they met something diffuse.
+    /// Flux of aimed paths at the diffuse surface where they ended.
     pub flux_terminated: FluxSum,
 }
 
@@ -144,7 +144,8 @@ impl Tally {
         self.flux_terminated.merge(&other.flux_terminated);
     }
 
-    /// Whether emitted = absorbed + escaped + truncated + dropped + ceded, in number and in flux, exactly.
+    /// Whether emitted = absorbed + escaped + truncated + dropped + terminated, in number and in flux,
+    /// exactly.
     #[must_use]
     pub fn balances(&self) -> bool {
         let mut ended = self.flux_absorbed;

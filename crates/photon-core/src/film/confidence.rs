@@ -1,39 +1,40 @@
-//! How far a pixel may be from the truth: noise from the spread of its passes, bias from a second
-//! radius, and where neither can be trusted.
+//! Confidence intervals of pixels: noise from the variance over passes, bias from a second radius, and
+//! flags where neither is reliable.
 //!
-//! Sums, like the film's, so that passes may be rendered anywhere and added. A variance from a sum of
-//! squares in f64 is lost only where the standard deviation of a pass is below 10⁻⁷ of the pixel.
+//! Stores sums, like the film, so that passes may be rendered anywhere and added. A variance from a sum of
+//! squares in f64 loses its precision only where the standard deviation of a pass is below 10⁻⁷ of the
+//! pixel.
 
 use crate::film::Film;
 use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::scene::layout::{ErrorMoments, Estimate, Query};
 
-/// What tells the error of a pixel, summed over passes. Normalised units, mean of RGB.
+/// Error statistics of a pixel, summed over passes. Normalised units, mean of RGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorPixel {
-    /// Radiance by estimates over twice the area, less that of the picture: the bias of a pass.
+    /// Radiance estimated with twice the area, minus that of the picture: estimates the bias of a pass.
     pub bias: f64,
-    /// Its square, pass by pass.
+    /// Sum over passes of its square.
     pub bias_square: f64,
-    /// Radiance of the picture, less that by estimates over half the area: half the bias.
+    /// Radiance of the picture, minus that estimated with half the area: half the bias.
     pub narrow: f64,
-    /// Its square, pass by pass.
+    /// Sum over passes of its square.
     pub narrow_square: f64,
-    /// How the photons of each map lie about the pixel's queries.
+    /// Distribution of the photons of each map around the pixel's queries.
     pub photon_moments: PerMap<PhotonMoments>,
 }
 
-/// How the photons of one map lie about a pixel's queries: sums of [`ErrorMoments`]'s, weighted as the
-/// queries are.
+/// Distribution of the photons of one map around a pixel's queries: sums of [`ErrorMoments`] with the
+/// weights of the queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PhotonMoments {
     /// Σ power.
     pub power: f64,
-    /// Σ of its squares.
+    /// Σ of the squared powers.
     pub power_squared: f64,
-    /// Σ power times the offset within the surface.
+    /// Σ power times the offset in the tangent plane.
     pub slope: [f64; 2],
-    /// Σ power times its quadrupole.
+    /// Σ power times the quadrupole of the offset.
     pub quadrupole: [f64; 2],
     /// Σ power of photons on other surfaces.
     pub stray: f64,
@@ -50,23 +51,24 @@ impl PhotonMoments {
         self.stray += other.stray;
     }
 
-    /// Photons of equal power that would be as certain (Kish 1965).
+    /// Effective number of photons: as many with equal power would have the same relative variance (Kish
+    /// 1965).
     fn photons(&self) -> f64 {
         if self.power_squared > 0.0 { self.power * self.power / self.power_squared } else { 0.0 }
     }
 
-    /// Whether the support leaves the surface, in more than a fiftieth of its light.
+    /// Whether the disc extends to another surface, with more than a fiftieth of its light there.
     fn strays(&self) -> bool {
         self.stray > 0.02 * (self.power + self.stray)
     }
 
-    /// Whether light ends within the support, which no second radius tells: an edge through the middle
-    /// takes a half of both.
+    /// Whether the light has an edge within the disc, which no second radius detects: an edge through the
+    /// centre halves both estimates.
     ///
-    /// Over a disc of radius R, the mean of x/R is at most 1/4 for any field that is linear and nowhere
-    /// negative, and 4/3π by a straight edge through the middle. The mean of the quadrupole is 0 for
-    /// any linear field, with variance 1/6 for each of its two numbers and photon: one in eighty pixels
-    /// goes beyond 3 standard errors by chance, and has to be more than a twentieth besides.
+    /// Over a disc of radius R, the mean of x/R is at most 1/4 for any linear field that is nowhere
+    /// negative, and 4/3π at a straight edge through the centre. The mean of the quadrupole is 0 for any
+    /// linear field, with variance 1/6 for each of its two components, per photon: one in eighty pixels
+    /// exceeds 3 standard errors by chance, and the flag also requires more than a twentieth.
     fn is_uneven(&self) -> bool {
         let photons = self.photons();
         if photons < 8.0 {
@@ -79,7 +81,7 @@ impl PhotonMoments {
 }
 
 impl ErrorPixel {
-    /// Adds what one query of a pass tells of a map, to the pass by itself.
+    /// Adds the error statistics of one query for one map, to those of a single pass.
     pub fn deposit(&mut self, kind: MapKind, query: &Query, estimate: &Estimate, moments: &ErrorMoments, paths: u64) {
         if moments.photons == 0 || paths == 0 {
             return;
@@ -102,9 +104,10 @@ impl ErrorPixel {
         map_moments.stray += weight * f64::from(moments.stray);
     }
 
-    /// Adds what one query of a pass was told by photons elsewhere, where final-gather rays landed:
-    /// irradiance by estimates over twice the area less that of the picture, that less the one by
-    /// estimates over half the area, and power and squared power of the photons. How they lie is not told.
+    /// Adds the error statistics of one query from the hits of its final-gather rays: irradiance estimated
+    /// with twice the area minus that of the picture, that of the picture minus the one estimated with half
+    /// the area, and power and squared power of the photons. The distribution of these photons is not
+    /// recorded.
     pub fn deposit_gathered(&mut self, query: &Query, bias: [f64; 3], narrow: [f64; 3], powers: [f64; 2]) {
         for c in 0..3 {
             let weight = f64::from(query.throughput[c]) / 3.0;
@@ -117,12 +120,12 @@ impl ErrorPixel {
         map_moments.power_squared += weight * weight * powers[1];
     }
 
-    /// Whether any photon was found.
+    /// Whether any photons were found.
     fn is_known(&self) -> bool {
         self.photon_moments.values().any(|map_moments| map_moments.power > 0.0)
     }
 
-    /// Adds a pass that has ended.
+    /// Adds the statistics of a finished pass.
     pub fn end_pass(&mut self, pass: &Self) {
         self.bias += pass.bias;
         self.bias_square += pass.bias * pass.bias;
@@ -131,7 +134,7 @@ impl ErrorPixel {
         self.photon_moments.iter_mut().for_each(|(kind, sum)| sum.add(&pass.photon_moments[kind]));
     }
 
-    /// Adds another's passes.
+    /// Adds the passes of `other`.
     pub fn add(&mut self, other: &Self) {
         self.bias += other.bias;
         self.bias_square += other.bias_square;
@@ -141,20 +144,20 @@ impl ErrorPixel {
     }
 }
 
-/// Why nothing can be claimed of a pixel; a set of reasons.
+/// Reasons why a pixel has no error estimate; a set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Flags(u32);
 
 impl Flags {
-    /// Fewer than 8 passes: their spread says too little.
+    /// Fewer than 8 passes: too few to estimate a variance.
     pub const FEW_PASSES: Self = Self(1);
-    /// Fewer than 32 photons altogether.
+    /// Fewer than 32 photons in total.
     pub const FEW_PHOTONS: Self = Self(1 << 1);
-    /// The support reaches over an edge to another surface.
+    /// The disc of the estimate extends over an edge to another surface.
     pub const OTHER_SURFACE: Self = Self(1 << 2);
-    /// Light ends within the support: a shadow's edge, a fold of a caustic, the end of a surface.
+    /// Light has an edge within the disc: a shadow boundary, a fold of a caustic, the end of a surface.
     pub const UNEVEN: Self = Self(1 << 3);
-    /// A smaller radius tells another bias, by more than a factor of 2.
+    /// A smaller radius gives another bias, by more than a factor of 2.
     pub const CURVED: Self = Self(1 << 4);
 
     /// The bits, in the order above.
@@ -163,13 +166,13 @@ impl Flags {
         self.0
     }
 
-    /// Whether `other` is among the reasons.
+    /// Whether `other` is included.
     #[must_use]
     pub fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
-    /// Whether there is no reason: the pixel's claim stands.
+    /// Whether there is no reason: the pixel has an error estimate.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.0 == 0
@@ -180,52 +183,54 @@ impl Flags {
     }
 }
 
-/// What is claimed of one pixel, W/(m²·sr), mean of RGB.
+/// Confidence interval of one pixel, W/(m²·sr), mean of RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConfidenceInterval {
-    /// The pixel.
+    /// Value of the pixel.
     pub value: f64,
-    /// Standard error of its mean over passes; infinite before the second.
+    /// Standard error of the mean over passes; infinite before the second pass.
     pub standard_error: f64,
-    /// By how much it is too bright, as far as a second radius tells.
+    /// Bias as estimated from a second radius; positive if the pixel is too bright.
     pub bias: f64,
-    /// Standard error of that.
+    /// Standard error of the bias.
     pub bias_error: f64,
-    /// Photons of equal power that would be as certain as those within reach, of all passes (Kish 1965).
+    /// Effective number of photons within the disc, over all passes: as many with equal power would have
+    /// the same relative variance (Kish 1965).
     pub photons: f64,
-    /// `t·standard_error + 2·|bias|`, with t Student's for 95 %: the truth, which is the mean over the
-    /// pixel, is that near. Infinite where nothing is claimed.
+    /// `t·standard_error + 2·|bias|`, with Student's t for 95 %: bounds the distance to the true value,
+    /// which is the mean over the pixel. Infinite where there is no error estimate.
     pub half_width: f64,
-    /// Why nothing is claimed.
+    /// Why there is no error estimate.
     pub flags: Flags,
 }
 
-/// The pass from which on something is claimed. With fewer, stopping as soon as a claim is good
-/// enough would stop on lucky ones: 92 instead of 95 % are right with 2, 94 with 8.
+/// Number of passes from which on errors are estimated. With fewer, stopping as soon as the error is small
+/// enough would favour passes whose error happens to be underestimated: 92 instead of 95 % of the intervals
+/// are right with 2 passes, 94 with 8.
 const MIN_PASSES: u32 = 8;
 
-/// Photons below which the sums are too far from normal.
+/// With fewer photons, the distribution of the sums is too far from normal.
 pub(crate) const MIN_PHOTONS: f64 = 32.0;
 
 impl Film {
-    /// What is claimed of each pixel; `None` if errors were not asked for.
+    /// Confidence interval of each pixel; `None` if error statistics are disabled.
     ///
-    /// Light that is read from photon maps has a bias, and is examined: where it is seen, or where
-    /// final-gather rays land. The latter is not flagged as uneven, since it comes from many places.
-    /// Shadow rays have no bias.
+    /// Light that is estimated from photon maps has a bias, which is estimated at visible points and at the
+    /// hits of final-gather rays. The latter are never flagged as uneven, since their light comes from many
+    /// places. Shadow rays have no bias.
     #[must_use]
     pub fn confidence_intervals(&self) -> Option<Vec<ConfidenceInterval>> {
         let errors = self.errors.as_ref()?;
         let n = f64::from(self.passes.max(1));
         let quantile = student_975(n - 1.0);
         let to_user = self.units.radiance_to_user();
-        // Where photon maps know nothing of a surface, it cannot be told from a dark one: whatever keeps
-        // photons and was seen first should be known, if anything is.
+        // A surface without photons cannot be told from a dark one: if any pixel has photons, those whose
+        // first surface can store photons have to have some too.
         let any = errors.iter().any(ErrorPixel::is_known);
         let is_asked = |error: &ErrorPixel, pixel: &crate::FilmPixel| {
             error.is_known() || (any && pixel.hits > 0 && pixel.albedo.iter().any(|&a| a > 0.0))
         };
-        // Of the mean of n numbers, by their sum and the sum of their squares.
+        // Standard error of a mean of n numbers, from their sum and the sum of their squares.
         let standard_error = |sum: f64, square: f64| {
             if self.passes < 2 { f64::INFINITY } else { ((square - sum * sum / n).max(0.0) / (n * (n - 1.0))).sqrt() }
         };
@@ -267,8 +272,8 @@ fn differ(a: f64, a_error: f64, b: f64, b_error: f64) -> bool {
 
 /// The 97.5 % quantile of Student's t: the half-width of a 95 % interval in standard errors.
 ///
-/// Its expansion in powers of 1/ν about the normal quantile (Fisher and Cornish 1960), within 10⁻³
-/// from 5 degrees of freedom on; infinite below 1.
+/// By its expansion in powers of 1/ν about the normal quantile (Fisher and Cornish 1960); the error is less
+/// than 10⁻³ from 5 degrees of freedom on. Infinite below 1.
 #[must_use]
 pub fn student_975(freedom: f64) -> f64 {
     const Z: f64 = 1.959_963_984_540_054;
@@ -299,7 +304,7 @@ mod tests {
         assert_eq!(student_975(0.0), f64::INFINITY);
     }
 
-    /// A film of one pixel after `passes` passes of known numbers.
+    /// A film of one pixel after `passes` passes with known statistics.
     fn film(passes: u32, biases: [f64; 2], map_moments: PhotonMoments) -> Film {
         let mut film = Film::new(1, 1, Units::default()).unwrap();
         let mut error = ErrorPixel::default();

@@ -1,4 +1,4 @@
-//! What more passes will bring, from what those so far have told.
+//! Forecasts of the error after more passes, from the error estimates so far.
 
 mod group;
 
@@ -6,38 +6,38 @@ use crate::film::confidence::{ConfidenceInterval, Flags, MIN_PHOTONS, student_97
 use crate::radius::schedule::Schedule;
 use group::{Factors, Group, Relative};
 
-/// Pixels that a forecast looks at; so many tell a share to a hundredth.
+/// Maximum number of pixels that a forecast uses; so many estimate a share to within a hundredth.
 const SAMPLE: usize = 16_384;
 
-/// What is claimed now, and by how many passes a target should be reached.
+/// The present error estimate, and the number of passes needed to reach a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     /// Passes so far.
     pub passes: u32,
-    /// Share of all pixels of which something is claimed.
+    /// Share of all pixels that have an error estimate.
     pub claimed: f64,
-    /// Share of these whose claim is within the target now.
+    /// Share of these whose error is within the target now.
     pub within: f64,
-    /// The relative error that the demanded share of these is within now.
+    /// Present relative error: the quantile of these at `share`.
     pub error: f64,
-    /// Which share.
+    /// The share of pixels that have to reach the target.
     pub share: f64,
-    /// What is to be reached, if anything.
+    /// The target error, if there is one.
     pub target: Option<f64>,
-    /// Passes after which the target should be reached at the latest, those so far included, by
-    /// [`ErrorModel::error_after`]. `None` if 2³² are too few, or there is no target.
+    /// Upper bound of the number of passes needed to reach the target, including those so far, by
+    /// [`ErrorModel::error_after`]. `None` if more than 2³² are needed, or there is no target.
     pub passes_needed: Option<u32>,
-    /// And at the earliest, by [`ErrorModel::least_error_after`].
+    /// Lower bound of the same, by [`ErrorModel::least_error_after`].
     pub passes_least: Option<u32>,
-    /// Passes that the limits of the plan allow.
+    /// Number of passes that the limits of the plan allow.
     pub passes_possible: u32,
-    /// The error that these should come to, at most.
+    /// Upper bound of the error after that many passes.
     pub error_possible: f64,
-    /// And at least.
+    /// Lower bound of the same.
     pub error_possible_least: f64,
-    /// Seconds that a pass takes.
+    /// Duration of a pass, seconds.
     pub seconds_per_pass: f64,
-    /// What radii are multiplied by from here on, beside their shrinking; 1 where they are left alone.
+    /// Factor on radii from here on, besides their shrinking; 1 if they are not adapted.
     pub radius_factor: f64,
 }
 
@@ -48,38 +48,38 @@ impl Forecast {
         self.target.is_some_and(|target| self.error <= target)
     }
 
-    /// Whether it should be, within the limits of the plan, at the latest.
+    /// Whether the target will be reached within the limits of the plan, by the upper bound.
     #[must_use]
     pub fn is_reachable(&self) -> bool {
         self.passes_needed.is_some_and(|needed| needed <= self.passes_possible)
     }
 
-    /// Whether it may be, at the earliest.
+    /// Whether the target may be reached within the limits of the plan, by the lower bound.
     #[must_use]
     pub fn may_be_reached(&self) -> bool {
         self.passes_least.is_some_and(|least| least <= self.passes_possible)
     }
 
-    /// Seconds that this takes at the latest, from the first pass on.
+    /// Upper bound of the time needed to reach the target, seconds, from the first pass on.
     #[must_use]
     pub fn seconds_needed(&self) -> Option<f64> {
         self.passes_needed.map(|passes| f64::from(passes) * self.seconds_per_pass)
     }
 }
 
-/// Claims of a sample of pixels, over what they are measured by.
+/// Predicts errors from the relative errors of a sample of pixels.
 #[derive(Clone, Debug)]
 pub struct ErrorModel {
-    /// Of which something is claimed; of which too few photons are known; that have an edge within reach.
+    /// Pixels with an error estimate; with too few photons; with an edge within the disc.
     groups: [Group; 3],
-    /// Mean squares over all pixels that were seen, flagged or not.
+    /// Mean squares over all visible pixels, flagged or not.
     mean: Parts,
     claimed: f64,
     schedule: Schedule,
     share: f64,
 }
 
-/// Squares of errors, by what they depend on.
+/// Squared errors, by what they depend on.
 #[derive(Clone, Copy, Debug, Default)]
 struct Parts {
     photons: f64,
@@ -87,18 +87,19 @@ struct Parts {
     steady: f64,
 }
 
-/// Which pixels a forecast is of: some come to be claimed later on, but when is not known well.
+/// Pixels that a forecast is for: some get an error estimate only later, and when is not known well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum PixelSet {
-    /// Those of which something is claimed now.
+    /// Pixels with an error estimate now.
     Claimed,
-    /// And those that only lack photons, as soon as these are enough even if a standard error fewer come.
+    /// Also those that only lack photons, once there are enough even with one standard error fewer than
+    /// expected.
     Counted,
-    /// And those with an edge within reach, as radii shrink.
+    /// Also those with an edge within the disc, as radii shrink.
     All,
 }
 
-/// Which end of what a pilot leaves open.
+/// Bound of the uncertainty that remains after the pilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Bound {
     Lower = 0,
@@ -106,9 +107,9 @@ enum Bound {
 }
 
 impl ErrorModel {
-    /// From the claims after the passes of a schedule, of which a `share` is looked at; `second` is
-    /// [`crate::Kernel::second_radius_noise`]. Claims are in the order of their pixels, so that it is seen how far
-    /// neighbours share their luck. `None` if nothing is claimed of any pixel.
+    /// From the confidence intervals after the passes of `schedule`; errors are quantiles at `share`;
+    /// `second` is [`crate::Kernel::second_radius_noise`]. Intervals are ordered by pixel, so that the
+    /// correlation of neighbours can be estimated. `None` if no pixel has an error estimate.
     #[must_use]
     pub fn new(intervals: &[ConfidenceInterval], schedule: Schedule, share: f64, second: f64) -> Option<Self> {
         let mean = intervals.iter().map(|interval| interval.value).sum::<f64>() / intervals.len().max(1) as f64;
@@ -138,15 +139,15 @@ impl ErrorModel {
         (!groups[0].pixels.is_empty()).then_some(Self { groups, mean: sum, claimed, schedule, share })
     }
 
-    /// With squared radii times `factor` from here on.
+    /// The model with squared radii multiplied by `factor` from here on.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         Self { schedule: self.schedule.scaled(factor), ..self }
     }
 
-    /// The factor on squared radii from here on by which the mean squared error should be least after
-    /// `passes` passes in all: between 1/4 and 2, in steps of √2. Farther up, a bias that grows as the
-    /// square is no safe bet.
+    /// The factor on squared radii from here on that minimises the predicted mean squared error after
+    /// `passes` passes in total: between 1/4 and 2, in steps of √2. Larger factors are not considered,
+    /// since they rely on bias growing as r².
     #[must_use]
     pub fn best_scale(&self, passes: u32) -> f64 {
         let error = |scale: f64| {
@@ -157,36 +158,37 @@ impl ErrorModel {
         scales.min_by(|&a, &b| error(a).total_cmp(&error(b))).unwrap_or(1.0)
     }
 
-    /// The relative error that the share of pixels is within now.
+    /// The present relative error: its quantile at the share of pixels.
     #[must_use]
     pub fn error(&self) -> f64 {
         let t = student_975(f64::from(self.schedule.passes()) - 1.0);
         self.at_share(|pixel| t * pixel.noise() + 2.0 * pixel.bias)
     }
 
-    /// The same after `passes` passes in all, at most.
+    /// Upper bound of the relative error after `passes` passes in total.
     ///
-    /// The noise of photons goes down with the passes and up as their radii shrink, bias goes down with
-    /// these: at α = 2/3 both fall as the cube root of the passes, so that a target of ε takes ε⁻³. What
-    /// is known of noise and bias is itself uncertain: the worst pixels of now are partly unlucky ones, and
-    /// others will be. Both are spread over the pixels as they should be without that, and how much there is of
-    /// either altogether is as large as it may be by two standard errors.
+    /// The noise of photons decreases with the passes and increases as radii shrink, while bias decreases:
+    /// at α = 2/3 both fall as the cube root of the number of passes, so that an error of ε takes about ε⁻³
+    /// passes. The measured noise and bias are uncertain: some of the worst pixels of now are so by chance,
+    /// and others will be later. Therefore the spread of both over the pixels is corrected for chance, and
+    /// their overall level is raised by two standard errors.
     ///
-    /// Bias falls as r² where light is smooth. Beside a line where its slope changes, as at the end of a penumbra, it
-    /// falls as r, and pixels within reach of the line do so too: the mean square over all falls as r³. So does what is
-    /// foretold here of pixels without an edge; at least it is r⁴.
+    /// Bias falls as r² where light is smooth. Near a line where its slope changes, as at the end of a
+    /// penumbra, it falls as r, and the number of pixels within reach of the line falls as r too: the mean
+    /// square over all falls as r³. This is assumed here for pixels without an edge; the lower bound
+    /// assumes r⁴.
     ///
-    /// Pixels of which nothing is claimed yet join in, with the errors that they have: those with few photons
-    /// when these are enough, those with an edge within reach as the radius shrinks, since edges are
-    /// lines, along which pixels are as many as the radius is long. Of those that are claimed, with few photons, and all,
-    /// the set whose error is the largest counts.
+    /// Pixels that have no error estimate yet are included later, with the errors that they have: those
+    /// with few photons once there are enough, those with an edge within the disc as the radius shrinks,
+    /// since edges are lines, and the number of pixels near them is proportional to the radius. Of the
+    /// three sets (with estimate; also those with few photons; all), the one with the largest error counts.
     #[must_use]
     pub fn error_after(&self, passes: u32) -> f64 {
         self.bounds(passes, Bound::Upper).fold(0.0, f64::max)
     }
 
-    /// The same, at least: with noise and bias as small as they may be, of the set of pixels whose error is
-    /// the smallest.
+    /// Lower bound of the same: with noise and bias two standard errors lower, of the set of pixels whose
+    /// error is the smallest.
     #[must_use]
     pub fn least_error_after(&self, passes: u32) -> f64 {
         self.bounds(passes, Bound::Lower).fold(f64::INFINITY, f64::min)
@@ -201,7 +203,7 @@ impl ErrorModel {
         let then = f64::from(passes.max(self.schedule.passes()));
         let more = then / f64::from(self.schedule.passes().max(1));
         let factors = Factors {
-            // As r^(3/2), of which see `error_after`; `bias` goes as r².
+            // Proportional to r^(3/2), as explained at `error_after`; `bias` is proportional to r².
             bias: if bound == Bound::Upper { libm::pow(bias, 0.75).max(bias) } else { bias },
             noise,
             other: more.recip().sqrt(),
@@ -209,7 +211,7 @@ impl ErrorModel {
         };
         let freed = Factors { bias, ..factors };
         let [claimed, few, edge] = &self.groups;
-        // Those that were found may have been luck, by their root.
+        // The photon count found so far may be too high by its standard error, its square root.
         let luck = if set == PixelSet::Counted { 1.0 } else { 0.0 };
         let enough =
             |pixel: &Relative| (pixel.photon_count - luck * pixel.photon_count.sqrt()) * more * bias >= MIN_PHOTONS;
@@ -227,7 +229,7 @@ impl ErrorModel {
         quantile(errors, self.share)
     }
 
-    /// Where matters stand, for passes of so many seconds of which so many are possible.
+    /// The forecast for passes of this duration, of which so many are possible.
     #[must_use]
     pub fn forecast(&self, target: Option<f64>, seconds_per_pass: f64, passes_possible: u32) -> Forecast {
         let t = student_975(f64::from(self.schedule.passes()) - 1.0);
@@ -249,14 +251,15 @@ impl ErrorModel {
         }
     }
 
-    /// Passes after which that error should be within the target for the first time.
+    /// Number of passes after which that error is within the target for the first time.
     pub(crate) fn passes_until(&self, target: f64, error_after: impl Fn(&Self, u32) -> f64) -> Option<u32> {
         const MAX_PASSES: u32 = u32::MAX - 1;
         let (mut low, mut high) = (self.schedule.passes(), self.schedule.passes());
         if self.error() <= target {
             return Some(low);
         }
-        // In doublings, since nobody knows the order of magnitude, and pixels that join in may raise it again.
+        // By doubling, since the order of magnitude is unknown, and newly included pixels may raise the
+        // error again.
         while error_after(self, high) > target {
             if high == MAX_PASSES {
                 return None;
@@ -282,10 +285,10 @@ impl ErrorModel {
     }
 }
 
-/// Why a pixel that is flagged has to wait for smaller radii.
+/// Flags of pixels that get an error estimate only with smaller radii.
 const EDGES: [Flags; 3] = [Flags::OTHER_SURFACE, Flags::UNEVEN, Flags::CURVED];
 
-/// The least number that a share of the weight of all is at most.
+/// The quantile at `share` of weighted numbers.
 fn quantile(mut weighted: Vec<(f64, f64)>, share: f64) -> f64 {
     weighted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let all: f64 = weighted.iter().map(|(_, weight)| weight).sum();

@@ -1,4 +1,4 @@
-//! The picture, on the host: sums in f64, mergeable.
+//! The film on the host: sums in f64, which can be merged.
 
 pub(crate) mod confidence;
 pub(crate) mod forecast;
@@ -7,21 +7,21 @@ use crate::error::{Error, Result};
 use crate::film::confidence::ErrorPixel;
 use crate::scene::units::Units;
 
-/// The parts of a picture. No path of light is in two of them; their sum is the picture.
+/// The layers of a picture. Each light path belongs to exactly one; their sum is the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layer {
-    /// Lights seen directly or by mirrors and glass alone.
+    /// Light sources seen directly, or by way of mirrors and glass only.
     Emission,
-    /// Light, one diffuse surface, then the eye.
+    /// Light that reaches the first visible diffuse surface directly.
     Direct,
-    /// Light that reaches the diffuse surface by mirrors and glass alone.
+    /// Light that reaches that surface by way of mirrors and glass only.
     Caustic,
-    /// Light that has been scattered diffusely before.
+    /// Light that was scattered diffusely before.
     Indirect,
 }
 
 impl Layer {
-    /// In the order in which they are summed.
+    /// All layers, in the order in which they are summed.
     pub const ALL: [Self; 4] = [Self::Emission, Self::Direct, Self::Caustic, Self::Indirect];
 
     /// The name of the layer in a file.
@@ -36,25 +36,25 @@ impl Layer {
     }
 }
 
-/// Sums over passes of everything that is known of a pixel.
+/// Sums over passes for one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmPixel {
     /// Radiance by [`Layer`], normalised units.
     pub layers: [[f64; 3]; 4],
-    /// Square of each pass's radiance, mean of RGB.
+    /// Sum over passes of the squared radiance, mean of RGB.
     pub square: f64,
-    /// Unit normal of the first surface seen, on the side seen.
+    /// Unit normal of the first visible surface, on the visible side.
     pub normal: [f64; 3],
-    /// Albedo of the first surface seen.
+    /// Albedo of the first visible surface.
     pub albedo: [f64; 3],
-    /// Distance to the first surface seen, normalised length.
+    /// Distance to the first visible surface, normalised length.
     pub depth: f64,
-    /// Camera paths that saw a surface.
+    /// Number of camera paths that hit a surface.
     pub hits: u64,
 }
 
 impl FilmPixel {
-    /// Adds another's sums.
+    /// Adds the sums of `other`.
     pub fn add(&mut self, other: &Self) {
         for (a, b) in self.layers.iter_mut().flatten().zip(other.layers.iter().flatten()) {
             *a += b;
@@ -69,22 +69,22 @@ impl FilmPixel {
     }
 }
 
-/// A picture in progress: sums over passes, top row first.
+/// A film: sums over passes, top row first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
-    /// `width × height` of them.
+    /// `width × height` pixels.
     pub pixels: Vec<FilmPixel>,
-    /// What tells the error of each pixel, if that was asked for.
+    /// Error statistics of each pixel, if enabled.
     pub errors: Option<Vec<ErrorPixel>>,
-    /// Passes in the sums.
+    /// Number of passes in the sums.
     pub passes: u32,
-    /// The way back to user space and watts.
+    /// Conversion to user space and watts.
     pub units: Units,
-    /// Whether colours are clamped to `[0, 1]` when read, as the paper does.
+    /// Whether colours are clamped to `[0, 1]` when read, as in Lin and Wang 2010.
     pub clamp: bool,
 }
 
@@ -106,10 +106,10 @@ impl Film {
         Ok(Self { width, height, pixels, errors: None, passes: 0, units, clamp: false })
     }
 
-    /// Adds another film's passes. Which passes those were is for the caller to keep apart.
+    /// Adds the passes of another film. The caller has to make sure that they are different passes.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] if size or units differ, or only one of them tells errors.
+    /// [`Error::InvalidSetting`] if size or units differ, or only one of them has error statistics.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         if (self.width, self.height, self.units) != (other.width, other.height, other.units) {
             return Err(Error::InvalidSetting {
@@ -125,7 +125,7 @@ impl Film {
                 return Err(Error::InvalidSetting {
                     name: "merged film",
                     value: (if mine.is_some() { "without errors" } else { "with errors" }).into(),
-                    hint: "must tell errors if the film that it is merged into does, and not if not",
+                    hint: "must have error statistics if and only if the film that it is merged into has them",
                 });
             }
         }
@@ -178,7 +178,7 @@ impl Film {
             .collect()
     }
 
-    /// Mean distance to the first surface, user space; infinite where none was seen.
+    /// Mean distance to the first surface, user space; infinite where no surface was hit.
     #[must_use]
     pub fn depth(&self) -> Vec<f32> {
         self.pixels
@@ -187,7 +187,7 @@ impl Film {
             .collect()
     }
 
-    /// Mean normal of the first surface, unit or 0.
+    /// Mean normal of the first surface, normalised, or 0.
     #[must_use]
     pub fn normal(&self) -> Vec<[f32; 3]> {
         self.pixels
@@ -199,7 +199,7 @@ impl Film {
             .collect()
     }
 
-    /// Mean albedo of the first surface; 0 where none was seen.
+    /// Mean albedo of the first surface; 0 where no surface was hit.
     #[must_use]
     pub fn albedo(&self) -> Vec<[f32; 3]> {
         let n = f64::from(self.passes.max(1));

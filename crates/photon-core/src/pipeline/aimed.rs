@@ -1,4 +1,4 @@
-//! Paths of light that are aimed at mirrors and glass: whether there are any, and how many.
+//! Light paths aimed at mirrors and glass: whether there are any, and how many.
 
 use super::Pipeline;
 use crate::backend::TransportBackend;
@@ -10,7 +10,7 @@ use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::Settings;
 
-/// All stages of the backend's, those of aimed paths among them if they pay.
+/// All stages of the backend, including those for aimed paths if these are worthwhile.
 pub(super) fn stages<B: TransportBackend>(
     on: &mut B,
     scene: &SceneView<'_>,
@@ -27,20 +27,19 @@ pub(super) fn stages<B: TransportBackend>(
     Ok(stages)
 }
 
-/// What a backend keeps in memory if some of the paths of a batch are aimed: these have stages, hence room,
-/// of their own.
+/// Memory of a backend if some of the paths are aimed: these have their own stages, with their own memory.
 pub(super) fn costs(costs: Costs, aimed: bool) -> Costs {
     if aimed { Costs { path: costs.path + costs.path / 2, ..costs } } else { costs }
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// How many aimed paths go with so many others; `None` if none are aimed.
+    /// Number of aimed paths in a pass with `others` other paths; `None` if none are aimed.
     pub(super) fn aimed_paths(&self, others: u32) -> Option<u32> {
         let aimed = self.stages.aimed.as_ref()?;
         if others == self.asked {
             return Some(aimed.paths);
         }
-        // Rounded as half of a number is, so that a pass made smaller is a pass of that size.
+        // Rounded down like half of a number, so that a reduced pass equals a pass of that size.
         let paths = u64::from(aimed.paths) * u64::from(others) / u64::from(self.asked.max(1));
         Some((paths as u32).max(1))
     }

@@ -1,9 +1,9 @@
-//! Whether there is anything to render.
+//! Checks that there is something to render.
 
 use crate::error::{Error, Result};
 use crate::scene::SceneView;
 
-/// Something must give light, and something must keep photons.
+/// At least one light has to emit power, and at least one surface has to store photons.
 pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
     let lit = scene.lights.iter().any(|light| light.power.iter().any(|&p| p > 0.0));
     if !lit {

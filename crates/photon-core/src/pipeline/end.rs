@@ -1,4 +1,4 @@
-//! How it goes on after a pass that failed, how it begins anew, and how it ends.
+//! Recovery after a failed pass, restart, and the end of a pipeline.
 
 use super::{Pipeline, State};
 use crate::backend::TransportBackend;
@@ -8,13 +8,14 @@ use crate::radius::schedule::Schedule;
 use crate::scene::SceneView;
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Ends it, and gives back what it worked on, ready for another render; all that this one had in
-    /// memory is freed. Some drivers let a program open their devices only so many times.
+    /// Ends the pipeline and returns its backend, ready for another render; all memory of this render is
+    /// freed. Some drivers allow a program to open their devices only a limited number of times.
     ///
     /// # Errors
-    /// What the backend raises, deferred errors included; it is gone then.
+    /// Errors of the backend, including deferred ones; the backend is dropped then.
     pub fn into_backend(self) -> Result<B> {
-        // All that holds buffers: what is not named here would be dropped after the call below.
+        // Everything that holds buffers: fields that are not named here would be dropped only after the
+        // call below.
         let Self {
             mut on, scene, stages, film, rays, maps, queries, estimates, error_moments, points, bandwidth, ..
         } = self;
@@ -23,16 +24,16 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(on)
     }
 
-    /// Begins another picture of the same scene with other random numbers: the same bits as of a new pipeline with that
-    /// seed, without building the scene's tree and the kernels again. `scene` is the one it was made with; for a moment
-    /// there are two films.
+    /// Starts another picture of the same scene with other random numbers: bitwise equal to that of a new
+    /// pipeline with that seed, without building the acceleration structure and the kernels again. `scene`
+    /// is the one that the pipeline was made with; two films exist for a moment.
     ///
     /// # Errors
-    /// [`Error::InvalidInput`] for a scene of another size or power, and what the backend raises; to be begun anew once
-    /// more, or dropped, then.
+    /// [`Error::InvalidInput`] for a scene of another size or power, and errors of the backend; after an
+    /// error, the pipeline has to be restarted again or dropped.
     pub fn restart(&mut self, scene: &SceneView<'_>, seed: u64) -> Result<()> {
         if scene.units != self.units {
-            let why = format!("has {:?}, and the pipeline was made with {:?}", scene.units, self.units);
+            let why = format!("has {:?}, but the pipeline was made with {:?}", scene.units, self.units);
             return Err(Error::InvalidInput { what: "scene", index: 0, why });
         }
         self.recover()?;
@@ -60,8 +61,8 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    /// Puts back what a pass that failed had in its hands: photons that were in a map when it was given
-    /// up are gone, and counts of paths that no film has.
+    /// Restores the state after a failed pass: reallocates the photons of maps that were lost, and discards
+    /// the counts of paths that are in no film.
     pub(super) fn recover(&mut self) -> Result<()> {
         for slot in self.maps.iter_mut().filter(|slot| slot.photons.is_none()) {
             slot.allocate(&mut self.on, slot.capacity, self.required.photon_format)?;

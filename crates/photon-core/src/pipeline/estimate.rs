@@ -1,4 +1,4 @@
-//! Reading the maps of a pass.
+//! Estimates from the maps of a pass.
 
 use super::Pipeline;
 use super::photons::Sent;
@@ -10,7 +10,7 @@ use crate::radius::radii;
 use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::settings::{Direct, Indirect, Settings};
 
-/// Whether the camera sees a map's light at once, and not by final-gather rays alone.
+/// Whether visible points are estimated from a map directly, and not only at the hits of final-gather rays.
 fn is_shown(settings: &Settings, kind: MapKind) -> bool {
     match kind {
         MapKind::Direct => settings.direct == Direct::Photons,
@@ -20,7 +20,7 @@ fn is_shown(settings: &Settings, kind: MapKind) -> bool {
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Reads the maps at the queries, into the film.
+    /// Builds the maps, estimates from them at the queries, and adds the results to the film.
     pub(super) fn estimate(&mut self, index: u32, sent: &Sent, queries: u64) -> Result<()> {
         self.on.mark(Some(Stage::Build));
         let paths = sent.per_map();
@@ -55,7 +55,7 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    /// Arranges the photons of each map that has any: an empty one has nothing to say.
+    /// Builds a map for each kind that has photons; empty ones are left out.
     fn build_maps(&mut self, index: u32, paths: &PerMap<u64>) -> Result<Vec<BuiltMap<B>>> {
         let mut maps = Vec::with_capacity(self.maps.len());
         for slot in &mut self.maps {
@@ -72,7 +72,7 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(maps)
     }
 
-    /// Adds what one map says at the queries to the film.
+    /// Adds the estimates from one map at the queries to the film.
     fn show(&mut self, built: &BuiltMap<B>, pass: Pass) -> Result<()> {
         let BuiltMap { kind, map, gather, paths, .. } = built;
         let Some(estimates) = &mut self.estimates else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! Maps, batches and passes of the size that a cap on memory allows.
+//! Sizes of maps, batches and passes under a limit on memory.
 
 use super::{PILOT, PILOT_PATHS, Pipeline, aimed, irradiance};
 use crate::backend::TransportBackend;
@@ -6,11 +6,11 @@ use crate::backend::memory::Plan;
 use crate::error::Result;
 use crate::requirements::map_kind::PerMap;
 
-/// Photons of a map that are allocated to count how many there are; those beyond are counted too.
+/// Photons allocated per map for counting; those beyond the capacity are counted too.
 const COUNTED: u64 = 65_536;
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Counts the photons of a few paths, and makes maps, batches and passes so large that they fit.
+    /// Traces a few paths to count their photons, and sizes maps, batches and passes accordingly.
     pub(super) fn fit(&mut self, mut plan: Plan) -> Result<()> {
         let each = (plan.photons / (self.maps.len() as u64).max(1)).min(COUNTED);
         for slot in &mut self.maps {
@@ -26,7 +26,7 @@ impl<B: TransportBackend> Pipeline<B> {
         // All are freed before the first is allocated.
         self.maps.iter_mut().for_each(|slot| slot.photons = None);
         for slot in &mut self.maps {
-            // Room for chance: a thousand, and a twentieth.
+            // Reserve for random variation: a thousand, and a twentieth.
             let expected = f64::from(self.settings.photons) * per_path[slot.kind];
             let own = (expected * 1.05) as u64 + 1024;
             let capacity = self.settings.photon_capacity.map_or(own, |given| given.min(own));
@@ -35,8 +35,8 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    /// How many photons so many paths, and the aimed ones that go with them, leave for each map, whether or
-    /// not they fit.
+    /// Number of photons that `paths` paths, and the corresponding aimed ones, store in each map, whether
+    /// or not they fit.
     fn emit_and_count(&mut self, paths: u32, batch: u32) -> Result<PerMap<u64>> {
         if self.needs_others() {
             self.send_batch(PILOT, false, 0..paths)?;

@@ -1,4 +1,4 @@
-//! Irradiance at the places of photons, before final-gather rays ask for it (Christensen 1999).
+//! Irradiance precomputed at the positions of photons, for final-gather rays (Christensen 1999).
 
 use super::Pipeline;
 use super::slot::BuiltMap;
@@ -11,32 +11,33 @@ use crate::scene::layout::{Estimate, Photon, Query};
 use crate::settings::Settings;
 use crate::settings::kernel::Kernel;
 
-/// Places where irradiance is found: kept from pass to pass.
+/// Points of precomputed irradiance; the buffers are reused from pass to pass.
 pub(super) struct Points<B: Backend> {
     queries: B::Buffer<Query>,
     estimates: B::Buffer<Estimate>,
-    /// The points themselves, while they are in no map.
+    /// The points, while they are not in a map.
     found: Option<B::Buffer<Photon>>,
     capacity: u64,
 }
 
-/// How photons count at a photon's place. There it finds itself, which is one too many; but a ray that
-/// takes this place for its nearest has found none nearer, which is one too few of all places, and
-/// elsewhere in the same disc. Where photons count alike the two are one, as long as places are much
-/// denser than discs; where the middle counts for more, light is gained: 6 every/n² of it with
+/// Kernel for estimates at a photon's position. Such an estimate includes that photon, which is one too
+/// many; but a ray that takes this point as the nearest one has no nearer point around its hit, which is
+/// one too few. With the constant kernel both effects cancel, as long as points are much denser than discs;
+/// with a kernel that weights the centre higher, energy is gained: a share of 6 every/n² with
 /// Epanechnikov's kernel and n photons in a disc.
 const POINT_KERNEL: Kernel = Kernel::Constant;
 
-/// What the backend keeps, points included.
+/// Memory of the backend, including the points.
 pub(super) fn costs<B: TransportBackend>(on: &B, costs: Costs, settings: &Settings) -> Costs {
-    // Points are whole records.
+    // Points are full photons.
     let point = size_of::<Query>() as u64 + size_of::<Estimate>() as u64 + on.costs(PhotonFormat::Full).photon;
     let points = settings.irradiance_every.map_or(0, |every| (point + point / 8).div_ceil(u64::from(every.max(1))));
     Costs { photon: costs.photon + points, ..costs }
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// A map of irradiance at every n-th photon of `maps`, and how it is read; `None` if that is not called for.
+    /// A map of irradiance at every n-th photon of `maps`, and its estimate parameters; `None` if it is not
+    /// required.
     pub(super) fn irradiance(
         &mut self,
         maps: &[BuiltMap<B>],
@@ -87,8 +88,8 @@ impl<B: TransportBackend> Pipeline<B> {
         on.mark(Some(Stage::Build));
         let built = self.stages.map.builder.build(on, found)?;
         on.mark(Some(Stage::Gather));
-        // The nearest that faces the same way, within what holds a few points wherever a search by
-        // `reach` is worth anything.
+        // The nearest point that faces the same way, within a radius that contains a few points wherever a
+        // search with `reach` finds enough photons.
         let gather = EstimateParams {
             radius_scale: reach * (every as f32 / 8.0).max(1.0).sqrt(),
             min_normal_cosine: self.settings.min_normal_cosine,
@@ -97,7 +98,7 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(Some((built, gather)))
     }
 
-    /// Gives the points' storage back.
+    /// Returns the storage of the points for reuse.
     pub(super) fn reclaim_irradiance(&mut self, map: Option<(B::PhotonMap, EstimateParams)>) {
         if let (Some((map, _)), Some(points)) = (map, &mut self.points) {
             points.found = Some(self.stages.map.builder.reclaim(map));

@@ -25,14 +25,14 @@ use crate::scene::layout::{ErrorMoments, Estimate, PhotonRay, Query};
 use crate::scene::units::Units;
 use crate::settings::{Bandwidth, Estimator, Settings};
 
-/// The pass that the derived radii come from; no pass of a picture has this number.
+/// Index of the pass from which radii are derived; no pass of a picture has this index.
 const PILOT: u32 = u32::MAX;
 const PILOT_PATHS: u32 = 65_536;
 
-/// Camera paths split at the first two sheets or boundaries of glass, hence into four at most.
+/// Camera paths split at the first two glass boundaries or sheets, therefore into four at most.
 pub const QUERIES_PER_PIXEL: u32 = 4;
 
-/// Renders one scene through one camera on one backend.
+/// Renders one scene with one camera on one backend.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Pipeline<B: TransportBackend> {
     on: B,
@@ -40,7 +40,7 @@ pub struct Pipeline<B: TransportBackend> {
     stages: Stages<B>,
     required: Requirements,
     settings: Settings,
-    /// Paths of a pass that the settings ask for, however many fit.
+    /// Paths per pass in the settings, even if fewer fit into memory.
     asked: u32,
     units: Units,
     view: View,
@@ -50,16 +50,16 @@ pub struct Pipeline<B: TransportBackend> {
     batch: u32,
     setup: StageTimings,
     rays: B::Buffer<PhotonRay>,
-    /// One for each map that is required.
+    /// One for each required map.
     maps: Vec<MapSlot<B>>,
     state: State,
-    /// What a cap on memory left before photons were counted, and the batch then.
+    /// The memory plan before photons were counted, and its batch size, if memory is limited.
     cap: Option<(Plan, u32)>,
     queries: B::Buffer<Query>,
     estimates: Option<B::Buffer<Estimate>>,
     error_moments: Option<B::Buffer<ErrorMoments>>,
     points: Option<irradiance::Points<B>>,
-    /// Where each pixel has a radius of its own; the factors once there are any.
+    /// If each pixel has its own radius; the factors once they are known.
     bandwidth: Option<(bandwidth::Radii, Option<B::Buffer<u32>>)>,
 }
 
@@ -76,21 +76,21 @@ mod slot;
 use slot::{MapSlot, State};
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Checks the scene, derives what it requires, brings it to the backend, and finds the radii.
+    /// Validates the scene, derives its requirements, uploads it to the backend, and derives the radii.
     ///
     /// # Errors
-    /// What [`SceneView::validate`] finds, [`Error::InvalidSetting`], [`Error::NoLight`], [`Error::NoReceiver`],
-    /// and what the backend raises.
+    /// Those of [`SceneView::validate`], [`Error::InvalidSetting`], [`Error::NoLight`],
+    /// [`Error::NoReceiver`], and errors of the backend.
     pub fn new(on: B, scene: &SceneView<'_>, view: View, settings: Settings) -> Result<Self> {
         scene.validate()?;
         let (required, batch) = (Requirements::of(scene, &settings), on.batch());
         Self::with_own_stages(on, scene, view, settings, required, batch)
     }
 
-    /// As [`Pipeline::new`], for more than the scene requires: the same picture, more work.
+    /// Like [`Pipeline::new`], with more than the scene requires: the same picture, with more work.
     ///
     /// # Errors
-    /// Likewise, and [`Error::MissingFeatures`] for less.
+    /// Those of [`Pipeline::new`], and [`Error::MissingFeatures`] if `required` lacks something.
     pub fn with_requirements(
         on: B,
         scene: &SceneView<'_>,
@@ -103,10 +103,10 @@ impl<B: TransportBackend> Pipeline<B> {
         Self::with_own_stages(on, scene, view, settings, required, batch)
     }
 
-    /// As [`Pipeline::with_requirements`], with stages of the caller's choosing.
+    /// Like [`Pipeline::with_requirements`], with stages chosen by the caller.
     ///
     /// # Errors
-    /// Likewise.
+    /// Those of [`Pipeline::with_requirements`].
     pub fn with_stages(
         on: B,
         scene: &SceneView<'_>,
@@ -120,11 +120,11 @@ impl<B: TransportBackend> Pipeline<B> {
         Self::assemble(on, scene, view, settings, (required, stages), batch)
     }
 
-    /// As [`Pipeline::new`], with so many paths to a batch: the same picture, by which tests see
-    /// that batches do not show. Not for users: memory and launches are sized for the usual one.
+    /// Like [`Pipeline::new`], with this many paths per batch. The picture is the same, which tests check.
+    /// Not for users: memory and launches are sized for the default.
     ///
     /// # Errors
-    /// Likewise, and [`Error::InvalidSetting`] for batches of none.
+    /// Those of [`Pipeline::new`], and [`Error::InvalidSetting`] for a batch of 0 paths.
     #[doc(hidden)]
     pub fn in_batches(on: B, scene: &SceneView<'_>, view: View, settings: Settings, batch: u32) -> Result<Self> {
         if batch == 0 {
@@ -139,7 +139,7 @@ impl<B: TransportBackend> Pipeline<B> {
         Self::with_own_stages(on, scene, view, settings, required, batch)
     }
 
-    /// With the backend's stages, of a scene that has been checked.
+    /// With the backend's stages, for a scene that has been validated.
     fn with_own_stages(
         mut on: B,
         scene: &SceneView<'_>,
@@ -182,7 +182,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let plan = match settings.memory {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
-                // Of errors: what is kept for a query, and a copy of a pixel's when the film is read.
+                // Error statistics: those of a query, and a copy of those of a pixel for reading the film.
                 let (moments, copy) =
                     if settings.errors { (size_of::<ErrorMoments>(), size_of::<ErrorPixel>()) } else { (0, 0) };
                 let picture = pixels * (costs.pixel + copy as u64 + per_pixel * (costs.query + moments as u64));
@@ -236,7 +236,7 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(pipeline)
     }
 
-    /// Where each pixel has a radius of its own.
+    /// The factors on radii, if each pixel has its own.
     fn own_radii(settings: &Settings, view: &View) -> Option<(bandwidth::Radii, Option<B::Buffer<u32>>)> {
         (settings.bandwidth == Bandwidth::PerPixel).then(|| {
             let pixels = view.width as usize * view.height as usize;
@@ -247,14 +247,14 @@ impl<B: TransportBackend> Pipeline<B> {
     fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
         let paths = self.settings.photons.max(PILOT_PATHS);
         let guess = (f64::from(paths) * photons_per_path) as u64 + 1024;
-        // One for each surface met: what is asked for beyond that can never be filled.
+        // At most one photon per surface met: a larger requested capacity could never be filled.
         let aimed = self.aimed_paths(self.settings.photons).unwrap_or(0);
         let most = u64::from(self.settings.photons.max(aimed)) * u64::from(self.settings.max_bounces);
         let capacity = self.settings.photon_capacity.map_or(guess, |given| given.min(most));
         self.maps.iter_mut().try_for_each(|slot| slot.allocate(&mut self.on, capacity, self.required.photon_format))
     }
 
-    /// What the camera sees, and direct light.
+    /// Traces camera paths, and computes direct light.
     fn look(&mut self, index: u32) -> Result<u64> {
         let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
         self.on.mark(Some(Stage::Eye));
@@ -271,7 +271,7 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(self.on.fill(&self.queries)?.length)
     }
 
-    /// What it works on.
+    /// The backend that the pipeline runs on.
     #[must_use]
     pub fn backend(&self) -> &B {
         &self.on
@@ -290,7 +290,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         if self.state == State::PassFailed {
             self.recover()?;
         }
-        // Until it is known to have ended well.
+        // Until the pass has succeeded.
         self.state = State::PassFailed;
         let end = self.whole_pass(index, observer)?;
         self.state = State::Ready;
@@ -346,8 +346,8 @@ impl<B: TransportBackend> Pipeline<B> {
             });
         }
         let sent = self.emit_and_trace(index, self.settings.photons, observer)?;
-        // A first pass that was cut short is a pass of fewer photons, and as valid; a later one is
-        // given up, since the film is valid without it.
+        // If the first pass is cut short, it is a valid pass with fewer photons; a later one is discarded,
+        // since the film is valid without it.
         if sent.cut && self.passes > 0 {
             self.on.timings()?;
             return Ok(PassEnd::Cancelled);
@@ -359,7 +359,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let queries = match queries {
             Ok(queries) => queries,
             Err(error) => {
-                // What earlier passes gave is kept.
+                // The contributions of earlier passes are kept.
                 self.on.abandon_pass(&mut self.film)?;
                 return Err(error);
             }

@@ -1,10 +1,10 @@
-//! How much of a photon the stages ask for.
+//! The photon format that the stages need.
 
 use crate::backend::TransportBackend;
 use crate::backend::stages::Stages;
 use crate::requirements::photon_format::PhotonFormat;
 
-/// The least that all stages can work with which touch photons.
+/// The smallest format that all stages which use photons can work with.
 pub(super) fn least<B: TransportBackend>(stages: &Stages<B>) -> PhotonFormat {
     let Stages { tracer, gather, irradiance, aimed, map, .. } = stages;
     let always = [tracer.required_format(), map.builder.required_format(), map.estimator.required_format()];

@@ -1,4 +1,4 @@
-//! Photons of a pass: sent out, followed, kept.
+//! Photons of a pass: emitted, traced, stored.
 
 use super::{PILOT, PILOT_PATHS, Pipeline};
 use crate::backend::observer::{Event, Observer};
@@ -9,33 +9,33 @@ use crate::error::{Error, Result};
 use crate::radius::radii;
 use crate::requirements::map_kind::PerMap;
 
-/// What was sent out.
+/// The paths that were emitted.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sent {
-    /// Paths that were not aimed.
+    /// Number of paths that were not aimed.
     pub(super) paths: u32,
-    /// Paths that were; `None` if the others fill the caustic map too.
+    /// Number of aimed paths; `None` if the others fill the caustic map too.
     pub(super) aimed: Option<u32>,
     pub(super) tally: Tally,
     pub(super) aimed_tally: Tally,
-    /// The observer stopped it before all were.
+    /// Whether the observer stopped it before all were emitted.
     pub(super) cut: bool,
 }
 
 impl Sent {
-    /// Paths that filled each map.
+    /// Number of paths that filled each map.
     pub(super) fn per_map(&self) -> PerMap<u64> {
         per_map(self.paths, self.aimed).map(u64::from)
     }
 }
 
-/// Paths that fill each map, if some are aimed.
+/// Number of paths that fill each map, if some are aimed.
 fn per_map(others: u32, aimed: Option<u32>) -> PerMap<u32> {
     PerMap::from_fn(|kind| aimed.filter(|_| kind.is_aimed()).unwrap_or(others))
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Traces a few photons to find radii that suit their density.
+    /// Traces a pilot pass to derive radii from the density of its photons.
     pub(super) fn pilot(&mut self) -> Result<()> {
         let paths = self.settings.photons.min(PILOT_PATHS);
         let sent = self.emit_and_trace(PILOT, paths, &mut ())?;
@@ -61,8 +61,8 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    /// Fills the photon buffers with what `paths` paths leave, and the aimed ones that go with them. The
-    /// observer may stop it: then there are fewer, but some of each kind.
+    /// Fills the photon buffers with the photons of `paths` paths and the corresponding aimed ones. If the
+    /// observer stops it, there are fewer paths, but some of each kind.
     pub(super) fn emit_and_trace(&mut self, index: u32, paths: u32, observer: &mut dyn Observer) -> Result<Sent> {
         loop {
             for photons in self.maps.iter_mut().filter_map(|slot| slot.photons.as_mut()) {
@@ -75,7 +75,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 sent.tally = self.stages.tracer.take_tally(&mut self.on)?;
                 sent.cut = sent.paths < paths;
             }
-            // A pass that is cut short has as large a part of those that are aimed.
+            // If a pass is cut short, the share of aimed paths is unchanged.
             if let Some(aimed) = self.aimed_paths(sent.paths) {
                 let traced = self.send(index, true, aimed, (sent.paths, total), observer)?;
                 sent.aimed = Some(traced);
@@ -90,8 +90,8 @@ impl<B: TransportBackend> Pipeline<B> {
         }
     }
 
-    /// Sends out paths of one kind, batch by batch, and says how many; `before` and `total` are for the
-    /// observer.
+    /// Emits and traces paths of one kind, batch by batch, and returns their number; `before` and `total`
+    /// are for the observer.
     fn send(
         &mut self,
         index: u32,
@@ -113,7 +113,7 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(traced)
     }
 
-    /// Sends out one batch and appends what it leaves.
+    /// Emits and traces one batch, and appends its photons.
     pub(super) fn send_batch(&mut self, index: u32, aimed: bool, paths: std::ops::Range<u32>) -> Result<()> {
         let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
         let batch = Batch { pass, paths };
@@ -138,7 +138,7 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    /// Whether a buffer overflowed and was made anew, large enough for the pass to be repeated.
+    /// Whether a buffer overflowed and was replaced by one large enough to repeat the pass.
     fn grow_if_needed(&mut self) -> Result<bool> {
         let mut grew = false;
         for slot in &mut self.maps {

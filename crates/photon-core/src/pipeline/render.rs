@@ -1,4 +1,4 @@
-//! The front that knows no backend, and the loop over passes.
+//! The interface that hides the backend, and the loop over passes.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -14,107 +14,107 @@ use crate::settings::budget::{Budget, Plan};
 
 /// A renderer whose backend was chosen at run time. One virtual call per pass.
 pub trait Render: Send {
-    /// Renders pass `index` into the film. Passes depend on nothing but their index, so any set of
-    /// them may be rendered, anywhere, and the films merged.
+    /// Renders pass `index` into the film. A pass depends only on its index, so any set of passes may be
+    /// rendered on any machine, and the films merged.
     ///
     /// # Errors
-    /// What the backend raises. The film then holds what it held before.
+    /// Errors of the backend. The film is unchanged then.
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd>;
 
-    /// The picture so far.
+    /// Returns the film so far.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn film(&mut self) -> Result<Film>;
 
-    /// What the film claims of its errors, for the `share` of pixels that a forecast is to hold for;
-    /// `None` if errors were not asked for, or nothing is claimed.
+    /// The error model of the film, for forecasts of the error that `share` of the pixels is within; `None`
+    /// if error statistics are disabled, or no pixel has an error estimate.
     ///
     /// # Errors
-    /// What the backend raises.
+    /// Errors of the backend.
     fn model(&mut self, _share: f64) -> Result<Option<ErrorModel>> {
         Ok(None)
     }
 
-    /// Multiplies squared radii by `factor`, > 0, from the next pass on; whether it did. It does where it
-    /// derived them itself.
+    /// Multiplies squared radii by `factor`, > 0, from the next pass on. Returns whether it did, which is
+    /// the case only for derived radii.
     fn rescale(&mut self, _factor: f64) -> bool {
         false
     }
 
-    /// What it is and what it was built for.
+    /// Describes the renderer and what it was built for.
     fn facts(&self) -> Facts;
 }
 
 /// How a pass ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PassEnd {
-    /// It is in the film.
+    /// The pass is in the film.
     Done(PassReport),
-    /// It is in the film, and the observer asked for no more.
+    /// The pass is in the film, and the observer asked to stop.
     Last(PassReport),
-    /// The observer stopped it; the film is as it was before.
+    /// The observer stopped the pass; the film is unchanged.
     Cancelled,
 }
 
-/// What a renderer is and what it was built for.
+/// Description of a renderer and what it was built for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facts {
     /// Short name of the backend.
     pub backend: &'static str,
-    /// Device, in words.
+    /// Description of the device.
     pub device: String,
-    /// What was derived from scene and settings.
+    /// The requirements derived from scene and settings.
     pub required: Requirements,
-    /// Seconds spent before the first pass: bringing the scene to the device, and the photons that
-    /// derived radii come from.
+    /// Seconds spent before the first pass: for uploading the scene to the device, and for the pilot pass
+    /// from which radii are derived.
     pub setup: StageTimings,
     /// Paths per pass: fewer than the settings ask for if [`crate::Settings::memory`] allows no more.
     pub photons: u32,
     /// Aimed paths per pass, for caustics; `None`: the other paths fill that map too.
     pub aimed: Option<u32>,
-    /// What is allocated: label and bytes.
+    /// Allocations: label and bytes.
     pub memory: Vec<(String, u64)>,
 }
 
-/// What all passes did together.
+/// Results of all passes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Passes rendered.
+    /// Number of passes rendered.
     pub passes: u32,
-    /// Paths emitted.
+    /// Number of paths emitted.
     pub paths: u64,
-    /// What became of them.
+    /// Counts and flux of these paths.
     pub tally: Tally,
-    /// What became of those that were aimed, apart from these.
+    /// Counts and flux of aimed paths, which `tally` does not include.
     pub aimed: Tally,
     /// Seconds per stage.
     pub seconds: StageTimings,
     /// The last pass in the film.
     pub last: Option<PassReport>,
-    /// The observer stopped it before its budget was spent.
+    /// Whether the observer stopped it before its budget was spent.
     pub cancelled: bool,
-    /// The first forecast, if errors are kept and there were 8 passes.
+    /// The first forecast, if errors are estimated and there were at least 8 passes.
     pub predicted: Option<Forecast>,
-    /// Where matters stand at the end, likewise.
+    /// The forecast at the end, likewise.
     pub reached: Option<Forecast>,
 }
 
-/// The share of pixels that a forecast is about where the budget names none.
+/// The share of pixels for a forecast if the budget has none.
 const SHARE: f64 = 0.95;
 
-/// Passes before the first forecast.
+/// Number of passes before the first forecast.
 const PILOT: u32 = 8;
 
-/// Passes after which something must be claimed of some pixel.
+/// Number of passes after which some pixel must have an error estimate.
 const GIVE_UP: u32 = 256;
 
 /// Renders passes until the budget is spent or the observer asks to stop.
 ///
 /// # Errors
-/// [`Error::InvalidSetting`] for a budget of nothing, or an error that the renderer does not tell;
-/// [`Error::Cancelled`] if there is nothing to show; what a pass raises. Even then [`Render::film`] has
-/// what earlier passes gave.
+/// [`Error::InvalidSetting`] for an empty budget, or a target error if the renderer does not estimate
+/// errors; [`Error::Cancelled`] if no pass was finished; errors of a pass. Even then [`Render::film`]
+/// returns the results of earlier passes.
 pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut dyn Observer) -> Result<Outcome> {
     let plan = plan.into();
     plan.validate()?;
@@ -172,19 +172,19 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
     Ok(outcome)
 }
 
-/// Whether to wait on for claims that have not come.
+/// Whether to continue although no pixel has an error estimate.
 fn patience(renderer: &mut dyn Render, passes: u32) -> Result<()> {
     let refuse = |value: &str, hint| Err(Error::InvalidSetting { name: "target-error", value: value.into(), hint });
     if passes == PILOT && renderer.film()?.errors.is_none() {
-        return refuse("asked for", "errors must be kept for it: set Settings::errors");
+        return refuse("set", "it needs error estimates: enable Settings::errors");
     }
     if passes >= GIVE_UP {
-        return refuse("asked for", "after so many passes nothing is claimed of any pixel: more photons are needed");
+        return refuse("set", "no pixel has an error estimate after hundreds of passes: more photons are needed");
     }
     Ok(())
 }
 
-/// Whether to begin no other pass: what was to be spent is spent, or would be by less than half of it.
+/// Whether to start no other pass: the budget is spent, or would be exceeded by more than half of the pass.
 fn is_over(plan: &Plan, outcome: &Outcome, elapsed: Duration) -> bool {
     if outcome.passes == 0 {
         return false;
@@ -194,7 +194,7 @@ fn is_over(plan: &Plan, outcome: &Outcome, elapsed: Duration) -> bool {
     photons || plan.time().is_some_and(|time| elapsed + pass / 2 > time)
 }
 
-/// What the film claims now, and what more passes would bring, with radii that suit them.
+/// The present error estimate and a forecast for more passes, with radii adapted to the remaining budget.
 fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Duration) -> Result<Option<Forecast>> {
     let (target, share) = match plan.until {
         Budget::Error { target, share_of_pixels } => (Some(target), share_of_pixels),
@@ -203,10 +203,10 @@ fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Dura
     let Some(mut model) = renderer.model(share)? else { return Ok(None) };
     let pass = elapsed.as_secs_f64() / f64::from(outcome.passes);
     let in_time = plan.time().map_or(f64::INFINITY, |time| time.as_secs_f64() / pass);
-    // As far as u32 goes, or as the limits let it.
+    // Limited by u32 and by the plan.
     let possible = in_time.min(f64::from(plan.passes())).max(f64::from(outcome.passes)) as u32;
-    // Radii that suit what is to come, once, and only where the budget is none of passes or photons, which
-    // promise the same bits everywhere.
+    // Radii are adapted to the remaining passes once, and not with a budget of passes or photons, which
+    // promise bitwise equal results everywhere.
     let mut radius_factor = 1.0;
     if outcome.predicted.is_none() && matches!(plan.until, Budget::Time(_) | Budget::Error { .. }) {
         let needed = target
@@ -222,8 +222,8 @@ fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Dura
     Ok(Some(Forecast { radius_factor, ..model.forecast(target, pass, possible) }))
 }
 
-/// The pass after which to look again: when the target should be reached at the earliest, but before the passes have
-/// doubled, since forecasts become better.
+/// The pass after which to evaluate the error again: the earliest one at which the target may be reached,
+/// but before the number of passes has doubled, since forecasts improve.
 fn after(plan: &Plan, passes: u32, forecast: Option<&Forecast>) -> u32 {
     if !matches!(plan.until, Budget::Error { .. }) {
         return u32::MAX;
@@ -236,7 +236,7 @@ fn after(plan: &Plan, passes: u32, forecast: Option<&Forecast>) -> u32 {
 mod tests {
     use super::*;
 
-    /// Passes that do nothing, and claims that get better by the plan.
+    /// A renderer whose passes do nothing, with errors that decrease as expected.
     struct Idle {
         passes: u32,
         tells: bool,
@@ -268,7 +268,7 @@ mod tests {
             })
         }
         fn facts(&self) -> Facts {
-            unreachable!("nobody asks")
+            unreachable!("not used by these tests")
         }
     }
 
@@ -293,11 +293,11 @@ mod tests {
         let (predicted, reached) = (outcome.predicted.unwrap(), outcome.reached.unwrap());
         assert_eq!(predicted.passes, 8);
         let needed = predicted.passes_needed.unwrap();
-        // A variance of 7 degrees of freedom is foretold e^(1/7) larger, since its logarithm is that much too low on
-        // average; and that of 10 000 by e^(2 √(0.33/10 000)) at most.
+        // A variance with 7 degrees of freedom is predicted e^(1/7) larger, since its logarithm is that
+        // much too low on average; and with 10 000 pixels by at most e^(2 √(0.33/10 000)).
         assert!((443..=456).contains(&needed), "{needed}");
         assert!(reached.is_reached() && reached.error <= 0.1 && !predicted.is_reached());
-        // What cannot be reached is foretold, and the limit is kept.
+        // An unreachable target is predicted as such, and the limit is kept.
         let plan = Plan { most_passes: Some(100), ..budget.into() };
         let outcome = render(&mut Idle { passes: 0, tells: true }, plan, &mut ()).unwrap();
         let predicted = outcome.predicted.unwrap();

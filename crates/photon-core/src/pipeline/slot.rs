@@ -1,4 +1,4 @@
-//! The maps of a pipeline: one slot for each that is required.
+//! The maps of a pipeline: one slot per required map.
 
 use crate::backend::Backend;
 use crate::backend::stages::EstimateParams;
@@ -7,25 +7,25 @@ use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::layout::Photon;
 
-/// The photons of one map, and how far they are searched.
+/// The photons of one map, and its search radius.
 pub(super) struct MapSlot<B: Backend> {
     pub(super) kind: MapKind,
-    /// `None` before they are allocated, and while they are arranged in a map.
+    /// `None` before allocation, and while the photons are in a map.
     pub(super) photons: Option<B::Buffer<Photon>>,
-    /// Photons that there is room for.
+    /// Maximum number of photons.
     pub(super) capacity: u64,
-    /// Of the first pass, normalised space.
+    /// Radius of the first pass, normalised space.
     pub(super) radius: f32,
 }
 
 impl<B: Backend> MapSlot<B> {
-    /// One for each map that is required, in their order, without memory; all with the same radius.
+    /// One slot per required map, in order, without memory; all with the same radius.
     pub(super) fn of(required: &PerMap<bool>, radius: f32) -> Vec<Self> {
         let slots = required.iter().filter(|(_, required)| **required);
         slots.map(|(kind, _)| Self { kind, photons: None, capacity: 0, radius }).collect()
     }
 
-    /// A buffer for so many photons, in the place of what there was.
+    /// Replaces the buffer by one for `capacity` photons.
     pub(super) fn allocate(&mut self, on: &mut B, capacity: u64, photon_format: PhotonFormat) -> Result<()> {
         self.photons = None;
         self.capacity = capacity;
@@ -34,25 +34,25 @@ impl<B: Backend> MapSlot<B> {
     }
 }
 
-/// A map of the present pass.
+/// A map of the current pass.
 pub(super) struct BuiltMap<B: Backend> {
     pub(super) kind: MapKind,
     pub(super) map: B::PhotonMap,
-    /// Photons in it.
+    /// Number of photons.
     pub(super) length: u64,
-    /// How it is read.
+    /// Its estimate parameters.
     pub(super) gather: EstimateParams,
-    /// Paths that filled it.
+    /// Number of paths that filled it.
     pub(super) paths: u64,
 }
 
-/// Whether the last pass and the last restart ended well.
+/// Whether the last pass and the last restart succeeded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum State {
-    /// They did.
+    /// Both succeeded.
     Ready,
-    /// The last pass ended in an error: its photons may be lost, and tallies hold paths that no film has.
+    /// The last pass failed: its photons may be lost, and tallies contain paths that are in no film.
     PassFailed,
-    /// A restart ended in an error: what there is belongs to two pictures.
+    /// A restart failed: the state is a mix of two pictures.
     RestartFailed,
 }

@@ -1,4 +1,4 @@
-//! Cells of the numbers that a photon leaves its light by, and which of them lead to a sphere.
+//! Cells in the space of a light's random numbers, and those whose photons could hit a sphere.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::ControlFlow;
@@ -10,7 +10,7 @@ use crate::sampling;
 use crate::scene::SceneView;
 use crate::scene::layout::Light;
 
-/// Bits of a cell for each number of a light's point and direction, of so many altogether at most.
+/// Bits of a cell for each number of a light's point and direction, with at most `most` in total.
 pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
     match light.kind {
         Light::POINT | Light::SPOT => (0, (most / 2).min(8)),
@@ -22,11 +22,11 @@ pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
     }
 }
 
-/// What is told of each marked cell, and says whether to go on.
+/// Receives each marked cell, and returns whether to continue.
 type Sink<'a> = &'a mut dyn FnMut(u32) -> ControlFlow<()>;
 
-/// Tells `sink` the cells of `light` from which a photon could meet one of `spheres`, and adds to `blocks` how
-/// many blocks of cells were looked at for that.
+/// Calls `sink` with the cells of `light` from which a photon could hit one of `spheres`, and adds the
+/// number of blocks of cells that were tested to `blocks`.
 pub(super) fn mark(
     scene: &SceneView<'_>,
     light: &Light,
@@ -45,8 +45,8 @@ pub(super) fn mark(
     ControlFlow::Continue(())
 }
 
-/// A block of cells: where it stands among blocks of its size, for both numbers of the point and of the
-/// direction, and how many bits tell that.
+/// A block of cells: its position among blocks of its size, for both numbers of the point and of the
+/// direction, and the number of bits of each.
 #[derive(Clone, Copy, Default)]
 struct Block {
     point: [u32; 2],
@@ -56,7 +56,7 @@ struct Block {
 }
 
 impl Block {
-    /// Its quarters: of the point first, as far as that goes, then of the direction.
+    /// Its four parts: splits the point first, as far as there are bits, then the direction.
     fn quarters(self, point_bits: u32) -> [Self; 4] {
         let part = |[x, y]: [u32; 2], i: u32| [2 * x + (i >> 1), 2 * y + (i & 1)];
         [0, 1, 2, 3].map(|i| {
@@ -74,14 +74,14 @@ struct Marking<'a> {
     bits: (u32, u32),
     side: u32,
     spheres: &'a [Sphere],
-    /// Indices of spheres: those that the blocks under way can meet, each block's after its parent's.
+    /// Indices of the spheres that the current blocks can hit, those of each block after its parent's.
     near: Vec<u32>,
     blocks: &'a mut u64,
     sink: Sink<'a>,
 }
 
 impl Marking<'_> {
-    /// Marks the cells of a block that can meet one of the spheres in `near` from `first` on.
+    /// Marks the cells of a block that can hit one of the spheres in `near` from `first` on.
     fn descend(&mut self, block: Block, first: usize) -> ControlFlow<()> {
         *self.blocks += 1;
         let beam = self.beams.of(&block);
@@ -112,30 +112,31 @@ impl Marking<'_> {
     }
 }
 
-/// All ways that photons of a block may take.
+/// Bounds on the rays of the photons of a block.
 enum Beam {
-    /// From somewhere in a sphere, at an angle to an axis of which this is the greatest sine and cosine.
+    /// From a point in a sphere, within an angle to an axis; sine and cosine of the largest angle.
     Cone { from: Sphere, axis: DVec3, sin: f64, cos: f64 },
-    /// Along one direction, which the axes stand upright on; through a disc, its centre measured along
-    /// them.
+    /// Along a direction perpendicular to both axes, through a disc whose centre is given in the
+    /// coordinates of the axes.
     Tube { axes: [DVec3; 2], centre: DVec2, radius: f64 },
 }
 
 impl Beam {
-    /// Whether one of them could lead through a sphere. Errs on the side of yes.
+    /// Whether one of the rays could hit a sphere. Conservative: may return true if none does.
     fn meets(&self, sphere: &Sphere) -> bool {
         match self {
             Self::Cone { from, axis, sin, cos } => {
                 let way = sphere.centre - from.centre;
                 let squared = way.length_squared();
                 let reach = sphere.radius + from.radius;
-                // How far from a way its end touches the sphere; none if it begins inside.
+                // Squared length of a tangent from the cone's apex to the sphere; not positive if it starts
+                // inside.
                 let along = squared - reach * reach;
                 if along <= 0.0 {
                     return true;
                 }
-                // The cosine of the sum of the beam's angle and that which the sphere fills, times the
-                // distance; it falls as the sum grows, to half a turn at most.
+                // The cosine of the sum of the beam's angle and that of the sphere, times the distance; it
+                // decreases as the sum grows, up to half a turn.
                 let along = along.sqrt();
                 let least = cos * along - sin * reach;
                 let more_than_half = sin * along + cos * reach <= 0.0;
@@ -149,7 +150,7 @@ impl Beam {
     }
 }
 
-/// How a light's numbers become ways: the same as emission, in intervals.
+/// Maps random numbers of a light to rays: the same as emission, with intervals.
 struct Beams {
     light: Light,
     corners: [DVec3; 3],
@@ -194,20 +195,21 @@ impl Beams {
         Beam::Cone { from: self.origins(point), axis, sin, cos }
     }
 
-    /// A sphere about where they start.
+    /// A sphere around the origins.
     fn origins(&self, [a, b]: [[f64; 2]; 2]) -> Sphere {
         let [p, q, r] = self.corners;
         if self.light.kind != Light::TRIANGLE {
             return Sphere { centre: p, radius: 0.0 };
         }
-        // `sampling::triangle` is linear in v, and in the root of u: the points lie between four.
+        // `sampling::triangle` is linear in v and in the square root of u: the points lie between four
+        // corners.
         let at = |u: f64, v: f64| p + (q - p) * (u.sqrt() * (1.0 - v)) + (r - p) * (u.sqrt() * v);
         let ends = [at(a[0], b[0]), at(a[0], b[1]), at(a[1], b[0]), at(a[1], b[1])];
         let centre = (ends[0] + ends[1] + ends[2] + ends[3]) / 4.0;
         Sphere { centre, radius: ends.iter().map(|end| end.distance(centre)).fold(0.0, f64::max) }
     }
 
-    /// An axis, and how far directions are from it.
+    /// An axis, and the largest angle of a direction to it.
     fn cone(&self, [height, turn]: [[f64; 2]; 2]) -> (DVec3, f64) {
         let [low, high] = height.map(|u| self.polar(u));
         if turn == [0.0, 1.0] {
@@ -215,7 +217,7 @@ impl Beams {
         }
         let middle = 0.5 * (low + high);
         let steepest = if low <= FRAC_PI_2 && high >= FRAC_PI_2 { 1.0 } else { libm::sin(low).max(libm::sin(high)) };
-        // No longer than the way that goes evenly in height and turn.
+        // At most the length of the path that is linear in height and turn.
         let (along, around) = (0.5 * (high - low), steepest * PI * (turn[1] - turn[0]));
         let (sin, cos) = libm::sincos(PI * (turn[0] + turn[1]));
         let axis = (self.axes[0] * cos + self.axes[1] * sin) * libm::sin(middle) + self.axis * libm::cos(middle);
@@ -237,7 +239,7 @@ impl Beams {
     }
 }
 
-/// A disc about what `sampling::disc` makes of intervals.
+/// A disc around the results of `sampling::disc` for intervals.
 fn ring([u, v]: [[f64; 2]; 2]) -> (DVec2, f64) {
     let [low, high] = u.map(f64::sqrt);
     if v == [0.0, 1.0] {
@@ -248,7 +250,7 @@ fn ring([u, v]: [[f64; 2]; 2]) -> (DVec2, f64) {
     (centre, libm::hypot(0.5 * (high - low), high * PI * (v[1] - v[0])))
 }
 
-/// Interval `at` of 2^`bits` equal ones of the unit interval.
+/// Interval `at` when the unit interval is divided into 2^`bits` equal ones.
 fn interval(at: u32, bits: u32) -> [f64; 2] {
     let width = 1.0 / f64::from(1_u32 << bits);
     [f64::from(at) * width, f64::from(at + 1) * width]

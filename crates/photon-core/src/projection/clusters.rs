@@ -1,4 +1,4 @@
-//! Spheres that together hold all specular surfaces.
+//! Spheres that together contain all specular surfaces.
 
 use glam::{DVec3, Vec3};
 
@@ -11,17 +11,17 @@ pub(super) struct Sphere {
     pub(super) radius: f64,
 }
 
-/// What rounding may move a photon by on its way to a surface: directions are good to 2·10⁻⁶, and ways
-/// are no longer than the scene.
+/// Largest deviation of a photon by rounding on its way to a surface: directions are accurate to 2·10⁻⁶,
+/// and paths are not longer than the scene.
 const ROUNDING: f64 = 1e-5;
 
-/// Finest grid that surfaces are sorted into, cells along each axis.
+/// Resolution of the finest grid that surfaces are sorted into, cells along each axis.
 const FINEST: usize = 64;
 
-/// Large triangles are halved into so many pieces altogether, at most.
+/// Maximum total number of pieces that large triangles are split into.
 const PIECES: usize = 1 << 20;
 
-/// At most so many spheres about all specular triangles.
+/// At most `most` spheres around all specular triangles.
 pub(super) fn of(scene: &SceneView<'_>, most: usize) -> Vec<Sphere> {
     let specular = || {
         let primitives = scene.primitives.iter().zip(scene.triangles);
@@ -48,7 +48,7 @@ pub(super) fn of(scene: &SceneView<'_>, most: usize) -> Vec<Sphere> {
     }
 }
 
-/// Boxes about what lies in each cell of a grid over the unit box.
+/// Bounding boxes of the triangles in each cell of a grid over the unit box.
 struct Grid {
     cells: usize,
     boxes: Vec<(Vec3, Vec3)>,
@@ -59,12 +59,12 @@ impl Grid {
         Self { cells, boxes: vec![(Vec3::INFINITY, Vec3::NEG_INFINITY); cells.pow(3)] }
     }
 
-    /// Adds a triangle, halved until it is no larger than a cell, or so many times.
+    /// Adds a triangle, bisected until it is not larger than a cell, at most `depth` times.
     fn add(&mut self, [a, b, c]: [Vec3; 3], depth: u32) {
         let edges = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
         let longest = edges[0].max(edges[1]).max(edges[2]);
         if depth > 0 && longest * (self.cells * self.cells) as f32 > 1.0 {
-            // Named so that the longest edge is from a to b.
+            // Renamed so that the longest edge is from a to b.
             let [a, b, c] = match longest {
                 l if l == edges[0] => [a, b, c],
                 l if l == edges[1] => [b, c, a],

@@ -1,10 +1,10 @@
-//! Paths of light that are aimed at mirrors and glass, for the map of caustics.
+//! Projection maps: aim light paths at mirrors and glass, for the caustic map.
 //!
-//! After Jensen's projection maps (1996, section 3): where a photon starts and whither it leaves is a
-//! point of a unit cube, that of the random numbers it is drawn by. The cube is parted into cells of
-//! equal measure, of which those are marked from which something specular could be met; aimed photons are
-//! drawn from these alone, evenly, and carry so much less. Marking errs on the side of too many, so that
-//! the expectation is that of photons drawn from everywhere. What stands in between is not looked at.
+//! After Jensen's projection maps (1996, section 3): origin and direction of an emitted photon are a point
+//! in a unit cube, that of the random numbers by which they are sampled. The cube is divided into cells of
+//! equal measure, and those from which a specular surface could be hit are marked; aimed photons are
+//! sampled uniformly from these cells only, and carry correspondingly less power. Marking is conservative,
+//! so that the expectation is the same as with photons in all directions. Occlusion is ignored.
 
 use std::ops::ControlFlow;
 
@@ -18,31 +18,31 @@ use crate::settings::{CausticPhotons, Settings};
 mod cells;
 mod clusters;
 
-/// Cells of all lights together, at most but for one of each side of each.
+/// Maximum number of cells of all lights together, except for at least one per side of each.
 const CELLS: usize = 1 << 20;
 
-/// Spheres about specular surfaces times lights, at most: what marking takes time for.
+/// Maximum number of specular spheres times lights, which determines the time for marking.
 const PAIRS: usize = 1 << 20;
 
-/// A light from which something specular could be met.
+/// A light from which a specular surface could be hit.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct ProjectionTarget {
-    /// What each of its aimed photons carries, as [`crate::PhotonRay::power`].
+    /// Power of each of its aimed photons, like [`crate::PhotonRay::power`].
     pub carried: [f32; 3],
     /// Index of the light in the scene's table.
     pub light: u32,
     /// Index of its first cell in [`ProjectionMap::cells`].
     pub first: u32,
-    /// How many it has, ≥ 1.
+    /// Number of its cells, ≥ 1.
     pub count: u32,
-    /// Bits of a cell for each number that tells where on the light.
+    /// Bits of a cell for each random number of the point on the light.
     pub point_bits: u32,
-    /// Bits of a cell for each number that tells whither.
+    /// Bits of a cell for each random number of the direction.
     pub direction_bits: u32,
 }
 
-/// From which cells of which lights something specular could be met.
+/// The cells of all lights from which a specular surface could be hit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProjectionMap {
     targets: Vec<ProjectionTarget>,
@@ -51,43 +51,44 @@ pub struct ProjectionMap {
     share: f64,
 }
 
-/// What one aimed photon leaves by: random words in the places of those that it was drawn by.
+/// A sample of an aimed photon: random words that replace those by which it would be emitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProjectionSample {
     /// Index in [`ProjectionMap::targets`].
     pub target: usize,
-    /// Where on the light.
+    /// Random words of the point on the light.
     pub point: [u32; 2],
-    /// Whither.
+    /// Random words of the direction.
     pub direction: [u32; 2],
-    /// Its highest bit: the side of a light that has two.
+    /// Its highest bit: the side of a two-sided light.
     pub side: u32,
 }
 
-/// Why no photons are aimed.
+/// Why photons are not aimed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoProjection {
-    /// The settings leave caustics to the paths that fill the other maps.
+    /// The settings fill the caustic map with the paths that fill the other maps.
     Shared,
-    /// No light could shine on anything specular.
+    /// No light could reach a specular surface.
     Unlit,
-    /// More of the light could than aiming pays for beside the paths that other maps need.
+    /// So much of the light could that aiming is not worthwhile besides the paths that other maps need.
     NotWorth,
 }
 
-/// What marking came to.
+/// Result of marking.
 struct Marking {
     projection: ProjectionMap,
-    /// Whether all was marked that there is: if not, more of the light than was asked for.
+    /// Whether all cells were marked; if not, they hold more than the given share of the light.
     whole: bool,
-    /// Blocks of cells that were looked at, of any size: the work that it was.
+    /// Number of blocks of cells that were tested, of any size: a measure of the work.
     #[cfg_attr(not(test), expect(dead_code, reason = "what tests count"))]
     blocks: u64,
 }
 
 impl ProjectionMap {
-    /// Aiming pays beside other paths where no more than this share of the light could meet something specular:
-    /// where it is a seventh, they take more from the other layers than caustics gain (docs/studies/requirements.md).
+    /// Aiming is worthwhile in addition to other paths if at most this share of the light could reach a
+    /// specular surface: with a seventh, the aimed paths cost the other layers more than caustics gain
+    /// (docs/studies/requirements.md).
     pub const WORTH: f64 = 0.05;
 
     /// Marks the cells of all lights of `scene`.
@@ -96,10 +97,11 @@ impl ProjectionMap {
         Self::mark(scene, f64::INFINITY).projection
     }
 
-    /// What is aimed in `scene`, and how many paths of a pass. Marking ends as soon as the answer is no.
+    /// The projection map for `scene`, and the number of aimed paths per pass. Marking ends as soon as it
+    /// is known not to be worthwhile.
     ///
     /// # Errors
-    /// Why nothing is.
+    /// The reason why no paths are aimed.
     pub fn chosen(
         scene: &SceneView<'_>,
         settings: &Settings,
@@ -120,7 +122,7 @@ impl ProjectionMap {
         }
     }
 
-    /// Marks cells until it is known whether more than `most` of the light leaves by them.
+    /// Marks cells until it is known whether they hold more than a share of `most` of the light.
     fn mark(scene: &SceneView<'_>, most: f64) -> Marking {
         let lights = scene.lights.len().max(1);
         let clusters = clusters::of(scene, (PAIRS / lights).clamp(1, 4096));
@@ -146,7 +148,8 @@ impl ProjectionMap {
             let end = cells::mark(scene, light, (point_bits, direction_bits), &clusters, &mut blocks, &mut |cell| {
                 projection.cells.push(cell);
                 target.count += 1;
-                // The same sum as that of whole lights, so that the last cell decides as all of them do.
+                // The same sum as for whole lights, so that the last cell gives the same result as all of
+                // them.
                 let share = (marked + power * part(light, &target)) / all;
                 if share > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
@@ -169,13 +172,13 @@ impl ProjectionMap {
         Marking { projection, whole: true, blocks }
     }
 
-    /// Whether no light could shine on anything specular: no photon need be sent out for caustics.
+    /// Whether no light could reach a specular surface, so that no photons have to be emitted for caustics.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.targets.is_empty()
     }
 
-    /// The share of the scene's power that leaves by marked cells: the rest makes no caustics.
+    /// The share of the scene's power in marked cells: the rest causes no caustics.
     #[must_use]
     pub fn share(&self) -> f64 {
         self.share
@@ -187,27 +190,27 @@ impl ProjectionMap {
         &self.targets
     }
 
-    /// Where each target's share of the range of a random `u32` begins, as [`SceneView::light_cdf`].
+    /// Where each target's interval in the range of a random `u32` begins, like [`SceneView::light_cdf`].
     #[must_use]
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }
 
     /// The marked cells of all targets. From the lowest bit: two numbers of
-    /// [`ProjectionTarget::direction_bits`] each, the second first; two of [`ProjectionTarget::point_bits`] each, likewise;
-    /// one bit for the side.
+    /// [`ProjectionTarget::direction_bits`] each, the second first; two of [`ProjectionTarget::point_bits`]
+    /// each, likewise; one bit for the side.
     #[must_use]
     pub fn cells(&self) -> &[u32] {
         &self.cells
     }
 
-    /// What the tables take in memory.
+    /// Memory of the tables, bytes.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         (self.targets.len() * (size_of::<ProjectionTarget>() + 4) + self.cells.len() * 4) as u64
     }
 
-    /// How one photon leaves: `light` and `start` are its words of [`crate::random::BLOCK_LIGHT`] and
+    /// Samples one aimed photon: `light` and `start` are its words of [`crate::random::BLOCK_LIGHT`] and
     /// [`crate::random::BLOCK_START`]. [`ProjectionMap::is_empty`] must be false.
     #[inline]
     #[must_use]
@@ -216,8 +219,8 @@ impl ProjectionMap {
         let [c, d, ..] = start;
         let index = pick_light(&self.starts, choice);
         let target = &self.targets[index];
-        // The first number of the direction, the most even of those of a sequence, says which cell and
-        // where in it; cells that follow each other are neighbours.
+        // The first number of the direction, which is the most evenly distributed in a sequence, selects
+        // the cell and the position in it; consecutive cells are neighbours.
         let product = u64::from(c) * u64::from(target.count);
         let cell = self.cells[target.first as usize + (product >> 32) as usize];
         let (p, q) = (target.point_bits, target.direction_bits);
@@ -231,13 +234,13 @@ impl ProjectionMap {
     }
 }
 
-/// The word whose upper `bits` are `cell` and whose others are the upper ones of `random`.
+/// The word with `cell` in its upper `bits`, and the upper bits of `random` below.
 #[inline]
 fn within(cell: u32, bits: u32, random: u32) -> u32 {
     if bits == 0 { random } else { cell << (32 - bits) | random >> bits }
 }
 
-/// The part of a light's photons that leaves by its marked cells.
+/// The share of a light's photons that is in its marked cells.
 fn part(light: &Light, target: &ProjectionTarget) -> f64 {
     let sides = if light.flags & Light::BOTH_SIDES == 0 { 0 } else { 1 };
     let bits = 2 * target.point_bits + 2 * target.direction_bits + sides;

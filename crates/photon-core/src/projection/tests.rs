@@ -3,8 +3,8 @@ use crate::scene::layout::{Material, MaterialKind, Primitive};
 use crate::scene::units::Units;
 use crate::settings::Indirect;
 
-/// A floor and a small mirror beneath a lamp on each side: a spot that looks at the mirror, and one that
-/// looks away.
+/// A floor and a small mirror with spot lights above: one that is directed at the mirror, and one that is
+/// directed away.
 struct Tables {
     positions: Vec<[f32; 3]>,
     lights: Vec<Light>,
@@ -63,7 +63,7 @@ impl Tables {
 fn lights_that_reach_nothing_specular_are_no_targets() {
     let mut tables = Tables::new();
     let projection = ProjectionMap::of(&tables.view());
-    // Neither the one that looks away nor the one without power.
+    // Neither the one that is directed away nor the one without power.
     assert_eq!(projection.targets().iter().map(|t| t.light).collect::<Vec<_>>(), [1, 3]);
     assert!(projection.share() > 0.0 && projection.share() < 0.3, "{}", projection.share());
     tables.lights.truncate(1);
@@ -101,11 +101,11 @@ fn aiming_is_left_where_it_would_not_pay() {
     let map = Indirect::Map;
     assert_eq!((paths(&few, Auto, map), paths(&many, Auto, map)), (Ok(25), Err(NoProjection::NotWorth)));
     assert_eq!((paths(&few, Shared, map), paths(&many, Aimed(9), map)), (Err(NoProjection::Shared), Ok(9)));
-    // Nobody else sends photons out.
+    // No other map needs photons.
     assert_eq!(paths(&many, Auto, Indirect::None), Ok(100));
 }
 
-/// Of the same answer as the share of all cells has, to the last bit of it, and for less work.
+/// Gives the same result as the share of all cells, to the last bit, with less work.
 #[test]
 fn marking_ends_as_soon_as_the_answer_is_no() {
     for power in [0.0, 0.5, 2.0, 3.0, 50.0] {
@@ -120,7 +120,7 @@ fn marking_ends_as_soon_as_the_answer_is_no() {
             assert!(if marked.whole { marked.blocks == all.blocks } else { marked.blocks <= all.blocks });
         }
     }
-    // A point light, and two mirrors that are seen from it in all directions.
+    // A point light, and two mirrors that are visible from it in all directions.
     let mut tables = Tables::new();
     tables.materials[0].kind = MaterialKind::Mirror as u32;
     tables.lights = vec![Light { position: [0.0, -0.45, -0.05], power: [1.0; 3], ..tables.lights[3] }];
@@ -129,7 +129,7 @@ fn marking_ends_as_soon_as_the_answer_is_no() {
     assert!(12 * enough.blocks < all.blocks, "{} of {}", enough.blocks, all.blocks);
 }
 
-/// The mean of what photons carry is the power that leaves by marked cells.
+/// The mean power of aimed photons is the power in marked cells.
 #[test]
 fn what_photons_carry_adds_up_to_the_share() {
     let projection = ProjectionMap::of(&Tables::new().view());
@@ -138,12 +138,12 @@ fn what_photons_carry_adds_up_to_the_share() {
     };
     let mean: f64 = projection.targets().iter().enumerate().map(sum).sum();
     assert!((mean / projection.share() - 1.0).abs() < 1e-6, "{mean} {}", projection.share());
-    // But for what all lamps share evenly.
+    // Except for the share that is distributed evenly over all lights.
     let [a, b] = [0, 1].map(|i: usize| projection.targets()[i].carried[0]);
     assert!((0.5..2.0).contains(&(a / b)), "{a} {b}");
 }
 
-/// Every marked cell gets its part of photons, and evenly within.
+/// Every marked cell is sampled equally often, and uniformly within.
 #[test]
 fn cells_are_drawn_evenly() {
     let projection = ProjectionMap::of(&Tables::new().view());
@@ -171,7 +171,7 @@ fn cells_are_drawn_evenly() {
     }
 }
 
-/// Many emissive triangles: tables and the work for them stay small.
+/// With many emissive triangles, tables and work stay small.
 #[test]
 fn many_lights_have_few_cells_each() {
     let tables = Tables::new();

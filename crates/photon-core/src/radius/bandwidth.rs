@@ -1,49 +1,50 @@
-//! A radius for each pixel, from what its passes say of noise and bias.
+//! A radius for each pixel, from the noise and bias measured in earlier passes.
 //!
-//! The mean squared error of a pixel after N passes of squared radius r² is V/(N r²) + B² r⁴, least where
-//! the noise squared is twice the bias squared: by a factor (noise²/2 bias²)^(1/3) on r² (Silverman 1986,
-//! section 4.3; per pixel as in Kaplanyan and Dachsbacher 2013). Both are told by the second radius: the
-//! noise of the difference is a known share of that of the photons.
+//! The mean squared error of a pixel after N passes with squared radius r² is V/(N r²) + B² r⁴. It is
+//! smallest where the squared noise is twice the squared bias: at a factor of (noise²/2 bias²)^(1/3) on r²
+//! (Silverman 1986, section 4.3; per pixel as in Kaplanyan and Dachsbacher 2013). Both are estimated with a
+//! second radius: the noise of the difference is a known fraction of the photons' noise.
 //!
-//! The factor of a pass depends on earlier passes alone, whose photons are independent of its own: given
-//! its radius, an estimate has the expectation that it always has. A factor that saw the photons it
-//! weighs would favour radii by which they happen to look smooth or bright, which is a bias of its own.
+//! The factor of a pass depends only on earlier passes, whose photons are independent of its own: given its
+//! radius, the expectation of an estimate is unchanged. A factor that depended on the photons it weights
+//! would favour radii at which they happen to look smooth or bright, which would add bias.
 
 use crate::film::Film;
 use crate::film::confidence::{ErrorPixel, Flags};
 use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_sum};
 
-/// After so many passes the first factors are found, then whenever their number has doubled.
+/// Factors are first computed after this many passes, then whenever the number of passes has doubled.
 const FIRST: u32 = 8;
 
-/// Bounds of the factor on r², altogether and for one step.
+/// Bounds of the factor on r², in total and for one step.
 const BOUNDS: [f64; 2] = [1.0 / 16.0, 8.0];
 const STEP: f64 = 2.0;
 
-/// Pixels to each side over which noise and bias are averaged: one pixel's bias is mostly noise.
+/// Noise and bias are averaged over this many pixels to each side, since the bias of a single pixel is
+/// mostly noise.
 const REACH: usize = 2;
 
-/// Radii of the pixels of a film.
+/// Radius factors of the pixels of a film.
 #[derive(Clone, Debug)]
 pub(crate) struct Radii {
     alpha: f64,
-    /// Standard deviation of the difference of two estimates over that of the first.
+    /// Standard deviation of the difference of two estimates, divided by that of the first.
     share: f64,
-    /// Passes in the film when factors were last found.
+    /// Passes in the film when factors were last computed.
     then: u32,
-    /// Σ bias and its squares then.
+    /// Sums of the bias and of its square at that time.
     before: Vec<[f64; 2]>,
-    /// On r².
+    /// Factors on r².
     factors: Vec<f64>,
 }
 
 impl Radii {
-    /// All alike.
+    /// The factor 1 for all pixels.
     pub(crate) fn new(pixels: usize, alpha: f64, share: f64) -> Self {
         Self { alpha, share, then: 0, before: vec![[0.0; 2]; pixels], factors: vec![1.0; pixels] }
     }
 
-    /// Whether a film of so many passes says something new.
+    /// Whether factors are to be computed after this many passes.
     pub(crate) fn is_due(&self, passes: u32) -> bool {
         passes >= FIRST && passes >= 2 * self.then
     }
@@ -53,7 +54,7 @@ impl Radii {
         self.factors.iter().map(|factor| (factor.sqrt() as f32).to_bits()).collect()
     }
 
-    /// Learns from the passes since the last time.
+    /// Updates the factors from the passes since the last update.
     pub(crate) fn learn(&mut self, film: &Film) {
         let (Some(errors), Some(intervals)) = (&film.errors, film.confidence_intervals()) else { return };
         let passes = film.passes - self.then;
@@ -66,17 +67,18 @@ impl Radii {
                 let around = |[sum, square]: [f64; 2], other: usize| [sum + sums[other][0], square + sums[other][1]];
                 let [bias_squared, difference] = neighbours(pixel, width, height, REACH).fold([0.0; 2], around);
                 let noise_squared = difference / (self.share * self.share) * noise;
-                // Chance adds the difference's own variance to its square.
+                // The square of the mean difference contains its own variance.
                 let bias_squared = (bias_squared - difference).max(0.0) * bias * bias;
                 let step = step(noise_squared, bias_squared);
                 let edge = [Flags::OTHER_SURFACE, Flags::UNEVEN, Flags::CURVED];
                 let broken = edge.iter().any(|&flag| intervals[pixel].flags.contains(flag));
-                // Across an edge a second radius says little of the bias: no broader there.
+                // Across an edge a second radius is a poor measure of the bias: do not increase the radius
+                // there.
                 if broken { step.min(1.0) } else { step }
             })
             .collect();
         for (pixel, factor) in self.factors.iter_mut().enumerate() {
-            // As neighbours do, in the mean: a picture of factors is not to be seen.
+            // Geometric mean over neighbours, so that the factors do not become visible in the picture.
             let around = neighbours(pixel, width, height, 1)
                 .fold((0.0, 0.0), |(sum, count), i| (sum + libm::log(steps[i]), count + 1.0));
             *factor = (*factor * libm::exp(around.0 / around.1)).clamp(BOUNDS[0], BOUNDS[1]);
@@ -85,8 +87,8 @@ impl Radii {
         self.before = errors.iter().map(|error| [error.bias, error.bias_square]).collect();
     }
 
-    /// By what bias and squared noise change from the passes since the last time to twice as many as
-    /// there are now, all of these factors.
+    /// Factors by which bias and squared noise change from the passes since the last update to twice as
+    /// many passes as there are now, with the present factors.
     fn outlook(&self, passes: u32) -> (f64, f64) {
         let (count, all) = (f64::from(passes - self.then), f64::from(2 * passes));
         let window = |of: fn(u32, f64) -> f64| of(passes, self.alpha) - of(self.then, self.alpha);
@@ -106,12 +108,12 @@ fn tell(now: &ErrorPixel, before: [f64; 2], passes: u32) -> [f64; 2] {
     [(sum / n).powi(2), variance]
 }
 
-/// The factor on r² by which the error would be least, within bounds; 1 where no photon was found.
+/// The factor on r² that minimises the error, within bounds; 1 where no photon was found.
 fn step(noise_squared: f64, bias_squared: f64) -> f64 {
     if noise_squared > 0.0 { libm::cbrt(noise_squared / (2.0 * bias_squared)).clamp(1.0 / STEP, STEP) } else { 1.0 }
 }
 
-/// A pixel and those about it.
+/// A pixel and its neighbours.
 fn neighbours(pixel: usize, width: usize, height: usize, reach: usize) -> impl Iterator<Item = usize> {
     let (x, y) = (pixel % width, pixel / width);
     let rows = y.saturating_sub(reach)..(y + reach + 1).min(height);
@@ -127,7 +129,8 @@ mod tests {
     use crate::requirements::map_kind::{MapKind, PerMap};
     use crate::scene::units::Units;
 
-    /// A film of 8 × 8 pixels whose bias is `bias` and its deviation in a pass `deviation`.
+    /// A film of 8 × 8 pixels with bias `bias`, and standard deviation `deviation` of the bias between
+    /// passes.
     fn film(passes: u32, bias: f64, deviation: f64) -> Film {
         let mut film = Film::new(8, 8, Units::default()).unwrap();
         let even = PhotonMoments { power: 100.0, power_squared: 100.0, ..PhotonMoments::default() };
@@ -148,7 +151,7 @@ mod tests {
 
     #[test]
     fn factors_lead_to_where_the_error_is_least() {
-        // Differences of deviation 1/2 in each of 8 passes: noise² of the whole after 16 is 1/16.
+        // Differences with deviation 1/2 in each of 8 passes: the noise² after 16 passes is 1/16.
         for (bias, expected) in
             [(0.2, (1.0_f64 / 16.0 / (2.0 * 0.04 - 2.0 * 0.25 / 7.0)).cbrt()), (0.0, STEP), (9.0, 1.0 / STEP)]
         {

@@ -1,4 +1,4 @@
-//! Radii of estimates: derived from the photons, shrunk from pass to pass, adapted per pixel.
+//! Radii of estimates: derived from photons, reduced from pass to pass, adapted per pixel.
 
 pub(crate) mod bandwidth;
 pub mod neighbour_radius;

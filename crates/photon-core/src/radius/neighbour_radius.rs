@@ -1,16 +1,16 @@
-//! How wide an estimate must be where a typical photon lies: what backends that search for it have in common.
+//! Radius that contains a given number of neighbours around most photons: code shared by backends.
 
-/// Photons whose neighbours are looked for, at most: evenly spread over the map.
+/// Maximum number of photons whose neighbours are searched: evenly spread over the map.
 pub const SAMPLE: u32 = 1024;
 
-/// No photon looks farther, a quarter of the scene.
+/// Maximum search radius, a quarter of the scene.
 pub const MAX_RADIUS: f32 = 0.25;
 
-/// The least radius that an estimate divides by, 2⁻²⁰ of the scene.
+/// Minimum radius of an estimate, 2⁻²⁰ of the scene; it avoids a division by zero.
 pub const MIN_RADIUS: f32 = 1.0 / 1_048_576.0;
 
-/// The median of the radii whose squares were found around `asked` photons, within [`MIN_RADIUS`] and [`MAX_RADIUS`];
-/// the latter if fewer than half of the photons have as many neighbours so near.
+/// The median of the radii whose squares were found around `asked` photons, clamped to [`MIN_RADIUS`] and
+/// [`MAX_RADIUS`]; the latter if fewer than half of the photons have enough neighbours within it.
 #[must_use]
 pub fn median(mut squares: Vec<f32>, asked: u32) -> f32 {
     if squares.is_empty() || squares.len() * 2 < asked as usize {

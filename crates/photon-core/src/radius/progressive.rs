@@ -7,15 +7,15 @@
 /// independent of each other and of where they run.
 #[must_use]
 pub fn radius_squared_factor(index: u32, alpha: f64) -> f64 {
-    // Below this the product itself is exact and as quick as the two logarithms.
+    // Up to this index the product is exact, and as fast as the two logarithms.
     const DIRECT: u32 = 64;
     let product =
         |from: u32, to: u32| -> f64 { (from..to).map(|j| (f64::from(j) + alpha) / (f64::from(j) + 1.0)).product() };
     if index <= DIRECT {
         return product(1, index + 1);
     }
-    // Γ(n+α)/Γ(n+1) by the quotient's own asymptotic series about n + α/2, joined to the product
-    // at DIRECT, where the constant Γ(1+α) then cancels (Tricomi and Erdélyi 1951, equation 13).
+    // Γ(n+α)/Γ(n+1) by the asymptotic series of the quotient about n + α/2, continued from the product at
+    // DIRECT, where the constant Γ(1+α) cancels (Tricomi and Erdélyi 1951, equation 13).
     let quotient = |n: f64| {
         let w = n + alpha / 2.0;
         let first = -(alpha - 1.0) * (alpha - 2.0) * alpha / (24.0 * w * w);
@@ -25,16 +25,16 @@ pub fn radius_squared_factor(index: u32, alpha: f64) -> f64 {
     product(1, DIRECT + 1) * quotient(n) / quotient(f64::from(DIRECT) + 1.0)
 }
 
-/// The sum of the squared radii of `passes` passes, over that of the first: what the bias of their
-/// sum grows as. `Σ fₙ = ((N + α) f_N − 1)/α`, since `Σ Γ(n+α)/n!` telescopes.
+/// The sum of the squared radii of `passes` passes, divided by that of the first: the bias of their sum is
+/// proportional to it. `Σ fₙ = ((N + α) f_N − 1)/α`, since `Σ Γ(n+α)/n!` telescopes.
 #[must_use]
 pub fn radius_squared_sum(passes: u32, alpha: f64) -> f64 {
     let Some(last) = passes.checked_sub(1) else { return 0.0 };
     ((f64::from(passes) + alpha) * radius_squared_factor(last, alpha) - 1.0) / alpha
 }
 
-/// The sum of the reciprocals: what the variance of their sum grows as.
-/// `Σ 1/fₙ = ((N + 1)/f_N − α)/(2 − α)`, likewise.
+/// The sum of the reciprocals: the variance of their sum is proportional to it. `Σ 1/fₙ = ((N + 1)/f_N −
+/// α)/(2 − α)`, likewise.
 #[must_use]
 pub fn inverse_radius_squared_sum(passes: u32, alpha: f64) -> f64 {
     let Some(last) = passes.checked_sub(1) else { return 0.0 };

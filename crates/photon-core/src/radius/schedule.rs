@@ -1,9 +1,9 @@
-//! The radii of the passes of a film, so far and to come.
+//! The radii of the passes of a film, past and future.
 
 use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_factor, radius_squared_sum};
 
-/// Sums over the squared radii of passes, in units of the first. Bias goes with their mean, the noise of
-/// photons with the mean of their reciprocals.
+/// Sums over the squared radii of passes, in units of the first. Bias is proportional to their mean, the
+/// variance from photons to the mean of their reciprocals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule {
     alpha: f64,
@@ -14,26 +14,26 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Of no pass yet, with radii that shrink by `alpha`.
+    /// A schedule without passes, with radii that shrink by `alpha`.
     #[must_use]
     pub fn new(alpha: f64) -> Self {
         Self { alpha, scale: 1.0, passes: 0, sum: 0.0, inverse: 0.0 }
     }
 
-    /// The first so many passes.
+    /// The schedule of the first `passes` passes.
     #[must_use]
     pub fn of(passes: u32, alpha: f64) -> Self {
         let (sum, inverse) = (radius_squared_sum(passes, alpha), inverse_radius_squared_sum(passes, alpha));
         Self { alpha, scale: 1.0, passes, sum, inverse }
     }
 
-    /// How many passes it has.
+    /// Number of passes.
     #[must_use]
     pub fn passes(&self) -> u32 {
         self.passes
     }
 
-    /// With pass `index` too.
+    /// Adds pass `index`.
     pub fn add(&mut self, index: u32) {
         let squared = self.scale * radius_squared_factor(index, self.alpha);
         self.passes += 1;
@@ -41,13 +41,13 @@ impl Schedule {
         self.inverse += 1.0 / squared;
     }
 
-    /// With squared radii times `factor`, > 0, from here on.
+    /// The schedule with squared radii multiplied by `factor`, > 0, from here on.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         Self { scale: self.scale * factor, ..self }
     }
 
-    /// By what factors bias and the noise of photons change from now to `passes` passes in all.
+    /// Factors by which bias and the noise of photons change from now to `passes` passes in total.
     #[must_use]
     pub fn factors(&self, passes: u32) -> (f64, f64) {
         let then = passes.max(self.passes);
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn twice_the_area_from_here_on() {
         let (bias, noise) = Schedule::of(10, 1.0).scaled(2.0).factors(40);
-        // 10 of 1 and 30 of 2, a mean of 1.75; variances of 10 and 30/2 over 40².
+        // 10 passes with 1 and 30 with 2 have a mean of 1.75; variances of 10 and 30/2 over 40².
         assert!((bias - 1.75).abs() < 1e-12, "{bias}");
         assert!((noise - (25.0_f64 / 1600.0 / 0.1).sqrt()).abs() < 1e-12, "{noise}");
     }

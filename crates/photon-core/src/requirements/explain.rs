@@ -1,4 +1,4 @@
-//! What a scene needs, what is left out, and why: the reasons behind [`crate::Requirements`].
+//! Explains the [`crate::Requirements`] of a scene: what is needed, what is left out, and why.
 
 use crate::projection::{NoProjection, ProjectionMap};
 use crate::radius::radii;
@@ -10,18 +10,18 @@ use crate::scene::SceneView;
 use crate::scene::layout::Light;
 use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
 
-/// One thing that a renderer can model, allocate or build.
+/// A feature, map or stage that a renderer can model, allocate or build.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Need {
-    /// Which.
+    /// Its name.
     pub what: &'static str,
-    /// Whether it is.
+    /// Whether it is needed.
     pub needed: bool,
     /// Why, or why not.
     pub why: String,
 }
 
-/// Lobes and lights first, in the order of [`Features`], then maps, then stages.
+/// The needs of a scene: lobes and lights first, in the order of [`Features`], then maps, then stages.
 #[must_use]
 pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     let required = Requirements::of(scene, settings);
@@ -61,7 +61,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     say(
         "photons",
         any_map,
-        if any_map { "the maps above are filled with them" } else { "no map is read, so that none is sent out" },
+        if any_map { "the maps above are filled with them" } else { "no map is read, so that none are emitted" },
     );
     let paper = matches!(settings.estimator, Estimator::Paper(_));
     say(
@@ -69,11 +69,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         any_map && required.photon_format != PhotonFormat::Mono,
         match (any_map, paper, required.photon_format) {
             (false, ..) => "there are none",
-            (_, true, _) => "the paper's estimator takes whole records of 32 bytes",
-            (_, _, PhotonFormat::Mono) => {
-                "lights and surfaces are grey: one power is kept, and 20 bytes of each photon"
-            }
-            _ => "a light or a surface is not grey: 12 bytes of the 28 that are kept of each photon",
+            (_, true, _) => "the paper's estimator needs full photons of 32 bytes",
+            (_, _, PhotonFormat::Mono) => "lights and surfaces are grey: one power per photon is stored, in 20 bytes",
+            _ => "a light or a surface is not grey: 12 of the 28 bytes of each photon",
         },
     );
     say(
@@ -92,14 +90,14 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         match (any_map, pilot) {
             (_, true) => "radii are derived from the density of its photons",
             (false, _) => "no map is searched",
-            (true, false) => "the settings say how far to search",
+            (true, false) => "the settings give the radius",
         },
     );
     say(
         "shadow rays",
         required.shadow_rays,
         match settings.direct {
-            Direct::Nee => "direct light is asked for with them",
+            Direct::Nee => "they compute direct light",
             Direct::Photons => "direct light is read from a map",
             Direct::None => "direct light is left out",
         },
@@ -117,8 +115,8 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         "irradiance at photons",
         gather && settings.irradiance_every.is_some(),
         match (gather, settings.irradiance_every) {
-            (true, Some(_)) => "final-gather rays take the nearest",
-            (true, None) => "final-gather rays ask the maps",
+            (true, Some(_)) => "final-gather rays use the nearest",
+            (true, None) => "final-gather rays estimate from the maps",
             (false, _) => "no final-gather rays",
         },
     );
@@ -127,9 +125,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         "area probes",
         probed,
         match (any_map, probed) {
-            (_, true) => "estimates are divided by what of their disc lies on the surface",
+            (_, true) => "estimates are divided by the part of their disc that lies on the surface",
             (false, _) => "no map is read",
-            (true, false) => "estimates are divided by their disc",
+            (true, false) => "estimates are divided by the area of their disc",
         },
     );
     let splits = required.features.splits_camera_paths();
@@ -152,7 +150,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     needs
 }
 
-/// What a map is called, and why it is filled or not.
+/// Name of a map, and why it is filled or not.
 fn map(kind: MapKind, settings: &Settings, required: &Requirements) -> (&'static str, &'static str) {
     let gather = settings.indirect == Indirect::Gather;
     match kind {
@@ -160,8 +158,8 @@ fn map(kind: MapKind, settings: &Settings, required: &Requirements) -> (&'static
             "map of direct photons",
             match (settings.direct, gather) {
                 (Direct::Photons, _) => "direct light is read from it",
-                (_, true) => "final gathering reads it where its rays land",
-                (Direct::Nee, _) => "shadow rays count what it would hold",
+                (_, true) => "final gathering reads it at the hits of its rays",
+                (Direct::Nee, _) => "shadow rays compute what it would store",
                 (Direct::None, _) => "direct light is left out",
             },
         ),
@@ -178,7 +176,7 @@ fn map(kind: MapKind, settings: &Settings, required: &Requirements) -> (&'static
             "map of scattered photons",
             match settings.indirect {
                 Indirect::Map => "indirect light is read from it",
-                Indirect::Gather => "final gathering reads it where its rays land",
+                Indirect::Gather => "final gathering reads it at the hits of its rays",
                 Indirect::None => "indirect light is left out",
             },
         ),
@@ -196,11 +194,11 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
         Ok(chosen) => chosen,
         Err(why) => {
             let why = match why {
-                NoProjection::Shared => "the settings leave caustics to the paths that fill the other maps".to_owned(),
+                NoProjection::Shared => "the settings fill it with the paths that fill the other maps".to_owned(),
                 NoProjection::Unlit => "no light could shine on mirrors or glass".to_owned(),
                 NoProjection::NotWorth => {
                     let most = 100.0 * ProjectionMap::WORTH;
-                    format!("more than {most} % of the light could meet mirrors or glass: to aim would gain little")
+                    format!("more than {most} % of the light could meet mirrors or glass: aiming would gain little")
                 }
             };
             return (false, why);
@@ -209,7 +207,7 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
     let share = 100.0 * projection.share();
     let lights = counted(scene.lights.len(), "light");
     let why = format!(
-        "{paths} paths a pass leave by the {share:.1} % of the light that could meet mirrors or glass, from {} of {lights}",
+        "{paths} paths a pass sample the {share:.1} % of the light that could meet mirrors or glass, from {} of {lights}",
         projection.targets().len(),
     );
     (true, why)

@@ -1,16 +1,16 @@
-//! What a scene can ask a kernel to do.
+//! Features of a scene that kernels have to support.
 
 use std::fmt;
 
-/// A set of things that kernels model.
+/// A set of features that kernels support.
 ///
-/// CPU kernels take it as a const generic, Vulkan kernels as specialization constant 0: what is
-/// not in it is not compiled in.
+/// CPU kernels take it as a const generic, Vulkan kernels as specialization constant 0: features that are
+/// not in it are not compiled in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Features(u32);
 
 impl Features {
-    /// Nothing.
+    /// No features.
     pub const NONE: Self = Self(0);
     /// Lambertian surfaces.
     pub const DIFFUSE: Self = Self(1);
@@ -30,9 +30,9 @@ impl Features {
     pub const SPOT_LIGHTS: Self = Self(1 << 7);
     /// Directional lights.
     pub const DIRECTIONAL_LIGHTS: Self = Self(1 << 8);
-    /// All of them.
+    /// All features.
     pub const ALL: Self = Self((1 << 9) - 1);
-    /// Every lobe that is not diffuse.
+    /// All lobes that are not diffuse.
     pub const SPECULAR: Self = Self(Self::MIRROR.0 | Self::DIELECTRIC.0 | Self::THIN.0);
 
     const NAMES: [&'static str; 9] = [
@@ -53,43 +53,43 @@ impl Features {
         self.0
     }
 
-    /// The set with these bits; unknown ones are dropped.
+    /// The set with these bits; unknown bits are ignored.
     #[must_use]
     pub const fn from_bits(bits: u32) -> Self {
         Self(bits & Self::ALL.0)
     }
 
-    /// Whether all of `other` is in it.
+    /// Whether all features of `other` are included.
     #[must_use]
     pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
-    /// Whether any of `other` is in it.
+    /// Whether any feature of `other` is included.
     #[must_use]
     pub const fn intersects(self, other: Self) -> bool {
         self.0 & other.0 != 0
     }
 
-    /// Whether camera paths may split in two, where glass reflects and transmits.
+    /// Whether camera paths may split in two: at glass, which reflects and transmits.
     #[must_use]
     pub const fn splits_camera_paths(self) -> bool {
         self.intersects(Self::DIELECTRIC.union(Self::THIN))
     }
 
-    /// Both sets.
+    /// The union of both sets.
     #[must_use]
     pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// What is in it and not in `other`.
+    /// The features that are not in `other`.
     #[must_use]
     pub const fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
 
-    /// Names of its members, in fixed order.
+    /// Names of the included features, in fixed order.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
         Self::NAMES.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, name)| name)
     }

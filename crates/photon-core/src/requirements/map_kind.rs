@@ -1,34 +1,34 @@
-//! The photon maps by what their photons have been through, and containers with one element for each.
+//! The kinds of photon maps, and containers with one element per kind.
 
 use std::ops::{Index, IndexMut};
 
 use crate::film::Layer;
 
-/// A photon map, by the history of its photons (Jensen 1996).
+/// A photon map, classified by the paths of its photons (Jensen 1996).
 ///
-/// To add a map, add a variant: exhaustive matches then name every place that has to know of it. Packed words
-/// of the GPU have room for [`MapKind::BITS`] bits.
+/// To add a map, add a variant: the compiler then reports every match that has to handle it. Packed words
+/// on the GPU reserve [`MapKind::BITS`] bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MapKind {
-    /// Photons straight from a light.
+    /// Photons that come directly from a light.
     Direct,
-    /// Photons from a light by specular surfaces alone.
+    /// Photons that came from a light by way of specular surfaces only.
     Caustic,
-    /// Photons that have been scattered by a diffuse surface.
+    /// Photons that were scattered by a diffuse surface before.
     Global,
 }
 
 impl MapKind {
-    /// In the order in which maps are built and read.
+    /// All kinds, in the order in which maps are built and read.
     pub const ALL: [Self; 3] = [Self::Direct, Self::Caustic, Self::Global];
 
-    /// How many there are.
+    /// Number of kinds.
     pub const COUNT: usize = Self::ALL.len();
 
-    /// Bits that a kind takes beside an ordinal in a packed word: enough for eight.
+    /// Number of bits of a kind next to an ordinal in a packed word: enough for eight kinds.
     pub const BITS: u32 = 3;
 
-    /// The name in reports: `direct`, `caustic`, `global`.
+    /// Name in reports: `direct`, `caustic`, `global`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ impl MapKind {
         }
     }
 
-    /// The label of the buffer of its photons, in reports and errors.
+    /// Label of the buffer of its photons, in reports and errors.
     #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
@@ -48,7 +48,7 @@ impl MapKind {
         }
     }
 
-    /// The layer of the film that the map's light belongs to where the camera sees it.
+    /// The layer of the film to which estimates from the map at visible points are added.
     #[must_use]
     pub const fn layer(self) -> Layer {
         match self {
@@ -58,7 +58,7 @@ impl MapKind {
         }
     }
 
-    /// The map of a photon that lands after `bounce` surfaces, none of them diffuse if `specular_only`.
+    /// The map of a photon stored after `bounce` surfaces, none of them diffuse if `specular_only`.
     #[inline]
     #[must_use]
     pub const fn of_path(specular_only: bool, bounce: u32) -> Self {
@@ -69,7 +69,7 @@ impl MapKind {
         }
     }
 
-    /// Whether paths that are aimed at specular surfaces fill the map, where there are such paths.
+    /// Whether the map is filled by the paths aimed at specular surfaces, if there are any.
     #[must_use]
     pub const fn is_aimed(self) -> bool {
         match self {
@@ -79,20 +79,20 @@ impl MapKind {
     }
 }
 
-const _: () = assert!(MapKind::COUNT <= 1 << MapKind::BITS, "a kind no longer fits its bits");
+const _: () = assert!(MapKind::COUNT <= 1 << MapKind::BITS, "a kind does not fit into its bits");
 
-/// One element for each [`MapKind`], in the order of [`MapKind::ALL`].
+/// One element per [`MapKind`], in the order of [`MapKind::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct PerMap<T>([T; MapKind::COUNT]);
 
 impl<T> PerMap<T> {
-    /// The elements that `of` gives for each kind.
+    /// The values of `of` for each kind.
     #[must_use]
     pub fn from_fn(mut of: impl FnMut(MapKind) -> T) -> Self {
         Self(MapKind::ALL.map(&mut of))
     }
 
-    /// The same for all.
+    /// The same value for all kinds.
     #[must_use]
     pub const fn splat(value: T) -> Self
     where
@@ -101,7 +101,7 @@ impl<T> PerMap<T> {
         Self([value; MapKind::COUNT])
     }
 
-    /// Each element by `of`.
+    /// Applies `of` to each element.
     #[must_use]
     pub fn map<U>(self, of: impl FnMut(T) -> U) -> PerMap<U> {
         PerMap(self.0.map(of))
@@ -119,22 +119,22 @@ impl<T> PerMap<T> {
         PerMap(self.0.each_mut())
     }
 
-    /// Each with its kind.
+    /// All elements, each with its kind.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = (MapKind, &T)> {
         MapKind::ALL.into_iter().zip(&self.0)
     }
 
-    /// Each with its kind.
+    /// All elements, each with its kind.
     pub fn iter_mut(&mut self) -> impl DoubleEndedIterator<Item = (MapKind, &mut T)> {
         MapKind::ALL.into_iter().zip(&mut self.0)
     }
 
-    /// The elements alone.
+    /// All elements.
     pub fn values(&self) -> std::slice::Iter<'_, T> {
         self.0.iter()
     }
 
-    /// The elements alone.
+    /// All elements.
     pub fn values_mut(&mut self) -> std::slice::IterMut<'_, T> {
         self.0.iter_mut()
     }
@@ -147,7 +147,7 @@ impl<T> PerMap<T> {
 }
 
 impl<T> PerMap<Option<T>> {
-    /// Something for one map, nothing for the others.
+    /// A value for one map, `None` for the others.
     #[must_use]
     pub fn only(kind: MapKind, value: T) -> Self {
         let mut all = Self([const { None }; MapKind::COUNT]);
@@ -157,13 +157,13 @@ impl<T> PerMap<Option<T>> {
 }
 
 impl PerMap<bool> {
-    /// Whether it is so for any map.
+    /// Whether any element is true.
     #[must_use]
     pub fn any(&self) -> bool {
         self.0.contains(&true)
     }
 
-    /// Bit `kind as u32` for each map that it is so for.
+    /// Bit `kind as u32` for each map whose element is true.
     #[must_use]
     pub fn bits(&self) -> u32 {
         self.iter().map(|(kind, &set)| u32::from(set) << kind as u32).sum()

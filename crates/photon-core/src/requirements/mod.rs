@@ -1,4 +1,4 @@
-//! What a renderer must model to render a scene: derived, never declared.
+//! What a renderer must support to render a scene: derived from scene and settings, never declared.
 
 pub(crate) mod explain;
 pub(crate) mod features;
@@ -15,32 +15,33 @@ use crate::scene::media::MediaFeatures;
 use crate::scene::solids::Solids;
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 
-/// What stages are built for.
+/// The features, maps and stages that are needed for a scene.
 ///
-/// A pure function of scene and settings. What is absent is not compiled into a kernel, not
-/// allocated and not built. Too little is an error, too much changes no bit of the result.
+/// A pure function of scene and settings. What is not needed is not compiled into a kernel, not allocated
+/// and not built. Requirements that lack something are an error; those that include too much do not change
+/// a bit of the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Requirements {
     /// Lobes and lights.
     pub features: Features,
-    /// What solids need that lie within each other, or overlap.
+    /// What nested or overlapping solids need.
     pub media: MediaFeatures,
     /// Which photon maps are filled.
     pub maps: PerMap<bool>,
-    /// The caustic map has paths of light of its own, which are aimed: unless [`crate::ProjectionMap`] finds that it does
-    /// not pay.
+    /// Whether the caustic map is filled by separate, aimed paths, unless [`crate::ProjectionMap`] finds
+    /// that this is not worthwhile.
     pub aimed: bool,
-    /// Direct light is asked for with shadow rays.
+    /// Direct light is computed with shadow rays.
     pub shadow_rays: bool,
-    /// Indirect light is gathered.
+    /// Indirect light is computed by final gathering.
     pub final_gather: bool,
-    /// How much of each photon the maps keep.
+    /// Photon format of the maps.
     pub photon_format: PhotonFormat,
 }
 
 impl Requirements {
-    /// The least that renders `scene` exactly. Of a scene that [`SceneView::validate`] refuses, what is out of
-    /// range is skipped.
+    /// The smallest requirements that render `scene` exactly. In a scene that [`SceneView::validate`]
+    /// refuses, indices out of range are skipped.
     #[must_use]
     pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
         let maps = PerMap::from_fn(|kind| match kind {
@@ -58,7 +59,7 @@ impl Requirements {
         }
     }
 
-    /// Everything that the settings allow, whatever the scene: the same picture, more work.
+    /// Everything that the settings allow, for any scene: the same picture, with more work.
     #[must_use]
     pub fn everything(settings: &Settings) -> Self {
         let maps = PerMap::from_fn(|kind| reads(settings, kind));
@@ -73,7 +74,7 @@ impl Requirements {
         }
     }
 
-    /// Whether stages built for `self` can render what needs `needed`.
+    /// Checks that stages built for `self` support the features `needed`.
     ///
     /// # Errors
     /// [`Error::MissingFeatures`].
@@ -82,7 +83,7 @@ impl Requirements {
         if missing == Features::NONE { Ok(()) } else { Err(Error::MissingFeatures { missing }) }
     }
 
-    /// Whether stages built for `self` can follow paths through media that need `needed`.
+    /// Checks that stages built for `self` can trace paths through media that need `needed`.
     ///
     /// # Errors
     /// [`Error::InvalidSetting`].
@@ -91,13 +92,13 @@ impl Requirements {
             return Ok(());
         }
         Err(Error::InvalidSetting {
-            name: "what stages model of media",
+            name: "the media features of the stages",
             value: self.media.to_string(),
-            hint: "solids of this scene lie within each other or overlap; derive the requirements from it",
+            hint: "solids of this scene are nested or overlap; derive the requirements from this scene",
         })
     }
 
-    /// Whether maps built for `self` keep what is `needed` of a photon.
+    /// Checks that maps built for `self` store the photon format `needed`.
     ///
     /// # Errors
     /// [`Error::InvalidSetting`].
@@ -106,16 +107,16 @@ impl Requirements {
             return Ok(());
         }
         Err(Error::InvalidSetting {
-            name: "what maps keep of a photon",
+            name: "the photon format of the maps",
             value: self.photon_format.name().into(),
-            hint: "more of it is read; derive the requirements from this scene and these settings",
+            hint: "more fields are needed; derive the requirements from this scene and these settings",
         })
     }
 }
 
 impl Features {
-    /// The lobes of the materials in use, and the lights: what a kernel must model to render `scene`. Indices out
-    /// of range are skipped.
+    /// The lobes of the materials in use, and the lights: what kernels must support to render `scene`.
+    /// Indices out of range are skipped.
     #[must_use]
     pub fn of(scene: &SceneView<'_>) -> Self {
         let materials = scene.materials_in_use().map(|material| material_features(material, scene.media));
@@ -123,7 +124,7 @@ impl Features {
     }
 }
 
-/// Whether the settings read a map: at what the camera sees, or where final-gather rays land.
+/// Whether the settings read a map: at visible points, or at the hits of final-gather rays.
 fn reads(settings: &Settings, kind: MapKind) -> bool {
     let gather = settings.indirect == Indirect::Gather;
     match kind {
@@ -133,7 +134,7 @@ fn reads(settings: &Settings, kind: MapKind) -> bool {
     }
 }
 
-/// What one material makes a kernel do; `media` is the scene's table.
+/// The features that a material needs; `media` is the scene's table.
 #[must_use]
 pub fn material_features(material: &Material, media: &[Medium]) -> Features {
     match material.kind() {
@@ -147,7 +148,7 @@ pub fn material_features(material: &Material, media: &[Medium]) -> Features {
     }
 }
 
-/// What one light makes a kernel do.
+/// The features that a light needs.
 #[must_use]
 pub fn light_features(light: &Light) -> Features {
     match light.kind {
@@ -158,8 +159,9 @@ pub fn light_features(light: &Light) -> Features {
     }
 }
 
-/// Whether some light could shine on some specular surface: whether the box about all specular
-/// triangles is not wholly behind every light. Errs on the side of yes; blockers are not looked at.
+/// Whether a light could reach a specular surface: whether the bounding box of all specular triangles is
+/// not completely behind every light. Conservative: may return true for unlit surfaces, and ignores
+/// occlusion.
 fn specular_is_lit(scene: &SceneView<'_>) -> bool {
     let mut low = [f32::INFINITY; 3];
     let mut high = [f32::NEG_INFINITY; 3];
@@ -177,7 +179,7 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
     if low[0] > high[0] {
         return false;
     }
-    // The corner of the box that lies farthest along a direction, as a height over a plane.
+    // Height over a plane of the corner of the box that is farthest along the normal.
     let reach = |normal: [f32; 3], origin: [f32; 3]| -> f32 {
         (0..3).map(|a| normal[a] * (if normal[a] > 0.0 { high[a] } else { low[a] } - origin[a])).sum()
     };
@@ -189,10 +191,10 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
                 return false;
             };
             let mut corners = triangle.iter().filter_map(|&vertex| scene.positions.get(vertex as usize));
-            // The triangle's own plane: heights of rounding size do not count as in front.
+            // The triangle's own plane: heights of the size of rounding errors do not count as in front.
             corners.any(|&corner| light.flags & Light::BOTH_SIDES != 0 || reach(primitive.normal, corner) > 1e-6)
         }
-        // A cone narrower than a half space reaches no further than the half space does.
+        // A cone of less than a hemisphere reaches no farther than the hemisphere.
         Light::SPOT if light.versine_outer <= 1.0 => reach(light.direction, light.position) > 0.0,
         _ => true,
     })

@@ -1,4 +1,4 @@
-//! How much of a photon is kept in maps: what somebody reads, and no more.
+//! How much of a photon is stored in maps: the fields that are read, and no more.
 
 use crate::error::{Error, Result};
 use crate::requirements::features::Features;
@@ -6,29 +6,29 @@ use crate::scene::SceneView;
 use crate::scene::layout::{Light, Material, Photon};
 use crate::settings::{Estimator, Settings};
 
-/// So many bytes from the front of [`Photon`] on: its members stand in the order in which they are read.
-/// Position and normal decide which photons count, the power is what they add, and directions few ask for.
+/// A number of leading bytes of [`Photon`], whose fields are ordered by how often they are needed: position
+/// and normal decide which photons count, the power is what they add, and the direction is rarely needed.
 ///
-/// In that order too: what is less is compared as less.
+/// Ordered by size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum PhotonFormat {
-    /// Position, normal, and one power that stands for three equal ones: 20 bytes.
+    /// Position, normal, and one power for all three channels: 20 bytes.
     Mono,
     /// Position, normal and power: 28 bytes.
     NoDirection,
-    /// All of it, the direction too: 32 bytes.
+    /// All fields, including the direction: 32 bytes.
     #[default]
     Full,
 }
 
 impl PhotonFormat {
-    /// From the least to the most.
+    /// All formats, from the smallest to the largest.
     pub const ALL: [Self; 3] = [Self::Mono, Self::NoDirection, Self::Full];
 
-    /// The least that pictures of `scene` by `settings` are made of.
+    /// The smallest format that renders `scene` with `settings` without a difference.
     ///
-    /// Directions are read by the paper's estimator alone. One power is enough where no light and no surface
-    /// in use treats channels differently, since equal numbers stay equal through the same operations.
+    /// Only the paper's estimator needs directions. One power is sufficient if no light and no surface in
+    /// use treats channels differently, since equal numbers stay equal through the same operations.
     #[must_use]
     pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
         if matches!(settings.estimator, Estimator::Paper(_)) {
@@ -43,10 +43,10 @@ impl PhotonFormat {
         Self::POSITION_NORMAL_BYTES + self.flux_bytes()
     }
 
-    /// Of those, position and normal.
+    /// Bytes of position and normal.
     pub const POSITION_NORMAL_BYTES: u64 = 16;
 
-    /// Of those, what follows them: 4, 12 or 16.
+    /// Bytes of the fields after position and normal: 4, 12 or 16.
     #[must_use]
     pub const fn flux_bytes(self) -> u64 {
         match self {
@@ -56,28 +56,28 @@ impl PhotonFormat {
         }
     }
 
-    /// For kernels: 0, 1, 2.
+    /// The number by which kernels identify it: 0, 1, 2.
     #[must_use]
     pub const fn number(self) -> u32 {
         self as u32
     }
 
-    /// Checks that whole photons, which are asked for, are what `label` keeps.
+    /// Checks that this is the full format, where all fields of photons are needed.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] names it and what it keeps.
+    /// [`Error::InvalidSetting`] names `label` and its format.
     pub fn check_full(self, label: &'static str) -> Result<()> {
         if self == Self::Full {
             return Ok(());
         }
         Err(Error::InvalidSetting {
             name: label,
-            value: format!("kept as {}", self.name()),
-            hint: "whole photons were asked for: keep them whole",
+            value: format!("stored as {}", self.name()),
+            hint: "all fields of its photons are needed: use the full photon format",
         })
     }
 
-    /// In words, for reports.
+    /// Description for reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -88,7 +88,7 @@ impl PhotonFormat {
     }
 }
 
-/// Whether light of three equal channels is all that there ever is: what no surface has is not looked at.
+/// Whether all light has three equal channels; materials that no surface uses are ignored.
 fn is_grey(scene: &SceneView<'_>) -> bool {
     let equal = |[r, g, b]: [f32; 3]| r.to_bits() == g.to_bits() && g.to_bits() == b.to_bits();
     let surface = |material: &Material| {

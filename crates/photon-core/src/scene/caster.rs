@@ -1,22 +1,22 @@
-//! Rays, hits, and the trait behind which a renderer may put its own ray tracer.
+//! Rays, hits, and the trait by which a renderer can use its own ray tracer.
 
 use glam::Vec3;
 
 /// A ray in the normalised space of the scene (a unit box; see `docs/units.md`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it starts; already moved off the surface that it leaves.
+    /// Origin, already moved off the surface that the ray leaves.
     pub origin: Vec3,
     /// Unit vector.
     pub direction: Vec3,
-    /// Hits farther than this do not count; `f32::INFINITY` for no limit, never NaN.
+    /// Hits farther away do not count; `f32::INFINITY` for no limit, never NaN.
     pub t_max: f32,
 }
 
-/// Where a ray meets a triangle.
+/// Intersection of a ray and a triangle.
 ///
-/// Nothing about the surface is in it: normals and materials come from the scene's own tables, so
-/// that every caster agrees on shading.
+/// Contains nothing about the surface: normals and materials come from the scene's own tables, so that
+/// shading does not depend on the ray caster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance along the ray, in `[0, t_max]`.
@@ -31,8 +31,8 @@ pub struct Hit {
 
 /// Nearest-hit queries, from many threads at once.
 pub trait RayCaster: Send + Sync {
-    /// The nearest hit with `t` in `[0, t_max]`, whichever side of the triangle it is on; of
-    /// several at the same `t`, the one with the lowest primitive index.
+    /// The nearest hit with `t` in `[0, t_max]`, on either side of the triangle; of several at the same
+    /// `t`, the one with the lowest primitive index.
     fn nearest(&self, ray: &Ray) -> Option<Hit>;
 
     /// Whether anything is hit with `t` in `[0, t_max]`.
@@ -40,7 +40,7 @@ pub trait RayCaster: Send + Sync {
         self.nearest(ray).is_some()
     }
 
-    /// Bytes that the structure holds, for the report; 0 if unknown.
+    /// Memory of the acceleration structure in bytes, for reports; 0 if unknown.
     fn bytes(&self) -> u64 {
         0
     }

@@ -1,87 +1,89 @@
-//! The records that backends keep in buffers.
+//! Data layouts of the elements that backends store in buffers.
 //!
-//! Each has a GLSL twin of the same name and offsets. All are made of `vec3`-and-scalar rows of 16
-//! bytes, so that their `repr(C)` layout is also their std430 and scalar layout.
+//! Each has a GLSL counterpart with the same name and offsets. All consist of 16-byte rows of a `vec3` and
+//! a scalar, so that their `repr(C)` layout is also their std430 and scalar layout.
 
 use bytemuck::{Pod, Zeroable};
 
-/// A record that backends store in buffers; its GLSL twin has the same offsets.
+/// An element type of buffers; its GLSL counterpart has the same offsets.
 pub trait Element: Pod + Send + Sync {
-    /// Name of the twin.
+    /// Name of the GLSL type.
     const GLSL_NAME: &'static str;
 }
 
-/// A photon that has landed on a surface.
+/// A photon stored at a surface.
 ///
-/// It has no identity of its own: its number is its place in the buffer that the tracer fills,
-/// which is in order of path, then bounce. Maps keep as much of its front as is read: [`crate::PhotonFormat`].
+/// It has no identifier: its index is its position in the buffer that the tracer fills, ordered by path,
+/// then bounce. Maps store only as many of the leading fields as are needed: [`crate::PhotonFormat`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Photon {
     /// Normalised space.
     pub position: [f32; 3],
-    /// Geometric normal of the surface on the side where it arrived, packed by [`crate::octahedral::pack`].
+    /// Geometric normal of the surface on the side where the photon arrived, packed by
+    /// [`crate::octahedral::pack`].
     pub normal: u32,
-    /// Radiant flux that its path carries, linear RGB, in units of the scene's total power; *not*
-    /// divided by the number of paths.
+    /// Flux of its path, linear RGB, in units of the scene's total power; *not* divided by the number of
+    /// paths.
     pub power: [f32; 3],
-    /// Unit vector towards where it came from, packed likewise.
+    /// Unit vector towards where it came from, packed by [`crate::octahedral::pack`].
     pub direction: u32,
 }
 
-/// A photon that is about to leave a light.
+/// A photon that leaves a light.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct PhotonRay {
     /// Normalised space, already moved off the emitting surface.
     pub origin: [f32; 3],
-    /// Number of the path within its pass.
+    /// Index of the path within its pass.
     pub path: u32,
     /// Unit vector.
     pub direction: [f32; 3],
     /// Index of the light in the scene's table.
     pub light: u32,
-    /// As [`Photon::power`].
+    /// Like [`Photon::power`].
     pub power: [f32; 3],
-    /// The media that its origin lies in: bits of a [`crate::MediumStack`].
+    /// The media at its origin: bits of a [`crate::MediumStack`].
     pub media: u32,
 }
 
-/// A point whose reflected radiance is asked for.
+/// A visible point, or another point where radiance is estimated.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Query {
     /// Normalised space.
     pub position: [f32; 3],
-    /// Search radius, normalised space, > 0; multiplied by [`crate::Gather::radius_scale`].
+    /// Search radius, normalised space, > 0; multiplied by [`crate::EstimateParams::radius_scale`].
     pub radius: f32,
-    /// Unit normal on the side that is looked at.
+    /// Unit normal on the visible side.
     pub normal: [f32; 3],
-    /// Index of the pixel that the answer belongs to, row by row from the top left.
+    /// Index of the pixel that the estimate is added to, row by row from the top left.
     pub pixel: u32,
-    /// What irradiance here is multiplied by to give the pixel's radiance: throughput of the
-    /// camera path times the albedo over π.
+    /// Factor from irradiance here to the pixel's radiance: throughput of the camera path times albedo over
+    /// π.
     pub throughput: [f32; 3],
     /// The media in front of the surface: bits of a [`crate::MediumStack`]. Shadow and gather rays start in them.
     pub media: u32,
     /// Unit vector towards the viewer, packed by [`crate::octahedral::pack`].
     pub wo: u32,
-    /// Number of the camera path within its pass: the key of the random numbers spent here.
+    /// Index of the camera path within its pass: the key of the random numbers used here.
     pub path: u32,
     /// Zero.
     pub reserved: [u32; 2],
 }
 
-/// What a photon map says about one query.
+/// Result of a density estimate for one query.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Estimate {
-    /// Σ W(d²/r²)·power over the photons kept, linear RGB: neither divided by area nor by paths.
+    /// Σ W(d²/r²)·power over the photons that count, linear RGB: divided neither by area nor by the number
+    /// of paths.
     pub flux: [f32; 3],
-    /// Squared radius of the disc that the sum stands for, normalised space, > 0; times the share of it
-    /// that lies on the surface, where that was asked: [`crate::AreaProbe`].
+    /// Squared radius of the disc that the sum is over, normalised space, > 0; times the share of the disc
+    /// that lies on the surface, if that is estimated: [`crate::AreaProbe`].
     pub radius_squared: f32,
-    /// How many photons were within it.
+    /// Number of photons within it.
     pub photons: u32,
     /// Bits: [`Estimate::SINGULAR`].
     pub flags: u32,
@@ -90,11 +92,12 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The k photons all lay at the query, so that the radius is a floor and not a measurement.
+    /// All k photons are at the query's position, so that the radius is a lower limit, not a measured
+    /// distance.
     pub const SINGULAR: u32 = 1;
 
-    /// Irradiance in units of total power per squared normalised length, when `paths` paths were
-    /// emitted: `flux / (π r² paths)`.
+    /// Irradiance in units of total power per squared normalised length, if `paths` paths were emitted:
+    /// `flux / (π r² paths)`.
     #[must_use]
     pub fn irradiance(&self, paths: u64) -> [f64; 3] {
         if self.photons == 0 || paths == 0 {
@@ -105,15 +108,14 @@ impl Estimate {
     }
 }
 
-/// What the photons of an estimate within a radius r say about its error; all sums are over the
-/// photons within √2 r.
+/// Error statistics of an estimate with radius r; all sums are over the photons within √2 r.
 ///
-/// Bias grows as r²: an estimate over twice the area errs twice as much, so that the difference of
-/// the two tells the bias of the first.
+/// Bias grows as r²: an estimate over twice the area has twice the bias, so that the difference of the two
+/// estimates the bias of the first.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct ErrorMoments {
-    /// Σ W(d²/2r²)·power, linear RGB: as [`Estimate::flux`], for a disc of twice the area.
+    /// Σ W(d²/2r²)·power, linear RGB: like [`Estimate::flux`], for a disc of twice the area.
     pub wide: [f32; 3],
     /// Σ power, mean of RGB.
     pub power: f32,
@@ -126,18 +128,19 @@ pub struct ErrorMoments {
     pub slope: [f32; 2],
     /// Σ power·(x² − y², 2xy).
     pub quadrupole: [f32; 2],
-    /// Σ power of photons that lie on another surface: their normals were turned away, or they are
-    /// farther from the query's plane than a quarter of √2 r.
+    /// Σ power of photons that lie on another surface: their normals were rejected, or they are farther
+    /// from the query's plane than a quarter of √2 r.
     pub stray: f32,
-    /// How many photons were within √2 r, strays apart.
+    /// Number of photons within √2 r, without strays.
     pub photons: u32,
     /// Zero.
     pub reserved: [u32; 2],
 }
 
 impl ErrorMoments {
-    /// What the second radii say of the bias of `estimate`, in units of its flux: of the estimate over twice the area,
-    /// less `estimate`; and of `estimate`, less the one over half the area. To be divided by π r² and the paths.
+    /// The bias of `estimate` as estimated from the two other radii, in units of its flux: the estimate
+    /// over twice the area minus `estimate`, and `estimate` minus the one over half the area. To be divided
+    /// by π r² and the number of paths.
     #[must_use]
     pub fn biases(&self, estimate: &Estimate) -> ([f64; 3], [f64; 3]) {
         let flux = estimate.flux.map(f64::from);
@@ -146,35 +149,35 @@ impl ErrorMoments {
     }
 }
 
-/// What the surface of a triangle is: its plane's orientation and its material.
+/// Geometric normal and material of a triangle.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Primitive {
-    /// Unit normal; the front is where the vertices run counter-clockwise.
+    /// Unit normal; from the front, the vertices are counter-clockwise.
     pub normal: [f32; 3],
     /// Index of the material.
     pub material: u32,
 }
 
-/// How a surface scatters.
+/// The type of scattering at a surface.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MaterialKind {
-    /// Lambertian reflection, on whichever side the light arrives; stores photons unless it is black.
+    /// Lambertian reflection on both sides; stores photons unless it is black.
     Lambert = 0,
     /// A perfect mirror, on both sides.
     Mirror = 1,
-    /// A smooth boundary of a solid: reflects and refracts by Fresnel's equations.
+    /// A smooth boundary of a solid: reflects and refracts by the Fresnel equations.
     Dielectric = 2,
-    /// A smooth sheet without thickness: reflects, or transmits straight through.
+    /// A smooth sheet without thickness: reflects, or transmits without changing the direction.
     Thin = 3,
 }
 
 impl MaterialKind {
-    /// In the order of their numbers.
+    /// All kinds, ordered by number.
     pub const ALL: [Self; 4] = [Self::Lambert, Self::Mirror, Self::Dielectric, Self::Thin];
 
-    /// The kind with this number; `None` for a number that no kind has.
+    /// The kind with this number; `None` if there is none.
     #[inline]
     #[must_use]
     pub const fn from_u32(number: u32) -> Option<Self> {
@@ -187,7 +190,7 @@ impl MaterialKind {
         }
     }
 
-    /// Whether some light passes through.
+    /// Whether some light is transmitted.
     #[inline]
     #[must_use]
     pub const fn transmits(self) -> bool {
@@ -198,23 +201,23 @@ impl MaterialKind {
     }
 }
 
-/// How a surface scatters and emits.
+/// Scattering and emission of a surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Material {
-    /// Lambert: albedo. Mirror: reflectance. Dielectric: tint of what is transmitted. In `[0, 1]`,
-    /// linear RGB.
+    /// Lambert: albedo. Mirror: reflectance. Dielectric: tint of transmitted light. In `[0, 1]`, linear
+    /// RGB.
     pub albedo: [f32; 3],
-    /// Number of a [`MaterialKind`]; [`Material::kind`] reads it.
+    /// Number of a [`MaterialKind`]; see [`Material::kind`].
     pub kind: u32,
     /// Emitted radiance, linear RGB, in units of total power per steradian and squared normalised
     /// length; from the front only unless [`Material::EMITS_BOTH_SIDES`].
     pub emission: [f32; 3],
     /// Bits: [`Material::EMITS_BOTH_SIDES`].
     pub flags: u32,
-    /// Dielectric: index in the scene's table of what the solid is made of, ≥ 1. Otherwise 0.
+    /// Dielectric: index of the solid's medium in the scene's table, ≥ 1. Otherwise 0.
     pub medium: u32,
-    /// Refractive index of a dielectric or a thin sheet against the vacuum, > 0; 1 otherwise.
+    /// Refractive index of a dielectric or a thin sheet relative to vacuum, > 0; 1 otherwise.
     pub ior: f32,
     /// Zero.
     pub reserved: [u32; 6],
@@ -224,7 +227,8 @@ impl Material {
     /// Flag: the back emits too.
     pub const EMITS_BOTH_SIDES: u32 = 1;
 
-    /// How it scatters. [`crate::SceneView::validate`] refuses numbers that no kind has; here they count as Lambert.
+    /// The type of scattering. [`crate::SceneView::validate`] refuses unknown numbers; here they count as
+    /// Lambert.
     #[inline]
     #[must_use]
     pub const fn kind(&self) -> MaterialKind {
@@ -234,7 +238,7 @@ impl Material {
         }
     }
 
-    /// Whether photons landing here are stored and camera paths end here; black ones store none.
+    /// Whether camera paths end and photons are stored here; black surfaces store none.
     #[inline]
     #[must_use]
     pub const fn is_diffuse(&self) -> bool {
@@ -244,22 +248,23 @@ impl Material {
         }
     }
 
-    /// Whether it emits at all.
+    /// Whether it emits light.
     #[must_use]
     pub fn is_emissive(&self) -> bool {
         self.emission != [0.0; 3]
     }
 }
 
-/// What a solid is made of. Entry 0 of a scene's table is the vacuum around everything.
+/// Medium inside a solid. Entry 0 of a scene's table is the vacuum outside of all solids.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Medium {
     /// Absorption coefficient (Beer–Lambert), per normalised length, ≥ 0, linear RGB.
     pub absorption: [f32; 3],
-    /// Refractive index against the vacuum, > 0.
+    /// Refractive index relative to vacuum, > 0.
     pub ior: f32,
-    /// Where solids overlap, the one of the highest priority is there; of equals, the one entered last.
+    /// Where solids overlap, the medium with the highest priority applies; with equal priorities, the one
+    /// entered last.
     pub priority: u32,
     /// Zero.
     pub reserved: [u32; 11],
@@ -276,11 +281,11 @@ impl Default for Medium {
     }
 }
 
-/// A light that photons can leave from; an area light is one of these per triangle.
+/// A light that emits photons; an area light is one of these per triangle.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Light {
-    /// Point and spot: where it is, normalised space.
+    /// Point and spot: position, normalised space.
     pub position: [f32; 3],
     /// One of the constants of this type.
     pub kind: u32,
@@ -288,7 +293,7 @@ pub struct Light {
     pub direction: [f32; 3],
     /// Triangle: its index. Otherwise `u32::MAX`.
     pub primitive: u32,
-    /// All the flux that leaves it, linear RGB, in units of the scene's total power.
+    /// Total emitted flux, linear RGB, in units of the scene's total power.
     pub power: [f32; 3],
     /// Spot: 1 − cos of the angle up to which the intensity is full.
     pub versine_inner: f32,
@@ -326,20 +331,21 @@ pub struct Camera {
     pub kind: u32,
     /// Unit vector.
     pub forward: [f32; 3],
-    /// The media that the origin lies in: bits of a [`crate::MediumStack`]. [`crate::Pipeline`] fills it in.
+    /// The media at the origin: bits of a [`crate::MediumStack`]. Set by [`crate::Pipeline`].
     pub media: u32,
-    /// To the right edge of the picture. Perspective: at distance 1. Orthographic: as it is.
+    /// Half the width of the picture, to its right edge. Perspective: at distance 1. Orthographic:
+    /// normalised space.
     pub right: [f32; 3],
     /// Zero.
     pub reserved2: u32,
-    /// To the upper edge of the picture, likewise.
+    /// Half the height of the picture, to its upper edge, likewise.
     pub up: [f32; 3],
     /// Zero.
     pub reserved3: u32,
 }
 
 impl Camera {
-    /// Rays leave one point.
+    /// All rays start at one point.
     pub const PERSPECTIVE: u32 = 0;
     /// Rays are parallel.
     pub const ORTHOGRAPHIC: u32 = 1;
@@ -376,7 +382,7 @@ mod tests {
     use super::*;
     use std::mem::offset_of;
 
-    /// The offsets that the GLSL twins rely on: rows of a vector and a scalar.
+    /// The offsets that the GLSL counterparts rely on: rows of a vector and a scalar.
     #[test]
     fn offsets_are_those_of_vector_and_scalar_rows() {
         let rows = [

@@ -1,39 +1,39 @@
-//! Who gets how many of the photons: a report on lights that go short of them.
+//! How photons are distributed over the lights of a scene: a report of lights that get too few.
 
 use crate::scene::layout::Light;
 use crate::scene::{SceneView, light_probability};
 
-/// A light, or all emissive triangles of one material, which are a lamp together.
+/// A light; all emissive triangles of one material count as one area light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightShare {
-    /// Which, in words: its kind and its number, or that of its material.
+    /// Description: kind and index of the light, or index of the material of an area light.
     pub what: String,
-    /// How many entries of [`SceneView::lights`] it is.
+    /// Number of entries in [`SceneView::lights`] that belong to it.
     pub lights: usize,
-    /// Its part of the scene's power, mean of RGB, in `[0, 1]`.
+    /// Its share of the scene's power, mean of RGB, in `[0, 1]`.
     pub power: f64,
-    /// The probability that a path of light starts from it, in `(0, 1]`.
+    /// The probability that a light path starts at it, in `(0, 1]`.
     pub probability: f64,
 }
 
 impl LightShare {
-    /// Fewer paths than this tell its light in blotches or not at all.
+    /// With fewer paths, its light is seen in blotches or not at all.
     pub const MIN_PATHS: f64 = 64.0;
 
-    /// Paths that are to be expected of it among so many.
+    /// Expected number of paths from this light, among `of` paths.
     #[must_use]
     pub fn paths(&self, of: u32) -> f64 {
         self.probability * f64::from(of)
     }
 
-    /// Whether a pass of so many paths has too few of it to show what it does.
+    /// Whether a pass with `of` paths has too few from this light to show its effect.
     #[must_use]
     pub fn starves(&self, of: u32) -> bool {
         self.paths(of) < Self::MIN_PATHS
     }
 }
 
-/// The lights of a scene, in its order, with what each gets.
+/// The lights of a scene, in order, with their shares.
 #[must_use]
 pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
     let mean = |light: &Light| light.power.iter().map(|&power| f64::from(power)).sum::<f64>() / 3.0;
@@ -56,7 +56,7 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
                 if let Some(area_light) = area_lights.get_mut(material) {
                     *area_light = Some(shares.len());
                 }
-                format!("lamp of material {material}")
+                format!("area light of material {material}")
             }
             (Light::POINT, _) => format!("point light {index}"),
             (Light::SPOT, _) => format!("spot light {index}"),
@@ -94,11 +94,11 @@ mod tests {
         };
         let shares = light_shares(&scene);
         assert_eq!(shares.len(), 2);
-        assert_eq!((shares[0].what.as_str(), shares[0].lights), ("lamp of material 1", 2));
+        assert_eq!((shares[0].what.as_str(), shares[0].lights), ("area light of material 1", 2));
         assert_eq!((shares[1].what.as_str(), shares[1].lights), ("point light 1", 1));
         assert!((shares.iter().map(|share| share.probability).sum::<f64>() - 1.0).abs() < 1e-12);
         assert!((shares[0].power - 1.0).abs() < 1e-12 && shares[1].power < 1e-19);
-        // A sixty-fourth is shared evenly among three.
+        // A sixty-fourth is distributed evenly over three.
         assert!((shares[1].paths(192_000) - 1000.0).abs() < 0.01);
         assert!(!shares[1].starves(192_000) && shares[1].starves(12_000) && !shares[0].starves(12_000));
     }

@@ -1,27 +1,29 @@
-//! Which media a point lies in, and which of them is there: nested and overlapping solids.
+//! Nested and overlapping solids: which media contain a point, and which of them applies.
 //!
-//! A path carries the solids that it has entered, up to four, as indices in the scene's table of media. Where several
-//! overlap, the one of the highest priority is there, and of equals the one entered last (Schmidt and Budge 2002).
+//! A path stores the solids that it has entered, up to four, as indices into the scene's table of media.
+//! Where several overlap, the one with the highest priority applies, and of equals the one entered last
+//! (Schmidt and Budge 2002).
 
 use std::fmt;
 
 use crate::scene::layout::{Material, MaterialKind, Medium};
 
-/// The solids that a point lies in, in the order in which they were entered: a byte each, the last one lowest.
+/// The solids that contain a point, in the order in which they were entered: one byte each, the last one
+/// lowest.
 ///
-/// Each byte is an index in the scene's table of media; 0 is the vacuum and means that there is none.
+/// Each byte is an index into the scene's table of media; 0 is the vacuum and means none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct MediumStack(u32);
 
 impl MediumStack {
-    /// In no solid.
+    /// Outside of all solids.
     pub const VACUUM: Self = Self(0);
-    /// Solids that it can hold.
+    /// Maximum number of solids.
     pub const DEPTH: u32 = 4;
-    /// Media of one scene at most, beside the vacuum.
+    /// Maximum number of media of a scene, besides the vacuum.
     pub const MAX_MEDIA: usize = 255;
 
-    /// As records hold it.
+    /// The bits, as stored in buffers.
     #[inline]
     #[must_use]
     pub const fn bits(self) -> u32 {
@@ -35,21 +37,21 @@ impl MediumStack {
         Self(bits)
     }
 
-    /// In one solid alone.
+    /// In a single solid.
     #[inline]
     #[must_use]
     pub const fn in_medium(medium: u32) -> Self {
         Self(medium & 0xFF)
     }
 
-    /// Whether no further solid fits.
+    /// Whether the stack has no space for another solid.
     #[inline]
     #[must_use]
     pub const fn is_full(self) -> bool {
         self.0 >> 24 != 0
     }
 
-    /// Whether `medium` is in it.
+    /// Whether `medium` is in the stack.
     #[must_use]
     pub const fn contains(self, medium: u32) -> bool {
         let mut rest = self.0;
@@ -62,21 +64,22 @@ impl MediumStack {
         false
     }
 
-    /// With one more solid; unchanged if it is full, so that leaving that solid again changes nothing either.
+    /// The stack with another solid; unchanged if it is full, so that leaving that solid again does not
+    /// change it either.
     #[inline]
     #[must_use]
     pub const fn enter(self, medium: u32) -> Self {
         if self.is_full() { self } else { Self(self.0 << 8 | medium & 0xFF) }
     }
 
-    /// Without the solid of that medium that was entered last; unchanged if there is none.
+    /// The stack without the last entered solid of that medium; unchanged if there is none.
     #[must_use]
     pub const fn leave(self, medium: u32) -> Self {
         let mut shift = 0;
         while shift < 32 && self.0 >> shift != 0 {
             if self.0 >> shift & 0xFF == medium {
                 let below = self.0 & ((1_u32 << shift) - 1);
-                // In two steps, as a shift by 32 is none.
+                // Two shifts, since a shift by 32 overflows.
                 let above = (self.0 >> shift >> 8) << shift;
                 return Self(above | below);
             }
@@ -85,7 +88,8 @@ impl MediumStack {
         self
     }
 
-    /// Index of the medium that is there: the highest priority, of equals the last entered; 0 in no solid.
+    /// Index of the medium that applies: the highest priority, of equals the last entered; 0 outside of all
+    /// solids.
     #[must_use]
     pub fn current(self, media: &[Medium]) -> u32 {
         let mut found = self.0 & 0xFF;
@@ -101,16 +105,16 @@ impl MediumStack {
     }
 }
 
-/// What a scene's media ask a kernel to do; what is not in it is not compiled in.
+/// What kernels have to support for a scene's media; the rest is not compiled in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct MediaFeatures(u32);
 
 impl MediaFeatures {
-    /// No solid touches another.
+    /// No solids touch.
     pub const NONE: Self = Self(0);
-    /// Solids lie within each other or overlap.
+    /// Solids are nested or overlap.
     pub const NESTED: Self = Self(1);
-    /// All of them.
+    /// All features.
     pub const ALL: Self = Self(1);
 
     /// The bits, for a const generic or a specialization constant.
@@ -119,7 +123,7 @@ impl MediaFeatures {
         self.0
     }
 
-    /// Whether all of `other` is in it.
+    /// Whether all features of `other` are included.
     #[must_use]
     pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
@@ -132,25 +136,27 @@ impl fmt::Display for MediaFeatures {
     }
 }
 
-/// What a boundary separates, as the path that arrives there meets it.
+/// The media on both sides of a boundary, as seen by a path that arrives there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
-    /// Index beyond over the index before.
+    /// Refractive index behind the boundary, divided by that before it.
     pub eta: f32,
-    /// The media before it.
+    /// The media before the boundary.
     pub before: MediumStack,
-    /// The media beyond it.
+    /// The media behind the boundary.
     pub transmitted: MediumStack,
-    /// Whether the medium changes there. If not, light passes as if nothing were there.
+    /// Whether the medium changes. If not, light passes without reflection or refraction.
     pub is_active: bool,
-    /// Whether a path that passes enters more solids than [`MediumStack::DEPTH`], and this one is ignored.
+    /// Whether a transmitted path would be in more solids than [`MediumStack::DEPTH`], so that this one is
+    /// ignored.
     pub is_too_deep: bool,
 }
 
-/// What the boundary of `material` separates for a path in `media_here` that meets its front or its back.
+/// The media on both sides of a boundary of `material`, for a path in `media_here` that arrives at its
+/// front or its back.
 ///
-/// A back says by itself that the path is inside. Without `nested` that is all that counts, and every solid has
-/// vacuum around it.
+/// At a back face, the path is inside of the solid whatever `media_here` contains. Without `nested` only
+/// the side counts, and every solid is surrounded by vacuum.
 #[inline(always)]
 #[must_use]
 pub fn interface(
@@ -183,15 +189,15 @@ pub fn interface(
     }
 }
 
-/// Both sides in the same media.
+/// An interface with the same media on both sides.
 #[inline(always)]
 fn around(eta: f32, media: MediumStack) -> Interface {
     Interface { eta, before: media, transmitted: media, is_active: true, is_too_deep: false }
 }
 
-/// What radiance in the medium of `at` is multiplied by when it is seen from that of `from`, with nothing reflected or
-/// absorbed between: `(n_from/n_at)²`. What a path of radiance carries unchanged through refraction is `L/n²`
-/// (Veach 1997, section 5.2), so this is due once, where the path ends. Exactly 1 for equal stacks.
+/// Factor on radiance in the medium of `at` when it is seen from that of `from`, without reflection or
+/// absorption in between: `(n_from/n_at)²`. Refraction leaves `L/n²` unchanged along a path (Veach 1997,
+/// section 5.2), so this factor is applied once, where the path ends. Exactly 1 for equal stacks.
 #[inline]
 #[must_use]
 pub fn radiance_scale(media: &[Medium], from: MediumStack, at: MediumStack) -> f32 {
@@ -224,7 +230,7 @@ mod tests {
         assert_eq!(both.leave(1), MediumStack::VACUUM.enter(2));
         assert_eq!(both.leave(1).leave(2), MediumStack::VACUUM);
         assert_eq!(water.leave(2), water);
-        // Of two of a kind the last is left, and the order of the others stays.
+        // Of two equal media the last is removed, and the order of the others is unchanged.
         let mixed = MediumStack::VACUUM.enter(3).enter(1).enter(3).enter(2);
         assert_eq!(mixed.leave(3), MediumStack::VACUUM.enter(3).enter(1).enter(2));
         assert_eq!(MediumStack::in_medium(255).leave(255), MediumStack::VACUUM);
@@ -236,7 +242,7 @@ mod tests {
         assert!(four.is_full() && !MediumStack::VACUUM.enter(1).enter(1).enter(1).is_full());
         assert_eq!(four.enter(3), four);
         assert_eq!(four.enter(3).leave(3), four);
-        // The highest byte goes as well.
+        // The highest byte is removed too.
         assert_eq!(four.leave(1).leave(1).leave(2).leave(2), MediumStack::VACUUM);
     }
 
@@ -256,15 +262,15 @@ mod tests {
         let into_glass = interface(&media, &solid(2), true, water, true);
         assert_eq!((into_glass.eta, into_glass.is_active), (1.5 / 1.33, true));
         assert_eq!(into_glass.transmitted, water.enter(2));
-        // Within something of a higher priority nothing changes.
+        // Inside a medium of higher priority, nothing changes.
         let hidden = interface(&media, &solid(2), true, MediumStack::VACUUM.enter(3), true);
         assert_eq!((hidden.eta, hidden.is_active), (1.0, false));
-        // A back that was never entered from the front says that it was.
+        // At the back of a solid that was never entered, the path counts as inside.
         let out = interface(&media, &solid(2), false, water, true);
         assert_eq!((out.before, out.transmitted, out.eta), (water.enter(2), water, 1.33 / 1.5));
     }
 
-    /// For solids apart, both rules are the same to the bit.
+    /// For separate solids, both rules give bitwise equal results.
     #[test]
     fn nested_changes_nothing_for_solids_apart() {
         let media = media();

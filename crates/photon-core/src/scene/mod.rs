@@ -1,4 +1,4 @@
-//! What a backend is lent of a scene: plain slices.
+//! The scene as a backend sees it: borrowed slices.
 
 pub(crate) mod caster;
 pub(crate) mod layout;
@@ -14,32 +14,33 @@ mod validate;
 
 /// A scene in normalised space, borrowed.
 ///
-/// `photon_scene::Scene::view` lends one; a renderer with tables of its own can fill it in as well.
-/// [`SceneView::validate`] checks what renderers rely on, and is called by them.
+/// `photon_scene::Scene::view` returns one; a renderer can also fill it from its own tables. Pipeline and
+/// backends call [`SceneView::validate`], which checks what they rely on.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneView<'a> {
-    /// Vertices, within a box of unit size about the origin.
+    /// Vertices, within a box of unit size centred at the origin.
     pub positions: &'a [[f32; 3]],
     /// Three vertex indices each.
     pub triangles: &'a [[u32; 3]],
-    /// One for each triangle.
+    /// One per triangle.
     pub primitives: &'a [Primitive],
     /// Indexed by [`Primitive::material`].
     pub materials: &'a [Material],
     /// Indexed by [`Material::medium`]; the first is [`Medium::VACUUM`], and at most 255 others follow.
     pub media: &'a [Medium],
-    /// Everything that emits photons.
+    /// All lights that emit photons.
     pub lights: &'a [Light],
-    /// Where each light's share of the range of a random `u32` begins; first 0, strictly rising.
+    /// Where each light's interval in the range of a random `u32` begins; the first is 0, strictly
+    /// increasing.
     pub light_cdf: &'a [u32],
-    /// Radius of a sphere about the origin that holds the scene: vertices, point lights and spot lights.
+    /// Radius of a sphere about the origin that contains the scene: vertices, point lights and spot lights.
     pub radius: f32,
-    /// The way back to the user's space and watts.
+    /// Conversion to user space and watts.
     pub units: Units,
 }
 
 impl<'a> SceneView<'a> {
-    /// The materials that some triangle has, in their order. Indices out of range are skipped.
+    /// The materials that are used by a triangle, in order. Indices out of range are skipped.
     pub(crate) fn materials_in_use(&self) -> impl Iterator<Item = &'a Material> + use<'a> {
         let mut used = vec![false; self.materials.len()];
         for primitive in self.primitives {
@@ -51,14 +52,14 @@ impl<'a> SceneView<'a> {
     }
 }
 
-/// What all lights share evenly, of the photons that are sent out; the rest goes by power.
+/// Share of the emitted photons that is distributed evenly over all lights; the rest is by power.
 const DEFENSIVE_SHARE_PHOTONS: f64 = 1.0 / 64.0;
 
-/// Divides the range of a random `u32` among lights: nearly all of it in proportion to their power, and
-/// a sixty-fourth evenly, so that a lamp beside one 10²⁰ times as strong still gets photons.
+/// Divides the range of a random `u32` among lights: nearly all of it in proportion to their power, and a
+/// sixty-fourth evenly, so that a light next to one that is 10²⁰ times as strong still gets photons.
 ///
-/// What a path carries is divided by the *quantised* probability ([`light_probability`]), so that the
-/// sum stays exact. Lights of equal power get equal shares, and their paths equal power.
+/// The flux of a path is divided by the *quantised* probability ([`light_probability`]), so that the sum is
+/// exact. Lights of equal power have equal shares, and their paths equal power.
 #[must_use]
 pub fn light_cdf(powers: &[f64]) -> Vec<u32> {
     let total: f64 = powers.iter().sum();
@@ -78,7 +79,7 @@ pub fn light_cdf(powers: &[f64]) -> Vec<u32> {
         .collect()
 }
 
-/// The light whose share holds `random`.
+/// The light whose interval contains `random`.
 #[must_use]
 pub fn pick_light(starts: &[u32], random: u32) -> usize {
     starts.partition_point(|&start| start <= random).saturating_sub(1)

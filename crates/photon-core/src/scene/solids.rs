@@ -1,4 +1,4 @@
-//! The solids of a scene: which of them touch, and which of them a point lies in.
+//! The solids of a scene: whether they touch, and which of them contain a point.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -7,7 +7,7 @@ use crate::scene::SceneView;
 use crate::scene::layout::{Light, MaterialKind};
 use crate::scene::media::{MediaFeatures, MediumStack};
 
-/// Boundaries that hang together, of one medium.
+/// A connected set of boundary triangles of one medium.
 #[derive(Debug)]
 struct Solid {
     medium: u32,
@@ -24,9 +24,9 @@ pub struct Solids<'a> {
 }
 
 impl<'a> Solids<'a> {
-    /// Sorts the dielectric triangles of a scene into closed boundaries; none of them costs nothing. Triangles belong
-    /// together where they share a vertex, by place, and a medium. Of a scene that [`SceneView::validate`] refuses,
-    /// triangles with indices out of range are skipped.
+    /// Groups the dielectric triangles of a scene into closed boundaries; without any, this costs nothing.
+    /// Triangles are connected if they share a vertex position and a medium. In a scene that
+    /// [`SceneView::validate`] refuses, triangles with indices out of range are skipped.
     #[must_use]
     pub fn of(scene: &SceneView<'a>) -> Self {
         let boundary: Vec<(u32, u32)> = (0..)
@@ -44,13 +44,14 @@ impl<'a> Solids<'a> {
         Self { scene: *scene, solids: group(scene, &boundary) }
     }
 
-    /// What their media ask kernels to do: [`MediaFeatures::NESTED`] if the boxes about two of them meet.
+    /// What kernels have to support for these solids: [`MediaFeatures::NESTED`] if the bounding boxes of
+    /// two of them overlap.
     #[must_use]
     pub fn features(&self) -> MediaFeatures {
         if boxes_meet(&self.solids) { MediaFeatures::NESTED } else { MediaFeatures::NONE }
     }
 
-    /// Ready to find which of them points lie in.
+    /// Builds the structure that finds the solids around a point.
     #[must_use]
     pub fn locate(&self) -> Locator<'_> {
         Locator::new(self)
@@ -65,7 +66,8 @@ impl<'a> Solids<'a> {
     }
 }
 
-/// Finds the solids that points lie in: by what a ray along +x crosses, which is looked up in a grid of its columns.
+/// Finds the solids that contain a point, by the crossings of a ray along +x; the triangles are stored in a
+/// grid over y and z.
 #[derive(Debug)]
 pub struct Locator<'a> {
     solids: &'a Solids<'a>,
@@ -75,7 +77,7 @@ pub struct Locator<'a> {
     low: DVec2,
     cells_per_length: DVec2,
     side: usize,
-    /// Where each cell's entries begin, and one more.
+    /// Where each cell's entries begin, and the total number.
     starts: Vec<u32>,
     /// Solid and triangle.
     entries: Vec<(u32, u32)>,
@@ -136,19 +138,20 @@ impl<'a> Locator<'a> {
         locator
     }
 
-    /// The column of a point, clamped to the grid.
+    /// The grid cell of a point, clamped to the grid.
     fn cell(&self, point: DVec2) -> [usize; 2] {
         let cell = (point - self.low) * self.cells_per_length;
         [cell.x, cell.y].map(|at| (at.max(0.0) as usize).min(self.side - 1))
     }
 
-    /// The media that a point of normalised space lies in: from the largest solid to the smallest.
+    /// The media at a point in normalised space, from the largest solid to the smallest.
     #[must_use]
     pub fn at(&self, point: [f32; 3]) -> MediumStack {
         self.at_but(point.into(), None)
     }
 
-    /// The media that photons of a light start in, on its front and on its back. For a triangle that of its middle.
+    /// The media at the origins of a light's photons, on its front and on its back. For a triangle those at
+    /// its centre.
     #[must_use]
     pub fn of_light(&self, light: &Light) -> [MediumStack; 2] {
         match light.kind {
@@ -201,16 +204,16 @@ impl Solids<'_> {
     }
 }
 
-/// y and z.
+/// The coordinates y and z.
 fn across(point: DVec3) -> DVec2 {
     DVec2::new(point.y, point.z)
 }
 
-/// What the ray along +x from `point` crosses of a triangle: 1 if it leaves through its front, -1 if it enters there,
-/// 0 if it misses it.
+/// How the ray along +x from `point` crosses a triangle: 1 if it leaves through the front, -1 if it enters
+/// there, 0 if it misses.
 ///
-/// Each edge is tested in one direction whichever triangle asks, so that a ray through an edge crosses exactly one of
-/// the two triangles that share it.
+/// Each edge is tested in a fixed direction that does not depend on the triangle, so that a ray through an
+/// edge crosses exactly one of the two triangles that share it.
 fn crossing(corners: [DVec3; 3], point: DVec3) -> i32 {
     let at = across(point);
     let [a, b, c] = corners.map(across);
@@ -219,7 +222,8 @@ fn crossing(corners: [DVec3; 3], point: DVec3) -> i32 {
         return 0;
     }
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    // How far along x the plane is; the sign of the normal's x is that of the turn, which is not 0 here but for rounding.
+    // Distance to the plane along x; the sign of the normal's x is that of the orientation, which is
+    // nonzero here except for rounding.
     let ahead = normal.dot(corners[0] - point) / normal.x;
     if !(ahead > 0.0) {
         return 0;
@@ -227,7 +231,8 @@ fn crossing(corners: [DVec3; 3], point: DVec3) -> i32 {
     if left[0] { 1 } else { -1 }
 }
 
-/// Whether `at` is to the left of the line from `a` to `b`; the opposite of that from `b` to `a`, always.
+/// Whether `at` is to the left of the line from `a` to `b`; always the opposite of the result for the line
+/// from `b` to `a`.
 fn side(a: DVec2, b: DVec2, at: DVec2) -> bool {
     let turn = |from: DVec2, to: DVec2| (to - from).perp_dot(at - from) >= 0.0;
     if (a.x, a.y) <= (b.x, b.y) { turn(a, b) } else { !turn(b, a) }
@@ -305,7 +310,7 @@ fn unite(parents: &mut [u32], a: u32, b: u32) {
     parents[a.max(b) as usize] = a.min(b);
 }
 
-/// The node that stands for all that hang together with `node`.
+/// The representative of the component of `node`.
 fn root(parents: &mut [u32], mut node: u32) -> u32 {
     while parents[node as usize] != node {
         let above = parents[parents[node as usize] as usize];
@@ -332,7 +337,7 @@ mod tests {
     use crate::scene::layout::{Material, Medium, Primitive};
     use crate::scene::units::Units;
 
-    /// Boxes: lower corner, upper corner, material, and whether they face inwards.
+    /// Boxes, each with lower corner, upper corner, material, and whether it faces inwards.
     struct Tables {
         positions: Vec<[f32; 3]>,
         triangles: Vec<[u32; 3]>,
@@ -407,7 +412,7 @@ mod tests {
         assert_eq!(solids.features(), MediaFeatures::NESTED);
         let locator = solids.locate();
         let outer = MediumStack::in_medium(1);
-        // The rays of the first, second and last go through edges and vertices of the boxes.
+        // The rays of the first, second and last point cross edges and vertices of the boxes.
         assert_eq!(locator.at([0.0; 3]), outer.enter(2));
         assert_eq!(locator.at([-0.3, 0.2, 0.2]), outer);
         assert_eq!(locator.at([0.35, 0.03, 0.02]), MediumStack::VACUUM, "in the bubble");
@@ -417,7 +422,7 @@ mod tests {
         }
     }
 
-    /// A grid of points against the boxes themselves; some lie on diagonals and edges of faces.
+    /// A grid of points, compared with the boxes; some lie on diagonals and edges of faces.
     #[test]
     fn every_point_of_a_grid_is_where_it_is() {
         let tables = tables(&[([-0.5; 3], [0.5; 3], 1, false), ([-0.25, -0.25, -0.4], [0.25, 0.25, 0.25], 2, false)]);
@@ -449,7 +454,7 @@ mod tests {
         assert_eq!(Solids::of(&none.view()).locate().at([0.0; 3]), MediumStack::VACUUM);
     }
 
-    /// A boundary that shines itself starts photons outside of its solid in front, inside behind.
+    /// An emissive boundary emits photons outside of its solid from the front, inside from the back.
     #[test]
     fn a_glowing_boundary_has_two_sides() {
         let tables = tables(&[([-0.5; 3], [0.5; 3], 1, false), ([-0.2; 3], [0.2; 3], 2, false)]);

@@ -1,4 +1,4 @@
-//! Whether a view can be rendered: its indices, its kinds and its numbers.
+//! Validation of scene views: indices, kinds and numbers.
 
 use super::SceneView;
 use crate::error::{Error, Result};
@@ -6,29 +6,31 @@ use crate::scene::layout::{Light, Material, MaterialKind, Medium};
 use crate::scene::media::MediumStack;
 use crate::scene::units::Units;
 
-/// Normals and directions are unit vectors to this much of their squared length.
+/// Tolerance of the squared length of unit vectors.
 const UNIT: f32 = 1e-4;
-/// Positions are within [`SceneView::radius`] to this share of it, for those who compute it in `f32`.
+/// Tolerance of positions as a share of [`SceneView::radius`], for callers that compute the radius in
+/// `f32`.
 const ROUNDING: f32 = 1e-5;
-/// The largest radius: beyond it, rounding in rays exceeds the margins that are left for it.
+/// Largest valid radius: beyond it, rounding errors of rays exceed the offsets that allow for them.
 const MAX_RADIUS: f32 = 16.0;
 
 impl SceneView<'_> {
-    /// Checks everything that a renderer relies on, in linear time: lengths of the tables, indices, kinds of
-    /// materials and lights, and that numbers are finite and within their ranges.
+    /// Checks everything that a renderer relies on, in linear time: lengths of the tables, indices, kinds
+    /// of materials and lights, and that numbers are finite and within their ranges.
     ///
-    /// [`crate::Pipeline`] and every backend's [`crate::TransportBackend::prepare`] call it. What takes a view
-    /// and returns no error, such as [`crate::requirements::explain`], may panic on a view that fails here. Not checked:
-    /// whether normals are those of their triangles, and whether triangles have an area.
+    /// [`crate::Pipeline`] and every backend's [`crate::TransportBackend::prepare`] call it. Functions that
+    /// take a view and return no error, such as [`crate::requirements::explain`], may panic on a view that
+    /// fails here. Not checked: whether normals are those of their triangles, and whether triangles have an
+    /// area above 0.
     ///
     /// # Errors
-    /// [`Error::InvalidInput`] names the first element that is wrong, by its kind and its index;
+    /// [`Error::InvalidInput`] names the first invalid element, by its kind and its index;
     /// [`Error::InvalidScene`] names what is wrong with the view as a whole.
     pub fn validate(&self) -> Result<()> {
         whole(self)?;
         each("position", self.positions, |&position| check_position(position, self.radius))?;
         each("triangle", self.triangles, |&corners| check_indices(corners, self.positions.len()))?;
-        each("facet", self.primitives, |primitive| {
+        each("primitive", self.primitives, |primitive| {
             require(is_unit(primitive.normal), || format!("its normal {:?} is not a unit vector", primitive.normal))?;
             index("material", primitive.material, self.materials.len())
         })?;
@@ -39,7 +41,7 @@ impl SceneView<'_> {
     }
 }
 
-/// What is wrong with one element, if anything.
+/// What is wrong with an element, if anything.
 type Check = std::result::Result<(), String>;
 
 fn each<T>(what: &'static str, elements: &[T], check: impl Fn(&T) -> Check) -> Result<()> {
@@ -53,13 +55,13 @@ fn require(holds: bool, why: impl FnOnce() -> String) -> Check {
     if holds { Ok(()) } else { Err(why()) }
 }
 
-/// What is said of the view and not of one of its elements.
+/// Checks of the view as a whole, not of single elements.
 fn whole(view: &SceneView<'_>) -> Result<()> {
     let invalid = |what, value: String, hint| Err(Error::InvalidScene { what, value, hint });
     let (triangles, primitives) = (view.triangles.len(), view.primitives.len());
     if primitives != triangles {
         let value = format!("{primitives} for {triangles} triangles");
-        return invalid("the number of facets", value, "every triangle needs one");
+        return invalid("the number of primitives", value, "every triangle needs one");
     }
     let (lights, starts) = (view.lights.len(), view.light_cdf.len());
     if starts != lights {
@@ -69,10 +71,10 @@ fn whole(view: &SceneView<'_>) -> Result<()> {
     let media = view.media.len();
     if view.media.first() != Some(&Medium::VACUUM) || media > MediumStack::MAX_MEDIA + 1 {
         let value = format!("a table of {media}");
-        return invalid("media", value, "it begins with Medium::VACUUM, and at most 255 others follow");
+        return invalid("media", value, "it must begin with Medium::VACUUM, followed by at most 255 others");
     }
     if !(0.0..=MAX_RADIUS).contains(&view.radius) {
-        let hint = "it must be a number from 0 to 16: bring the scene to a unit box about the origin";
+        let hint = "it must be a number from 0 to 16: scale the scene to a unit box centred at the origin";
         return invalid("the radius", view.radius.to_string(), hint);
     }
     let Units { center, scale, power } = view.units;
@@ -88,7 +90,7 @@ fn whole(view: &SceneView<'_>) -> Result<()> {
 }
 
 fn check_position(position: [f32; 3], radius: f32) -> Check {
-    // In f64, so that the square of what is finite is finite too; NaN fails.
+    // In f64, so that the square of a finite number is finite too; NaN fails.
     let squared: f64 = position.iter().map(|&c| f64::from(c) * f64::from(c)).sum();
     let limit = f64::from(radius) * f64::from(1.0 + ROUNDING);
     require(squared <= limit * limit, || {
@@ -98,12 +100,12 @@ fn check_position(position: [f32; 3], radius: f32) -> Check {
 
 fn check_indices(corners: [u32; 3], vertices: usize) -> Check {
     require(corners.iter().all(|&vertex| (vertex as usize) < vertices), || {
-        format!("{corners:?} names a vertex that is not among the {vertices}")
+        format!("{corners:?} has an index that is not among the {vertices} vertices")
     })
 }
 
 fn index(what: &str, index: u32, count: usize) -> Check {
-    require((index as usize) < count, || format!("{what} {index} is not among the {count}"))
+    require((index as usize) < count, || format!("{what} {index} is out of range, {count} exist"))
 }
 
 fn is_unit(vector: [f32; 3]) -> bool {
@@ -129,7 +131,7 @@ fn check_medium(medium: &Medium) -> Check {
 
 fn check_material(material: &Material, media: &[Medium]) -> Check {
     let Some(kind) = MaterialKind::from_u32(material.kind) else {
-        return Err(format!("its kind {} is unknown; take the number of a MaterialKind", material.kind));
+        return Err(format!("its kind {} is unknown; use the number of a MaterialKind", material.kind));
     };
     require(material.albedo.iter().all(|part| (0.0..=1.0).contains(part)), || {
         format!("its albedo {:?} must lie between 0 and 1", material.albedo)
@@ -143,17 +145,17 @@ fn check_material(material: &Material, media: &[Medium]) -> Check {
         MaterialKind::Dielectric => {
             refracts()?;
             let inside = material.medium;
-            require(inside > 0, || "it names no medium; a solid is made of an entry of media after the first".into())?;
+            require(inside > 0, || "it has no medium; a dielectric needs an entry of media after the first".into())?;
             index("medium", inside, media.len())?;
             let there = media[inside as usize].ior;
-            require(there == ior, || format!("its ior {ior} is not that of its medium {inside}, {there}"))
+            require(there == ior, || format!("its ior {ior} differs from that of its medium {inside}, {there}"))
         }
     }
 }
 
 fn check_light(light: &Light, triangles: usize, radius: f32) -> Check {
     let kind = light.kind;
-    require(is_known_light(kind), || format!("its kind {kind} is unknown; take a constant of Light"))?;
+    require(is_known_light(kind), || format!("its kind {kind} is unknown; use a constant of Light"))?;
     not_negative("power", &light.power)?;
     let direction =
         || require(is_unit(light.direction), || format!("its direction {:?} is not a unit vector", light.direction));
@@ -171,7 +173,7 @@ fn check_light(light: &Light, triangles: usize, radius: f32) -> Check {
             direction()?;
             let (inner, outer) = (light.versine_inner, light.versine_outer);
             require(0.0 <= inner && inner <= outer && outer <= 2.0, || {
-                format!("its versines {inner} and {outer} must rise from the inner to the outer one, from 0 to 2")
+                format!("its versines {inner} and {outer} must lie between 0 and 2, the inner not above the outer")
             })
         }
         _ => {
@@ -187,9 +189,11 @@ fn check_starts(starts: &[u32]) -> Result<()> {
         _ => starts.windows(2).position(|pair| pair[0] >= pair[1]).map(|before| before + 1),
     };
     wrong.map_or(Ok(()), |at| {
-        let why =
-            format!("{} breaks a list that begins with 0 and rises strictly; fill it in with light_cdf", starts[at]);
-        Err(Error::InvalidInput { what: "light start", index: at as u64, why })
+        let why = format!(
+            "{} is invalid in a list that must begin with 0 and increase strictly; fill it in with light_cdf",
+            starts[at]
+        );
+        Err(Error::InvalidInput { what: "light_cdf entry", index: at as u64, why })
     })
 }
 

@@ -1,50 +1,51 @@
-//! When to stop.
+//! When a render ends.
 
 use std::time::Duration;
 
 use crate::error::{Error, Result};
 
-/// What is to be spent, or reached.
+/// How long a render runs: a limit on its cost, or an error to reach.
 ///
-/// With time or an error, radii that the renderer derived itself are adapted after a pilot of 8 passes, if
-/// errors are kept: to where noise and bias balance at the end.
+/// With [`Budget::Time`] or [`Budget::Error`], and if errors are estimated, radii that the renderer derived
+/// itself are adapted after 8 pilot passes, so that noise and bias are balanced at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
-    /// So many passes, ≥ 1.
+    /// This many passes, ≥ 1.
     Passes(u32),
-    /// As many passes as it takes to emit so many paths, ≥ 1.
+    /// As many passes as are needed to emit this many paths, ≥ 1.
     Photons(u64),
-    /// As many passes as end nearest to this; the first always runs.
+    /// The number of passes that ends nearest to this duration; the first pass always runs.
     Time(Duration),
-    /// As many passes as it takes until what is claimed of the error ([`crate::ConfidenceInterval`]) is small enough.
-    /// [`crate::Settings::errors`] must be set.
+    /// As many passes as are needed until the estimated error ([`crate::ConfidenceInterval`]) is small
+    /// enough. [`crate::Settings::errors`] must be set.
     Error {
-        /// The largest error, > 0: a fraction of the pixel, or of a tenth of the picture's mean where
-        /// the pixel is darker than that.
+        /// The largest relative error, > 0: a fraction of the pixel, or of a tenth of the picture's mean
+        /// where the pixel is darker than that.
         target: f64,
-        /// In which share of the pixels of which something is claimed, above 0 and at most 1.
+        /// The share of pixels that have to reach it, among the pixels that have an error estimate; above 0
+        /// and at most 1.
         share_of_pixels: f64,
     },
 }
 
 impl Budget {
-    /// So many passes, however long they take.
+    /// This many passes, however long they take.
     #[must_use]
     pub fn passes(passes: u32) -> Self {
         Self::Passes(passes)
     }
 }
 
-/// A budget, from which pass on, and what else may end it.
+/// A budget, the first pass, and further limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// Number of the first pass.
+    /// Index of the first pass.
     pub first: u32,
-    /// What is to be spent, or reached.
+    /// How long to render.
     pub until: Budget,
-    /// So many passes at most, ≥ 1.
+    /// Maximum number of passes, ≥ 1.
     pub most_passes: Option<u32>,
-    /// So long at most, as [`Budget::Time`] has it.
+    /// Maximum duration, as for [`Budget::Time`].
     pub most_time: Option<Duration>,
 }
 
@@ -55,7 +56,7 @@ impl From<Budget> for Plan {
 }
 
 impl Plan {
-    /// The time after which it ends, if there is one.
+    /// The duration after which it ends, if it is limited.
     #[must_use]
     pub fn time(&self) -> Option<Duration> {
         let asked = match self.until {
@@ -65,7 +66,7 @@ impl Plan {
         asked.into_iter().chain(self.most_time).min()
     }
 
-    /// The number of passes after which it ends, if nothing else ends it before.
+    /// The number of passes after which it ends, unless another limit ends it before.
     #[must_use]
     pub fn passes(&self) -> u32 {
         let asked = match self.until {
@@ -73,14 +74,15 @@ impl Plan {
             _ => None,
         };
         let fewest = asked.into_iter().chain(self.most_passes).min().unwrap_or(u32::MAX - 1);
-        // The last number of all is that of the pilot.
+        // The last pass index is reserved for the pilot.
         fewest.min((u32::MAX - 1).saturating_sub(self.first))
     }
 
-    /// Checks that it can be kept.
+    /// Checks that all limits are valid.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] for no passes, no photons, or an error that is no positive number.
+    /// [`Error::InvalidSetting`] for zero passes, zero photons, or a target error that is not positive and
+    /// finite.
     pub fn validate(&self) -> Result<()> {
         let ensure = |good: bool, name, value: String, hint| {
             if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, hint }) }

@@ -1,20 +1,21 @@
-//! The kernels of density estimation on the unit disc.
+//! Kernels for density estimation on the unit disc.
 
-/// How much a photon counts by its distance from the query.
+/// How a photon is weighted by its distance from the query.
 ///
-/// All are weights relative to the constant kernel: an estimate is `Σ W(u)·power / (π r²)` with
-/// `u = d²/r²`, and `∫₀¹ W(u) du = 1`, so that each integrates to 1 over the disc (Silverman 1986,
-/// section 4.2; the cone is Jensen's, 1996).
+/// All are weights relative to the constant kernel: an estimate is `Σ W(u)·power / (π r²)` with `u =
+/// d²/r²`, and `∫₀¹ W(u) du = 1`, so that each integrates to 1 over the disc (Silverman 1986, section 4.2;
+/// the cone is from Jensen 1996).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Kernel {
     /// `1`.
     Constant,
-    /// `2 (1 − u)`: the least error per photon, and zero at the rim.
+    /// `2 (1 − u)`: the smallest error per photon, and zero at the edge of the disc.
     Epanechnikov,
     /// `(1 − √u/s) / (1 − 2/(3s))`.
     Cone {
-        /// `s` ≥ 1: how far out the cone's foot lies, in radii. 1 vanishes at the rim.
+        /// `s` ≥ 1: radius of the cone's base, in search radii. With 1 the weight is zero at the edge of
+        /// the disc.
         slope: f32,
     },
     /// `3 (1 − u)²`.
@@ -22,7 +23,7 @@ pub enum Kernel {
 }
 
 impl Kernel {
-    /// The weight at `u`, the squared distance over the squared radius, in `[0, 1]`.
+    /// The weight at `u`, the squared distance divided by the squared radius, in `[0, 1]`.
     #[inline]
     #[must_use]
     pub fn weight(self, u: f32) -> f32 {
@@ -34,11 +35,12 @@ impl Kernel {
         }
     }
 
-    /// Standard deviation of the difference between estimates within r and √2 r, by the same photons,
-    /// over that of the first: `∫₀² (W(u) − W(u/2)/2)² du / ∫₀¹ W²`, its root; 1/2 for Epanechnikov's.
+    /// Standard deviation of the difference between estimates with radii r and √2 r from the same photons,
+    /// divided by that of the first: the square root of `∫₀² (W(u) − W(u/2)/2)² du / ∫₀¹ W²`; 1/2 for
+    /// Epanechnikov's.
     #[must_use]
     pub fn second_radius_noise(self) -> f64 {
-        // The midpoint rule, of which the constant kernel's jumps fall between steps.
+        // The midpoint rule, with steps such that the constant kernel's discontinuities fall between them.
         const STEPS: u32 = 1000;
         let mid = |step: u32| (step as f32 + 0.5) / STEPS as f32;
         let (mut difference, mut alone) = (0.0, 0.0);
@@ -51,7 +53,7 @@ impl Kernel {
         (difference / alone).sqrt()
     }
 
-    /// The number under which shaders know it: its place in the declaration.
+    /// The number by which shaders identify it: its position in the declaration.
     #[must_use]
     pub fn number(self) -> u32 {
         match self {
@@ -62,13 +64,13 @@ impl Kernel {
         }
     }
 
-    /// The cone's slope; 1 for the others, which have none.
+    /// The cone's slope; 1 for the kernels without one.
     #[must_use]
     pub fn slope(self) -> f32 {
         if let Self::Cone { slope } = self { slope } else { 1.0 }
     }
 
-    /// The name under which programs know it.
+    /// Name in options and reports, without the slope.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -92,7 +94,8 @@ mod tests {
         Kernel::Biweight,
     ];
 
-    /// Integrals of `f(W)` over `u` in `[0, 1]`, by Simpson's rule in `t = √u` where all are smooth.
+    /// Integrals of `f(W)` over `u` in `[0, 1]`, by Simpson's rule in `t = √u`, in which all kernels are
+    /// smooth.
     fn integral(kernel: Kernel, f: impl Fn(f64) -> f64) -> f64 {
         let steps = 2000;
         let h = 1.0 / f64::from(steps);

@@ -1,4 +1,4 @@
-//! What a user chooses.
+//! //! Settings that a user chooses.
 
 pub(crate) mod budget;
 pub(crate) mod kernel;
@@ -8,50 +8,50 @@ pub(crate) mod preset;
 use crate::error::{Error, Result};
 use crate::settings::kernel::Kernel;
 
-/// How photons are arranged for search.
+/// How photons are arranged for searching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum IndexKind {
-    /// Left-balanced kd-tree, split at the median: the paper's first.
+    /// Left-balanced kd-tree, split at the median: the first of Lin and Wang 2010.
     Median,
-    /// kd-tree split by the Voxel Volume Heuristic: the paper's second.
+    /// kd-tree split by the Voxel Volume Heuristic: the second of Lin and Wang 2010.
     Vvh,
-    /// Order of Morton codes: the quickest to build.
+    /// Photons sorted by Morton code: the fastest to build.
     #[default]
     Morton,
 }
 
-/// How the photons near a query become an estimate.
+/// How radiance is estimated from the photons near a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Estimator {
-    /// All within a radius that shrinks from pass to pass.
+    /// All photons within a radius that shrinks from pass to pass.
     Radius {
-        /// Radius of the first pass, user space, > 0 and finite; `None`: derived for each map from
-        /// the density of its photons.
+        /// Radius of the first pass, user space, > 0 and finite; `None`: derived for each map from the
+        /// density of its photons.
         radius: Option<f64>,
     },
-    /// The `k` nearest, of which the farthest only sets the radius.
+    /// The `k` nearest photons, of which the farthest only sets the radius.
     Knn {
-        /// How many, ≥ 2.
+        /// Number of photons, ≥ 2.
         k: u32,
-        /// None farther than this counts, user space, > 0; `None`: no limit but the scene.
+        /// Largest search radius, user space, > 0; `None`: limited only by the size of the scene.
         max_radius: Option<f64>,
     },
-    /// Equation (2) of Lin and Wang 2010, with the errors that it has.
+    /// Equation (2) of Lin and Wang 2010, including its errors.
     Paper(Paper),
 }
 
-/// The free numbers of Lin and Wang 2010.
+/// Parameters of the estimator of Lin and Wang 2010.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paper {
-    /// At most this many photons; the radius shrinks to the farthest of them. ≥ 1.
+    /// Maximum number of photons; the radius shrinks to the farthest of them. ≥ 1.
     pub max: u32,
-    /// Radius of the sphere S(P, r), user space, > 0; `None`: derived as for the others.
+    /// Radius of the sphere S(P, r), user space, > 0; `None`: derived, as for the other estimators.
     pub radius: Option<f64>,
     /// With fewer photons than this the estimate is 0.
     pub threshold: u32,
-    /// The free scale `factor`.
+    /// The scale factor `factor`.
     pub factor: f32,
-    /// Whether the finished colour is clamped to `[0, 1]`.
+    /// Whether the final colour is clamped to `[0, 1]`.
     pub clamp: bool,
 }
 
@@ -61,149 +61,151 @@ impl Default for Paper {
     }
 }
 
-/// Where direct light comes from.
+/// How direct light is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Direct {
-    /// Shadow rays to points on the lights.
+    /// By shadow rays to points on the lights (next-event estimation).
     #[default]
     Nee,
-    /// A photon map of its own.
+    /// From a photon map of direct light.
     Photons,
-    /// It is left out.
+    /// Not at all: direct light is left out.
     None,
 }
 
-/// Where light that has been scattered diffusely before comes from.
+/// How indirect light, which has been scattered diffusely before, is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Indirect {
-    /// Straight from the global map.
+    /// Estimated directly from the global map.
     #[default]
     Map,
-    /// From the maps at where rays from the query land (Jensen 1996).
+    /// By final gathering: estimated from the maps where rays from the query hit a surface (Jensen 1996).
     Gather,
-    /// It is left out.
+    /// Not at all: indirect light is left out.
     None,
 }
 
-/// What an estimate's flux is divided by.
+/// The area that an estimate's flux is divided by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Area {
-    /// The disc, wherever it hangs over the end of its surface: too dark there.
+    /// The whole disc, even where it extends past the edge of its surface: estimates are too dark there.
     #[default]
     Disc,
-    /// What of the disc lies on the surface, found by a few dozen rays a query: [`crate::area`].
-    /// Estimates where final-gather rays land are corrected only with [`Settings::irradiance_every`].
+    /// The part of the disc that lies on the surface, estimated with a few dozen rays per query:
+    /// [`crate::area`]. Estimates at the hits of final-gather rays are corrected only with
+    /// [`Settings::irradiance_every`].
     Surface,
 }
 
-/// Whose radius an estimate has.
+/// What the radius of an estimate depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Bandwidth {
-    /// That of its map and pass.
+    /// The map and the pass alone.
     #[default]
     Shared,
-    /// Times a factor of its pixel's, from the noise and bias of earlier passes, so that their sum is
-    /// least. Passes are then no longer independent of which ones were rendered before. For
-    /// [`Settings::errors`] alone, and not with [`Indirect::Gather`].
+    /// The radius of map and pass, times a factor for each pixel that minimises the sum of noise and bias
+    /// as measured in earlier passes. Passes then depend on which passes were rendered before. Requires
+    /// [`Settings::errors`]; not available with [`Indirect::Gather`].
     PerPixel,
 }
 
-/// How paths are shared out among threads. The result is the same.
+/// How paths are distributed over threads. The result is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Scheduling {
-    /// A fixed quota for each.
+    /// A fixed number of paths for each thread.
     Static,
-    /// From a shared counter, so that all finish together.
+    /// From a shared counter, so that all threads finish together.
     #[default]
     Dynamic,
 }
 
-/// Which random numbers.
+/// Which random numbers are used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum RandomKind {
     /// A counter-based generator: independent for every path and dimension.
     #[default]
     Counter,
-    /// The paper's linear congruential one, started at the number of the path.
+    /// The linear congruential generator of Lin and Wang 2010, seeded with the path index.
     Lcg,
-    /// Light, point and direction that a photon leaves by from Sobol's sequence, scrambled anew for
-    /// each pass, so that the photons of a pass leave no gaps; all else as with the counter.
+    /// The light, point and direction of emission come from Sobol's sequence, scrambled differently in each
+    /// pass, so that the photons of a pass are evenly spread; all other dimensions as with `Counter`.
     Sobol,
 }
 
-/// Which paths of light fill the map of caustics.
+/// Which light paths fill the caustic map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CausticPhotons {
-    /// Aimed if no other map is filled, as many as [`Settings::photons`]; or if no more than a twentieth of
-    /// the light could meet mirrors or glass, a quarter as many. Otherwise [`CausticPhotons::Shared`].
+    /// Aimed, if no other map is filled: as many as [`Settings::photons`]; or if at most a twentieth of the
+    /// light can meet mirrors or glass: a quarter as many. Otherwise [`CausticPhotons::Shared`].
     #[default]
     Auto,
-    /// Those that fill the other maps too.
+    /// The paths that fill the other maps too.
     Shared,
-    /// So many of their own in each pass, ≥ 1, aimed at mirrors and glass.
+    /// This many separate paths per pass, ≥ 1, aimed at mirrors and glass (a projection map).
     Aimed(u32),
 }
 
-/// What a user chooses. Lengths are in user space.
+/// Settings that a user chooses. Lengths are in user space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Paths emitted per pass, ≥ 1.
     pub photons: u32,
-    /// How photons become an estimate.
+    /// How radiance is estimated from photons.
     pub estimator: Estimator,
-    /// Factor on radii that are derived, > 0 and finite: below 1 for sharp caustics, above for smooth light.
+    /// Factor on derived radii, > 0 and finite: below 1 for sharp caustics, above 1 for smooth light.
     pub radius_factor: f64,
-    /// How they are weighted.
+    /// How photons are weighted by distance.
     pub kernel: Kernel,
-    /// What they are spread over.
+    /// The area that an estimate's flux is divided by.
     pub area: Area,
-    /// Whose radius they have.
+    /// Whether all pixels share the radius of an estimate.
     pub bandwidth: Bandwidth,
-    /// How they are arranged.
+    /// How photons are arranged for searching.
     pub index: IndexKind,
-    /// Where direct light comes from.
+    /// How direct light is computed.
     pub direct: Direct,
-    /// Where indirect light comes from.
+    /// How indirect light is computed.
     pub indirect: Indirect,
-    /// Whether light that came only by mirrors and glass is included.
+    /// Whether light that reached a diffuse surface only by way of mirrors and glass is included.
     pub caustics: bool,
-    /// Which paths it comes by.
+    /// Which light paths fill the caustic map.
     pub caustic_photons: CausticPhotons,
-    /// Longest path, counted in surfaces met, ≥ 1; for photons and for camera paths.
+    /// Maximum path length, counted in surfaces met, ≥ 1; for photon paths and camera paths.
     pub max_bounces: u32,
     /// Key of all random numbers.
     pub seed: u64,
-    /// How fast radii shrink from pass to pass, in `(0, 1]`; 1 keeps them.
+    /// How fast radii shrink from pass to pass, in `(0, 1]`; 1: they do not shrink.
     pub alpha: f64,
-    /// How paths are shared out among threads.
+    /// How paths are distributed over threads.
     pub scheduling: Scheduling,
-    /// Which random numbers.
+    /// Which random numbers are used.
     pub random: RandomKind,
     /// Shadow rays per query and pass, ≥ 1.
     pub shadow_rays: u32,
     /// Final-gather rays per query and pass, ≥ 1.
     pub gather_rays: u32,
-    /// Irradiance is found once a pass at the places of every so-manieth photon, and final-gather rays
-    /// take that of the nearest (Christensen 1999), ≥ 1; `None`: each ray asks the maps. Smaller is
-    /// finer; there all photons within a radius count alike. For [`Indirect::Gather`] alone, and not with
-    /// [`Settings::errors`].
+    /// `Some(n)`, n ≥ 1: irradiance is precomputed once per pass at the position of every n-th photon, and
+    /// final-gather rays use the value of the nearest such point (Christensen 1999). Smaller is finer;
+    /// these estimates weight all photons within the radius equally. `None`: each final-gather ray
+    /// estimates from the maps. Only with [`Indirect::Gather`], and not with [`Settings::errors`].
     pub irradiance_every: Option<u32>,
-    /// A photon counts if its surface's normal and the query's have at least this cosine, in
+    /// A photon counts if the cosine between its surface's normal and the query's is at least this, in
     /// `[-1, 1]`.
     pub min_normal_cosine: f32,
-    /// A photon counts if its distance from the query's plane is at most this share of the radius, in
-    /// `(0, 1]`; 1: whatever lies in the ball. Below 1 a sheet beside the surface no longer shines
-    /// through, but a ball of less than `radius / (2 share)` loses its rim (Jensen 2001 flattens the ball
-    /// likewise). For [`Estimator::Radius`] alone.
+    /// A photon counts if its distance from the query's plane is at most this share of the radius, in `(0,
+    /// 1]`; 1: all photons in the ball count. Below 1, light of a nearby parallel surface no longer leaks
+    /// through, but on a sphere with a radius of less than `radius / (2 share)` photons near the edge of
+    /// the disc are missed (Jensen 2001 flattens the search sphere likewise). Only with
+    /// [`Estimator::Radius`].
     pub max_plane_distance: f32,
-    /// Photons that a map may hold; `None`: as many as land.
+    /// Maximum number of photons per map; `None`: no limit.
     pub photon_capacity: Option<u64>,
-    /// Bytes that backend and pipeline may hold for the scene, the picture and the photons; `None`: as
-    /// many as it takes. Passes then have fewer photons than [`Settings::photons`] if need be, which
-    /// [`crate::Facts`] says: render more of them.
+    /// Maximum number of bytes that backend and pipeline allocate for the scene, the picture and the
+    /// photons; `None`: no limit. If necessary, passes have fewer photons than [`Settings::photons`], which
+    /// [`crate::Facts`] reports: render more passes then.
     pub memory: Option<u64>,
-    /// Whether the film keeps what tells the error of each pixel: [`crate::ErrorPixel`]. For
-    /// [`Estimator::Radius`] alone. The picture is the same.
+    /// Whether the film stores the error statistics of each pixel: [`crate::ErrorPixel`]. Only with
+    /// [`Estimator::Radius`]. The picture is the same.
     pub errors: bool,
 }
 
@@ -239,8 +241,8 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// As Lin and Wang 2010 have it, errors included: equation (2), the LCG, the median kd-tree,
-    /// static quotas.
+    /// The settings of Lin and Wang 2010, including its errors: equation (2), the LCG, the median kd-tree,
+    /// static scheduling.
     #[must_use]
     pub fn paper() -> Self {
         Self {
@@ -255,10 +257,10 @@ impl Settings {
         }
     }
 
-    /// Checks every number.
+    /// Checks the range of every setting, and combinations that exclude each other.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] names the first that makes no sense.
+    /// [`Error::InvalidSetting`] names the first invalid setting.
     pub fn validate(&self) -> Result<()> {
         let ensure = |good: bool, name, value: String, hint| {
             if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, hint }) }
@@ -270,7 +272,7 @@ impl Settings {
         ensure(self.photons > 0, "photons", self.photons.to_string(), "at least 1 is needed")?;
         length("radius-factor", Some(self.radius_factor))?;
         let aimed = self.caustic_photons != CausticPhotons::Aimed(0);
-        ensure(aimed, "caustic-photons", "0".into(), "at least 1 is needed; to leave caustics out, say so")?;
+        ensure(aimed, "caustic-photons", "0".into(), "at least 1 is needed; to leave caustics out, turn them off")?;
         match self.estimator {
             Estimator::Radius { radius } => length("radius", radius)?,
             Estimator::Knn { k, max_radius } => {
@@ -287,15 +289,15 @@ impl Settings {
         if self.errors && !matches!(self.estimator, Estimator::Radius { .. }) {
             return Err(Error::InvalidSetting {
                 name: "errors",
-                value: format!("asked of {:?}", self.estimator),
-                hint: "what an error is told by are estimates within two radii: take the estimator of a radius",
+                value: format!("enabled, with {:?}", self.estimator),
+                hint: "errors are estimated by comparing two radii: use the radius estimator",
             });
         }
         if self.area == Area::Surface && matches!(self.estimator, Estimator::Paper(_)) {
             return Err(Error::InvalidSetting {
                 name: "area",
                 value: format!("surface, with {:?}", self.estimator),
-                hint: "the paper's estimator divides by its disc: take another, or area disc",
+                hint: "the paper's estimator divides by the area of its disc: use another estimator, or area disc",
             });
         }
         if let Kernel::Cone { slope } = self.kernel {
@@ -312,21 +314,21 @@ impl Settings {
         ensure(self.shadow_rays >= 1, "shadow-rays", self.shadow_rays.to_string(), "at least 1 is needed")?;
         ensure(self.gather_rays >= 1, "gather-rays", self.gather_rays.to_string(), "at least 1 is needed")?;
         if self.bandwidth == Bandwidth::PerPixel {
-            let hint = "asks for errors, and for light that is not gathered elsewhere";
+            let hint = "needs errors to be enabled, and indirect light that is not computed by final gathering";
             ensure(self.errors && self.indirect != Indirect::Gather, "bandwidth", "per pixel".into(), hint)?;
         }
         if let Some(every) = self.irradiance_every {
             let name = "irradiance-every";
             ensure(every >= 1, name, every.to_string(), "at least 1 is needed")?;
             let gathers = self.indirect == Indirect::Gather;
-            ensure(gathers, name, format!("{every}, with {:?}", self.indirect), "is for final gathering: ask for it")?;
-            let hint = "cannot tell errors: leave one of the two out";
+            ensure(gathers, name, format!("{every}, with {:?}", self.indirect), "needs indirect gather")?;
+            let hint = "does not support error estimates: turn one of the two off";
             ensure(!self.errors, name, format!("{every}, with errors"), hint)?;
         }
         let cosine = self.min_normal_cosine;
         ensure((-1.0..=1.0).contains(&cosine), "min-normal-cosine", cosine.to_string(), "must lie between -1 and 1")?;
         let plane = self.max_plane_distance;
-        let hint = "must be above 0 and at most 1, and 1 with estimators other than that of a radius";
+        let hint = "must be above 0 and at most 1, and exactly 1 with estimators other than radius";
         let good = plane == 1.0 || (plane > 0.0 && plane < 1.0 && matches!(self.estimator, Estimator::Radius { .. }));
         ensure(good, "max-plane-distance", plane.to_string(), hint)?;
         Ok(())

@@ -1,7 +1,7 @@
 //! Names of the values that options take, for programs, configuration files and reports.
 //!
 //! Each option type implements [`Display`](std::fmt::Display) and [`FromStr`](std::str::FromStr), which are
-//! inverses of each other. A name that is not known is [`Error::InvalidSetting`], which lists the known ones.
+//! inverses of each other. An unknown name is [`Error::InvalidSetting`], which lists the known ones.
 
 use std::fmt;
 use std::str::FromStr;
@@ -61,8 +61,8 @@ fn unknown(option: &'static str, text: &str, hint: &'static str) -> Error {
 }
 
 impl Estimator {
-    /// The names that [`str::parse`] reads, each of which stands for an estimator with its default parameters:
-    /// a derived radius, 50 nearest photons, [`Paper::default`].
+    /// The names that [`str::parse`] accepts, each of which stands for an estimator with its default
+    /// parameters: a derived radius, 50 nearest photons, [`Paper::default`].
     pub const NAMES: [&'static str; 3] = ["radius", "knn", "paper"];
 
     /// Name in options and reports, without the parameters.
@@ -103,7 +103,7 @@ impl FromStr for CausticPhotons {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let hint = "must be auto, shared, or a whole number of paths from 1 on";
+        let hint = "must be auto, shared, or a whole number of paths, at least 1";
         match text {
             "auto" => Ok(Self::Auto),
             "shared" => Ok(Self::Shared),
@@ -127,7 +127,7 @@ impl fmt::Display for Kernel {
 impl FromStr for Kernel {
     type Err = Error;
 
-    /// `cone` alone has the slope 1; another is given as `cone:SLOPE`.
+    /// `cone` alone has slope 1; any other slope is given as `cone:SLOPE`.
     fn from_str(text: &str) -> Result<Self, Error> {
         let hint =
             "must be one of constant, epanechnikov, biweight, cone, cone:SLOPE with a finite slope of at least 1";

@@ -1,20 +1,21 @@
-//! Settings for a need, from what was measured.
+//! Settings for a desired quality, chosen from measurements.
 
 use crate::settings::{Area, Bandwidth, Settings};
 
-/// How good a picture is to be. The numbers come from `docs/studies/accuracy.md`, which has the rows.
+/// Desired quality of a picture. The numbers come from `docs/studies/accuracy.md`, which has the
+/// measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Preset {
-    /// A first look.
+    /// A quick preview.
     Preview,
-    /// A picture to work with.
+    /// A picture for work in progress.
     Balanced,
-    /// A picture to keep.
+    /// A final picture.
     Final,
 }
 
 impl Preset {
-    /// How many passes it is meant for.
+    /// The number of passes that it is meant for.
     #[must_use]
     pub fn passes(self) -> u32 {
         match self {
@@ -24,8 +25,8 @@ impl Preset {
         }
     }
 
-    /// Paths per pass for each pixel. Its other rays cost as much as one or two paths, and their noise falls with
-    /// the passes alone.
+    /// Photon paths per pass for each pixel. The other rays of a pixel cost as much as one or two paths,
+    /// and their noise decreases only with the number of passes.
     #[must_use]
     pub fn photons_per_pixel(self) -> f64 {
         match self {
@@ -35,22 +36,25 @@ impl Preset {
     }
 }
 
-/// Photons of a pass, at least: fewer leave a scene of any depth unlit.
+/// Minimum number of photons per pass: with fewer, a scene with long light paths stays dark.
 const MIN_PHOTONS: f64 = 20_000.0;
-/// And at most, as far as a graphics card with 8 GiB goes.
+/// Maximum number of photons per pass: the limit of a graphics card with 8 GiB.
 const MAX_PHOTONS: f64 = 16e6;
 
 impl Settings {
-    /// The settings of a preset for a picture of so many pixels.
+    /// The settings of a preset for a picture with this many pixels.
     ///
-    /// Radii and kernel are the default ones. From [`Preset::Balanced`] on what is lost at the ends of surfaces is
-    /// given back: nearly all of the bias in a box, for less time than the passes that would come to as little error. Few passes are
-    /// noise above all, and are better off without. For [`Preset::Final`] each pixel finds a radius of its own, for which
-    /// errors are told; that takes passes, and is worth most where light is smooth or sharp.
+    /// Radii and kernel are the defaults. [`Preset::Balanced`] and [`Preset::Final`] correct the energy
+    /// that is lost at the edges of surfaces: this removes nearly all of the bias in a box, in less time
+    /// than the additional passes that would reduce the error as much. With few passes noise dominates, and
+    /// the correction is not worth its time. With [`Preset::Final`] each pixel has a radius of its own,
+    /// chosen from error estimates; that takes passes, and helps most where light is smooth or sharp.
     ///
-    /// With radii of pixels passes depend on those before them, so that films of parts are not what one run gives.
-    /// They are for [`Estimator::Radius`](crate::Estimator::Radius), and do not go with
-    /// [`Indirect::Gather`](crate::Indirect::Gather): who asks for either of these takes [`Bandwidth::Shared`].
+    /// With radii per pixel, passes depend on those before them, so that the sum of separately rendered
+    /// films differs from the film of a single run. They require
+    /// [`Estimator::Radius`](crate::Estimator::Radius), and exclude
+    /// [`Indirect::Gather`](crate::Indirect::Gather): with another estimator or final gathering, use
+    /// [`Bandwidth::Shared`].
     ///
     /// ```
     /// use photon_core::{Budget, Preset, Settings};

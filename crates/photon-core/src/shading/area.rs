@@ -1,46 +1,47 @@
-//! How much of an estimate's disc lies on the surface: where probes of it stand.
+//! Which part of an estimate's disc lies on the surface: the positions of the probes that measure it.
 //!
-//! An estimate divides flux by the area of a disc, and loses light where the disc hangs over the end of
-//! its surface: half of it along a straight edge, three quarters in a corner. Photons cannot tell the
-//! end of a surface from the edge of a shadow, so that the scene is asked, by a few short rays.
+//! An estimate divides flux by the area of a disc, and is too dark where the disc extends past the end of
+//! its surface: by half along a straight edge, by three quarters in a corner. Photons cannot distinguish
+//! the end of a surface from the edge of a shadow, therefore a few short rays are traced.
 //!
-//! Probes stand on [`SPOKES`] rays about the query, [`RINGS`] on each, in strata of equal weight; the
-//! whole figure is turned, and shifted outwards, by two random numbers. The share of the disc that is
-//! on the surface is the share of the probes' weights, 1 to the bit where all are on it. A ray is asked from its outermost
-//! probe on: if that one is found and nothing stands in the way, those within are taken to be found. One over an
-//! estimate is too large on average by its relative variance: at edges and corners by less than 0.4 % with
-//! Epanechnikov's kernel, by less than 1 % with any.
+//! Probes lie on [`SPOKES`] spokes around the query, [`RINGS`] on each, in strata of equal weight; the
+//! whole pattern is rotated, and shifted outwards, by two random numbers. The share of the disc that lies
+//! on the surface is estimated as the weighted share of the probes that do, exactly 1 if all do. The
+//! outermost probe of a spoke is tested first: if it is on the surface and nothing is in the way, the inner
+//! ones count as found too. The reciprocal of an estimate is too large on average by its relative variance:
+//! at edges and corners by less than 0.4 % with Epanechnikov's kernel, by less than 1 % with any.
 //!
-//! Where errors are told, estimates within the second radii lose light in the same places, and other shares of it.
-//! The same probes tell them, each counted as these radii weigh photons, and one more on each spoke, farther out.
+//! With error statistics, estimates with the two other radii lose light in the same places, but a different
+//! share of it. The same probes measure these shares, with weights for these radii, and one more probe on
+//! each spoke, farther out.
 
 use crate::settings::kernel::Kernel;
 
-/// Directions in which probes stand.
+/// Number of directions with probes.
 pub const SPOKES: u32 = 8;
 
-/// Probes in each.
+/// Number of probes in each direction.
 pub const RINGS: u32 = 3;
 
-/// The height from which surfaces are looked for, above and below the plane of the query, in radii: a
-/// sphere may fall away by so much. An obstacle that is lower does not end a surface.
+/// Height above and below the plane of the query within which surfaces are found, in radii: a sphere may
+/// curve away by this much. A lower obstacle does not end a surface.
 pub const HEIGHT: f32 = 0.5;
 
-/// The least share that is believed in, so that no probe brightens a pixel beyond measure.
+/// Lower limit of the share, which bounds the factor on a pixel.
 pub const MIN_SHARE: f32 = 1.0 / 16.0;
 
-/// Below this radius, normalised length, probes would be as short as the rounding of points.
+/// Below this radius, normalised length, probe rays would be as short as rounding errors of points.
 pub const MIN_RADIUS: f32 = 1.0 / 262_144.0;
 
-/// Sheets and boundaries of glass that a probe passes.
+/// Maximum number of glass boundaries and thin sheets that a probe ray passes.
 pub const SHEETS: u32 = 4;
 
-/// Where one probe stands, and what it counts for.
+/// Position and weight of a probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
-    /// From the query, in radii, in `[0, 1]`.
+    /// Distance from the query, in radii, in `[0, 1]`.
     pub distance: f32,
-    /// Relative to the others, ≥ 0.
+    /// Weight relative to the other probes, ≥ 0.
     pub weight: f32,
 }
 
@@ -51,12 +52,12 @@ pub fn spoke_turns(spoke: u32, random: f32) -> f32 {
     (spoke as f32 + random) * (1.0 / SPOKES as f32)
 }
 
-/// A probe of a spoke, for another random number. Where the kernel falls to zero at the rim, probes are
-/// as dense as Epanechnikov's; otherwise evenly dense, and weighted.
+/// A probe of a spoke, for another random number. For kernels that fall to zero at the edge, probes have
+/// the density of Epanechnikov's kernel; otherwise uniform density, with weights.
 #[inline]
 #[must_use]
 pub fn probe(kernel: Kernel, spoke: u32, ring: u32, random: f32) -> Probe {
-    // Neighbouring spokes are shifted by the golden ratio, so that all of them together are even.
+    // Adjacent spokes are shifted by the golden ratio, so that all probes together are evenly spread.
     let shift = (random + spoke as f32 * 0.618_034).fract();
     let share = ((ring as f32 + shift) * (1.0 / RINGS as f32)).min(1.0 - f32::EPSILON);
     match kernel {
@@ -69,18 +70,19 @@ pub fn probe(kernel: Kernel, spoke: u32, ring: u32, random: f32) -> Probe {
     }
 }
 
-/// What share of the disc is believed to lie on the surface, if `found` of the weight of `all` probes is.
+/// The estimated share of the disc that lies on the surface, where `found` of the total weight `all` does.
 #[inline]
 #[must_use]
 pub fn share(found: f32, all: f32) -> f32 {
-    // Nothing at all: what the query stands on is too thin or too small to be probed.
+    // If nothing was found, the query's surface is too thin or too small to be probed.
     if found > 0.0 && found < all { (found / all).max(MIN_SHARE) } else { 1.0 }
 }
 
-/// The squared distance from which on the outer probes stand, in squared radii; they end at 2, and are evenly dense.
+/// The squared distance from which the outer probes start, in squared radii; they end at 2, with uniform
+/// density.
 const OUTER: f32 = 0.75;
 
-/// The probe of a spoke that is for the second radius alone: how far out, in radii, up to √2.
+/// Distance of the probe of a spoke that is only for the second radius, in radii, up to √2.
 #[inline]
 #[must_use]
 pub fn outer_distance(spoke: u32, random: f32) -> f32 {
@@ -88,9 +90,9 @@ pub fn outer_distance(spoke: u32, random: f32) -> f32 {
     (OUTER + (2.0 - OUTER) * shift).sqrt()
 }
 
-/// What a probe at that distance, in radii, counts for within √2 of the radius, and within 1/√2 of it: the kernel
-/// there over the density of all probes that may stand there, which are those of [`probe`] and, for the former,
-/// of [`outer_distance`] (the balance heuristic of Veach and Guibas 1995).
+/// Weights of a probe at that distance, in radii, for √2 of the radius and for 1/√2 of it: the kernel there
+/// divided by the density of all probes that may be placed there, which are those of [`probe`] and, for the
+/// former, of [`outer_distance`] (the balance heuristic of Veach and Guibas 1995).
 #[inline]
 #[must_use]
 pub fn second_weights(kernel: Kernel, distance: f32) -> [f32; 2] {
@@ -110,7 +112,8 @@ pub fn second_weights(kernel: Kernel, distance: f32) -> [f32; 2] {
 mod tests {
     use super::*;
 
-    /// A8: of a disc, the part this side of a line so many radii from its middle, as each kernel weighs it.
+    /// A8: the part of a disc on one side of a line, which is this many radii from its centre, weighted by
+    /// each kernel.
     const EDGES: [(Kernel, f64, f64); 6] = [
         (Kernel::Constant, 0.25, 0.657_481),
         (Kernel::Constant, 0.5, 0.804_499),
@@ -120,7 +123,7 @@ mod tests {
         (Kernel::Epanechnikov, 0.75, 0.973_909),
     ];
 
-    /// Mean over random numbers of the share itself, and of its reciprocal.
+    /// Means over random numbers of the share, and of its reciprocal.
     fn means(kernel: Kernel, inside: impl Fn(f64, f64) -> bool) -> (f64, f64) {
         const STEPS: u32 = 61;
         let (mut mean, mut reciprocal) = (0.0, 0.0);
@@ -144,7 +147,7 @@ mod tests {
         (mean / steps, reciprocal / steps)
     }
 
-    /// The fractions of A8, for each kernel; and the mean of one over them, by which estimates are
+    /// The fractions of A8, for each kernel; and the mean of their reciprocals, by which estimates are
     /// multiplied, within 0.5 % for edges and 1 % for a corner.
     #[test]
     fn shares_at_edges_and_corners_are_the_closed_forms() {
@@ -161,7 +164,7 @@ mod tests {
         }
     }
 
-    /// Means over random numbers of the shares of the second radii, and of one over each.
+    /// Means over random numbers of the shares for the second radii, and of their reciprocals.
     fn second_means(kernel: Kernel, inside: impl Fn(f64, f64) -> bool) -> [[f64; 2]; 2] {
         const STEPS: u32 = 61;
         let mut means = [[0.0; 2]; 2];
@@ -175,7 +178,7 @@ mod tests {
                 for distance in rings.chain([outer_distance(spoke, shift)]) {
                     let (x, y) = (f64::from(distance) * angle.cos(), f64::from(distance) * angle.sin());
                     for (i, weight) in second_weights(kernel, distance).into_iter().enumerate() {
-                        // The narrow disc is asked by inner probes alone.
+                        // The narrow disc is measured by inner probes only.
                         all[i] += weight;
                         found[i] += if inside(x, y) { weight } else { 0.0 };
                     }
@@ -189,7 +192,8 @@ mod tests {
         means.map(|pair| pair.map(|sum| sum / f64::from(STEPS * STEPS)))
     }
 
-    /// The same fractions within √2 and 1/√2 of the radius: within 0.5 % at edges, and 1.5 % for one over them.
+    /// The same fractions within √2 and 1/√2 of the radius: within 0.5 % at edges, and 1.5 % for their
+    /// reciprocals.
     #[test]
     fn shares_of_second_radii_are_the_closed_forms() {
         for (kernel, at, truth) in EDGES {
@@ -197,9 +201,9 @@ mod tests {
                 let [mean, reciprocal] = second_means(kernel, |x, _| x < at * radius)[i];
                 assert!((mean - truth).abs() < 5e-3, "{kernel:?}, {at}, {radius}: {mean} instead of {truth}");
                 assert!((reciprocal * truth - 1.0).abs() < 1.5e-2, "{kernel:?}, {at}, {radius}: {reciprocal}");
-                // By the first radius another share lies within.
+                // With weights for the first radius, the share is different.
                 let first = means(kernel, |x, _| x < at * radius).0;
-                assert!(at == 0.0 || (first - truth).abs() > 0.015, "{kernel:?}, {at}: nothing was to be seen");
+                assert!(at == 0.0 || (first - truth).abs() > 0.015, "{kernel:?}, {at}: no error detectable");
             }
         }
         for kernel in [Kernel::Constant, Kernel::Epanechnikov, Kernel::Biweight, Kernel::Cone { slope: 1.1 }] {

@@ -1,8 +1,9 @@
-//! How surfaces scatter light: one rule for photons, camera paths and gather rays.
+//! Scattering at surfaces: one implementation for photons, camera paths and gather rays.
 //!
-//! [`Bsdf`] is a surface as one path meets it. Callers choose a lobe, take its weight, and ask for a direction, in this
-//! order, so that a path which ends needs no direction. Weights are those of flux, the same in both directions of
-//! travel: the factor of n² by which refraction changes radiance is [`crate::radiance_scale`].
+//! [`Bsdf`] describes a surface at one path vertex. Callers choose a lobe, get its weight, and sample a
+//! direction, in this order, so that a path that ends needs no direction. Weights apply to flux, and are
+//! the same in both directions of travel: the factor of n² by which refraction changes radiance is
+//! [`crate::radiance_scale`].
 
 use glam::Vec3;
 
@@ -12,18 +13,18 @@ use crate::sampling;
 use crate::scene::layout::{Material, MaterialKind};
 use crate::scene::media::Interface;
 
-/// Part of a [`Bsdf`].
+/// A component of a [`Bsdf`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
     /// Lambertian reflection. Photons are stored here, and camera paths end.
     Diffuse,
-    /// The mirror direction alone.
+    /// Reflection in the mirror direction only.
     SpecularReflection,
-    /// The refracted direction alone.
+    /// Transmission in the refracted direction only.
     SpecularTransmission,
 }
 
-/// A surface as one path meets it.
+/// Scattering of a surface at one path vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Bsdf {
     kind: MaterialKind,
@@ -35,8 +36,8 @@ pub struct Bsdf {
 }
 
 impl Bsdf {
-    /// The lobes of `material` for a path that arrives at `cosine` ≥ 0 from the normal. `interface` is what it
-    /// separates, [`crate::interface`]; of kinds that are not in `features` no material may be.
+    /// The lobes of `material` for a path that arrives with `cosine` ≥ 0 to the normal. `interface` is from
+    /// [`crate::interface`]; the material's kind must be in `features`.
     #[inline(always)]
     #[must_use]
     pub fn new(features: Features, material: &Material, cosine: f32, interface: &Interface) -> Self {
@@ -74,14 +75,14 @@ impl Bsdf {
         bsdf
     }
 
-    /// Where light is both reflected and transmitted, the share that is reflected; `None` where there is one lobe.
+    /// The reflected share at surfaces that both reflect and transmit; `None` if there is a single lobe.
     #[inline]
     #[must_use]
     pub fn split(&self) -> Option<f32> {
         self.kind.transmits().then_some(self.reflectance)
     }
 
-    /// The lobe that `u`, uniform in `[0, 1)`, chooses. Where there is one lobe, `u` is not looked at.
+    /// The lobe that `u`, uniform in `[0, 1)`, selects. If there is a single lobe, `u` is not used.
     #[inline]
     #[must_use]
     pub fn choose(&self, u: f32) -> Lobe {
@@ -98,7 +99,8 @@ impl Bsdf {
         }
     }
 
-    /// What a path that was sent into `lobe` with that lobe's probability is multiplied by, each channel in `[0, 1]`.
+    /// Factor on the throughput of a path that samples `lobe` with that lobe's probability, each channel in
+    /// `[0, 1]`.
     #[inline]
     #[must_use]
     pub fn weight(&self, lobe: Lobe) -> Vec3 {
@@ -121,8 +123,8 @@ impl Bsdf {
         }
     }
 
-    /// The direction that a path along `incoming` goes on in; `normal` is on the side that it came from. `u` and `v`
-    /// are uniform in `[0, 1)` and looked at for [`Lobe::Diffuse`] alone.
+    /// The sampled direction of a path that arrives along `incoming`; `normal` is on the side that it came
+    /// from. `u` and `v` are uniform in `[0, 1)`, and are only used for [`Lobe::Diffuse`].
     #[inline]
     #[must_use]
     pub fn direction(&self, lobe: Lobe, incoming: Vec3, normal: Vec3, u: f32, v: f32) -> Vec3 {
@@ -139,7 +141,7 @@ impl Bsdf {
         }
     }
 
-    /// What irradiance is multiplied by for the radiance that leaves along a path of this throughput: `throughput · ρ/π`.
+    /// Factor from irradiance to the radiance along a path with this throughput: `throughput · ρ/π`.
     #[inline]
     #[must_use]
     pub fn diffuse_throughput(&self, throughput: Vec3) -> Vec3 {
@@ -152,8 +154,7 @@ mod tests {
     use super::*;
     use crate::scene::media::MediumStack;
 
-    /// What a lobe's probability times its weight sums to is what the surface reflects and transmits, and no light is
-    /// made: white furnace.
+    /// White furnace: with an albedo of 1, the sum over the lobes of probability times weight is 1.
     #[test]
     fn lobes_keep_all_of_the_light() {
         let vacuum = MediumStack::VACUUM;

@@ -1,28 +1,28 @@
-//! What smooth boundaries do to light.
+//! Reflection and refraction at smooth boundaries.
 
 use glam::Vec3;
 
-/// A smooth boundary seen from one side: reflectance, and the cosine of the refracted ray.
+/// Reflectance of a smooth boundary seen from one side, and the cosine of the refracted ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fresnel {
-    /// Share of unpolarised power that is reflected, in `[0, 1]`.
+    /// Reflected share of unpolarised power, in `[0, 1]`.
     pub reflectance: f32,
-    /// Cosine between the refracted ray and the normal; 0 at total reflection.
+    /// Cosine between the refracted ray and the normal; 0 at total internal reflection.
     pub cos_transmitted: f32,
 }
 
-/// Fresnel's equations for cosine `cos_incident` ≥ 0 and `eta`, the index beyond the boundary over
-/// the one before it, > 0 (Born and Wolf 1999, section 1.5).
+/// Fresnel's equations for cosine `cos_incident` ≥ 0 and `eta` > 0, the refractive index behind the
+/// boundary divided by that before it (Born and Wolf 1999, section 1.5).
 #[inline]
 #[must_use]
 pub fn fresnel(cos_incident: f32, eta: f32) -> Fresnel {
     let c = cos_incident.clamp(0.0, 1.0);
     if eta == 1.0 {
-        // Nothing there. Also avoids 0/0 at grazing angles.
+        // No boundary. Also avoids 0/0 at grazing angles.
         return Fresnel { reflectance: 0.0, cos_transmitted: c };
     }
-    // eta² − sin² written so that neither a near-equal pair of indices nor a grazing angle cancels, nor
-    // normal incidence on a medium that is all but empty.
+    // eta² − sin² in a form without cancellation for almost equal indices, for grazing angles, and for
+    // normal incidence on a medium whose index is close to 0.
     let discriminant = if eta < 0.5 { eta * eta - (1.0 - c) * (1.0 + c) } else { (eta - 1.0) * (eta + 1.0) + c * c };
     if discriminant <= 0.0 {
         return Fresnel { reflectance: 1.0, cos_transmitted: 0.0 };
@@ -34,7 +34,7 @@ pub fn fresnel(cos_incident: f32, eta: f32) -> Fresnel {
     Fresnel { reflectance: (0.5 * (s * s + p * p)).clamp(0.0, 1.0), cos_transmitted: cos_t.min(1.0) }
 }
 
-/// Reflectance of a thin sheet with all reflections between its two faces, `2R/(1+R)`, for the
+/// Reflectance of a thin sheet including all interreflections between its two faces, `2R/(1+R)`, for the
 /// reflectance `R` of one face.
 #[inline]
 #[must_use]
@@ -42,15 +42,15 @@ pub fn sheet_reflectance(single: f32) -> f32 {
     2.0 * single / (1.0 + single)
 }
 
-/// The mirror direction of `direction` at `normal`; both unit.
+/// The mirror direction of `direction` at `normal`; both unit vectors.
 #[inline]
 #[must_use]
 pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
     (direction - normal * (2.0 * direction.dot(normal))).normalize_or(normal)
 }
 
-/// The refracted direction (Snell). `normal` faces where the ray comes from; `cos_transmitted` is
-/// [`fresnel`]'s.
+/// The refracted direction (Snell). `normal` points to the side that the ray comes from; `cos_transmitted`
+/// is that of [`fresnel`].
 #[inline]
 #[must_use]
 pub fn refract(direction: Vec3, normal: Vec3, eta: f32, cos_transmitted: f32) -> Vec3 {

@@ -1,4 +1,4 @@
-//! Where a ray meets a surface, with all that shading needs.
+//! The intersection of a ray and a surface, with all data that shading needs.
 
 use glam::Vec3;
 
@@ -7,18 +7,19 @@ use crate::scene::caster::{Hit, Ray};
 use crate::scene::layout::Primitive;
 use crate::shading::bsdf::Lobe;
 
-/// Where a ray meets the scene.
+/// The intersection of a ray and a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInteraction {
     /// Distance along the ray.
     pub t: f32,
-    /// The point of the surface, normalised space.
+    /// The point on the surface, normalised space.
     pub point: Vec3,
-    /// Where rays go on from, but for the step off the surface: the point, moved away from the triangle's edges.
+    /// Origin of new rays before the offset along the normal: the point, moved away from the triangle's
+    /// edges.
     pub start: Vec3,
     /// Unit geometric normal on the side that the ray came from.
     pub normal: Vec3,
-    /// Cosine between that normal and the way back, ≥ 0.
+    /// Cosine between that normal and the direction back to the ray's origin, ≥ 0.
     pub cosine: f32,
     /// Whether that side is the front.
     pub front: bool,
@@ -27,8 +28,8 @@ pub struct SurfaceInteraction {
 }
 
 impl SurfaceInteraction {
-    /// What a ray in `direction` meets at `hit`, a point of the triangle with these `vertices`, their
-    /// [`offset::margin`], and that record.
+    /// The intersection of a ray in `direction` at `hit`, for the triangle with these `vertices`, their
+    /// [`offset::margin`], and its primitive.
     #[inline]
     #[must_use]
     pub fn new(direction: Vec3, hit: &Hit, vertices: [Vec3; 3], margin: f32, primitive: &Primitive) -> Self {
@@ -46,7 +47,8 @@ impl SurfaceInteraction {
         }
     }
 
-    /// The ray that goes on from here in `direction`, which `lobe` gave: on the side that it came from, or beyond.
+    /// The ray that continues from here in `direction`, as sampled from `lobe`: on the same side, or on the
+    /// other side after transmission.
     #[inline]
     #[must_use]
     pub fn spawn(&self, lobe: Lobe, direction: Vec3) -> Ray {

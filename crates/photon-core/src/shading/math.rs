@@ -1,14 +1,14 @@
-//! Elementary functions of our own, where two backends must agree.
+//! Elementary functions with identical results on all backends.
 //!
-//! Vulkan allows `sin` and `cos` an error of 2⁻¹¹, and system libraries differ in the last bit of
-//! `exp` and `log`. These use only additions, multiplications and bit patterns; the coefficients
-//! are least-squares fits at Chebyshev nodes, made for this project.
+//! Vulkan allows `sin` and `cos` an error of 2⁻¹¹, and system libraries differ in the last bit of `exp` and
+//! `log`. These functions use only additions, multiplications and bit patterns; the coefficients are
+//! least-squares fits at Chebyshev nodes, made for this project.
 
 /// `(sin 2πt, cos 2πt)` for `t` in `[0, 1)`; absolute error below 2⁻²².
 #[inline]
 #[must_use]
 pub fn sin_cos_turns(t: f32) -> (f32, f32) {
-    // To the nearest quarter turn; the remainder, in [-1/8, 1/8], is exact.
+    // Reduced to the nearest quarter turn; the remainder, in [-1/8, 1/8], is exact.
     let quarter = (t * 4.0 + 0.5) as u32;
     let r = t - quarter as f32 * 0.25;
     let s = r * r;
@@ -22,8 +22,8 @@ pub fn sin_cos_turns(t: f32) -> (f32, f32) {
     }
 }
 
-/// `exp(-tau)` for `tau` ≥ 0; relative error below 2⁻²¹. Exactly 1 at 0, exactly 0 from 87 on,
-/// where the result would leave the normal range; 0 for infinity and NaN.
+/// `exp(-tau)` for `tau` ≥ 0; relative error below 2⁻²¹. Exactly 1 at 0, exactly 0 from 87 on, where the
+/// result would be subnormal; 0 for infinity and NaN.
 #[inline]
 #[must_use]
 pub fn exp_neg(tau: f32) -> f32 {
@@ -32,7 +32,7 @@ pub fn exp_neg(tau: f32) -> f32 {
     }
     let whole = (-tau * std::f32::consts::LOG2_E - 0.5) as i32;
     let w = whole as f32;
-    // ln 2 in two parts, the first of few bits, so that its product is exact (Cody and Waite 1980).
+    // ln 2 in two parts, the first with few bits, so that its product is exact (Cody and Waite 1980).
     let rest = (-tau - w * 0.693_359_4) + w * 2.121_944_4e-4;
     let f = rest * std::f32::consts::LOG2_E;
     let p = 1.0
@@ -46,7 +46,7 @@ pub fn exp_neg(tau: f32) -> f32 {
 #[inline]
 #[must_use]
 pub fn ln(x: f32) -> f32 {
-    // Mantissa brought to [√½, √2).
+    // Mantissa reduced to [√½, √2).
     let bits = x.to_bits();
     let exponent = (bits.wrapping_sub(0x3F35_04F3) as i32) >> 23;
     let m = f32::from_bits(bits.wrapping_sub((exponent as u32) << 23)) - 1.0;
@@ -55,20 +55,21 @@ pub fn ln(x: f32) -> f32 {
             + m * (0.200_014_7
                 + m * (-0.166_422_48
                     + m * (0.142_021_74 + m * (-0.129_722_39 + m * (0.127_123_08 + m * -0.081_015_59))))));
-    // The exponent's share in two parts, so that the large one is exact.
+    // The exponent's term in two parts, so that the large one is exact.
     let e = exponent as f32;
     (m - 0.5 * m * m + m * m * m * q + e * 1.428_606_8e-6) + e * 0.693_145_75
 }
 
-/// The angle of `(x, y)`, `y` ≥ 0, from the first axis, in turns: in `[0, ½]`; relative error below 2⁻²¹. 0 for a vector
-/// without length; finite for finite vectors whose sum of coordinates is.
+/// The angle of `(x, y)`, `y` ≥ 0, from the first axis, in turns: in `[0, ½]`; relative error below 2⁻²¹. 0
+/// for a vector of length 0; finite for finite vectors whose sum of coordinates is finite.
 #[inline]
 #[must_use]
 pub fn turns_of(y: f32, x: f32) -> f32 {
     let along = x.abs();
     let steep = y > along;
     let (low, high) = if steep { (along, y) } else { (y, along) };
-    // Beyond tan 22.5° as seen from the diagonal, so that a short polynomial will do.
+    // Above tan 22.5°, the angle is computed relative to the diagonal, so that a short polynomial is
+    // sufficient.
     let diagonal = low > 0.414_213_56 * high;
     let (opposite, adjacent) = if diagonal { (low - high, low + high) } else { (low, high) };
     if !(adjacent > 0.0) {
@@ -83,8 +84,8 @@ pub fn turns_of(y: f32, x: f32) -> f32 {
     if x < 0.0 { 0.5 - turns } else { turns }
 }
 
-/// Cube root of `x` ≥ 0, finite; within one unit in the last place. 0 for what is not a normal
-/// positive number.
+/// Cube root of `x` ≥ 0, finite; within one unit in the last place. 0 for numbers that are not normal and
+/// positive.
 #[inline]
 #[must_use]
 pub fn cube_root(x: f32) -> f32 {
@@ -92,13 +93,13 @@ pub fn cube_root(x: f32) -> f32 {
     if bits.wrapping_sub(0x0080_0000) >= 0x7F00_0000 {
         return 0.0;
     }
-    // The inverse root needs no division. A third of the bits is a third of the exponent: within
-    // 3.5 %, by the constant chosen by trial; each of Newton's steps squares that.
+    // The inverse root needs no division. A third of the bits is about a third of the exponent: within 3.5
+    // %, with a constant found by trial; each Newton step squares the error.
     let mut r = f32::from_bits(0x54A2_3400 - bits / 3);
     for _ in 0..3 {
         r += r * ((1.0 - x * r * r * r) * 0.333_333_33);
     }
-    // One step more, on the root itself, takes back the roundings that piled up in `r`.
+    // A final step on the root itself, which removes the accumulated rounding errors of `r`.
     let y = x * r * r;
     y + (x - y * y * y) * (r * r * 0.333_333_33)
 }
@@ -174,7 +175,7 @@ mod tests {
             let error = (f64::from(cube_root(x)) - truth).abs() / ulp(truth as f32);
             assert!(error <= 1.0, "{x:e}: {error} units in the last place");
         };
-        // Three octaves are a period of the first guess.
+        // The initial guess repeats after three octaves.
         for i in 0..3_000_000_u32 {
             check(f32::from_bits(0x3F00_0000 + i * 8));
         }

@@ -1,11 +1,11 @@
-//! Unit vectors in 32 bits: the octahedron unfolded onto a square (Cigolle, Donow, Evangelakos,
-//! Mara, McGuire and Meyer 2014), two 16-bit signed numbers.
+//! Unit vectors in 32 bits: octahedral mapping onto a square (Cigolle, Donow, Evangelakos, Mara, McGuire
+//! and Meyer 2014), stored as two 16-bit signed numbers.
 
 use glam::Vec3;
 
 const STEPS: f32 = 32_767.0;
 
-/// Packs a unit vector; anything without a direction becomes +z.
+/// Packs a unit vector; vectors without a direction become +z.
 #[inline]
 #[must_use]
 pub fn pack(v: Vec3) -> u32 {
@@ -23,7 +23,7 @@ pub fn pack(v: Vec3) -> u32 {
     quantise(x) | quantise(y) << 16
 }
 
-/// The unit vector of a packed one; within 6.5·10⁻⁵ radians (√2 half steps at a face's middle) of what was packed.
+/// Unpacks a unit vector; within 6.5·10⁻⁵ radians (√2 half steps at the centre of a face) of the original.
 #[inline]
 #[must_use]
 pub fn unpack(packed: u32) -> Vec3 {

@@ -1,8 +1,8 @@
-//! Points on triangles, and rays that leave them without hitting them again.
+//! Points on triangles, and ray origins that avoid self-intersection.
 
 use glam::Vec3;
 
-/// The point `(1 − u − v) a + u b + v c`: far closer to the surface than `origin + t·direction`.
+/// The point `(1 − u − v) a + u b + v c`: much closer to the surface than `origin + t·direction`.
 #[inline]
 #[must_use]
 pub fn barycentric(vertices: [Vec3; 3], u: f32, v: f32) -> Vec3 {
@@ -10,12 +10,12 @@ pub fn barycentric(vertices: [Vec3; 3], u: f32, v: f32) -> Vec3 {
     a * (1.0 - u - v) + b * u + c * v
 }
 
-/// Moves `point` off its surface to the side that `normal` points to, by some 16 steps of the
-/// rounding of geometry within a unit box. The only epsilon of the project.
+/// Moves `point` off its surface to the side of `normal`, by about 16 rounding steps of coordinates in a
+/// unit box. The only epsilon of the project.
 ///
-/// Along the normal and no other way, unlike the offset in steps of each coordinate (Wächter and
-/// Binder 2019, section 6.2.2.4), which is for geometry of any size: near an edge that one can push
-/// the point sideways through the next wall. Of 2·10⁷ bounces in a rotated room 15 leaked with it.
+/// The offset is along the normal only, unlike the offset in rounding steps of each coordinate (Wächter and
+/// Binder 2019, section 6.2.2.4), which is for geometry of any size: near an edge, that one can move the
+/// point sideways through the adjacent wall. With it, 15 of 2·10⁷ bounces in a rotated room leaked.
 #[inline]
 #[must_use]
 pub fn off_surface(point: Vec3, normal: Vec3) -> Vec3 {
@@ -24,20 +24,23 @@ pub fn off_surface(point: Vec3, normal: Vec3) -> Vec3 {
 
 const STEP: f32 = 1.0 / 1_048_576.0;
 
-/// Rays begin this far from edges, four times that from where they would at most.
+/// Minimum distance of ray origins from edges; they are moved by at most four times as much.
 const MARGIN: f32 = 2.0 * STEP;
 
-/// No weight is raised to more than this: of three such, the rest is more than half.
+/// Upper limit of the minimum weights: with three of them, more than half is left.
 const MAX_SLOPE: f32 = 1.0 / 16.0;
 
-/// A point of a triangle that a ray begins at: [`barycentric`], two steps at least from its edges.
+/// A point on a triangle as the origin of a ray: [`barycentric`], at least two steps from the edges.
 ///
-/// Rounding may put a point beside an edge behind the wall that begins there, which the next ray then
-/// never meets: 21 of 4·10⁸ bounces left a rotated room. Straight away from an edge unless another is near, and never
-/// farther than eight steps along an axis: along the sides of a sliver the way could be as long as the sliver, and a
-/// point of a wall that stands in a table could end below the table. So the sharp corners of slivers are not kept from.
+/// Rounding may move a point near an edge behind the wall that starts there, which the next ray then
+/// misses: 21 of 4·10⁸ bounces escaped from a rotated room. The point is moved perpendicular to an edge
+/// unless another edge is near, and never farther than eight steps along an axis: along the sides of a
+/// sliver triangle the displacement could be as long as the sliver, and a point on a wall that penetrates a
+/// table could end below the table. Therefore points near the sharp corners of slivers may stay too close
+/// to edges.
 ///
-/// `margin` is that of the triangle by [`margin`], so that nearly all points cost a comparison.
+/// `margin` is that of the triangle by [`margin`], so that for nearly all points a comparison is
+/// sufficient.
 #[inline]
 #[must_use]
 pub fn within(vertices: [Vec3; 3], margin: f32, u: f32, v: f32) -> Vec3 {
@@ -48,14 +51,14 @@ pub fn within(vertices: [Vec3; 3], margin: f32, u: f32, v: f32) -> Vec3 {
     point + inward(vertices, u, v)
 }
 
-/// Points all of whose weights are at least this are two steps from every edge, or as far as [`within`] moves any; in
-/// (0, 1/16].
+/// Points whose weights are all at least this are at least two steps from every edge, or as far as
+/// [`within`] would move them; in (0, 1/16].
 #[must_use]
 pub fn margin([a, b, c]: [Vec3; 3]) -> f32 {
     above(a, b, c).0.max(above(b, c, a).0).max(above(c, a, b).0)
 }
 
-/// The way from a point to where it is two steps from every edge.
+/// The displacement of a point to where it is two steps from every edge.
 fn inward(vertices: [Vec3; 3], u: f32, v: f32) -> Vec3 {
     let before = [1.0 - u - v, u, v];
     let [a, b, c] = vertices;
@@ -66,7 +69,7 @@ fn inward(vertices: [Vec3; 3], u: f32, v: f32) -> Vec3 {
         let (least, foot) = above[i];
         let lack = least - weights[i];
         if lack > 0.0 {
-            // Across the edge, but for what the other two cannot spare.
+            // Perpendicular to the edge, except for what the other two weights cannot give.
             let spare = [j, k].map(|other| (weights[other] - above[other].0).max(0.0));
             let first = (lack * (1.0 - foot)).max(lack - spare[1]).min(spare[0]);
             weights[i] += lack;
@@ -79,15 +82,16 @@ fn inward(vertices: [Vec3; 3], u: f32, v: f32) -> Vec3 {
     way * (4.0 * MARGIN / length.max(4.0 * MARGIN))
 }
 
-/// The weight of a corner that keeps a point off the edge below it, and where along that edge its foot is, in [0, 1].
+/// The minimum weight of a corner that keeps a point off the opposite edge, and the position of the
+/// corner's foot along that edge, in [0, 1].
 ///
-/// The height is bounded from below by its largest component, without roots, whose bits would not be the same
-/// everywhere.
+/// The height is bounded from below by its largest component, without square roots, which are not bitwise
+/// equal on all devices.
 #[inline]
 fn above(corner: Vec3, from: Vec3, to: Vec3) -> (f32, f32) {
     let (side, edge) = (corner - from, to - from);
     let squared = edge.dot(edge);
-    // Never by 0, which Vulkan leaves open.
+    // Never divides by 0, for which Vulkan does not define the result.
     let along = side.dot(edge) / if squared > 0.0 { squared } else { 1.0 };
     let height = side - edge * along;
     (MARGIN / height.abs().max_element().max(MARGIN / MAX_SLOPE), along.clamp(0.0, 1.0))
@@ -115,11 +119,11 @@ mod tests {
                 [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.0, 0.3), (0.7, 0.0), (1e-7, 1e-7), (0.2, 0.8)]
             {
                 let (before, after) = (barycentric(triangle, u, v), within(triangle, margin(triangle), u, v));
-                // The margin leaves out nothing that would be moved.
+                // The margin excludes no point that would be moved.
                 assert_eq!(after, within(triangle, MAX_SLOPE, u, v));
-                // Rounding of a point is less than a step.
+                // The rounding error of a point is less than a step.
                 assert!(distances(triangle, after).iter().all(|&away| away > 1.5e-6), "{triangle:?} {u} {v}");
-                // Eight steps, and a rounding.
+                // Eight steps, plus rounding.
                 let moved = (after - before).abs().max_element();
                 assert!(moved <= 8.0 * STEP + 6e-8, "{triangle:?} {u} {v}: {before} {after}");
             }
@@ -131,14 +135,14 @@ mod tests {
 
     #[test]
     fn points_of_slivers_move_no_farther() {
-        // A wall cut finely, as upright cylinders are, and half a sliver.
+        // A finely tessellated wall, as of vertical cylinders, and half a sliver.
         let (low, high) = (Vec3::new(0.3, -0.001, 0.2), Vec3::new(0.3, 0.06, 0.2));
         let wall = [low, high, low + Vec3::new(6e-5, 0.0, 4e-5)];
         for triangle in [wall, [wall[2], wall[0], wall[1]], [wall[1], wall[2], wall[0]]] {
             for (u, v) in [(0.0, 0.02), (0.02, 0.0), (0.01, 0.01), (0.0, 0.98), (0.98, 0.0), (0.97, 0.01), (0.01, 0.97)]
             {
                 let (before, after) = (barycentric(triangle, u, v), within(triangle, margin(triangle), u, v));
-                // Eight steps, and a rounding.
+                // Eight steps, plus rounding.
                 let moved = (after - before).abs().max_element();
                 assert!(moved <= 8.0 * STEP + 6e-8, "{triangle:?} {u} {v}: {before} {after}");
             }

@@ -1,8 +1,7 @@
 //! Random numbers as a pure function of (seed, pass, domain, path, dimension).
 //!
-//! No state is carried from one path to the next, so that the numbers do not depend on which
-//! thread, batch, machine or backend asks for them. Integer arithmetic only: the GLSL twin gives
-//! the same words.
+//! No state is carried from one path to the next, so that the numbers do not depend on the thread, batch,
+//! machine or backend that uses them. Integer arithmetic only: the GLSL counterpart gives the same words.
 
 use crate::settings::RandomKind;
 use crate::sobol::{scramble, sobol};
@@ -11,7 +10,7 @@ mod split_mix;
 
 pub use split_mix::SplitMix64;
 
-/// What the numbers are for; keeps the streams of different stages apart.
+/// What the numbers are used for; separates the streams of different stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Domain {
@@ -23,9 +22,9 @@ pub enum Domain {
     Shadow = 2,
     /// Final-gather rays.
     Gather = 3,
-    /// Rays that ask how much of a disc lies on its surface.
+    /// Probe rays for the area of a disc.
     Area = 4,
-    /// Photons that are aimed, for the map of caustics.
+    /// Photons that are aimed, for the caustic map.
     Aimed = 5,
 }
 
@@ -46,27 +45,27 @@ pub fn philox4x32(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     counter
 }
 
-/// One step of the paper's generator, `N' = (a N + b) mod 2³¹`, with the constants of ISO C's
-/// example of `rand`.
+/// One step of the generator of Lin and Wang 2010, `N' = (a N + b) mod 2³¹`, with the constants of the
+/// example of `rand` in ISO C.
 #[inline]
 #[must_use]
 pub fn lcg(state: u32) -> u32 {
     state.wrapping_mul(1_103_515_245).wrapping_add(12_345) & 0x7FFF_FFFF
 }
 
-/// A word as a number in `[0, 1)`: its upper 24 bits, exactly.
+/// A number in `[0, 1)` from the upper 24 bits of a word, exact.
 #[inline]
 #[must_use]
 pub fn unit_f32(word: u32) -> f32 {
     (word >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// A word as a number in `[-1/2, 1/2]`, modulo 1 what [`unit_f32`] makes of it, but by all of its bits: about
-/// 0 in steps of 2⁻³².
+/// A number in `[-1/2, 1/2]` from all bits of a word, equal to [`unit_f32`] modulo 1 except for precision:
+/// around 0 in steps of 2⁻³².
 #[inline]
 #[must_use]
 pub fn centred_f32(word: u32) -> f32 {
-    // Both parts are exact, so that there is one rounding.
+    // Both parts are exact, so that only one rounding occurs.
     ((word as i32) >> 8) as f32 * (1.0 / 16_777_216.0) + (word & 0xFF) as f32 * (1.0 / 4_294_967_296.0)
 }
 
@@ -82,8 +81,8 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// The numbers of path `path` of pass `pass`. Only photons obey `kind`; all else is
-    /// counter-based.
+    /// The numbers of path `path` of pass `pass`. `kind` applies to photons only; all other domains use the
+    /// counter.
     #[inline]
     #[must_use]
     pub fn new(kind: RandomKind, seed: u64, pass: u32, domain: Domain, path: u32) -> Self {
@@ -95,13 +94,13 @@ impl Sampler {
             path,
             pass,
             domain: domain as u32,
-            // As in the paper, thread by thread: neighbours start at neighbouring numbers.
+            // As in the paper, where neighbouring threads have neighbouring seeds.
             state: path.wrapping_add(pass.wrapping_mul(0x9E37_79B9)).wrapping_add(seed as u32) & 0x7FFF_FFFF,
         }
     }
 
-    /// Four words. With the counter, `block` (four dimensions each) says which; the LCG gives the
-    /// next four of its sequence, 31 bits each, shifted up to fill the word.
+    /// Four random words. With the counter, `block` (four dimensions each) selects them; the LCG returns
+    /// the next four of its sequence, 31 bits each, shifted to the upper bits of the word.
     #[inline]
     #[must_use]
     pub fn words(&mut self, block: u32) -> [u32; 4] {
@@ -110,8 +109,8 @@ impl Sampler {
                 // The same for all paths of a pass.
                 let seeds = philox4x32([u32::MAX, block, self.pass, self.domain], self.key);
                 let mut words = philox4x32([self.path, block, self.pass, self.domain], self.key);
-                // The first two dimensions are the most even: the direction. What is left is which light
-                // and where on it.
+                // The first two dimensions are the most evenly distributed: they are used for the
+                // direction. The others select the light and the point on it.
                 let dimensions: &[u32] = if block == BLOCK_START { &[0, 1] } else { &[4, 2, 3] };
                 for (i, &dimension) in dimensions.iter().enumerate() {
                     words[i] = scramble(sobol(self.path, dimension), seeds[i]);
@@ -127,12 +126,12 @@ impl Sampler {
     }
 }
 
-/// Block of dimensions that chooses the light and the point on it.
+/// Block of dimensions for the choice of the light and the point on it.
 pub const BLOCK_LIGHT: u32 = 0;
-/// Block of dimensions that chooses the direction in which a photon leaves, or the point of the
-/// pixel that a camera path starts at.
+/// Block of dimensions for the direction of an emitted photon, or for the point in the pixel where a camera
+/// path starts.
 pub const BLOCK_START: u32 = 1;
-/// Block of dimensions of the first surface met; the next ones follow.
+/// Block of dimensions of the first surface; those of the next surfaces follow.
 pub const BLOCK_SURFACES: u32 = 2;
 
 #[cfg(test)]
@@ -168,7 +167,7 @@ mod tests {
     fn sobol_words_are_scrambled_by_pass_and_for_photons_alone() {
         let words = |kind, pass, domain, path, block| Sampler::new(kind, 9, pass, domain, path).words(block);
         use RandomKind::{Counter, Sobol};
-        // One photon in each stretch of a direction, in every pass otherwise.
+        // One photon in each interval of a direction, differently in every pass.
         let stretches =
             |pass| -> Vec<u32> { (0..64).map(|path| words(Sobol, pass, Domain::Photon, path, 1)[0] >> 26).collect() };
         let (mut a, mut b) = (stretches(0), stretches(1));

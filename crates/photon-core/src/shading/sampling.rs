@@ -1,4 +1,4 @@
-//! From uniform numbers to points and directions.
+//! Sampling of points and directions from uniform numbers.
 
 use glam::Vec3;
 
@@ -15,17 +15,18 @@ pub fn basis(n: Vec3) -> (Vec3, Vec3) {
     (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
 }
 
-/// A direction about `n` with density cos θ/π.
+/// A direction around `n` with density cos θ/π.
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere(n: Vec3, u: f32, v: f32) -> Vec3 {
-    // sqrt(1 - u) > 0 since u < 1: never in the plane itself. The sine from u, not from the cosine,
-    // whose rounding would be all of it near the pole.
+    // sqrt(1 - u) > 0 since u < 1: the direction is never in the tangent plane. The sine is computed from
+    // u, since from the cosine it would consist of rounding errors near the pole.
     around(n, u.sqrt(), (1.0 - u).sqrt(), v)
 }
 
-/// A direction with density 1/4π. `u` counts modulo 1, in `[-1, 1]`: with [`crate::random::centred_f32`], both
-/// poles are where an `f32` is finest; in `[0, 1)` the heights about them are 2⁻²³ apart, as those of 24 bits are.
+/// A direction with density 1/4π. `u` counts modulo 1, in `[-1, 1]`: with [`crate::random::centred_f32`],
+/// both poles are where the precision of `f32` is highest; in `[0, 1)` heights near the poles are 2⁻²³
+/// apart, as those of 24 bits are.
 #[inline]
 #[must_use]
 pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
@@ -34,8 +35,8 @@ pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
     around(Vec3::Z, 2.0 * (h * (1.0 - h)).sqrt(), if u < 0.0 { -cos_theta } else { cos_theta }, v)
 }
 
-/// The direction that lies `versine` = 1 − cos θ off `axis` and `turns` around it. A cosine could not
-/// tell angles below 0.02° from none.
+/// The direction at `versine` = 1 − cos θ from `axis`, and `turns` around it. With a cosine, angles below
+/// 0.02° would be rounded to 0.
 #[inline]
 #[must_use]
 pub fn about(axis: Vec3, versine: f32, turns: f32) -> Vec3 {
@@ -43,7 +44,7 @@ pub fn about(axis: Vec3, versine: f32, turns: f32) -> Vec3 {
     around(axis, sin_theta, 1.0 - versine, turns)
 }
 
-/// 1 − cos of the angle between two unit vectors, in `[0, 2]`; exact for the smallest angles too.
+/// 1 − cos of the angle between two unit vectors, in `[0, 2]`; accurate for very small angles too.
 #[inline]
 #[must_use]
 pub fn versine(a: Vec3, b: Vec3) -> f32 {
@@ -56,7 +57,7 @@ fn around(axis: Vec3, sin_theta: f32, cos_theta: f32, turns: f32) -> Vec3 {
     (tangent * (sin_theta * cos) + bitangent * (sin_theta * sin) + axis * cos_theta).normalize_or(axis)
 }
 
-/// Weights of the second and third vertex for a uniform point of a triangle (Turk 1990).
+/// Weights of the second and third vertex for a uniform point in a triangle (Turk 1990).
 #[inline]
 #[must_use]
 pub fn triangle(u: f32, v: f32) -> (f32, f32) {
@@ -64,7 +65,7 @@ pub fn triangle(u: f32, v: f32) -> (f32, f32) {
     (root * (1.0 - v), root * v)
 }
 
-/// A uniform point of the unit disc.
+/// A uniform point in the unit disc.
 #[inline]
 #[must_use]
 pub fn disc(u: f32, v: f32) -> (f32, f32) {
@@ -73,8 +74,8 @@ pub fn disc(u: f32, v: f32) -> (f32, f32) {
     (r * cos, r * sin)
 }
 
-/// A spot's intensity at `versine` off its axis, relative to that on the axis: glTF's
-/// `KHR_lights_punctual`, squared. `inner` ≤ `outer` are versines too.
+/// Intensity of a spot light at `versine` from its axis, relative to that on the axis:
+/// `KHR_lights_punctual` of glTF, squared. `inner` ≤ `outer` are versines too.
 #[inline]
 #[must_use]
 pub fn spot_falloff(versine: f32, inner: f32, outer: f32) -> f32 {
@@ -88,27 +89,27 @@ pub fn spot_falloff(versine: f32, inner: f32, outer: f32) -> f32 {
     }
 }
 
-/// Solid angle that [`spot_falloff`] integrates to: a spot's power over its intensity.
+/// Integral of [`spot_falloff`] over solid angle: the power of a spot light divided by its intensity.
 #[must_use]
 pub fn spot_solid_angle(inner: f32, outer: f32) -> f64 {
     let (inner, outer) = (f64::from(inner), f64::from(outer));
     std::f64::consts::TAU * (inner + (outer - inner) / 3.0)
 }
 
-/// Versine off the axis of a spot, with density in proportion to its intensity; 0 for `u` = 0, rising
-/// from there.
+/// Samples a versine from the axis of a spot light, with density proportional to its intensity; 0 for `u` =
+/// 0, and increasing.
 #[inline]
 #[must_use]
 pub fn spot_versine(inner: f32, outer: f32, u: f32) -> f32 {
-    // Power over 2π and the intensity on the axis: within the inner cone, and between the cones.
+    // Power divided by 2π and the intensity on the axis: within the inner cone, and between the cones.
     let rim = (outer - inner) * (1.0 / 3.0);
     let depth = u * (inner + rim);
-    // Always so without a rim, since u < 1.
+    // Always taken if there is no falloff, since u < 1.
     if depth < inner {
         depth
     } else {
-        // ∫ x² = x³/3 inverted, x rising from the outer cone to the inner one. From 1 - u, which is
-        // exact: the root is steep at 0.
+        // Inverse of ∫ x² = x³/3, with x increasing from the outer cone to the inner one. From 1 - u, which
+        // is exact: the root is steep at 0.
         let x = cube_root((1.0 - u) * ((inner + rim) / rim)).min(1.0);
         outer - x * (outer - inner)
     }
@@ -118,7 +119,7 @@ pub fn spot_versine(inner: f32, outer: f32, u: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// S28: any unit vector, the poles and neighbours of the sign change included.
+    /// S28: any unit vector, including the poles and neighbours of the sign change.
     #[test]
     fn basis_is_orthonormal() {
         let mut cases = vec![Vec3::Z, -Vec3::Z, Vec3::X, Vec3::new(1e-30, 0.0, -1.0), Vec3::new(1.0, 0.0, -0.0)];
@@ -141,7 +142,7 @@ mod tests {
         }
     }
 
-    /// The sine of the smallest angles: the whole of what is random there.
+    /// The sine of very small angles, which contains all of the randomness there.
     #[test]
     fn directions_near_the_pole_are_not_coarse() {
         for i in 1..1000 {
@@ -155,8 +156,8 @@ mod tests {
         }
     }
 
-    /// Of the directions within 0.0035 radians of a pole, those within 0.003: (0.003/0.0035)² of them but for the
-    /// sines, binomially. By 24 bits of the word they are 38 of 52.
+    /// Of the directions within 0.0035 radians of a pole, the share within 0.003 is (0.003/0.0035)² except
+    /// for the sines, with binomial variance. With 24 bits of the word it is 38 of 52.
     #[test]
     fn directions_about_the_poles_are_even() {
         let share = |half: f64| (0.5 * half).sin().powi(2);
@@ -202,12 +203,12 @@ mod tests {
         for u in [0.0, 0.5, 1.0 - 1.0 / 16_777_216.0] {
             assert!((0.0..=v).contains(&spot_versine(v, v, u)));
         }
-        // All of it between the cones: the density is zero at the outer one.
+        // With all of it between the cones, the density is zero at the outer one.
         assert_eq!(spot_versine(0.0, 0.5, 0.0), 0.0);
         assert!((spot_versine(0.0, 0.5, 0.875) - 0.25).abs() < 1e-6);
     }
 
-    /// A cone of a ten-thousandth of a degree, whose cosine is 1 in f32, and one of 120°.
+    /// A cone of a ten-thousandth of a degree, whose cosine is 1 in f32, up to one of 120°.
     #[test]
     fn directions_about_an_axis_lie_at_their_versine() {
         for axis in [Vec3::Z, Vec3::new(0.6, -0.64, 0.48), -Vec3::Y] {

@@ -1,17 +1,18 @@
-//! Points that leave no gaps: Sobol's sequence in five dimensions, scrambled so that each set of them
-//! is uniformly distributed, and independent of any other. Integer arithmetic only: the GLSL twin gives
+//! Low-discrepancy points: Sobol's sequence in five dimensions, scrambled so that each set of points is
+//! uniformly distributed and independent of the others. Integer arithmetic only: the GLSL counterpart gives
 //! the same words.
 
 /// Coordinate `dimension`, below 5, of point `index` of the sequence, as a fraction of 2³² (Sobol 1967;
-/// direction numbers of Joe and Kuo 2008). The first 2ᵐ points have one in each of 2ᵐ equal stretches
-/// of every coordinate, and of the first two one in each rectangle of such an area.
+/// direction numbers of Joe and Kuo 2008). Of the first 2ᵐ points, one is in each of 2ᵐ equal intervals of
+/// every coordinate, and in the first two dimensions one in each rectangle with that area.
 #[inline]
 #[must_use]
 pub fn sobol(mut index: u32, dimension: u32) -> u32 {
     if dimension == 0 {
         return index.reverse_bits();
     }
-    // The direction numbers of the polynomial follow from those before; three of them are kept.
+    // The direction numbers follow from the preceding ones by the polynomial's recurrence; three are
+    // stored.
     let [mut v, mut next, mut after] = match dimension {
         1 => [1 << 31, 3 << 30, 5 << 29],
         2 => [1 << 31, 3 << 30, 3 << 29],
@@ -35,9 +36,9 @@ pub fn sobol(mut index: u32, dimension: u32) -> u32 {
     point
 }
 
-/// Scrambles a coordinate: bit by bit, each flipped as the bits above it and `seed` decide (Owen 1995),
-/// by a hash in which every bit depends on lower ones alone (Laine and Karras 2011; constants of
-/// Vegdahl 2021), of the reversed word.
+/// Scrambles a coordinate: each bit is flipped depending on the bits above it and on `seed` (Owen 1995), by
+/// a hash of the reversed word in which every bit depends only on lower ones (Laine and Karras 2011;
+/// constants of Vegdahl 2021).
 #[inline]
 #[must_use]
 pub fn scramble(coordinate: u32, seed: u32) -> u32 {
@@ -54,20 +55,20 @@ pub fn scramble(coordinate: u32, seed: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// The first numbers of the published table, in thirty-seconds or so.
+    /// The first points of the published table.
     #[test]
     fn the_published_points() {
         let of = |index: u32| -> Vec<f64> { (0..5).map(|d| f64::from(sobol(index, d)) / 4_294_967_296.0).collect() };
         assert_eq!(of(0), [0.0; 5]);
         assert_eq!(of(1), [0.5; 5]);
-        // In the order of the index's bits; Gray code has the next two the other way round.
+        // Ordered by the bits of the index; in Gray code order the next two are exchanged.
         assert_eq!(of(2), [0.25, 0.75, 0.75, 0.75, 0.25]);
         assert_eq!(of(3), [0.75, 0.25, 0.25, 0.25, 0.75]);
         assert_eq!(of(4), [0.125, 0.625, 0.375, 0.125, 0.125]);
     }
 
-    /// 1024 points, scrambled or not: one in each 1024th of every coordinate, and one in each of the
-    /// rectangles of that area, of all shapes, by the first two. A stream of hashes fails it.
+    /// 1024 points, scrambled or not: one in each 1024th of every coordinate, and in the first two
+    /// dimensions one in each rectangle with that area, of all shapes. A stream of hashes fails this test.
     #[test]
     fn stretches_and_rectangles_have_one_point_each() {
         let full = |bits: u32, cell: &dyn Fn(u32) -> u32| {

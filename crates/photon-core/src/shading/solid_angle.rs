@@ -1,50 +1,55 @@
-//! Triangles as they are seen from a point near by, and directions to them that are uniform in solid angle.
+//! Solid angles of triangles, and sampling of triangles uniformly in solid angle.
 //!
-//! Irradiance from a point that is uniform in a lamp's area has the cosines over the squared distance for a value, which
-//! near the lamp has no bound, and where a lamp meets a wall no variance. From a direction that is uniform in
-//! the solid angle it is the radiance times the solid angle times one cosine.
+//! The value of irradiance from a point sampled uniformly in the area of a light contains the cosines
+//! divided by the squared distance, which is unbounded near the light, and has infinite variance where a
+//! light touches a wall. With a direction sampled uniformly in solid angle, it is the radiance times the
+//! solid angle times one cosine.
 
 use glam::Vec3;
 
 use crate::math::{sin_cos_turns, turns_of};
 
-/// How often the spread of its corners a triangle must be away, in squares, not to be near: twice the square of 4 radii.
+/// Squared distance of a triangle, in units of the spread of its corners, from which on it is not near:
+/// twice the square of 4 radii.
 const NEAR: f32 = 32.0;
 
-/// Nearer than this to its plane a triangle is not seen: half a step of [`crate::offset`], which is more than
-/// roundings of points and normals within a unit box. Else the neighbours of a point in its own plane would be a hemisphere of
-/// light, as roundings have it.
+/// A triangle is invisible from points closer than this to its plane: half a step of [`crate::offset`],
+/// which exceeds the rounding errors of points and normals in a unit box. Otherwise, by rounding, the
+/// triangles next to a point in its own plane could fill a hemisphere with light.
 pub const MIN_HEIGHT: f32 = 1.0 / 2_097_152.0;
 
-/// Whether a triangle, its corners relative to the eye, is nearer than four times its radius, the largest distance of
-/// a corner from the centroid, or a little more where its corners are as far as each other.
+/// Whether a triangle, with corners relative to the eye, is nearer than four times its radius, which is the
+/// largest distance of a corner from the centroid, or slightly more if the corners are equally far from it.
 ///
-/// Where it is not, the distances of its points differ by less than a factor of 5/3, and the values of points uniform in
-/// area, cosine over squared distance, by less than 5 (from the centroid at `d`, 4 radii `r` away, `((d + r)/(d − r))³`).
+/// Otherwise the distances of its points differ by less than a factor of 5/3, and the values of points
+/// uniform in area, cosine over squared distance, by less than 5 (for a centroid at distance `d`, 4 radii
+/// `r` away, `((d + r)/(d − r))³`).
 #[inline]
 #[must_use]
 pub fn is_near([a, b, c]: [Vec3; 3]) -> bool {
     let sum = a + b + c;
-    // Thrice the squared distance of the centroid, and the sum of the squares from there to the corners: at least
-    // three halves of the largest. Far away it is a difference of large numbers, but then they decide.
+    // Three times the squared distance of the centroid, and the sum of the squared distances of the corners
+    // from it: at least three halves of the largest. Far away the latter is a difference of large numbers,
+    // but then the former decides.
     let away = sum.dot(sum) * 0.333_333_34;
     let spread = (a.dot(a) + b.dot(b) + c.dot(c)) - away;
     away < NEAR * spread
 }
 
-/// A point of a triangle, by a direction uniform in the solid angle.
+/// A point on a triangle, sampled uniformly in solid angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// Weight of the second corner, in `[0, 1]`.
     pub b: f32,
-    /// Weight of the third corner, in `[0, 1]`; with the second's at most 1, but for rounding.
+    /// Weight of the third corner, in `[0, 1]`; together with the second's at most 1, except for rounding.
     pub c: f32,
     /// Solid angle of the whole triangle, steradians, in `(0, 2π]`.
     pub solid_angle: f32,
 }
 
-/// The solid angle of a triangle, its corners relative to the eye: steradians, in `[0, 2π]`, by Van Oosterom and
-/// Strackee 1983, equation 8. `height` > 0 is the eye's distance from its plane, `area` its area.
+/// The solid angle of a triangle, with corners relative to the eye: steradians, in `[0, 2π]`, by Van
+/// Oosterom and Strackee 1983, equation 8. `height` > 0 is the eye's distance from its plane, `area` its
+/// area.
 #[inline]
 #[must_use]
 pub fn of([a, b, c]: [Vec3; 3], height: f32, area: f32) -> f32 {
@@ -53,17 +58,17 @@ pub fn of([a, b, c]: [Vec3; 3], height: f32, area: f32) -> f32 {
     4.0 * std::f32::consts::PI * turns_of(2.0 * area * height, rest)
 }
 
-/// The point of a triangle in a direction that is uniform in its solid angle, for `u` and `v` uniform in `[0, 1)`.
+/// Samples a point on a triangle uniformly in solid angle, for `u` and `v` uniform in `[0, 1)`.
 ///
-/// `corners` are relative to the eye, `height` > 0 is the eye's distance from their plane and `area` the triangle's.
-/// `None` where the triangle is too thin, as seen from there, for single precision to tell its solid angle from 0; then any
-/// other way of sampling has to do.
+/// `corners` are relative to the eye, `height` > 0 is the eye's distance from their plane, and `area` the
+/// area of the triangle. `None` if the triangle is seen so thin that its solid angle cannot be
+/// distinguished from 0 in single precision; then another sampling method has to be used.
 ///
-/// The solid angle is by Van Oosterom and Strackee 1983, equation 8. As in Arvo 1995 a corner moves along its side until
-/// the triangle has the share `u` of the solid angle, and the direction is then on the great arc from there to the corner
-/// opposite; but with the tangents of half the angles, which Van Oosterom and Strackee's equation gives without inverse
-/// cosines, and which keep their digits for thin triangles. The corner opposite the widest side is the pole: the eye may
-/// be all but on an edge.
+/// The solid angle is by Van Oosterom and Strackee 1983, equation 8. As in Arvo 1995, a corner moves along
+/// its side until the triangle has the share `u` of the solid angle, and the direction is then on the great
+/// arc from there to the opposite corner; but computed with tangents of half angles, which the equation of
+/// Van Oosterom and Strackee gives without inverse cosines, and which are accurate for thin triangles. The
+/// corner opposite the widest side is the pole, since the eye may be almost on an edge.
 #[inline]
 #[must_use]
 pub fn sample(corners: [Vec3; 3], height: f32, area: f32, u: f32, v: f32) -> Option<Seen> {
@@ -73,7 +78,7 @@ pub fn sample(corners: [Vec3; 3], height: f32, area: f32, u: f32, v: f32) -> Opt
     }
     let units = [corners[0] * (1.0 / x), corners[1] * (1.0 / y), corners[2] * (1.0 / z)];
     let [xy, yz, zx] = [units[0].dot(units[1]), units[1].dot(units[2]), units[2].dot(units[0])];
-    // The product of three unit vectors: from the height it has more digits than from themselves.
+    // The triple product of the unit vectors: more accurate from the height than from the vectors.
     let volume = (height / x) * (2.0 * area / (y * z));
     // Half the solid angle, in turns.
     let half = turns_of(volume, 1.0 + xy + yz + zx);
@@ -87,7 +92,7 @@ pub fn sample(corners: [Vec3; 3], height: f32, area: f32, u: f32, v: f32) -> Opt
     let (second, third) = ((first + 1) % 3, (first + 2) % 3);
     let (from, pole, to) = (units[first], units[second], units[third]);
     let lengths = [x, y, z];
-    // The way from the first corner to the third, as it is seen.
+    // The vector from the first corner to the third, perpendicular to the first direction.
     let side = corners[third] - corners[first];
     let across = side - from * side.dot(from);
     let breadth = across.length();
@@ -95,8 +100,8 @@ pub fn sample(corners: [Vec3; 3], height: f32, area: f32, u: f32, v: f32) -> Opt
         return None;
     }
     let tangent = across * (1.0 / breadth);
-    // tan(half the solid angle up to θ) = t [from pole tangent] / (1 + from·pole + t pole·tangent) for t = tan(θ/2),
-    // solved for t = rise/run.
+    // tan(half the solid angle up to θ) = t [from pole tangent] / (1 + from·pole + t pole·tangent) for t =
+    // tan(θ/2), solved for t = rise/run.
     let (sin, cos) = sin_cos_turns(u * half);
     let rise = sin * (1.0 + from.dot(pole)).max(0.0);
     let run = (cos * (volume * (lengths[third] / breadth)) - sin * pole.dot(tangent)).max(0.0);
@@ -106,16 +111,16 @@ pub fn sample(corners: [Vec3; 3], height: f32, area: f32, u: f32, v: f32) -> Opt
     }
     let sin_theta = 2.0 * rise * run / square;
     let cos_theta = (run - rise) * (run + rise) / square;
-    // Where that is on the side itself: by the law of sines, both terms at least 0.
+    // Position on the side: by the law of sines, both terms at least 0.
     let before = lengths[first] * sin_theta;
     let after = (breadth * cos_theta - lengths[third] * to.dot(from) * sin_theta).max(0.0);
     let along = share(before, after);
-    // From the pole to there, even in the cosine.
+    // From the pole to that point, uniform in the cosine.
     let end = from * cos_theta + tangent * sin_theta;
     let gap = pole - end;
     let versine = (0.5 * gap.dot(gap)).min(2.0);
     let part = v * versine;
-    // sin φ over the sine of the whole arc.
+    // sin φ divided by the sine of the whole arc.
     let sines = (v * (2.0 - part) / (2.0 - versine).max(1e-12)).sqrt();
     let reach = (corners[first] + side * along).length();
     let before = lengths[second] * sines;
@@ -129,7 +134,7 @@ pub fn sample(corners: [Vec3; 3], height: f32, area: f32, u: f32, v: f32) -> Opt
     Some(Seen { b: weights[1], c: weights[2], solid_angle })
 }
 
-/// The first of two lengths over both, 0 where there are none.
+/// The first of two lengths divided by their sum, 0 if that is 0.
 #[inline]
 fn share(first: f32, second: f32) -> f32 {
     let both = first + second;
@@ -142,14 +147,15 @@ mod tests {
     use crate::random::{philox4x32, unit_f32};
     use glam::DVec3;
 
-    /// By the excess of the angles between the planes of the sides (Girard), in f64: neither product nor half angles.
+    /// Spherical excess of the angles between the planes of the sides (Girard), in f64: uses neither the
+    /// triple product nor half angles.
     fn by_excess(corners: [DVec3; 3]) -> f64 {
         let [a, b, c] = corners.map(DVec3::normalize_or_zero);
         let angle = |at: DVec3, one: DVec3, other: DVec3| at.cross(one).angle_between(at.cross(other));
         angle(a, b, c) + angle(b, c, a) + angle(c, a, b) - std::f64::consts::PI
     }
 
-    /// Corners relative to an eye at the origin, and the height and the area that go with them.
+    /// Corners relative to an eye at the origin, with height and area.
     fn seen(corners: [Vec3; 3]) -> ([Vec3; 3], f32, f32) {
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let normal = (b - a).cross(c - a);
@@ -162,7 +168,8 @@ mod tests {
         (unit_f32(u), unit_f32(v))
     }
 
-    /// A unit triangle and eyes before its middle, an edge, a corner and beyond an edge; slivers; a corner of a cube.
+    /// A unit triangle with eyes in front of its centre, an edge, a corner and outside of an edge; slivers;
+    /// a corner of a cube.
     fn views() -> Vec<[Vec3; 3]> {
         let flat = [Vec3::ZERO, Vec3::X, Vec3::new(0.3, 0.8, 0.0)];
         let sliver = [Vec3::ZERO, Vec3::X, Vec3::new(0.6, 0.01, 0.0)];
@@ -187,7 +194,7 @@ mod tests {
         let (corners, height, area) = seen([Vec3::X, Vec3::Y, Vec3::Z]);
         let octant = sample(corners, height, area, 0.5, 0.5).expect("wide").solid_angle;
         assert!((f64::from(octant) - std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{octant}");
-        // Half a face of a cube of side 2 about the eye: a twelfth of the sphere.
+        // Half a face of a cube of side 2 around the eye: a twelfth of the sphere.
         let (corners, height, area) = seen([Vec3::new(-1.0, -1.0, 1.0), Vec3::new(1.0, -1.0, 1.0), Vec3::ONE]);
         let half = sample(corners, height, area, 0.5, 0.5).expect("wide").solid_angle;
         assert!((f64::from(half) - std::f64::consts::FRAC_PI_3).abs() < 1e-6, "{half}");
@@ -195,16 +202,17 @@ mod tests {
             let (corners, height, area) = seen(view);
             let found = f64::from(sample(corners, height, area, 0.5, 0.5).expect("wide").solid_angle);
             let truth = by_excess(view.map(Vec3::as_dvec3));
-            // Roundings of the corners move the eye by 1e-7 of where it is: so much of the height at most, or of what
-            // lies between it and the edges.
+            // Rounding of the corners moves the eye by a relative 1e-7: by at most that share of the
+            // height, or of its distance to the edges.
             for found in [found, f64::from(of(corners, height, area))] {
                 assert!((found - truth).abs() < 2e-6 + 2e-7 * truth / f64::from(height), "{view:?}: {found} {truth}");
             }
         }
     }
 
-    /// χ² of the counts in the 64 parts of each of whose sides is an eighth of the triangle's, less the degrees of freedom, over its
-    /// standard deviation √(2·63). What is expected in a part is its solid angle by the other formula.
+    /// χ² of the counts in 64 similar parts of the triangle, with an eighth of its side each, minus the
+    /// degrees of freedom, divided by its standard deviation √(2·63). The expected count of a part is from
+    /// its solid angle by the other formula.
     fn chi_squared(view: [Vec3; 3], point: impl Fn(f32, f32) -> (f32, f32)) -> f64 {
         const SIDE: usize = 8;
         let n = 60_000;
@@ -227,7 +235,7 @@ mod tests {
                 for over in 0..if i + j < SIDE - 1 { 2 } else { 1 } {
                     let expected = f64::from(n) * by_excess(parts[over]) / whole;
                     let difference = counts[i][j][over] - expected;
-                    // χ² is no more that of normal deviates where fewer than 5 are expected.
+                    // With fewer than 5 expected, the counts are too far from normal for χ².
                     if expected >= 5.0 {
                         sum += difference * difference / expected;
                         free += 1.0;
@@ -252,10 +260,11 @@ mod tests {
             assert!(z.abs() <= 4.5, "{view:?}: {z}");
             by_area += usize::from(chi_squared(view, crate::sampling::triangle).abs() > 4.5);
         }
-        assert!(by_area > views().len() / 2, "{by_area}: the comparison sees no points uniform in area");
+        assert!(by_area > views().len() / 2, "{by_area}: the test does not detect points uniform in area");
     }
 
-    /// Eyes on the plane but for 1e-6 and less, on edges, at corners; needles; triangles a million times as large or as small.
+    /// Eyes within 1e-6 of the plane, on edges, at corners; needles; triangles a million times as large or
+    /// as small.
     #[test]
     fn extremes_give_points_within() {
         let mut given = 0;
@@ -289,7 +298,8 @@ mod tests {
         }
     }
 
-    /// Of what is not near, no point's cosine over squared distance exceeds the mean of all by more than a factor of 5.
+    /// For triangles that are not near, the largest cosine over squared distance exceeds the mean by less
+    /// than a factor of 5.
     #[test]
     fn what_is_not_near_has_bounded_values() {
         let (mut near, mut most) = (0, 0.0_f64);

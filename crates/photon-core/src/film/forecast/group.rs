@@ -1,12 +1,12 @@
-//! Pixels of one kind, as a pilot tells them, and what of it is chance.
+//! A group of pixels with similar flags: their errors as measured by a pilot, corrected for chance.
 
 use super::Bound;
 use crate::film::confidence::ConfidenceInterval;
 
-/// Standard errors by which what is known of all pixels together may be off.
+/// Number of standard errors by which averages over all pixels may be off.
 const DOUBT: f64 = 2.0;
 
-/// Of one pixel, in fractions of its radiance.
+/// Errors of one pixel, as fractions of its radiance.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Relative {
     /// Noise of the photons, which depends on radii.
@@ -14,27 +14,27 @@ pub(super) struct Relative {
     /// All other noise.
     pub(super) other: f64,
     standard_error: f64,
-    /// With its sign.
+    /// The bias with its sign.
     signed: f64,
     pub(super) bias: f64,
-    /// What of the bias is no noise of its own, at least and at most.
+    /// Lower and upper bound of the systematic part of the bias.
     steady: [f64; 2],
     pub(super) bias_error: f64,
-    /// Noise of the bias, as that of the pixel spread as the truth is.
+    /// Noise of the bias, corrected so that its spread over the pixels is the true one.
     random: f64,
-    /// A number of a normal distribution: the luck of the bias in passes to come.
+    /// A normally distributed number: the random part of the bias in future passes.
     luck: f64,
-    /// Photons told by.
+    /// Effective number of photons.
     pub(super) photon_count: f64,
 }
 
 impl Relative {
-    /// Of a claim; errors of pixels darker than `least` are fractions of that.
+    /// From a confidence interval; errors of pixels darker than `least` are fractions of `least`.
     pub(super) fn new(interval: &ConfidenceInterval, least: f64, second: f64) -> Self {
         let unit = interval.value.abs().max(least);
-        // A pixel that is black in a black picture is as good as it gets.
+        // A pixel that is black in a black picture has no error.
         let of = |x: f64| if x > 0.0 { x / unit } else { 0.0 };
-        // The bias is told by photons alone: its noise tells theirs.
+        // The bias is estimated from photons alone: its noise gives theirs.
         let photons = (interval.bias_error / second).min(interval.standard_error);
         let other = (interval.standard_error * interval.standard_error - photons * photons).max(0.0).sqrt();
         Self {
@@ -51,41 +51,42 @@ impl Relative {
         }
     }
 
-    /// All noise, as told.
+    /// Total noise, as measured.
     pub(super) fn noise(&self) -> f64 {
         self.standard_error
     }
 }
 
-/// By what the parts of an error change.
+/// Factors by which the parts of an error change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Factors {
     pub(super) bias: f64,
     pub(super) noise: f64,
     pub(super) other: f64,
-    /// Of Student's distribution, then.
+    /// Of Student's distribution, after the future passes.
     pub(super) quantile: f64,
 }
 
-/// A sample of pixels of one kind.
+/// A sample of the pixels of a group.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     pub(super) pixels: Vec<Relative>,
-    /// How many pixels one of these stands for.
+    /// Number of pixels that each pixel of the sample represents.
     weight: f64,
-    /// On all noise, at least and at most.
+    /// Lower and upper bound of the factor on all noise.
     level: [f64; 2],
 }
 
 impl Group {
-    /// Of pixels that stand for so `many`, told from passes with so many degrees of freedom.
+    /// From a sample that represents `many` pixels, measured by passes with this many degrees of freedom.
     ///
-    /// Takes from noise and biases what is chance in them, so that their spread over the pixels, of which
-    /// quantiles are asked, is that of the truth (constrained empirical Bayes, Louis 1984); and gives each
-    /// pixel its luck.
+    /// Removes the part of the spread of noise and biases over the pixels that is due to chance, so that
+    /// quantiles are those of the true distribution (constrained empirical Bayes, Louis 1984); and assigns
+    /// each pixel a random deviate.
     pub(super) fn new(mut pixels: Vec<Relative>, many: usize, freedom: f64, second: f64) -> Self {
-        // The logarithm of a variance from ν degrees of freedom has a variance of ψ′(ν/2), here to its third term.
-        // Of few photons, m in all, the variance has the kurtosis of Poisson's distribution besides: 1/m.
+        // The logarithm of a variance with ν degrees of freedom has a variance of ψ′(ν/2), here to the
+        // third term of its series. With few photons, m in total, the kurtosis of the Poisson distribution
+        // adds 1/m.
         let half = 0.5 * freedom.max(1.0);
         let passes = 1.0 / half + 0.5 / (half * half) + 1.0 / (6.0 * half * half * half);
         let few = |pixel: &Relative| pixel.photon_count.max(1.0).recip();
@@ -97,12 +98,12 @@ impl Group {
         for (index, pixel) in pixels.iter_mut().enumerate() {
             let whole = pixel.noise() * noise[index];
             pixel.random = pixel.bias_error * biases[index];
-            // The bias is told by photons alone: its noise tells theirs.
+            // The bias is estimated from photons alone: its noise gives theirs.
             pixel.photons = (pixel.random / second).min(whole);
             pixel.other = (whole * whole - pixel.photons * pixel.photons).max(0.0).sqrt();
             let share = |square: f64| square / (square + pixel.bias_error.powi(2)).max(f64::MIN_POSITIVE);
             pixel.steady = typical.map(|square| share(square).sqrt() * pixel.bias);
-            // Multiples of the golden ratio leave no gaps.
+            // Multiples of the golden ratio are evenly spread.
             pixel.luck = normal_quantile(((index as f64 + 0.5) * 0.618_033_988_749_895).fract());
         }
         let doubt = libm::exp(0.5 * DOUBT * (passes / independent).sqrt());
@@ -110,7 +111,7 @@ impl Group {
         Self { pixels, weight, level: [doubt.recip(), doubt] }
     }
 
-    /// What the errors come to, and how many pixels each stands for.
+    /// Predicted errors, each with the number of pixels that it stands for.
     pub(super) fn errors(&self, factors: &Factors, bound: Bound) -> impl Iterator<Item = (f64, f64)> {
         let level = self.level[bound as usize];
         self.pixels.iter().map(move |pixel| {
@@ -122,8 +123,8 @@ impl Group {
     }
 }
 
-/// What standard errors, each with the variance by chance of the logarithm of its square, have to be multiplied by to
-/// be spread as the truth is. By chance, logarithms are 1/ν too low on average.
+/// Factors on standard errors that give them the true spread; each is paired with the variance of the
+/// logarithm of its square that is due to chance. On average, chance makes these logarithms too low by 1/ν.
 fn without_chance(errors: &[(f64, f64)], freedom: f64) -> Vec<f64> {
     let log = |error: f64| 2.0 * libm::log(error);
     let known = |error: f64| error > 0.0 && error.is_finite();
@@ -141,12 +142,12 @@ fn without_chance(errors: &[(f64, f64)], freedom: f64) -> Vec<f64> {
     errors.iter().map(|&(error, by)| if known(error) { factor(error, by) } else { 1.0 }).collect()
 }
 
-/// The mean squared bias, at least and at most, and how many pixels there would be if none shared its luck
-/// with others.
+/// Lower and upper bound of the mean squared bias, and the effective number of independent pixels.
 ///
-/// Squares of what is told are too large by that of their chance, on average. Neighbours see partly the
-/// same photons: if their biases correlate by ρ, by chance or not, squares of normal numbers do by ρ²; with ρ² to the
-/// power of the distance, along rows and columns, as many are independent as there are times ((1 − ρ²)/(1 + ρ²))².
+/// Squares of measured biases are too large by their variance, on average. Neighbours share some photons:
+/// if their biases correlate by ρ, whether by chance or not, squares of normal numbers correlate by ρ²; if
+/// this falls as ρ² to the power of the distance, along rows and columns, the number of independent pixels
+/// is smaller by ((1 − ρ²)/(1 + ρ²))².
 fn typical(pixels: &[Relative]) -> ([f64; 2], f64) {
     let count = pixels.len().max(1) as f64;
     let excess = |pixel: &Relative| pixel.bias.powi(2) - pixel.bias_error.powi(2);
@@ -160,7 +161,8 @@ fn typical(pixels: &[Relative]) -> ([f64; 2], f64) {
     ([(mean - doubt).max(0.0), (mean + doubt).max(0.0)], independent)
 }
 
-/// Of the standard normal distribution, within 4.5·10⁻⁴ (Hastings 1955; Abramowitz and Stegun 26.2.23).
+/// Quantile of the standard normal distribution, within 4.5·10⁻⁴ (Hastings 1955; Abramowitz and Stegun
+/// 26.2.23).
 pub(super) fn normal_quantile(p: f64) -> f64 {
     let tail = p.min(1.0 - p).max(1e-12);
     let t = (-2.0 * libm::log(tail)).sqrt();

@@ -1,4 +1,4 @@
-//! Forecasts of what is known.
+//! Forecasts for known errors.
 
 use super::group::normal_quantile;
 use super::*;
@@ -17,7 +17,7 @@ fn intervals(noise: f64, bias: f64, bias_error: f64) -> Vec<ConfidenceInterval> 
     };
     let mut intervals = vec![interval; 90];
     intervals.extend(vec![ConfidenceInterval { flags: Flags::UNEVEN, half_width: f64::INFINITY, ..interval }; 10]);
-    // Each by itself.
+    // Alternating signs, so that neighbours are not correlated.
     intervals.iter_mut().step_by(2).for_each(|interval| interval.bias *= -1.0);
     intervals
 }
@@ -30,10 +30,10 @@ fn model_of(intervals: &[ConfidenceInterval], passes: u32, alpha: f64) -> Option
 fn radii_go_to_where_noise_and_bias_balance() {
     let best =
         |bias: f64, noise: f64| model_of(&intervals(noise, bias, 0.5 * noise), 8, 1.0).unwrap().best_scale(10_000);
-    // Nothing but noise wants all that may be had, a bias that dwarfs it the least.
+    // Noise alone gives the largest factor, a bias that is far above it the smallest.
     assert_eq!((best(0.05, 0.1), best(1.0, 0.01)), (2.0, 0.25));
-    // Squares of noise fall by 1250/c; what is left of the bias has a square of 0.0032 c². They balance
-    // at c³ = 1/1250/(2·0.0032) = 1/8.
+    // Squared noise falls by 1250/c; the systematic part of the bias has a square of 0.0032 c². They
+    // balance at c³ = 1/1250/(2·0.0032) = 1/8.
     assert!((best(0.2532_f64.sqrt(), 1.0) - 0.5).abs() < 1e-9);
 }
 
@@ -44,7 +44,7 @@ fn errors_fall_as_the_cube_root_of_passes() {
     let least = ErrorModel::least_error_after;
     let half = f64::from(model.passes_until(least(&model, 1000) / 2.0, least).unwrap());
     assert!((half / 8000.0 - 1.0).abs() < 0.1, "{half}");
-    // At most, a bias without noise falls as the fourth root.
+    // By the upper bound, a bias without noise falls as the fourth root.
     let biased = model_of(&intervals(0.0, 0.1, 0.0), 100_000, 2.0 / 3.0).unwrap();
     for (of, power) in [(ErrorModel::error_after as fn(&ErrorModel, u32) -> f64, 0.25), (least, 1.0 / 3.0)] {
         let half = f64::from(biased.passes_until(0.1, of).unwrap());
@@ -58,21 +58,22 @@ fn noise_alone_at_a_fixed_radius_falls_as_the_square_root() {
     let model = model_of(&intervals(0.1, 0.05, 0.05), 1000, 1.0).unwrap();
     let half = f64::from(model.passes_until(model.error_after(1000) / 2.0, ErrorModel::error_after).unwrap());
     assert!((half / 4000.0 - 1.0).abs() < 0.02, "{half}");
-    // A bias that stays is a floor.
+    // A bias that does not decrease is a lower limit.
     let floor = model_of(&intervals(0.1, 0.05, 0.0), 1000, 1.0).unwrap();
     assert_eq!(floor.passes_until(0.09, ErrorModel::error_after), None);
     assert_eq!(floor.passes_until(10.0, ErrorModel::error_after), Some(1000));
 }
 
-/// Pixels that are alike, of which 8 passes tell different noise and biases by chance: 95 % of them come
-/// to be within 1.96 standard errors for the noise, and twice 1.96 of half as much for the bias.
+/// Equal pixels, whose noise and bias as measured by 8 passes differ only by chance: 95 % of them end up
+/// within 1.96 standard errors for the noise, plus twice 1.96 of half as much for the bias.
 ///
-/// What 8 passes leave open is whether there is a bias. With b for the noise of a pixel's, the mean of bias²
-/// less what chance adds to it is 0 with a standard error of τ = b² √((2 + 2/7)/4000): a normal deviate's
-/// square has the variance 2, a χ² of 7 degrees over 7 one of 2/7. After 100 times the passes at the
-/// same radius, noise is 1/10 and the bias what it was, so that a bias² of z τ foretells the error times
-/// (1 + √(1 + 100 z τ/b²))/2. Two standard errors are added or taken away, and noise is known within 1/√(2·7·4000),
-/// the quantile within 1 %: truth lies between the ends, in all but 0.05 of pilots by the former and 0.05 by the latter.
+/// After 8 passes it is uncertain whether there is a bias. With b for the noise of a pixel's bias, the mean
+/// of bias² minus its variance is 0 with a standard error of τ = b² √((2 + 2/7)/4000): the square of a
+/// normal deviate has variance 2, a χ² of 7 degrees divided by 7 has 2/7. After 100 times the passes at the
+/// same radius, noise is 1/10 and the bias unchanged, so that a bias² of z τ predicts the error times (1 +
+/// √(1 + 100 z τ/b²))/2. Two standard errors are added or subtracted, noise is known within 1/√(2·7·4000),
+/// and the quantile within 1 %: the true value lies between the bounds, except for 0.05 of the pilots by
+/// the former and 0.05 by the latter.
 #[test]
 fn luck_of_the_pilot_is_not_foretold() {
     const PILOTS: usize = 32;
@@ -88,12 +89,13 @@ fn luck_of_the_pilot_is_not_foretold() {
         assert!(least > 1.0 - slack && least < highest(2.5) + slack, "{pilot}: {least}");
         assert!(most > 1.0 - slack && most < highest(6.5) + slack, "{pilot}: {most}");
         within += usize::from(least <= 1.01 && most >= 0.99);
-        // Without luck of their own, the unlucky ones foretell a bias that is not there.
+        // Without the correction for chance, pixels with large deviates predict a bias that does not exist.
         let alone = intervals.iter().map(|c| 2.0 * (c.bias * c.bias - c.bias_error * c.bias_error).max(0.0).sqrt());
         let mut alone: Vec<f64> = alone.collect();
         alone.sort_by(f64::total_cmp);
         assert!(alone[3800] / truth > highest(6.5) + slack, "{}", alone[3800]);
-        // And neighbours that saw the same photons are no more than one pixel: who takes them for many is too sure.
+        // Neighbours with the same photons count as one pixel: treating them as independent would be too
+        // confident.
         let shared: Vec<ConfidenceInterval> =
             intervals.iter().step_by(40).flat_map(|interval| [*interval; 40]).collect();
         let shared = model_of(&shared, 8, 1.0).unwrap();
@@ -105,7 +107,7 @@ fn luck_of_the_pilot_is_not_foretold() {
     assert!(within as f64 >= 28.8 - few && (off as f64) <= 3.2 + few, "{within} within, {off} off, of {PILOTS}");
 }
 
-/// A pixel of noise 0.1 and no bias, as 8 passes tell it.
+/// A pixel with noise 0.1 and no bias, as measured by 8 passes.
 fn told_by_chance(pixel: usize) -> ConfidenceInterval {
     let mut sampler = Sampler::new(RandomKind::Counter, 5, 0, Domain::Gather, pixel as u32);
     let mut normal = |index: u32| {
@@ -126,14 +128,14 @@ fn told_by_chance(pixel: usize) -> ConfidenceInterval {
     }
 }
 
-/// 90 pixels of an error of 0.4 that are claimed and 10 of four times that, which join in as 1 − √b of
-/// themselves where bias falls as b, or with enough photons: from when they are a twentieth of all, 95 %
-/// are no longer within the error of the others.
+/// 90 pixels with an error of 0.4 that have an estimate, and 10 with four times that, which are included
+/// with a share of 1 − √b where bias falls as b, or once they have enough photons: as soon as they are a
+/// twentieth of all, 95 % of the pixels are no longer within the error of the others.
 #[test]
 fn pixels_at_edges_join_in_as_radii_shrink() {
     let of = |flags: Flags, photons: f64| joining(flags, photons, 4.0);
     let schedule = Schedule::of(8, 2.0 / 3.0);
-    // 10 (1 − √b) are a twentieth of themselves and 90 where √b is 1 − 0.45/0.95.
+    // 10 (1 − √b) are a twentieth of themselves plus 90 where √b is 1 − 0.45/0.95.
     let join = (8..100_000).find(|&passes| schedule.factors(passes).0.sqrt() < 1.0 - 0.45 / 0.95).unwrap();
     for flag in EDGES {
         let model = of(flag, 1000.0);
@@ -142,16 +144,16 @@ fn pixels_at_edges_join_in_as_radii_shrink() {
         let forecast = model.forecast(Some(model.least_error_after(2 * join)), 1.0, 3 * join);
         assert!(forecast.may_be_reached() && !forecast.is_reachable(), "{forecast:?}");
     }
-    // 16 photons are twice as many as soon as passes times squared radii are: before 32 passes.
+    // 16 photons have doubled as soon as passes times squared radii have: before 32 passes.
     let model = of(Flags::FEW_PHOTONS, 16.0);
     let over = |passes| model.error_after(passes) / model.least_error_after(passes);
     assert!(over(16) < 1.5 && over(32) > 3.5, "{} {}", over(16), over(32));
-    // And nothing ever of none.
+    // And pixels without photons are never included.
     let never = of(Flags::FEW_PHOTONS, 0.0).error_after(1 << 20);
     assert!(never / model.least_error_after(1 << 20) < 3.0, "{never}");
 }
 
-/// 10 of 100 pixels whose errors are `times` those of the others, and why nothing is claimed of them.
+/// 100 pixels, of which 10 have `times` the error of the others, and these flags.
 fn joining(flags: Flags, photons: f64, times: f64) -> ErrorModel {
     let mut intervals = intervals(0.1, 0.1, 0.0);
     for interval in intervals.iter_mut().filter(|interval| !interval.flags.is_empty()) {
@@ -161,8 +163,9 @@ fn joining(flags: Flags, photons: f64, times: f64) -> ErrorModel {
     model_of(&intervals, 8, 2.0 / 3.0).unwrap()
 }
 
-/// Pixels that lack photons alone are foretold to come, and may do better than those that are claimed: of 95
-/// pixels, 5 and 85 of small errors, the 95 % come to be theirs. With an edge within reach, nobody knows.
+/// Pixels that only lack photons are predicted to be included, and may have smaller errors than those with
+/// an estimate: of 95 pixels, 5 and 85 with small errors, the 95 % quantile becomes that of the 85. Pixels
+/// with an edge within the disc are not predictable.
 #[test]
 fn pixels_that_lack_photons_can_be_the_better_ones() {
     let mut few = intervals(0.1, 0.1, 0.0);
@@ -175,7 +178,8 @@ fn pixels_that_lack_photons_can_be_the_better_ones() {
             (model_of(intervals, 8, 2.0 / 3.0).unwrap(), model_of(&intervals[..4], 8, 2.0 / 3.0).unwrap());
         whole.least_error_after(passes) / alone.least_error_after(passes)
     };
-    // Of 16 photons, 4 fewer are 32 when passes times squared radii are 8/3 of what they were.
+    // 16 photons, less a standard error of 4, are 32 when passes times squared radii are 8/3 of what they
+    // were.
     assert!(ratio(&few, 16) > 0.9 && ratio(&few, 64) < 0.2, "{} {}", ratio(&few, 16), ratio(&few, 64));
     for lost in [Flags::UNEVEN, Flags::FEW_PHOTONS] {
         let mut none = few.clone();
@@ -187,8 +191,8 @@ fn pixels_that_lack_photons_can_be_the_better_ones() {
     }
 }
 
-/// A target that is met, missed again as pixels join in, and met for good is met when it first is, if that lasts until
-/// passes have doubled: nothing between is looked at.
+/// A target that is met, missed again as pixels are included, and finally met counts as met at the first
+/// time if it stays so until the number of passes has doubled: nothing in between is evaluated.
 #[test]
 fn the_first_time_counts() {
     let model = model_of(&intervals(0.1, 0.0, 0.0), 8, 1.0).unwrap();

@@ -1,10 +1,10 @@
-//! Every rule is broken once, and the message names what broke it.
+//! Violates each rule once, and checks that the message names the culprit.
 
 use crate::scene::layout::{Light, Material, MaterialKind, Medium, Primitive};
 use crate::scene::units::Units;
 use crate::scene::{SceneView, light_cdf};
 
-/// Tables of a view, to be broken.
+/// Tables of a view, to be modified by the tests.
 #[derive(Clone)]
 struct Tables {
     positions: Vec<[f32; 3]>,
@@ -70,7 +70,7 @@ impl Tables {
     }
 }
 
-/// What breaks the tables, and what the message begins with.
+/// A modification, and how the resulting message begins.
 type Case = (fn(&mut Tables), &'static str);
 
 #[track_caller]
@@ -86,7 +86,7 @@ fn all_fail(cases: &[Case]) {
 #[test]
 fn a_sound_view_passes() {
     Tables::new().check().unwrap();
-    // No light, no triangle and no material are no fault of the tables.
+    // A view without lights, triangles or materials is valid.
     let mut tables = Tables::new();
     (tables.lights, tables.starts) = (Vec::new(), Vec::new());
     tables.check().unwrap();
@@ -98,11 +98,11 @@ fn a_sound_view_passes() {
 #[test]
 fn rounding_passes() {
     let mut tables = Tables::new();
-    // Just outside, as a radius that was computed in f32 may leave it; a normal of rounded numbers.
+    // Just outside, as with a radius that was computed in f32; a normal of rounded numbers.
     tables.positions[1] = [0.750_001, 0.0, 0.0];
     tables.primitives[0].normal = [0.577_35, 0.577_35, 0.577_35];
     tables.check().unwrap();
-    // What a material or a light does not use may be anything that is a number.
+    // Fields that a material or a light does not use may have any value that is a number.
     tables.materials[0].ior = 0.0;
     tables.lights[1].primitive = u32::MAX;
     tables.lights[0].direction = [0.0; 3];
@@ -112,8 +112,8 @@ fn rounding_passes() {
 #[test]
 fn lengths_and_units() {
     all_fail(&[
-        (|t| t.primitives.truncate(1), "scene view: the number of facets is 1 for 2 triangles"),
-        (|t| t.primitives.push(t.primitives[0]), "scene view: the number of facets is 3 for 2 triangles"),
+        (|t| t.primitives.truncate(1), "scene view: the number of primitives is 1 for 2 triangles"),
+        (|t| t.primitives.push(t.primitives[0]), "scene view: the number of primitives is 3 for 2 triangles"),
         (|t| t.starts.truncate(3), "scene view: the length of light_cdf is 3 for 4 lights"),
         (|t| t.starts.push(u32::MAX), "scene view: the length of light_cdf is 5 for 4 lights"),
         (|t| t.radius = f32::NAN, "scene view: the radius is NaN"),
@@ -136,13 +136,13 @@ fn positions_and_indices() {
             |t| t.positions[1][0] = 0.76,
             "position 1: [0.76, 0.0, 0.0] must be finite and within the scene's radius, 0.75",
         ),
-        (|t| t.triangles[1][2] = 4, "triangle 1: [1, 3, 4] names a vertex that is not among the 4"),
+        (|t| t.triangles[1][2] = 4, "triangle 1: [1, 3, 4] has an index that is not among the 4 vertices"),
         (|t| t.triangles[0][0] = u32::MAX, "triangle 0: "),
-        (|t| t.primitives[1].material = 4, "facet 1: material 4 is not among the 4"),
-        (|t| t.primitives[0].material = u32::MAX, "facet 0: material 4294967295"),
-        (|t| t.primitives[1].normal = [0.0; 3], "facet 1: its normal [0.0, 0.0, 0.0] is not a unit vector"),
-        (|t| t.primitives[1].normal = [0.0, 0.0, 1.001], "facet 1: its normal"),
-        (|t| t.primitives[0].normal[0] = f32::NAN, "facet 0: its normal"),
+        (|t| t.primitives[1].material = 4, "primitive 1: material 4 is out of range"),
+        (|t| t.primitives[0].material = u32::MAX, "primitive 0: material 4294967295"),
+        (|t| t.primitives[1].normal = [0.0; 3], "primitive 1: its normal [0.0, 0.0, 0.0] is not a unit vector"),
+        (|t| t.primitives[1].normal = [0.0, 0.0, 1.001], "primitive 1: its normal"),
+        (|t| t.primitives[0].normal[0] = f32::NAN, "primitive 0: its normal"),
     ]);
 }
 
@@ -159,12 +159,12 @@ fn materials() {
         (|t| t.media[1].absorption[1] = f32::INFINITY, "medium 1: its absorption"),
         (|t| t.media[1].absorption[1] = -1.0, "medium 1: its absorption"),
         (|t| t.media[1].ior = f32::NAN, "medium 1: its ior NaN"),
-        (|t| t.media[1].ior = 1.4, "material 2: its ior 1.5 is not that"),
+        (|t| t.media[1].ior = 1.4, "material 2: its ior 1.5 differs from that"),
         (|t| t.media[0].ior = 1.1, "scene view: media is a table of 2"),
         (|t| t.media.clear(), "scene view: media is a table of 0"),
         (|t| t.media.resize(257, Medium::VACUUM), "scene view: media is a table of 257"),
-        (|t| t.materials[2].medium = 0, "material 2: it names no medium"),
-        (|t| t.materials[2].medium = 2, "material 2: medium 2 is not among the 2"),
+        (|t| t.materials[2].medium = 0, "material 2: it has no medium"),
+        (|t| t.materials[2].medium = 2, "material 2: medium 2 is out of range"),
         (|t| t.materials[2].ior = 0.0, "material 2: its ior 0"),
         (|t| t.materials[3].ior = f32::NAN, "material 3: its ior NaN"),
         (|t| t.materials[3].ior = -1.5, "material 3: its ior -1.5"),
@@ -176,7 +176,7 @@ fn materials() {
 fn lights() {
     all_fail(&[
         (|t| t.lights[1].kind = 4, "light 1: its kind 4 is unknown"),
-        (|t| t.lights[0].primitive = 2, "light 0: triangle 2 is not among the 2"),
+        (|t| t.lights[0].primitive = 2, "light 0: triangle 2 is out of range"),
         (|t| t.lights[0].primitive = u32::MAX, "light 0: triangle 4294967295"),
         (|t| t.lights[0].area = 0.0, "light 0: its area 0"),
         (|t| t.lights[0].area = f32::NAN, "light 0: its area NaN"),
@@ -190,13 +190,13 @@ fn lights() {
         (|t| t.lights[2].versine_outer = f32::NAN, "light 2: its versines"),
         (|t| t.lights[2].versine_outer = 2.5, "light 2: its versines"),
         (|t| t.lights[3].radius = f32::INFINITY, "light 3: its radius"),
-        (|t| t.starts[0] = 1, "light start 0: 1 breaks"),
-        (|t| t.starts[2] = t.starts[1], "light start 2: "),
-        (|t| t.starts[3] = 0, "light start 3: 0 breaks"),
+        (|t| t.starts[0] = 1, "light_cdf entry 0: 1 is invalid"),
+        (|t| t.starts[2] = t.starts[1], "light_cdf entry 2: "),
+        (|t| t.starts[3] = 0, "light_cdf entry 3: 0 is invalid"),
     ]);
 }
 
-/// Features are derived of a view that is not valid too, without a panic.
+/// Features are derived from an invalid view too, without a panic.
 #[test]
 fn what_is_out_of_range_needs_no_feature() {
     let mut tables = Tables::new();

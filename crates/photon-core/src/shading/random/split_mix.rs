@@ -1,5 +1,5 @@
-//! A small generator with state, for tests, benchmarks and scenes by formula; renderers use
-//! [`Sampler`](super::Sampler), which has none.
+//! A small generator with state, for tests, benchmarks and procedural scenes; renderers use
+//! [`Sampler`](super::Sampler), which is stateless.
 
 /// SplitMix64 (Steele, Lea and Flood 2014, "Fast Splittable Pseudorandom Number Generators"): the
 /// same numbers in every version of this library.
@@ -12,7 +12,7 @@
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SplitMix64(
-    /// The state; at first the seed.
+    /// The state; initially the seed.
     pub u64,
 );
 
@@ -50,7 +50,7 @@ impl SplitMix64 {
 mod tests {
     use super::SplitMix64;
 
-    /// The numbers that the reference implementation gives for this seed.
+    /// The output of the reference implementation for this seed.
     #[test]
     fn words_are_the_published_ones() {
         let mut random = SplitMix64(1_234_567);

@@ -124,8 +124,8 @@ impl Disc<'_> {
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
                 let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
                 if same && (away <= free || !enclosed(scene, &surface)) {
-                    // The outer probe is skipped if no error moments are requested; the image must be the same
-                    // either way.
+                    // The outer probe exists only if error moments are requested. It must not decide for the rings
+                    // inside it, since the image must be the same either way.
                     whole = ring < RINGS && !gather.is_flat() && away <= free;
                     for i in 0..discs {
                         let most = gather.max_plane_distance * (RADII[i] * radius);

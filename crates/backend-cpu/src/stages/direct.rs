@@ -121,7 +121,7 @@ struct Target {
     solid_angle: f32,
 }
 
-/// Samples a point of a triangle, on the side facing the query; `None` if neither side emits towards it.
+/// Samples a point of a triangle, on an emitting side that faces the query; `None` if there is none.
 fn at_area_light(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Target> {
     let primitive = light.primitive as usize;
     let vertices = scene.vertices[primitive];

@@ -131,7 +131,7 @@ impl Eye<'_> {
         }
         let interface = self.scene.interface(&surface, path.media);
         path.throughput *= self.scene.attenuation(interface.before, surface.t);
-        // Factor from the radiance that leaves the surface to the radiance at the camera.
+        // Factor from the radiance that leaves the surface to its contribution at the camera.
         let seen = || {
             let camera = MediumStack::from_bits(self.view.camera.media);
             path.throughput * self.scene.radiance_scale(camera, interface.before)

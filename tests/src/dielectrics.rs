@@ -117,7 +117,6 @@ pub fn t7_trapped_light<T: TestBackend>() {
 ///
 /// Measured as flux over the area of the spot, which for a uniform disc is `2π⟨ρ²⟩`: relative error `√(4/(3n))`.
 /// The flat triangles scatter by less than a hundredth.
-/// facets scatter by less than a hundredth.
 pub fn t9_ball_lens<T: TestBackend>() {
     let mut builder = SceneBuilder::new();
     let material = builder.material(glass(1.5, 0.0));

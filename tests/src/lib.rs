@@ -2,7 +2,6 @@
 //!
 //! Names begin with the number of the closed form or of the failure mode in the tables of `tests/README.md`. Random
 //! numbers are fixed by seeds; statistical bounds are 4.5 standard errors, computed where they are used.
-//! computed where they are used.
 #![forbid(unsafe_code)]
 #![expect(clippy::unwrap_used, clippy::missing_panics_doc, reason = "all of this is test code")]
 

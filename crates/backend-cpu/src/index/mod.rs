@@ -201,7 +201,6 @@ impl PointIndex {
     ///
     /// `accept` may be called for any slot, in any order and more than once, and must always return the same result
     /// for a slot. Squared distances and NaN are as in [`Self::within`].
-    /// always alike. Squared distances and NaN are as with [`Self::within`].
     #[inline]
     pub fn nearest(
         &self,

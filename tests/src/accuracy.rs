@@ -1,4 +1,4 @@
-//! What a film claims of its own error, against fields whose truth is known, and scenes.
+//! Confidence intervals of a film, checked against analytic fields and rendered scenes.
 
 use photon_core::{
     Backend, Budget, ConfidenceInterval, ErrorMoments, EstimateParams, Flags, IndexKind, Kernel, Photon, Plan,
@@ -14,23 +14,23 @@ fn field_film<T: TestBackend>(field: &Field, passes: u32, alpha: f64, seed: u64)
     film_of(&mut T::make(2), field, &Trial { passes, alpha, side: 16, seed }).unwrap()
 }
 
-/// 256 trials each, which are independent since no photon is within reach of two of them: of a nominal 0.95,
-/// no fewer than 0.93 hold, wherever anything is claimed; and the claims are no wider than three times the
-/// error.
+/// Runs 256 trials each, which are independent since no photon is within reach of two of them. Of nominal 95 %
+/// intervals, at least 93 % must contain the truth wherever an interval is claimed, and the intervals must not be
+/// wider than three times the error.
 pub fn e1_claims_hold_in_smooth_fields<T: TestBackend>() {
     for (passes, alpha) in [(24, 2.0 / 3.0), (16, 1.0)] {
         for (seed, field) in SMOOTH.iter().enumerate() {
             let verdict = judge(field, &[field_film::<T>(field, passes, alpha, 70 + seed as u64)]);
             let what = format!("{}, {passes} passes, alpha {alpha:.2}: {verdict:?}", field.name);
-            // A share of 0.8 of 256 independent trials has a standard error of √(0.8·0.2/256) = 1/40.
+            // A proportion of 0.8 of 256 independent trials has a standard error of √(0.8·0.2/256) = 1/40.
             assert!(verdict.claimed >= 0.8 - SIGMAS / 40.0 && verdict.covered >= 0.93, "{what}");
-            // The standard error of a root of 256 squares is a 23rd of it.
+            // The relative standard error of the root of a mean of 256 squares is 1/23.
             assert!(verdict.sharpness <= 3.0 * (1.0 + 4.5 / 23.0), "{what}");
         }
     }
 }
 
-/// Edges and folds within the support are flagged, at least 19 of 20 pixels; what is claimed holds.
+/// Edges and folds within the support are flagged in at least 19 of 20 pixels.
 pub fn e2_edges_and_folds_are_flagged<T: TestBackend>() {
     for (seed, field) in BROKEN.iter().enumerate() {
         let verdict = judge(field, &[field_film::<T>(field, 24, 2.0 / 3.0, 80 + seed as u64)]);
@@ -38,15 +38,16 @@ pub fn e2_edges_and_folds_are_flagged<T: TestBackend>() {
     }
 }
 
-/// What must fail does: noise alone does not cover a narrow bump under a fixed radius, nor an edge.
+/// Negative control: the noise alone does not cover the error at a narrow bump with a fixed radius, nor at an edge.
 pub fn e3_noise_alone_does_not_cover<T: TestBackend>() {
     for field in [&SMOOTH[3], &BROKEN[0]] {
         let verdict = judge(field, &[field_film::<T>(field, 16, 1.0, 90)]);
         assert!(verdict.covered_by_noise <= 0.5, "{}: {verdict:?}", field.name);
     }
-    // Seven passes are the one reason for all, and for nearly all the only one: by chance a quadrupole is
-    // beyond 3 standard errors in exp(−9/2) of pixels, and of two biases either is beyond 3 of its own, which
-    // it would have to be to differ, with Student's t of 6 degrees in 0.024. One pass more, and none has it.
+    // With seven passes, all pixels are flagged as having too few, and nearly all for no other reason. By chance, a
+    // quadrupole exceeds 3 standard errors in exp(−9/2) of the pixels. For two biases to differ, one has to exceed
+    // 3 of its own standard errors, each with probability 0.024 (Student's t, 6 degrees of freedom). With one more
+    // pass, no pixel has too few.
     let intervals = |passes| field_film::<T>(&SMOOTH[0], passes, 1.0, 91).confidence_intervals().unwrap();
     let few = intervals(7);
     assert!(few.iter().all(|interval| interval.flags.contains(Flags::FEW_PASSES)));
@@ -58,8 +59,8 @@ pub fn e3_noise_alone_does_not_cover<T: TestBackend>() {
     assert!(intervals(8).iter().all(|interval| !interval.flags.contains(Flags::FEW_PASSES)));
 }
 
-/// The second sums on photons that are counted by hand: two within the radius, one of them within the
-/// half, one without; one photon on a wall, one on a step.
+/// Error moments of photons that are counted by hand: two within the radius (one of them within half of it), one
+/// outside; one photon on a wall, one on a step.
 pub fn e4_spread_of_known_photons<T: TestBackend>() {
     let wall = photon_core::octahedral::pack(photon_core::glam::Vec3::X);
     let mut photons: Vec<Photon> =
@@ -85,7 +86,7 @@ pub fn e4_spread_of_known_photons<T: TestBackend>() {
         assert!((f64::from(found) - truth).abs() <= 1e-5, "{what}: {found} instead of {truth}");
     };
     let record = records[0];
-    // Squared distances over the squared radius: 0.16, 0.64, 1.44, 0.4 on the floor or near it.
+    // Squared distances over the squared radius are 0.16, 0.64, 1.44, 0.4, on the floor or near it.
     near("wide", record.wide[1], [0.16, 0.64, 1.44, 0.4].iter().map(|u| 2.0 - u).sum());
     near("narrow", record.narrow[1], [0.16, 0.4].iter().map(|u| 2.0 - 4.0 * u).sum());
     near("power", record.power, 4.0);
@@ -93,14 +94,14 @@ pub fn e4_spread_of_known_photons<T: TestBackend>() {
     near("stray", record.stray, 2.0);
     assert_eq!(record.photons, 4);
     let reach = 0.1 * 2.0_f64.sqrt();
-    // The frame of a floor's normal is x and y.
+    // The tangent frame of an upward normal is x and y.
     near("slope", record.slope[0], (0.04 - 0.12 + 0.02) / reach);
     near("slope", record.slope[1], 0.08 / reach);
     near("stretch", record.quadrupole[0], (0.0016 + 0.0144 + 0.0004 - 0.0064) / (reach * reach));
     near("stretch", record.quadrupole[1], 0.0);
 }
 
-/// Errors come with the same picture, merge as it does, and are not there unless they are asked for.
+/// Error statistics leave the image unchanged, merge like it, and are absent unless requested.
 pub fn e5_errors_leave_the_picture_alone<T: TestBackend>() {
     let scene = builtin("cornell-glass").unwrap().build().unwrap();
     let plain = Settings { photons: 5_000, seed: 5, ..Settings::default() };
@@ -129,8 +130,8 @@ pub fn e5_errors_leave_the_picture_alone<T: TestBackend>() {
     assert!(with.confidence_intervals().unwrap().iter().any(|interval| interval.bias != 0.0));
 }
 
-/// Light that is gathered has the bias of the maps where its rays land: in a ball that glows alike
-/// everywhere there is none, and claims hold; in a box with corners it is told.
+/// Final gathering has the bias of the maps where the gather rays land. In a uniformly lit closed sphere there is
+/// none and the confidence intervals hold; in a box with corners the bias is reported.
 pub fn e6_gathered_light_is_claimed<T: TestBackend>() {
     let settings = Settings {
         photons: 4_000,
@@ -152,14 +153,13 @@ pub fn e6_gathered_light_is_claimed<T: TestBackend>() {
     };
     let scene = builtin("cornell").unwrap().build().unwrap();
     let intervals = film::<T>(&scene, &settings, 12, 12).confidence_intervals().unwrap();
-    // Beyond edges there are no photons, so that larger radii see less light: the picture is too dark.
+    // Beyond edges there are no photons, so larger radii collect less light and the image is too dark.
     let (bias, value) = (mean(&|interval| interval.bias, &intervals), mean(&|interval| interval.value, &intervals));
     assert!(bias < -0.002 * value && bias > -0.2 * value, "{bias} of {value}");
 }
 
-/// Photons that leave by Sobol's sequence give the same light with less noise: the mean over the picture,
-/// pass by pass, of a ball around a lamp. A ratio of two variances of 24 passes is beyond 2.7 in
-/// one of a hundred cases by chance.
+/// Photons emitted with Sobol's sequence have the same mean with less noise: the image mean, pass by pass, of a
+/// sphere around a light. The ratio of two variances of 24 passes exceeds 2.7 by chance in one of a hundred cases.
 pub fn e7_sobol_is_the_same_light_with_less_noise<T: TestBackend>() {
     let scene = builtin("integrating-sphere").unwrap().build().unwrap();
     let passes = |random| {
@@ -180,8 +180,8 @@ pub fn e7_sobol_is_the_same_light_with_less_noise<T: TestBackend>() {
     assert!(vb * 2.7 < va, "variance {vb:e} instead of {va:e}");
 }
 
-/// An error that is asked for ends the render by itself, near where the pilot foretold, and its claims
-/// hold: in a ball that glows alike everywhere, radiosity 2.
+/// A render with an error target stops by itself, near the number of passes that the pilot predicted, and its
+/// confidence intervals hold: a uniformly lit closed sphere with radiosity 2.
 pub fn e8_an_error_asked_for_is_reached<T: TestBackend>() {
     let scene = builtin("furnace").unwrap().build().unwrap();
     let settings = Settings { photons: 2_000, errors: true, seed: 8, ..Settings::default() };
@@ -197,7 +197,7 @@ pub fn e8_an_error_asked_for_is_reached<T: TestBackend>() {
     let truth = 2.0 * std::f64::consts::FRAC_1_PI;
     let covered = intervals.iter().filter(|interval| (interval.value - truth).abs() <= interval.half_width).count();
     assert!(covered * 100 >= intervals.len() * 93, "{covered} of {}", intervals.len());
-    // Errors that nobody keeps cannot be asked for.
+    // Without error statistics, an error target is refused.
     let mut deaf = crate::harness::renderer::<T>(&scene, &Settings { errors: false, ..settings }, 8);
     assert!(render(&mut deaf, plan, &mut ()).is_err());
 }

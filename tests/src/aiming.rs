@@ -1,4 +1,4 @@
-//! Photons aimed at mirrors and glass: the same light as by photons sent everywhere.
+//! Aimed photons: the same expected light as with photons emitted in all directions.
 
 use std::collections::BTreeSet;
 
@@ -13,11 +13,11 @@ use crate::equivalence::rays;
 use crate::harness::{TestBackend, per_pass, renderer};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
-/// Kinds of lamps, one scene each; the last has all of them.
+/// Kinds of lights, one scene each; the last has all of them.
 const LIGHT_KINDS: [&str; 5] = ["point", "spot", "sun", "panel", "all"];
 
-/// A ball of glass, a mirror and a pane above a floor, under lamps; or, for a table that is wrong, a bead
-/// in the place of the ball alone.
+/// A glass ball, a mirror and a pane above a floor, lit by `kinds`. If not `whole`, only a small bead in the place
+/// of the ball: a scene for a projection map that does not match.
 fn room(kinds: &str, whole: bool) -> Scene {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
@@ -55,8 +55,8 @@ fn room(kinds: &str, whole: bool) -> Scene {
     builder.build().unwrap()
 }
 
-/// Of the map of caustics, for each of some passes: flux per path, mean of RGB, and its moments along x and
-/// z; by paths that go everywhere, or as `projection` says.
+/// For each of several passes, the flux of the caustic map per path, mean of RGB, and its moments along x and z.
+/// Paths are emitted in all directions, or through `projection`.
 fn caustics<T: TestBackend>(
     scene: &Scene,
     projection: Option<&ProjectionMap>,
@@ -114,8 +114,9 @@ fn compared(a: &[[f64; 3]], b: &[[f64; 3]], sum: usize) -> (f64, f64, f64) {
     (moments(&a).0, moments(&b).0, standard_error(&a).hypot(standard_error(&b)))
 }
 
-/// G1: flux of the map and where it lies are those of photons sent everywhere, for each kind of light, and
-/// by a quarter of the paths no noisier; by the table of another scene they are not.
+/// G1: flux and position of the caustic photons agree with those of photons emitted in all directions, for each
+/// kind of light, and with a quarter of the paths they are no noisier. With the projection map of another scene
+/// they do not agree.
 pub fn g1_aimed_photons_have_the_same_expectation<T: TestBackend>() {
     for kinds in LIGHT_KINDS {
         let scene = room(kinds, true);
@@ -135,8 +136,8 @@ pub fn g1_aimed_photons_have_the_same_expectation<T: TestBackend>() {
     }
 }
 
-/// The cells that photons are aimed at, as pairs of light and cell; and the cell that a photon sent
-/// everywhere leaves by, nothing if its light has none.
+/// The marked cells of a projection map, as pairs of light and cell, to look up the cell through which an ordinary
+/// photon leaves.
 struct Cells<'a> {
     projection: &'a ProjectionMap,
     marked: BTreeSet<(u32, u32)>,
@@ -161,8 +162,8 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// G2: no photon sent everywhere meets something specular first, and has not left by a marked cell. So no
-/// defensive share of aimed photons is needed.
+/// G2: every ordinary photon whose first surface is specular leaves through a marked cell. Aimed photons therefore
+/// need no defensive share.
 pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
     for kinds in LIGHT_KINDS {
         let scene = room(kinds, true);
@@ -179,7 +180,8 @@ pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
         let mut home = Vec::new();
         on.download(&rays, &mut home).unwrap();
         let caster = Accel::build(view.positions, view.triangles).unwrap();
-        // Photons whose first surface is specular and whose cell is not marked, of how many.
+        // Counts of the photons whose first surface is specular: those with an unmarked cell and those with a
+        // marked one.
         let missed = |projection: &ProjectionMap| {
             let cells = Cells::new(projection);
             let mut counts = [0_u32; 2];
@@ -203,8 +205,8 @@ pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
     }
 }
 
-/// G3: whole pictures by aimed photons have the same mean, with gathering or nothing but caustics; 12
-/// independent passes each.
+/// G3: images with aimed photons have the same mean, with final gathering and with caustics only; 12 independent
+/// passes each.
 pub fn g3_aimed_pictures_have_the_same_mean<T: TestBackend>() {
     let scene = room("all", true);
     for indirect in [Indirect::None, Indirect::Gather] {
@@ -227,14 +229,14 @@ pub fn g3_aimed_pictures_have_the_same_mean<T: TestBackend>() {
     }
 }
 
-/// G4: aimed paths have a tally of their own, which balances; the others store no caustic photons; where
-/// nothing is specular there is none of it.
+/// G4: aimed paths have their own tally, which balances; ordinary paths then store no caustic photons; a scene
+/// without specular surfaces has no aimed paths.
 pub fn g4_aimed_paths_are_accounted_for<T: TestBackend>() {
     let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
     let caustic_photons = CausticPhotons::Aimed(2500);
     let settings = Settings { photons: 5000, caustic_photons, ..Settings::default() };
     let mut with = renderer::<T>(&scene, &settings, 8);
-    let photon_core::PassEnd::Done(report) = with.pass(0, &mut ()).unwrap() else { panic!("nobody stops it") };
+    let photon_core::PassEnd::Done(report) = with.pass(0, &mut ()).unwrap() else { panic!("pass was interrupted") };
     let facts = with.facts();
     assert_eq!(facts.aimed, Some(2500));
     assert!(facts.memory.iter().any(|(label, _)| label.contains("aimed")));
@@ -246,7 +248,7 @@ pub fn g4_aimed_paths_are_accounted_for<T: TestBackend>() {
             && report.aimed.stored[MapKind::Caustic] > 100
     );
     assert!(report.aimed.terminated >= report.aimed.stored[MapKind::Caustic]);
-    // Light leaves by marked cells as it should: two lamps of nearly the same share.
+    // The flux through marked cells is as expected: two lights of nearly the same share.
     let share = report.aimed.flux_emitted.value().iter().sum::<f64>() / 3.0 / 2500.0;
     assert!((share / ProjectionMap::of(&scene.view()).share() - 1.0).abs() < 0.02, "{share}");
     for (name, caustic_photons) in [("cornell", CausticPhotons::Aimed(1000)), ("cornell-glass", CausticPhotons::Shared)]
@@ -260,8 +262,9 @@ pub fn g4_aimed_paths_are_accounted_for<T: TestBackend>() {
     }
 }
 
-/// G5: about both poles of a point light the heights of directions are not those of 24 bits: of 24 bits, the
-/// number of a height would be whole; how far it is from that is even in [0, 1/2], with deviation 1/√48.
+/// G5: near both poles of a point light, the heights of directions have more than 24 bits. With 24 bits they would
+/// be whole multiples of 2⁻²⁴; the distance from whole numbers must instead be uniform in [0, 1/2], with standard
+/// deviation 1/√48.
 pub fn g5_directions_about_poles_are_fine<T: TestBackend>() {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));

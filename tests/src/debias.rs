@@ -1,4 +1,4 @@
-//! What mends an estimate's bias, against closed forms: with and without.
+//! Corrections of an estimate's bias, compared with closed forms, with and without the correction.
 
 use photon_core::{Area, Bandwidth, Direct, Estimator, Indirect, Kernel, Settings};
 use photon_scene::shapes::{self, cuboid};
@@ -8,35 +8,35 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use crate::harness::{TestBackend, film, look_at_point, per_pass};
 use crate::stats::{SIGMAS, agrees, assert_agrees, moments, standard_error};
 
-/// The radius of the estimates below, user length.
+/// Radius of the estimates below, in user units.
 const RADIUS: f64 = 0.25;
 
-/// What stands beside the point that is looked at, at the origin.
+/// What lies beside the observed point, which is at the origin.
 #[derive(Clone, Copy, Debug)]
 enum Beside {
-    /// The floor goes on.
+    /// The floor continues.
     Nothing,
-    /// It ends at x.
+    /// The floor ends at x.
     End(f64),
-    /// It ends at x and at y.
+    /// The floor ends at x and at y.
     Corner(f64),
-    /// A tall box stands on it, from x on.
+    /// A tall box stands on the floor, from x on.
     Box(f64),
-    /// It is a mirror from x on.
+    /// The floor is a mirror from x on.
     Mirror(f64),
-    /// It is black from x on.
+    /// The floor is black from x on.
     Black(f64),
-    /// It is black from x for a tenth of the radius, and goes on.
+    /// The floor is black from x on for a tenth of the radius, then continues.
     Strip(f64),
-    /// A sheet of glass lies a little above it.
+    /// A sheet of glass lies slightly above the floor.
     Glass,
-    /// A wall without thickness stands on it.
+    /// A wall of zero thickness stands on the floor.
     Wall(f64),
-    /// A step down, of a tenth of the radius: still the same surface.
+    /// A step down by a tenth of the radius, still counted as the same surface.
     Step(f64),
 }
 
-/// A floor under light from straight above, of irradiance 1 and albedo 1/2: radiance 1/2π.
+/// A floor lit from straight above, with irradiance 1 and albedo 1/2: radiance 1/2π.
 fn floor(beside: Beside) -> Scene {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
@@ -80,7 +80,7 @@ fn floor(beside: Beside) -> Scene {
             builder.quad("strip", [[x, -1.0, 0.0], [y, -1.0, 0.0], [y, 1.0, 0.0], [x, 1.0, 0.0]], black);
         }
         Beside::Glass => {
-            // An index of nearly 1: light goes through as if it were not there, but is refracted.
+            // An index of nearly 1: light passes almost unchanged, but through the refraction code.
             let glass = builder.material(MaterialDesc::thin("glass", 1.000_1));
             let z = 0.1 * RADIUS;
             builder.quad("glass", [[-1.0, -1.0, z], [1.0, -1.0, z], [1.0, 1.0, z], [-1.0, 1.0, z]], glass);
@@ -88,7 +88,7 @@ fn floor(beside: Beside) -> Scene {
         _ => {}
     }
     builder.light("sun", LightDesc::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
-    // The pixel lies within the floor even where that ends at the origin.
+    // The pixel lies entirely on the floor, even where that ends at the origin.
     look_at_point(&mut builder, [-2e-5, -2e-5, 0.0], [0.0, 0.0, 1.0], 2.0, 1e-5);
     builder.build().unwrap()
 }
@@ -111,15 +111,15 @@ fn within() -> Estimator {
     Estimator::Radius { radius: Some(RADIUS) }
 }
 
-/// Radiance over the truth, pass by pass.
+/// Radiance divided by the true value, per pass.
 fn shares<T: TestBackend>(beside: Beside, settings: &Settings) -> Vec<f64> {
     let truth = 0.5 / PI;
     per_pass::<T>(&floor(beside), settings, 8, 1).iter().map(|radiance| radiance / truth).collect()
 }
 
-/// D1: where a disc hangs over an end, or under a box, the light of A8 is lost, and divided by what lies
-/// on the surface it is all there again, up to the 0.4 % of `area`. Independent passes; photons are the
-/// same with and without, so that one over the other shows the share alone.
+/// D1: where the disc extends beyond an edge or under a box, the fraction of light given by A8 is lost. Dividing by
+/// the area on the surface restores all of it, to within the 0.4 % of `area`. Passes are independent; the photons
+/// are the same with and without the correction, so the ratio shows its share alone.
 pub fn d1_light_at_edges_is_whole<T: TestBackend>() {
     let flat = Kernel::Constant;
     let round = Kernel::Epanechnikov;
@@ -137,23 +137,23 @@ pub fn d1_light_at_edges_is_whole<T: TestBackend>() {
         let ratios: Vec<f64> = plain.iter().zip(&mended).map(|(plain, mended)| plain / mended).collect();
         let error = standard_error(&ratios);
         assert_agrees(&format!("{beside:?}, share"), moments(&ratios).0, lost, error, 4e-3);
-        assert!(!agrees(moments(&plain).0, 1.0, standard_error(&plain), 4e-3), "{beside:?}: nothing was to be seen");
+        assert!(!agrees(moments(&plain).0, 1.0, standard_error(&plain), 4e-3), "{beside:?}: bias is not significant");
     }
-    // A strip that a spoke ends beyond is overlooked there: of the light that it takes, some stays lost; none is added.
+    // A strip that a spoke crosses completely is missed: some of the light that it takes remains lost, but none is added.
     let [mended, plain] = [Area::Surface, Area::Disc]
         .map(|area| shares::<T>(Beside::Strip(0.3 * RADIUS), &settings(area, round, within())));
-    // But for the order of sums.
+    // Up to the order of summation.
     let gained: Vec<f64> = mended.iter().zip(&plain).map(|(mended, plain)| mended / plain - 1.0).collect();
     assert!(gained.iter().all(|&gain| gain > -1e-5) && moments(&gained).0 > 1e-3, "{gained:?}");
     assert!(moments(&mended).0 < 1.0 + SIGMAS * standard_error(&mended) + 4e-3, "{mended:?}");
-    // The nearest photons' disc reaches as far as there are photons.
+    // With k nearest photons, the disc extends as far as there are photons.
     let knn = Estimator::Knn { k: 100, max_radius: None };
     let mended = shares::<T>(Beside::End(0.0), &settings(Area::Surface, round, knn));
     assert_agrees("nearest", moments(&mended).0, 1.0, standard_error(&mended), 4e-3);
 }
 
-/// D2: within a surface, under a ceiling of glass, over a step that is none and before a wall that photons
-/// leak through, not a bit changes.
+/// D2: in the interior of a surface, under a glass ceiling, over a step that counts as the same surface and before
+/// a wall that photons leak through, the correction changes no bit.
 pub fn d2_nothing_changes_within_a_surface<T: TestBackend>() {
     for beside in [Beside::Nothing, Beside::Glass, Beside::Step(0.1), Beside::Wall(0.1)] {
         let scene = floor(beside);
@@ -164,8 +164,8 @@ pub fn d2_nothing_changes_within_a_surface<T: TestBackend>() {
     }
 }
 
-/// D3: rays that take the irradiance of the nearest photon find the furnace of C1: in a ball, and, divided
-/// by the surface, in a cube, where the disc loses light along all edges. Passes are independent.
+/// D3: precomputed irradiance, looked up at the nearest photon by gather rays, reproduces the furnace of C1: in a
+/// sphere, and with area correction in a cube, where the disc loses light along all edges. Passes are independent.
 pub fn d3_irradiance_found_beforehand<T: TestBackend>() {
     let room = |shape: shapes::Shape, look: [f64; 3], normal: [f64; 3]| {
         let mut builder = SceneBuilder::new();
@@ -192,13 +192,13 @@ pub fn d3_irradiance_found_beforehand<T: TestBackend>() {
         };
         per_pass::<T>(scene, &settings, 8, 2).iter().map(|l| l * PI).collect::<Vec<f64>>()
     };
-    // 0.4 % of `area`, and the ball's facets, as in C1.
+    // 0.4 % of `area`, and the tessellation of the sphere, as in C1.
     let check = |what: &str, found: &[f64]| {
         assert_agrees(what, moments(found).0, 5.0, standard_error(found), 4e-3 * 5.0);
     };
-    // The same photons: one over the other shows what is gained or lost without their noise.
+    // The same photons: the ratio shows what is gained or lost without their noise.
     let over = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a / b - 1.0).collect() };
-    // Some 80 photons to a disc. By Epanechnikov's kernel 1 % would be gained.
+    // About 80 photons per disc. With the Epanechnikov kernel, 1 % would be gained.
     let (nearest, asked) = (of(&ball, Area::Disc, Some(8), 0.12), of(&ball, Area::Disc, None, 0.12));
     check("ball", &nearest);
     let gained = over(&nearest, &asked);
@@ -206,11 +206,11 @@ pub fn d3_irradiance_found_beforehand<T: TestBackend>() {
     let (whole, dark) = (of(&cube, Area::Surface, Some(4), 0.3), of(&cube, Area::Disc, Some(4), 0.3));
     check("cube", &whole);
     let lost = over(&dark, &whole);
-    assert!(moments(&lost).0 < -0.02 - SIGMAS * standard_error(&lost), "{lost:?}: nothing was to be seen");
+    assert!(moments(&lost).0 < -0.02 - SIGMAS * standard_error(&lost), "{lost:?}: bias is not significant");
 }
 
-/// D4: under even light pixels of their own radius see the truth, with less noise; nothing differs before
-/// the eighth pass has told something. Independent photons in each pass.
+/// D4: in uniform light, per-pixel radii leave the mean unchanged and reduce the noise; before the eighth pass,
+/// which provides the first statistics, nothing differs. Each pass has independent photons.
 pub fn d4_radii_of_pixels_keep_the_mean<T: TestBackend>() {
     let scene = floor(Beside::Nothing);
     let of = |bandwidth| Settings {
@@ -232,14 +232,14 @@ pub fn d4_radii_of_pixels_keep_the_mean<T: TestBackend>() {
     let (even, odd): (Vec<_>, Vec<_>) = shared.iter().enumerate().partition(|(pass, _)| pass % 2 == 0);
     let values = |half: Vec<(usize, &f64)>| half.iter().map(|(_, value)| **value).collect::<Vec<f64>>();
     let (even, odd) = (values(even), values(odd));
-    assert!(!calmer(&even, &odd) && !calmer(&odd, &even), "less noise is seen where there is none");
+    assert!(!calmer(&even, &odd) && !calmer(&odd, &even), "a noise reduction is reported where there is none");
 }
 
-/// D7: the second radii lose light at ends too, and other shares of it. Divided by these they tell no bias where light
-/// is even, up to the 1.5 % of `area`; divided by the first radius' they would tell that of A8. The same photons with
-/// and without, in 24 independent passes.
+/// D7: the second radii also lose light at edges, in different proportions. Divided by their own shares of the area
+/// they show no bias in uniform light, to within the 1.5 % of `area`; divided by the share of the first radius they
+/// would show that of A8. The same photons with and without the correction, in 24 independent passes.
 pub fn d7_second_radii_at_ends_tell_no_bias<T: TestBackend>() {
-    // By how much less lies within √2 and more within 1/√2 of the radius, over what lies within the radius.
+    // The fractions of light within the radius, within √2 times and within 1/√2 times the radius.
     let flat = [0.657_481, fraction(0.25 / 2.0_f64.sqrt()), fraction(0.25 * 2.0_f64.sqrt())];
     for (beside, kernel, shares) in [
         (Beside::End(0.25 * RADIUS), Kernel::Constant, Some(flat)),
@@ -262,7 +262,7 @@ pub fn d7_second_radii_at_ends_tell_no_bias<T: TestBackend>() {
         for (what, (mended, plain)) in ["wide", "narrow"].into_iter().zip(mended.into_iter().zip(plain)) {
             let name = format!("{beside:?}, {what}");
             assert_agrees(&name, mended.0, 0.0, mended.1, 1.5e-2);
-            assert!(!agrees(plain.0, 0.0, plain.1, 1.5e-2), "{name}: nothing was to be seen, {plain:?}");
+            assert!(!agrees(plain.0, 0.0, plain.1, 1.5e-2), "{name}: bias is not significant, {plain:?}");
         }
         if let Some([first, wide, narrow]) = shares {
             let [(bias, error), (half, half_error)] = plain;
@@ -272,7 +272,7 @@ pub fn d7_second_radii_at_ends_tell_no_bias<T: TestBackend>() {
     }
 }
 
-/// D8: errors leave the picture alone where what a spoke passes is not its surface all along.
+/// D8: error statistics leave the image unchanged where a spoke crosses something other than its surface.
 pub fn d8_errors_change_no_share_of_the_picture<T: TestBackend>() {
     for beside in [Beside::Strip(0.65 * RADIUS), Beside::Strip(0.2 * RADIUS), Beside::End(0.5 * RADIUS)] {
         let of = |errors| {
@@ -286,7 +286,7 @@ pub fn d8_errors_change_no_share_of_the_picture<T: TestBackend>() {
     }
 }
 
-/// Of a disc, the part on one side of a line at that distance from its middle, in radii (A8, constant kernel).
+/// The fraction of a disc on one side of a line at distance `at` from its centre, in radii (A8, constant kernel).
 fn fraction(at: f64) -> f64 {
     1.0 - (at.acos() - at * (1.0 - at * at).sqrt()) / PI
 }

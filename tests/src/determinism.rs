@@ -1,4 +1,4 @@
-//! The same seed gives the same bits, however the work is shared out.
+//! Determinism: the same seed gives the same bits, however the work is distributed.
 
 use photon_core::{
     Backend, Bandwidth, Budget, CausticPhotons, Error, Indirect, MapKind, Pipeline, Plan, Render, Requirements,
@@ -24,7 +24,7 @@ fn settings() -> Settings {
     }
 }
 
-/// Photons, in order, and tallies: one thread or seven, static or dynamic, one batch or many.
+/// Photons, in order, and tallies: with one thread or seven, static or dynamic scheduling, one batch or many.
 pub fn photons_do_not_depend_on_sharing<T: TestBackend>() {
     let scene = scene();
     let of = |threads, scheduling, batches: &[u32]| {
@@ -43,7 +43,7 @@ pub fn photons_do_not_depend_on_sharing<T: TestBackend>() {
     }
 }
 
-/// Whole pictures on one, two, three and seven threads.
+/// Whole images with one, two, three and seven threads.
 pub fn pictures_do_not_depend_on_threads<T: TestBackend>() {
     let scene = scene();
     let picture = |threads: usize| {
@@ -58,8 +58,8 @@ pub fn pictures_do_not_depend_on_threads<T: TestBackend>() {
     }
 }
 
-/// Whole pictures, radii of the pilot included, in batches of a few hundred paths, in one that is
-/// larger than all, and in the usual ones.
+/// Whole images, including radii from the pilot, in batches of a few hundred paths, in one batch larger than all
+/// paths, and in the default ones.
 pub fn pictures_do_not_depend_on_batches<T: TestBackend>() {
     let scene = scene();
     let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
@@ -76,7 +76,7 @@ pub fn pictures_do_not_depend_on_batches<T: TestBackend>() {
     assert!(matches!(within(0), Err(Error::InvalidSetting { name: "batch", .. })));
 }
 
-/// To model more than the scene requires changes no bit, and less is an error.
+/// Requirements that include more than the scene needs change no bit; requirements that include less are an error.
 pub fn wider_requirements_change_nothing<T: TestBackend>() {
     for name in ["cornell", "ring", "cornell-glass"] {
         let scene = photon_scene::builtin(name).unwrap().build().unwrap();
@@ -99,8 +99,8 @@ pub fn wider_requirements_change_nothing<T: TestBackend>() {
     }
 }
 
-/// Passes depend on their index alone: two films of two passes each, merged, are one of four, but
-/// for the rounding of sums in f64.
+/// Passes depend only on their index: merging two films of two passes each gives a film of four, up to the rounding
+/// of sums in f64.
 pub fn passes_merge<T: TestBackend>() {
     let scene = scene();
     let of = |first: u32, passes: u32| {
@@ -121,8 +121,8 @@ pub fn passes_merge<T: TestBackend>() {
     assert!(of(1, 1).pixels != of(0, 1).pixels);
 }
 
-/// A backend that has rendered one scene renders another as a fresh one would, bits and reports of memory
-/// alike; and the first again.
+/// A backend that has rendered one scene renders another as a fresh backend would, including its memory report; and
+/// the first one again.
 pub fn one_backend_renders_again<T: TestBackend>() {
     let other = photon_scene::builtin("cornell").unwrap().build().unwrap();
     let kept = Settings { errors: true, photons: 3000, ..Settings::default() };
@@ -145,17 +145,17 @@ pub fn one_backend_renders_again<T: TestBackend>() {
     }
 }
 
-/// A pipeline that begins anew with another seed gives the bits of one made for it, whatever it keeps from pass to
-/// pass.
+/// A pipeline restarted with another seed gives the same bits as one created with that seed, whatever it caches
+/// from pass to pass.
 pub fn a_restart_is_a_fresh_start<T: TestBackend>() {
     let [glass, cornell, ring] = ["cornell-glass", "cornell", "ring"]
         .map(|name| photon_scene::builtin(name).expect("a built-in scene").build().unwrap());
     let kept = Settings { errors: true, photons: 3000, ..Settings::default() };
     let per_pixel = Settings { bandwidth: Bandwidth::PerPixel, ..kept.clone() };
     let beforehand = Settings { irradiance_every: Some(4), ..settings() };
-    // More than fits: how many do is counted by photons of the seed.
+    // More photons than fit: how many fit depends on the photons of this seed.
     let capped = Settings { memory: Some(8 << 20), photons: 200_000, ..Settings::default() };
-    // Pixels have radii of their own from the ninth pass on.
+    // From the ninth pass on, pixels have individual radii.
     let cases = [
         (&glass, settings(), 2),
         (&cornell, kept, 2),
@@ -183,8 +183,8 @@ pub fn a_restart_is_a_fresh_start<T: TestBackend>() {
     }
 }
 
-/// S31: a buffer that is too small says what it needs; one that may grow gives the same picture as
-/// one that was large enough.
+/// S31: a buffer that is too small reports the size it needs; one that may grow gives the same image as one that
+/// was large enough.
 pub fn s31_full_photon_buffers<T: TestBackend>() {
     let scene = scene();
     let expected = film::<T>(&scene, &settings(), 1, 16);
@@ -203,9 +203,9 @@ pub fn s31_full_photon_buffers<T: TestBackend>() {
         other => panic!("{other:?}"),
     }
     assert!(with(100_000).unwrap().pixels == expected.pixels);
-    // Room that can never be filled is not asked for.
+    // A capacity that can never be filled is not allocated.
     assert!(with(u64::MAX).unwrap().pixels == expected.pixels);
-    // And of a buffer itself: what does not fit is counted, and asking for all of it is an error.
+    // The buffer itself: elements that do not fit are counted, and downloading it is then an error.
     let mut on = T::make(1);
     let buffer = on.upload::<u32>("words", &[1, 2, 3]).unwrap();
     assert_eq!(on.fill(&buffer).unwrap().length, 3);

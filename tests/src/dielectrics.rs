@@ -1,4 +1,4 @@
-//! T: glass.
+//! T: dielectrics.
 
 use photon_core::fresnel::fresnel;
 use photon_core::{Estimator, MapKind, Settings};
@@ -12,7 +12,7 @@ fn glass(ior: f64, absorption: f64) -> MaterialDesc {
     MaterialDesc::new("glass", Surface::Dielectric { ior, absorption: [absorption; 3], tint: [1.0; 3] })
 }
 
-/// A point light at `light` in a ball of glass of radius 1, and nothing else that matters.
+/// A point light at `light` in a glass ball of radius 1, and nothing else of relevance.
 fn lit_ball(desc: MaterialDesc, light: [f64; 3], subdivision: u32) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let material = builder.material(desc);
@@ -22,7 +22,7 @@ fn lit_ball(desc: MaterialDesc, light: [f64; 3], subdivision: u32) -> SceneBuild
     builder
 }
 
-/// T1, T2, T3: Fresnel's equations; the diffuse ones by the midpoint rule.
+/// T1, T2, T3: Fresnel's equations; the diffuse averages by the midpoint rule.
 pub fn t1_t2_t3_fresnel<T: TestBackend>() {
     for (n, r0, outside, inside) in [
         (1.33, 0.020_059_3, 0.065_930_8, 0.471_949_1),
@@ -44,8 +44,8 @@ pub fn t1_t2_t3_fresnel<T: TestBackend>() {
     assert_agrees("refracted", f64::from(at(45.0).cos_transmitted).acos().to_degrees(), 28.125_506, 0.0, 1e-3);
 }
 
-/// T4: a slab at normal incidence, all orders: `R = 2r/(1+r)` without absorption; and with σd = 1.
-/// What escapes is binomial.
+/// T4: a slab at normal incidence, all orders of reflection: `R = 2r/(1+r)` without absorption, and with σd = 1.
+/// The number of escaping photons is binomial.
 pub fn t4_slab<T: TestBackend>() {
     let n = 400_000;
     for (sigma, reflected, through) in [(0.0, 0.076_923_1, 0.923_076_9), (1.0, 0.044_990_1, 0.339_111_1)] {
@@ -59,7 +59,7 @@ pub fn t4_slab<T: TestBackend>() {
             if with_receiver {
                 builder.quad("receiver", [[-1.0, y, 1.0], [1.0, y, 1.0], [1.0, y, -1.0], [-1.0, y, -1.0]], black);
             } else {
-                // Keeps the box that the scene fills as it is.
+                // Keeps the scene's bounding box unchanged.
                 builder.quad(
                     "mark",
                     [[-1.0, y, -1.0], [-0.999_999, y, -1.0], [-0.999_999, y, -0.999_999], [-1.0, y, -0.999_999]],
@@ -68,7 +68,7 @@ pub fn t4_slab<T: TestBackend>() {
             }
             builder.light("sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [1.0; 3] });
             let scene = builder.build().unwrap();
-            // Power is that of the sun on a disc, of which the slab takes its four square units.
+            // The power is that of the sun over a disc, of which the slab intercepts its four square units.
             let share = 4.0 / scene.units().power;
             let (_, tally) = trace::<T>(2, &scene, &Settings::default(), &[n]);
             let flux = tally.flux_escaped.value()[0] / f64::from(n);
@@ -82,8 +82,8 @@ pub fn t4_slab<T: TestBackend>() {
     }
 }
 
-/// T6: a light at the centre of a ball: all comes out; with σR = 1 a share of
-/// `(1−r)e⁻¹/(1−r e⁻²)` does. Facets lie up to 1e-4 inside the sphere.
+/// T6: a light at the centre of a ball: all light escapes; with σR = 1, a fraction of `(1−r)e⁻¹/(1−r e⁻²)`. The
+/// tessellation lies up to 1e-4 inside the sphere.
 pub fn t6_light_at_the_centre<T: TestBackend>() {
     let n = 200_000;
     for (sigma, truth) in [(0.0, 1.0), (1.0, 0.355_086_5)] {
@@ -96,9 +96,9 @@ pub fn t6_light_at_the_centre<T: TestBackend>() {
     }
 }
 
-/// T7 and S14: off the centre a share of √(1 − (R/(na))²) is trapped for ever on a sphere, hence until
-/// the cap. A dozen surfaces are few enough for facets not to let it out; what they do in that time
-/// is bounded by halving them.
+/// T7 and S14: with the light off the centre, a fraction of √(1 − (R/(na))²) is trapped in a sphere forever, so
+/// until the bounce limit. With a dozen bounces, the tessellation does not yet release that light; its effect is
+/// bounded by halving the size of the triangles.
 pub fn t7_trapped_light<T: TestBackend>() {
     let n = 200_000;
     let truth = 0.328_209;
@@ -112,11 +112,11 @@ pub fn t7_trapped_light<T: TestBackend>() {
     assert_agrees("out", found[1], truth, error, (found[0] - found[1]).abs() + 2e-3);
 }
 
-/// T9: the focus of a ball lens: on the axis, a quarter radius behind it, irradiance is 33.372 times
-/// what falls in, at an aperture of R/20, which a black ring makes.
+/// T9: the focus of a ball lens: on the axis, a quarter radius behind the ball, the irradiance is 33.372 times the
+/// incident one, with an aperture of R/20 formed by a black ring.
 ///
-/// Flux over the area of the spot, which for an even disc is `2π⟨ρ²⟩`: relative error `√(4/(3n))`. Flat
-/// facets scatter by less than a hundredth.
+/// Measured as flux over the area of the spot, which for a uniform disc is `2π⟨ρ²⟩`: relative error `√(4/(3n))`.
+/// The flat triangles scatter by less than a hundredth.
 pub fn t9_ball_lens<T: TestBackend>() {
     let mut builder = SceneBuilder::new();
     let material = builder.material(glass(1.5, 0.0));
@@ -146,7 +146,7 @@ pub fn t9_ball_lens<T: TestBackend>() {
     assert_agrees("focus", irradiance, 33.372, 33.372 * (4.0 / 3.0 / count).sqrt(), 0.33);
 }
 
-/// T13: what light passes unchanged is not there: the picture is the same to the bit.
+/// T13: an interface with relative index 1 is invisible: the image is identical to the bit.
 pub fn t13_ior_one_is_invisible<T: TestBackend>() {
     let picture = |with_ball: bool| {
         let mut builder = photon_scene::builtin("cornell").unwrap();

@@ -1,4 +1,4 @@
-//! B: direct light.
+//! B: direct lighting.
 
 use photon_core::{Direct, Film, Indirect, Layer, MapKind, Settings, random, sampling};
 use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, shapes};
@@ -9,7 +9,7 @@ use crate::stats::assert_agrees;
 
 const ALBEDO: f64 = 0.5;
 
-/// A floor of 8 by 8 at height 0 with something above it.
+/// A floor of 8 by 8 at height 0, to which lights are added.
 fn floor() -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [ALBEDO; 3]));
@@ -18,8 +18,8 @@ fn floor() -> SceneBuilder {
     builder
 }
 
-/// Irradiance at a point of the floor by shadow rays, and its standard error: `√Σs²/n` over pixels,
-/// which draw numbers of their own.
+/// Irradiance at a point of the floor by shadow rays, and its standard error: `√Σs²/n` over pixels, which use
+/// independent random numbers.
 fn irradiance<T: TestBackend>(builder: SceneBuilder, x: f64, shadow_rays: u32) -> (f64, f64) {
     let film = point::<T>(builder, x, shadow_rays, 16, 8);
     let pixels = film.layer(Layer::Direct);
@@ -30,7 +30,7 @@ fn irradiance<T: TestBackend>(builder: SceneBuilder, x: f64, shadow_rays: u32) -
     (mean * factor, error * factor)
 }
 
-/// A film all of whose pixels see one point of the floor.
+/// A film all of whose pixels see the same point of the floor.
 fn point<T: TestBackend>(mut builder: SceneBuilder, x: f64, shadow_rays: u32, passes: u32, size: u32) -> Film {
     look_at_point(&mut builder, [x, 0.0, 0.0], [0.0, 1.0, 0.0], 1e-3, 1e-6);
     let scene = builder.build().unwrap();
@@ -46,7 +46,7 @@ fn with_area_light(name: &str, (positions, triangles): shapes::Shape, radiance: 
     builder
 }
 
-/// B1: `E = Φ cos θ/(4π d²)`; no randomness is left but the pixel's own position, within 1e-6.
+/// B1: `E = Φ cos θ/(4π d²)`; the only randomness left is the pixel's position, within 1e-6.
 pub fn b1_point_light<T: TestBackend>() {
     for (position, truth) in [([0.0, 2.0, 0.0], 1.989_436_8), ([3.0_f64.sqrt(), 1.0, 0.0], 0.994_718_4)] {
         let mut builder = floor();
@@ -56,7 +56,7 @@ pub fn b1_point_light<T: TestBackend>() {
     }
 }
 
-/// B2: the share of photons that pass a disc is binomial: error `√(p(1−p)/N)`.
+/// B2: the number of photons that pass through a disc is binomial: standard error of the fraction `√(p(1−p)/N)`.
 pub fn b2_flux_through_a_disc<T: TestBackend>() {
     let mut builder = floor();
     builder.light("lamp", LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [100.0 / (4.0 * PI); 3] });
@@ -75,7 +75,7 @@ pub fn b2_flux_through_a_disc<T: TestBackend>() {
     assert!((scene.units().power - 100.0).abs() < 1e-4);
 }
 
-/// B3: a Lambertian disc. Its 512 segments lack `1 − sin(2π/n)/(2π/n)` = 2.5e-5 of the area.
+/// B3: a Lambertian disc. Its 512 segments lack a fraction `1 − sin(2π/n)/(2π/n)` = 2.5e-5 of the area.
 pub fn b3_lambertian_disc<T: TestBackend>() {
     for (x, truth) in [(0.0, std::f64::consts::FRAC_PI_2), (1.0, 0.868_314_9), (2.0, 0.165_833_4)] {
         let area_light = shapes::disc([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], 1.0, 512);
@@ -103,7 +103,7 @@ pub fn b4_rectangle<T: TestBackend>() {
     }
 }
 
-/// B5: form factors, as the share of a Lambertian emitter's photons that a black receiver takes.
+/// B5: form factors, as the fraction of a Lambertian emitter's photons that a black receiver absorbs.
 pub fn b5_form_factors<T: TestBackend>() {
     let h = 0.5;
     let square = |y: f64, up: bool| {
@@ -131,7 +131,7 @@ pub fn b5_form_factors<T: TestBackend>() {
     }
 }
 
-/// A wall of light on the floor at x = 0, `2·half` long and `high`, that shines towards larger x; or to both sides.
+/// An emissive wall on the floor at x = 0, `2·half` long and `high`, that emits towards larger x, or to both sides.
 fn wall_of_light(half: f64, high: f64, both: bool) -> SceneBuilder {
     let mut builder = floor();
     let area_light = MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]);
@@ -140,10 +140,10 @@ fn wall_of_light(half: f64, high: f64, both: bool) -> SceneBuilder {
     builder
 }
 
-/// B9: lamps near by. A wall of light, seen from `x` before its middle, twice the configuration of an element and a rectangle
-/// that stands on its plane, a corner opposite: `E = atan(b/x) − x/√(a² + x²) atan(b/√(a² + x²))` for height a and
-/// half its length b; to 3·10⁻⁵ of π/2 of it, of the steps off both surfaces, 8·10⁻⁶ m each where E falls by 2 per metre. A
-/// ceiling of light: four times that of B4.
+/// B9: nearby area lights. An emissive wall, seen from distance `x` in front of its middle: twice the configuration
+/// factor of an element and a rectangle perpendicular to its plane, opposite a corner: `E = atan(b/x) − x/√(a² +
+/// x²) atan(b/√(a² + x²))` for height a and half length b. Tolerance 3·10⁻⁵ of π/2, due to the offsets from both
+/// surfaces, 8·10⁻⁶ m each where E falls by 2 per metre. An emissive ceiling: four times the value of B4.
 pub fn b9_area_lights_near_by<T: TestBackend>() {
     for (x, half, high, both) in [
         (0.5, 1.0, 1.0, false),
@@ -157,7 +157,8 @@ pub fn b9_area_lights_near_by<T: TestBackend>() {
         let truth = (half / away).atan() - away / slant * (half / slant).atan();
         let (found, error) = irradiance::<T>(wall_of_light(half, high, both), x, 64);
         assert_agrees("wall of light", found, truth, error, 5e-5);
-        // Values between 0 and b deviate by b/2 at most, b as in B10; 65 536 of them.
+        // Values between 0 and b have a standard deviation of at most b/2, with b as in B10; there are 65 536 of
+        // them.
         assert!(error * 256.0 <= 1.8, "{x}: {error}");
     }
     for high in [0.3, 3e-3] {
@@ -169,18 +170,19 @@ pub fn b9_area_lights_near_by<T: TestBackend>() {
     }
 }
 
-/// B10: no shadow ray brings more than the radiance times the solid angle of all that shines, over the 0.9 of the choice among lamps
-/// that go by it. Points uniform in area would.
+/// B10: no shadow ray contributes more than radiance times the total solid angle of the emitters, divided by the
+/// 0.9 of the selection probability that depends on the lights' contributions. Points sampled uniformly in area
+/// would exceed that.
 pub fn b10_no_shadow_ray_outshines_its_area_light<T: TestBackend>() {
     let x = 1e-2;
-    // A wall of light that meets the floor fills half of the hemisphere at most.
+    // An emissive wall that meets the floor fills at most half of the hemisphere.
     let most = PI / 0.9 * 1.001;
     let film = point::<T>(wall_of_light(1.0, 1.0, false), x, 1, 1, 64);
     let largest = film.layer(Layer::Direct).iter().map(|p| f64::from(p[0]) * PI / ALBEDO).fold(0.0, f64::max);
     assert!(largest > 0.5 * PI && largest <= most, "{largest}");
     let by_area = (0..4096_u32).map(|i| {
         let [u, v, half, _] = random::philox4x32([i, 0, 0, 0], [9, 0]).map(random::unit_f32);
-        // Corners of the wall: one on the floor, one above it, and one at the other end of either.
+        // Triangles of the wall: their corners are one on the floor, one above it, and one at the other end.
         let (b, c) = sampling::triangle(u, v);
         let (b, c) = (f64::from(b), f64::from(c));
         let (y, z) = if half < 0.5 { (c, 2.0 * b + 2.0 * c - 1.0) } else { (b + c, 2.0 * b - 1.0) };
@@ -191,7 +193,7 @@ pub fn b10_no_shadow_ray_outshines_its_area_light<T: TestBackend>() {
     assert!(largest > 2.0 * most, "{largest}");
 }
 
-/// B8: the power of emitters.
+/// B8: the power of emissive surfaces.
 pub fn b8_power_of_emitters<T: TestBackend>() {
     let area = with_area_light(
         "lamp",
@@ -214,12 +216,12 @@ pub fn b8_power_of_emitters<T: TestBackend>() {
         let scene = builder.build().unwrap();
         assert!((scene.units().power / power - 1.0).abs() < 1e-6, "{}", scene.units().power);
         let (_, tally) = trace::<T>(2, &scene, &Settings::default(), &[20_000]);
-        // Flux is kept in units of 2^-40 of the power.
+        // Flux is accumulated in units of 2^-40 of the power.
         assert!((watts(&scene, &tally, &tally.flux_emitted) / power - 1.0).abs() < 1e-5);
     }
 }
 
-/// Photons and shadow rays are two estimates of one thing: their direct layers agree.
+/// Photons and shadow rays estimate the same quantity: their direct layers agree.
 pub fn direct_light_by_photons_agrees<T: TestBackend>() {
     let mut builder = with_area_light(
         "lamp",
@@ -238,6 +240,6 @@ pub fn direct_light_by_photons_agrees<T: TestBackend>() {
     );
     let error = (crate::stats::standard_error(&nee).powi(2) + crate::stats::standard_error(&photons).powi(2)).sqrt();
     let (a, b) = (crate::stats::moments(&nee).0, crate::stats::moments(&photons).0);
-    // Curvature of the field within the derived radius: below 2 parts in a thousand here.
+    // Curvature of the field within the derived radius: here below 2 parts per thousand.
     assert_agrees("photons", b, a, error, 2e-3 * a);
 }

@@ -1,4 +1,4 @@
-//! S1 of light that is asked for: no shadow ray and no final-gather ray leaves a closed room beside its edges.
+//! S1 for lighting by rays: no shadow ray and no final-gather ray leaves a closed room near its edges.
 
 use photon_core::{Direct, Estimator, FilmPixel, Indirect, Layer, Pipeline, Render, Settings, TransportBackend, View};
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, shapes};
@@ -16,12 +16,12 @@ fn unit(a: Point) -> Point {
     a.map(|x| x / length)
 }
 
-/// A closed room within a shell, lamps between the two, and with an `area_light` one in the room too; cameras in the room that
-/// see 2·10⁻⁶ of an edge each.
+/// A closed room within a shell, with lights between the two and, if `area_light`, also in the room; and cameras in
+/// the room that each see 2·10⁻⁶ of an edge.
 fn nested(shape: shapes::Shape, edges: usize, area_light: bool) -> (Scene, Vec<String>) {
     let (mut positions, triangles) = shapes::flip(shapes::rotate_y(shape, 0.7));
     for p in &mut positions {
-        // About x too, so that no wall lies along an axis.
+        // Also rotated about x, so that no wall is axis-aligned.
         let (s, c) = 0.4_f64.sin_cos();
         *p = [p[0], c * p[1] - s * p[2], s * p[1] + c * p[2]];
     }
@@ -39,7 +39,7 @@ fn nested(shape: shapes::Shape, edges: usize, area_light: bool) -> (Scene, Vec<S
     if area_light {
         builder.light("inside", LightDesc::Point { position: [0.1; 3], intensity: [1.0; 3] });
     }
-    // Edges of the room are those from a wall to one that faces another way.
+    // Edges of the room are those shared by two walls that face different ways.
     let corner = |triangle: &[u32; 3], index: usize| positions[triangle[index % 3] as usize];
     let normal = |triangle: &[u32; 3]| {
         let [a, b] = [1, 2].map(|index| minus(corner(triangle, index), corner(triangle, 0)));
@@ -69,7 +69,7 @@ fn nested(shape: shapes::Shape, edges: usize, area_light: bool) -> (Scene, Vec<S
     (builder.build().unwrap(), names)
 }
 
-/// What the cameras see.
+/// The film pixels that the cameras see.
 fn pixels<B: TransportBackend>(mut on: B, (scene, cameras): &(Scene, Vec<String>)) -> (Vec<FilmPixel>, B) {
     let settings = Settings {
         photons: 5000,
@@ -90,8 +90,9 @@ fn pixels<B: TransportBackend>(mut on: B, (scene, cameras): &(Scene, Vec<String>
     (all, on)
 }
 
-/// From within a closed room no light outside is seen, also where rounding puts a point beside an edge behind the next
-/// wall: by points as they were hit 2 % of these pixels saw some. A lamp in the room lights all of them.
+/// No light from outside is visible inside a closed room, even where rounding moves a point near an edge behind the
+/// adjacent wall: with the unmodified hit points, 2 % of these pixels saw some. A light in the room illuminates all
+/// of them.
 pub fn s1_no_light_through_edges<T: TestBackend>() {
     let rooms = [(shapes::cuboid([-1.0; 3], [1.0; 3]), 6), (shapes::cylinder([0.0, -1.0, 0.0], 1.0, 2.0, 16), 6)];
     let mut on = T::make(2);

@@ -1,9 +1,9 @@
-//! Two backends, the same seeds: where they must agree to the bit, where they must agree path by
-//! path, and where their means must be equivalent.
+//! Two backends with the same seeds: where they must agree to the bit, where they must agree path by path, and
+//! where their means must be equivalent.
 //!
-//! Arithmetic differs between devices in the last bits (division, square roots, contraction), so
-//! that now and then a path takes another way. From there on it is another path of the same
-//! distribution: shares are counted, and means are compared.
+//! Arithmetic differs between devices in the last bits (division, square roots, contraction), so that occasionally
+//! a path diverges. From there on it is another path of the same distribution: the proportion of such paths is
+//! counted, and means are compared.
 
 use photon_core::glam::Vec3;
 use photon_core::{
@@ -15,10 +15,10 @@ use photon_scene::{Scene, builtin};
 use crate::harness::{TestBackend, Uniform, estimate, estimates, film, per_pass, photon_at, query_at, trace};
 use crate::stats::{moments, standard_error};
 
-/// Scenes that between them have every light and lobe.
+/// Scenes that together contain every kind of light and lobe.
 pub const SCENES: [&str; 4] = ["cornell", "cornell-glass", "ring", "pool"];
 
-/// Share of the elements of `a` that have a counterpart at the same place of `b`.
+/// Proportion of the elements of `a` that have a counterpart at the same index of `b`.
 #[must_use]
 pub fn share<T>(a: &[T], b: &[T], same: impl Fn(&T, &T) -> bool) -> f64 {
     if a.is_empty() && b.is_empty() {
@@ -32,13 +32,13 @@ fn near(a: [f32; 3], b: [f32; 3], bound: f32) -> bool {
     Vec3::from(a).distance(Vec3::from(b)) <= bound
 }
 
-/// The same photon but for rounding: 1e-4 of the scene's size, 1e-3 of the power.
+/// Whether two photons are the same up to rounding: 1e-4 of the scene's size, 1e-3 of the power.
 #[must_use]
 pub fn same_photon(a: &Photon, b: &Photon) -> bool {
     near(a.position, b.position, 1e-4) && near(a.power, b.power, 1e-3 * Vec3::from(a.power).length())
 }
 
-/// The first so many photons of a pass as they leave the lights, aimed or not.
+/// The first photons of a pass as they leave the lights, aimed or not.
 pub(crate) fn rays<T: TestBackend>(
     scene: &Scene,
     settings: &Settings,
@@ -61,7 +61,8 @@ pub(crate) fn rays<T: TestBackend>(
     out
 }
 
-/// The same light, the same path number, the same place and direction but for rounding: every ray.
+/// Emitted photons have the same light, the same path number, and the same origin and direction up to rounding, in
+/// every path.
 pub fn photons_leave_alike<A: TestBackend, B: TestBackend>() {
     for name in SCENES.into_iter().chain(["two-rooms"]) {
         let scene = builtin(name).unwrap().build().unwrap();
@@ -90,8 +91,8 @@ pub fn photons_leave_alike<A: TestBackend, B: TestBackend>() {
     }
 }
 
-/// Photons of bounce `depth` alone, in order of path: those that a limit of `depth` has and a limit
-/// of `depth − 1` has not.
+/// Photons of bounce `depth` alone, in order of path: those that a limit of `depth` stores and a limit of `depth −
+/// 1` does not.
 fn of_bounce<T: TestBackend>(scene: &Scene, depth: u32) -> Vec<Photon> {
     let all = |max_bounces: u32| {
         let settings = Settings { max_bounces, seed: 5, direct: Direct::Photons, ..Settings::default() };
@@ -100,12 +101,12 @@ fn of_bounce<T: TestBackend>(scene: &Scene, depth: u32) -> Vec<Photon> {
     };
     let before = if depth > 1 { all(depth - 1) } else { Vec::new() };
     let mut before = before.iter().peekable();
-    // Both are in the same order, map by map, and one is a part of the other.
+    // Both are in the same order, map by map, and one is a subset of the other.
     all(depth).into_iter().filter(|photon| before.next_if(|known| *known == photon).is_none()).collect()
 }
 
-/// Share of the photons of one bounce that both backends have, found by position: `a` that have one
-/// of `b` at the same place with the same power.
+/// Proportion of the photons of one bounce that both backends have, found by position: those of `a` for which `b`
+/// has one at the same position with the same power.
 pub(crate) fn matched(a: &[Photon], b: &[Photon]) -> f64 {
     let positions: Vec<_> = b.iter().map(|photon| photon.position).collect();
     let index = backend_cpu::index::PointIndex::build(&positions, IndexKind::Morton).unwrap();
@@ -120,8 +121,8 @@ pub(crate) fn matched(a: &[Photon], b: &[Photon]) -> f64 {
     hits as f64 / a.len().max(1) as f64
 }
 
-/// Common random numbers: nearly all paths are the same path, less so with each bounce. The bounds
-/// are shares measured once, rounded down.
+/// Common random numbers: nearly all paths are the same, fewer with each bounce. The bounds are measured
+/// proportions, rounded down.
 pub fn paths_are_the_same_paths<A: TestBackend, B: TestBackend>() {
     for name in SCENES {
         let scene = builtin(name).unwrap().build().unwrap();
@@ -129,7 +130,7 @@ pub fn paths_are_the_same_paths<A: TestBackend, B: TestBackend>() {
             let (a, b) = (of_bounce::<A>(&scene, depth), of_bounce::<B>(&scene, depth));
             let share = matched(&a, &b);
             eprintln!("{name}, bounce {depth}: {share:.5} of {} match", a.len());
-            // In the ring every path ends at its second surface.
+            // In the ring, every path ends at its second surface.
             if (a.len(), b.len()) == (0, 0) && depth == 5 {
                 continue;
             }
@@ -138,7 +139,7 @@ pub fn paths_are_the_same_paths<A: TestBackend, B: TestBackend>() {
     }
 }
 
-/// Counters that follow from the same decisions are the same; all others balance.
+/// Counters that follow from the same decisions are equal; all others balance.
 pub fn tallies_agree<A: TestBackend, B: TestBackend>() {
     for name in SCENES {
         let scene = builtin(name).unwrap().build().unwrap();
@@ -152,7 +153,7 @@ pub fn tallies_agree<A: TestBackend, B: TestBackend>() {
 
 const KERNELS: [Kernel; 4] = [Kernel::Constant, Kernel::Epanechnikov, Kernel::Cone { slope: 1.1 }, Kernel::Biweight];
 
-/// One backend's photons in the other: the same neighbours, the same sums but for rounding.
+/// One backend's photons in the other: the same neighbours, and the same sums up to rounding.
 pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>() {
     let scene = builtin("cornell-glass").unwrap().build().unwrap();
     let (maps, _) = trace::<A>(2, &scene, &Settings::default(), &[30_000]);
@@ -202,7 +203,7 @@ pub fn equivalent(differences: &[f64], level: f64, margin: f64) -> bool {
     mean.abs() + 1.645 * standard_error(differences) < margin * level
 }
 
-/// Pictures of the same seeds, pass by pass: means equivalent within 0.2 %.
+/// Images with the same seeds, pass by pass: means are equivalent within 0.2 %.
 pub fn means_are_equivalent<A: TestBackend, B: TestBackend>() {
     for name in SCENES {
         let scene = builtin(name).unwrap().build().unwrap();
@@ -241,9 +242,9 @@ pub fn means_are_equivalent<A: TestBackend, B: TestBackend>() {
     }
 }
 
-/// Pictures, pixel by pixel: at most 1 % of the pixels differ by over 1 % of the picture's mean.
+/// Images, pixel by pixel: at most 1 % of the pixels differ by more than 1 % of the image's mean.
 pub fn pictures_are_alike<A: TestBackend, B: TestBackend>() {
-    // The furnace is lamps near by.
+    // The furnace tests nearby area lights.
     for name in SCENES.into_iter().chain(["furnace"]) {
         let scene = builtin(name).unwrap().build().unwrap();
         let settings = Settings { photons: 50_000, seed: 4, ..Settings::default() };
@@ -255,7 +256,7 @@ pub fn pictures_are_alike<A: TestBackend, B: TestBackend>() {
     }
 }
 
-/// Estimates over photons drawn anew in each backend's own memory, as a replay of the simplest kind.
+/// Estimates over photons drawn in each backend's own memory: the simplest form of replay.
 pub fn uniform_plane_replays<A: TestBackend, B: TestBackend>() {
     let mut uniform = Uniform::new(77);
     let mut draw = || (uniform.draw() * 2.0 - 1.0) as f32;
@@ -264,7 +265,7 @@ pub fn uniform_plane_replays<A: TestBackend, B: TestBackend>() {
     let gather = EstimateParams::new(Search::Radius);
     let a = estimate::<A>(IndexKind::Morton, &photons, &queries, &gather);
     let b = estimate::<B>(IndexKind::Morton, &photons, &queries, &gather);
-    // Powers of 1: the sums are whole numbers, and exact.
+    // Powers are 1, so the sums are integers and exact.
     assert_eq!(a, b);
 }
 
@@ -288,7 +289,7 @@ mod tests {
         assert!((share::<u32>(&[], &[], |a, b| a == b) - 1.0).abs() < 1e-12);
     }
 
-    /// A bias of 0.3 % is not equivalence, however little it scatters; nor is a scatter that hides it.
+    /// A bias of 0.3 % is not equivalence, however small the variance; nor is a variance that hides it.
     #[test]
     fn equivalence_fails_where_it_must() {
         assert!(equivalent(&[0.0, 1e-4, -1e-4, 0.0], 1.0, 0.002));

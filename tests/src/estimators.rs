@@ -15,7 +15,7 @@ const KERNELS: [Kernel; 5] = [
     Kernel::Biweight,
 ];
 
-/// A Poisson process of `density` on the unit square about the origin: arrivals along x, uniform y.
+/// A Poisson process of `density` on the unit square around the origin: arrivals along x, uniform in y.
 #[must_use]
 pub fn poisson(density: f64, seed: u64) -> Vec<Photon> {
     let mut uniform = Uniform::new(seed);
@@ -35,7 +35,7 @@ fn gather(search: Search, kernel: Kernel) -> EstimateParams {
     EstimateParams { kernel, min_normal_cosine: 0.7, ..EstimateParams::new(search) }
 }
 
-/// Estimates over the truth at 256 places, far enough apart to be independent, in `fields` fields.
+/// Estimates divided by the truth at 256 positions, far enough apart to be independent, in `fields` fields.
 fn relative<T: TestBackend>(
     kind: IndexKind,
     density: f64,
@@ -57,8 +57,8 @@ fn relative<T: TestBackend>(
 
 const DENSITY: f64 = 40_000.0;
 
-/// Standard error of the mean is `√(variance/n)`; of the variance about `variance·√(3/n)`, for
-/// distributions of somewhat heavier tails than the normal one.
+/// Checks mean and variance. The standard error of the mean is `√(variance/n)`; that of the variance is about
+/// `variance·√(3/n)` for distributions with somewhat heavier tails than the normal one.
 fn check(what: &str, values: &[f64], mean: f64, variance: f64) {
     let n = values.len() as f64;
     let (m, v) = moments(values);
@@ -66,7 +66,7 @@ fn check(what: &str, values: &[f64], mean: f64, variance: f64) {
     assert_agrees(&format!("{what}, variance"), v, variance, variance * (3.0 / n).sqrt(), 0.0);
 }
 
-/// A1: the naive k/(π r²), which the paper's rule is, is too bright by k/(k−1).
+/// A1: the naive k/(π r²), which the paper uses, is too bright by a factor of k/(k−1).
 pub fn a1_naive_knn_is_too_bright<T: TestBackend>() {
     for k in [5_u32, 10, 50] {
         let search = Search::Paper { max: k, threshold: 0, factor: 1.0 };
@@ -78,7 +78,7 @@ pub fn a1_naive_knn_is_too_bright<T: TestBackend>() {
     }
 }
 
-/// A2: (k−1)/(π r²) is right, with variance 1/(k−2), in every index.
+/// A2: (k−1)/(π r²) is unbiased, with relative variance 1/(k−2), in every index.
 pub fn a2_corrected_knn_is_unbiased<T: TestBackend>() {
     for kind in INDICES {
         for k in [10_u32, 50, 100] {
@@ -88,7 +88,7 @@ pub fn a2_corrected_knn_is_unbiased<T: TestBackend>() {
     }
 }
 
-/// A3 and A4: with the k-th photon left out every kernel is free of bias, the cone of slope 1.1 too.
+/// A3 and A4: without the k-th photon, every kernel is unbiased, including the cone of slope 1.1.
 pub fn a3_a4_kernels_in_knn_are_unbiased<T: TestBackend>() {
     for (kernel, second_moment) in
         [(Kernel::Epanechnikov, 4.0 / 3.0), (Kernel::Biweight, 9.0 / 5.0), (Kernel::Cone { slope: 1.0 }, 3.0 / 2.0)]
@@ -103,7 +103,7 @@ pub fn a3_a4_kernels_in_knn_are_unbiased<T: TestBackend>() {
     assert_agrees("cone 1.1", mean, 1.0, (variance / values.len() as f64).sqrt(), 0.0);
 }
 
-/// A6: within a fixed radius h the mean is the density, the variance `R(K)/(λ h²)` of it.
+/// A6: within a fixed radius h, the mean is the density and the relative variance `R(K)/(λ h²)`.
 pub fn a6_fixed_radius_mean_and_variance<T: TestBackend>() {
     let h = 0.02_f64;
     for (kernel, roughness) in
@@ -119,7 +119,7 @@ pub fn a6_fixed_radius_mean_and_variance<T: TestBackend>() {
     }
 }
 
-/// A photon in each cell of a fine grid, its power the field's value times the cell's area.
+/// One photon in each cell of a fine grid, its power the field's value times the cell's area.
 fn grid(cell: f64, half: f64, field: impl Fn(f64, f64) -> f64) -> Vec<Photon> {
     let count = (2.0 * half / cell).round() as i64;
     let at = |i: i64| (i as f64 + 0.5) * cell - half;
@@ -133,8 +133,8 @@ fn grid(cell: f64, half: f64, field: impl Fn(f64, f64) -> f64) -> Vec<Photon> {
         .collect()
 }
 
-/// A7: the bias in a field of constant curvature. The bound is that of the grid: 4 N^(−3/4) for N
-/// cells in the disc, the number of lattice points in a circle being that uncertain.
+/// A7: the bias in a field of constant curvature. The tolerance is that of the grid: 4 N^(−3/4) for N cells in the
+/// disc, the uncertainty of the number of lattice points in a circle.
 pub fn a7_bias_of_curvature<T: TestBackend>() {
     let (h, cell) = (0.2_f64, 0.000_8);
     let photons = grid(cell, 0.21, |x, y| 1.0 + 0.5 * (x * x + y * y));
@@ -151,7 +151,7 @@ pub fn a7_bias_of_curvature<T: TestBackend>() {
     }
 }
 
-/// A8 and S24: what is lost beyond an edge.
+/// A8 and S24: the light lost beyond an edge.
 pub fn a8_loss_at_edges<T: TestBackend>() {
     let (h, cell) = (0.2_f64, 0.000_8);
     let half_plane = grid(cell, 0.42, |x, _| f64::from(u8::from(x > 0.0)));
@@ -170,8 +170,8 @@ pub fn a8_loss_at_edges<T: TestBackend>() {
     assert_agrees("corner", ask(&quadrant, 0.0, Kernel::Constant), 0.25, 0.0, bound);
 }
 
-/// A9: a ball cuts a cap of area π r² off a sphere, so that the estimate is exact. Photons on a
-/// Fibonacci spiral, whose counts in caps of 3125 are within a few dozen.
+/// A9: a ball cuts a cap of area π r² off a sphere, so the estimate is exact. Photons lie on a Fibonacci spiral;
+/// their counts in caps of 3125 are within a few dozen.
 pub fn a9_no_bias_on_a_sphere<T: TestBackend>() {
     let n = 200_000;
     let at = |i: f64, n: f64| {
@@ -191,8 +191,8 @@ pub fn a9_no_bias_on_a_sphere<T: TestBackend>() {
     assert!(variance.sqrt() / truth < 0.01, "{}", variance.sqrt() / truth);
 }
 
-/// A12: after 100 passes of shrinking radii, 20 photons in the first, the standard deviation is
-/// 0.0398283; its own standard error over 256 queries is `1/√512` of it.
+/// A12: after 100 passes with shrinking radii, starting with 20 photons, the standard deviation is 0.0398283; its
+/// own relative standard error over 256 queries is `1/√512`.
 pub fn a12_progressive_variance<T: TestBackend>() {
     let (r1, photons) = (0.02_f64, 20.0);
     let density = photons / (PI * r1 * r1);
@@ -215,8 +215,8 @@ pub fn a12_progressive_variance<T: TestBackend>() {
     assert!(off.abs() <= SIGMAS / 512.0_f64.sqrt(), "{off}");
 }
 
-/// A13: "too few photons give 0" darkens: the share of the mean that Poisson counts of at least the
-/// threshold make up. Error of the mean: `√(second moment/n)`, at most `√((m+1)/m/n)`.
+/// A13: "too few photons give 0" darkens: the factor is the fraction of the mean contributed by Poisson counts of
+/// at least the threshold. Error of the mean: `√(second moment/n)`, at most `√((m+1)/m/n)`.
 pub fn a13_threshold_darkens<T: TestBackend>() {
     for (mean, threshold, share) in
         [(8.0, 8, 0.686_626), (4.0, 8, 0.110_674), (16.0, 8, 0.995_994), (2.0, 4, 0.323_324)]

@@ -1,8 +1,8 @@
-//! Fields of light whose truth is known, and films of them.
+//! Analytic light fields whose truth is known, and films of them.
 //!
-//! Each pixel is one query amid a Poisson field of its own, far enough from its neighbours to be
-//! independent of them, so that pixels are trials. Lengths are in radii of the first pass, in which 20
-//! photons are expected where the field is 1; radii shrink with α = 2/3 or stay.
+//! Each pixel is one query in a Poisson field of its own, far enough from its neighbours to be independent of them,
+//! so that pixels are independent trials. Lengths are in radii of the first pass, in which 20 photons are expected
+//! where the field is 1; radii shrink with α = 2/3 or stay constant.
 
 use std::f64::consts::PI;
 
@@ -15,14 +15,14 @@ use photon_scene::{MaterialDesc, SceneBuilder};
 use crate::harness::{Uniform, photon_at, query_at};
 use crate::stats::moments;
 
-/// Light about the origin, where the truth is asked for; both coordinates within ±1.5.
+/// An irradiance field around the origin, where the truth is evaluated; both coordinates within ±1.5.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
-    /// For messages.
+    /// Name for messages.
     pub name: &'static str,
-    /// Its value.
+    /// The field's value at (x, y).
     pub at: fn(f64, f64) -> f64,
-    /// At least the largest of its values.
+    /// An upper bound on its values.
     pub most: f64,
 }
 
@@ -34,12 +34,12 @@ fn lit(yes: bool) -> f64 {
     f64::from(u8::from(yes))
 }
 
-/// `x^(−1/2)` beyond a fold at distance `d`, 1 at the origin; cut off where it is 12.
+/// `x^(−1/2)` beyond a fold at distance `d`, normalised to 1 at the origin; clamped to 12.
 fn fold(x: f64, d: f64) -> f64 {
     if x <= -d { 0.0 } else { (d / (x + d)).sqrt().min(12.0) }
 }
 
-/// Where claims must be made and hold.
+/// Fields where intervals must be claimed and must hold.
 pub const SMOOTH: [Field; 5] = [
     Field { name: "uniform", at: |_, _| 1.0, most: 1.0 },
     Field { name: "slope", at: |x, _| (1.0 + 0.5 * x).max(0.0), most: 1.75 },
@@ -48,7 +48,7 @@ pub const SMOOTH: [Field; 5] = [
     Field { name: "side of a bump", at: |x, y| bump(x + 1.5, y, 1.5) / bump(1.5, 0.0, 1.5), most: 1.65 },
 ];
 
-/// Where none may be made.
+/// Fields where no intervals may be claimed.
 pub const BROKEN: [Field; 7] = [
     Field { name: "edge at 0.05", at: |x, _| lit(x > -0.05), most: 1.0 },
     Field { name: "edge at 0.3", at: |x, _| lit(x > -0.3), most: 1.0 },
@@ -59,29 +59,29 @@ pub const BROKEN: [Field; 7] = [
     Field { name: "corner of light", at: |x, y| lit(x > -0.2 && y > -0.2), most: 1.0 },
 ];
 
-/// Photons expected in the first radius, where the field is 1.
+/// Expected number of photons within the first radius where the field is 1.
 pub const EXPECTED: f64 = 20.0;
 
-/// One film of a field.
+/// Parameters of one film of a field.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial {
-    /// Passes, ≥ 1.
+    /// Number of passes, ≥ 1.
     pub passes: u32,
-    /// How radii shrink.
+    /// Parameter α of the radius reduction.
     pub alpha: f64,
     /// Pixels along a side.
     pub side: u32,
-    /// Of the photons.
+    /// Seed of the photons.
     pub seed: u64,
 }
 
 impl Trial {
-    /// Between pixels; all of them are within half a unit of the origin.
+    /// Distance between pixels; all of them are within half a unit of the origin.
     fn step(&self) -> f64 {
         0.96 / f64::from(self.side)
     }
 
-    /// Of the first pass: two pixels are farther apart than 2√2 of it.
+    /// Radius of the first pass: pixels are more than 2√2 times this apart.
     fn radius(&self) -> f64 {
         0.3 * self.step()
     }
@@ -90,15 +90,15 @@ impl Trial {
         [pixel % self.side, pixel / self.side].map(|i| (f64::from(i) - 0.5 * f64::from(self.side - 1)) * self.step())
     }
 
-    /// Photons of one pass: a Poisson process of the field's density about each pixel, as far as √2 times
-    /// the radius, `shrink` of the first; nobody looks farther.
+    /// Photons of one pass: around each pixel, a Poisson process of the field's density, as far as √2 times the
+    /// radius, which is `shrink` times the first. No query reads photons farther away.
     fn photons(&self, field: &Field, shrink: f64, uniform: &mut Uniform) -> Vec<Photon> {
         let (half, radius) = (1.42 * shrink, self.radius());
         let mean = EXPECTED / PI * 4.0 * half * half * field.most;
         let mut photons = Vec::new();
         for pixel in 0..self.side * self.side {
             let [cx, cy] = self.place(pixel);
-            // Arrivals at unit rate until `mean`.
+            // Poisson arrivals at unit rate until `mean`.
             let mut time = -(1.0 - uniform.draw()).ln();
             while time < mean {
                 let (x, y) = (half * (2.0 * uniform.draw() - 1.0), half * (2.0 * uniform.draw() - 1.0));
@@ -112,20 +112,20 @@ impl Trial {
     }
 }
 
-/// The film of a trial, in units of the field's density.
+/// Renders the film of a trial, in units of the field's density.
 ///
 /// # Errors
-/// What the backend raises.
+/// Any error of the backend.
 pub fn film_of<B: TransportBackend>(on: &mut B, field: &Field, trial: &Trial) -> Result<Film> {
     let mut last = None;
     films_of(on, field, trial, &[trial.passes], &mut |film| last = Some(film))?;
     Ok(last.unwrap())
 }
 
-/// The same, shown after each of so many passes, in ascending order.
+/// As [`film_of`], but passes the film to `show` after each of the passes in `after`, which are in ascending order.
 ///
 /// # Errors
-/// What the backend raises.
+/// Any error of the backend.
 pub fn films_of<B: TransportBackend>(
     on: &mut B,
     field: &Field,
@@ -174,20 +174,20 @@ pub fn films_of<B: TransportBackend>(
     Ok(())
 }
 
-/// What came of the claims about one field.
+/// How the confidence intervals of one field compare with the truth.
 #[derive(Clone, Copy, Debug)]
 pub struct Verdict {
-    /// Share of the pixels of which something is claimed.
+    /// Fraction of the pixels for which an interval is claimed.
     pub claimed: f64,
-    /// Share of these whose truth is within the claim.
+    /// Fraction of these whose truth is within the interval.
     pub covered: f64,
-    /// Share whose truth is within what noise alone would claim, of all pixels.
+    /// Fraction of all pixels whose truth is within the interval that noise alone would give.
     pub covered_by_noise: f64,
-    /// Median claim over the root of the mean squared error.
+    /// Median half-width over the root mean squared error.
     pub sharpness: f64,
 }
 
-/// Judges films of the same field.
+/// Evaluates films of the same field.
 #[must_use]
 pub fn judge(field: &Field, films: &[Film]) -> Verdict {
     let truth = (field.at)(0.0, 0.0);

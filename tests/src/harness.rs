@@ -1,4 +1,4 @@
-//! What the suite asks of a backend, and ways to ask it.
+//! The test interface of a backend, and helpers to run its stages.
 
 use std::ops::Range;
 
@@ -11,17 +11,17 @@ use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
 
 /// A backend under test.
 pub trait TestBackend {
-    /// Its type.
+    /// The backend's type.
     type On: TransportBackend;
-    /// A fresh one; `threads` where that means something.
+    /// Creates a new backend; `threads` is used where it applies.
     fn make(threads: usize) -> Self::On;
-    /// Whether it is there; says so on standard error if not.
+    /// Whether the backend is available; if not, the reason is printed to standard error.
     fn available() -> bool {
         true
     }
 }
 
-/// A stream of uniform numbers, as fixed as its seed.
+/// A deterministic stream of uniform random numbers.
 #[derive(Debug)]
 pub struct Uniform {
     sampler: Sampler,
@@ -31,14 +31,14 @@ pub struct Uniform {
 }
 
 impl Uniform {
-    /// The stream of that number.
+    /// The stream with this seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let sampler = Sampler::new(RandomKind::Counter, seed, 0, Domain::Gather, 0);
         Self { sampler, block: 0, words: [0; 4], left: 0 }
     }
 
-    /// The next, in `[0, 1)`.
+    /// The next number, in `[0, 1)`.
     pub fn draw(&mut self) -> f64 {
         if self.left == 0 {
             self.words = self.sampler.words(self.block);
@@ -50,7 +50,7 @@ impl Uniform {
     }
 }
 
-/// A photon of unit power that came straight down onto the plane z = 0.
+/// A photon of unit power that arrived vertically on the plane z = 0.
 #[must_use]
 pub fn photon_at(position: [f32; 3]) -> Photon {
     let up = octahedral::pack(photon_core::glam::Vec3::Z);
@@ -63,7 +63,7 @@ pub fn query_at(position: [f32; 3], radius: f32) -> Query {
     Query { position, radius, normal: [0.0, 0.0, 1.0], throughput: [1.0; 3], ..Query::default() }
 }
 
-/// What a map of `photons` says about `queries`.
+/// Estimates from a map of `photons` at `queries`.
 pub fn estimate<T: TestBackend>(
     kind: IndexKind,
     photons: &[Photon],
@@ -73,7 +73,7 @@ pub fn estimate<T: TestBackend>(
     estimates::<T>(kind, photons, queries, std::slice::from_ref(gather)).concat()
 }
 
-/// What one map of `photons` says about `queries`, gathered in each of those ways.
+/// Estimates from one map of `photons` at `queries`, once per set of parameters.
 pub fn estimates<T: TestBackend>(
     kind: IndexKind,
     photons: &[Photon],
@@ -95,7 +95,7 @@ pub fn estimates<T: TestBackend>(
     gathers.iter().map(ask).collect()
 }
 
-/// Photons of each map, normalised space, and what became of all.
+/// Traces photons; returns those of each map, in normalised space, and the tally.
 pub fn trace<T: TestBackend>(
     threads: usize,
     scene: &Scene,
@@ -116,10 +116,10 @@ pub fn trace<T: TestBackend>(
     tracing.end()
 }
 
-/// A backend with a scene, and room for the photons of all maps.
+/// A backend with a prepared scene and buffers for the photons of all maps.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Tracing<B: TransportBackend> {
-    /// What it works on.
+    /// The backend.
     pub on: B,
     prepared: B::Scene,
     stages: Stages<B>,
@@ -128,7 +128,7 @@ pub struct Tracing<B: TransportBackend> {
 }
 
 impl<B: TransportBackend> Tracing<B> {
-    /// Ready for the first pass, with room for so many photons in each map.
+    /// Prepares the first pass, with room for `capacity` photons in each map.
     pub fn new(mut on: B, scene: &Scene, settings: &Settings, capacity: u64) -> Self {
         let view = scene.view();
         let required = Requirements { maps: PerMap::splat(true), ..Requirements::of(&view, settings) };
@@ -139,14 +139,14 @@ impl<B: TransportBackend> Tracing<B> {
         Self { on, prepared, stages, pass, photons }
     }
 
-    /// Follows rays that are the first of those paths.
+    /// Traces `rays`, which are the first rays of `paths`.
     pub fn follow(&mut self, paths: Range<u32>, rays: &B::Buffer<PhotonRay>) {
         let deposits = self.photons.each_mut().map(Some);
         let batch = Batch { pass: self.pass, paths };
         self.stages.tracer.trace(&mut self.on, &self.prepared, &batch, rays, deposits).unwrap();
     }
 
-    /// Photons of each map, and what became of all.
+    /// The photons of each map, and the tally.
     pub fn end(mut self) -> (PerMap<Vec<Photon>>, Tally) {
         let tally = self.stages.tracer.take_tally(&mut self.on).unwrap();
         let photons = self.photons.map(|buffer| {
@@ -158,13 +158,13 @@ impl<B: TransportBackend> Tracing<B> {
     }
 }
 
-/// What one stored sum of flux is per path and in watts, mean of RGB.
+/// A sum of flux from the tally per emitted path, in watts, mean of RGB.
 #[must_use]
 pub fn watts(scene: &Scene, tally: &Tally, sum: &photon_core::FluxSum) -> f64 {
     sum.value().iter().sum::<f64>() / 3.0 / tally.emitted as f64 * scene.units().power
 }
 
-/// A picture of `size × size` pixels by the scene's first camera.
+/// Renders an image of `size × size` pixels with the scene's first camera.
 pub fn film<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32, size: u32) -> Film {
     let mut renderer = renderer::<T>(scene, settings, size);
     for pass in 0..passes {
@@ -173,14 +173,13 @@ pub fn film<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32, siz
     renderer.film().unwrap()
 }
 
-/// A renderer for it.
+/// A pipeline for such an image.
 pub fn renderer<T: TestBackend>(scene: &Scene, settings: &Settings, size: u32) -> Pipeline<T::On> {
     let view = View { camera: scene.camera(None, size, size).unwrap(), width: size, height: size };
     Pipeline::new(T::make(2), &scene.view(), view, settings.clone()).unwrap()
 }
 
-/// Mean over the pixels of each pass by itself, mean of RGB: passes are independent, pixels of one
-/// pass are not.
+/// Mean over the pixels of each pass, mean of RGB. Passes are independent; the pixels of one pass are not.
 pub fn per_pass<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32, size: u32) -> Vec<f64> {
     let mut renderer = renderer::<T>(scene, settings, size);
     let mut before = 0.0;
@@ -195,8 +194,8 @@ pub fn per_pass<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32,
         .collect()
 }
 
-/// A camera that looks straight at a small square of half side `half` about `point`, from `away`
-/// along `normal`.
+/// Adds a camera that looks perpendicularly at a small square of half side `half` around `point`, from distance
+/// `away` along `normal`.
 pub fn look_at_point(builder: &mut SceneBuilder, point: [f64; 3], normal: [f64; 3], away: f64, half: f64) {
     let position = std::array::from_fn(|axis| point[axis] + away * normal[axis]);
     let direction = normal.map(|n| -n);
@@ -205,7 +204,7 @@ pub fn look_at_point(builder: &mut SceneBuilder, point: [f64; 3], normal: [f64; 
     builder.camera("point", CameraDesc { position, direction, up, projection });
 }
 
-/// Uniform in `[0, 1)` as kernels draw it.
+/// A random word as a uniform number in `[0, 1)`, converted as in the kernels.
 #[must_use]
 pub fn unit(word: u32) -> f32 {
     unit_f32(word)

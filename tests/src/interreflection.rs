@@ -1,4 +1,4 @@
-//! C: light that goes to and fro.
+//! C: interreflection.
 
 use photon_core::{Direct, Estimator, Indirect, Settings};
 use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, shapes};
@@ -7,13 +7,13 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use crate::harness::{TestBackend, look_at_point, per_pass, trace, watts};
 use crate::stats::{assert_agrees, moments, standard_error};
 
-/// A closed room of one material, seen from inside: a square metre of a wall, of a ball less. The light is the same
-/// everywhere, so that the wider the view, the more photons tell of it; edges stay a radius away.
+/// A closed room of one material, seen from inside: one square metre of a wall, less in a sphere. The light is
+/// uniform, so a wider view averages over more photons; edges stay at least one radius away.
 fn room(shape: shapes::Shape, albedo: f64, radiance: f64, look: [f64; 3], normal: [f64; 3]) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let wall = builder.material(MaterialDesc::emissive("wall", [albedo; 3], [radiance; 3]));
     let shape = if shapes::volume(&shape) > 0.0 { shapes::flip(shape) } else { shape };
-    // A view as wide as that would begin outside of a ball.
+    // In a sphere, the start points of a view that wide would lie outside.
     let half = if shape.1.len() > 1000 { 0.3 } else { 0.5 };
     builder.mesh("room", shape.0, shape.1, wall);
     look_at_point(&mut builder, look, normal, 0.2, half);
@@ -34,12 +34,12 @@ fn settings() -> Settings {
     }
 }
 
-/// C1: radiosity `e/(1−ρ)` in any closed shape, by all ways through the pipeline. Passes are
-/// independent; the error is that of their mean.
+/// C1: radiosity `e/(1−ρ)` in any closed shape, with every way of lighting. Passes are independent; the error is
+/// that of their mean.
 pub fn c1_furnace<T: TestBackend>() {
     let tall =
         room(shapes::cuboid([-1.0, -3.0, -0.5], [1.0, 3.0, 0.5]), 0.8, FRAC_1_PI, [0.1, 0.5, 0.5], [0.0, 0.0, -1.0]);
-    // An L: convex rooms could hide an error that a corner shows.
+    // An L shape: convex rooms could hide an error that a reentrant corner reveals.
     let plan = [[-1.0, -1.0], [-1.0, 2.0], [0.5, 2.0], [0.5, 0.5], [2.0, 0.5], [2.0, -1.0]];
     let bent = room(shapes::prism(&plan, 3, -0.75, 0.75), 0.8, FRAC_1_PI, [-0.3, -0.75, -0.3], [0.0, 1.0, 0.0]);
     let ball = room(shapes::icosphere(4, [0.0; 3], 1.0), 0.8, FRAC_1_PI, [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
@@ -56,8 +56,8 @@ pub fn c1_furnace<T: TestBackend>() {
             ("gather", Settings { indirect: Indirect::Gather, gather_rays: 4, ..settings() }),
             ("knn", Settings { estimator: Estimator::Knn { k: 60, max_radius: None }, ..settings() }),
         ] {
-            // Gathered light comes from everywhere. Only the ball has no edges, beyond which an
-            // estimate loses area (A8); its facets bend the rest by less than a thousandth.
+            // Gathered light comes from everywhere. Only the sphere has no edges, beyond which an estimate loses
+            // area (A8); its tessellation changes the rest by less than a thousandth.
             let here = match name {
                 "ball" => true,
                 "cube" => way != "gather",
@@ -74,7 +74,7 @@ pub fn c1_furnace<T: TestBackend>() {
     }
 }
 
-/// C1 at an albedo of 0.99: radiosity 100, paths of a hundred surfaces.
+/// C1 with an albedo of 0.99: radiosity 100, paths of a hundred bounces.
 pub fn c1_furnace_of_high_albedo<T: TestBackend>() {
     let scene = cube(0.99, FRAC_1_PI).build().unwrap();
     let s = Settings { photons: 5000, ..settings() };
@@ -82,7 +82,7 @@ pub fn c1_furnace_of_high_albedo<T: TestBackend>() {
     assert_agrees("0.99", moments(&values).0, 100.0, standard_error(&values), 0.0);
 }
 
-/// C1 with a cap: photons land on the first D surfaces, hence `e (1 − ρ^(D+1))/(1 − ρ)`.
+/// C1 with a bounce limit: photons land on the first D surfaces, hence `e (1 − ρ^(D+1))/(1 − ρ)`.
 pub fn c1_depth_cap<T: TestBackend>() {
     let scene = cube(0.8, FRAC_1_PI).build().unwrap();
     let s = Settings { photons: 10_000, max_bounces: 9, direct: Direct::Photons, ..settings() };
@@ -90,8 +90,8 @@ pub fn c1_depth_cap<T: TestBackend>() {
     assert_agrees("cap", moments(&values).0, 4.463_129, standard_error(&values), 0.0);
 }
 
-/// C2: an integrating sphere: indirect irradiance `Φρ/(A(1−ρ))` wherever the light is, A the area of
-/// the mesh; facets of an inscribed sphere tilt its kernel by less than 1e-3.
+/// C2: an integrating sphere: indirect irradiance `Φρ/(A(1−ρ))` wherever the light is, with A the area of the mesh.
+/// The triangles of an inscribed sphere change its kernel by less than 1e-3.
 pub fn c2_integrating_sphere<T: TestBackend>() {
     let shape = shapes::flip(shapes::icosphere(5, [0.0; 3], 1.0));
     let area = shapes::area(&shape);
@@ -110,7 +110,7 @@ pub fn c2_integrating_sphere<T: TestBackend>() {
     }
 }
 
-/// C3: a sphere of two halves, `H = ⟨e⟩/(1 − ⟨ρ⟩)` everywhere.
+/// C3: a sphere of two different halves, `H = ⟨e⟩/(1 − ⟨ρ⟩)` everywhere.
 pub fn c3_sphere_of_two_halves<T: TestBackend>() {
     let (positions, triangles) = shapes::flip(shapes::icosphere(5, [0.0; 3], 1.0));
     for (look, normal, radiosity) in
@@ -126,7 +126,7 @@ pub fn c3_sphere_of_two_halves<T: TestBackend>() {
         look_at_point(&mut builder, look, normal, 0.3, 0.1);
         let scene = builder.build().unwrap();
         let values: Vec<f64> = per_pass::<T>(&scene, &settings(), 16, 6).iter().map(|l| l * PI).collect();
-        // The cut runs along facets, not along the equator; halves differ in area by less than 1 %.
+        // The boundary follows triangle edges, not the equator; the halves differ in area by less than 1 %.
         assert_agrees("halves", moments(&values).0, radiosity, standard_error(&values), 8e-3);
     }
 }
@@ -163,7 +163,7 @@ pub fn c6_plates_between_mirrors<T: TestBackend>() {
     }
 }
 
-/// C7: a point light by mirrors, direct and reflected: `1 + 0.9/5^1.5` with one mirror.
+/// C7: a point light and mirrors, direct and reflected light: `1 + 0.9/5^1.5` with one mirror.
 pub fn c7_point_light_and_mirrors<T: TestBackend>() {
     for (mirrors, truth) in [(1, 1.080_498_4), (2, 1.190_996_9)] {
         let mut builder = SceneBuilder::new();
@@ -171,7 +171,7 @@ pub fn c7_point_light_and_mirrors<T: TestBackend>() {
         let metal = builder.material(MaterialDesc::mirror("mirror", [0.9; 3]));
         let s = 0.3;
         builder.quad("receiver", [[-s, -s, 0.0], [s, -s, 0.0], [s, s, 0.0], [-s, s, 0.0]], grey);
-        // Large, but not so large that few photons find it.
+        // Large, but small enough that enough photons hit it.
         let w = 6.0;
         builder.quad("mirror x", [[1.0, -w, -w], [1.0, -w, w], [1.0, w, w], [1.0, w, -w]], metal);
         if mirrors == 2 {
@@ -188,7 +188,7 @@ pub fn c7_point_light_and_mirrors<T: TestBackend>() {
             ..Settings::default()
         };
         let values: Vec<f64> = per_pass::<T>(&scene, &s, 16, 4).iter().map(|l| l * PI / 0.5).collect();
-        // Field curvature over the radius: the caustic part, a fifth at most, bends by under 2 %.
+        // Curvature of the field over the radius: it changes the caustic part, at most a fifth, by less than 2 %.
         assert_agrees("mirrors", moments(&values).0, truth, standard_error(&values), 4e-3);
     }
 }
@@ -204,7 +204,7 @@ pub fn c8_path_lengths<T: TestBackend>() {
     }
 }
 
-/// C9: nothing is lost, in number and in flux, exactly, in scenes of every kind.
+/// C9: photon counts and flux balance exactly, in scenes of every kind.
 pub fn c9_conservation<T: TestBackend>() {
     for (name, _) in photon_scene::builtin_names() {
         let scene = photon_scene::builtin(name).unwrap().build().unwrap();
@@ -215,7 +215,7 @@ pub fn c9_conservation<T: TestBackend>() {
         let sum: f64 = parts.into_iter().map(|part| watts(&scene, &tally, part)).sum();
         assert!((sum / watts(&scene, &tally, &tally.flux_emitted) - 1.0).abs() < 1e-12, "{name}");
         assert_eq!(tally.dropped, 0, "{name}");
-        // Power is given out in proportion, whatever the colours.
+        // Power is distributed in proportion, for any colours.
         assert!((watts(&scene, &tally, &tally.flux_emitted) / scene.units().power - 1.0).abs() < 0.05, "{name}");
     }
 }

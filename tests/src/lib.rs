@@ -1,8 +1,7 @@
-//! The truth, as generic functions over a backend: every backend runs the same suite.
+//! The conformance suite, as generic functions over a backend: every backend runs the same tests.
 //!
-//! Names begin with the number of the closed form or of the failure mode in the tables of
-//! `tests/README.md`. Random numbers are fixed by seeds; statistical bounds are 4.5 standard errors,
-//! computed where they are used.
+//! Names begin with the number of the closed form or of the failure mode in the tables of `tests/README.md`. Random
+//! numbers are fixed by seeds; statistical bounds are 4.5 standard errors, computed where they are used.
 #![forbid(unsafe_code)]
 #![expect(clippy::unwrap_used, clippy::missing_panics_doc, reason = "all of this is test code")]
 
@@ -32,12 +31,12 @@ pub mod stats;
 pub mod twin;
 pub mod views;
 
-/// Makes a `#[test]` of each function for one backend.
+/// Generates a `#[test]` of each function for one backend.
 #[macro_export]
 macro_rules! suite {
     ($backend:ty, $($module:ident :: { $($name:ident),+ $(,)? })+) => {
         $(mod $module {
-            #[allow(unused_imports, reason = "a backend named by its full path needs none")]
+            #[allow(unused_imports, reason = "not needed if the backend is named by its full path")]
             use super::*;
             $(#[test]
             fn $name() {
@@ -49,7 +48,7 @@ macro_rules! suite {
     };
 }
 
-/// All cases for one backend: one list, so that no backend is spared any.
+/// All tests for one backend, in one list, so that every backend runs all of them.
 #[macro_export]
 macro_rules! whole_suite {
     ($backend:ty) => {

@@ -1,4 +1,4 @@
-//! S and N: extremes and what must not come of them.
+//! S and N: extreme inputs and numerical accuracy.
 
 use photon_core::random::{Domain, Sampler, lcg};
 use photon_core::{
@@ -16,17 +16,17 @@ fn gather(search: Search) -> EstimateParams {
 
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
 
-/// A closed room, turned so that no wall lies along an axis, `scale` times as large as one metre.
+/// A closed room, rotated so that no wall is axis-aligned, with sides of `scale` metres.
 pub(crate) fn turned_room(albedo: f64, scale: f64) -> SceneBuilder {
     turned(albedo, scale, shapes::cuboid([-1.0; 3], [1.0; 3]))
 }
 
-/// A drum, turned likewise: walls and ends of 512 slivers each.
+/// A drum, rotated likewise, with walls and ends of 512 slivers each.
 pub(crate) fn turned_drum(albedo: f64, scale: f64) -> SceneBuilder {
     turned(albedo, scale, shapes::cylinder([0.0, -1.0, 0.0], 1.0, 2.0, 512))
 }
 
-/// A wedge of so many degrees, turned likewise.
+/// A wedge of `degrees`, rotated likewise.
 pub(crate) fn turned_wedge(degrees: f64, albedo: f64, scale: f64) -> SceneBuilder {
     let (s, c) = degrees.to_radians().sin_cos();
     let profile = [[-1.0, -0.5], [1.0, -0.5], [-1.0 + 2.0 * c, -0.5 + 2.0 * s]];
@@ -44,7 +44,7 @@ fn turned(albedo: f64, scale: f64, shape: shapes::Shape) -> SceneBuilder {
     let wall = builder.material(MaterialDesc::lambert("wall", [albedo; 3]));
     let (mut positions, triangles) = shapes::flip(shapes::rotate_y(shape, 0.7));
     for p in &mut positions {
-        // About x too.
+        // Also about x.
         let (s, c) = 0.4_f64.sin_cos();
         *p = [p[0], c * p[1] - s * p[2], s * p[1] + c * p[2]].map(|x| x * scale);
     }
@@ -56,7 +56,7 @@ fn turned(albedo: f64, scale: f64, shape: shapes::Shape) -> SceneBuilder {
     builder
 }
 
-/// S1: no path leaves a closed room, whatever its size: a million surfaces met in all.
+/// S1: no path leaves a closed room, whatever its size, in a million surface hits in total.
 pub fn s1_no_leaks<T: TestBackend>() {
     let mut met = 0;
     for scale in [1e-18, 1e-6, 1.0, 1e6, 1e18] {
@@ -68,8 +68,8 @@ pub fn s1_no_leaks<T: TestBackend>() {
     assert!(met > 1_000_000, "{met}");
 }
 
-/// S1 again, of slivers 200 times as long as wide: a ray that met the triangle that it had just left would end behind
-/// it. By the distances of the watertight test alone 7 of 10⁴ bounces did: of 30,000 some 20.
+/// S1 with slivers 200 times as long as wide: a ray that hit the triangle it had just left would end behind it.
+/// With the distances of the watertight test alone, 7 of 10⁴ bounces did: about 20 of 30,000.
 pub fn s1_no_leaks_through_slivers<T: TestBackend>() {
     let scene = turned_drum(0.99, 1.0).build().unwrap();
     let (_, tally) = trace::<T>(2, &scene, &Settings { max_bounces: 2000, ..Settings::default() }, &[320]);
@@ -77,7 +77,7 @@ pub fn s1_no_leaks_through_slivers<T: TestBackend>() {
     assert!(tally.surfaces > 25_000, "{}", tally.surfaces);
 }
 
-/// S6: a hundred photons at one point, and a query there.
+/// S6: a hundred photons at one point, with a query there.
 pub fn s6_coincident_photons<T: TestBackend>() {
     for kind in INDICES {
         let photons = vec![photon_at([0.1, 0.2, 0.0]); 100];
@@ -91,7 +91,7 @@ pub fn s6_coincident_photons<T: TestBackend>() {
     }
 }
 
-/// S7: fewer photons than k: all of them, over the whole radius.
+/// S7: fewer photons than k: all of them count, over the whole radius.
 pub fn s7_fewer_photons_than_k<T: TestBackend>() {
     for count in [0_usize, 1, 49] {
         let photons: Vec<Photon> = (0..count).map(|i| photon_at([i as f32 * 1e-3, 0.0, 0.0])).collect();
@@ -102,7 +102,7 @@ pub fn s7_fewer_photons_than_k<T: TestBackend>() {
     }
 }
 
-/// S8: a million photons in one place; collinear ones; all on one axis.
+/// S8: a million photons at one point; collinear ones; all on one axis.
 pub fn s8_degenerate_maps<T: TestBackend>() {
     for kind in INDICES {
         let heap = vec![photon_at([0.25; 3]); 1_000_000];
@@ -115,7 +115,7 @@ pub fn s8_degenerate_maps<T: TestBackend>() {
     }
 }
 
-/// S9: what is not finite is refused by name.
+/// S9: non-finite input is refused with an error that names it.
 pub fn s9_not_finite<T: TestBackend>() {
     for bad in [f32::NAN, f32::INFINITY] {
         for photon in [photon_at([0.0, bad, 0.0]), Photon { power: [bad; 3], ..photon_at([0.0; 3]) }] {
@@ -136,7 +136,7 @@ pub fn s9_not_finite<T: TestBackend>() {
     }
 }
 
-/// S10 and N1, N2: a million photons of a millionth, and a million ones, add up.
+/// S10 and N1, N2: a million photons of power 1e-6, and a million of power 1, sum accurately.
 pub fn s10_n1_many_small_numbers<T: TestBackend>() {
     for power in [1e-6_f32, 1.0] {
         let photons: Vec<_> = (0..1_000_000)
@@ -150,7 +150,7 @@ pub fn s10_n1_many_small_numbers<T: TestBackend>() {
     }
 }
 
-/// S15: with an albedo of 1 nothing is absorbed: every path ends at the cap, with all its flux.
+/// S15: with an albedo of 1 nothing is absorbed: every path ends at the bounce limit, with all its flux.
 pub fn s15_albedo_one_ends_at_the_cap<T: TestBackend>() {
     let scene = turned_room(1.0, 1.0).build().unwrap();
     let (_, tally) = trace::<T>(2, &scene, &Settings { max_bounces: 40, ..Settings::default() }, &[2000]);
@@ -158,7 +158,7 @@ pub fn s15_albedo_one_ends_at_the_cap<T: TestBackend>() {
     assert_eq!(tally.flux_truncated, tally.flux_emitted);
 }
 
-/// S17 and S4: brightness and size leave the picture as it is, but for scale.
+/// S17 and S4: brightness and size change the image only by a scale factor.
 pub fn s4_s17_scale_and_brightness<T: TestBackend>() {
     let picture = |scale: f64, bright: f64| {
         let mut builder = turned_room(0.5, scale);
@@ -173,7 +173,7 @@ pub fn s4_s17_scale_and_brightness<T: TestBackend>() {
         film::<T>(&scene, &settings, 1, 8)
     };
     let base = picture(1.0, 1.0);
-    // Powers of two: to the bit.
+    // Powers of two: identical to the bit.
     let large = picture(2.0_f64.powi(60), 2.0_f64.powi(120));
     assert!(base.pixels == large.pixels);
     assert!((large.units.scale / base.units.scale / 2.0_f64.powi(60) - 1.0).abs() < 1e-12);
@@ -183,9 +183,9 @@ pub fn s4_s17_scale_and_brightness<T: TestBackend>() {
     }
 }
 
-/// S19: the counter-based numbers fill squares evenly (χ² over 16 by 16 cells, 255 degrees of
-/// freedom, standard deviation √510) and neighbours are independent (|r| < 4.5/√N); the LCG's first
-/// numbers of neighbouring paths have the correlation of −0.5 that is predicted for them.
+/// S19: the counter-based random numbers fill squares uniformly (χ² over 16 by 16 cells, 255 degrees of freedom,
+/// standard deviation √510) and neighbours are independent (|r| < 4.5/√N); the LCG's first numbers of neighbouring
+/// paths have the correlation of −0.5 that is predicted for them.
 pub fn s19_random_numbers<T: TestBackend>() {
     let n = 65_536_u32;
     let draw = |kind, path: u32, block: u32| Sampler::new(kind, 11, 0, Domain::Photon, path).words(block);
@@ -233,7 +233,7 @@ pub fn s20_ends_of_the_unit_interval<T: TestBackend>() {
     }
 }
 
-/// S27: every index finds what brute force finds, in number, in each of many random places.
+/// S27: every index finds the same number of photons as brute force, at each of many random positions.
 pub fn s27_neighbour_sets_are_exact<T: TestBackend>() {
     let mut uniform = Uniform::new(5);
     let mut point = || [0; 3].map(|_| uniform.draw() as f32 - 0.5);
@@ -260,7 +260,8 @@ pub fn s27_neighbour_sets_are_exact<T: TestBackend>() {
     }
 }
 
-/// S29: what gives no light, or takes none, is named; so are absurd settings.
+/// S29: a scene without lights or without receivers is refused with an error that names it; so are invalid
+/// settings.
 pub fn s29_nothing_to_render<T: TestBackend>() {
     let start = |builder: SceneBuilder, settings: Settings, size: u32| -> Result<(), Box<dyn std::error::Error>> {
         let scene = builder.build()?;
@@ -292,7 +293,7 @@ pub fn s29_nothing_to_render<T: TestBackend>() {
     assert!(matches!(error, SceneError::ZeroAreaLight { .. }), "{error}");
 }
 
-/// S30: one photon, one pixel.
+/// S30: one photon and one pixel.
 pub fn s30_least_of_everything<T: TestBackend>() {
     let mut builder = turned_room(0.5, 1.0);
     crate::harness::look_at_point(&mut builder, [0.0; 3], [0.0, 0.0, 1.0], 0.1, 0.1);

@@ -1,4 +1,4 @@
-//! The paper's formulas show the errors predicted for them, and the defaults do not.
+//! The paper's formulas show the errors predicted for them; the defaults do not.
 
 use photon_core::{Direct, Estimator, Paper, RandomKind, Settings};
 use std::f64::consts::{FRAC_1_PI, PI};
@@ -16,14 +16,14 @@ fn furnace() -> SceneBuilder {
     builder
 }
 
-/// A14: the extra cosine returns two thirds of what arrives. Radiosity is `1 + ρ·(2/3)·H`, with H = 2.
+/// A14: the extra cosine retains two thirds of the incident light. Radiosity is `1 + ρ·(2/3)·H`, with H = 2.
 pub fn a14_extra_cosine_loses_a_third<T: TestBackend>() {
     let scene = furnace().build().unwrap();
     let paper = Paper { max: 100_000, radius: Some(0.2), threshold: 0, factor: 1.0, clamp: false };
     for random in [RandomKind::Counter, RandomKind::Lcg] {
         for (estimator, share) in [(Estimator::Paper(paper), 2.0 / 3.0), (Estimator::Radius { radius: Some(0.2) }, 1.0)]
         {
-            // The LCG's passes are shifts of one another; only the independent one has an honest error.
+            // The LCG's passes are shifts of one another; only independent passes give a valid standard error.
             if random == RandomKind::Lcg && share == 1.0 {
                 continue;
             }
@@ -42,7 +42,7 @@ pub fn a14_extra_cosine_loses_a_third<T: TestBackend>() {
     }
 }
 
-/// The finished colour is clamped to [0, 1] in the paper's mode, and only there.
+/// The final colour is clamped to [0, 1] in the paper's mode only.
 pub fn the_clamp_is_the_papers<T: TestBackend>() {
     let mut builder = photon_scene::builtin("cornell").unwrap();
     for material in builder.materials_mut() {

@@ -1,4 +1,4 @@
-//! Photons that were cut short are found as whole ones are: M4.
+//! M4: searches find truncated photons exactly as they find full ones.
 
 use std::collections::BTreeMap;
 
@@ -10,14 +10,14 @@ use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
 use crate::harness::{TestBackend, Uniform, query_at};
 
-/// Photons that share a Morton code: more than a workgroup arranges, on a device in software too.
+/// Number of photons that share a Morton code: more than a workgroup sorts, on a software device too.
 const HEAP: u32 = 70_000;
 
-/// Others.
+/// Number of other photons.
 const SPREAD: u32 = 3000;
 
-/// Rays that each end where they are told to: a heap within one cell of 2⁻²¹, many of them at one point, and others all
-/// over a floor and a wall. No two neighbours carry the same.
+/// Rays with prescribed end points: a cluster within one cell of 2⁻²¹, many of them at the same point, and others
+/// spread over a floor and a wall. Successive photons have different powers.
 fn rays(colour: [f32; 3], heap: u32) -> Vec<PhotonRay> {
     let mut uniform = Uniform::new(4);
     let mut side = |half: f64| (half * (2.0 * uniform.draw() - 1.0)) as f32;
@@ -37,7 +37,7 @@ fn rays(colour: [f32; 3], heap: u32) -> Vec<PhotonRay> {
     (0..heap + SPREAD).map(&mut ray).collect()
 }
 
-/// Within the heap, about it, and anywhere on the floor.
+/// Queries within the cluster, around it, and anywhere on the floor.
 fn queries() -> Vec<Query> {
     let mut uniform = Uniform::new(5);
     let mut query = |i: u32| {
@@ -52,7 +52,7 @@ fn queries() -> Vec<Query> {
     (0..48).map(&mut query).collect()
 }
 
-/// A buffer of the photons of those rays, of which so much is kept.
+/// A buffer of the photons of those rays, in the given format.
 fn landed<B: TransportBackend>(
     on: &mut B,
     scene: &Scene,
@@ -72,7 +72,7 @@ fn landed<B: TransportBackend>(
     photons
 }
 
-/// What a map of them says, by every rule that asks for no directions.
+/// Estimates from a map of the photons, with every search that does not need directions.
 fn found<B: TransportBackend>(on: &mut B, photons: B::Buffer<Photon>, kind: IndexKind) -> Vec<Estimate> {
     let queries = queries();
     let mut stages = on.map_stages(kind).unwrap();
@@ -89,7 +89,7 @@ fn found<B: TransportBackend>(on: &mut B, photons: B::Buffer<Photon>, kind: Inde
     [Search::NearestPhoton, Search::Radius, Search::KNearest { k: 12 }].map(ask).concat()
 }
 
-/// Photons in the fullest cell of the grid of 2²¹ cells to a side about all of them.
+/// Number of photons in the fullest cell of a grid with 2²¹ cells per side around all of them.
 fn fullest_cell(photons: &[Photon]) -> usize {
     let sides = [0, 1, 2].map(|axis| {
         let along = photons.iter().map(|photon| f64::from(photon.position[axis]));
@@ -104,8 +104,8 @@ fn fullest_cell(photons: &[Photon]) -> usize {
     cells.into_values().max().unwrap_or(0)
 }
 
-/// Every rule finds the same, to the bit: the nearest photon by itself too, and in a heap of photons that share a code,
-/// most of which lie at the same few points.
+/// Every search finds the same, to the bit: including the single nearest photon, and in a cluster of photons that
+/// share a code, most of which lie at the same few points.
 pub fn m4_the_same_photons_are_found<T: TestBackend>() {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
@@ -126,11 +126,11 @@ pub fn m4_the_same_photons_are_found<T: TestBackend>() {
         on.download(&there, &mut whole).unwrap();
         assert!(whole.len() == rays.len() && fullest_cell(&whole) as u32 > heap - heap / 20);
         let expected = found(&mut on, there, kind);
-        // The nearest within the heap is one of it.
+        // The nearest photon of a query in the cluster belongs to it.
         assert!(expected[..4].iter().all(|e| e.photons == 1 && e.radius_squared < 1e-12), "{expected:?}");
         let short = landed(&mut on, &scene, &rays, photon_format);
         assert!(found(&mut on, short, kind) == expected, "{photon_format:?}, {kind:?}");
-        // What must differ does: one photon of the heap that has twice the power.
+        // Negative control: one photon of the cluster with twice the power.
         rays[1].power = rays[1].power.map(|power| 2.0 * power);
         let other = landed(&mut on, &scene, &rays, photon_format);
         assert!(found(&mut on, other, kind) != expected, "{photon_format:?}, {kind:?}");

@@ -1,4 +1,4 @@
-//! How much of photons maps keep: what is read, and the same picture as from whole ones.
+//! Photon formats of maps: the required format, and the same image as with full photons.
 
 use photon_core::{
     Backend, Budget, CausticPhotons, Direct, Error, ErrorPixel, EstimateParams, Estimator, FilmPixel, IndexKind,
@@ -9,11 +9,11 @@ use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes
 
 use crate::harness::{TestBackend, look_at_point, query_at};
 
-/// Photons that fit a map here; as many surfaces can be met, and more.
+/// Capacity of a map in photons; the paths can hit this many surfaces and more.
 const CAPACITY: u64 = 7_500;
 
-/// A grey room with a ball of absorbing glass and a mirror ball, lit by a lamp and a bulb; `which` of them is
-/// not grey.
+/// A grey room with a ball of absorbing glass and a mirror ball, lit by an area light and a point light; the
+/// property named by `which` is coloured.
 fn room(which: Option<&str>) -> Scene {
     let of = |name: &str, value: f64| if which == Some(name) { [value, value, 0.5 * value] } else { [value; 3] };
     let mut builder = SceneBuilder::new();
@@ -31,7 +31,7 @@ fn room(which: Option<&str>) -> Scene {
     let (y, h) = (0.9, 0.3);
     builder.quad("lamp", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], area_light);
     builder.light("bulb", LightDesc::Point { position: [0.1, 0.3, 0.2], intensity: of("bulb", 0.1) });
-    // What no surface has does not count.
+    // A material that no surface uses does not count.
     builder.material(MaterialDesc::lambert("unused", [0.1, 0.2, 0.3]));
     look_at_point(&mut builder, [0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.05, 0.8);
     builder.build().unwrap()
@@ -50,7 +50,7 @@ fn settings() -> Settings {
     }
 }
 
-/// Pixels, what tells their errors, and what is allocated; and the backend back.
+/// Renders an image; returns its pixels, error statistics and memory report, and the backend.
 fn picture<B: TransportBackend>(
     on: B,
     scene: &Scene,
@@ -69,7 +69,7 @@ fn picture<B: TransportBackend>(
 
 type Picture = (Vec<FilmPixel>, Option<Vec<ErrorPixel>>, Vec<(String, u64)>);
 
-/// Everything that is not grey is found, whatever it is.
+/// Every coloured property is detected, whatever it is.
 pub fn m1_grey_is_what_treats_channels_alike<T: TestBackend>() {
     let photon_format = |which| Requirements::of(&room(which).view(), &settings()).photon_format;
     assert_eq!(photon_format(None), PhotonFormat::Mono);
@@ -80,13 +80,13 @@ pub fn m1_grey_is_what_treats_channels_alike<T: TestBackend>() {
     assert_eq!(Requirements::of(&room(None).view(), &paper).photon_format, PhotonFormat::Full);
 }
 
-/// By every way in which maps are built and read, of one power and of three in turns: the same bits as from whole
-/// photons, in so many bytes as are said.
+/// For every way in which maps are built and read, with mono and RGB powers in turn: the same bits as with full
+/// photons, in exactly the stated number of bytes.
 pub fn m2_less_is_the_same_picture<T: TestBackend>() {
     let radius = settings();
     let knn = Estimator::Knn { k: 12, max_radius: Some(0.4) };
     let gather = Indirect::Gather;
-    // Caustic maps that other paths fill, beside those of aimed ones.
+    // Caustic maps filled by ordinary paths, beside those filled by aimed paths.
     let shared = Settings { caustic_photons: CausticPhotons::Shared, ..settings() };
     let ways = [
         radius.clone(),
@@ -100,7 +100,7 @@ pub fn m2_less_is_the_same_picture<T: TestBackend>() {
         Settings { indirect: gather, ..settings() },
         Settings { indirect: gather, irradiance_every: Some(4), ..shared },
     ];
-    // Another for each picture would make its kernels anew.
+    // A new backend per image would compile its kernels again.
     let mut on = T::make(2);
     for (number, way) in ways.iter().enumerate() {
         let (scene, least) = if number % 2 == 0 {
@@ -121,14 +121,14 @@ pub fn m2_less_is_the_same_picture<T: TestBackend>() {
             let stored = format!("photons: {map}");
             assert_eq!(bytes(&short, &stored), CAPACITY * least.bytes(), "way {number}, {map}");
             assert_eq!(bytes(&whole, &stored), CAPACITY * 32);
-            // And as arranged for search.
+            // Also for the map's search structures.
             let arranged = format!("map of {stored}");
             assert!(bytes(&short, &arranged) < bytes(&whole, &arranged), "way {number}, {map}");
         }
     }
 }
 
-/// Less than is read is an error, wherever it is asked for.
+/// A format with less than what is read is refused, wherever it is requested.
 pub fn m3_too_little_is_refused<T: TestBackend>() {
     let refused = |error: &Error| matches!(error, Error::InvalidSetting { .. });
     let coloured = room(Some("wall"));

@@ -1,4 +1,4 @@
-//! Photons near the query's plane alone: sheets that face the same way, closer than the radius.
+//! The maximum plane distance: parallel sheets that face the same way, closer than the radius.
 
 use std::f64::consts::PI;
 
@@ -12,16 +12,16 @@ use crate::estimators::poisson;
 use crate::harness::{TestBackend, look_at_point, per_pass, query_at};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
-/// Photons on the sheet that is looked at, per unit of area, and how many times as many on the other.
+/// Photon density on the observed sheet, and the density on the other sheet relative to it.
 const DENSITY: f64 = 20_000.0;
 const OTHER: f64 = 2.0;
-/// Radius of the estimates, and how far apart the sheets are, in radii.
+/// Radius of the estimates, and distance between the sheets in radii.
 const RADIUS: f64 = 0.02;
 const APART: f64 = 0.4;
-/// The share of the radius, between which and √2 times which no sheet lies.
+/// The maximum plane distance as a fraction of the radius; no sheet lies between this and √2 times it.
 const SHARE: f32 = 0.25;
 
-/// Both sheets' photons.
+/// The photons of both sheets.
 fn photons(seed: u64) -> Vec<Photon> {
     let mut photons = poisson(DENSITY, 2 * seed);
     let below = (-APART * RADIUS) as f32;
@@ -30,7 +30,7 @@ fn photons(seed: u64) -> Vec<Photon> {
     photons
 }
 
-/// Estimates, by themselves and with what tells their errors.
+/// Estimates, without and with error moments.
 fn ask<B: TransportBackend>(
     on: &mut B,
     photons: &[Photon],
@@ -52,11 +52,11 @@ fn ask<B: TransportBackend>(
     (alone, together, records)
 }
 
-/// D5: of two sheets, the estimate by the ball is the density of one and, with `t` the squared distance
-/// between them over the squared radius, (1−t), (1−t)² or (1−t)³ of the other's, by the kernel: the integral
-/// of its weights over `u` from `t` to 1. With photons near the plane alone it is the density of the one, and so are
-/// those within the second radii; the other's photons are told to lie elsewhere. 512 independent places;
-/// standard errors from the values themselves.
+/// D5: with two sheets, the estimate without a plane distance is the density of one plus, with `t` the squared
+/// distance between them over the squared radius, (1−t), (1−t)² or (1−t)³ of the other's, depending on the kernel:
+/// the integral of its weights over `u` from `t` to 1. With a maximum plane distance it is the density of the one
+/// alone, also within the second radii, and the other's photons are reported as stray. 512 independent positions;
+/// standard errors are estimated from the values.
 pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
     let mut on = T::make(2);
     let queries: Vec<_> = (0..256)
@@ -91,9 +91,9 @@ pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
         check("narrow", &narrow, 1.0);
         check("stray", &stray, OTHER * (2.0 - APART * APART));
         check("in the ball", &all, 1.0 + OTHER * rest.powi(power));
-        assert!(!agrees(moments(&all).0, 1.0, standard_error(&all), 0.0), "{kernel:?}: nothing was to be seen");
+        assert!(!agrees(moments(&all).0, 1.0, standard_error(&all), 0.0), "{kernel:?}: bias is not significant");
     }
-    // Where no radius is given there is no share of it.
+    // A search without a radius cannot have a plane distance relative to it.
     let nearest = EstimateParams {
         min_normal_cosine: 0.7,
         max_plane_distance: SHARE,
@@ -107,11 +107,11 @@ pub fn d5_a_sheet_beside_does_not_shine_through<T: TestBackend>() {
     assert!(stages.estimator.estimate(&mut on, &map, &asked, &nearest, &mut estimates).is_err());
 }
 
-/// User length: the radius of the pictures below.
+/// Radius of the estimates in the images below, in user units.
 const REACH: f64 = 0.25;
 
-/// A sheet under light from straight above, of irradiance 1 and albedo 1/2, which goes on below its end at
-/// `x`, `down` radii farther down; seen at the origin, or below it on the lower sheet, in the shade.
+/// A sheet lit from straight above, with irradiance 1 and albedo 1/2, that ends at `x`; a lower sheet, `down` radii
+/// below, continues beyond. Seen at the origin, or `below` it on the lower sheet, in shadow.
 fn sheets(x: f64, down: f64, below: bool) -> Scene {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
@@ -127,7 +127,7 @@ fn sheets(x: f64, down: f64, below: bool) -> Scene {
     builder.build().unwrap()
 }
 
-/// Radiance over that of the sheet in the light, pass by pass; passes are independent.
+/// Radiance relative to that of the lit sheet, per pass; passes are independent.
 fn shares<T: TestBackend>(scene: &Scene, max_plane_distance: f32, area: Area, errors: bool) -> Vec<f64> {
     let settings = Settings {
         photons: 8_000,
@@ -144,9 +144,9 @@ fn shares<T: TestBackend>(scene: &Scene, max_plane_distance: f32, area: Area, er
     per_pass::<T>(scene, &settings, 8, 1).iter().map(|radiance| radiance * 2.0 * PI).collect()
 }
 
-/// D6: what lies in the shade of a sheet is dark to the bit, and by the ball as bright as D5 says. At an
-/// end half of the light is lost with the step beyond, which photons near the plane do not see; divided by
-/// what lies on the surface, which is then that near too, it is whole again, up to the 0.4 % of `area`.
+/// D6: a surface in the shadow of a sheet is exactly black, and without a plane distance as bright as D5 says. At
+/// an edge, half of the light is lost together with the step beyond, whose photons are too far from the plane;
+/// dividing by the area on the surface, limited to the same distance, restores it to within the 0.4 % of `area`.
 pub fn d6_a_sheet_in_the_shade_is_dark<T: TestBackend>() {
     let scene = sheets(1.0, APART, true);
     for errors in [false, true] {

@@ -1,6 +1,6 @@
-//! Means, standard errors, and the comparisons made of them.
+//! Means, standard errors, and comparisons based on them.
 
-/// What random numbers are allowed: a false alarm in 7 of a million tests.
+/// Tolerance in standard errors: about 7 false alarms per million tests.
 pub const SIGMAS: f64 = 4.5;
 
 /// Mean and unbiased variance.
@@ -18,7 +18,7 @@ pub fn standard_error(values: &[f64]) -> f64 {
     (moments(values).1 / values.len() as f64).sqrt()
 }
 
-/// Whether `found` is within 4.5 standard errors, plus a bound that is not random, of `truth`.
+/// Whether `found` is within 4.5 standard errors, plus a non-random tolerance `bound`, of `truth`.
 #[must_use]
 pub fn agrees(found: f64, truth: f64, error: f64, bound: f64) -> bool {
     (found - truth).abs() <= SIGMAS * error + bound
@@ -27,7 +27,7 @@ pub fn agrees(found: f64, truth: f64, error: f64, bound: f64) -> bool {
 /// Asserts [`agrees`].
 ///
 /// # Panics
-/// If it does not, with all numbers.
+/// If they do not agree; the message contains all numbers.
 pub fn assert_agrees(what: &str, found: f64, truth: f64, error: f64, bound: f64) {
     assert!(
         agrees(found, truth, error, bound),

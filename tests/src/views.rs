@@ -1,4 +1,4 @@
-//! Scenes that somebody else has filled in, wrongly: a typed error at the door.
+//! Invalid scene views that were filled in by hand: they are refused with a typed error.
 
 use photon_core::{
     Error, Light, Material, Pipeline, Primitive, Requirements, Result, SceneView, Settings, TransportBackend, View,
@@ -7,7 +7,7 @@ use photon_scene::Scene;
 
 use crate::harness::TestBackend;
 
-/// Copies of the tables that can be broken.
+/// Copies of the tables that can be corrupted.
 struct Tables {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -43,7 +43,7 @@ impl Tables {
     }
 }
 
-/// What breaks the tables, and the culprit that the error names.
+/// How to corrupt the tables, and the element that the error must name.
 type Damage = (fn(&mut Tables), &'static str);
 
 const FAULTS: [Damage; 8] = [
@@ -68,7 +68,7 @@ fn is_refused<T>(found: Result<T>, culprit: &str) {
     }
 }
 
-/// Through every door: the pipeline with requirements of its own or given, and the backend alone.
+/// Through every entry point: the pipeline with derived or given requirements, and the backend alone.
 pub fn v1_hand_filled_views_are_checked<T: TestBackend>() {
     let scene = photon_scene::builtin("cornell").unwrap().build().unwrap();
     let settings = Settings { photons: 1000, ..Settings::default() };

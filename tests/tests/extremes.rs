@@ -1,4 +1,4 @@
-//! The quick part of the extremes, on every backend.
+//! The quick extent of the extremes, on every backend.
 
 use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
@@ -19,7 +19,7 @@ struct OnVulkan;
 impl TestBackend for OnVulkan {
     type On = Vulkan;
     fn make(_threads: usize) -> Vulkan {
-        Vulkan::for_tests().expect("it was there a moment ago")
+        Vulkan::for_tests().expect("available a moment ago")
     }
 }
 

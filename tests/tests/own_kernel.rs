@@ -1,8 +1,8 @@
-//! A5: a kernel that is not ours, summed over the neighbours that an index finds, as another
-//! renderer would: the truncated Gaussian of Jensen 1996,
-//! `W(u) = α (1 − (1 − e^(−β u/2)) / (1 − e^(−β)))` with `u = d²/r²`, α = 0.918, β = 1.953.
+//! A5: a custom kernel, summed over the neighbours that an index finds, as another renderer would do it: the
+//! truncated Gaussian of Jensen 1996, `W(u) = α (1 − (1 − e^(−β u/2)) / (1 − e^(−β)))` with `u = d²/r²`, α = 0.918,
+//! β = 1.953.
 //!
-//! It keeps 0.531155 of the light, since `∫₀¹ W(u) du` is that; with α = 1.7283093 it keeps all.
+//! It retains 0.531155 of the light, since that is `∫₀¹ W(u) du`; with α = 1.7283093 it retains all of it.
 
 use backend_cpu::index::{IndexKind, Neighbours, PointIndex};
 use photon_tests::estimators::poisson;
@@ -17,15 +17,15 @@ fn gaussian(alpha: f64, u: f64) -> f64 {
     alpha * (1.0 - (1.0 - (-0.5 * BETA * u).exp()) / (1.0 - (-BETA).exp()))
 }
 
-/// Mean of a power of the weight over the disc, by the midpoint rule; its error is below 1e-9.
+/// Mean of a power of the weight over the disc, by the midpoint rule; accurate to 1e-9.
 fn integral(alpha: f64, power: i32) -> f64 {
     let steps = 10_000;
     let at = |i: i32| (f64::from(i) + 0.5) / f64::from(steps);
     (0..steps).map(|i| gaussian(alpha, at(i)).powi(power)).sum::<f64>() / f64::from(steps)
 }
 
-/// Estimates over the density at 256 places of 8 fields, far enough apart to be independent: the sum
-/// of W/(π r²), r the distance of the k-th photon, with it or without.
+/// Estimates divided by the density at 256 positions of 8 fields, far enough apart to be independent: the sum of
+/// W/(π r²), with r the distance of the k-th photon, including that photon or not.
 fn relative(kind: IndexKind, alpha: f64, k: usize, with_kth: bool) -> Vec<f64> {
     let mut values = Vec::new();
     let mut found = Neighbours::default();
@@ -52,8 +52,8 @@ fn a5_the_norm_by_quadrature() {
     assert_agrees("normalised", integral(NORMALISED, 1), 1.0, 0.0, 1e-6);
 }
 
-/// Without the k-th photon the variance is `∫W²/(k−2)`, as with any kernel; its own standard error is
-/// taken as `√(3/n)` of it, for tails somewhat heavier than the normal ones.
+/// Without the k-th photon the variance is `∫W²/(k−2)`, as with any kernel; its own relative standard error is
+/// taken as `√(3/n)`, for tails somewhat heavier than the normal distribution's.
 #[test]
 fn a5_mean_and_variance_without_the_kth() {
     for (kind, k) in [(IndexKind::Median, 10), (IndexKind::Vvh, 50), (IndexKind::Morton, 50)] {
@@ -67,7 +67,7 @@ fn a5_mean_and_variance_without_the_kth() {
     }
 }
 
-/// With it the mean gains `W(1)/(k−1)`.
+/// With the k-th photon the mean gains `W(1)/(k−1)`.
 #[test]
 fn a5_with_the_kth() {
     for (k, mean) in [(10_usize, 0.559_06), (50, 0.536_28)] {
@@ -79,7 +79,7 @@ fn a5_with_the_kth() {
     }
 }
 
-/// The comparison can tell: Jensen's constant is not taken for a normalised kernel.
+/// Negative control: Jensen's constant is not mistaken for a normalised kernel.
 #[test]
 fn a5_loss_is_seen() {
     let values = relative(IndexKind::Morton, JENSEN, 50, false);

@@ -1,4 +1,4 @@
-//! The suite on Vulkan, with the validation layer looking on.
+//! The suite on Vulkan, with the validation layer enabled.
 
 use backend_vulkan::Vulkan;
 use photon_tests::harness::TestBackend;
@@ -9,7 +9,7 @@ impl TestBackend for VulkanUnderTest {
     type On = Vulkan;
 
     fn make(_threads: usize) -> Vulkan {
-        Vulkan::for_tests().expect("it was there a moment ago")
+        Vulkan::for_tests().expect("available a moment ago")
     }
 
     fn available() -> bool {

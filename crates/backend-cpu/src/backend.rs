@@ -1,4 +1,4 @@
-//! What every backend can do.
+//! Implements [`Backend`], the operations that every backend provides: buffers, maps, timings, memory.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! The backend: a pool of threads, and buffers that are vectors.
+//! The backend: a thread pool, with vectors as buffers.
 
 use std::time::Instant;
 
@@ -6,10 +6,10 @@ use photon_core::{Error, Photon, PhotonFormat, RayCaster, Result, SceneView, Sta
 
 use crate::map::rows::Rows;
 
-/// Makes the ray caster of a scene.
+/// Builds the ray caster of a scene.
 pub(crate) type MakeCaster = Box<dyn Fn(&SceneView<'_>) -> Result<Box<dyn RayCaster>> + Send>;
 
-/// Renders on the processor's cores.
+/// Renders on the CPU cores.
 #[expect(missing_debug_implementations, reason = "holds a thread pool and a closure")]
 pub struct Cpu {
     pub(crate) pool: rayon::ThreadPool,
@@ -20,7 +20,7 @@ pub struct Cpu {
 }
 
 impl Cpu {
-    /// On all cores.
+    /// Uses all cores.
     ///
     /// # Errors
     /// [`Error::Backend`] if the threads cannot be started.
@@ -28,10 +28,10 @@ impl Cpu {
         Self::start(0)
     }
 
-    /// On so many threads. The picture does not depend on it.
+    /// Uses `threads` threads. The image does not depend on their number.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] for 0 or over 4096; [`Error::Backend`] if they cannot be started.
+    /// [`Error::InvalidSetting`] for 0 or more than 4096; [`Error::Backend`] if the threads cannot be started.
     pub fn with_threads(threads: usize) -> Result<Self> {
         if !(1..=4096).contains(&threads) {
             return Err(Error::InvalidSetting {
@@ -52,8 +52,8 @@ impl Cpu {
         Ok(Self { pool, make_caster: None, timings: StageTimings::default(), running: None, memory: Vec::new() })
     }
 
-    /// With a ray caster of the caller's instead of `photon_scene::Accel`. It is made once for each
-    /// scene, from vertices and triangles in normalised space.
+    /// Uses the caller's ray caster instead of `photon_scene::Accel`. It is built once per scene, from vertices and
+    /// triangles in normalised space.
     #[must_use]
     pub fn with_caster<F>(mut self, make: F) -> Self
     where
@@ -63,7 +63,7 @@ impl Cpu {
         self
     }
 
-    /// How many threads it works on.
+    /// The number of threads in the pool.
     #[must_use]
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
@@ -85,11 +85,11 @@ impl Cpu {
     }
 }
 
-/// Elements of one kind.
+/// A typed buffer.
 #[derive(Debug)]
 pub struct CpuBuffer<T> {
     pub(crate) data: Vec<T>,
-    /// Photons that are cut short; then there is nothing in `data`.
+    /// Truncated photon records; if present, `data` is empty.
     pub(crate) short: Option<Rows>,
     pub(crate) label: &'static str,
     pub(crate) capacity: u64,
@@ -97,7 +97,7 @@ pub struct CpuBuffer<T> {
 }
 
 impl<T: Copy> CpuBuffer<T> {
-    /// What it holds; nothing of photons that are cut short ([`photon_core::Backend::alloc_photons`]).
+    /// The elements; empty if the photons are stored truncated ([`photon_core::Backend::alloc_photons`]).
     #[must_use]
     pub fn as_slice(&self) -> &[T] {
         &self.data
@@ -115,7 +115,7 @@ impl<T: Copy> CpuBuffer<T> {
         self.needed = 0;
     }
 
-    /// Appends what fits, and counts all.
+    /// Appends as many elements as fit, and counts all of them in `needed`.
     pub(crate) fn append(&mut self, more: &[T]) {
         let room = (self.capacity - self.data.len() as u64).min(more.len() as u64) as usize;
         self.data.extend_from_slice(&more[..room]);
@@ -124,19 +124,19 @@ impl<T: Copy> CpuBuffer<T> {
 }
 
 impl<T> CpuBuffer<T> {
-    /// How much it holds of a photon.
+    /// The format in which it stores photons.
     pub(crate) fn photon_format(&self) -> PhotonFormat {
         self.short.as_ref().map_or(PhotonFormat::Full, Rows::photon_format)
     }
 
-    /// Checks that it holds whole photons.
+    /// Checks that the format is [`PhotonFormat::Full`].
     pub(crate) fn check_full(&self) -> Result<()> {
         self.photon_format().check_full(self.label)
     }
 }
 
 impl CpuBuffer<Photon> {
-    /// Appends what fits, as much of it as is kept, and counts all.
+    /// Appends as many photons as fit, truncated to the format, and counts all of them in `needed`.
     pub(crate) fn append_photons(&mut self, more: &[Photon]) {
         let room = (self.capacity - self.len() as u64).min(more.len() as u64) as usize;
         match &mut self.short {
@@ -146,7 +146,7 @@ impl CpuBuffer<Photon> {
         self.needed += more.len() as u64;
     }
 
-    /// As much of a photon as is kept.
+    /// The photon at `index`. A truncated record has direction 0; a mono photon has its power in every channel.
     #[inline]
     pub(crate) fn photon(&self, index: usize) -> Photon {
         match &self.short {

@@ -1,4 +1,4 @@
-//! The picture in progress.
+//! The film: the image being accumulated.
 
 use photon_core::{
     Error, ErrorMoments, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind, Query, Result, SceneView,
@@ -7,18 +7,18 @@ use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 
-/// Sums over finished passes, and the pass in progress apart from them.
+/// Sums over finished passes, with the pass in progress held separately.
 #[derive(Debug)]
 pub struct CpuFilm {
     pub(crate) film: Film,
     pub(crate) pending: Vec<FilmPixel>,
-    /// As many as `film.errors`.
+    /// Same length as `film.errors`.
     pending_errors: Vec<ErrorPixel>,
 }
 
 impl CpuFilm {
-    /// Calls `work` with every query, the present pass of its pixel, and what tells its errors if they
-    /// are kept; rows in parallel. Queries are in order of pixels.
+    /// Calls `work` with every query, the current pass of its pixel, and the pixel's error statistics if the film
+    /// has them. Rows run in parallel. Queries must be ordered by pixel.
     pub(crate) fn for_queries<S: Send>(
         &mut self,
         queries: &[Query],
@@ -41,7 +41,7 @@ impl CpuFilm {
     }
 }
 
-/// Adds `weight × value` to a layer.
+/// Adds `weight × value` to a layer of `pixel`.
 #[inline]
 pub(crate) fn deposit(pixel: &mut FilmPixel, layer: Layer, weight: [f32; 3], value: [f64; 3]) {
     for c in 0..3 {

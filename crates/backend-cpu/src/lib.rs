@@ -1,7 +1,7 @@
-//! The CPU backend of the photon mapper: every stage on a pool of threads.
+//! The CPU backend of the photon mapper: runs every stage on a thread pool.
 //!
-//! The picture does not depend on the number of threads, on how paths are shared out among them, or
-//! on the size of batches: not in a single bit.
+//! The rendered image is bit-identical for any number of threads, any distribution of paths over the threads, and
+//! any batch size.
 #![deny(unsafe_code)]
 
 mod backend;
@@ -18,12 +18,12 @@ pub use film::CpuFilm;
 pub use map::CpuMap;
 pub use scene::CpuScene;
 
-/// The examples of the README, compiled and run as doctests; not part of the library.
+/// The examples in the README, compiled and run as doctests; not part of the library.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
 
-/// The examples of the guide, likewise.
+/// The examples in the guide, likewise.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/getting-started.md")]
 struct GettingStarted;

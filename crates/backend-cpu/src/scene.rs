@@ -1,4 +1,4 @@
-//! A scene, ready to be traced.
+//! A scene prepared for ray tracing.
 
 use std::time::Instant;
 
@@ -10,23 +10,24 @@ use photon_core::{
 
 use crate::cpu::Cpu;
 
-/// A scene, ready to be traced.
+/// A scene prepared for ray tracing.
 #[expect(missing_debug_implementations, reason = "holds a foreign ray caster")]
 pub struct CpuScene {
     pub(crate) vertices: Vec<[Vec3; 3]>,
-    /// Of each triangle, what `offset::margin` says.
+    /// For each triangle, the result of `offset::margin`.
     pub(crate) margins: Vec<f32>,
     pub(crate) primitives: Vec<Primitive>,
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
     media: Vec<Medium>,
-    /// The media that photons of each light start in, on its front and its back; empty where media do not matter.
+    /// The media in which photons from each light start, on its front and on its back; empty if the scene needs no
+    /// media.
     light_media: Vec<[MediumStack; 2]>,
     nested: bool,
     pub(crate) caster: Box<dyn RayCaster>,
     pub(crate) features: Features,
-    /// Seconds that the ray caster took to build.
+    /// Build time of the ray caster, in seconds.
     pub build_seconds: f64,
 }
 
@@ -70,7 +71,7 @@ impl CpuScene {
         })
     }
 
-    /// The nearest surface, with all that shading needs.
+    /// The nearest intersection along `ray`, with everything that shading needs.
     #[inline]
     pub(crate) fn surface(&self, ray: &Ray) -> Option<SurfaceInteraction> {
         let hit = self.caster.nearest(ray)?;
@@ -78,34 +79,34 @@ impl CpuScene {
         Some(SurfaceInteraction::new(ray.direction, &hit, self.vertices[index], self.margins[index], record))
     }
 
-    /// What a path in `media` that meets `surface` finds on its two sides.
+    /// The interface that a path in `media` meets at `surface`: the media on its two sides.
     #[inline]
     pub(crate) fn interface(&self, surface: &SurfaceInteraction, media: MediumStack) -> Interface {
         self.interface_by(surface, media, self.nested)
     }
 
-    /// The same, where it is known beforehand whether solids are nested.
+    /// As [`Self::interface`], for callers that already know whether solids are nested.
     #[inline(always)]
     pub(crate) fn interface_by(&self, surface: &SurfaceInteraction, media: MediumStack, nested: bool) -> Interface {
         let material = &self.materials[surface.material as usize];
         interface(&self.media, material, surface.front, media, nested)
     }
 
-    /// The lobes of `surface`.
+    /// The BSDF of `surface`.
     #[inline]
     pub(crate) fn bsdf(&self, surface: &SurfaceInteraction, interface: &Interface) -> Bsdf {
         let material = &self.materials[surface.material as usize];
         Bsdf::new(self.features, material, surface.cosine, interface)
     }
 
-    /// Share of each channel that is left after `distance` in `media`: Beer and Lambert's law.
+    /// Transmittance per channel after `distance` in `media` (Beer–Lambert law).
     #[inline]
     pub(crate) fn transmittance(&self, media: MediumStack, distance: f32) -> Vec3 {
         let absorption = self.media[media.current(&self.media) as usize].absorption;
         Vec3::from(absorption.map(|sigma| math::exp_neg(sigma * distance)))
     }
 
-    /// The same, 1 at once where nothing in the scene absorbs.
+    /// As [`Self::transmittance`], but returns 1 immediately if nothing in the scene absorbs.
     #[inline]
     pub(crate) fn attenuation(&self, media: MediumStack, distance: f32) -> Vec3 {
         if media == MediumStack::VACUUM || !self.features.contains(Features::ABSORPTION) {
@@ -114,13 +115,13 @@ impl CpuScene {
         self.transmittance(media, distance)
     }
 
-    /// [`radiance_scale`] by the scene's media.
+    /// [`radiance_scale`] with the media of the scene.
     #[inline]
     pub(crate) fn radiance_scale(&self, from: MediumStack, at: MediumStack) -> f32 {
         radiance_scale(&self.media, from, at)
     }
 
-    /// The media that photons of a light start in, on its front or its back.
+    /// The media in which photons from a light start, on its front or on its back.
     #[inline]
     pub(crate) fn light_media(&self, light: usize, back: bool) -> MediumStack {
         self.light_media.get(light).map_or(MediumStack::VACUUM, |sides| sides[usize::from(back)])

@@ -1,4 +1,4 @@
-//! Every stage of a pass.
+//! Implements [`TransportBackend`]: prepares scenes and creates the stages of a pass.
 
 use photon_core::{
     AimedStages, Area, Backend as _, Costs, FilmPixel, MapStages, PhotonFormat, ProjectionMap, Query, Requirements,
@@ -54,10 +54,10 @@ impl TransportBackend for Cpu {
     }
 
     fn costs(&self, photon_format: PhotonFormat) -> Costs {
-        // A photon: as stored; normal and flux in the order of its index, 22 of the index; 52 more while that is
-        // sorted, and 4 for normals while they are counted. Under way: vectors that double, and the part of a
-        // buffer that is being made of them.
-        // A pixel: a copy of the film when it is read.
+        // Per photon: the stored record; normal and flux in index order, plus 22 bytes of the index; 52 more while
+        // the index is sorted, and 4 for normals while they are counted. In flight: vectors that grow by doubling,
+        // and the chunk of a buffer that is built from them.
+        // Per pixel: a copy of the film when it is read.
         Costs {
             photon: photon_format.bytes() + 12 + photon_format.flux_bytes() + 22 + 56,
             under_way: 96,

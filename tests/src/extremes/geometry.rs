@@ -1,4 +1,4 @@
-//! S2, S5: triangles that no modeller would admit to, and rays that aim at where they meet.
+//! S2, S5: degenerate and thin triangles, and rays aimed at shared edges and vertices.
 
 use std::time::Instant;
 
@@ -11,7 +11,7 @@ use super::scenes::{anywhere, black_inside, follow, ray, turned};
 use super::sheet::Sheet;
 use crate::harness::{TestBackend, Uniform, film, look_at_point, trace};
 
-/// The group.
+/// Runs the group.
 pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     cracks::<T>(sheet);
     slivers::<T>(sheet);
@@ -24,14 +24,14 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     }
 }
 
-/// How many of the rays leave a closed scene.
+/// Number of rays that leave a closed scene.
 fn lost<T: TestBackend>(scene: &Scene, rays: &mut [PhotonRay]) -> u64 {
     let (_, tally) = follow::<T>(scene, &Settings { max_bounces: 1, ..Settings::default() }, rays);
     assert_eq!(tally.emitted, rays.len() as u64);
     tally.escaped + tally.dropped
 }
 
-/// Rays from places near the middle at the vertices and at points on the edges of triangles.
+/// Rays from positions near the middle towards the vertices and towards points on the edges of triangles.
 fn aimed(scene: &Scene, count: usize, seed: u64, from: f32) -> [Vec<PhotonRay>; 2] {
     let view = scene.view();
     let mut uniform = Uniform::new(seed);
@@ -48,7 +48,7 @@ fn aimed(scene: &Scene, count: usize, seed: u64, from: f32) -> [Vec<PhotonRay>; 
     [vertices, edges]
 }
 
-/// S2: rays at the edges and vertices of closed meshes, from inside.
+/// S2: rays at edges and vertices of closed meshes, from inside.
 fn cracks<T: TestBackend>(sheet: &mut Sheet) {
     let count = sheet.either(20_000, 1_000_000);
     let ball = turned(shapes::icosphere(sheet.either(4, 6), [0.0; 3], 1.0));
@@ -64,13 +64,13 @@ fn cracks<T: TestBackend>(sheet: &mut Sheet) {
     }
 }
 
-/// A closed, turned prism with walls, and fans in its caps, 1e6 times as long as wide.
+/// A closed, rotated prism with walls, and fans of slivers in its caps, 1e6 times as long as wide.
 fn sliver_room() -> Shape {
     let plan = [[-1.0, -1.0], [-1.0, 1.0], [-2e-6, 1.0], [0.0, 1.0], [1.0, 1.0], [1.0, 3e-6], [1.0, 0.0], [1.0, -1.0]];
     turned(shapes::prism(&plan, 0, -1.0, 1.0))
 }
 
-/// S5: slivers hold, hit or not.
+/// S5: slivers leak no rays, whether rays hit them or pass nearby.
 fn slivers<T: TestBackend>(sheet: &mut Sheet) {
     let count = sheet.either(20_000, 1_000_000);
     let scene = black_inside(sliver_room()).build().unwrap();
@@ -94,10 +94,10 @@ fn slivers<T: TestBackend>(sheet: &mut Sheet) {
     sheet.holds("S1 S5", "diffuse bounces between slivers", range, found, out == 0 && sound);
 }
 
-/// Rays along the axes of a box that stands along them, also within rounding of its walls.
+/// Axis-parallel rays in an axis-aligned box, including within rounding of its walls.
 fn along_axes<T: TestBackend>(sheet: &mut Sheet) {
     let scene = black_inside(shapes::cuboid([-1.0; 3], [1.0; 3])).build().unwrap();
-    // From the last f32 before the wall on; one in the wall's plane has no side.
+    // Starting at the last f32 before the wall; a ray in the wall's plane has no side.
     let insets = [6e-8_f32, 1.2e-7, 2.4e-7, 1e-6, 1e-3, 0.25, 0.5];
     let mut places = Vec::new();
     for inset in insets {
@@ -116,7 +116,7 @@ fn along_axes<T: TestBackend>(sheet: &mut Sheet) {
                         let mut direction = [0.0; 3];
                         direction[axis] = sign;
                         rays.push(ray(origin.into(), direction.into()));
-                        // A direction that a cosine has left a little beside the axis, or −0.
+                        // A direction that a rounded cosine has moved slightly off the axis, or −0.
                         direction[(axis + 1) % 3] = -0.0;
                         direction[(axis + 2) % 3] = -1e-30;
                         rays.push(ray(origin.into(), direction.into()));
@@ -144,7 +144,7 @@ fn picture<T: TestBackend>(builder: SceneBuilder) -> (photon_core::Film, Scene) 
     (film::<T>(&scene, &settings, 1, 12), scene)
 }
 
-/// S5: triangles without area are left out and counted, and change nothing.
+/// S5: triangles of zero area are dropped and counted, and change nothing.
 fn no_area<T: TestBackend>(sheet: &mut Sheet) {
     let mut plain = SceneBuilder::new();
     floor(&mut plain);
@@ -160,7 +160,7 @@ fn no_area<T: TestBackend>(sheet: &mut Sheet) {
     sheet.holds("S5", "triangles without area", "4 of 6", found, same && scene.dropped_triangles() == 4);
 }
 
-/// Ten thousand triangles in the place of one.
+/// Ten thousand identical triangles in place of one.
 fn identical<T: TestBackend>(sheet: &mut Sheet) {
     let copies = 10_000;
     let mut plain = SceneBuilder::new();
@@ -176,7 +176,7 @@ fn identical<T: TestBackend>(sheet: &mut Sheet) {
     sheet.holds("S2", "identical triangles: the picture of one", format!("{copies} in one place"), found, same);
 }
 
-/// S26 and S25: light on one side of a sheet, or of a corner, is not on the other.
+/// S26 and S25: light on one side of a sheet, or of a corner, does not reach the other.
 fn thin_walls<T: TestBackend>(sheet: &mut Sheet) {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
@@ -191,7 +191,7 @@ fn thin_walls<T: TestBackend>(sheet: &mut Sheet) {
     sheet.holds("S25 S26", "light that comes through an opaque sheet", range, format!("{most:e}"), most == 0.0);
 }
 
-/// A mesh of ten million triangles: what it costs, and whether it holds.
+/// A mesh of ten million triangles: build cost, and whether it leaks.
 fn ten_million<T: TestBackend>(sheet: &mut Sheet) {
     let shape = shapes::uv_sphere(3200, 1600, [0.0; 3], 1.0);
     let triangles = shape.1.len();

@@ -1,27 +1,27 @@
-//! S10, S11: maps of as many photons as the memory holds.
+//! S10, S11: maps of as many photons as fit in memory.
 
 use photon_core::{Backend, Error, Estimate, EstimateParams, IndexKind, Photon, Query, Result, Search};
 
 use super::sheet::Sheet;
 use crate::harness::{TestBackend, photon_at, query_at};
 
-/// Photons along a side of the unit square. The last two are 2³² bytes of photons and a little more, and a
-/// little less: what a device takes whose largest allocation is just below 4 GiB.
+/// Photons along a side of the unit square. The last two give slightly more and slightly less than 2³² bytes of
+/// photons; the latter fits a device whose largest allocation is just below 4 GiB.
 const LONG: [u32; 4] = [5478, 8200, 11_600, 11_582];
 
-/// Of the nearest photons, which one's distance is asked for.
+/// Rank of the neighbour whose distance is requested.
 const K: u32 = 20;
 
-/// Of each photon, W.
+/// Power of each photon, in W.
 const POWER: f32 = 1e-8;
 
-/// The group.
+/// Runs the group.
 pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     if !sheet.long() {
         lattice::<T>(sheet, 317, IndexKind::Morton);
         return;
     }
-    // Software would take hours.
+    // A software device would take hours.
     if T::make(1).device().contains("llvmpipe") {
         lattice::<T>(sheet, 1733, IndexKind::Morton);
         return;
@@ -29,23 +29,23 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     let mut tried = LONG.iter();
     for &side in tried.by_ref() {
         let held = [IndexKind::Morton, IndexKind::Median, IndexKind::Vvh].map(|kind| lattice::<T>(sheet, side, kind));
-        // The ones behind are smaller than it.
+        // The remaining ones are smaller than this one, which held.
         if side >= LONG[2] && held == [true; 3] {
             break;
         }
     }
 }
 
-/// Where the photon of that number along a side lies.
+/// Coordinate of the photon with this number along a side.
 fn at(i: u32, side: u32) -> f32 {
     (i as f32 + 0.5) / side as f32
 }
 
-/// The most photons that one query is asked about: a GPU gives a single query a single subgroup.
+/// Maximum number of photons per query: a GPU assigns one subgroup to a query.
 const MAX_PHOTONS: u64 = 31_000_000;
 
-/// A map of `side²` photons: whether it fits; that discs of many sizes hold what a count of the lattice finds
-/// there, up to all of it, and that its flux adds up.
+/// A map of `side²` photons: whether it fits; that discs of many sizes, up to one with all photons, contain as many
+/// as a count of the lattice gives; and that its flux sums accurately.
 fn lattice<T: TestBackend>(sheet: &mut Sheet, side: u32, kind: IndexKind) -> bool {
     let count = u64::from(side) * u64::from(side);
     let range = format!("{kind:?}, {count} photons, {:.3} GiB", count as f64 * 32.0 / f64::from(1 << 30));
@@ -86,7 +86,7 @@ fn lattice<T: TestBackend>(sheet: &mut Sheet, side: u32, kind: IndexKind) -> boo
     true
 }
 
-/// All within the radius of each query, and the nearest.
+/// Estimates with all photons within the radius of each query, and with the nearest ones.
 fn ask<B: Backend>(on: &mut B, kind: IndexKind, side: u32, queries: &[Query]) -> Result<[Vec<Estimate>; 2]> {
     let mut stages = on.map_stages(kind)?;
     let photon = |i: u32| Photon { power: [POWER; 3], ..photon_at([at(i % side, side), at(i / side, side), 0.0]) };
@@ -105,8 +105,8 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, side: u32, queries: &[Query]) ->
     Ok(found)
 }
 
-/// Squared distances of the photons within the radius, nearest first, in the arithmetic of kernels; of the
-/// radius that holds all, the nearest.
+/// Squared distances of the photons within the radius, nearest first, in the arithmetic of the kernels; if the
+/// radius contains all photons, only of the nearest ones.
 fn by_hand(side: u32, query: &Query) -> Vec<f32> {
     let reach = if query.radius > 1.0 { 10 } else { (query.radius * side as f32) as u32 + 3 };
     let about = |x: f32| {

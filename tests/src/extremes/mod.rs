@@ -1,7 +1,7 @@
-//! How far it holds: sizes, powers, counts, shapes and indices far from those that anybody meant.
+//! Tests of the limits: extreme sizes, powers, counts, shapes and refractive indices.
 //!
-//! Each group of cases fills a [`Sheet`] with rows: what was tried, over which range, what came of it. The quick
-//! extent runs in the ordinary tests; `cargo xtask extremes` writes the rows of every backend into
+//! Each group of cases fills a [`Sheet`] with rows: what was tried, over which range, and the result. The quick
+//! extent runs in the ordinary tests; `cargo xtask extremes` writes the rows of every backend to
 //! `docs/studies/extremes.csv`.
 
 pub mod geometry;
@@ -21,7 +21,7 @@ use crate::harness::TestBackend;
 /// A group of cases.
 pub type Group = fn(&mut Sheet);
 
-/// All groups by name, for one backend.
+/// All groups with their names, for one backend.
 #[must_use]
 pub fn groups<T: TestBackend>() -> Vec<(&'static str, Group)> {
     vec![

@@ -1,4 +1,4 @@
-//! S6, S8, S24, S27: photons where nobody would put them.
+//! S6, S8, S24, S27: degenerate photon positions.
 
 use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Photon, Query, Search};
 
@@ -8,10 +8,10 @@ use crate::{determinism, estimators, numerics};
 
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
 
-/// What a squared radius is raised to (S6), so that nothing is divided by 0.
+/// Lower bound of squared radii (S6), which avoids a division by 0.
 const MIN_REACH: f32 = 1.0 / (1_u64 << 40) as f32;
 
-/// The group.
+/// Runs the group.
 pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     degenerate_sets::<T>(sheet);
     if sheet.long() && T::make(1).name() == "cpu" {
@@ -79,7 +79,7 @@ fn sets(n: usize) -> Vec<(&'static str, Vec<[f32; 3]>)> {
     let mut outlier: Vec<_> = (0..n).map(|_| [draw() * 1e-6, draw() * 1e-6, draw() * 1e-6]).collect();
     outlier[n / 2] = [0.5, 0.5, 0.5];
     let spiral = |i: usize| {
-        // Density falls as r⁻³, hence by 1e6 and far more from the inner end to the outer.
+        // Density falls as r⁻³, so by a factor of much more than 1e6 from the inner end to the outer.
         let at = i as f64 / n as f64;
         let (radius, angle) = (0.5 * 10.0_f64.powf(-6.0 * (1.0 - at)), 400.0 * at);
         [(radius * angle.cos()) as f32, (radius * angle.sin()) as f32, 0.0]
@@ -98,7 +98,7 @@ fn sets(n: usize) -> Vec<(&'static str, Vec<[f32; 3]>)> {
     ]
 }
 
-/// S8, S27: counts within a radius and squared distances of the k-th, as by brute force, to the bit.
+/// S8, S27: counts within a radius and squared distances of the k-th photon, identical to brute force to the bit.
 fn degenerate_sets<T: TestBackend>(sheet: &mut Sheet) {
     let n = sheet.either(1500, 20_000);
     let radii = [1e-5_f32, 0.01, 0.5];
@@ -130,7 +130,7 @@ fn degenerate_sets<T: TestBackend>(sheet: &mut Sheet) {
     sheet.holds("S8 S27", what, range, found, wrong.is_empty());
 }
 
-/// All within the radius, and the 20 nearest.
+/// Estimates with all photons within the radius, and with the 20 nearest.
 fn ask<B: Backend>(on: &mut B, kind: IndexKind, photons: &[Photon], queries: &[Query]) -> [Vec<Estimate>; 2] {
     let mut stages = on.map_stages(kind).unwrap();
     let there = on.upload("photons", photons).unwrap();
@@ -145,7 +145,8 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, photons: &[Photon], queries: &[Q
     })
 }
 
-/// How many points lie within the radius, and the squared distance of the k-th, or of the rim.
+/// By brute force: the number of points within the radius, and the squared distance of the k-th, or the squared
+/// radius if there are fewer.
 fn brute(points: &[[f32; 3]], at: [f32; 3], radius: f32, k: usize) -> (u32, f32) {
     let square = |p: &[f32; 3]| {
         let [x, y, z]: [f32; 3] = std::array::from_fn(|axis| p[axis] - at[axis]);
@@ -157,8 +158,8 @@ fn brute(points: &[[f32; 3]], at: [f32; 3], radius: f32, k: usize) -> (u32, f32)
     (count as u32, reach.max(MIN_REACH))
 }
 
-/// No query is slower than 20 times the median of its set. On the CPU, where one query can be timed;
-/// the least of five times each, so that other programs do not count.
+/// No query takes longer than 20 times the median of its set. Runs on the CPU, where a single query can be timed;
+/// each takes the minimum of five timings, to exclude the effect of other programs.
 fn no_slow_query(sheet: &mut Sheet) {
     use backend_cpu::index::{Neighbours, PointIndex};
     let n = 1_000_000;

@@ -1,4 +1,4 @@
-//! S7, S10, S11, S17, S18, S30, S31, S33: powers and numbers.
+//! S7, S10, S11, S17, S18, S30, S31, S33: extreme powers and counts.
 
 use photon_core::{
     Backend, Batch, Direct, Error, Estimator, Indirect, Pass, PerMap, PhotonRay, Pipeline, Render, Requirements,
@@ -12,7 +12,7 @@ use crate::harness::{TestBackend, film, look_at_point, per_pass, watts};
 use crate::stats::{SIGMAS, moments, standard_error};
 use crate::{determinism, numerics};
 
-/// The group.
+/// Runs the group.
 pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     brightness::<T>(sheet);
     unequal_lights::<T>(sheet);
@@ -50,7 +50,7 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     );
 }
 
-/// S17 and S33: a brighter scene is the same scene.
+/// S17 and S33: brightness changes the image only by a scale factor.
 fn brightness<T: TestBackend>(sheet: &mut Sheet) {
     let settings = Settings { photons: 3000, max_bounces: 16, seed: 8, ..Settings::default() };
     let picture = |watts: f64| {
@@ -72,8 +72,8 @@ fn brightness<T: TestBackend>(sheet: &mut Sheet) {
     sheet.holds("S17", "picture per watt, relative; powers of two bit by bit", range, found, worst < 1e-6 && bits);
 }
 
-/// A floor lit by a weak lamp alone: the other one, `ratio` times as strong, is shut in a box that
-/// stands above the floor.
+/// A floor lit by a weak light alone; the other light, `ratio` times as strong, is enclosed in a box above the
+/// floor.
 fn shut_in(ratio: f64) -> Scene {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
@@ -86,10 +86,10 @@ fn shut_in(ratio: f64) -> Scene {
     builder.build().unwrap()
 }
 
-/// S18: right in the mean, with an error that photons and rays pay for and the ratio does not.
+/// S18: unbiased, with an error that is determined by the photons and rays and not by the ratio.
 fn unequal_lights<T: TestBackend>(sheet: &mut Sheet) {
     let ratios: Vec<f64> = sheet.choose(vec![1e20], vec![1.0, 1e20], vec![1.0, 1e3, 1e6, 1e10, 1e15, 1e20, 1e30]);
-    // One lamp's photons per direct map, and its share of shadow rays. E = 1 W/m², L = albedo/π.
+    // The weak light's photons per direct map, and its share of shadow rays. E = 1 W/m², L = albedo/π.
     let truth = 0.5 / std::f64::consts::PI;
     let base = Settings { indirect: Indirect::None, caustics: false, seed: 2, ..Settings::default() };
     for ratio in ratios {
@@ -99,12 +99,12 @@ fn unequal_lights<T: TestBackend>(sheet: &mut Sheet) {
         let estimator = Estimator::Radius { radius: Some(0.2) };
         let photons = sheet.either(30_000, 100_000);
         let by_map = Settings { direct: Direct::Photons, alpha: 1.0, estimator, photons, ..base.clone() };
-        // As many passes as for rays: of 8, the standard error is itself a guess.
+        // As many passes as for rays: with 8, the standard error itself is too uncertain.
         let map = per_pass::<T>(&scene, &by_map, passes, 4);
         let mut good = true;
         let mut found = Vec::new();
-        // Curvature: (1 + r²)^(−3/2) of the field at r from the foot of the lamp, averaged under the kernel
-        // of Epanechnikov, ⟨r²⟩ = h²/3 and ⟨r⁴⟩ = h⁴/6, with h = 0.2.
+        // Curvature: the field is (1 + r²)^(−3/2) at distance r from the point below the light; averaged with the
+        // Epanechnikov kernel, ⟨r²⟩ = h²/3 and ⟨r⁴⟩ = h⁴/6, with h = 0.2.
         let bent = 1.0 - 1.5 * 0.04 / 3.0 + 1.875 * 0.0016 / 6.0;
         for (name, values, expected) in [("shadow rays", rays, truth), ("photons", map, bent * truth)] {
             let (value, error) = (moments(&values).0, standard_error(&values));
@@ -116,7 +116,7 @@ fn unequal_lights<T: TestBackend>(sheet: &mut Sheet) {
     }
 }
 
-/// A light that f32 cannot tell from darkness is left out, and that is said.
+/// A light too weak for f32 is dropped, with a warning.
 fn vanishing_light(sheet: &mut Sheet) {
     let scene = shut_in(1e42);
     let told = scene.warnings().iter().any(|warning| warning.contains("weak"));
@@ -128,7 +128,7 @@ fn vanishing_light(sheet: &mut Sheet) {
     sheet.holds("S18", "a light too weak for 32 bits beside another", "1 : 1e42 in power", found, told);
 }
 
-/// S11: counts beyond 32 bits of anything, memory as for one pass.
+/// S11: counts beyond 32 bits, with the memory of a single pass.
 fn many_paths<T: TestBackend>(sheet: &mut Sheet) {
     let scene = numerics::turned_room(0.5, 1.0).build().unwrap();
     let batch = sheet.either(20_000_u32, 1_000_000);
@@ -162,7 +162,7 @@ pub(crate) fn trace_without_maps<T: TestBackend>(scene: &Scene, settings: &Setti
     stages.tracer.take_tally(&mut on).unwrap()
 }
 
-/// A cap on memory: smaller passes and batches, whose pictures are those of passes of that size.
+/// A memory limit gives smaller passes and batches, whose images are those of passes of that size.
 fn capped_memory<T: TestBackend>(sheet: &mut Sheet) {
     let scene = studio(Put::default()).build().unwrap();
     let view = View { camera: scene.camera(None, 12, 12).unwrap(), width: 12, height: 12 };

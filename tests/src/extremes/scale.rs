@@ -1,4 +1,4 @@
-//! S1, S3, S4: the same scene in every size, everywhere.
+//! S1, S3, S4: the same scene in every size and at every position.
 
 use photon_core::{Film, Layer, PerMap, Photon, Settings};
 
@@ -8,7 +8,7 @@ use crate::equivalence::matched;
 use crate::harness::{TestBackend, film, trace};
 use crate::numerics::{turned_drum, turned_room, turned_wedge};
 
-/// The group.
+/// Runs the group.
 pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     leaks::<T>(sheet);
     let base = see::<T>(sheet, Put::default());
@@ -17,7 +17,7 @@ pub fn all<T: TestBackend>(sheet: &mut Sheet) {
     beyond_pictures(sheet);
 }
 
-/// S1: diffuse bounces in a closed room in which nothing lies along an axis.
+/// S1: diffuse bounces in a closed room without axis-aligned walls.
 fn leaks<T: TestBackend>(sheet: &mut Sheet) {
     let exponents: Vec<i32> = sheet.choose(vec![-30, 30], vec![-30, 0, 30], (-30..=30).step_by(5).collect());
     let paths = sheet.either(1500, 10_500);
@@ -61,17 +61,17 @@ fn see<T: TestBackend>(sheet: &Sheet, put: Put) -> Seen {
     Seen { photons, film: film::<T>(&scene, &Settings { photons: 2000, ..settings }, 1, 12) }
 }
 
-/// Least share of photons, over the maps, that both have at the same place with the same power.
+/// Minimum over the maps of the proportion of photons that both have, at the same position with the same power.
 fn share(a: &Seen, b: &Seen) -> f64 {
     a.photons.iter().map(|(kind, a)| matched(a, &b.photons[kind])).fold(1.0, f64::min)
 }
 
-/// How far two means are apart, relative.
+/// Relative difference of two means.
 fn apart(a: f64, b: f64) -> f64 {
     (a / b - 1.0).abs()
 }
 
-/// S4: the same watts in a room `s` times as large give `s⁻²` of the irradiance.
+/// S4: the same power in a room `s` times as large gives `s⁻²` times the irradiance.
 fn sizes<T: TestBackend>(sheet: &mut Sheet, base: &Seen) {
     let powers = sheet.either(vec![99], (-99..=99).step_by(11).collect());
     let bits = powers.iter().all(|&power| {
@@ -110,7 +110,7 @@ fn places<T: TestBackend>(sheet: &mut Sheet, base: &Seen) {
         let scene = studio(put).build().unwrap();
         let warned = scene.warnings().iter().any(|warning| warning.contains("away from the origin"));
         let found = format!("{least:.5}; {apart:.1e}; {}", if warned { "warned" } else { "not warned" });
-        // Above 1e8 the user's own f64 hold no more digits than f32 about the scene's middle.
+        // Beyond 1e8, the user's f64 coordinates have no more digits than f32 relative to the scene's centre.
         let good = if exponent <= 7 { least > 0.995 && apart < 1e-6 } else { least > 0.9 && apart < 1e-4 };
         let what = "share of photons that are the same; direct light, relative; whether the builder warns";
         sheet.holds(
@@ -123,7 +123,7 @@ fn places<T: TestBackend>(sheet: &mut Sheet, base: &Seen) {
     }
 }
 
-/// What a picture in f32 cannot hold, the builder must say.
+/// The builder must warn of radiances that an f32 image cannot hold.
 fn beyond_pictures(sheet: &mut Sheet) {
     let warns = |size: f64, watts: f64| {
         let scene = studio(Put { size, watts, ..Put::default() }).build().unwrap();

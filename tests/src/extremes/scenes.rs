@@ -1,4 +1,4 @@
-//! Scenes that can be put anywhere, in any size, and ways to look at them.
+//! Scenes that can be placed anywhere, in any size, and helpers to trace and evaluate them.
 
 use photon_core::glam::Vec3;
 use photon_core::{Backend, Film, Layer, PerMap, Photon, PhotonRay, Settings, Tally, octahedral};
@@ -7,12 +7,12 @@ use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
 use crate::harness::{TestBackend, Tracing, Uniform, look_at_point};
 
-/// Where and how large: `p` becomes `p · size + place`.
+/// Placement and size: `p` becomes `p · size + place`.
 #[derive(Clone, Copy, Debug)]
 pub struct Put {
-    /// User length of what was one metre.
+    /// User length of what is one metre at size 1.
     pub size: f64,
-    /// User space.
+    /// Offset in user space.
     pub place: [f64; 3],
     /// Factor on all powers.
     pub watts: f64,
@@ -34,8 +34,8 @@ impl Put {
     }
 }
 
-/// A closed grey room with a ball of glass, a mirror, a lamp on the ceiling and a point light. Its
-/// lights give the same watts whatever its size.
+/// A closed grey room with a glass ball, a mirror, an area light on the ceiling and a point light. Its lights emit
+/// the same power whatever its size.
 #[must_use]
 pub fn studio(put: Put) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
@@ -62,7 +62,7 @@ pub fn studio(put: Put) -> SceneBuilder {
     builder
 }
 
-/// Turns a shape about y, then about x, so that nothing lies along an axis.
+/// Rotates a shape about y, then about x, so that nothing is axis-aligned.
 #[must_use]
 pub fn turned(shape: Shape) -> Shape {
     let (mut positions, triangles) = shapes::rotate_y(shape, 0.7);
@@ -73,7 +73,7 @@ pub fn turned(shape: Shape) -> Shape {
     (positions, triangles)
 }
 
-/// A closed shape whose inside is black, and a light in it that is only there to give power.
+/// A closed shape with a black inside, and a light that only serves to define the power.
 #[must_use]
 pub fn black_inside(shape: Shape) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
@@ -90,7 +90,7 @@ pub fn ray(origin: Vec3, direction: Vec3) -> PhotonRay {
     PhotonRay { origin: origin.into(), direction: direction.into(), power: [1.0; 3], ..PhotonRay::default() }
 }
 
-/// What becomes of rays of the caller's; they are numbered here.
+/// Traces the caller's rays; numbers them.
 pub fn follow<T: TestBackend>(
     scene: &Scene,
     settings: &Settings,
@@ -107,12 +107,12 @@ pub fn follow<T: TestBackend>(
     tracing.end()
 }
 
-/// A direction, evenly over the sphere.
+/// A direction, uniform over the sphere.
 pub fn anywhere(uniform: &mut Uniform) -> Vec3 {
     photon_core::sampling::uniform_sphere(uniform.draw() as f32, uniform.draw() as f32)
 }
 
-/// Mean of a layer over the pixels and RGB, W/(m²·sr), in f64 from end to end.
+/// Mean of a layer over the pixels and RGB, in W/(m²·sr), in f64 throughout.
 #[must_use]
 pub fn mean(film: &Film, layer: Option<Layer>) -> f64 {
     let layers = Layer::ALL.into_iter().filter(|&own| layer.is_none_or(|layer| layer == own));
@@ -121,7 +121,7 @@ pub fn mean(film: &Film, layer: Option<Layer>) -> f64 {
     sum / (3 * film.pixels.len()) as f64 / f64::from(film.passes) * film.units.radiance_to_user()
 }
 
-/// Whether a photon has all that the layout promises.
+/// Whether a photon satisfies what its layout promises.
 #[must_use]
 pub fn sound(photon: &Photon) -> bool {
     let finite = photon.position.iter().chain(&photon.power).all(|x| x.is_finite());

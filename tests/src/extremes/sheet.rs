@@ -1,27 +1,27 @@
-//! Rows of results, and how they are written down.
+//! Result rows, and their output as text.
 
 use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// How much to try.
+/// How much to test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// What the ordinary tests have time for; cases that they run anyway are left to them.
+    /// What the ordinary tests have time for; cases that they run anyway are skipped.
     Tests,
-    /// The same, and those cases as well.
+    /// The same, including those cases.
     Quick,
     /// Everything.
     Long,
 }
 
-/// What became of a case.
+/// The result of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It holds over the whole range.
     Holds,
-    /// It does not, which is known, and said in the row; it fails in the way that is said.
+    /// It does not hold. This is known, the row says so, and it fails in the way that is stated.
     Limit,
-    /// It ought to hold and does not, or a limit is no longer where it was.
+    /// It should hold and does not, or a known limit has moved.
     Fails,
 }
 
@@ -30,27 +30,27 @@ pub enum Verdict {
 pub struct Row {
     /// Its number in the table of failure modes, or a word.
     pub case: &'static str,
-    /// What is tried and what must come of it.
+    /// What is tested and the expected result.
     pub what: String,
-    /// Over which range.
+    /// The range over which it is tested.
     pub range: String,
-    /// The figure.
+    /// The measured result.
     pub found: String,
-    /// What became of it.
+    /// The verdict.
     pub verdict: Verdict,
 }
 
 /// The rows of a group.
 #[derive(Clone, Debug)]
 pub struct Sheet {
-    /// How much to try.
+    /// How much to test.
     pub extent: Extent,
-    /// What was found.
+    /// The rows so far.
     pub rows: Vec<Row>,
 }
 
 impl Sheet {
-    /// Runs a group. A panic in it is a row that fails, behind the rows before it.
+    /// Runs a group. A panic in it becomes a failed row after the rows before it.
     #[must_use]
     pub fn run(group: fn(&mut Self), extent: Extent) -> Self {
         let mut sheet = Self { extent, rows: Vec::new() };
@@ -60,19 +60,19 @@ impl Sheet {
         sheet
     }
 
-    /// Whether there is time for everything.
+    /// Whether everything is to be tested.
     #[must_use]
     pub fn long(&self) -> bool {
         self.extent == Extent::Long
     }
 
-    /// `quick` or `long`, by the extent.
+    /// `quick` or `long`, depending on the extent.
     #[must_use]
     pub fn either<V>(&self, quick: V, long: V) -> V {
         if self.long() { long } else { quick }
     }
 
-    /// By the extent.
+    /// One of the values, depending on the extent.
     #[must_use]
     pub fn choose<V>(&self, tests: V, quick: V, long: V) -> V {
         match self.extent {
@@ -82,7 +82,7 @@ impl Sheet {
         }
     }
 
-    /// A case that must hold.
+    /// Adds a case that must hold.
     pub fn holds(
         &mut self,
         case: &'static str,
@@ -94,7 +94,7 @@ impl Sheet {
         self.push(case, what, range, found, if good { Verdict::Holds } else { Verdict::Fails });
     }
 
-    /// A case that is known not to hold, and whether it fails in the way that is said.
+    /// Adds a case that is known not to hold; `as_said` tells whether it fails in the way that is stated.
     pub fn limit(
         &mut self,
         case: &'static str,
@@ -106,7 +106,7 @@ impl Sheet {
         self.push(case, what, range, found, if as_said { Verdict::Limit } else { Verdict::Fails });
     }
 
-    /// A case of the ordinary suite, which panics if it does not hold.
+    /// Runs a case of the ordinary suite, which panics if it does not hold.
     pub fn proved(&mut self, case: &'static str, what: &str, range: &str, figure: &str, proof: fn()) {
         if self.extent == Extent::Tests {
             return;
@@ -129,14 +129,14 @@ impl Sheet {
         self.rows.push(row);
     }
 
-    /// The rows that fail, in words.
+    /// Descriptions of the rows that fail.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let failed = self.rows.iter().filter(|row| row.verdict == Verdict::Fails);
         failed.map(|row| format!("{}: {} ({}): {}", row.case, row.what, row.range, row.found)).collect()
     }
 
-    /// A table in Markdown.
+    /// The rows as a Markdown table.
     #[must_use]
     pub fn table(&self) -> String {
         let mut text = "| case | what | range | found | |\n|---|---|---|---|---|\n".to_owned();

@@ -1,4 +1,4 @@
-//! Search and estimate: photons on a plane, where the digits of their positions run out.
+//! Search and estimate: photons on a plane, where the digits of their positions are exhausted.
 
 use backend_cpu::Cpu;
 use photon_core::{EstimateParams, IndexKind, Kernel, Photon, Search};
@@ -15,22 +15,22 @@ impl TestBackend for OnCpu {
     }
 }
 
-/// A field of photons about queries, in the corner of the scene, `radius` being what the queries look over.
+/// Photons around queries near a corner of the scene; `radius` is the radius of the queries.
 struct Field {
     photons: Vec<[f64; 2]>,
     queries: Vec<[f64; 2]>,
     radius: f64,
 }
 
-/// Where the plane is: near the corner of the unit box, where f32 is coarsest.
+/// Position of the plane: near the corner of the unit box, where f32 is coarsest.
 const CORNER: f64 = -0.4;
 
 impl Field {
-    /// So many photons within a radius, in the mean.
+    /// A field with a mean of `within` photons within a radius.
     fn new(radius: f64, within: usize, queries: usize) -> Self {
         let mut uniform = Uniform::new(7);
         let mut square = |side: f64| -> [f64; 2] { std::array::from_fn(|_| CORNER + (uniform.draw() - 0.5) * side) };
-        // Queries in the inner square of two radii, photons as far as any of them sees.
+        // Queries in the inner square of two radii; photons as far as any query reads them.
         let count = (within as f64 * 16.0 / std::f64::consts::PI) as usize;
         let photons = (0..count).map(|_| square(4.0 * radius)).collect();
         Self { photons, queries: (0..queries).map(|_| square(2.0 * radius)).collect(), radius }
@@ -48,13 +48,13 @@ impl Field {
         estimate::<OnCpu>(IndexKind::Morton, &self.photons(), &queries, &gather)
     }
 
-    /// Squared distances of all photons in f64, by the numbers before they were rounded.
+    /// Squared distances of all photons in f64, from the coordinates before rounding.
     fn distances(&self, [x, y]: [f64; 2]) -> impl Iterator<Item = f64> {
         self.photons.iter().map(move |[px, py]| (px - x) * (px - x) + (py - y) * (py - y))
     }
 
-    /// Errors: of the irradiance and of the k-th photon's squared distance, relative; photons on the wrong side of the
-    /// rim, as a share of those within. Each for 99 of 100 queries.
+    /// Errors: relative error of the irradiance and of the k-th photon's squared distance; photons on the wrong
+    /// side of the radius, as a fraction of those within. Each is the bound for 99 of 100 queries.
     fn errors(&self, k: usize) -> [f64; 3] {
         let r2 = self.radius * self.radius;
         let (mut irradiance, mut members, mut kth) = (Vec::new(), Vec::new(), Vec::new());
@@ -74,7 +74,7 @@ impl Field {
     }
 }
 
-/// By the radius over the scene.
+/// Errors as a function of the radius relative to the scene.
 #[must_use]
 pub fn radius(decades: std::ops::RangeInclusive<i32>, queries: usize) -> Table {
     let mut table = Table::new(
@@ -93,7 +93,7 @@ pub fn radius(decades: std::ops::RangeInclusive<i32>, queries: usize) -> Table {
     table
 }
 
-/// By how many photons there are in an estimate.
+/// Errors as a function of the number of photons in an estimate.
 #[must_use]
 pub fn photons(decades: std::ops::RangeInclusive<u32>, queries: usize) -> Table {
     let columns =

@@ -1,7 +1,7 @@
-//! Where f32 loses digits, and from where on that shows: the shipped stages of the CPU beside their twins in f64.
+//! Where f32 loses digits, and when that becomes visible: the shipped CPU stages compared with their f64 twins.
 //!
-//! `examples/precision.rs` writes the tables and the plot of `docs/studies/precision.md`; a part of it runs in the ordinary
-//! tests, with bounds.
+//! `examples/precision.rs` writes the tables and the plot of `docs/studies/precision.md`; part of it runs in the
+//! ordinary tests, with bounds.
 
 pub mod fields;
 pub mod shipped;
@@ -10,19 +10,19 @@ pub mod sweeps;
 
 use std::fmt::Write as _;
 
-/// Figures, by a row's name.
+/// A table of numbers with named rows.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// What it is about.
+    /// Its heading.
     pub title: &'static str,
-    /// Of the name, then of each figure.
+    /// Headings of the name and of each number.
     pub columns: Vec<&'static str>,
-    /// Name and figures.
+    /// Names and numbers.
     pub rows: Vec<(String, Vec<f64>)>,
 }
 
 impl Table {
-    /// An empty one.
+    /// An empty table.
     #[must_use]
     pub fn new(title: &'static str, columns: &[&'static str]) -> Self {
         Self { title, columns: columns.to_vec(), rows: Vec::new() }
@@ -34,19 +34,19 @@ impl Table {
         self.rows.push((name.into(), figures.to_vec()));
     }
 
-    /// The figure of that row and column, counted from the first figure.
+    /// The number in the given row and column, counted from the first number.
     #[must_use]
     pub fn at(&self, name: &str, column: usize) -> f64 {
         self.rows.iter().find(|(own, _)| own == name).unwrap().1[column]
     }
 
-    /// The number of the first column of that name, counted from the first figure.
+    /// Index of the first column with this heading, counted from the first number.
     #[must_use]
     pub fn column(&self, name: &str) -> usize {
         self.columns[1..].iter().position(|own| *own == name).unwrap()
     }
 
-    /// In Markdown.
+    /// Formats the table as Markdown.
     #[must_use]
     pub fn markdown(&self) -> String {
         let mut text =
@@ -62,7 +62,7 @@ impl Table {
     }
 }
 
-/// Two digits; whole numbers as they are.
+/// Two significant digits; whole numbers unchanged.
 fn shown(figure: f64) -> String {
     if figure.is_nan() {
         "–".to_owned()
@@ -73,7 +73,7 @@ fn shown(figure: f64) -> String {
     }
 }
 
-/// The value that a share of all are below or at; NaN of none.
+/// The quantile of `values` at `share`; NaN if there are none.
 #[must_use]
 pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
@@ -81,13 +81,13 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
 }
 
-/// Median, 99 of 100, and worst.
+/// Median, 99 % quantile, and maximum.
 #[must_use]
 pub fn spread(mut values: Vec<f64>) -> [f64; 3] {
     [0.5, 0.99, 1.0].map(|share| quantile(&mut values, share))
 }
 
-/// How far `found` is from `truth`, relative to it.
+/// The relative error of `found`.
 #[must_use]
 pub fn relative(found: f64, truth: f64) -> f64 {
     if found == truth { 0.0 } else { ((found - truth) / truth).abs() }

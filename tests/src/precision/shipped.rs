@@ -1,4 +1,4 @@
-//! What ships, path by path, and scenes to try it on.
+//! The shipped pipeline, path by path, and scenes to test it on.
 
 use backend_cpu::Cpu;
 use photon_core::glam::{DVec3, Vec3};
@@ -11,11 +11,11 @@ use photon_scene::{LightDesc, MaterialDesc, Scene, shapes};
 
 use crate::twin::{Described, End, Landing, Twin, Wide, emit};
 
-/// The pass that the study is of.
+/// The pass that is studied.
 pub const PASS: Pass = Pass { seed: 11, index: 0, random: RandomKind::Counter };
 
-/// A closed room of two metres with a ball of glass, a mirror and two lights, in a corner of a scene that is `ratio`
-/// times as large, put `place` away from the user's origin.
+/// A closed room of two metres with a glass ball, a mirror and two lights, in a corner of a scene that is `ratio`
+/// times as large, offset by `place` from the user's origin.
 #[must_use]
 pub fn studio(ratio: f64, place: f64, albedo: f64) -> Described {
     let put = |(positions, triangles): Shape| -> Shape {
@@ -31,7 +31,7 @@ pub fn studio(ratio: f64, place: f64, albedo: f64) -> Described {
         (put(quad(0.95, 0.25)), MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3])),
     ];
     if ratio > 1.0 {
-        // Far off and black: all it does is to make the scene as large as it is.
+        // Far away and black: it only serves to enlarge the scene.
         let (far, near) = (2.0 * ratio - 1.0, 1.8 * ratio - 1.0);
         let corners = vec![[far; 3], [near, far, far], [far, near, far]];
         meshes.push((put((corners, vec![[0, 1, 2]])), MaterialDesc::lambert("far", [0.0; 3])));
@@ -40,7 +40,7 @@ pub fn studio(ratio: f64, place: f64, albedo: f64) -> Described {
     Described { meshes, lights: vec![LightDesc::Point { position, intensity: [0.1; 3] }] }
 }
 
-/// The shipped rays of so many paths.
+/// The shipped rays of the first `count` paths.
 #[must_use]
 pub fn rays(scene: &Scene, count: u32) -> Vec<PhotonRay> {
     let mut shipped = Shipped::new(scene, 1);
@@ -53,7 +53,7 @@ pub fn rays(scene: &Scene, count: u32) -> Vec<PhotonRay> {
     out
 }
 
-/// The shipped CPU, ready for a scene.
+/// The shipped CPU backend with a prepared scene.
 struct Shipped {
     on: Cpu,
     required: Requirements,
@@ -72,14 +72,14 @@ impl Shipped {
     }
 }
 
-/// Photons of each path in the order in which they landed, with their map, and how many paths got out.
+/// Photons of each path in the order in which they were stored, with their map, and the number of escaped paths.
 #[must_use]
 pub fn photons(scene: &Scene, rays: &[PhotonRay], max_bounces: u32) -> (Vec<Vec<(MapKind, Photon)>>, u64) {
     let Shipped { mut on, required, settings, prepared } = Shipped::new(scene, max_bounces);
     let mut stages = on.stages(&required, &settings).unwrap();
     let room = rays.len() as u64 * u64::from(max_bounces) + 1;
     let mut buffers = PerMap::from_fn(|kind| on.alloc::<Photon>(kind.name(), room).unwrap());
-    // Photons do not say which path they are of: one batch for each.
+    // Photons do not record their path, so each path is a batch of its own.
     let mut lengths = Vec::with_capacity(rays.len());
     for (path, ray) in (0_u32..).zip(rays) {
         let deposits = buffers.each_mut().map(Some);
@@ -96,7 +96,7 @@ pub fn photons(scene: &Scene, rays: &[PhotonRay], max_bounces: u32) -> (Vec<Vec<
     });
     let mut before = PerMap::<usize>::default();
     let paths = lengths.into_iter().map(|lengths: PerMap<usize>| {
-        // Direct or caustic comes first, and once at most; all that follow are global.
+        // A direct or caustic photon comes first, at most once; all that follow are global.
         let photons = maps
             .iter()
             .flat_map(|(map, photons)| photons[before[map]..lengths[map]].iter().map(move |p| (map, *p)))
@@ -107,7 +107,7 @@ pub fn photons(scene: &Scene, rays: &[PhotonRay], max_bounces: u32) -> (Vec<Vec<
     (paths.collect(), lost.escaped + lost.dropped)
 }
 
-/// The twin's paths, from the light on, and how many got out.
+/// The twin's paths, starting at the light, and the number of escaped ones.
 #[must_use]
 pub fn twins(wide: &Wide, count: u32, max_bounces: u32) -> (Vec<Vec<Landing>>, u64) {
     let twin = Twin { scene: wide, pass: PASS, max_bounces };
@@ -120,8 +120,8 @@ pub fn twins(wide: &Wide, count: u32, max_bounces: u32) -> (Vec<Vec<Landing>>, u
     (paths.collect(), lost)
 }
 
-/// What lands on surfaces that face up, path by path, over what lands there in truth, less 1; and the standard error,
-/// paths being independent: `√Σd²` over the sum, `d` the difference of one path.
+/// Flux onto upward-facing surfaces, path by path, relative to the truth, minus 1; and the standard error, since
+/// paths are independent: `√Σd²` over the sum, with `d` the difference of one path.
 #[must_use]
 pub fn flux(found: impl Iterator<Item = f64>, truth: impl Iterator<Item = f64>) -> (f64, f64) {
     let (mut sum, mut differences, mut squares) = (0.0, 0.0, 0.0);
@@ -137,38 +137,38 @@ fn faces_up(normal: DVec3) -> bool {
     normal.y > 0.999
 }
 
-/// Flux of each of the twin's paths onto surfaces that face up.
+/// Flux of each of the twin's paths onto upward-facing surfaces.
 pub fn upward(paths: &[Vec<Landing>]) -> impl Iterator<Item = f64> {
     let of = |path: &Vec<Landing>| path.iter().filter(|l| faces_up(l.normal)).map(|l| l.power.element_sum()).sum();
     paths.iter().map(of)
 }
 
-/// Both walks of some paths.
+/// The same paths, traced by both.
 #[derive(Debug)]
 pub struct Pair {
-    /// By f32.
+    /// Traced in f32.
     pub shipped: Vec<Vec<(MapKind, Photon)>>,
-    /// By f64.
+    /// Traced in f64.
     pub twin: Vec<Vec<Landing>>,
-    /// Paths of the shipped that got out of a closed room.
+    /// Number of shipped paths that escaped from a closed room.
     pub lost: u64,
-    /// Normalised length of a metre.
+    /// Length of a metre in normalised space.
     pub metre: f64,
 }
 
-/// What two walks have at one landing.
+/// Differences between two paths at one landing.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting {
-    /// Metres apart.
+    /// Distance in metres.
     pub apart: f64,
-    /// Of the direction that the photon came from, radians.
+    /// Angle between the directions towards the origin, in radians.
     pub turned: f64,
-    /// Of the power, relative.
+    /// Relative difference in power.
     pub power: f64,
 }
 
 impl Pair {
-    /// Follows `count` paths of `described` twice; `narrow` is what ships of it.
+    /// Traces `count` paths of `described` with both; `narrow` is the scene that the shipped code gets.
     #[must_use]
     pub fn new(described: &Described, narrow: &Described, count: u32, max_bounces: u32) -> Self {
         let scene = described.builder().build().unwrap();
@@ -176,12 +176,12 @@ impl Pair {
         let wide = Wide::exact(&scene, described);
         let (shipped, lost) = photons(&ships, &rays(&ships, count), max_bounces);
         let (twin, escaped) = twins(&wide, count, max_bounces);
-        assert_eq!(escaped, 0, "paths of the twin get out of a closed room");
+        assert_eq!(escaped, 0, "paths of the twin escaped from a closed room");
         Self { shipped, twin, lost, metre: 1.0 / scene.units().scale }
     }
 
-    /// Path by path, the landings that both have; `None` from where they part: one ends, or lands in another map, or
-    /// more than a twentieth of the room away.
+    /// Path by path, the landings that both have; `None` from where they diverge: one ends, or lands in another
+    /// map, or more than a twentieth of the room away.
     pub fn meetings(&self) -> impl Iterator<Item = Vec<Option<Meeting>>> {
         self.shipped.iter().zip(&self.twin).map(|(shipped, twin)| {
             let mut together = true;
@@ -203,7 +203,7 @@ impl Pair {
         })
     }
 
-    /// Share of paths with a landing of that number, from 0, which part there or before.
+    /// Fraction of the paths with landing number `at`, from 0, that diverge there or before.
     #[must_use]
     pub fn parted(&self, at: usize) -> f64 {
         let reached: Vec<bool> = self
@@ -214,13 +214,13 @@ impl Pair {
         reached.iter().filter(|&&parted| parted).count() as f64 / reached.len().max(1) as f64
     }
 
-    /// What is there of the landings of that number that both have.
+    /// The differences at landing number `at`, of paths that both still share.
     #[must_use]
     pub fn at(&self, at: usize) -> Vec<Meeting> {
         self.meetings().filter_map(|path| path.get(at).copied().flatten()).collect()
     }
 
-    /// [`flux`] of what ships.
+    /// [`flux`] of the shipped paths.
     #[must_use]
     pub fn flux(&self) -> (f64, f64) {
         let of = |path: &Vec<(MapKind, Photon)>| {

@@ -1,4 +1,4 @@
-//! Each stage by itself: the shipped function on the numbers that ship, beside its twin on the same numbers.
+//! Each stage by itself: the shipped function and its twin on the same shipped numbers.
 
 use photon_core::glam::{DVec3, Vec3};
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
@@ -14,7 +14,7 @@ fn wide(v: [f32; 3]) -> DVec3 {
     Vec3::from(v).as_dvec3()
 }
 
-/// Every stage on the way of a photon through the studio, lengths in units of the scene.
+/// Every stage along a photon's path through the studio; lengths in units of the scene.
 #[must_use]
 pub fn all(count: u32) -> Table {
     let described = studio(1.0, 0.0, 0.6);
@@ -66,7 +66,7 @@ pub fn all(count: u32) -> Table {
     table
 }
 
-/// What a hit and what follows from it is off by.
+/// Errors of a hit and of what follows from it.
 struct Hit {
     t: f64,
     along: f64,
@@ -87,7 +87,7 @@ fn hits(scene: &Scene, rounded: &Wide, rays: &[photon_core::PhotonRay]) -> Vec<H
         let (from, along) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let found = accel.nearest(&ray).unwrap();
         let Some(truth) = rounded.tree.nearest(from, along, f64::INFINITY, u32::MAX) else { continue };
-        // At an edge each may be right about its own triangle; paths that part there are counted elsewhere.
+        // At an edge, each may be right about its own triangle; paths that diverge there are counted elsewhere.
         if truth.primitive != found.primitive {
             continue;
         }
@@ -123,7 +123,7 @@ fn hits(scene: &Scene, rounded: &Wide, rays: &[photon_core::PhotonRay]) -> Vec<H
     out
 }
 
-/// A running sum in f64, as the film has it, beside one that takes its rounding back (Neumaier 1974).
+/// A running sum in f64, as in the film, compared with a compensated sum (Neumaier 1974).
 fn film(passes: u32) -> f64 {
     let mut uniform = crate::harness::Uniform::new(3);
     let (mut plain, mut sum, mut lost) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -137,7 +137,7 @@ fn film(passes: u32) -> f64 {
     relative(plain, sum + lost)
 }
 
-/// Rays that graze a floor as large as the scene.
+/// Grazing rays on a floor as large as the scene.
 #[must_use]
 pub fn grazing(rays: usize) -> Table {
     let floor = Described {
@@ -197,7 +197,7 @@ pub fn grazing(rays: usize) -> Table {
             mirrored = mirrored.max(turned / slope);
         }
         let [median, most, _] = spread(gaps);
-        // Half a unit in the last place at 1/4, where the floor is.
+        // Half a unit in the last place at 1/4, the position of the floor.
         let moved = 2.0_f64.powi(-26) / slope.tan();
         let lost = f64::from(lost) / rays as f64;
         table.row(format!("{degrees}°"), &[median, most, moved, lost, reflectance, mirrored]);
@@ -205,7 +205,7 @@ pub fn grazing(rays: usize) -> Table {
     table
 }
 
-/// Indices near 1: what is left of the deviation.
+/// Refractive indices near 1: the accuracy of the deviation.
 #[must_use]
 pub fn near_one() -> Table {
     let columns = [
@@ -239,14 +239,15 @@ pub fn near_one() -> Table {
     table
 }
 
-/// Random numbers of 32 bits: the share of directions within a cone about a pole of a point light, over the truth.
+/// Random numbers of 32 bits: the fraction of directions within a cone about a pole of a point light, relative to
+/// the truth.
 #[must_use]
 pub fn pole(angles: &[f64]) -> Table {
     let columns =
         ["half angle of the cone, radians", "directions in it, relative error", "number of different heights"];
     let mut table = Table::new("32 bits of a random number, about a pole of a point light", &columns);
     for &half in angles {
-        // cos θ = 1 − 2u, so that the cone holds u < (1 − cos half)/2.
+        // cos θ = 1 − 2u, so the cone contains u < (1 − cos half)/2.
         let share = (0.5 * half).sin().powi(2);
         let heights = (share * 4_294_967_296.0).ceil();
         table.row(format!("{half:.0e}"), &[relative(heights / 4_294_967_296.0, share), heights]);

@@ -1,4 +1,4 @@
-//! From where on f32 is not enough: by the size of a detail, by the distance from the origin, by the length of a path.
+//! Where f32 becomes insufficient: by the size of a detail, the distance from the origin, and the length of a path.
 
 use photon_core::glam::{DVec3, Vec3};
 use photon_core::{Ray, RayCaster, offset};
@@ -8,7 +8,7 @@ use super::shipped::{Pair, flux, studio, twins, upward};
 use super::{Table, quantile};
 use crate::twin::{Described, Wide};
 
-/// A room that is so many times smaller than the scene, in its corner.
+/// A room in the corner of the scene, for each ratio of their sizes.
 #[must_use]
 pub fn detail(ratios: &[f64], paths: u32) -> Table {
     let columns = [
@@ -34,7 +34,7 @@ pub fn detail(ratios: &[f64], paths: u32) -> Table {
             continue;
         }
         let pair = Pair::new(&described, &described, paths, 16);
-        // A room is two metres.
+        // A room measures two metres.
         let mut apart: Vec<f64> = pair.at(0).iter().map(|meeting| 0.5 * meeting.apart).collect();
         let (ships, error) = pair.flux();
         let row = [
@@ -54,7 +54,7 @@ pub fn detail(ratios: &[f64], paths: u32) -> Table {
     table
 }
 
-/// Flux onto the floor with the shipped step off surfaces and no other change, relative.
+/// Relative flux onto the floor with the shipped offset from surfaces and no other change.
 fn step(described: &Described, pair: &Pair, paths: u32) -> f64 {
     let mut wide = Wide::exact(&described.builder().build().unwrap(), described);
     wide.step = 1.0 / 1_048_576.0;
@@ -62,8 +62,8 @@ fn step(described: &Described, pair: &Pair, paths: u32) -> f64 {
     flux(upward(&stepped), upward(&pair.twin)).0
 }
 
-/// Share of shadow rays, from the first landings to the point light, that the shipped caster and the twin do not
-/// agree on.
+/// Fraction of the shadow rays, from the first landings to the point light, on which the shipped caster and the
+/// twin disagree.
 fn shadows(described: &Described, pair: &Pair) -> f64 {
     let scene = described.builder().build().unwrap();
     let wide = Wide::exact(&scene, described);
@@ -83,7 +83,7 @@ fn shadows(described: &Described, pair: &Pair) -> f64 {
         let gap: DVec3 = place - landing.point;
         let blocked =
             wide.tree.nearest(landing.point, gap.normalize_or_zero(), gap.length(), landing.primitive).is_some();
-        // Behind its own surface nothing is asked.
+        // No shadow ray is traced to a light behind the surface.
         if gap.dot(landing.normal) > 0.0 {
             count += 1;
             differ += u32::from(accel.occluded(&ray) != blocked);
@@ -92,7 +92,7 @@ fn shadows(described: &Described, pair: &Pair) -> f64 {
     f64::from(differ) / f64::from(count.max(1))
 }
 
-/// A room far from the user's origin, in f64 and as if its file had held 32 bits.
+/// A room far from the user's origin, given in f64 and as if its file had stored 32-bit coordinates.
 #[must_use]
 pub fn places(decades: std::ops::RangeInclusive<i32>, paths: u32) -> Table {
     let columns = [
@@ -122,7 +122,7 @@ pub fn places(decades: std::ops::RangeInclusive<i32>, paths: u32) -> Table {
     table
 }
 
-/// Landing after landing, in a bright room with glass and a mirror.
+/// Landing by landing, in a bright room with glass and a mirror.
 #[must_use]
 pub fn path(landings: &[usize], paths: u32) -> Table {
     let columns = [

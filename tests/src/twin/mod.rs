@@ -1,9 +1,10 @@
-//! The CPU's pipeline once more, in f64: what the f32 that ships is compared with.
+//! A reference implementation of the CPU pipeline in f64, with which the shipped f32 code is compared.
 //!
-//! A twin in the tests, as the kernels in GLSL are twins of Rust, and neither generic code nor a feature: the code
-//! that ships stays as it is and as fast, whoever reads it meets one type of number, and the twin is free to do what
-//! f32 only approximates (sines of the system's library, rays that skip the triangle they leave instead of a step off
-//! it). It takes the same random words, so that both walk the same path until rounding parts them.
+//! It is a separate twin in the tests, as the GLSL kernels are twins of the Rust code, rather than generic code or
+//! a feature: the shipped code stays unchanged and as fast, its readers meet only one number type, and the twin may
+//! do exactly what f32 only approximates (the system library's sines; rays that skip the triangle they leave
+//! instead of an offset from it). It takes the same random words, so both trace the same path until rounding makes
+//! them diverge.
 
 pub mod optics;
 pub mod path;

@@ -1,9 +1,10 @@
-//! Twins of `photon_core::{fresnel, sampling}`, by the formulas rather than by the code.
+//! Twins of `photon_core::{fresnel, sampling}`, written from the formulas rather than from the code.
 
 use photon_core::glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Reflectance and cosine of the refracted ray, by Fresnel and Snell; `eta` beyond over before.
+/// Reflectance and cosine of the refracted ray, by Fresnel and Snell; `eta` is the ratio of the transmitted to the
+/// incident index.
 #[must_use]
 pub fn fresnel(cosine: f64, eta: f64) -> (f64, f64) {
     if eta == 1.0 {
@@ -20,19 +21,19 @@ pub fn fresnel(cosine: f64, eta: f64) -> (f64, f64) {
     (0.5 * (s * s + p * p), t.min(1.0))
 }
 
-/// Of a sheet with all reflections between its faces.
+/// Reflectance of a thin sheet, with all reflections between its faces.
 #[must_use]
 pub fn sheet(single: f64) -> f64 {
     2.0 * single / (1.0 + single)
 }
 
-/// The mirror direction.
+/// The direction of mirror reflection.
 #[must_use]
 pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
     (direction - normal * (2.0 * direction.dot(normal))).normalize_or_zero()
 }
 
-/// The refracted direction; `normal` faces where the ray comes from.
+/// The refracted direction; `normal` points to the side that the ray comes from.
 #[must_use]
 pub fn refract(direction: DVec3, normal: DVec3, eta: f64, cos_transmitted: f64) -> DVec3 {
     if eta == 1.0 {
@@ -42,7 +43,7 @@ pub fn refract(direction: DVec3, normal: DVec3, eta: f64, cos_transmitted: f64) 
     (direction / eta + normal * (cosine / eta - cos_transmitted)).normalize_or_zero()
 }
 
-/// The basis that f32 takes as well: it is part of what a random number means.
+/// The same tangent basis as in f32: it determines how random numbers map to directions.
 #[must_use]
 pub fn basis(n: DVec3) -> (DVec3, DVec3) {
     let sign = 1.0_f64.copysign(n.z);
@@ -51,7 +52,7 @@ pub fn basis(n: DVec3) -> (DVec3, DVec3) {
     (DVec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), DVec3::new(b, sign + n.y * n.y * a, -n.y))
 }
 
-/// `sine` and `cosine` off the axis, `turns` around it.
+/// The direction with `sine` and `cosine` relative to the axis, `turns` around it.
 #[must_use]
 pub fn around(axis: DVec3, sine: f64, cosine: f64, turns: f64) -> DVec3 {
     let (s, c) = (turns * TAU).sin_cos();
@@ -59,19 +60,19 @@ pub fn around(axis: DVec3, sine: f64, cosine: f64, turns: f64) -> DVec3 {
     (tangent * (sine * c) + bitangent * (sine * s) + axis * cosine).normalize_or_zero()
 }
 
-/// Density cos θ/π.
+/// A sample of the hemisphere with density cos θ/π.
 #[must_use]
 pub fn cosine_hemisphere(n: DVec3, u: f64, v: f64) -> DVec3 {
     around(n, u.sqrt(), (1.0 - u).sqrt(), v)
 }
 
-/// Density 1/4π.
+/// A sample of the sphere with density 1/4π.
 #[must_use]
 pub fn uniform_sphere(u: f64, v: f64) -> DVec3 {
     around(DVec3::Z, 2.0 * (u * (1.0 - u)).sqrt(), 1.0 - 2.0 * u, v)
 }
 
-/// The angle between two unit vectors, exact for the smallest.
+/// The angle between two unit vectors, accurate for very small angles.
 #[must_use]
 pub fn angle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
@@ -83,7 +84,7 @@ mod tests {
     use photon_core::glam::Vec3;
     use photon_core::{fresnel as narrow_fresnel, sampling};
 
-    /// Both are the same functions: f32 differs by its rounding, and not at all by what it computes.
+    /// Both implement the same functions: f32 differs by rounding only.
     #[test]
     fn twins_of_the_shipped_functions() {
         for i in 0..1000_u32 {
@@ -106,7 +107,7 @@ mod tests {
         assert!((sheet(0.04) - 0.076_923_077).abs() < 1e-9);
     }
 
-    /// The comparison tells: an index a thousandth off is seen.
+    /// Negative control: an index that differs by a thousandth is detected.
     #[test]
     fn another_index_is_not_the_same() {
         let down = DVec3::new(0.6, 0.0, -0.8);

@@ -1,4 +1,4 @@
-//! Paths of photons in f64, by the random words that the shipped ones take.
+//! Photon paths in f64, with the same random words as the shipped ones.
 
 use photon_core::glam::DVec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, centred_f32, unit_f32};
@@ -7,27 +7,27 @@ use photon_core::{Light, MapKind, MaterialKind, MediumStack, Pass, interface, li
 use super::optics;
 use super::scene::Wide;
 
-/// A photon as it leaves a light.
+/// A photon when it leaves a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// Normalised space.
     pub origin: DVec3,
     /// Unit vector.
     pub direction: DVec3,
-    /// Linear RGB, in units of all power.
+    /// Linear RGB, in units of the total power.
     pub power: DVec3,
-    /// The triangle it leaves, or `u32::MAX`.
+    /// The triangle that it leaves, or `u32::MAX`.
     pub from: u32,
-    /// The media it starts in.
+    /// The media that it starts in.
     pub media: MediumStack,
 }
 
-/// A photon where it lands on a diffuse surface.
+/// A photon where it hits a diffuse surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
-    /// Surfaces met before.
+    /// Number of surfaces hit before.
     pub bounce: u32,
-    /// The map that it belongs to.
+    /// The map that it is stored in.
     pub map: MapKind,
     /// Normalised space.
     pub point: DVec3,
@@ -35,24 +35,24 @@ pub struct Landing {
     pub back: DVec3,
     /// Linear RGB.
     pub power: DVec3,
-    /// On the side where it arrived.
+    /// Normal on the side where it arrived.
     pub normal: DVec3,
-    /// The triangle.
+    /// Index of the triangle.
     pub primitive: u32,
 }
 
-/// What became of a path.
+/// How a path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// Lost to nothing behind the scene.
+    /// Left the scene.
     Escaped,
-    /// By a surface.
+    /// Absorbed by a surface.
     Absorbed,
-    /// At the longest path.
+    /// Reached the maximum path length.
     Truncated,
 }
 
-/// The ray of one path. Spots and parallel light, which the study does not use, are not here.
+/// The first ray of a path. Spotlights and directional lights, which the study does not use, are not implemented.
 #[must_use]
 pub fn emit(scene: &Wide, pass: Pass, path: u32) -> Start {
     let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, Domain::Photon, path);
@@ -81,19 +81,19 @@ pub fn emit(scene: &Wide, pass: Pass, path: u32) -> Start {
     Start { origin, direction, power, from, media }
 }
 
-/// How paths are followed.
+/// Parameters of path tracing.
 #[derive(Clone, Copy, Debug)]
 pub struct Twin<'a> {
-    /// Through this.
+    /// The scene.
     pub scene: &'a Wide,
     /// Key of the random numbers.
     pub pass: Pass,
-    /// Surfaces at most.
+    /// Maximum number of surfaces.
     pub max_bounces: u32,
 }
 
 impl Twin<'_> {
-    /// Follows one path to its end.
+    /// Traces one path to its end.
     #[must_use]
     pub fn follow(&self, start: &Start, path: u32) -> (Vec<Landing>, End) {
         let scene = self.scene;

@@ -1,4 +1,4 @@
-//! A scene in f64, with the user's numbers unrounded or with those that ship.
+//! A scene in f64, with the user's numbers unrounded or with the shipped f32 numbers.
 
 use photon_core::glam::{DVec3, Vec3};
 use photon_core::{Light, Material, Medium, MediumStack, Solids};
@@ -7,12 +7,12 @@ use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
 use super::tree::Tree;
 
-/// A scene that is kept as the user gave it, beside what the builder makes of it.
+/// A scene as the user described it, beside what the builder makes of it.
 #[derive(Clone, Debug, Default)]
 pub struct Described {
-    /// Meshes with their materials, user space.
+    /// Meshes with their materials, in user space.
     pub meshes: Vec<(Shape, MaterialDesc)>,
-    /// Lights that are no surfaces.
+    /// Lights other than emissive surfaces.
     pub lights: Vec<LightDesc>,
 }
 
@@ -31,7 +31,7 @@ impl Described {
         builder
     }
 
-    /// The same as if its coordinates had been stored in 32 bits.
+    /// The same scene as if its coordinates had been stored in 32 bits.
     #[must_use]
     pub fn stored_narrow(&self) -> Self {
         let narrow = |p: [f64; 3]| p.map(|x| f64::from(x as f32));
@@ -48,28 +48,28 @@ impl Described {
     }
 }
 
-/// The tables of a scene in f64, normalised space.
+/// The tables of a scene in f64, in normalised space.
 #[derive(Clone, Debug)]
 pub struct Wide {
     pub(crate) triangles: Vec<[DVec3; 3]>,
     pub(crate) normals: Vec<DVec3>,
     pub(crate) material_of: Vec<u32>,
-    /// Colours, indices and powers are input in 32 bits, for both.
+    /// Colours, indices and powers are 32-bit input for both.
     pub(crate) materials: Vec<Material>,
     pub(crate) media: Vec<Medium>,
-    /// The media that photons of each light start in, on its front and its back.
+    /// The media in which photons from each light start, on its front and on its back.
     pub(crate) light_media: Vec<[MediumStack; 2]>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_places: Vec<DVec3>,
     pub(crate) light_cdf: Vec<u32>,
     pub(crate) tree: Tree,
-    /// How far rays step off surfaces along their normals: against the rounding of f64, unless set otherwise. Points
-    /// keep twice that from edges.
+    /// Distance by which rays are offset from surfaces along their normals: against the rounding of f64, unless set
+    /// otherwise. Points keep twice that distance from edges.
     pub step: f64,
 }
 
 impl Wide {
-    /// The numbers that ship, each in f64: what is left beside it is the arithmetic alone.
+    /// The shipped numbers, each converted to f64: what differs from the shipped code is the arithmetic alone.
     #[must_use]
     pub fn rounded(scene: &Scene) -> Self {
         let view = scene.view();
@@ -87,9 +87,9 @@ impl Wide {
         }
     }
 
-    /// The user's numbers, moved to normalised space without rounding them to f32.
+    /// The user's numbers, transformed to normalised space without rounding them to f32.
     ///
-    /// Every triangle must have been kept, and the lights too.
+    /// No triangle and no light may have been dropped.
     #[must_use]
     pub fn exact(scene: &Scene, described: &Described) -> Self {
         let units = scene.units();
@@ -106,12 +106,12 @@ impl Wide {
             LightDesc::Point { position, .. } | LightDesc::Spot { position, .. } => place(position),
             LightDesc::Directional { .. } => DVec3::ZERO,
         }));
-        assert_eq!(wide.light_places.len(), wide.lights.len(), "a light was left out");
+        assert_eq!(wide.light_places.len(), wide.lights.len(), "a light was dropped");
         wide
     }
 
-    /// The point with these weights of the second and third vertex, two steps away from every edge but no more than a
-    /// sixteenth of the triangle, as `offset::within` has it.
+    /// The point with these weights of the second and third vertex, moved away from every edge by two steps, but by
+    /// no more than a sixteenth of the triangle, as in `offset::within`.
     pub(crate) fn point(&self, primitive: usize, u: f64, v: f64) -> DVec3 {
         let [a, b, c] = self.triangles[primitive];
         let margin = 2.0 * self.step;

@@ -1,20 +1,21 @@
-//! The nearest triangle along a ray, in f64: boxes halved at the middle triangle.
+//! The nearest triangle along a ray, in f64: a BVH split at the middle triangle.
 
 use photon_core::glam::DVec3;
 
-/// Triangles in a leaf.
+/// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
 
 #[derive(Clone, Debug)]
 struct Node {
     low: DVec3,
     high: DVec3,
-    /// Of a leaf, its triangles within `order`; otherwise the second child, the first following at once.
+    /// In a leaf, the index of its first triangle in `order`; otherwise the second child, while the first follows
+    /// directly.
     first: usize,
     count: usize,
 }
 
-/// Triangles, arranged.
+/// A BVH over triangles.
 #[derive(Clone, Debug)]
 pub struct Tree {
     triangles: Vec<[DVec3; 3]>,
@@ -22,21 +23,21 @@ pub struct Tree {
     nodes: Vec<Node>,
 }
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WideHit {
-    /// Distance.
+    /// Distance along the ray.
     pub t: f64,
-    /// Which.
+    /// Index of the triangle.
     pub primitive: u32,
     /// Weight of the second vertex.
     pub u: f64,
-    /// Weight of the third.
+    /// Weight of the third vertex.
     pub v: f64,
 }
 
 impl Tree {
-    /// Arranges triangles.
+    /// Builds the tree.
     #[must_use]
     pub fn new(triangles: Vec<[DVec3; 3]>) -> Self {
         let order = (0..triangles.len() as u32).collect();
@@ -67,7 +68,7 @@ impl Tree {
         self.nodes[own].count = 0;
     }
 
-    /// The nearest at `0 < t ≤ far` that is not `except`, which is what the ray leaves.
+    /// The nearest intersection with `0 < t ≤ far`, except with triangle `except`, which the ray leaves.
     #[must_use]
     pub fn nearest(&self, origin: DVec3, direction: DVec3, far: f64, except: u32) -> Option<WideHit> {
         if self.triangles.is_empty() {
@@ -80,7 +81,7 @@ impl Tree {
         while let Some(index) = waiting.pop() {
             let node: &Node = &self.nodes[index];
             let (a, b) = ((node.low - origin) * inverse, (node.high - origin) * inverse);
-            // A ray within a face's plane makes NaN, which `min` and `max` of f64 leave out.
+            // A ray in a face's plane gives NaN, which `min` and `max` of f64 ignore.
             let fold = |of: fn(f64, f64) -> f64, inner: fn(f64, f64) -> f64, start: f64| {
                 (0..3).fold(start, |sum, axis| of(sum, inner(a[axis], b[axis])))
             };
@@ -107,7 +108,7 @@ impl Tree {
     }
 }
 
-/// Möller and Trumbore 1997.
+/// Ray–triangle intersection (Möller and Trumbore 1997).
 fn meet([a, b, c]: &[DVec3; 3], origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
     let (e, f) = (*b - *a, *c - *a);
     let p = direction.cross(f);

@@ -1,12 +1,13 @@
-//! Filters of a search for the nearest.
+//! Filters for nearest-neighbour searches.
 
-/// Which points may be found.
+/// Decides which points a search may return.
 pub(crate) trait Accept {
-    /// Those of the `hits` in a block, whose first slot is `first`, that are accepted.
+    /// The subset of `hits` that is accepted. `hits` is a bit mask of the lanes of the block whose first slot is
+    /// `first`.
     fn among(&mut self, hits: u32, first: u32) -> u32;
 }
 
-/// All.
+/// Accepts every point.
 pub(crate) struct All;
 
 impl Accept for All {
@@ -16,7 +17,7 @@ impl Accept for All {
     }
 }
 
-/// Those for whose slot a function is true.
+/// Accepts the points for whose slot the function returns true.
 pub(crate) struct If<F>(pub(crate) F);
 
 impl<F: FnMut(u32) -> bool> Accept for If<F> {

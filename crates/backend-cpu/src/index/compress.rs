@@ -1,7 +1,7 @@
-//! Vector instructions by name, for what the compiler does not find by itself.
+//! Explicit SIMD intrinsics, for loops that the compiler does not vectorise.
 //!
-//! The loops over all points of a segment that `select` consists of go as far as whole vectors reach and
-//! say how far; plain loops do the rest, and the same from the start where there are no such vectors.
+//! The loops over all points of a segment in `select` process whole vectors only and return how many points they
+//! handled; scalar loops process the rest, or everything if the instruction set is missing.
 
 use crate::index::lanes::{Collected, Distances, Distributed};
 use crate::index::points::Item;
@@ -22,14 +22,14 @@ pub(crate) fn distribute_by_four<const AXIS: usize>(
     let (fours, _) = from.as_chunks::<4>();
     for &four in fours {
         let next_right = left + done - next_left;
-        // Four are stored on either side; what is too much is overwritten by those that follow, or else
-        // there must not be any.
+        // Four points are stored on either side; surplus ones are overwritten by later points. Where that is not
+        // guaranteed, the loop has to stop.
         if next_left + 4 > left || next_right + 4 > to.len() {
             break;
         }
         let points: __m512 = cast(four.map(|item| item.0));
         let goes_left = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(0x1111 << AXIS, points, cut) >> AXIS;
-        // One bit per point becomes one per number.
+        // Expand one bit per point to one bit per component.
         let numbers = goes_left * 15;
         let low: [[f32; 4]; 4] = cast(_mm512_maskz_compress_ps(numbers, points));
         let high: [[f32; 4]; 4] = cast(_mm512_maskz_compress_ps(!numbers, points));

@@ -1,6 +1,6 @@
-//! One source, three instruction sets: a search is compiled for the baseline, for AVX2 and for
-//! AVX-512, and which of them runs is decided when an index is built. None of them fuses or reorders
-//! floating-point operations, so that results are the same bits.
+//! Runtime dispatch: each search is compiled for the baseline, for AVX2 and for AVX-512, and the version to run is
+//! selected when an index is built. None of them fuses or reorders floating-point operations, so the results are
+//! bit-identical.
 
 use crate::index::lanes::{Baseline, Lanes};
 #[cfg(target_arch = "x86_64")]
@@ -11,10 +11,10 @@ use crate::index::{
     rank::Key,
 };
 
-/// What the processor offers.
+/// Instruction sets that searches are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Isa {
-    /// What every processor of the target has.
+    /// Available on every processor of the target.
     Baseline,
     #[cfg(target_arch = "x86_64")]
     Avx2,
@@ -23,7 +23,7 @@ pub(crate) enum Isa {
 }
 
 impl Isa {
-    /// The best that this processor has.
+    /// The best instruction set that this processor supports.
     pub(crate) fn detect() -> Isa {
         #[cfg(target_arch = "x86_64")]
         {
@@ -50,7 +50,7 @@ impl Isa {
         Isa::Baseline
     }
 
-    /// All that this processor has, for tests that compare them.
+    /// All instruction sets that this processor supports, for tests that compare them.
     #[cfg(test)]
     pub(crate) fn all() -> Vec<Isa> {
         let mut all = vec![Isa::Baseline];
@@ -73,8 +73,8 @@ impl Isa {
                 unsafe_code,
                 reason = "a function compiled for more than the baseline can be called in no other way"
             )]
-            // SAFETY: these values come from `detect` alone, which saw the features that the functions
-            // are compiled for.
+            // SAFETY: these values are constructed in `detect` only, after it found the features that the
+            // functions are compiled for.
             Isa::Avx2 => unsafe { avx2(search) },
             #[cfg(target_arch = "x86_64")]
             #[allow(
@@ -87,14 +87,14 @@ impl Isa {
     }
 }
 
-/// Work to be compiled once for each instruction set. `run`, and all in it that should profit, is
-/// `#[inline(always)]`.
+/// Work compiled once per instruction set. `run`, and everything in it that should be compiled for the instruction
+/// set, has to be `#[inline(always)]`.
 pub(crate) trait IndexSearch {
     type Output;
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// Only code compiled for AVX2 gets hold of this.
+/// Can only be constructed by code compiled for AVX2.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 struct Avx2(());
@@ -104,12 +104,12 @@ impl Lanes for Avx2 {
     #[inline(always)]
     #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
     fn at_most(self, d2: &Distances, limit: f32) -> u32 {
-        // SAFETY: whoever has `self` was compiled for AVX2.
+        // SAFETY: `self` only exists in code compiled for AVX2.
         unsafe { compress::at_most_of_eight_twice(d2, limit) }
     }
 }
 
-/// Only code compiled for AVX-512 gets hold of this.
+/// Can only be constructed by code compiled for AVX-512.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 struct Avx512(());
@@ -121,28 +121,28 @@ impl Lanes for Avx512 {
     #[inline(always)]
     #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
     fn at_most(self, d2: &Distances, limit: f32) -> u32 {
-        // SAFETY: whoever has `self` was compiled for AVX-512.
+        // SAFETY: `self` only exists in code compiled for AVX-512.
         unsafe { compress::at_most_of_sixteen(d2, limit) }
     }
 
     #[inline(always)]
     #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
     fn append(self, keys: &mut [Key], hits: u32, first_slot: u32, d2: &Distances) -> usize {
-        // SAFETY: whoever has `self` was compiled for AVX-512.
+        // SAFETY: `self` only exists in code compiled for AVX-512.
         unsafe { compress::append_by_eight(keys, hits, first_slot, d2) }
     }
 
     #[inline(always)]
     #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
     fn distribute<const AXIS: usize>(self, from: &[Item], to: &mut [Item], left: usize, last: f32) -> Distributed {
-        // SAFETY: whoever has `self` was compiled for AVX-512.
+        // SAFETY: `self` only exists in code compiled for AVX-512.
         unsafe { compress::distribute_by_four::<AXIS>(from, to, left, last) }
     }
 
     #[inline(always)]
     #[allow(unsafe_code, reason = "a trait's method cannot be compiled for more than the baseline")]
     fn collect<const AXIS: usize>(self, items: &[Item], to: &mut [f32], low: f32, high: f32) -> Collected {
-        // SAFETY: whoever has `self` was compiled for AVX-512.
+        // SAFETY: `self` only exists in code compiled for AVX-512.
         unsafe { compress::collect_by_four::<AXIS>(items, to, low, high) }
     }
 }

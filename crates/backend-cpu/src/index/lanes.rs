@@ -1,10 +1,10 @@
-//! Sixteen distances at once. Written over arrays of fixed length, which the compiler turns into
-//! whatever vectors the surrounding function may use.
+//! Sixteen distances at a time, written as loops over fixed-length arrays, which the compiler vectorises for the
+//! instruction set of the surrounding function.
 //!
-//! Squared distances are `(dx·dx + dy·dy) + dz·dz` in `f32`, each operation rounded, none fused. As
-//! rounding is monotonic, a box's distance computed the same way from its nearest corner is never
-//! above that of a point in it, nor below it from its farthest: pruning by boxes loses nothing and
-//! needs no tolerance.
+//! Squared distances are `(dx·dx + dy·dy) + dz·dz` in `f32`; each operation is rounded, none is fused. Rounding is
+//! monotonic, so the distance to a box's nearest corner, computed the same way, is never above that to a point in
+//! the box, and the distance to its farthest corner is never below. Pruning by boxes is therefore exact and needs
+//! no tolerance.
 
 use crate::index::layout::{Block, Node, WIDTH};
 use crate::index::points::Item;
@@ -14,7 +14,7 @@ use photon_core::glam::Vec4;
 /// Sixteen squared distances.
 pub(crate) type Distances = [f32; WIDTH];
 
-/// From the query to the points of a block; NaN in empty lanes.
+/// Squared distances from the query to the points of a block; NaN in empty lanes.
 #[inline(always)]
 pub(crate) fn to_points(block: &Block, query: [f32; 3]) -> Distances {
     let mut d2 = [0.0; WIDTH];
@@ -27,7 +27,7 @@ pub(crate) fn to_points(block: &Block, query: [f32; 3]) -> Distances {
     d2
 }
 
-/// From the query to the nearest corner, edge or face of the children's boxes, 0 inside; NaN in empty lanes.
+/// Squared distances from the query to the nearest points of the children's boxes, 0 inside; NaN in empty lanes.
 #[inline(always)]
 pub(crate) fn to_boxes(node: &Node, query: [f32; 3]) -> Distances {
     let mut d2 = [0.0; WIDTH];
@@ -37,7 +37,7 @@ pub(crate) fn to_boxes(node: &Node, query: [f32; 3]) -> Distances {
             let below = node.lo[axis][lane] - query[axis];
             let above = query[axis] - node.hi[axis][lane];
             let outside = if below > above { below } else { above };
-            // In this order of operands a NaN stays.
+            // This order of operands propagates NaN.
             let gap = if 0.0 > outside { 0.0 } else { outside };
             sum += gap * gap;
         }
@@ -46,7 +46,7 @@ pub(crate) fn to_boxes(node: &Node, query: [f32; 3]) -> Distances {
     d2
 }
 
-/// From the query to the farthest corners of the children's boxes; NaN in empty lanes.
+/// Squared distances from the query to the farthest corners of the children's boxes; NaN in empty lanes.
 #[inline(always)]
 pub(crate) fn to_far_corners(node: &Node, query: [f32; 3]) -> Distances {
     let mut d2 = [0.0; WIDTH];
@@ -63,12 +63,12 @@ pub(crate) fn to_far_corners(node: &Node, query: [f32; 3]) -> Distances {
     d2
 }
 
-/// What instruction sets do differently.
+/// Operations with a separate implementation per instruction set.
 pub(crate) trait Lanes: Copy {
-    /// Whether one vector holds sixteen lanes.
+    /// Whether one vector register holds sixteen lanes.
     const WIDE: bool = false;
 
-    /// One bit for each lane that is at most `limit`.
+    /// A bit mask of the lanes that are at most `limit`.
     #[inline(always)]
     fn at_most(self, d2: &Distances, limit: f32) -> u32 {
         let limit = Vec4::splat(limit);
@@ -79,7 +79,8 @@ pub(crate) trait Lanes: Copy {
         mask
     }
 
-    /// Writes a key for each lane in `hits` to the front of `keys`, which has room for all sixteen; how many.
+    /// Writes a key for each lane in `hits` to the front of `keys`, which must have room for all sixteen. Returns
+    /// how many.
     #[inline(always)]
     fn append(self, keys: &mut [Key], hits: u32, first_slot: u32, d2: &Distances) -> usize {
         let mut rest = hits;
@@ -93,42 +94,42 @@ pub(crate) trait Lanes: Copy {
         count
     }
 
-    /// Copies points to `to`, in their order: those at most at `last` along `AXIS` from the start on, the others
-    /// from `left` on; as many as vectors reach.
+    /// Copies points to `to`, preserving their order: those with a coordinate of at most `last` along `AXIS` to the
+    /// front, the others from index `left` on. Processes whole vectors only; may stop early.
     #[inline(always)]
     fn distribute<const AXIS: usize>(self, _from: &[Item], _to: &mut [Item], _left: usize, _last: f32) -> Distributed {
         Distributed::default()
     }
 
-    /// Collects the coordinates along `AXIS` that are in [`low`, `high`], of as many points as vectors reach.
-    /// `to` is at least four longer than `items`.
+    /// Collects the coordinates along `AXIS` that are in [`low`, `high`]. Processes whole vectors only. `to` must
+    /// be at least four elements longer than `items`.
     #[inline(always)]
     fn collect<const AXIS: usize>(self, _items: &[Item], _to: &mut [f32], _low: f32, _high: f32) -> Collected {
         Collected::default()
     }
 }
 
-/// How far [`Lanes::distribute`] came.
+/// How far [`Lanes::distribute`] got.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Distributed {
-    /// Points done.
+    /// Points processed.
     pub(crate) done: usize,
-    /// How many of those went left.
+    /// How many of them went left.
     pub(crate) went_left: usize,
 }
 
-/// How far [`Lanes::collect`] came.
+/// How far [`Lanes::collect`] got.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Collected {
-    /// Points done.
+    /// Points processed.
     pub(crate) done: usize,
-    /// How many of those were below the range.
+    /// How many of them were below the range.
     pub(crate) below: usize,
-    /// How many were in it.
+    /// How many of them were in the range.
     pub(crate) inside: usize,
 }
 
-/// What every target has.
+/// Implemented without intrinsics, for every target.
 #[derive(Clone, Copy)]
 pub(crate) struct Baseline;
 

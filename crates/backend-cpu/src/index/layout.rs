@@ -1,21 +1,20 @@
-//! Where points and boxes lie in memory: blocks of sixteen points under a tree with sixteen children
-//! to a node. One layout serves all three builders; they differ in the order of the points and in
-//! which blocks share a node.
+//! Memory layout of points and boxes: blocks of sixteen points under a tree with sixteen children per node. All
+//! three builders use the same layout; they differ in the order of the points and in which blocks share a node.
 
 use crate::index::points::{Bounds, Item};
 use rayon::prelude::*;
 
-/// Points in a block, and children of a node: one AVX-512 register of `f32`, two of AVX2.
+/// Points per block and children per node: one AVX-512 register of `f32`, or two of AVX2.
 pub(crate) const WIDTH: usize = 16;
 
-/// Set in a child that is a block of points; the other bits are its number.
+/// Set in a child that is a block of points; the other bits are the block's number.
 pub(crate) const LEAF: u32 = 1 << 31;
 
-/// Deepest tree that a builder may hand over, counted in nodes from the root to a block.
+/// Maximum depth of a tree, counted in nodes from the root to a block.
 pub(crate) const MAX_DEPTH: usize = 64;
 
-/// Sixteen points, coordinate by coordinate. Lanes past the last point are NaN, so that no
-/// comparison with a radius, not even an infinite one, lets them in.
+/// Sixteen points as a structure of arrays. Lanes past the last point are NaN, so that they fail every comparison
+/// with a radius, even an infinite one.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Block {
@@ -28,14 +27,14 @@ impl Block {
     pub(crate) const EMPTY: Block = Block { x: [f32::NAN; WIDTH], y: [f32::NAN; WIDTH], z: [f32::NAN; WIDTH] };
 }
 
-/// Up to sixteen children and the boxes around their points. Boxes of absent children are NaN, for
-/// the reason given at [`Block`].
+/// Up to sixteen children and the bounding boxes of their points. Boxes of absent children are NaN, for the reason
+/// given at [`Block`].
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     pub(crate) lo: [[f32; WIDTH]; 3],
     pub(crate) hi: [[f32; WIDTH]; 3],
-    /// Number of a node, or `LEAF |` number of a block.
+    /// A node's number, or `LEAF |` a block's number.
     pub(crate) child: [u32; WIDTH],
 }
 
@@ -44,12 +43,12 @@ impl Node {
         Node { lo: [[f32::NAN; WIDTH]; 3], hi: [[f32::NAN; WIDTH]; 3], child: [u32::MAX; WIDTH] };
 }
 
-/// What a search never reads unless distances tie or a whole subtree counts.
+/// Data that a search reads only if distances tie or a whole subtree counts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extra {
-    /// Lowest id below.
+    /// Lowest id in the subtree.
     pub(crate) min_id: u32,
-    /// Points below.
+    /// Number of points in the subtree.
     pub(crate) count: u32,
 }
 
@@ -65,20 +64,20 @@ pub(crate) struct Tree {
     pub(crate) nodes: Vec<Node>,
     pub(crate) block_extra: Vec<Extra>,
     pub(crate) node_extra: Vec<Extra>,
-    /// Slot to id.
+    /// Maps slots to ids.
     pub(crate) order: Vec<u32>,
     pub(crate) bounds: Bounds,
 }
 
-/// Blocks to a task, and blocks whose points are fetched together.
+/// Blocks per parallel task, and blocks whose points are fetched together.
 const TASK: usize = 512;
 const NEAR: usize = 8;
 
-/// Lays out points in their final order, of which `item` tells the one in a slot with an id, under nodes of which
-/// only `child` is filled in.
+/// Fills blocks with the points in their final order, and the nodes over them. `item` returns the point in a given
+/// slot with a given id; of `nodes`, only `child` is filled in.
 pub(crate) fn lay_out(order: Vec<u32>, item: impl Fn(usize, u32) -> Item + Sync, mut nodes: Vec<Node>) -> Tree {
     let count = order.len().div_ceil(WIDTH);
-    // In parallel, as the system hands out memory where it is first written.
+    // In parallel, since the system allocates pages when they are first written.
     let (mut blocks, mut below) = (Vec::new(), Vec::new());
     (0..count)
         .into_par_iter()
@@ -91,7 +90,7 @@ pub(crate) fn lay_out(order: Vec<u32>, item: impl Fn(usize, u32) -> Item + Sync,
         .zip(order.par_chunks(TASK * WIDTH))
         .enumerate()
         .for_each(|(task, ((blocks, below), ids))| {
-            // Points may come from all over memory: fetched many at a time, they do not wait for each other.
+            // Points may be scattered in memory; fetching many at a time overlaps the cache misses.
             let mut near = [Item::default(); NEAR * WIDTH];
             let some = blocks.chunks_mut(NEAR).zip(below.chunks_mut(NEAR)).zip(ids.chunks(NEAR * WIDTH));
             for (part, ((blocks, below), ids)) in some.enumerate() {
@@ -105,7 +104,7 @@ pub(crate) fn lay_out(order: Vec<u32>, item: impl Fn(usize, u32) -> Item + Sync,
             }
         });
     let mut node_bounds = vec![(Bounds::NONE, Extra::NONE); nodes.len()];
-    // Children stand after their parents: backwards, each is finished before it is asked for.
+    // Children come after their parents, so going backwards finishes each child before its parent reads it.
     for number in (0..nodes.len()).rev() {
         let node = &mut nodes[number];
         let (mut all, mut extra) = (Bounds::NONE, Extra::NONE);
@@ -146,10 +145,10 @@ fn fill(block: &mut Block, items: &[Item]) -> (Bounds, Extra) {
     (Bounds::around(items), extra)
 }
 
-/// Nodes over `blocks` consecutive blocks, sixteen to a node, level upon level: the topology of the
-/// median tree and of the Morton order.
+/// Nodes over `blocks` consecutive blocks, sixteen per node, level by level: the topology of the median tree and of
+/// the Morton order.
 pub(crate) fn regular_nodes(blocks: usize) -> Vec<Node> {
-    // Numbers of nodes per level, from just above the blocks up to the root.
+    // Number of nodes per level, from just above the blocks up to the root.
     let mut levels = Vec::new();
     let mut count = blocks;
     while count > 1 || levels.is_empty() {
@@ -163,7 +162,7 @@ pub(crate) fn regular_nodes(blocks: usize) -> Vec<Node> {
     let mut first = 0;
     for level in (0..levels.len()).rev() {
         let below = if level == 0 { blocks } else { levels[level - 1] };
-        // Where the next level down begins; blocks are numbered from 0.
+        // Number of the first child on the next level down; blocks are numbered from 0.
         let base = if level == 0 { LEAF as usize } else { first + levels[level] };
         for number in 0..levels[level] {
             let mut node = Node::EMPTY;

@@ -1,35 +1,36 @@
-//! The left-balanced kd-tree: split at the median along the longest axis (Jensen 2001, *Realistic
-//! Image Synthesis Using Photon Mapping*, chapter 6, has the split rule), one canonical result.
+//! The left-balanced kd-tree: split at the median along the longest axis (split rule from Jensen 2001, *Realistic
+//! Image Synthesis Using Photon Mapping*, chapter 6), with one canonical result.
 //!
 //! # The canonical order
 //!
-//! Any builder, on any device, that keeps these rules arrives at the same permutation, bit for bit:
+//! Any builder, on any device, that follows these rules produces the same permutation, bit for bit:
 //!
 //! 1. Negative zeros count as zeros. The whole set is one segment.
-//! 2. A segment of at most 16 points is a block: its points in order of their ids.
-//! 3. A longer segment of n points has the tight box of its points; its axis is the one with the
-//!    greatest `hi − lo` in `f32`, the lowest axis of equals.
+//! 2. A segment of at most 16 points is a block: its points in ascending order of their ids.
+//! 3. A longer segment of n points has the tight bounding box of its points. Its axis is the one with the
+//!    greatest `hi − lo` in `f32`; of equal axes, the lowest.
 //! 4. Its left part is the first 16·2^j points, 2^j the greatest power of two below ⌈n/16⌉, in the
 //!    order (coordinate on the axis, id); its right part is the rest. Both are segments.
 //!
-//! So every left part is a perfect tree, all blocks but the last are full, and the parts of one level
-//! all begin at multiples of one size: a breadth-first builder needs no bookkeeping but the level.
-//! Four levels of splits make one node of sixteen children.
+//! So every left part is a perfect tree, all blocks but the last are full, and the parts of one level all begin at
+//! multiples of one size: a breadth-first builder only has to track the level. Four levels of splits make one node
+//! with sixteen children.
 
 use crate::index::dispatch::Isa;
 use crate::index::layout::WIDTH;
 use crate::index::points::{Bounds, Item};
 use crate::index::select::{Scratch, split};
 
-/// Segments longer than this are split in two tasks.
+/// Segments longer than this are split into two parallel tasks.
 const TASK: usize = 1 << 13;
 
-/// Brings `items`, which stand in order of their ids, into the canonical order; `other` is room for as many.
+/// Brings `items`, which are in ascending order of their ids, into the canonical order. `other` is scratch memory
+/// of the same length.
 pub(crate) fn arrange(items: &mut [Item], other: &mut [Item], isa: Isa) {
     segment(items, other, true, &mut Scratch::new(isa));
 }
 
-/// Arranges what is in `items`, with the result there or in `other`.
+/// Arranges the points in `items`; the result is in `items` if `in_place`, otherwise in `other`.
 fn segment(items: &mut [Item], other: &mut [Item], in_place: bool, scratch: &mut Scratch) {
     if items.len() <= WIDTH {
         if !in_place {
@@ -42,7 +43,7 @@ fn segment(items: &mut [Item], other: &mut [Item], in_place: bool, scratch: &mut
     split(items, other, left, axis, scratch);
     let (low, high) = other.split_at_mut(left);
     let (other_low, other_high) = items.split_at_mut(left);
-    // Recursion ends after 28 levels: 2³² points in blocks of 2⁴.
+    // The recursion is at most 28 levels deep: 2³² points in blocks of 2⁴.
     if low.len() > TASK {
         let mut another = scratch.other();
         rayon::join(
@@ -55,7 +56,7 @@ fn segment(items: &mut [Item], other: &mut [Item], in_place: bool, scratch: &mut
     }
 }
 
-/// Points in the left part of a segment of `len` > 16 points.
+/// Number of points in the left part of a segment of `len` > 16 points.
 pub(crate) fn left_size(len: usize) -> usize {
     let blocks = len.div_ceil(WIDTH);
     WIDTH << (blocks - 1).ilog2()

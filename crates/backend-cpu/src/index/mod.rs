@@ -1,7 +1,7 @@
-//! Search among photons, or any other points: the nearest k, or all within a radius.
+//! Nearest-neighbour and range searches over photons or any other points: the nearest k, or all within a radius.
 //!
-//! Every answer is exact, the same set in the same order as by brute force, for any input; the kinds of
-//! index differ in the time that they take.
+//! Every result is exact, for any input: the same set in the same order as by brute force. The kinds of index
+//! differ only in speed.
 
 mod accept;
 #[cfg(target_arch = "x86_64")]
@@ -32,27 +32,27 @@ use layout::{Block, Extra, Node, Tree};
 use points::Item;
 use rayon::prelude::*;
 
-/// Why no index could be built.
+/// Why an index could not be built.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IndexError {
     /// A coordinate is NaN or infinite.
-    #[error("point {index} has the coordinates {position:?}: leave out or repair points that are not finite")]
+    #[error("point {index} at {position:?} is not finite: remove or repair such points")]
     NotFinite {
-        /// Which point.
+        /// Index of the point.
         index: usize,
-        /// What it is.
+        /// Its coordinates.
         position: [f32; 3],
     },
-    /// More points than 32 bits can number.
-    #[error("{count} points are more than an index can number ({max}): split them over several", max = u32::MAX - 1)]
+    /// More points than 32-bit ids can number.
+    #[error("{count} points exceed an index's limit of {max}: split them over several indices", max = u32::MAX - 1)]
     TooMany {
-        /// How many.
+        /// Number of points.
         count: usize,
     },
 }
 
-/// Points arranged for search.
+/// A search index over points.
 #[derive(Clone, Debug)]
 pub struct PointIndex {
     kind: IndexKind,
@@ -61,8 +61,8 @@ pub struct PointIndex {
 }
 
 impl PointIndex {
-    /// Arranges `points`, on as many threads as the current rayon pool has; the result depends on their
-    /// number in nothing. −0 is stored as 0.
+    /// Builds an index over `points`, in parallel on the current rayon pool. The result does not depend on the
+    /// number of threads. −0 is stored as 0.
     ///
     /// # Errors
     ///
@@ -72,7 +72,7 @@ impl PointIndex {
         Self::build_in(points, kind, &mut Workspace::default())
     }
 
-    /// The same, in memory that the caller keeps for the next build.
+    /// As [`PointIndex::build`], with scratch memory that the caller keeps for the next build.
     ///
     /// # Errors
     ///
@@ -113,26 +113,26 @@ impl PointIndex {
         Ok(Self { kind, isa, tree })
     }
 
-    /// How many points there are.
+    /// The number of points.
     #[must_use]
     pub fn len(&self) -> usize {
         self.tree.order.len()
     }
 
-    /// Whether there are none.
+    /// Whether the index has no points.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.tree.order.is_empty()
     }
 
-    /// Slot to id: `order()[slot]` is the index, in the slice that was built from, of the point in that slot.
-    /// Bring what belongs to the points into this order, and a search reads it from nearby memory.
+    /// Maps slots to ids: `order()[slot]` is the position, in the slice that the index was built from, of the point
+    /// in that slot. Store per-point data in this order, and a search reads it from nearby memory.
     #[must_use]
     pub fn order(&self) -> &[u32] {
         &self.tree.order
     }
 
-    /// The point in a slot.
+    /// The point in `slot`.
     #[inline]
     pub(crate) fn position(&self, slot: u32) -> [f32; 3] {
         let block = &self.tree.blocks[slot as usize / layout::WIDTH];
@@ -140,13 +140,13 @@ impl PointIndex {
         [block.x[lane], block.y[lane], block.z[lane]]
     }
 
-    /// How the points are arranged.
+    /// The kind of index.
     #[must_use]
     pub fn kind(&self) -> IndexKind {
         self.kind
     }
 
-    /// Bytes of memory held.
+    /// Memory held, in bytes.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let Tree { blocks, nodes, block_extra, node_extra, order, .. } = &self.tree;
@@ -158,24 +158,24 @@ impl PointIndex {
         total as u64
     }
 
-    /// Lowest and highest coordinates; `(+∞, −∞)` of no points.
+    /// Minimum and maximum coordinates; `(+∞, −∞)` if there are no points.
     #[must_use]
     pub fn bounds(&self) -> ([f32; 3], [f32; 3]) {
         (self.tree.bounds.lo, self.tree.bounds.hi)
     }
 
-    /// Calls `visit` with slot and squared distance of every point within the squared radius `r2`, rim
-    /// included, in an order that depends on the points, the query and `r2` alone.
+    /// Calls `visit` with the slot and squared distance of every point within the squared radius `r2`, boundary
+    /// included, in an order that depends only on the points, the query and `r2`.
     ///
-    /// Squared distances are `(dx·dx + dy·dy) + dz·dz` in `f32`; where they overflow, the point is
-    /// infinitely far, and within an infinite radius. NaN anywhere finds nothing, nor does `r2` < 0.
+    /// Squared distances are `(dx·dx + dy·dy) + dz·dz` in `f32`; where they overflow, the point is infinitely far
+    /// away, and within an infinite radius. If any argument is NaN, or `r2` < 0, nothing is found.
     #[inline]
     pub fn within(&self, query: [f32; 3], r2: f32, mut visit: impl FnMut(u32, f32)) {
         self.fold_within(query, r2, (), |(), slot, d2| visit(slot, d2));
     }
 
-    /// As [`Self::within`], with a state that goes from point to point by value: the quickest way to sum
-    /// over photons, as the sum stays in registers.
+    /// As [`Self::within`], with a state that is passed from point to point by value: the fastest way to sum over
+    /// photons, since the sum stays in registers.
     ///
     /// ```
     /// # use backend_cpu::index::{IndexKind, PointIndex};
@@ -190,17 +190,17 @@ impl PointIndex {
         self.isa.run(range::Within { tree: &self.tree, query, r2, state, fold })
     }
 
-    /// How many points [`Self::within`] would visit.
+    /// The number of points that [`Self::within`] would visit.
     #[must_use]
     pub fn count_within(&self, query: [f32; 3], r2: f32) -> u32 {
         self.isa.run(range::Count { tree: &self.tree, query, r2 })
     }
 
-    /// Finds the `k` nearest of the points within the squared radius `max_r2` for whose slot `accept` is
-    /// true: fewer if there are fewer. In order of (squared distance, id), which leaves no ties.
+    /// Finds the `k` nearest of those points within the squared radius `max_r2` for whose slot `accept` returns
+    /// true, or fewer if there are fewer. Sorted by (squared distance, id), so there are no ties.
     ///
-    /// `accept` may be asked for any slot, in any order and more than once, and must answer a slot
-    /// always alike. Squared distances and NaN are as with [`Self::within`].
+    /// `accept` may be called for any slot, in any order and more than once, and must always return the same result
+    /// for a slot. Squared distances and NaN are as in [`Self::within`].
     #[inline]
     pub fn nearest(
         &self,
@@ -213,19 +213,19 @@ impl PointIndex {
         self.isa.run(nearest::Nearest { tree: &self.tree, query, k, max_r2, accept: accept::If(accept), out });
     }
 
-    /// [`Self::nearest`] of all points, a little quicker than with an `accept` that is always true.
+    /// [`Self::nearest`] without a filter; slightly faster than with an `accept` that always returns true.
     pub fn nearest_of_all(&self, query: [f32; 3], k: usize, max_r2: f32, out: &mut Neighbours) {
         self.isa.run(nearest::Nearest { tree: &self.tree, query, k, max_r2, accept: accept::All, out });
     }
 
-    /// [`Self::nearest`] of every query, without a filter, in parallel: row by row the ids, nearest first,
-    /// then `u32::MAX` where there are fewer than `k`.
+    /// [`Self::nearest`] for every query, without a filter, in parallel. `out` has one row per query: the ids,
+    /// nearest first, padded with `u32::MAX` if there are fewer than `k`.
     ///
     /// # Panics
     ///
-    /// If `out` has not `queries.len() * k` elements.
+    /// If `out` does not have `queries.len() * k` elements.
     pub fn nearest_many(&self, queries: &[[f32; 3]], k: usize, max_r2: f32, out: &mut [u32]) {
-        assert_eq!(Some(out.len()), queries.len().checked_mul(k), "one row of k ids for every query");
+        assert_eq!(Some(out.len()), queries.len().checked_mul(k), "`out` must have k elements per query");
         if k == 0 {
             return;
         }
@@ -241,13 +241,13 @@ impl PointIndex {
         });
     }
 
-    /// [`Self::count_within`] of every query, in parallel.
+    /// [`Self::count_within`] for every query, in parallel.
     ///
     /// # Panics
     ///
-    /// If `out` has not as many elements as `queries`.
+    /// If `out` and `queries` differ in length.
     pub fn count_within_many(&self, queries: &[[f32; 3]], r2: f32, out: &mut [u32]) {
-        assert_eq!(out.len(), queries.len(), "one count for every query");
+        assert_eq!(out.len(), queries.len(), "`out` must have one element per query");
         out.par_chunks_mut(CHUNK).zip(queries.par_chunks(CHUNK)).for_each(|(counts, queries)| {
             for (count, &query) in counts.iter_mut().zip(queries) {
                 *count = self.count_within(query, r2);
@@ -256,5 +256,5 @@ impl PointIndex {
     }
 }
 
-/// Queries to a task: enough for the radius of one to help the next.
+/// Queries per parallel task: enough for the radius of one query to help the next.
 const CHUNK: usize = 512;

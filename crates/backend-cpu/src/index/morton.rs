@@ -1,15 +1,15 @@
-//! The order of Morton codes (Morton 1966): three times 21 bits, interleaved, x highest.
+//! Morton order (Morton 1966): three times 21 bits, interleaved, x highest.
 //!
 //! # The canonical order
 //!
-//! 1. Negative zeros count as zeros. Over a set of points with the box `[lo, hi]` whose longest side
+//! 1. Negative zeros count as zeros. For a set of points with the bounding box `[lo, hi]` whose longest side
 //!    is E, a coordinate p becomes the integer ⌊(p − lo)·2^s⌋, at most 2²¹ − 1; s is the greatest for which
-//!    E·2^s ≤ 2²¹. The subtraction is in `f32`; the power of two loses nothing.
-//! 2. Points are in order of (code, id).
-//! 3. A run of more than 16 points with one code whose box is not a single point is a set of its own: rules 1
-//!    to 3 arrange it. That is what keeps caustics apart that are smaller than a cell of the first grid.
+//!    E·2^s ≤ 2²¹. The subtraction is in `f32`; multiplying by the power of two is exact.
+//! 2. Points are sorted by (code, id).
+//! 3. A run of more than 16 points with equal codes whose bounding box is not a single point is a set of its own,
+//!    to which rules 1 to 3 apply. This separates caustics that are smaller than a cell of the first grid.
 //!
-//! Blocks are then sixteen consecutive points each, nodes sixteen consecutive blocks or nodes.
+//! Each block then has sixteen consecutive points, each node sixteen consecutive blocks or nodes.
 
 use crate::index::dispatch::{IndexSearch, Isa};
 use crate::index::lanes::Lanes;
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 /// Bits of the code per axis.
 const BITS: i32 = 21;
 
-/// The ids of `points` in the canonical order; `bounds` is their box.
+/// The ids of `points` in the canonical order; `bounds` is their bounding box.
 pub(crate) fn order(points: &[[f32; 3]], bounds: &Bounds, isa: Isa) -> Vec<u32> {
     let grid = Grid::over(bounds);
     let mut keyed = radix::zeros(points.len());
@@ -33,10 +33,10 @@ pub(crate) fn order(points: &[[f32; 3]], bounds: &Bounds, isa: Isa) -> Vec<u32> 
     order
 }
 
-/// Points to a task.
+/// Points per parallel task.
 const CHUNK: usize = 1 << 14;
 
-/// Codes of many points, with ids from `first` on.
+/// Computes the codes of many points, with ids from `first` on.
 struct Encode<'a> {
     grid: Grid,
     points: &'a [[f32; 3]],
@@ -52,7 +52,7 @@ impl IndexSearch for Encode<'_> {
         let Encode { grid, points, mut first, keyed } = self;
         let mut eights = points.chunks_exact(8);
         let mut out = keyed.chunks_exact_mut(8);
-        // Eight at a time, in loops of fixed length, for the compiler to make vectors of.
+        // Eight at a time, in fixed-length loops that the compiler vectorises.
         for (points, keyed) in (&mut eights).zip(&mut out) {
             let mut codes = [0_u64; 8];
             for axis in 0..3 {
@@ -76,14 +76,14 @@ impl IndexSearch for Encode<'_> {
     }
 }
 
-/// Sorts into `order`, and then again, by a finer grid, what shares a code.
+/// Sorts into `order`; runs of equal codes are sorted again by a finer grid.
 fn sort(points: &[[f32; 3]], mut keyed: Vec<Keyed>, order: &mut [u32]) {
     let mut scratch = radix::zeros(keyed.len());
     radix::sort(&mut keyed, &mut scratch, order, 3 * BITS as u32, &|sorted, order| {
         for (id, keyed) in order.iter_mut().zip(sorted) {
             *id = keyed.id;
         }
-        // A run of more than a block fills two of these places, half a block apart, at least.
+        // A run longer than a block covers at least two of these positions, half a block apart.
         let mut at = 0;
         while at + WIDTH / 2 < sorted.len() {
             let code = sorted[at].code();
@@ -105,13 +105,13 @@ fn sort(points: &[[f32; 3]], mut keyed: Vec<Keyed>, order: &mut [u32]) {
     });
 }
 
-/// Arranges ids of points that share a code.
+/// Sorts the ids of points that share a code.
 fn refine(points: &[[f32; 3]], ids: &mut [u32]) {
     let mut bounds = Bounds::NONE;
     for &id in &*ids {
         bounds.grow(points[id as usize]);
     }
-    // The extent shrinks 2²⁰-fold at least, so that the range of f32 ends this after 14 levels.
+    // The extent shrinks at least 2²⁰-fold, so the range of f32 ends the recursion after 14 levels.
     if bounds.lo != bounds.hi {
         let grid = Grid::over(&bounds);
         let keyed = ids.iter().map(|&id| Keyed::new(grid.code(points[id as usize]), id)).collect();
@@ -119,13 +119,13 @@ fn refine(points: &[[f32; 3]], ids: &mut [u32]) {
     }
 }
 
-/// How coordinates become integers.
+/// The grid that maps coordinates to integers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
     lo: [f32; 3],
-    /// Applied before the subtraction: one half where the extent would overflow, else one.
+    /// Factor applied before the subtraction: one half if the extent would overflow, otherwise one.
     before: f32,
-    /// Two powers of two, as the product may leave the range of f32.
+    /// Two powers of two, since their product may leave the range of f32.
     scale: [f32; 2],
 }
 
@@ -153,19 +153,19 @@ impl Grid {
     }
 }
 
-/// The lowest e with `value` ≤ 2^e, for finite positive values, subnormal ones included.
+/// The lowest e with `value` ≤ 2^e. `value` is finite and positive, possibly subnormal.
 fn exponent_above(value: f32) -> i32 {
     let bits = f64::from(value).to_bits();
     let whole = (bits >> 52) as i32 - 1023;
     whole + i32::from(bits << 12 != 0)
 }
 
-/// 2^exponent, `exponent` in the range of normal numbers.
+/// 2^exponent; `exponent` must be in the range of normal numbers.
 fn power_of_two(exponent: i32) -> f32 {
     f32::from_bits(((exponent + 127) as u32) << 23)
 }
 
-/// Puts two zeros between the low 21 bits of `value`.
+/// Inserts two zeros between the low 21 bits of `value`.
 #[inline(always)]
 fn spread_bits(value: u32) -> u64 {
     let mut v = u64::from(value);

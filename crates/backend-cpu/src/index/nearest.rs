@@ -1,11 +1,11 @@
-//! The k nearest points, exactly.
+//! Exact k-nearest-neighbour search.
 //!
-//! A heap of k entries costs most of a k-NN search. Here a radius is guessed that should hold a little
-//! more than k points, all points within it are collected without order, and only these few are ranked.
-//! The guess comes from the query before, as photon density changes slowly along a picture's rows.
-//! A wrong guess costs time, never exactness: too small a radius is enlarged, and one that holds far too
-//! many points, like no guess at all, leads to a search from near to far whose radius shrinks as points
-//! are found.
+//! Maintaining a heap of k entries is most of the cost of a k-NN search. Here, instead, a radius is guessed that
+//! should contain slightly more than k points; all points within it are collected unordered, and only these few are
+//! sorted. The guess comes from the previous query, since photon density changes slowly along the rows of an image.
+//! A wrong guess costs time but never exactness: a radius that is too small is enlarged; if it contains far too
+//! many points, or there is no guess at all, the tree is traversed from near to far with a radius that shrinks as
+//! points are found.
 
 use crate::index::accept::Accept;
 use crate::index::dispatch::IndexSearch;
@@ -14,19 +14,19 @@ use crate::index::layout::{LEAF, Tree, WIDTH};
 use crate::index::range::blocks_within;
 use crate::index::rank::{Key, d2_bits, keep_lowest, settle_ties, slot, sort_lowest};
 
-/// One of the points nearest to a query.
+/// A point found by a nearest-neighbour search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Neighbour {
     /// Squared distance, `(dx·dx + dy·dy) + dz·dz` in `f32`.
     pub d2: f32,
-    /// Index of the point in the slice from which the index was built.
+    /// Index of the point in the slice that the index was built from.
     pub id: u32,
-    /// Where the point stands in the index's own order.
+    /// The point's slot in the index order.
     pub slot: u32,
 }
 
-/// The result of a search for the nearest, and its working memory: reuse one for many searches. It
-/// remembers the last search, which makes the next one faster if it is close by, and changes no result.
+/// The result and scratch memory of a nearest-neighbour search; reuse one for many searches. It remembers the last
+/// search, which speeds up the next one if it is close by but never changes a result.
 #[derive(Clone, Debug, Default)]
 pub struct Neighbours {
     pub(crate) found: Vec<Neighbour>,
@@ -36,31 +36,31 @@ pub struct Neighbours {
     hint: Option<Hint>,
 }
 
-/// What the last search found.
+/// The outcome of the last search.
 #[derive(Clone, Copy, Debug)]
 struct Hint {
     query: [f32; 3],
     k: usize,
-    /// Squared distance of the k-th.
+    /// Squared distance of the k-th point.
     r2: f32,
-    /// Whether the search before had found it about as far.
+    /// Whether the search before found its k-th point at a similar distance.
     steady: bool,
 }
 
 impl Neighbours {
-    /// Empty.
+    /// Creates an empty result.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// What the last search found, nearest first, equal distances by ascending id.
+    /// The points found by the last search, nearest first; equal distances by ascending id.
     #[must_use]
     pub fn as_slice(&self) -> &[Neighbour] {
         &self.found
     }
 
-    /// A squared radius that should hold a few more than `k` points around `query`.
+    /// A squared radius that should contain slightly more than `k` points around `query`.
     #[inline]
     fn guess(&self, query: [f32; 3], k: usize) -> Option<f32> {
         let hint = self.hint.as_ref()?;
@@ -69,23 +69,23 @@ impl Neighbours {
         }
         let [dx, dy, dz] = [query[0] - hint.query[0], query[1] - hint.query[1], query[2] - hint.query[2]];
         let moved = dx * dx + dy * dy + dz * dz;
-        // Far away the last radius says something only where density is even.
+        // After a large step, the last radius is informative only where density is even.
         if !(moved <= 4.0 * hint.r2 || hint.steady) {
             return None;
         }
-        // By the triangle inequality this radius holds k points (but for rounding, and for points that
-        // `accept` turns away), and is the better choice after a small step.
+        // By the triangle inequality this radius contains k points (up to rounding, and unless `accept` rejects
+        // some). It is the better choice after a small step.
         let sure = hint.r2.sqrt() + moved.sqrt();
         let likely = hint.r2 * (1.0 + MARGIN / (k as f32).sqrt());
         Some(if sure * sure < likely { sure * sure * 1.000_01 } else { likely })
     }
 }
 
-/// By how many standard deviations a guessed squared radius exceeds the last one: a second attempt costs more
-/// than these few points more. Of a count of k the relative deviation is 1/√k.
+/// By how many standard deviations a guessed squared radius exceeds the last one: a second attempt costs more than
+/// these few extra points. The relative standard deviation of a count of k is 1/√k.
 const MARGIN: f32 = 1.8;
 
-/// The search for the nearest.
+/// A k-nearest-neighbour search.
 pub(crate) struct Nearest<'a, A> {
     pub(crate) tree: &'a Tree,
     pub(crate) query: [f32; 3],
@@ -108,7 +108,7 @@ impl<A: Accept> IndexSearch for Nearest<'_, A> {
         }
         let wanted = k.min(tree.order.len());
         let mut bound = max_r2;
-        // What the ranking may take for the greatest distance.
+        // Upper bound on the distances, used for sorting.
         let mut reach = None;
         let mut guess = out.guess(query, k);
         for _ in 0..3 {
@@ -120,7 +120,7 @@ impl<A: Accept> IndexSearch for Nearest<'_, A> {
             let most = 4 * wanted + 64;
             let found = collect(lanes, tree, query, r2, most, &mut accept, &mut out.keys);
             if found > most {
-                // Far too many: the k-th of those seen bounds the true one.
+                // Far too many: the k-th nearest of those collected is an upper bound on the true distance.
                 keep_lowest(&mut out.keys, wanted, &tree.order);
                 bound = out.keys.last().map_or(bound, |&last| f32::from_bits(d2_bits(last)));
                 break;
@@ -146,7 +146,7 @@ impl<A: Accept> IndexSearch for Nearest<'_, A> {
         }));
         let r2 = match out.found.last() {
             Some(last) if out.found.len() == k => last.d2,
-            // Fewer than k within this radius: it is the one to try again.
+            // Fewer than k within this radius: the next search should start from it.
             _ => max_r2,
         };
         let steady = out.hint.is_some_and(|before| r2 < 2.0 * before.r2 && before.r2 < 2.0 * r2);
@@ -154,7 +154,8 @@ impl<A: Accept> IndexSearch for Nearest<'_, A> {
     }
 }
 
-/// Leaves in `keys` the accepted points within `r2`, or more than `most` of them; how many.
+/// Collects into `keys` the accepted points within `r2`, stopping once there are more than `most`. Returns how
+/// many.
 #[inline(always)]
 fn collect<L: Lanes>(
     lanes: L,
@@ -165,7 +166,7 @@ fn collect<L: Lanes>(
     accept: &mut impl Accept,
     keys: &mut Vec<Key>,
 ) -> usize {
-    // Room for the block that goes beyond, and for vectors that reach beyond that.
+    // Room for the block that exceeds `most`, and for vector stores past its end.
     keys.resize(most + 2 * WIDTH + 1, 0);
     let mut found = 0;
     blocks_within(lanes, tree, query, r2, |block, hits, d2| {
@@ -177,7 +178,7 @@ fn collect<L: Lanes>(
     found
 }
 
-/// Collects into `out.keys` the k nearest within `bound`, and perhaps others, from near to far.
+/// Collects into `out.keys` the k nearest within `bound`, and possibly others, traversing from near to far.
 #[inline(always)]
 fn shrink<L: Lanes>(
     lanes: L,
@@ -193,12 +194,12 @@ fn shrink<L: Lanes>(
     stack.clear();
     stack.push((0.0, 0));
     let most = 2 * k + 32;
-    // Beyond this distance, or at it with a greater id, nothing matters any more.
+    // Points beyond this distance, or at this distance with a greater id, are irrelevant.
     let (mut bound, mut bound_id) = (bound, u32::MAX);
     while let Some((d2, child)) = stack.pop() {
         let (leaf, number) = (child & LEAF != 0, (child & !LEAF) as usize);
         if d2 >= bound {
-            // Ties matter: a million equal points must not all be looked at.
+            // Ids break ties: a search must not visit all of a million equal points.
             let extra = if leaf { &tree.block_extra[number] } else { &tree.node_extra[number] };
             if d2 > bound || extra.min_id > bound_id {
                 continue;
@@ -227,11 +228,11 @@ fn shrink<L: Lanes>(
             let mut hits = lanes.at_most(&d2, bound);
             let first = stack.len();
             while hits != 0 {
-                // From the last lane, so that of equally near children the first ends on top.
+                // From the last lane, so that among equally near children the first ends on top of the stack.
                 let lane = 31 - hits.leading_zeros();
                 hits ^= 1 << lane;
                 let entry = (d2[lane as usize % WIDTH], node.child[lane as usize % WIDTH]);
-                // Far below, near on top.
+                // Insertion sort: far children below, near ones on top.
                 let mut at = stack.len();
                 stack.push(entry);
                 while at > first && stack[at - 1].0 < entry.0 {

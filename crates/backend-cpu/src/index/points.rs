@@ -1,18 +1,18 @@
-//! Points on their way into an index, and boxes around them.
+//! Points during index construction, and bounding boxes.
 
 use crate::index::IndexError;
 use photon_core::glam::Vec4;
 use rayon::prelude::*;
 
-/// A point on its way into the index: its coordinates, finite and without negative zeros, and the bits of
-/// its id. Four numbers of one type, so that one instruction handles all.
+/// A point during index construction: its coordinates, finite and without negative zeros, and the bits of its id.
+/// Four values of one type, so that one instruction handles all of them.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(crate) struct Item(pub(crate) [f32; 4]);
 
 impl Item {
     pub(crate) fn new(position: [f32; 3], id: u32) -> Item {
-        // Adding 0 turns −0 into 0, so that equal coordinates are equal bits.
+        // Adding 0 turns −0 into 0, so that equal coordinates have equal bits.
         Item([position[0] + 0.0, position[1] + 0.0, position[2] + 0.0, f32::from_bits(id)])
     }
 
@@ -21,23 +21,23 @@ impl Item {
         [self.0[0], self.0[1], self.0[2]]
     }
 
-    /// Where the point stood in the caller's slice.
+    /// Index of the point in the caller's slice.
     #[inline(always)]
     pub(crate) fn id(&self) -> u32 {
         self.0[3].to_bits()
     }
 }
 
-/// The box around `points`.
+/// The bounding box of `points`; an error if a coordinate is not finite.
 pub(crate) fn checked_bounds(points: &[[f32; 3]]) -> Result<Bounds, IndexError> {
     const CHUNK: usize = 1 << 14;
     let parts: Vec<Option<Bounds>> = points
         .par_chunks(CHUNK)
         .map(|points| {
-            // Four points are three registers; each lane sees one coordinate only.
+            // Four points fill three registers; each lane sees only one coordinate.
             let (fours, rest) = points.as_flattened().split_at(points.len() / 4 * 12);
             let (mut lo, mut hi) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
-            // What is not finite leaves a NaN behind: ∞·0 and NaN·0 are NaN.
+            // Non-finite values leave a NaN: ∞·0 and NaN·0 are NaN.
             let mut trace = [Vec4::ZERO; 3];
             for four in fours.chunks_exact(12) {
                 for part in 0..3 {
@@ -81,14 +81,14 @@ pub(crate) fn number(points: &[[f32; 3]], items: &mut Vec<Item>) {
     numbered.map(|(id, &position)| Item::new(position, id as u32)).collect_into_vec(items);
 }
 
-/// The ids of items.
+/// The ids of `items`.
 pub(crate) fn order(items: &[Item]) -> Vec<u32> {
     let mut order = Vec::new();
     items.par_iter().with_min_len(1 << 14).map(Item::id).collect_into_vec(&mut order);
     order
 }
 
-/// An axis-parallel box.
+/// An axis-aligned bounding box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds {
     pub(crate) lo: [f32; 3],
@@ -101,7 +101,7 @@ impl Bounds {
     #[inline]
     pub(crate) fn grow(&mut self, position: [f32; 3]) {
         for axis in 0..3 {
-            // Selections instead of `min` and `max`: one instruction each, as there is no NaN here.
+            // Comparisons instead of `min` and `max`: one instruction each, since there are no NaNs here.
             self.lo[axis] = if position[axis] < self.lo[axis] { position[axis] } else { self.lo[axis] };
             self.hi[axis] = if position[axis] > self.hi[axis] { position[axis] } else { self.hi[axis] };
         }
@@ -114,8 +114,8 @@ impl Bounds {
     }
 
     pub(crate) fn around(items: &[Item]) -> Bounds {
-        // The id's lane comes along, for one instruction to compare all four. Two boxes break the
-        // chain of dependent comparisons.
+        // The id's lane is included so that one instruction compares all four. Two boxes shorten the chain of
+        // dependent comparisons.
         let mut lo = [Vec4::INFINITY; 2];
         let mut hi = [Vec4::NEG_INFINITY; 2];
         let mut pairs = items.chunks_exact(2);
@@ -133,7 +133,7 @@ impl Bounds {
         all
     }
 
-    /// The longest axis, the lowest of equals, and its length, which may overflow to infinity.
+    /// The longest axis (the lowest, of equal ones) and its length, which may overflow to infinity.
     #[inline]
     pub(crate) fn longest(&self) -> (usize, f32) {
         let extent = [self.hi[0] - self.lo[0], self.hi[1] - self.lo[1], self.hi[2] - self.lo[2]];

@@ -1,11 +1,11 @@
-//! Sorting by 63-bit codes: most significant digits first while segments are large, then, in cache,
-//! least significant first. Every step keeps the order of equal digits, so that equal codes stay in
-//! order of their ids, and the result depends on nothing but the codes.
+//! Radix sort by 63-bit codes: most significant digit first while segments are large, then, in cache, least
+//! significant digit first. Every step is stable, so that equal codes stay in order of their ids, and the result
+//! depends only on the codes.
 
 use bytemuck::Zeroable;
 use rayon::prelude::*;
 
-/// A code and the id of its point, in twelve bytes: memory is most of the cost.
+/// A code and the id of its point, packed into twelve bytes: memory traffic is most of the cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Zeroable)]
 #[repr(C)]
 pub(crate) struct Keyed {
@@ -29,23 +29,22 @@ impl Keyed {
 /// Segments up to this long are sorted in cache.
 const IN_CACHE: usize = 4096;
 
-/// Up to this long, comparisons beat counting.
+/// Segments up to this long are sorted by comparisons, which is faster than counting.
 const COMPARED: usize = 40;
 
 /// Segments at least this long are distributed by several threads.
 const SHARED: usize = 1 << 17;
 
-/// Zeros to be overwritten. Memory that comes zeroed from the system is not touched here, but by the threads
-/// that write to it first.
+/// Zeroed elements to be overwritten. Zeroed pages from the system are not touched here but by the threads that
+/// first write to them.
 pub(crate) fn zeros(count: usize) -> Vec<Keyed> {
     bytemuck::zeroed_vec(count)
 }
 
-/// Sorts `keyed`, which stand in ascending order of their ids, by the lowest `bits` of their codes, and hands
-/// over every segment of the result, with the matching part of `out`, to `finish`. Equal codes never fall
-/// into different segments.
+/// Sorts `keyed`, which is in ascending order of ids, by the lowest `bits` of the codes, and passes every segment
+/// of the result, with the matching part of `out`, to `finish`. Equal codes always fall into the same segment.
 ///
-/// `scratch` and `out` are as long as `keyed`; all of them agree above `bits`.
+/// `scratch` and `out` have the same length as `keyed`; all codes agree above `bits`.
 pub(crate) fn sort<F: Fn(&[Keyed], &mut [u32]) + Sync>(
     keyed: &mut [Keyed],
     scratch: &mut [Keyed],
@@ -64,7 +63,7 @@ pub(crate) fn sort<F: Fn(&[Keyed], &mut [u32]) + Sync>(
         finish(in_cache(keyed, scratch, bits), out);
         return;
     }
-    // Some 300 to a bucket if codes are spread evenly.
+    // About 300 per bucket if codes are spread evenly.
     let digit = (keyed.len().ilog2() - 8).min(11).min(bits);
     let rest = bits - digit;
     let buckets = 1 << digit;
@@ -99,7 +98,7 @@ pub(crate) fn sort<F: Fn(&[Keyed], &mut [u32]) + Sync>(
         .zip(scratch.par_chunks_mut(chunk))
         .map(|(keyed, scratch)| distribute(keyed, scratch))
         .collect();
-    // Then every bucket collects its share of each.
+    // Then every bucket collects its part of each chunk.
     let size = |bucket: usize| ends.iter().map(|ends| ends[bucket] as usize - start(ends, bucket)).sum();
     {
         let (from, mut to, mut tasks) = (&*scratch, &mut *keyed, Vec::with_capacity(buckets));
@@ -121,14 +120,14 @@ pub(crate) fn sort<F: Fn(&[Keyed], &mut [u32]) + Sync>(
     for_each(tasks, |(keyed, scratch, out)| sort(keyed, scratch, out, rest, finish));
 }
 
-/// Where a bucket begins in its chunk, from where all end.
+/// Where a bucket begins in its chunk, given the ends of all buckets.
 fn start(ends: &[u32], bucket: usize) -> usize {
     if bucket == 0 { 0 } else { ends[bucket - 1] as usize }
 }
 
 type Task<'a> = (&'a mut [Keyed], &'a mut [Keyed], &'a mut [u32]);
 
-/// Cuts three slices of one length into pieces of the given sizes; empty ones are left out.
+/// Splits three slices of equal length into pieces of the given sizes; empty pieces are left out.
 fn cut<'a>(
     mut a: &'a mut [Keyed],
     mut b: &'a mut [Keyed],
@@ -151,7 +150,7 @@ fn cut<'a>(
     tasks
 }
 
-/// In parallel if there is anyone to help.
+/// Runs the tasks in parallel if there is more than one thread.
 fn for_each<T: Send>(tasks: Vec<T>, work: impl Fn(T) + Sync + Send) {
     if rayon::current_num_threads() > 1 {
         tasks.into_par_iter().for_each(work);
@@ -160,13 +159,13 @@ fn for_each<T: Send>(tasks: Vec<T>, work: impl Fn(T) + Sync + Send) {
     }
 }
 
-/// Sorts a short segment by the lowest `bits` of its codes and returns where the result is.
+/// Sorts a short segment by the lowest `bits` of its codes; returns the slice that holds the result.
 fn in_cache<'a>(keyed: &'a mut [Keyed], scratch: &'a mut [Keyed], bits: u32) -> &'a [Keyed] {
     if keyed.len() <= COMPARED {
         sort_few(keyed);
         return keyed;
     }
-    // Eight bits at a time, as many as tell nearly all of so few apart.
+    // Eight bits per pass, with as many passes as separate nearly all of so few codes.
     let passes = bits.div_ceil(8).min(if keyed.len() <= 256 { 2 } else { 3 });
     let rest = bits.saturating_sub(8 * passes);
     let (mut from, mut to) = (keyed, scratch);
@@ -191,7 +190,7 @@ fn in_cache<'a>(keyed: &'a mut [Keyed], scratch: &'a mut [Keyed], bits: u32) -> 
         std::mem::swap(&mut from, &mut to);
     }
     if rest > 0 {
-        // Those that the digits left equal.
+        // Sort runs that are equal in those digits by the rest.
         let (mut at, length) = (1, from.len());
         while at < length {
             if from[at].code() >> rest != from[at - 1].code() >> rest {
@@ -205,7 +204,7 @@ fn in_cache<'a>(keyed: &'a mut [Keyed], scratch: &'a mut [Keyed], bits: u32) -> 
             if at - first <= COMPARED {
                 sort_few(&mut from[first..at]);
             } else {
-                // Rare enough not to care where the result lies.
+                // Rare enough that the extra copy does not matter.
                 let sorted = in_cache(&mut from[first..at], &mut to[first..at], rest).to_vec();
                 from[first..at].copy_from_slice(&sorted);
             }
@@ -214,7 +213,7 @@ fn in_cache<'a>(keyed: &'a mut [Keyed], scratch: &'a mut [Keyed], bits: u32) -> 
     from
 }
 
-/// By insertion, which keeps the order of equal codes.
+/// Insertion sort, which is stable.
 fn sort_few(keyed: &mut [Keyed]) {
     for at in 1..keyed.len() {
         let own = keyed[at];

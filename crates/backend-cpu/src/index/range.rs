@@ -1,12 +1,12 @@
-//! All points within a radius.
+//! Range search: all points within a radius.
 
 use crate::index::dispatch::IndexSearch;
 use crate::index::lanes::{Distances, Lanes, to_boxes, to_far_corners, to_points};
 use crate::index::layout::{LEAF, MAX_DEPTH, Tree, WIDTH};
 
-/// Calls `found` for every block with a point within `r2`: its number, which of its lanes are, and the
-/// squared distances of all lanes. Blocks come in an order that only tree, query and radius decide.
-/// Ends early when `found` returns false.
+/// Calls `found` for every block with a point within `r2`, passing the block's number, the bit mask of the lanes
+/// within, and the squared distances of all lanes. The order of blocks depends only on the tree, the query and the
+/// radius. Stops when `found` returns false.
 #[inline(always)]
 pub(crate) fn blocks_within<L: Lanes>(
     lanes: L,
@@ -18,7 +18,7 @@ pub(crate) fn blocks_within<L: Lanes>(
     let Some(root) = tree.nodes.first() else {
         return;
     };
-    // One level each: the node, and the children of it that are still to be visited.
+    // One entry per level: a node, and the mask of its children still to be visited.
     let mut stack = [(0_u32, 0_u32); MAX_DEPTH];
     let mut depth = 0;
     let (mut node, mut mask) = (root, lanes.at_most(&to_boxes(root, query), r2));
@@ -54,7 +54,7 @@ pub(crate) fn blocks_within<L: Lanes>(
     }
 }
 
-/// Folds slot and squared distance of every point within `r2` into `state`.
+/// Folds the slot and squared distance of every point within `r2` into `state`.
 pub(crate) struct Within<'a, T, F> {
     pub(crate) tree: &'a Tree,
     pub(crate) query: [f32; 3],
@@ -68,7 +68,7 @@ impl<T, F: FnMut(T, u32, f32) -> T> IndexSearch for Within<'_, T, F> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, lanes: L) -> T {
-        // By value through the loop, for it to stay in registers.
+        // Passed by value through the loop, so that it stays in registers.
         let mut state = Some(self.state);
         blocks_within(lanes, self.tree, self.query, self.r2, |block, mut hits, d2| {
             while hits != 0 {
@@ -78,11 +78,11 @@ impl<T, F: FnMut(T, u32, f32) -> T> IndexSearch for Within<'_, T, F> {
             }
             true
         });
-        state.expect("put back after every point")
+        state.expect("the state is put back after every point")
     }
 }
 
-/// Counts the points within `r2`. Subtrees that lie wholly inside are not entered.
+/// Counts the points within `r2`. Subtrees that lie entirely inside are not traversed.
 pub(crate) struct Count<'a> {
     pub(crate) tree: &'a Tree,
     pub(crate) query: [f32; 3],

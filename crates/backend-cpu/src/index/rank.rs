@@ -1,8 +1,9 @@
-//! Candidates: points found so far, as one integer each, and their ranking.
+//! Candidates: points found so far, each encoded as one integer, and their sorting.
 
 use std::ops::AddAssign;
 
-/// Squared distance above, slot below: as squared distances are not negative, integers order as they do.
+/// Squared distance in the high bits, slot in the low ones: squared distances are not negative, so their bits order
+/// as integers.
 pub(crate) type Key = u64;
 
 #[inline(always)]
@@ -20,29 +21,30 @@ pub(crate) fn slot(key: Key) -> u32 {
     key as u32
 }
 
-/// Keeps the `k` lowest of more than `k` keys in the order (d2, id), unsorted but for the last,
-/// which is the greatest.
+/// Keeps the `k` lowest of more than `k` keys in the order (d2, id), unsorted except that the greatest is last.
 pub(crate) fn keep_lowest(keys: &mut Vec<Key>, k: usize, order: &[u32]) {
-    debug_assert!(0 < k && k < keys.len(), "there is something to drop");
+    debug_assert!(0 < k && k < keys.len(), "k must be positive and below the number of keys");
     let (below, &mut last, above) = keys.select_nth_unstable(k - 1);
     let tied = d2_bits(last);
     if above.iter().chain(&*below).any(|&key| d2_bits(key) == tied) {
-        // The cut goes through a tie, or ends with one, which slots decided: ids must. Of a tie that is kept whole,
-        // too, the last must be the one of the highest id, since others may still come to displace it.
+        // The cut goes through a tie or ends with one. The selection above used slots, but ids must decide. Even if
+        // the tie is kept whole, the last key must be the one with the highest id, since later points may displace
+        // it.
         keys.select_nth_unstable_by_key(k - 1, |&key| (d2_bits(key), order[slot(key) as usize]));
     }
     keys.truncate(k);
 }
 
-/// Leaves in `keys`, sorted, the `k` lowest at least, and perhaps some more, up to the end of a tie.
+/// Leaves in `keys`, sorted, at least the `k` lowest, possibly more, up to the end of a tie.
 ///
-/// Quickest if squared distances spread evenly over [0, `r2`], as those of photons on a surface do; right in
+/// Fastest if squared distances are spread evenly over [0, `r2`], as those of photons on a surface are; correct in
 /// any case.
 pub(crate) fn sort_lowest(keys: &mut Vec<Key>, scratch: &mut Vec<Key>, k: usize, r2: f32) {
     match keys.len() {
         0..12 => keys.sort_unstable(),
         12..256 => sort_by_buckets::<u8, 256>(keys, scratch, k, r2, |counts| {
-            // Eight bytes at a time: the product's bytes are the sums of the factor's bytes up to there.
+            // Prefix sums of eight byte counters at a time: each byte of the product is the sum of the factor's
+            // bytes up to it.
             const ONES: u64 = 0x0101_0101_0101_0101;
             let mut before = 0_u64;
             for eight in counts.as_chunks_mut::<8>().0 {
@@ -61,8 +63,8 @@ pub(crate) fn sort_lowest(keys: &mut Vec<Key>, scratch: &mut Vec<Key>, k: usize,
     }
 }
 
-/// The sort of [`sort_lowest`] with counters that hold `keys.len()`; `sum_before` replaces each count by the sum
-/// of those before it.
+/// The sort of [`sort_lowest`], with counters that can hold `keys.len()`; `sum_before` replaces each count by the
+/// sum of the counts before it (exclusive prefix sum).
 #[inline(always)]
 fn sort_by_buckets<C: Copy + Default + From<u8> + AddAssign + Into<usize>, const BUCKETS: usize>(
     keys: &mut Vec<Key>,
@@ -76,7 +78,7 @@ fn sort_by_buckets<C: Copy + Default + From<u8> + AddAssign + Into<usize>, const
         keys.sort_unstable();
         return;
     }
-    // In this range the low bits of the sum are the integer nearest to what is added to 2²³.
+    // In this range the low bits of the sum are the integer nearest to the number added to 2²³.
     let bucket = |key: Key| ((f32::from_bits(d2_bits(key)) * scale + 8_388_608.0).to_bits() as usize) & (BUCKETS - 1);
     let mut next = [C::default(); BUCKETS];
     for &key in keys.iter() {
@@ -92,10 +94,10 @@ fn sort_by_buckets<C: Copy + Default + From<u8> + AddAssign + Into<usize>, const
         all[(*at).into()] = key;
         *at += C::from(1);
     }
-    // Those in buckets after the one with the k-th are not among the k lowest.
+    // Keys in buckets after the one with the k-th key are not among the k lowest.
     let end = if k < all.len() { next[bucket(all[k - 1])].into() } else { all.len() };
     let lowest = &mut all[..end];
-    // Only keys in one bucket can still be out of order.
+    // Only keys within one bucket can still be out of order.
     let mut patience = 8 * lowest.len();
     for at in 1..lowest.len() {
         let key = lowest[at];
@@ -106,7 +108,7 @@ fn sort_by_buckets<C: Copy + Default + From<u8> + AddAssign + Into<usize>, const
         }
         lowest[to] = key;
         if at - to > patience {
-            // Crowded buckets.
+            // Overfull buckets.
             lowest.sort_unstable();
             break;
         }
@@ -116,7 +118,7 @@ fn sort_by_buckets<C: Copy + Default + From<u8> + AddAssign + Into<usize>, const
     keys.extend_from_slice(lowest);
 }
 
-/// Puts the ids of equal distances, which stand sorted by slot, in ascending order.
+/// Sorts runs of equal distances, which are in order of their slots, by ascending id.
 #[inline]
 pub(crate) fn settle_ties(keys: &mut [Key], order: &[u32]) {
     let mut at = 1;

@@ -1,21 +1,20 @@
-//! Splitting a segment of points at a rank: the lowest along an axis to the left, the rest to the right,
-//! both in the order in which they stood.
+//! Splits a segment of points at a rank: the lowest along an axis to the left, the rest to the right. The split is
+//! stable.
 //!
-//! Points start in order of their ids, and every split keeps that order on both sides. So equal
-//! coordinates go to the left by lower ids without a comparison, and blocks end up in order of their ids
-//! without a sort.
+//! Points start in order of their ids, and every split preserves that order on both sides. Equal coordinates
+//! therefore go left by lower id without comparing ids, and blocks end up in order of their ids without a sort.
 
 use crate::index::dispatch::{IndexSearch, Isa};
 use crate::index::lanes::{Collected, Distributed, Lanes};
 use crate::index::points::Item;
 
-/// Up to this many, all are compared with all; with vectors of sixteen, up to twice as many.
+/// Up to this many points, all are compared with all; up to twice as many with sixteen-lane vectors.
 const COMPARED: usize = 64;
 
-/// From this many, a sample narrows down the rank's coordinate.
+/// From this many points on, a sample narrows the range of the coordinate at the rank.
 const SAMPLED: usize = 1024;
 
-/// Working memory of [`split`].
+/// Scratch memory of [`split`].
 #[derive(Debug)]
 pub(crate) struct Scratch {
     isa: Isa,
@@ -28,17 +27,17 @@ impl Scratch {
         Scratch { isa, coordinates: Vec::new(), keys: Vec::new() }
     }
 
-    /// Another, for another task.
+    /// New scratch memory for another task.
     pub(crate) fn other(&self) -> Scratch {
         Scratch::new(self.isa)
     }
 }
 
-/// Copies `from` to `to`, the `left` lowest along `axis` first; of equal coordinates those that stand
-/// first count as lower. `0 < left < from.len()`, and both slices are of one length.
+/// Copies `from` to `to`, the `left` lowest along `axis` first; of equal coordinates, the earlier ones count as
+/// lower. Requires `0 < left < from.len()` and slices of equal length.
 pub(crate) fn split(from: &[Item], to: &mut [Item], left: usize, axis: usize, scratch: &mut Scratch) {
-    debug_assert!(0 < left && left < from.len() && from.len() == to.len(), "a split leaves points on both sides");
-    // A copy of the code for each axis, as its loops are short.
+    debug_assert!(0 < left && left < from.len() && from.len() == to.len(), "a split must leave points on both sides");
+    // Specialised per axis, since the loops are short.
     match axis {
         0 => scratch.isa.run(Split::<0> { from, to, left, scratch }),
         1 => scratch.isa.run(Split::<1> { from, to, left, scratch }),
@@ -62,14 +61,14 @@ impl<const AXIS: usize> IndexSearch for Split<'_, AXIS> {
     }
 }
 
-/// Integers in the order of the coordinates, which are finite and never −0.
+/// Maps coordinates, which are finite and never −0, to integers in the same order.
 #[inline(always)]
 fn rank_key(coordinate: f32) -> i32 {
     let bits = coordinate.to_bits() as i32;
     bits ^ ((bits >> 31) as u32 >> 1) as i32
 }
 
-/// The coordinate of a key: the mapping is its own inverse.
+/// Inverse of [`rank_key`]: the bit mapping is its own inverse.
 #[inline(always)]
 fn coordinate(key: i32) -> f32 {
     f32::from_bits((key ^ ((key >> 31) as u32 >> 1) as i32) as u32)
@@ -94,7 +93,7 @@ fn split_along<const AXIS: usize, L: Lanes>(
     };
     let mut next_left = 0;
     if below + tied == left {
-        // No tie goes through the cut.
+        // The cut does not go through a tie.
         let Distributed { done, went_left } = lanes.distribute::<AXIS>(from, to, left, last);
         next_left = went_left;
         for (at, item) in from.iter().enumerate().skip(done) {
@@ -104,7 +103,7 @@ fn split_along<const AXIS: usize, L: Lanes>(
         }
         return;
     }
-    // Of the points at the last coordinate, as many as there is room for.
+    // Of the points at the cut coordinate, only as many as there is room for go left.
     let mut room = left - below;
     for (at, item) in from.iter().enumerate() {
         let c = item.0[AXIS];
@@ -116,31 +115,31 @@ fn split_along<const AXIS: usize, L: Lanes>(
     }
 }
 
-/// Where a segment is cut.
+/// The position of a cut.
 struct Cut {
     /// The greatest coordinate on the left.
     last: f32,
-    /// Coordinates less than that.
+    /// Number of coordinates less than `last`.
     below: usize,
-    /// Coordinates equal to it.
+    /// Number of coordinates equal to `last`.
     tied: usize,
 }
 
-/// The cut through at most `MAX_COUNT` points with `left` on its left.
+/// Finds the cut that leaves `left` of at most `MAX_COUNT` points on the left.
 #[inline(always)]
 fn cut_few<const AXIS: usize, const MAX_COUNT: usize>(from: &[Item], left: usize) -> Cut {
     let mut coordinates = [f32::INFINITY; MAX_COUNT];
     for (c, item) in coordinates.iter_mut().zip(from) {
         *c = item.0[AXIS];
     }
-    // How many are less than each: the same for equals.
+    // For each coordinate, how many are less than it; the same for equal ones.
     let mut less = [0_i32; MAX_COUNT];
     for &c in &coordinates[..from.len()] {
         for lane in 0..MAX_COUNT {
             less[lane] += i32::from(c < coordinates[lane]);
         }
     }
-    // The greatest of those that have fewer than `left` below them; absent points have more.
+    // The greatest count below `left`; absent points have larger counts.
     let mut below = 0;
     for lane in 0..MAX_COUNT {
         below = below.max(if less[lane] < left as i32 { less[lane] } else { 0 });
@@ -153,12 +152,12 @@ fn cut_few<const AXIS: usize, const MAX_COUNT: usize>(from: &[Item], left: usize
     Cut { last: coordinates[place as usize], below: below as usize, tied: tied as usize }
 }
 
-/// The cut whose `last` is the coordinate at `rank` in ascending order.
+/// Finds the cut whose `last` is the coordinate at `rank` in ascending order.
 #[inline(always)]
 fn cut_many<const AXIS: usize, L: Lanes>(lanes: L, items: &[Item], rank: usize, scratch: &mut Scratch) -> Cut {
     let Scratch { coordinates, keys, .. } = scratch;
     if items.len() >= SAMPLED {
-        // Floyd and Rivest 1975: two sampled keys that most likely embrace the rank.
+        // Floyd and Rivest 1975: two sampled keys that most likely enclose the rank.
         let stride = (items.len() / 2048).max(16);
         keys.clear();
         keys.extend(items.iter().step_by(stride).map(|item| rank_key(item.0[AXIS])));
@@ -167,7 +166,7 @@ fn cut_many<const AXIS: usize, L: Lanes>(lanes: L, items: &[Item], rank: usize, 
         let margin = (keys.len() as f64).sqrt() as usize + 4;
         let low = if expected > margin { coordinate(keys[expected - margin]) } else { f32::NEG_INFINITY };
         let high = keys.get(expected + margin).map_or(f32::INFINITY, |&key| coordinate(key));
-        // Four more, for vectors that reach beyond what they found.
+        // Four more, since vector stores may write past the last element.
         if coordinates.len() < items.len() + 4 {
             coordinates.resize(items.len() + 4, 0.0);
         }
@@ -183,7 +182,7 @@ fn cut_many<const AXIS: usize, L: Lanes>(lanes: L, items: &[Item], rank: usize, 
             keys.extend(coordinates[..inside].iter().map(|&c| rank_key(c)));
             return nth_of(keys, rank - below, below);
         }
-        // The sample misled.
+        // The sample did not enclose the rank.
     }
     keys.clear();
     keys.extend(items.iter().map(|item| rank_key(item.0[AXIS])));

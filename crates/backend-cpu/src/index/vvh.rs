@@ -1,11 +1,11 @@
-//! The kd-tree split by the Voxel Volume Heuristic (Wald, Günther, Slusallek 2004, *Balancing
-//! Considered Harmful: Faster Photon Mapping using the Voxel Volume Heuristic*): of all planes across
-//! the longest axis of a voxel, the one that minimises volume × photons, summed over both sides.
+//! The kd-tree split by the Voxel Volume Heuristic (Wald, Günther, Slusallek 2004, *Balancing Considered Harmful:
+//! Faster Photon Mapping using the Voxel Volume Heuristic*): of all planes across the longest axis of a voxel, the
+//! one that minimises volume × photons, summed over both sides.
 //!
 //! Both volumes share the voxel's other two extents, so along one axis the cost of a plane at x is
-//! (x − lo)·N_left + (hi − x)·N_right. It is evaluated at 31 planes; the best one's count is then
-//! rounded to whole blocks, so that no lane of a block stands empty. Voxels are the tight boxes of
-//! their points: empty rims never need a split of their own.
+//! (x − lo)·N_left + (hi − x)·N_right. It is evaluated at 31 planes; the count of the best one is then rounded to
+//! whole blocks, so that no lane of a block is empty. Voxels are the tight bounding boxes of their points, so empty
+//! margins never need a split of their own.
 
 use crate::index::dispatch::Isa;
 use crate::index::layout::{LEAF, Node, WIDTH};
@@ -13,31 +13,31 @@ use crate::index::median::left_size;
 use crate::index::points::{Bounds, Item};
 use crate::index::select::{Scratch, split};
 
-/// Slabs across a voxel, between which the planes lie.
+/// Slabs per voxel; the planes lie between them.
 const SLABS: usize = 32;
 
-/// Points that are counted, at most (and at least half as many, if there are): a fixed share of every segment,
-/// in order of ids, tells where its photons are dense as well as all of them do.
+/// Maximum number of points that are counted (at least half as many, if the segment has them). A regular subsample
+/// of every segment, in order of ids, shows where its photons are dense as well as all of them do.
 const SAMPLE: usize = 64;
 
-/// Below this depth voxels are split at the median. Adversarial points could make the heuristic peel
-/// off block after block; 24 levels of it and at most 28 of medians stay under [`MAX_DEPTH`].
+/// Below this depth, voxels are split at the median. Adversarial points could make the heuristic peel off block
+/// after block; 24 levels of it and at most 28 levels of medians stay below [`MAX_DEPTH`].
 ///
 /// [`MAX_DEPTH`]: crate::index::layout::MAX_DEPTH
 const HEURISTIC_DEPTH: u32 = 24;
 
-/// Segments longer than this are split in two tasks.
+/// Segments longer than this are split into two parallel tasks.
 const TASK: usize = 1 << 13;
 
-/// Arranges `items`, which stand in order of their ids, and returns the nodes over them, of which only `child` is
-/// filled in; `other` is room for as many.
+/// Sorts `items`, which are in ascending order of their ids, into tree order, and returns the nodes over them, with
+/// only `child` filled in. `other` is scratch memory of the same length.
 pub(crate) fn arrange(items: &mut [Item], other: &mut [Item], isa: Isa) -> Vec<Node> {
     if items.is_empty() {
         return Vec::new();
     }
     let blocks = items.len().div_ceil(WIDTH);
-    // Blocks in the left part of every split, in preorder: of m blocks' m − 1 splits the first is the
-    // segment's own, then come those of its left part, then those of its right.
+    // Number of blocks in the left part of every split, in preorder: of the m − 1 splits of m blocks, the first is
+    // the segment's own, followed by those of its left part, then those of its right.
     let mut splits = vec![0_u32; blocks - 1];
     segment(items, other, true, &mut splits, 0, &mut Scratch::new(isa));
     let mut nodes = Vec::with_capacity(blocks / 8 + 1);
@@ -45,7 +45,7 @@ pub(crate) fn arrange(items: &mut [Item], other: &mut [Item], isa: Isa) -> Vec<N
     nodes
 }
 
-/// Arranges what is in `items`, with the result there or in `other`.
+/// Arranges the points in `items`; the result is in `items` if `in_place`, otherwise in `other`.
 fn segment(
     items: &mut [Item],
     other: &mut [Item],
@@ -81,12 +81,12 @@ fn segment(
     }
 }
 
-/// Points left of the best plane, a multiple of the block size.
+/// Number of points left of the best plane, a multiple of the block size.
 fn plane(items: &[Item], axis: usize, lo: f32, extent: f32) -> usize {
     let blocks = items.len().div_ceil(WIDTH);
     let scale = SLABS as f32 / extent;
-    // Two blocks leave no choice. Extents of zero, of almost zero and beyond the range of f32 have no slabs to speak
-    // of.
+    // Two blocks leave no choice. If the extent is zero, almost zero or beyond the range of f32, slabs cannot be
+    // computed.
     if blocks == 2 || !(scale > 0.0 && scale < f32::INFINITY) {
         return left_size(items.len());
     }
@@ -110,7 +110,7 @@ fn plane(items: &[Item], axis: usize, lo: f32, extent: f32) -> usize {
     ((best + WIDTH / 2) / WIDTH).clamp(1, blocks - 1) * WIDTH
 }
 
-/// A segment of blocks in the binary tree: its first block, how many, and where its splits begin.
+/// A segment of blocks in the binary tree: its first block, its number of blocks, and the index of its first split.
 #[derive(Clone, Copy)]
 struct Segment {
     first: usize,
@@ -118,8 +118,7 @@ struct Segment {
     splits: usize,
 }
 
-/// Gathers the binary tree into nodes of up to sixteen children, by opening the largest child until
-/// there are sixteen.
+/// Collapses the binary tree into nodes of up to sixteen children, by repeatedly opening the largest child.
 fn collapse(splits: &[u32], blocks: usize, nodes: &mut Vec<Node>) {
     nodes.push(Node::EMPTY);
     let mut open = vec![(0_usize, Segment { first: 0, blocks, splits: 0 })];

@@ -1,11 +1,12 @@
-//! Memory that building needs besides the index itself.
+//! Scratch memory for building an index.
 
 use crate::index::points::Item;
 
-/// What [`PointIndex::build_in`] keeps from one build to the next, 32 bytes per point of the largest.
+/// Scratch memory that [`PointIndex::build_in`] keeps from one build to the next: 32 bytes per point of the largest
+/// build.
 ///
-/// Allocators give large blocks back at once, and the system clears them anew: of the time that a kd-tree
-/// takes to build, that is a quarter for twenty thousand points and a sixth for a million.
+/// Allocators return large blocks to the system at once, and the system zeroes them again: that is a quarter of the
+/// build time of a kd-tree for twenty thousand points, and a sixth for a million.
 ///
 /// [`PointIndex::build_in`]: crate::index::PointIndex::build_in
 #[derive(Clone, Debug, Default)]
@@ -15,14 +16,14 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Bytes that it holds.
+    /// Memory held, in bytes.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         ((self.items.capacity() + self.other.capacity()) * size_of::<Item>()) as u64
     }
 }
 
-/// The first `length` of what there is, which may be anything.
+/// The first `length` elements, grown if necessary; their contents are unspecified.
 pub(crate) fn room(other: &mut Vec<Item>, length: usize) -> &mut [Item] {
     if other.len() < length {
         other.resize(length, Item::default());

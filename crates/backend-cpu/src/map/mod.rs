@@ -1,4 +1,4 @@
-//! Photons arranged for search.
+//! The photon map: photons arranged for search.
 
 pub(crate) mod normals;
 pub(crate) mod power;
@@ -16,15 +16,15 @@ use crate::map::normals::Normals;
 #[derive(Debug)]
 pub struct CpuMap {
     index: PointIndex,
-    /// In the order of the index, as all that follows.
+    /// In index order, as are all the arrays below.
     normals: Normals,
     powers: Powers,
-    /// Towards where photons came from, packed; none unless whole photons are kept.
+    /// Packed directions towards where the photons came from; empty unless the format is [`PhotonFormat::Full`].
     directions: Vec<u32>,
     photons: CpuBuffer<Photon>,
 }
 
-/// One number for each photon, or three.
+/// Photon powers: one number per photon, or three.
 #[derive(Debug)]
 pub(crate) enum Powers {
     Grey(Vec<f32>),
@@ -38,23 +38,23 @@ impl CpuMap {
         &self.index
     }
 
-    /// How much it keeps of a photon.
+    /// The format in which photons are stored.
     #[must_use]
     pub fn photon_format(&self) -> PhotonFormat {
         self.photons.photon_format()
     }
 
-    /// The photons, in the order in which they were stored; `None` unless they are kept whole.
+    /// The photons in storage order; `None` unless the format is [`PhotonFormat::Full`].
     #[must_use]
     pub fn photons(&self) -> Option<&[Photon]> {
         (self.photon_format() == PhotonFormat::Full).then(|| self.photons.as_slice())
     }
 
-    /// Every photon within `radius` of `point` (normalised space), with its squared distance, for a
-    /// renderer with BSDFs and acceptance rules of its own. The order is that of the index.
+    /// Calls `visit` with every photon within `radius` of `point` (normalised space) and its squared distance, in
+    /// index order. Meant for renderers with their own BSDFs and acceptance rules.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] unless photons are kept whole.
+    /// [`Error::InvalidSetting`] unless the format is [`PhotonFormat::Full`].
     pub fn for_each_within(&self, point: [f32; 3], radius: f32, mut visit: impl FnMut(&Photon, f32)) -> Result<()> {
         self.photons.check_full()?;
         let photons = self.photons.as_slice();
@@ -65,12 +65,13 @@ impl CpuMap {
         Ok(())
     }
 
-    /// How many photons there are.
+    /// The number of photons.
     pub(crate) fn len(&self) -> usize {
         self.normals.len()
     }
 
-    /// A photon by its place among those stored, as much of it as is kept.
+    /// The photon at `index` in storage order; fields that the format does not store are filled in as by
+    /// [`CpuBuffer::photon`].
     pub(crate) fn stored(&self, index: usize) -> Photon {
         self.photons.photon(index)
     }
@@ -85,7 +86,7 @@ impl CpuMap {
         &self.powers
     }
 
-    /// Of photons that are kept whole.
+    /// Requires [`PhotonFormat::Full`].
     #[inline]
     pub(crate) fn direction(&self, slot: u32) -> Vec3 {
         octahedral::unpack(self.directions.get(slot as usize).copied().unwrap_or_default())
@@ -111,7 +112,7 @@ impl CpuMap {
         Self { index, normals: Normals::new(&normals), powers, directions, photons }
     }
 
-    /// What is arranged for search, in bytes.
+    /// Size of the search structures, in bytes.
     fn bytes(&self) -> u64 {
         let powers = match &self.powers {
             Powers::Grey(powers) => powers.len() * size_of::<f32>(),
@@ -121,7 +122,8 @@ impl CpuMap {
     }
 }
 
-/// Two parts of every photon, which may come from all over memory: each is fetched once for both.
+/// Collects two parts of every photon in index order. Photons may be scattered in memory, so each is fetched once
+/// for both parts.
 fn in_order<A: Send, B: Send>(
     order: &[u32],
     photons: &CpuBuffer<Photon>,
@@ -133,7 +135,7 @@ fn in_order<A: Send, B: Send>(
     (first, second)
 }
 
-/// Builds photon maps over an index of the kind that was chosen.
+/// Builds photon maps over an index of the selected kind.
 #[derive(Debug)]
 pub(crate) struct CpuBuilder {
     kind: IndexKind,
@@ -169,7 +171,7 @@ impl KdTreeBuilder<Cpu> for CpuBuilder {
                         index: index as u64,
                         why: format!("position {position:?} is not finite"),
                     },
-                    other => Error::Backend { backend: "cpu: arranging photons", source: Box::new(other) },
+                    other => Error::Backend { backend: "cpu: building the photon map", source: Box::new(other) },
                 })?;
             Ok::<_, Error>(CpuMap::arrange(index, photons))
         })?;

@@ -1,34 +1,34 @@
-//! Normals of photons, ready for comparison. Flat surfaces have few different ones: then two bytes of each
-//! photon say which. To unpack each whenever it is asked for took a quarter of the time of estimates.
+//! Unpacked photon normals, ready for comparison. Flat surfaces have few distinct normals; then each photon stores
+//! a two-byte index into a table. Unpacking a normal at every use took a quarter of the estimation time.
 
 use photon_core::glam::Vec3;
 use photon_core::octahedral;
 use rayon::prelude::*;
 
-/// Different normals at most: a table that stays in a core's own cache.
+/// Maximum number of distinct normals: the table has to fit in a core's private cache.
 const MAX_DIFFERENT: usize = 1 << 14;
 
-/// Photons that a thread takes at a time.
+/// Photons per parallel task.
 const CHUNK: usize = 1 << 14;
 
-/// Normals by slot.
+/// Normals, indexed by slot.
 #[derive(Debug)]
 pub(crate) enum Normals {
-    /// The different ones, and which of them each photon has.
+    /// A table of the distinct normals, and each photon's index into it.
     Few(Vec<Vec3>, Vec<u16>),
-    /// One for each photon.
+    /// One normal per photon.
     Each(Vec<Vec3>),
 }
 
 impl Normals {
-    /// Of packed ones.
+    /// Unpacks `packed`.
     pub(crate) fn new(packed: &[u32]) -> Self {
         match different(packed, MAX_DIFFERENT) {
             None => Self::Each(packed.par_iter().with_min_len(4096).map(|&n| octahedral::unpack(n)).collect()),
             Some(known) => {
                 let mut which = vec![0; packed.len()];
                 which.par_chunks_mut(CHUNK).zip(packed.par_chunks(CHUNK)).for_each(|(which, packed)| {
-                    // Neighbours mostly lie on one surface.
+                    // Consecutive photons mostly lie on the same surface.
                     let mut last = (0, known.first().copied());
                     for (which, &normal) in which.iter_mut().zip(packed) {
                         if last.1 != Some(normal) {
@@ -65,7 +65,7 @@ impl Normals {
     }
 }
 
-/// The different ones in order, unless there are more than `most`.
+/// The distinct values in ascending order, or `None` if there are more than `most`.
 fn different(packed: &[u32], most: usize) -> Option<Vec<u32>> {
     let of_chunk = |chunk: &[u32]| {
         let mut found = chunk.to_vec();
@@ -76,7 +76,7 @@ fn different(packed: &[u32], most: usize) -> Option<Vec<u32>> {
     };
     let join = |mut all: Vec<u32>, other: Vec<u32>| {
         all.extend(other);
-        // Two runs, each in order.
+        // The concatenation of two sorted runs.
         all.sort();
         all.dedup();
         (all.len() <= most).then_some(all)
@@ -88,7 +88,7 @@ fn different(packed: &[u32], most: usize) -> Option<Vec<u32>> {
 mod tests {
     use super::*;
 
-    /// Whichever way they are kept, and whatever they are: the same bits.
+    /// Both representations return the same bits, for any number of distinct normals.
     #[test]
     fn every_normal_is_that_of_its_photon() {
         for different in [0, 1, 2, 300, MAX_DIFFERENT as u32, MAX_DIFFERENT as u32 + 1, 50_000] {

@@ -1,19 +1,19 @@
-//! Power of photons: three channels, or one that stands for all of them.
+//! Photon power: three channels, or one that stands for all three.
 
 use photon_core::glam::Vec3;
 
-/// What a photon adds to sums.
+/// A photon's contribution to sums.
 pub(crate) trait Power: Copy {
-    /// Σ in f64, so that a million photons add up.
+    /// Sum of powers, in f64, so that a million photons add up accurately.
     type Sum: Copy + Default;
 
-    /// Adds `weight` times it.
+    /// Adds `weight` times this power to `sum`.
     fn add(self, sum: &mut Self::Sum, weight: f32);
 
-    /// Over the channels.
+    /// Mean over the channels.
     fn mean(self) -> f32;
 
-    /// The channels of a sum.
+    /// The channels of `sum`.
     fn rgb(sum: Self::Sum) -> [f64; 3];
 }
 
@@ -37,7 +37,7 @@ impl Power for Vec3 {
     }
 }
 
-/// The same operations as each of three equal channels goes through, hence the same bits.
+/// Performs the same operations as each of three equal channels, hence gives the same bits.
 impl Power for f32 {
     type Sum = f64;
 

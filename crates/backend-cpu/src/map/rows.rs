@@ -1,11 +1,11 @@
-//! Photons of which less than the whole record is stored: as many words from its front on as are kept.
+//! Photon records truncated to a [`PhotonFormat`]: only their first words are stored.
 
 use photon_core::{Photon, PhotonFormat};
 
-/// Words of a photon.
+/// 32-bit words in a full photon record.
 const WORDS: usize = size_of::<Photon>() / 4;
 
-/// Records that are cut short.
+/// Truncated photon records.
 #[derive(Debug)]
 pub(crate) enum Rows {
     /// Of [`PhotonFormat::Mono`].
@@ -15,7 +15,7 @@ pub(crate) enum Rows {
 }
 
 impl Rows {
-    /// With room for so many; `None` of whole records, or if there is no such room.
+    /// Allocates room for `count` photons; `None` for [`PhotonFormat::Full`], or if the memory cannot be allocated.
     pub(crate) fn with_capacity(photon_format: PhotonFormat, count: usize) -> Option<Self> {
         fn room<const N: usize>(count: usize) -> Option<Vec<[u32; N]>> {
             let mut rows = Vec::new();
@@ -49,7 +49,7 @@ impl Rows {
         }
     }
 
-    /// Appends what is kept of some photons.
+    /// Appends photons, truncated to the format.
     pub(crate) fn append(&mut self, photons: &[Photon]) {
         match self {
             Self::Mono(rows) => rows.extend(photons.iter().map(front)),
@@ -57,7 +57,7 @@ impl Rows {
         }
     }
 
-    /// A photon, its direction 0; that of one power has it in every channel.
+    /// A photon with direction 0; a mono photon has the same power in every channel.
     #[inline]
     pub(crate) fn get(&self, index: usize) -> Photon {
         match self {

@@ -1,4 +1,4 @@
-//! How much of each estimate's disc lies on the surface.
+//! Area correction: the share of each estimate's disc that lies on the surface.
 
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
@@ -14,13 +14,13 @@ use rayon::prelude::*;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
 
-/// Queries that a thread takes at a time.
+/// Queries per parallel task.
 const BLOCK: usize = 64;
 
-/// The first radius, and the second ones, over the first.
+/// The estimate's radius, and the wide and narrow radius of the error moments, relative to the estimate's.
 const RADII: [f32; 3] = [1.0, SQRT_2, FRAC_1_SQRT_2];
 
-/// Short rays about each query.
+/// Traces short rays around each query.
 #[derive(Debug)]
 pub(crate) struct CpuArea;
 
@@ -38,7 +38,7 @@ impl AreaProbe<Cpu> for CpuArea {
         on.pool.install(|| match buffers.error_moments {
             None => estimates.for_each(|(estimates, queries)| {
                 for (estimate, query) in estimates.iter_mut().zip(queries) {
-                    // Where there is no light there is none to be mended.
+                    // An estimate of 0 needs no correction.
                     if estimate.photons > 0 {
                         let radius = estimate.radius_squared.sqrt();
                         estimate.radius_squared *= Disc { scene, pass, query, gather, radius }.shares::<false>()[0];
@@ -66,7 +66,7 @@ impl AreaProbe<Cpu> for CpuArea {
     }
 }
 
-/// A disc about a query.
+/// An estimate's disc around a query.
 struct Disc<'a> {
     scene: &'a CpuScene,
     pass: Pass,
@@ -76,8 +76,8 @@ struct Disc<'a> {
 }
 
 impl Disc<'_> {
-    /// The share of it that lies on its query's surface; with `SECOND` those of the discs of √2 and 1/√2 of its
-    /// radius too, else 1.
+    /// The share of the disc that lies on the query's surface. With `SECOND`, also the shares of the discs with √2
+    /// and 1/√2 times its radius; otherwise these are 1.
     fn shares<const SECOND: bool>(&self) -> [f32; 3] {
         let Self { scene, query, gather, radius, .. } = *self;
         if radius < MIN_RADIUS {
@@ -88,7 +88,7 @@ impl Disc<'_> {
         let mut sampler = Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Area, query.path);
         let [turn, shift, ..] = sampler.words(0).map(unit_f32);
         let from = offset::off_surface(query.position.into(), normal);
-        // Under a ceiling, from half its height.
+        // Under a ceiling, the apex is at half the ceiling's height.
         let up = Ray { origin: from, direction: normal, t_max: HEIGHT * radius };
         let height = opaque(scene, up).map_or(HEIGHT * radius, |(t, _)| 0.5 * t);
         let apex = from + normal * height;
@@ -99,7 +99,8 @@ impl Disc<'_> {
             let (sine, cosine) = math::sin_cos_turns(area::spoke_turns(spoke, turn));
             let direction = tangent * cosine + bitangent * sine;
             let free = opaque(scene, Ray { origin: apex, direction, t_max: far }).map_or(far, |(t, _)| t);
-            // From the outermost on: where that lies on the surface and nothing is in the way, so do all within.
+            // From the outermost ring inwards: if a ring lies on the surface and is not occluded, so do all rings
+            // inside it.
             let mut whole = false;
             for ring in (0..RINGS + u32::from(SECOND)).rev() {
                 let probe = if ring < RINGS {
@@ -123,7 +124,8 @@ impl Disc<'_> {
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
                 let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
                 if same && (away <= free || !enclosed(scene, &surface)) {
-                    // The outer probe is not asked where no errors are told, and the picture is to be the same.
+                    // The outer probe exists only if error moments are requested. It must not decide for the rings
+                    // inside it, since the image must be the same either way.
                     whole = ring < RINGS && !gather.is_flat() && away <= free;
                     for i in 0..discs {
                         let most = gather.max_plane_distance * (RADII[i] * radius);
@@ -136,7 +138,7 @@ impl Disc<'_> {
     }
 }
 
-/// Whether it lies within a solid, where no photon lands: what is above it turns its back.
+/// Whether the surface lies inside a solid, where no photon lands: the surface above it is seen from the back.
 fn enclosed(scene: &CpuScene, surface: &SurfaceInteraction) -> bool {
     let up = Ray {
         origin: offset::off_surface(surface.point, surface.normal),
@@ -146,7 +148,7 @@ fn enclosed(scene: &CpuScene, surface: &SurfaceInteraction) -> bool {
     opaque(scene, up).is_some_and(|(_, above)| !above.front)
 }
 
-/// The nearest surface that is not glass, and how far away.
+/// The nearest intersection with a surface that does not transmit, and its distance.
 fn opaque(scene: &CpuScene, mut ray: Ray) -> Option<(f32, SurfaceInteraction)> {
     let mut passed = 0.0;
     for _ in 0..=SHEETS {

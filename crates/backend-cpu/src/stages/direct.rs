@@ -1,4 +1,4 @@
-//! Direct light by next-event estimation.
+//! Direct lighting by next-event estimation.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
@@ -10,7 +10,7 @@ use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
 use crate::stages::light_sampler::LightSampler;
 
-/// Shadow rays to points on the lights.
+/// Traces shadow rays to points on the lights.
 #[derive(Debug)]
 pub(crate) struct CpuDirect;
 
@@ -38,20 +38,20 @@ impl DirectLight<Cpu> for CpuDirect {
     }
 }
 
-/// Mean over `rays` shadow rays.
+/// Direct irradiance: the mean over `rays` shadow rays.
 fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
     let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
     let light_sampler = LightSampler::at(scene, query);
     let mut sum = [0.0; 3];
     for ray in 0..rays {
         let [choice, u, v, _] = sampler.words(ray);
-        // One stratum of the lights for each ray.
+        // Each ray samples its own stratum of the lights.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
         let (index, share) = light_sampler.pick(scene, choice);
         let sample = sample(scene, &scene.lights[index], query, unit_f32(u), unit_f32(v));
         let Some((value, ray)) = sample else { continue };
         if !scene.caster.occluded(&ray) {
-            // Nothing is in between, so that all of the way is in the query's medium.
+            // The segment is unoccluded, so all of it lies in the query's medium.
             let value = value * scene.attenuation(MediumStack::from_bits(query.media), ray.t_max);
             for c in 0..3 {
                 sum[c] += f64::from(value[c]) / share;
@@ -61,8 +61,8 @@ fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3
     sum.map(|s| s / f64::from(rays))
 }
 
-/// Unoccluded irradiance from one point of a light over the density of that point, and the ray that
-/// must be free. `None` if the light is on the other side.
+/// Samples a point on a light. Returns the unoccluded irradiance divided by the density of that point, and the
+/// shadow ray to test. `None` if the light is on the far side of the surface.
 fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Option<(Vec3, Ray)> {
     let normal = Vec3::from(query.normal);
     let from = offset::off_surface(query.position.into(), normal);
@@ -88,10 +88,10 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Opt
         return None;
     }
     let ray = Ray { origin: from, direction, t_max: distance };
-    // Both sides share the power; it is the one that faces the query.
+    // A two-sided light emits half its power on each side; only the side facing the query counts.
     let sides = if light.flags & Light::BOTH_SIDES != 0 { 0.5 } else { 1.0 };
     if solid_angle > 0.0 {
-        // The radiance is the power over π and the area.
+        // Radiance is power / (π · area).
         let per_power = solid_angle * std::f32::consts::FRAC_1_PI / light.area;
         return Some((power * sides * (per_power * cosine), ray));
     }
@@ -103,7 +103,7 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Opt
             let falloff = sampling::spot_falloff(off, light.versine_inner, light.versine_outer);
             power * (falloff / sampling::spot_solid_angle(light.versine_inner, light.versine_outer) as f32)
         }
-        // All its power, as if it left this point with the cosine of Lambert.
+        // The light's whole power, as if emitted from this point with a Lambertian cosine.
         _ => power * sides * (-direction.dot(front) * std::f32::consts::FRAC_1_PI).max(0.0),
     };
     if intensity == Vec3::ZERO {
@@ -112,16 +112,16 @@ fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Opt
     Some((intensity * (cosine / squared), ray))
 }
 
-/// A point that a shadow ray goes to.
+/// The point on a light that a shadow ray goes to.
 struct Target {
     to: Vec3,
-    /// The normal of a lamp on the side that the ray arrives at.
+    /// Normal of an area light on the side where the ray arrives.
     front: Vec3,
-    /// Of the whole lamp, where the point is uniform in that; 0 where it is uniform in area.
+    /// Solid angle of the whole area light if the point is uniform in solid angle; 0 if it is uniform in area.
     solid_angle: f32,
 }
 
-/// A point of a triangle, on the side that faces the query; `None` if none does.
+/// Samples a point of a triangle, on an emitting side that faces the query; `None` if there is none.
 fn at_area_light(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Target> {
     let primitive = light.primitive as usize;
     let vertices = scene.vertices[primitive];
@@ -129,7 +129,7 @@ fn at_area_light(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) ->
     if light.flags & Light::BOTH_SIDES != 0 && front.dot(from - vertices[0]) < 0.0 {
         front = -front;
     }
-    // As seen from as far behind as rays end above the lamp.
+    // Seen from as far behind the query as the ray's end is offset above the light.
     let eye = offset::off_surface(from, -front);
     let corners = vertices.map(|vertex| vertex - eye);
     let height = -front.dot(corners[0]);

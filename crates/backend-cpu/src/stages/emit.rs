@@ -1,4 +1,4 @@
-//! Photons leave the lights.
+//! Photon emission from the lights.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler, centred_f32, unit_f32};
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
 
-/// Sends photons out in proportion to the power of the lights.
+/// Emits photons in proportion to the power of the lights.
 #[derive(Debug)]
 pub(crate) struct CpuEmitter;
 
@@ -21,7 +21,7 @@ impl Emitter<Cpu> for CpuEmitter {
             let [c, d, ..] = sampler.words(BLOCK_START);
             let index = pick_light(&scene.light_cdf, choice);
             let share = light_probability(&scene.light_cdf, index);
-            // Every path carries the power of its light over the light's probability.
+            // Every path carries the power of its light divided by the probability of choosing that light.
             let power = scene.lights[index].power.map(|p| (f64::from(p) / share) as f32);
             PhotonRay { path, power, ..leave::<false>(scene, index, [a, b], [c, d], side) }
         });
@@ -29,7 +29,7 @@ impl Emitter<Cpu> for CpuEmitter {
     }
 }
 
-/// Sends photons out where something specular could be met.
+/// Emits aimed photons: only through the cells of the projection map, towards specular surfaces.
 #[derive(Debug)]
 pub(crate) struct CpuAimedEmitter {
     projection: ProjectionMap,
@@ -53,7 +53,7 @@ impl Emitter<Cpu> for CpuAimedEmitter {
     }
 }
 
-/// Replaces `rays` with what `ray` makes of each path of the batch.
+/// Fills `rays` with the result of `ray` for each path of the batch.
 fn each(
     on: &Cpu,
     batch: &Batch,
@@ -76,8 +76,8 @@ fn each(
     });
 }
 
-/// Where photons leave a light, and whither; what they carry is left at 0. A copy for each emitter, that it
-/// be compiled into it.
+/// Samples the origin and direction of a photon that leaves light `index`; its power and path are left at 0. The
+/// const parameter makes a separate copy for each emitter, so that it is inlined there.
 #[inline]
 fn leave<const AIMED: bool>(
     scene: &CpuScene,

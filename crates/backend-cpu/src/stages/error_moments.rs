@@ -1,4 +1,4 @@
-//! An estimate, and what the same photons say about its error.
+//! Radiance estimates together with moments of the same photons, from which the error is estimated.
 
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
@@ -8,10 +8,12 @@ use crate::map::power::Power;
 use crate::map::{CpuMap, Powers};
 use crate::stages::estimate::{Sum, VisiblePoint};
 
-/// A photon farther from the query's plane than this share of the wide radius is on another surface.
+/// A photon farther from the query's plane than this fraction of the wide radius counts as lying on another
+/// surface.
 const OFF_PLANE: f32 = 0.25;
 
-/// The estimate of `Search::Radius`, to the bit, and what the photons within √2 times the radius tell.
+/// The estimate of `Search::Radius`, identical to the bit, and the error moments of the photons within √2 times the
+/// radius.
 pub(crate) fn estimate_with_moments_at(
     map: &CpuMap,
     point: VisiblePoint,
@@ -25,8 +27,8 @@ pub(crate) fn estimate_with_moments_at(
     }
 }
 
-/// The same of powers of one kind; if `FLAT`, of photons near the query's plane, each radius with its own share of
-/// itself.
+/// As [`estimate_with_moments_at`], for one type of power. If `FLAT`, only photons near the query's plane are used;
+/// the maximum distance from the plane scales with each radius.
 fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     map: &CpuMap,
     powers: &[P],
@@ -73,7 +75,7 @@ fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     (sum.finish(), sums.finish(P::rgb))
 }
 
-/// [`ErrorMoments`] in f64.
+/// [`ErrorMoments`], accumulated in f64.
 #[derive(Default)]
 struct Sums<F> {
     wide: F,

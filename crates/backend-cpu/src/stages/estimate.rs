@@ -1,4 +1,4 @@
-//! Irradiance from the photons near a point.
+//! Irradiance estimation from the photons near a point.
 
 use photon_core::glam::Vec3;
 use photon_core::{
@@ -13,13 +13,13 @@ use crate::map::power::Power;
 use crate::map::{CpuMap, Powers};
 use crate::stages::error_moments::estimate_with_moments_at;
 
-/// The least squared radius that an estimate divides by.
+/// Lower bound on the squared radius that an estimate divides by.
 const MIN_RADIUS_SQUARED: f32 = neighbour_radius::MIN_RADIUS * neighbour_radius::MIN_RADIUS;
 
-/// Queries that a thread takes at a time.
+/// Queries per parallel task.
 const BLOCK: usize = 256;
 
-/// Asks photon maps.
+/// Estimates irradiance from photon maps.
 #[derive(Debug)]
 pub(crate) struct CpuEstimator;
 
@@ -39,7 +39,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         estimates.data.resize(fit, Estimate::default());
         on.pool.install(|| {
             estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK)).for_each(|(out, queries)| {
-                // Neighbouring queries have similar radii, which the scratch remembers.
+                // Neighbouring queries have similar radii, which the scratch memory remembers.
                 let mut scratch = Neighbours::default();
                 for (estimate, query) in out.iter_mut().zip(queries) {
                     *estimate = estimate_at(map, VisiblePoint::of(query, gather), gather, &mut scratch);
@@ -83,7 +83,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         neighbours: u32,
         min_normal_cosine: f32,
     ) -> Result<Option<f32>> {
-        // No photon is asked to look farther.
+        // Searches are limited to the largest permitted radius.
         const LIMIT: f32 = neighbour_radius::MAX_RADIUS * neighbour_radius::MAX_RADIUS;
         let count = map.len().min(neighbour_radius::SAMPLE as usize);
         if map.len() <= neighbours as usize {
@@ -111,11 +111,11 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
     }
 }
 
-/// Where an estimate is asked for.
+/// The point at which irradiance is estimated.
 #[derive(Clone, Copy)]
 pub(crate) struct VisiblePoint {
     pub(crate) position: [f32; 3],
-    /// Unit, on the side looked at.
+    /// Unit normal, on the visible side.
     pub(crate) normal: Vec3,
     pub(crate) radius: f32,
 }
@@ -126,20 +126,20 @@ impl VisiblePoint {
         Self { position: query.position, normal: query.normal.into(), radius }
     }
 
-    /// From there to a photon.
+    /// Vector from the point to a photon.
     #[inline]
     pub(crate) fn to(&self, map: &CpuMap, slot: u32) -> Vec3 {
         Vec3::from(map.index().position(slot)) - Vec3::from(self.position)
     }
 
-    /// How far a photon lies from the plane through it.
+    /// Distance of a photon from the tangent plane at the point.
     #[inline]
     pub(crate) fn off_plane(&self, map: &CpuMap, slot: u32) -> f32 {
         self.to(map, slot).dot(self.normal).abs()
     }
 }
 
-/// The estimate at one place.
+/// The estimate at `point`.
 pub(crate) fn estimate_at(
     map: &CpuMap,
     point: VisiblePoint,
@@ -152,7 +152,7 @@ pub(crate) fn estimate_at(
     }
 }
 
-/// The same of powers of one kind.
+/// As [`estimate_at`], for one type of power.
 fn estimate_of<P: Power>(
     map: &CpuMap,
     powers: &[P],
@@ -170,7 +170,7 @@ fn estimate_of<P: Power>(
         Search::KNearest { k } => {
             map.index().nearest(position, k as usize, radius_squared, accept, scratch);
             let nearest = scratch.as_slice();
-            // The k-th only says how large the disc is that holds the others.
+            // If all k were found, the k-th only determines the radius of the disc that contains the others.
             let full = nearest.len() == k as usize;
             let (kept, reach) = match nearest.split_last() {
                 Some((last, others)) if full => (others, last.d2),
@@ -212,7 +212,7 @@ fn estimate_of<P: Power>(
     }
 }
 
-/// The estimate from all photons within a radius; if `FLAT`, from those near the query's plane.
+/// The estimate from all photons within the radius; if `FLAT`, only from those near the query's plane.
 fn within<const FLAT: bool, P: Power>(
     map: &CpuMap,
     powers: &[P],
@@ -253,7 +253,7 @@ impl<P: Power> Sum<P> {
         }
     }
 
-    /// With one photon more. By value, for it to stay in registers.
+    /// Adds one photon. Takes and returns the sum by value, so that it stays in registers.
     #[inline]
     pub(crate) fn and(mut self, power: P, weight: f32) -> Self {
         power.add(&mut self.flux, weight);

@@ -1,4 +1,4 @@
-//! Camera paths, to the first diffuse surface.
+//! Camera paths, traced to the first diffuse surface.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
@@ -12,10 +12,10 @@ use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
 
-/// Follows camera paths through mirrors and glass.
+/// Traces camera paths through mirrors and glass.
 ///
-/// At the first two boundaries of glass a path splits, so that reflections in it are free of the
-/// noise of choosing; after that it chooses.
+/// A path splits at its first two dielectric interfaces, so that reflections there are free of the noise of
+/// choosing a lobe at random; at later interfaces it chooses.
 #[derive(Debug)]
 pub(crate) struct CpuEye {
     pub(crate) max_bounces: u32,
@@ -64,16 +64,16 @@ struct Eye<'a> {
     max_splits: u32,
 }
 
-/// A camera path under way.
+/// State of a camera path.
 #[derive(Clone, Copy)]
 struct Path {
     ray: Ray,
-    /// Of radiance over n², which refraction leaves as it is.
+    /// Throughput of radiance over n², which refraction leaves unchanged.
     throughput: Vec3,
     media: MediumStack,
     surfaces: u32,
     splits: u32,
-    /// Which of the pixel's paths this is; a key of random numbers.
+    /// Index of this path among the pixel's paths; part of the random-number key.
     branch: u32,
 }
 
@@ -109,7 +109,8 @@ impl Eye<'_> {
         }
     }
 
-    /// One surface. `None` when the path has ended; within, the other path if it has split.
+    /// Traces the path to its next surface. Returns `None` when the path has ended, `Some(Some(other))` when it has
+    /// split.
     fn step(
         &self,
         path: &mut Path,
@@ -130,7 +131,7 @@ impl Eye<'_> {
         }
         let interface = self.scene.interface(&surface, path.media);
         path.throughput *= self.scene.attenuation(interface.before, surface.t);
-        // What the surface sends to the camera, beside what the path carries.
+        // Factor from the radiance that leaves the surface to its contribution at the camera.
         let seen = || {
             let camera = MediumStack::from_bits(self.view.camera.media);
             path.throughput * self.scene.radiance_scale(camera, interface.before)
@@ -143,7 +144,8 @@ impl Eye<'_> {
             let throughput = bsdf.diffuse_throughput(seen());
             if throughput != Vec3::ZERO {
                 queries.push(Query {
-                    // Off edges, beside which rounding may put it behind the next wall, out of its shadow.
+                    // Moved off edges: beside an edge, rounding may put the point behind the adjacent wall, outside
+                    // its shadow.
                     position: surface.start.into(),
                     radius: 1.0,
                     normal: surface.normal.into(),
@@ -195,7 +197,7 @@ impl Eye<'_> {
     }
 }
 
-/// The ray through a point of the picture, both coordinates in `[-1, 1]`.
+/// The ray through a point of the image; both coordinates are in `[-1, 1]`.
 fn camera_ray(camera: &Camera, x: f32, y: f32) -> Ray {
     let offset = Vec3::from(camera.right) * x + Vec3::from(camera.up) * y;
     let (origin, forward) = (Vec3::from(camera.origin), Vec3::from(camera.forward));

@@ -14,7 +14,7 @@ use crate::scene::CpuScene;
 use crate::stages::error_moments::estimate_with_moments_at;
 use crate::stages::estimate::{VisiblePoint, estimate_at};
 
-/// Rays from the queries to where the maps are read.
+/// Traces gather rays from the queries to the points where the maps are evaluated.
 #[derive(Debug)]
 pub(crate) struct CpuGather {
     pub(crate) max_bounces: u32,
@@ -58,15 +58,15 @@ impl FinalGather<Cpu> for CpuGather {
     }
 }
 
-/// What rays find.
+/// What gather rays find.
 #[derive(Default)]
 struct Found {
     irradiance: [f64; 3],
-    /// The same by estimates over twice the area, less this.
+    /// The same from estimates over twice the area, minus `irradiance`.
     bias: [f64; 3],
-    /// This, less the same by estimates over half the area.
+    /// `irradiance` minus the same from estimates over half the area.
     narrow: [f64; 3],
-    /// Power of the photons, and its square.
+    /// Sum of the photons' power, and sum of its square.
     powers: [f64; 2],
 }
 
@@ -81,7 +81,7 @@ impl Found {
         self.powers[1] += share * share * other.powers[1];
     }
 
-    /// Adds what an estimate and its spread tell.
+    /// Adds the error terms of one estimate.
     fn add_moments(&mut self, estimate: &Estimate, moments: &ErrorMoments, paths: u64) {
         if moments.photons == 0 || paths == 0 {
             return;
@@ -109,9 +109,9 @@ impl Found {
     }
 }
 
-/// What one ray contributes to the irradiance: π times the radiance that it finds, since its
-/// direction has density cos θ/π. What comes straight from a light, or from one by mirrors and glass
-/// alone, is not its to count.
+/// The contribution of one ray to the irradiance: π times the incoming radiance, since directions are sampled with
+/// density cos θ/π. Light that arrives straight from a light source, or from one through mirrors and glass only, is
+/// not counted here.
 fn follow(
     scene: &CpuScene,
     maps: &Maps<'_, Cpu>,
@@ -124,14 +124,14 @@ fn follow(
     let block = index * max_bounces.saturating_add(1);
     let [u, v, ..] = sampler.words(block);
     let normal = Vec3::from(query.normal);
-    // One stratum of the height for each ray.
+    // Each ray samples its own stratum in height.
     let u = ((index as f32 + unit_f32(u)) / rays as f32).min(1.0 - f32::EPSILON);
     let mut ray = photon_core::Ray {
         origin: offset::off_surface(query.position.into(), normal),
         direction: sampling::cosine_hemisphere(normal, u, unit_f32(v)),
         t_max: f32::INFINITY,
     };
-    // Of radiance over n², which refraction leaves as it is.
+    // Throughput of radiance over n², which refraction leaves unchanged.
     let mut throughput = Vec3::ONE;
     let start = MediumStack::from_bits(query.media);
     let mut media = start;
@@ -182,7 +182,7 @@ fn follow(
                         *sum += e;
                     }
                 }
-                // Radiance is irradiance times albedo over π; the π cancels.
+                // Outgoing radiance is irradiance × albedo / π; the π cancels.
                 return found.times(throughput.to_array());
             }
         }

@@ -1,4 +1,4 @@
-//! Irradiance at the places of photons.
+//! Precomputed irradiance at photon positions.
 
 use photon_core::{Estimate, IrradiancePoints, Photon, PhotonFormat, Query, Result, octahedral};
 use rayon::prelude::*;
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::map::CpuMap;
 
-/// Every so-manieth photon.
+/// Precomputes irradiance at every n-th photon.
 #[derive(Debug)]
 pub(crate) struct CpuIrradiance;
 

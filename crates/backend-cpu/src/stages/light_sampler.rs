@@ -1,23 +1,23 @@
-//! Which light a shadow ray goes to.
+//! Chooses the light for a shadow ray.
 
 use photon_core::glam::Vec3;
 use photon_core::{Light, Query, light_probability, pick_light, sampling, solid_angle};
 
 use crate::scene::CpuScene;
 
-/// Up to so many lights are weighed for each query; more are chosen by power alone.
+/// With at most this many lights, each query weights them individually; with more, they are chosen by power alone.
 const MAX_LIGHTS: usize = 16;
 
-/// What is shared out evenly whatever the weights say: a lamp that outshines all others but stands
-/// behind a wall leaves them this much.
+/// The share of the probability that is spread evenly over all lights whatever their weights: if an occluded light
+/// outweighs all others, these still get this much.
 const DEFENSIVE_SHARE: f64 = 0.1;
 
-/// The probabilities of the lights at one query.
+/// The selection probabilities of the lights at one query.
 ///
-/// In proportion to what each would give if nothing were in between: a weak lamp close by, or the
-/// narrow cone of a spot, counts for what it is here and not for its share of the scene's power.
+/// They are proportional to the unoccluded irradiance from each light, so that a weak light close by or a narrow
+/// spotlight counts by its effect at the query and not by its share of the scene's power.
 pub(crate) struct LightSampler {
-    /// Running sums; empty where power alone decides.
+    /// Cumulative probabilities; `count` is 0 if lights are chosen by power alone.
     cdf: [f64; MAX_LIGHTS],
     count: usize,
 }
@@ -46,14 +46,14 @@ impl LightSampler {
         light_sampler
     }
 
-    /// A light and its probability.
+    /// Picks a light; returns its index and probability.
     pub(crate) fn pick(&self, scene: &CpuScene, random: u32) -> (usize, f64) {
         if self.count == 0 {
             let index = pick_light(&scene.light_cdf, random);
             return (index, light_probability(&scene.light_cdf, index));
         }
         let cdf = &self.cdf[..self.count];
-        // The sums end at 1 but for rounding, hence in proportion to the last.
+        // The last sum is 1 except for rounding, so normalise by it.
         let whole = cdf[self.count - 1];
         let at = f64::from(random) / 4_294_967_296.0 * whole;
         let index = cdf.partition_point(|&end| end <= at).min(self.count - 1);
@@ -62,8 +62,8 @@ impl LightSampler {
     }
 }
 
-/// Roughly the unoccluded irradiance from a light, mean of RGB; 0 only where it is 0 or the light is in the plane
-/// but for roundings.
+/// Approximate unoccluded irradiance from a light, mean of RGB. 0 only if the irradiance is 0 or, to within
+/// rounding, the query lies in the light's plane.
 fn weigh(scene: &CpuScene, light: &Light, query: &Query) -> f32 {
     let power = light.power.iter().sum::<f32>() / 3.0;
     let normal = Vec3::from(query.normal);
@@ -81,7 +81,7 @@ fn weigh(scene: &CpuScene, light: &Light, query: &Query) -> f32 {
             if !(height > solid_angle::MIN_HEIGHT) {
                 return 0.0;
             }
-            // The radiance times the solid angle: its cosine here varies within a lamp near by, and is left out.
+            // Radiance times solid angle. The cosine at the query varies across a nearby area light and is omitted.
             if solid_angle::is_near(corners) {
                 return power * solid_angle::of(corners, height, light.area) / (std::f32::consts::PI * light.area);
             }

@@ -1,4 +1,4 @@
-//! Photons are followed through the scene.
+//! Photon tracing.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -13,13 +13,13 @@ use rayon::prelude::*;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
 
-/// Paths that a thread takes at a time. The result does not depend on it.
+/// Paths per block of dynamic scheduling. The result does not depend on it.
 const BLOCK: usize = 2048;
 
-/// More power than this on one path is a sign of broken numbers: a path starts with about 1.
+/// More power than this on one path indicates a numerical failure: a path starts with about 1.
 const TOO_MUCH: f32 = 1_048_576.0;
 
-/// Follows photons.
+/// Traces photons through the scene.
 #[derive(Debug)]
 pub(crate) struct CpuTracer {
     scheduling: Scheduling,
@@ -43,7 +43,7 @@ impl CpuTracer {
     }
 }
 
-/// What a thread brings home from some paths: photons for each map.
+/// The output of tracing some paths: photons for each map.
 #[derive(Default)]
 struct TraceOutput {
     photons: PerMap<Vec<Photon>>,
@@ -87,14 +87,14 @@ impl Tracer<Cpu> for CpuTracer {
     }
 }
 
-/// The paper's first way: each thread has its quota.
+/// Static scheduling, the paper's first method: each thread traces a fixed share of the paths.
 fn share_statically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<TraceOutput> {
     let quota = rays.len().div_ceil(on.threads()).max(1);
     on.pool.install(|| rays.par_chunks(quota).with_max_len(1).map(|chunk| walk.trace_all(chunk)).collect())
 }
 
-/// The paper's second way: threads take blocks from a shared counter until none is left. Blocks are
-/// put back in order afterwards, so that it does not show which thread took which.
+/// Dynamic scheduling, the paper's second method: threads take blocks from a shared counter until none is left. The
+/// blocks are then put back in order, so that the result does not depend on which thread traced which.
 fn share_dynamically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<TraceOutput> {
     let next = AtomicUsize::new(0);
     let threads = on.threads();
@@ -137,12 +137,12 @@ impl Walk<'_> {
     }
 }
 
-/// Beside the bits of the lobes: paths are aimed.
+/// Flag beside the bits of the lobes: paths are aimed.
 const AIMED: u32 = 1 << 31;
-/// Likewise: solids lie within each other, or overlap.
+/// Flag beside the bits of the lobes: solids are nested or overlap.
 const NESTED: u32 = 1 << 30;
 
-/// The kernel that has these lobes and no other. Nested solids have one with all lobes, since they are rare.
+/// Selects the kernel compiled for these lobes. Nested solids are rare, so they have one kernel with all lobes.
 fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     const D: Features = Features::DIFFUSE;
     const M: Features = D.union(Features::MIRROR);
@@ -172,7 +172,7 @@ fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     }
 }
 
-/// Follows one path to its end. `F` says which lobes are compiled in.
+/// Traces one path to its end. `F` selects the lobes that are compiled in.
 fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput) {
     let features = Features::from_bits(F);
     let (aimed, nested) = (F & AIMED != 0, F & NESTED != 0);
@@ -181,7 +181,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     let domain = if aimed { Domain::Aimed } else { Domain::Photon };
     let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, domain, start.path);
     if pass.random == photon_core::RandomKind::Lcg {
-        // The sequence goes on where emission left it.
+        // The sequence continues where emission stopped.
         let _ = (sampler.words(0), sampler.words(0));
     }
     let tally = &mut output.tally;
@@ -220,7 +220,8 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         let lobe = bsdf.choose(choice);
         match lobe {
             Lobe::Diffuse => {
-                // What comes straight from a light is not theirs to keep.
+                // Aimed paths store no photon at the first surface: light straight from a light source is not
+                // theirs to count.
                 if material.albedo != [0.0; 3] && !(aimed && bounce == 0) {
                     let kind = MapKind::of_path(specular_only, bounce);
                     if walk.wanted[kind] {
@@ -249,7 +250,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         }
         let weight = bsdf.weight(lobe);
         if bsdf.split().is_some() {
-            // The word went into the choice of the lobe.
+            // The random number has been used to choose the lobe.
             power *= weight;
         } else {
             let Some(next) = russian_roulette(power, weight, choice) else {
@@ -263,8 +264,8 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     tally.end(Fate::Truncated, flux);
 }
 
-/// Russian roulette (Arvo and Kirk 1990) that keeps the brightest channel as it is; `None` if the
-/// photon is absorbed.
+/// Russian roulette (Arvo and Kirk 1990). A surviving photon keeps the power of its brightest channel; `None` if
+/// the photon is absorbed.
 #[inline]
 fn russian_roulette(power: Vec3, weight: Vec3, choice: f32) -> Option<Vec3> {
     let next = power * weight;

@@ -1,4 +1,4 @@
-//! Searches against brute force.
+//! Compares searches with brute force.
 
 use photon_core::random::SplitMix64;
 
@@ -8,14 +8,14 @@ use super::{Isa, KINDS, Neighbours, PointIndex, Workspace};
 
 #[test]
 fn searches_agree_with_brute_force() {
-    // One for all: what is left in it from other sets must not show.
+    // Shared by all builds: leftovers from other point sets must not affect results.
     let mut workspace = Workspace::default();
     for (name, points) in point_sets() {
         for kind in KINDS {
             let first = PointIndex::build(&points, kind).expect("finite points");
             let mut ids = first.order().to_vec();
             ids.sort_unstable();
-            assert!(ids.iter().copied().eq(0..points.len() as u32), "{name} {kind:?}: a permutation");
+            assert!(ids.iter().copied().eq(0..points.len() as u32), "{name} {kind:?}: the order is not a permutation");
             for isa in Isa::all() {
                 let index = PointIndex::build_with(&points, kind, isa, &mut workspace).expect("finite points");
                 assert_eq!(index.order(), first.order(), "{name} {kind:?} {isa:?}");
@@ -30,7 +30,7 @@ fn searches_agree_with_brute_force() {
     }
 }
 
-/// One point moved by a few units in the last place, one more, or two exchanged: the comparison must notice.
+/// One point moved by a few ulps, one point more, or two points exchanged: the comparison must notice.
 #[test]
 fn the_comparison_can_fail() {
     let mut random = SplitMix64(4);
@@ -50,7 +50,7 @@ fn the_comparison_can_fail() {
     }
 }
 
-/// A picture's worth of coherent and of jumping queries, where guesses are right, too small and too large.
+/// Coherent and jumping queries, as many as an image has, with guesses that are right, too small and too large.
 #[test]
 fn guesses_change_no_result() {
     let points = super::inputs::caustic(20_000, 0.05);
@@ -69,8 +69,9 @@ fn guesses_change_no_result() {
     }
 }
 
-/// Few places, each shared by many in any order of ids, and some so far off that boxes hold both: of those tied with
-/// the k-th, the lowest ids count, also when others than they were found first. Found by the fuzz target `map`.
+/// Few distinct positions, each shared by many points in any order of ids, and some far enough away that boxes
+/// contain both. Of the points tied with the k-th, those with the lowest ids count, even if others were found
+/// first. Found by the fuzz target `map`.
 #[test]
 fn ties_with_the_kth_are_settled_by_ids() {
     let mut random = SplitMix64(9);

@@ -1,8 +1,8 @@
-//! Point sets that break search structures, and queries into them.
+//! Point sets that are hard for search structures, and queries into them.
 
 use photon_core::random::SplitMix64;
 
-/// Nine tenths of the points in a disc on the floor, with density 1/r, the others anywhere.
+/// Nine tenths of the points in a disc on the floor, with density ∝ 1/r, the others anywhere.
 pub(super) fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
     let mut random = SplitMix64(5);
     (0..count)
@@ -72,14 +72,14 @@ pub(super) fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
     sets
 }
 
-/// Queries on, near and far from a set.
+/// Queries on, near and far from the points of a set.
 pub(super) fn queries(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut random = SplitMix64(2);
     let mut all =
         vec![[0.0; 3], [0.5; 3], [1e9, -1e9, 3.0], [f32::MAX; 3], [-f32::MAX, 0.0, 1e-40], [f32::INFINITY, 0.0, 0.0]];
     for _ in 0..6 {
         if let Some(&p) = points.get((random.unit() * points.len() as f32) as usize) {
-            // A coincident one and one close by, in sequence, so that the second profits from the first.
+            // One coincident query and one close by, in sequence, so that the second uses the hint of the first.
             all.push(p);
             all.push(p.map(|c| c + c * 1e-3 * random.unit()));
         }

@@ -1,4 +1,4 @@
-//! Every kind of index, on every instruction set, against brute force.
+//! Compares every kind of index, on every instruction set, with brute force.
 
 mod agreement;
 mod inputs;
@@ -30,7 +30,7 @@ fn nothing_is_found_with_nan_or_zero_k() {
             index.nearest(query, k, r2, |_| true, &mut found);
             assert_eq!(found.as_slice(), []);
             if k > 0 {
-                index.within(query, r2, |_, _| panic!("nothing is within"));
+                index.within(query, r2, |_, _| panic!("no point may be found"));
                 assert_eq!(index.count_within(query, r2), 0);
             }
         }
@@ -52,7 +52,7 @@ fn points_that_are_not_finite_are_named() {
 #[test]
 fn batches_and_threads_change_nothing() {
     let mut random = SplitMix64(3);
-    // Enough for every stage of every builder to share its work out.
+    // Enough points for every stage of every builder to run in parallel.
     let points: Vec<_> = (0..200_000).map(|_| random.point().map(|c| (c * 4096.0).floor() / 4096.0)).collect();
     let queries: Vec<_> = (0..2_000).map(|_| random.point()).collect();
     for kind in KINDS {
@@ -100,13 +100,13 @@ fn a_million_equal_points_are_no_trouble() {
             assert!(found.as_slice().iter().map(|n| n.id).eq(0..50));
             assert_eq!(index.count_within([0.1, 0.2, 0.3], 0.0), 1_000_000);
         }
-        // A search looks at no more than it collects before it first drops some, and some blocks.
+        // A search visits no more points than it collects before it first discards some, plus some blocks.
         assert!(asked <= 100 * (4 * 50 + 64 + 2 * 50 + 32 + 64), "{kind:?}: {asked}");
     }
 }
 
-/// Nine tenths of the points in a disc with a millionth of the extent: no query may look at more than a fixed
-/// multiple of k of them, wherever it is and whatever came before it.
+/// Nine tenths of the points are in a disc with a millionth of the extent. No query may visit more than a fixed
+/// multiple of k points, wherever it is and whatever query preceded it.
 #[test]
 fn no_query_looks_at_much_more_than_it_finds() {
     let points = inputs::caustic(200_000, 1e-6);
@@ -116,7 +116,8 @@ fn no_query_looks_at_much_more_than_it_finds() {
         let mut found = Neighbours::new();
         for turn in 0..600 {
             let jitter = random.point().map(|c| c - 0.5);
-            // Inside the disc, at its rim, near it, and anywhere, in turns: guesses are as wrong as can be.
+            // Cycle through inside the disc, at its edge, near it, and anywhere, so that guesses are as wrong as
+            // possible.
             let scale = [5e-7, 2e-6, 1e-3, 1.0][turn % 4];
             let query = [0.3 + scale * jitter[0], 0.0, 0.7 + scale * jitter[2]];
             let mut asked = 0;
@@ -136,7 +137,8 @@ fn no_query_looks_at_much_more_than_it_finds() {
     }
 }
 
-/// Instruction sets must not only agree, there must be more than one to compare wherever there can be.
+/// The instruction sets tested must include the baseline and the best one supported, so that there is something to
+/// compare.
 #[test]
 fn the_baseline_is_always_among_those_tested() {
     let all = Isa::all();

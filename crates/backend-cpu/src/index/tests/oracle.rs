@@ -1,4 +1,4 @@
-//! Answers by brute force, and the comparison with them.
+//! Brute-force results, and the comparison with them.
 
 use super::{Neighbours, PointIndex};
 
@@ -10,7 +10,7 @@ fn sorted(mut pairs: Vec<Pair>) -> Vec<Pair> {
     pairs
 }
 
-/// All points, nearest first.
+/// All points with their squared distances, nearest first.
 pub(super) fn ranking(points: &[[f32; 3]], query: [f32; 3]) -> Vec<Pair> {
     let distance = |p: &[f32; 3]| {
         let [dx, dy, dz] = [query[0] - p[0], query[1] - p[1], query[2] - p[2]];
@@ -19,7 +19,7 @@ pub(super) fn ranking(points: &[[f32; 3]], query: [f32; 3]) -> Vec<Pair> {
     sorted(points.iter().enumerate().map(|(id, p)| (distance(p), id as u32)).collect())
 }
 
-/// Compares all searches around `query` with brute force over `points`; says what differs.
+/// Compares all searches around `query` with brute force over `points`; the error describes the difference.
 pub(super) fn check(
     index: &PointIndex,
     points: &[[f32; 3]],
@@ -54,7 +54,7 @@ pub(super) fn check(
         (50, 0.0),
         (usize::MAX, middle),
     ] {
-        // The second search starts from what the first remembered; the third has no filter.
+        // The second search starts from the hint of the first; the third has no filter.
         for turn in 0..3 {
             if turn == 2 {
                 index.nearest_of_all(query, k, max_r2, found);

@@ -1,10 +1,10 @@
-//! The canonical orders, by builders that know nothing of speed, and the depth of trees.
+//! The canonical orders, computed by simple, slow builders, and the depth of trees.
 
 use super::inputs::point_sets;
 use super::{IndexKind, KINDS, PointIndex};
 use crate::index::layout::{LEAF, MAX_DEPTH, WIDTH};
 
-/// Nodes from the root to the deepest block.
+/// Number of nodes from the root to the deepest block.
 fn depth(index: &PointIndex) -> usize {
     fn below(index: &PointIndex, node: u32) -> usize {
         let children = index.tree.nodes[node as usize].child;
@@ -15,7 +15,7 @@ fn depth(index: &PointIndex) -> usize {
 
 #[test]
 fn depth_is_bounded_even_where_the_heuristic_peels() {
-    // Every plane that halves the voxel leaves a few points alone.
+    // Every plane that the heuristic picks separates only a few points.
     let points: Vec<[f32; 3]> = (0..40_000).map(|i| [2_f32.powi(-(i / 170)), 0.0, 0.0]).collect();
     for kind in KINDS {
         let index = PointIndex::build(&points, kind).expect("finite points");
@@ -30,7 +30,7 @@ fn side(segment: &[(u32, [f32; 3])], axis: usize) -> f32 {
 
 #[test]
 fn the_median_order_is_the_canonical_one() {
-    // The rules of `median`, by sorting whole segments.
+    // The rules of `median`, applied by sorting whole segments.
     fn arrange(segment: &mut [(u32, [f32; 3])]) {
         if segment.len() <= WIDTH {
             segment.sort_by_key(|p| p.0);
@@ -63,11 +63,11 @@ fn the_median_order_is_the_canonical_one() {
 
 #[test]
 fn the_morton_order_is_the_canonical_one() {
-    // The rules of `morton`, bit by bit and in f64 where f32 would need care.
+    // The rules of `morton`, applied bit by bit, in f64 where f32 would need care.
     fn arrange(segment: &mut [(u32, [f32; 3])]) {
         let lo = [0, 1, 2].map(|axis| segment.iter().map(|p| p.1[axis]).fold(f32::INFINITY, f32::min));
         let extent = (0..3).map(|axis| side(segment, axis)).fold(0.0, f32::max);
-        // The greatest power of two that keeps the extent in 2^21 cells.
+        // The greatest power of two that keeps the extent within 2^21 cells.
         let mut scale = 1.0_f64;
         while f64::from(extent) * scale > 2_097_152.0 {
             scale /= 2.0;
@@ -93,7 +93,7 @@ fn the_morton_order_is_the_canonical_one() {
         }
     }
     for (name, points) in point_sets() {
-        // There the extent overflows, and coordinates are halved first.
+        // In this set the extent overflows, and coordinates are halved first.
         if points.is_empty() || name == "limits" {
             continue;
         }

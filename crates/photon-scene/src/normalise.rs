@@ -99,7 +99,7 @@ impl Frame {
         if offset > 1e4 {
             warnings.push(format!(
                 "the scene lies {offset:.1e} times its own extent away from the origin; if its coordinates were \
-                 ever stored in 32 bits, it is distorted; move it towards the origin where it is made"
+                 ever stored in 32 bits, it is distorted; move it towards the origin in the program that made it"
             ));
         }
         if self.filled < 1e-3 {

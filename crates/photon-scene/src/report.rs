@@ -4,8 +4,8 @@ use std::fmt;
 
 /// How a loader handled the subject of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-/// It is rendered, but not exactly as in the file.
-    /// It is rendered, but not as the file says.
+pub enum ReportKind {
+    /// It is rendered, but not exactly as in the file.
     Approximated,
     /// It is not rendered.
     LeftOut,

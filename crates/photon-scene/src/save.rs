@@ -251,7 +251,7 @@ fn material(desc: &MaterialDesc) -> Result<Value, SceneError> {
     }
     if let Surface::Dielectric { absorption, .. } = desc.surface {
         let mut volume = json!({ "thicknessFactor": 1.0 });
-        // The distance at which the strongest channel has fallen to 1/e; an absorption that underflows f32 is invisible.
+        // Distance at which the strongest channel falls to 1/e; an absorption that underflows f32 is invisible.
         let (greatest, relative) = scaled(absorption);
         let distance = 1.0 / greatest;
         if greatest > 0.0 && (distance as f32).is_finite() {

@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// Checks that the mesh is closed by shared vertices: every edge twice, once in each direction, and no unused vertex.
+    /// Checks that shared vertices close the mesh: every edge twice, once per direction, and no unused vertex.
     pub(super) fn assert_closed(name: &str, shape: &Shape) {
         assert_eq!(open_edges(shape), 0, "{name} has open edges");
         let mut edges: Vec<(u32, u32)> = shape.1.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();

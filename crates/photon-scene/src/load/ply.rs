@@ -13,12 +13,11 @@ use std::path::Path;
 /// Reads the vertices and polygons of a PLY file, ASCII or binary of either byte order.
 ///
 /// Polygons are triangulated as fans; the report says where those do not cover the polygon. Triangle strips are
-/// resolved.
-/// The mesh is named after the file.
+/// resolved. The mesh is named after the file.
 ///
+/// # Errors
 /// A file that cannot be read or is invalid, with the line number if the format has lines; a polygon that
 /// refers to a vertex that does not exist.
-/// names a vertex which is not there.
 pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let bytes = read(path)?;
     let fault = |line: Option<usize>, what: String, hint: &str| SceneError::Content {

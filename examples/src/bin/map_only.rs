@@ -1,8 +1,8 @@
 //! Example: the photon map alone, with photons and query points of your own.
 //!
-//! Photons are distributed uniformly on a square, as if traced by another renderer. The program finds the nearest photons
-//! of some points, and estimates irradiance by Jensen's formula: the flux of the photons divided by the area of the disc
-//! that contains them. `photonmap map` does such searches for files.
+//! Photons are distributed uniformly on a square, as if traced by another renderer. The program finds the nearest
+//! photons of some points, and estimates irradiance by Jensen's formula: the flux of the photons divided by the area
+//! of the disc that contains them. `photonmap map` does such searches for files.
 //!
 //!     cargo run --release -p photon-examples --bin map_only
 #![expect(clippy::print_stdout, reason = "the result")]

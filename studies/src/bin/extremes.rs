@@ -1,6 +1,6 @@
-//! Runs the extreme cases on every available backend and prints the results in Markdown: `cargo xtask extremes` writes
-//! them to `docs/studies/extremes.csv`. With `--long`, everything; `--only NAME` for one backend, `--group NAME` for one
-//! group of cases.
+//! Runs the extreme cases on every available backend and prints the results in Markdown: `cargo xtask extremes`
+//! writes them to `docs/studies/extremes.csv`. With `--long`, everything; `--only NAME` for one backend, `--group NAME` for
+//! one group of cases.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "results go to stdout, progress to stderr")]
 
 use std::process::ExitCode;

@@ -2,8 +2,8 @@
 //! to `docs/studies/requirements.md`.
 //!
 //! Bytes, time and equality of bits for each feature, with derived and with widened requirements, on every backend, in
-//! Markdown; of all scenes, or of those named. `--work SCENE derived|widened PATHS PASSES`: that many passes of that many
-//! paths on one CPU thread, for an instruction counter; `--scenes`: the names of the scenes, one per line.
+//! Markdown; of all scenes, or of those named. `--work SCENE derived|widened PATHS PASSES`: that many passes of that
+//! many paths on one CPU thread, for an instruction counter; `--scenes`: the names of the scenes, one per line.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a program for measuring")]
 
 use backend_cpu::Cpu;
@@ -137,7 +137,7 @@ fn table<B: TransportBackend>(name: &str, scenes: &[&str], make: impl Fn() -> B,
             let required = required(&scene, &settings, widened);
             (start(make(), &scene, &settings, required), Vec::new())
         });
-        // Alternating, so that other load on the machine affects both; enough passes that pixels get radii of their own.
+        // Alternating, so that other load on the machine affects both; enough passes for radii per pixel.
         let passes = if settings.bandwidth == Bandwidth::PerPixel { 10 } else { 5 };
         for pass in 0..passes {
             for (renderer, times) in &mut both {

@@ -1,8 +1,9 @@
 //! Example: a renderer lends its own Vulkan device to the photon map, with photons and query points that
 //! its own compute shader wrote there. Neither ever leaves the device; only the estimates are read back.
 //!
-//! The photons are distributed uniformly on a square, so that the exact result is known: irradiance is their flux divided
-//! by the area of the square.
+//! The photons are distributed uniformly on a square, so that the exact result is known: irradiance is their flux
+//! divided by the area of the square.
+//!
 //!     cargo run --release -p photon-examples --bin host_device -- [PHOTONS] [median|vvh|morton]
 #![expect(clippy::print_stdout, reason = "a program's output")]
 
@@ -79,7 +80,7 @@ fn check(estimates: &[Estimate], photons: u64) -> Result<(), Box<dyn Error>> {
     // Discs overlap, so that the mean cannot be more accurate than one estimate from all photons of the square.
     let error = 1.2 / (photons as f64).sqrt();
     println!(
-        "irradiance {:.4} W/m² , exact {truth:.4}: error {:+.3} %, standard error {:.3} %; worst query {:.1} %",
+        "irradiance {:.4} W/m², exact {truth:.4}: error {:+.3} %, standard error {:.3} %; worst query {:.1} %",
         truth * (1.0 + mean),
         100.0 * mean,
         100.0 * error,

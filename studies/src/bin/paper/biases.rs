@@ -12,12 +12,12 @@ pub(crate) struct Bias {
     pub(crate) what: &'static str,
     /// Ratio to the true value, or a correlation.
     pub(crate) predicted: f64,
-    /// What the paper's formula gives, and its standard error.
     /// Result of the paper's formula, and its standard error.
-    /// What the default gives, and its standard error.
+    pub(crate) paper: (f64, f64),
     /// Result of the default, and its standard error.
-    /// What the default should give.
+    pub(crate) ours: (f64, f64),
     /// Expected result of the default.
+    pub(crate) truth: f64,
 }
 
 impl Bias {

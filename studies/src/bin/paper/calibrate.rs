@@ -76,7 +76,7 @@ impl Calibration {
         let (Some(wanted), Some((map, found))) = (wanted, &self.maps[lane]) else { return Ok(None) };
         let (photons, found) = (f64::from(wanted.photons), *found as f64);
         let paths = (photons / found * f64::from(PATHS)).ceil();
-        // The number of neighbours in the sample that corresponds to the required number in the map, as near as possible.
+        // The number of neighbours in the sample that is nearest to what corresponds to the required number in the map.
         let asked = (f64::from(wanted.neighbours) * found / photons).clamp(8.0, (found / 8.0).max(8.0)) as u32;
         let cosine = plan_cosine(wanted);
         let typical = self.stages.estimator.neighbour_radius(&mut self.on, map, asked, cosine)?;

@@ -25,8 +25,8 @@ pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &m
         let open = open_edges(triangles.iter().map(|corners| corners.map(place)));
         if open > 0 {
             warnings.push(format!(
-                "the solid glass '{name}' is not closed: {open} edges belong to one triangle only; light that enters \
-                 may never leave; close it, or make the material thin"
+                "the solid glass '{name}' is not closed: {open} edges have a triangle on one side only; light that \
+                 enters may never leave; close it, or make the material thin"
             ));
         } else if signed_volume(&triangles) < 0.0 {
             warnings.push(format!(

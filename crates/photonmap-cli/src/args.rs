@@ -95,7 +95,9 @@ impl SettingsArgs {
         let pixels = u64::from(picture.size.0) * u64::from(picture.size.1);
         let base = match budget.preset {
             Some(_) if paper => {
-                return Err(Fault::input("--preset: --estimator paper has its own parameters; leave out one of the two"));
+                return Err(Fault::input(
+                    "--preset: --estimator paper has its own parameters; leave out one of the two",
+                ));
             }
             Some(preset) => Settings::preset(preset, pixels),
             None if paper => Settings { gather_rays: 8, ..Settings::paper() },

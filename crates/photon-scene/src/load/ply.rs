@@ -39,8 +39,10 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     for element in header.elements.values() {
         // Each element takes at least a byte, so that more cannot exist: report that at once instead of reading on.
         if element.count > bytes.len() || (element.properties.is_empty() && element.count > 0) {
-            let what =
-                format!("the header declares {} elements '{}', more than the file can hold", element.count, element.name);
+            let what = format!(
+                "the header declares {} elements '{}', more than the file can hold",
+                element.count, element.name
+            );
             return Err(fault(None, what, "it is truncated or damaged; copy or export it again"));
         }
     }

@@ -29,8 +29,8 @@ fn equal_pictures_do_not_differ() {
 }
 
 /// Between uniform pictures only the colour difference remains. White is 100 away from black: 100^0.7 = 25.119. Green
-/// and blue are 203.3 apart by HyAB of the Lab values in `colour`, with Hunt's adjustment: 41.28 to the power 0.7. Above 0.4 of
-/// that, 16.51, the rest goes to the last twentieth: 0.95 + 0.05 (25.119 − 16.51) / (41.28 − 16.51) = 0.9674.
+/// and blue are 203.3 apart by HyAB of the Lab values in `colour`, with Hunt's adjustment: 41.28 to the power 0.7. Above 0.4
+/// of that, 16.51, the rest goes to the last twentieth: 0.95 + 0.05 (25.119 − 16.51) / (41.28 − 16.51) = 0.9674.
 #[test]
 fn black_and_white_are_nearly_1_apart() {
     let value = of(&flat([0.0; 3]), &flat([1.0; 3]));

@@ -77,7 +77,7 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
     let mut value: Value = deserialize::from_slice(json)
         .map_err(|error| Fault::new("the JSON", error.to_string(), HINT).at_line(error.line()))?;
     if let Some(place) = find_oversized_index(&value, "") {
-        return Err(Fault::new(place.trim_start_matches('/'), "is above 4294967295, the largest possible index", AGAIN));
+        return Err(Fault::new(place.trim_start_matches('/'), "is above 4294967295, the largest index", AGAIN));
     }
     Root::from_slice(json).or_else(|error| {
         // The parser requires some things that the specification makes optional.

@@ -55,7 +55,7 @@ impl Meshes<'_> {
         };
         // Some programs hide nodes by scaling them to zero.
         if [transform.x_axis, transform.y_axis, transform.z_axis].iter().all(|x| x.truncate() == DVec3::ZERO) {
-            report.note(format!("mesh '{name}'"), "is scaled to zero, and so left out");
+            report.note(format!("mesh '{name}'"), "is scaled to zero, and so not rendered");
             return Ok(());
         }
         for (number, source) in found.primitives.iter().enumerate() {

@@ -20,9 +20,9 @@ pub struct MaterialId(pub(crate) u32);
 ///
 /// let mut scene = SceneBuilder::new();
 /// let white = scene.material(MaterialDesc::lambert("white", [0.8; 3]));
-/// let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [10.0; 3]));
+/// let glowing = scene.material(MaterialDesc::emissive("area light", [0.0; 3], [10.0; 3]));
 /// scene.quad("floor", [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]], white);
-/// scene.quad("lamp", [[-1., 2., -1.], [1., 2., -1.], [1., 2., 1.], [-1., 2., 1.]], lamp);
+/// scene.quad("area light", [[-1., 2., -1.], [1., 2., -1.], [1., 2., 1.], [-1., 2., 1.]], glowing);
 /// scene.camera("front", CameraDesc::look_at([0., 1., 5.], [0., 1., 0.], [0., 1., 0.], 0.7));
 /// let scene = scene.build()?;
 /// assert_eq!(scene.view().triangles.len(), 4);

@@ -134,7 +134,7 @@ fn local(node: &Node, part: &str) -> Result<DMat4, Fault> {
             if rotation.length() == 0.0 || !rotation.is_finite() {
                 return Err(Fault::new(
                     part,
-                    format!("has the rotation {:?}, which is zero or not finite", rotation.to_array()),
+                    format!("has the rotation {:?}, a quaternion that is zero or not finite", rotation.to_array()),
                     AGAIN,
                 ));
             }

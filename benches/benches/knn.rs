@@ -1,12 +1,13 @@
-//! Photon search beside kiddo 6.3, one thread each, in turns within one run.
+//! Photon search compared with kiddo 6.3, single-threaded, alternating within one run.
 //!
 //! `cargo bench -p photon-benches --bench knn`. Environment: `KNN_POINTS` (default 1000000),
-//! `KNN_QUERIES` (100000), `KNN_ROUNDS` (5), `KNN_RIVALS` (words; rivals whose name has none of them stay out).
-//! With `--features kiddo-simd` and `RUSTFLAGS="-C target-cpu=native"` kiddo's SIMD layouts take part.
+//! `KNN_QUERIES` (100000), `KNN_ROUNDS` (5), `KNN_RIVALS` (words; rivals whose name contains none of them are
+//! excluded).
+//! With `--features kiddo-simd` and `RUSTFLAGS="-C target-cpu=native"` kiddo's SIMD layouts are included.
 //!
-//! Before anything is timed, every contestant's distances are compared with the first one's. Times are
-//! medians over the rounds; as each round runs all contestants one after the other, a slower or
-//! busier machine slows them alike.
+//! Before timing, the distances of every contestant are compared with those of the first one. Times are
+//! medians over the rounds; as each round runs all contestants in turn, a slower or
+//! busier machine affects them equally.
 #![expect(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use backend_cpu::index::{IndexKind, Neighbours, PointIndex};
@@ -22,7 +23,7 @@ fn main() {
     let (count, queries, rounds) =
         (setting("KNN_POINTS", 1_000_000), setting("KNN_QUERIES", 100_000), setting("KNN_ROUNDS", 5));
     let side = (queries as f64).sqrt().ceil() as usize;
-    // One thread for both sides, in queries and builds.
+    // One thread for every contestant, in queries and builds.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     pool.install(|| {
         let surface = points(count, false);
@@ -37,9 +38,9 @@ fn main() {
 trait Contestant {
     fn name(&self) -> String;
     fn ours(&self) -> bool;
-    /// Builds anew; what is kept is the last.
+    /// Rebuilds the index; the last one is kept.
     fn build(&mut self, points: &[[f32; 3]]);
-    /// All queries; returns a sum that depends on every neighbour.
+    /// Runs all queries; returns a sum that depends on every neighbour.
     fn nearest(&self, queries: &[[f32; 3]], k: usize) -> f64;
     fn within(&self, queries: &[[f32; 3]], r2: f32) -> (f64, u64);
     /// Squared distances, nearest first.
@@ -99,7 +100,7 @@ impl Contestant for Ours {
     }
 }
 
-/// A tree of kiddo's, by its layout of inner nodes and of leaves.
+/// A kiddo tree, by the layout of its inner nodes and of its leaves.
 macro_rules! kiddo_tree {
     ($contestant:ident, $name:literal, $stem:ty, $leaves:ty, $bucket:literal) => {
         #[derive(Default)]
@@ -212,7 +213,7 @@ fn workload(name: &str, points: &[[f32; 3]], queries: &[[f32; 3]], rounds: usize
         report(&format!("k-NN, k = {k}"), &names, &times, queries.len());
     }
     for target in [50, 200] {
-        // The radius that holds that many on average over some queries.
+        // The radius that contains that many points on average, over some queries.
         let mut radii: Vec<f32> =
             queries.iter().step_by(97).map(|&q| shared[0].distances(q, target)[target - 1]).collect();
         radii.sort_by(f32::total_cmp);
@@ -223,7 +224,7 @@ fn workload(name: &str, points: &[[f32; 3]], queries: &[[f32; 3]], rounds: usize
             black_box(sum);
             (low, high) = (low.min(count), high.max(count));
         });
-        // Rivals may fuse operations, and so see a point on the rim otherwise.
+        // Rivals may use fused operations, and so decide differently on a point at the radius.
         assert!(high - low <= high / 1_000_000, "between {low} and {high} found within the radius");
         report(&format!("radius, {:.0} inside", low as f64 / queries.len() as f64), &names, &times, queries.len());
     }
@@ -256,13 +257,13 @@ fn report(work: &str, names: &[(String, bool)], times: &[f64], items: usize) {
     }
 }
 
-/// All of ours must find the same distances; a rival that does not is named, and leaves the race.
+/// All of ours must find the same distances; a rival that does not is named and excluded.
 fn compare(all: &mut Vec<Box<dyn Contestant>>, queries: &[[f32; 3]]) {
     let sample: Vec<_> = queries.iter().step_by(211).map(|&query| (query, all[0].distances(query, 50))).collect();
     all.retain(|contestant| {
         let wrong = sample.iter().find(|(query, expected)| {
             let found = contestant.distances(*query, 50);
-            // Rivals may fuse operations.
+            // Rivals may use fused operations.
             !(found.len() == expected.len() && found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-5 * b.abs()))
         });
         if let Some((query, _)) = wrong {
@@ -276,7 +277,7 @@ fn compare(all: &mut Vec<Box<dyn Contestant>>, queries: &[[f32; 3]]) {
 /// Centre and radius of the caustic on the floor.
 const DISC: ([f64; 3], f64) = ([0.6, 0.0, 0.4], 0.05);
 
-/// Points on five walls of the unit box; as a caustic, nine of ten in the disc, density 1/r.
+/// Points on five walls of the unit box; as a caustic, nine of ten in the disc, with density 1/r.
 fn points(count: usize, caustic: bool) -> Vec<[f32; 3]> {
     let mut random = SplitMix64(7);
     (0..count)
@@ -298,7 +299,7 @@ fn points(count: usize, caustic: bool) -> Vec<[f32; 3]> {
         .collect()
 }
 
-/// What a camera in front of the open side sees, row by row; zoomed in, a square inside the disc.
+/// Points seen by a camera in front of the open side, row by row; zoomed in, a square inside the disc.
 fn picture(side: usize, count: usize, zoom: bool) -> Vec<[f32; 3]> {
     (0..count)
         .map(|pixel| {

@@ -1,9 +1,9 @@
-//! Closest hits: ours, watertight, against obvhs' own traversal and triangle test, rays in random
+//! Closest hits: our watertight caster compared with obvhs' own traversal and triangle test, for rays in random
 //! directions from the walls of a room and from a bumpy sphere inside it.
 //!
 //! The binary tree is built with the same parameters for both; obvhs' eight-wide compressed tree
-//! (CWBVH), its fastest, is measured too, and with `--features embree` Embree's robust mode, the
-//! watertight one. One thread; blocks of rays in turn.
+//! (CWBVH), its fastest, is measured too, and with `--features embree` Embree in robust mode,
+//! which is watertight. One thread; blocks of rays alternate.
 #![expect(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use std::hint::black_box;
@@ -25,10 +25,10 @@ use room::{rays, scene};
 #[expect(dead_code, reason = "the device's benchmarks need more of it")]
 mod room;
 
-/// Rays between two looks at the clock: about a millisecond, which other programs mostly leave whole.
+/// Rays per timed block: about a millisecond, which other programs rarely interrupt.
 const BLOCK: usize = 4000;
 
-/// Times of each contender's blocks. The lower quartile counts: what the blocks took that nothing
+/// Times of each contender's blocks. The lower quartile counts, as the time of blocks that were not
 /// interrupted.
 struct Times {
     blocks: Vec<Duration>,
@@ -50,7 +50,7 @@ impl Times {
     }
 }
 
-/// How many of the rays have another distance than ours.
+/// Number of rays with a distance different from ours.
 fn apart(rays: &[Ray], ours: &Accel, theirs: impl Fn(&Ray) -> Option<f32>) -> usize {
     let same = |ray: &&Ray| match (ours.nearest(ray), theirs(ray)) {
         (Some(ours), Some(t)) => (ours.t - t).abs() <= 1e-4 * ours.t.max(0.01),

@@ -1,5 +1,5 @@
-//! What it costs to model more than a scene requires: the same scene with requirements derived, and
-//! with everything that the settings allow. The pictures must not differ in a bit.
+//! Cost of modelling more than a scene requires: the same scene with derived requirements, and
+//! with everything that the settings allow. The pictures must be identical, bit for bit.
 #![expect(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use backend_cpu::Cpu;

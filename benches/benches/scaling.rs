@@ -1,11 +1,11 @@
-//! Many threads against one, stage by stage, and both ways of sharing photons out.
+//! Many threads compared with one, stage by stage, with both scheduling modes of photon paths.
 //!
 //! Each round renders the same pass on one thread and on more, in turn, so that a drift of the
-//! machine's speed touches all; medians over rounds are compared. Rounds in which other programs
-//! took more than a fiftieth of the machine are run again, since two threads on two cores measure the
-//! neighbours otherwise; if patience ends, the least disturbed rounds are taken, and the table says
-//! so. `--threads N` goes up to N in powers of two; without it, two. `--only
-//! TEXT` runs the rows whose name has it.
+//! machine's speed affects all; medians over rounds are compared. Rounds in which other programs
+//! used more than a fiftieth of the machine are repeated, since two threads on two cores would measure
+//! the other load; when the maximum number of rounds is reached, the least disturbed ones are used, and the
+//! table says so. `--threads N` measures powers of two up to N; default two. `--only
+//! TEXT` runs the rows whose name contains it.
 #![expect(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use std::time::Instant;
@@ -15,13 +15,13 @@ use photon_benches::load::Load;
 use photon_core::{Budget, Indirect, Pipeline, Plan, Scheduling, Settings, Stage, StageTimings, View, render};
 
 const ROUNDS: usize = 15;
-/// Rounds in all, disturbed ones included.
+/// Maximum number of rounds, disturbed ones included.
 const PATIENCE: usize = 60;
-/// Share of the machine that other programs may take.
+/// Fraction of the machine that other programs may use.
 const OTHERS: f64 = 0.02;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // `cargo test --benches` runs this too, with `--test`: then one small round will do.
+    // `cargo test --benches` runs this too, with `--test`: then one small round is enough.
     let quick = std::env::args().any(|argument| argument == "--test");
     let (rounds, patience, photons, size) = if quick { (1, 1, 2_000, 16) } else { (ROUNDS, PATIENCE, 400_000, 384) };
     let after = |flag: &str| std::env::args().skip_while(|argument| argument != flag).nth(1);

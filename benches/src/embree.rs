@@ -1,4 +1,4 @@
-//! As much of Embree 3's interface as one comparison needs.
+//! The part of Embree 3's interface that the comparison needs.
 //!
 //! Embree (Wald et al. 2014) is C++ that cargo does not build: the feature `embree`, which is off by
 //! default, links the library of the system (Debian: `libembree-dev`). Layouts and numbers are those
@@ -17,7 +17,7 @@ const ROBUST: u32 = 1 << 2;
 const HIGH_QUALITY: u32 = 2;
 const NOTHING: u32 = u32::MAX;
 
-/// A ray, and after a call what it met: `RTCRayHit`.
+/// A ray, and after a call its hit: `RTCRayHit`.
 #[repr(C, align(16))]
 #[derive(Clone, Copy, Debug)]
 struct RayHit {
@@ -43,7 +43,7 @@ struct Context {
     flags: u32,
     filter: *const c_void,
     instance: u32,
-    /// Room for what other builds of the library put here.
+    /// Space for what other builds of the library put here.
     spare: [u32; 5],
 }
 
@@ -72,7 +72,7 @@ unsafe extern "C" {
     fn rtcIntersect1(scene: *mut c_void, context: *mut Context, ray: *mut RayHit);
 }
 
-/// A mesh in Embree's robust mode (`RTC_SCENE_FLAG_ROBUST`), built for quality.
+/// A mesh in Embree's robust mode (`RTC_SCENE_FLAG_ROBUST`), built with high quality.
 #[expect(missing_debug_implementations, reason = "pointers to what is foreign")]
 pub struct Robust {
     device: NonNull<c_void>,
@@ -80,7 +80,7 @@ pub struct Robust {
 }
 
 impl Robust {
-    /// Builds it. `None` if an index is not that of a position, or if Embree refuses.
+    /// Builds it. `None` if an index is out of range, or if Embree fails.
     #[must_use]
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<Self> {
         if triangles.iter().flatten().any(|&index| index as usize >= positions.len()) {
@@ -133,7 +133,7 @@ impl Robust {
             instance: NOTHING,
         };
         let mut context = Context { flags: 0, filter: null(), instance: NOTHING, spare: [0; 5] };
-        // SAFETY: a committed scene, and two records of the layout that it expects, which outlive the call.
+        // SAFETY: a committed scene, and two records of the expected layout, which outlive the call.
         unsafe { rtcIntersect1(self.scene.as_ptr(), &raw mut context, &raw mut ray) };
         (ray.geometry != NOTHING).then_some((ray.far, ray.primitive))
     }
@@ -141,7 +141,7 @@ impl Robust {
 
 impl Drop for Robust {
     fn drop(&mut self) {
-        // SAFETY: made by `build`, and released here alone.
+        // SAFETY: created by `build`, and released only here.
         unsafe {
             rtcReleaseScene(self.scene.as_ptr());
             rtcReleaseDevice(self.device.as_ptr());

@@ -1,13 +1,13 @@
-//! How much of the machine other programs take, so that a disturbed measurement can be told from a
+//! Load of the machine by other programs, to distinguish a disturbed measurement from a
 //! slow one.
 
-/// Linux counts processor time in hundredths of a second for programs that ask.
+/// Linux reports processor time to user programs in hundredths of a second.
 const TICKS_PER_SECOND: f64 = 100.0;
 
 /// Processor time spent so far, in ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
-    /// By everything on the machine, and what a host took from it.
+    /// By everything on the machine, including time stolen by a hypervisor.
     all: f64,
     /// By this process.
     own: f64,
@@ -15,7 +15,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// As of now; `None` where there is no `/proc`.
+    /// The current state; `None` where there is no `/proc`.
     #[must_use]
     pub fn now() -> Option<Self> {
         let machine = std::fs::read_to_string("/proc/stat").ok()?;
@@ -30,7 +30,7 @@ impl Load {
         let &[user, nice, system, _idle, _wait, interrupts, soft, stolen, ..] = numbers.as_slice() else {
             return None;
         };
-        // The name in parentheses may hold spaces; the fourteenth field counts from after it.
+        // The name in parentheses may contain spaces; the fourteenth field is counted from after it.
         let mut fields = own.rsplit_once(')')?.1.split_whitespace().skip(11);
         let mut next = || fields.next()?.parse::<f64>().ok();
         Some(Self {
@@ -40,7 +40,7 @@ impl Load {
         })
     }
 
-    /// The share of the machine, from 0 to about 1, that others took in the `seconds` since.
+    /// The fraction of the machine, from 0 to about 1, that others used in the last `seconds`.
     #[must_use]
     pub fn others(&self, seconds: f64) -> Option<f64> {
         Some(self.others_until(&Self::now()?, seconds))

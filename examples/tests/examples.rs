@@ -1,4 +1,4 @@
-//! The examples run, and each checks its own result.
+//! Runs the examples, each of which checks its own result.
 #![expect(clippy::unwrap_used, reason = "test code")]
 
 use std::process::{Command, Output};

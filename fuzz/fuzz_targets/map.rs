@@ -1,4 +1,4 @@
-//! Any points, any queries: what an index finds is what brute force finds, or the points are refused.
+//! Any points, any queries: an index finds what brute force finds, or the points are rejected.
 #![no_main]
 
 use backend_cpu::index::{IndexKind, Neighbours, PointIndex};
@@ -9,7 +9,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let mut rows = data.chunks_exact(12).map(|row| [number(&row[..4]), number(&row[4..8]), number(&row[8..])]);
     let (Some(query), Some([radius, ..])) = (rows.next(), rows.next()) else { return };
     let mut points: Vec<[f32; 3]> = rows.take(4000).collect();
-    // Many of few, now and then: trees over equal points.
+    // Sometimes many copies of few points: trees over equal points.
     if first & 64 != 0 {
         points = points.repeat(1 + usize::from(first >> 2 & 7) * 4);
     }

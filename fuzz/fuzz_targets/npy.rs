@@ -1,7 +1,7 @@
-//! Whatever two array files say, as `photonmap map` reads them: an error in words, or points that are searched.
+//! Any two array files, as `photonmap map` reads them: an error with a message, or points that can be searched.
 #![no_main]
 
-// The modules of the program itself; the crate that they are in would bring Vulkan along.
+// Includes the modules of the program itself; depending on its crate would add Vulkan.
 #[allow(dead_code, reason = "only what reads arrays is of interest")]
 #[path = "../../crates/photonmap-cli/src/fault.rs"]
 mod fault;
@@ -15,7 +15,7 @@ mod atomic_write;
 use backend_cpu::index::{IndexKind, Neighbours, PointIndex};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    // The second file begins where the mark of an array file is seen again.
+    // The second file starts at the next magic number of an array file.
     let again = data.windows(6).skip(1).position(|window| window == b"\x93NUMPY").map_or(data.len(), |at| at + 1);
     let read = |name: &str, bytes: &[u8]| match npy::read_points(&photon_fuzz::file(name, bytes)) {
         Ok(points) => {

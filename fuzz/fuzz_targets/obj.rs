@@ -1,8 +1,8 @@
-//! Whatever a file says: an error in words, or a sound scene.
+//! Any OBJ file: an error with a message, or a valid scene.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    // What follows a line of its own is the library of materials.
+    // After a separator line follows the material library.
     let at = data.windows(5).position(|window| window == b"\n%%%\n");
     let (obj, mtl) = at.map_or((data, &[][..]), |at| (&data[..at], &data[at + 5..]));
     photon_fuzz::file("a.mtl", mtl);

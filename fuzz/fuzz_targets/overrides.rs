@@ -1,4 +1,4 @@
-//! Whatever an override file says, on a scene that has something to override.
+//! Any override file, applied to a scene.
 #![no_main]
 
 use photon_scene::{LoadReport, Overrides};

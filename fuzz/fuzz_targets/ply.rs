@@ -1,4 +1,4 @@
-//! Whatever a file says: an error in words, or a sound scene.
+//! Any PLY file: an error with a message, or a valid scene.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

@@ -1,4 +1,4 @@
-//! Any settings: refused by name, or a picture of finite numbers.
+//! Any settings: rejected with the name of the setting, or a picture of finite numbers.
 #![no_main]
 
 use photon_core::{
@@ -6,7 +6,7 @@ use photon_core::{
     Scheduling,
 };
 
-/// Takes numbers off the front of the input; zeros when it is used up.
+/// Takes numbers off the front of the input; zeros when it is exhausted.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
@@ -56,7 +56,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         _ => Kernel::Biweight,
     };
     let settings = Settings {
-        // Work that is asked for is no hang.
+        // Small numbers, so that requested work is not mistaken for a hang.
         photons: u32::from(from.byte()),
         shadow_rays: u32::from(from.byte() % 8),
         gather_rays: u32::from(from.byte() % 8),
@@ -88,7 +88,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     };
     static SCENES: std::sync::OnceLock<Vec<photon_scene::Scene>> = std::sync::OnceLock::new();
     let scenes = SCENES.get_or_init(|| {
-        // Of few triangles: trees are built for every input.
+        // With few triangles: trees are built for every input.
         let mut glass = photon_scene::builtin("cornell").expect("listed");
         if let Some(material) = glass.materials_mut().first_mut() {
             material.surface = photon_scene::Surface::Dielectric { ior: 1.5, absorption: [0.1; 3], tint: [0.9; 3] };

@@ -1,5 +1,5 @@
-//! What the targets share: a file of their own, and what must be true of every scene that a loader lets
-//! through.
+//! Shared by the targets: a temporary file per process, and the invariants of every scene that a loader
+//! accepts.
 #![expect(clippy::missing_panics_doc, reason = "a panic is what a fuzzer looks for")]
 
 use std::path::{Path, PathBuf};
@@ -10,11 +10,11 @@ use photon_core::glam::Vec3;
 use photon_core::{CausticPhotons, Direct, Pipeline, RayCaster, Render, Settings, View};
 use photon_scene::{Accel, LoadReport, Scene, SceneError};
 
-/// A folder of this process alone.
+/// A folder of this process.
 pub fn folder() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
-        // Where `run.sh` clears up afterwards.
+        // `run.sh` removes this folder afterwards.
         let base = std::env::var_os("PHOTON_FUZZ_FOLDER").map_or_else(std::env::temp_dir, PathBuf::from);
         let folder = base.join(format!("photon-fuzz-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder of our own");
@@ -22,14 +22,14 @@ pub fn folder() -> &'static Path {
     })
 }
 
-/// Writes `data` under that name.
+/// Writes `data` to a file of that name.
 pub fn file(name: &str, data: &[u8]) -> PathBuf {
     let path = folder().join(name);
     std::fs::write(&path, data).expect("a file of our own");
     path
 }
 
-/// A scene is finite, in range, and can be met by rays; an error has words.
+/// Checks that a scene is finite, in range, and can be intersected by rays; an error has a message.
 pub fn check(loaded: Result<(Scene, LoadReport), SceneError>) {
     let scene = match loaded {
         Ok((scene, _)) => scene,
@@ -61,14 +61,14 @@ pub fn check(loaded: Result<(Scene, LoadReport), SceneError>) {
             assert!(hit.t >= 0.0 && (hit.primitive as usize) < view.triangles.len());
         }
     }
-    // Aiming photons takes longer than all the rest; the target `settings` does that.
+    // Aiming photons takes longer than everything else; the target `settings` covers it.
     let caustic_photons = CausticPhotons::Shared;
     let settings = Settings { photons: 64, max_bounces: 16, shadow_rays: 1, caustic_photons, ..Settings::default() };
     render(&scene, Settings { direct: Direct::Photons, ..settings.clone() }, 1);
     render(&scene, settings, 1);
 }
 
-/// A small picture: refused in words, or every number of it finite and none below 0, and every photon
+/// Renders a small picture: either an error with a message, or every value finite and ≥ 0, and every photon
 /// accounted for.
 pub fn render(scene: &Scene, settings: Settings, passes: u32) {
     let Ok(camera) = scene.camera(None, 4, 3) else { return };

@@ -1,4 +1,4 @@
-//! The study of the paper: its table again.
+//! Runs the study of the paper.
 #![expect(clippy::unwrap_used, reason = "test code")]
 
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ fn paper(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_paper")).args(arguments).output().unwrap()
 }
 
-/// Cells without our own grid: four pictures, and the paper's seven columns in two readings.
+/// Cells without our own grid: four pictures, and the paper's seven columns in two interpretations.
 const CELLS: usize = 4 + 2 * 7;
 
 #[test]
@@ -38,7 +38,7 @@ fn the_paper_is_run_again_and_what_there_was_no_time_for_is_counted() {
     let rows: Vec<&str> = rows.collect();
     assert_eq!(rows.len() + left_out, CELLS, "{csv}");
     for row in rows {
-        // The device's name may hold commas, between quotes.
+        // The device's name may contain commas, within quotes.
         let bare = row.split('"').enumerate().filter(|(i, _)| i % 2 == 0).map(|(_, part)| part).collect::<String>();
         assert_eq!(bare.split(',').count(), columns, "{row}");
     }

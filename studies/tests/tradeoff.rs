@@ -1,4 +1,4 @@
-//! The price list as a user makes it: measured in parts, put together afterwards.
+//! The study of error against time as a user runs it: measured in parts, assembled afterwards.
 #![expect(clippy::unwrap_used, reason = "test code")]
 
 use std::path::Path;

@@ -1,15 +1,15 @@
-"""Our references against an unbiased path tracer, Mitsuba 3 (Jakob et al. 2022).
+"""Compares our references with an unbiased path tracer, Mitsuba 3 (Jakob et al. 2022).
 
     pip install mitsuba
     cargo run --release -- export cornell --size 48x48 -o out/export/cornell.xml
     cargo run --release -p studies --bin tradeoff -- cornell --part reference --size 48
     python tests/mitsuba/check.py out/export/cornell.xml --results out/tradeoff
 
-adds part-tracer-cornell.json to the results, from which `tradeoff --assemble` makes a table. Where the truth is
+adds part-tracer-cornell.json to the results, from which `tradeoff --assemble` makes a table. Where the result is
 known (furnace, integrating-sphere) no reference is needed: the closed form itself is checked.
 
-A path tracer cannot find paths from point, spot or parallel light by way of mirrors or glass, so that `ring` and
-`pool` are beyond it.
+A path tracer cannot sample paths from point, spot or directional lights via mirrors or glass, so that it cannot
+render `ring` and `pool`.
 """
 
 import argparse
@@ -22,16 +22,16 @@ import xml.etree.ElementTree
 
 import numpy as np
 
-# Radiance of scenes whose answer is known, and whether it is that of light scattered at least once.
+# Radiance of scenes with a known result, and whether it is that of light scattered at least once.
 CLOSED = {"furnace": (2.0 / math.pi, False), "integrating-sphere": (0.8 / math.pi, True)}
 
 
 def load(path, mi):
-    """Name, side of the picture, and Mitsuba's scene."""
+    """Returns the name, the side of the picture in pixels, and Mitsuba's scene."""
     kinds = {plugin.get("type") for plugin in xml.etree.ElementTree.parse(path).getroot().iter()}
     specular = kinds & {"conductor", "dielectric", "thindielectric"}
     if kinds & {"spot", "directional"} or ("point" in kinds and specular):
-        sys.exit(f"{path.stem}: its lights are beyond a path tracer")
+        sys.exit(f"{path.stem}: a path tracer cannot sample its lights")
     if "homogeneous" in kinds:
         sys.exit(f"{path.stem}: absorption needs the volumetric path tracer")
     scene = mi.load_file(str(path))
@@ -47,7 +47,7 @@ def main():
     parser.add_argument("--results", type=pathlib.Path, default=pathlib.Path("out/tradeoff"))
     parser.add_argument("--variant", default="scalar_rgb")
     parser.add_argument("--samples", type=int, default=256, help="paths per pixel and run")
-    parser.add_argument("--runs", type=int, default=8, help="runs with seeds of their own, at least 2")
+    parser.add_argument("--runs", type=int, default=8, help="runs with different seeds, at least 2")
     args = parser.parse_args()
     if args.runs < 2 or args.samples < 1:
         parser.error("at least 2 runs and 1 sample are needed")
@@ -79,7 +79,7 @@ def main():
     weight = 1.0 / (ours**2 + floor)
     relative = (theirs - ours) * np.sqrt(weight)
     difference, noise = float(np.mean(relative**2)), float(np.mean(weight * error**2))
-    # As if errors of pixels knew nothing of each other, which is so for the path tracer.
+    # Assumes that errors of pixels are independent, which holds for the path tracer.
     mean_error = math.sqrt((noise + claimed) / ours.size)
     row = {
         "scene": name,

@@ -1,12 +1,12 @@
-"""Pictures by several settings beside the truth: as they look, signed difference, FLIP (Andersson et al. 2020).
+"""Pictures with several settings beside the reference: tone-mapped, signed difference, FLIP (Andersson et al. 2020).
 
     pip install numpy flip-evaluator
     cargo run --release -p studies --bin tradeoff -- cornell-glass --part pictures --size 96
     python tests/mitsuba/pictures.py out/tradeoff/pictures-cornell-glass-cpu.json --out docs/images
 
-writes accuracy-cornell-glass.png: the truth first, then a column for each setting, with three rows. Differences
-are over the truth and a tenth of its mean, red too bright and blue too dark, full at a half. The lines that it
-prints have names, times, relMSE and mean FLIP, in the order of the columns.
+writes accuracy-cornell-glass.png: the reference first, then a column for each setting, with three rows. Differences
+are relative to the reference plus a tenth of its mean, red for too bright and blue for too dark, saturated at one half.
+The printed lines have names, times, relMSE and mean FLIP, in the order of the columns.
 """
 
 import argparse
@@ -24,10 +24,10 @@ def srgb(linear):
 
 
 def write_png(path, picture):
-    """8 bits a channel; picture is height × width × 3 in [0, 1]."""
+    """Writes 8 bits per channel; picture is height × width × 3 in [0, 1]."""
     height, width, _ = picture.shape
     bytes_ = (np.clip(picture, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
-    # Each row less the one above it (filter 2) packs better.
+    # The difference from the row above (filter 2) compresses better.
     above = np.vstack([np.zeros((1, width, 3), np.uint8), bytes_[:-1]])
     rows = (bytes_ - above).reshape(height, -1)
     raw = b"".join(b"\x02" + row.tobytes() for row in rows)
@@ -51,7 +51,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("record", type=pathlib.Path)
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("."))
-    parser.add_argument("--scale", type=int, default=1, help="each pixel becomes a square of so many")
+    parser.add_argument("--scale", type=int, default=1, help="side in pixels of the square that replaces each pixel")
     args = parser.parse_args()
     import flip_evaluator
 
@@ -59,7 +59,7 @@ def main():
     size = record["size"]
     shape = (size, size, 3)
     truth = np.array(record["truth"], dtype=np.float64).reshape(shape)
-    # As bright as it may be with a hundredth of the pixels white.
+    # The exposure at which about a hundredth of the pixels exceeds 0.9.
     exposure = 0.9 / np.quantile(truth.max(axis=2), 0.99)
     look = srgb(truth * exposure)
     grey, gap = truth.mean(axis=2), max(1, size // 48)
@@ -72,7 +72,7 @@ def main():
         error = np.mean((pixels.mean(axis=2) - grey) ** 2 / (grey**2 + floor**2))
         map_, flip, _ = flip_evaluator.evaluate(look.astype(np.float32), seen.astype(np.float32), "LDR")
         line = np.ones((gap, size, 3))
-        # Fewer levels than bytes have, for smaller files.
+        # 32 levels instead of 256, for smaller files.
         maps = [np.round(31.0 * picture) / 31.0 for picture in (signed(difference), map_)]
         columns.append(np.vstack([seen, line, maps[0], line, maps[1]]))
         print(f"| {record['scene']} | {shot['name']} | {shot['seconds']:.2f} s | {error:.2e} | {flip:.3f} |")

@@ -1,7 +1,7 @@
-//! Each kernel is compiled by a process of its own, which is stopped when it takes too long.
+//! Compiles each kernel in a separate process, which is killed when it takes too long.
 //!
-//! glslang follows `precise` from a variable to all that it was made of. Where that leads through a
-//! record in a buffer and back, it does not end, and takes all memory there is.
+//! glslang propagates `precise` from a variable to everything it was computed from. If that leads through a
+//! record in a buffer and back, it does not terminate, and allocates all memory.
 
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -14,17 +14,17 @@ use crate::sources::{Kernel, read};
 
 const MARK: &str = "--one";
 
-/// A hundred times what the longest kernel takes.
+/// A hundred times the time of the longest kernel.
 const LIMIT: Duration = Duration::from_secs(20);
 
-/// What the program has been called for, if it is to compile one kernel: its file, and the folder of
-/// what it includes.
+/// The arguments of this program, if it is to compile one kernel: its file, and the folder of
+/// its includes.
 pub(crate) fn asked_for() -> Option<[PathBuf; 2]> {
     let mut arguments = std::env::args_os().skip(1);
     (arguments.next()? == MARK).then_some([arguments.next()?.into(), arguments.next()?.into()])
 }
 
-/// Writes the words of one kernel to standard output, or what the compiler objects to.
+/// Writes the SPIR-V of one kernel to standard output, or the compiler's errors.
 pub(crate) fn answer([path, includes]: &[PathBuf; 2]) -> ExitCode {
     let words = read(path).and_then(|text| {
         let kernel = Kernel { path: path.clone(), name: String::new(), text };
@@ -38,10 +38,10 @@ pub(crate) fn answer([path, includes]: &[PathBuf; 2]) -> ExitCode {
     if std::io::stdout().write_all(&bytes).is_ok() { code } else { ExitCode::FAILURE }
 }
 
-/// The words of one kernel's module.
+/// The SPIR-V words of one kernel.
 ///
 /// # Errors
-/// What the compiler objects to, or that it does not end.
+/// The compiler's errors, or that it does not terminate.
 pub(crate) fn compile(kernel: &Kernel, includes: &Path) -> Result<Vec<u32>, String> {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let mut command = Command::new(program);
@@ -54,11 +54,11 @@ pub(crate) fn compile(kernel: &Kernel, includes: &Path) -> Result<Vec<u32>, Stri
     }
 }
 
-/// Whether a command ends well, and its output.
+/// Whether a command succeeds, and its output.
 fn limited(command: &mut Command, limit: Duration) -> Result<(bool, Vec<u8>), String> {
     let mut child = command.stdout(Stdio::piped()).spawn().map_err(|error| error.to_string())?;
     let pipe = child.stdout.take();
-    // Read all along, since a full pipe would stop the compiler.
+    // Read concurrently, since a full pipe would block the compiler.
     let reader = thread::spawn(move || {
         let mut bytes = Vec::new();
         pipe.map(|mut pipe| pipe.read_to_end(&mut bytes)).transpose().map(|_| bytes)
@@ -79,8 +79,8 @@ fn wait(child: &mut Child, limit: Duration) -> Result<bool, String> {
                 let killed = child.kill().and_then(|()| child.wait());
                 killed.map_err(|error| error.to_string())?;
                 return Err(format!(
-                    "the compiler was stopped after {} s: let no `precise` variable be made of members of a record \
-                     that was read from a buffer; hand them to a function by value",
+                    "the compiler was stopped after {} s: do not compute a `precise` variable from members of a record \
+                     that was read from a buffer; pass them to a function by value",
                     limit.as_secs()
                 ));
             }

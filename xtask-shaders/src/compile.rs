@@ -1,4 +1,4 @@
-//! GLSL to SPIR-V 1.5 for Vulkan 1.2.
+//! Compiles GLSL to SPIR-V 1.5 for Vulkan 1.2.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use glslang::{
 
 use crate::sources::{Kernel, read};
 
-/// Finds `#include "folder/stem.glsl"` below one folder.
+/// Resolves `#include "folder/stem.glsl"` within one folder.
 struct Includes<'a> {
     folder: &'a Path,
 }
@@ -22,10 +22,10 @@ impl IncludeHandler for Includes<'_> {
     }
 }
 
-/// The words of one kernel's module.
+/// The SPIR-V words of one kernel.
 ///
 /// # Errors
-/// What the compiler objects to.
+/// The compiler's errors.
 pub(crate) fn compile(kernel: &Kernel, includes: &Path) -> Result<Vec<u32>, String> {
     let compiler = Compiler::acquire().ok_or("the compiler does not start")?;
     let source = ShaderSource::from(kernel.text.clone());

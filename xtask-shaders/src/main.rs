@@ -1,7 +1,7 @@
 //! Compiles `shaders-glsl/**/*.comp` to `crates/backend-vulkan/spirv/*.spv`.
 //!
-//! `cargo xtask shaders` calls it and writes; with `--check` it only compares. A shader that does not
-//! compile is named, the others are compiled all the same.
+//! Called by `cargo xtask shaders`, and writes; with `--check` it only compares. A shader that does not
+//! compile is named, and the others are still compiled.
 #![forbid(unsafe_code)]
 
 mod apart;
@@ -32,7 +32,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Returns how many shaders failed.
+/// Returns the number of shaders that failed.
 fn run(root: &Path, check: bool) -> Result<usize, String> {
     let kernels = sources::kernels(&root.join("shaders-glsl"))?;
     let mut modules = Vec::new();
@@ -47,7 +47,7 @@ fn run(root: &Path, check: bool) -> Result<usize, String> {
         }
     }
     let output = root.join("crates/backend-vulkan");
-    // One that fails now keeps its older module, so that its user can go on with the rest.
+    // A kernel that fails now keeps its previous module, so that the rest can be used meanwhile.
     let known = |kernel: &&sources::Kernel| {
         modules.iter().any(|(done, _)| done.name == kernel.name)
             || output.join(format!("spirv/{}.spv", kernel.name)).exists()

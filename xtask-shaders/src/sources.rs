@@ -1,16 +1,16 @@
-//! Which kernels there are.
+//! Finds the kernels.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A kernel's source.
+/// Source of a kernel.
 #[derive(Debug)]
 pub(crate) struct Kernel {
-    /// The file.
+    /// Path of the file.
     pub(crate) path: PathBuf,
     /// Folder and stem, joined by `_`: the name of the module.
     pub(crate) name: String,
-    /// Its text.
+    /// Source text.
     pub(crate) text: String,
 }
 

@@ -1,4 +1,4 @@
-//! What is committed: the modules, their table in Rust.
+//! Writes the committed files: the SPIR-V modules and their table in Rust.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -9,7 +9,7 @@ use crate::sources::Kernel;
 /// Paths below the backend's folder, and contents.
 pub(crate) type Files = Vec<(String, Vec<u8>)>;
 
-/// All files: the modules just compiled, and the table of all by name.
+/// All files: the compiled modules, and the table of all of them by name.
 pub(crate) fn files(modules: &[(&Kernel, Vec<u32>)], names: &[&str]) -> Files {
     let mut files: Files = modules
         .iter()
@@ -25,7 +25,7 @@ fn table(names: &[&str]) -> String {
     let mut text =
         "//! The compiled shaders. Written by `cargo xtask shaders`.\n\nuse crate::device::Module;\n".to_owned();
     for name in names {
-        // As rustfmt would have it: broken where a line would be longer than 120.
+        // Formatted as rustfmt does: wrapped if a line would be longer than 120.
         let item = format!("pub(crate) static {}: Module =", name.to_uppercase());
         let value = format!("Module {{ name: \"{name}\", bytes: include_bytes!(\"../spirv/{name}.spv\") }};");
         let between = if item.len() + 1 + value.len() <= 120 { " " } else { "\n    " };
@@ -39,7 +39,7 @@ fn table(names: &[&str]) -> String {
     text
 }
 
-/// Writes what differs, and removes modules without a source.
+/// Writes files that differ, and removes modules without a source.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -55,7 +55,7 @@ pub(crate) fn write(output: &Path, files: &Files) -> Result<(), String> {
     Ok(())
 }
 
-/// How many files are not as they would be written, or have no source.
+/// Number of files that are stale or have no source.
 pub(crate) fn compare(output: &Path, files: &Files) -> usize {
     let mut stale = 0;
     for (name, bytes) in files {

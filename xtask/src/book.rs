@@ -9,7 +9,7 @@ use crate::{links, shell};
 /// Markdown outside of `docs/` whose links are checked too.
 const OTHERS: [&str; 5] = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "tests/README.md", "fuzz/README.md"];
 
-/// A package and a target folder of its own: see its manifest.
+/// A package with its own target folder: see its manifest.
 const RENDER: [&str; 10] = [
     "cargo",
     "run",
@@ -40,7 +40,7 @@ pub(crate) fn step() -> Result<(), String> {
     shell::run(&[&RENDER, ["target/book"].as_slice()].concat(), &[])
 }
 
-/// Every Markdown file below a folder, by its path from the root.
+/// Every Markdown file in a folder, by its path from the root.
 fn read(root: &Path, folder: &str, pages: &mut BTreeMap<String, String>) -> Result<(), String> {
     let wrong = |error: std::io::Error| format!("{folder}: {error}");
     for entry in fs::read_dir(root.join(folder)).map_err(wrong)? {

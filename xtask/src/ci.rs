@@ -1,11 +1,11 @@
-//! The steps of `cargo xtask ci`, each of which runs alone by its name.
+//! The steps of `cargo xtask ci`, each of which can be run by name.
 
 use std::fmt::Write as _;
 use std::time::Instant;
 
 use crate::{book, constants, duplicates, extremes, licences, loaders, msrv, requirements, shaders, shell, tidy};
 
-/// Something that passes or fails.
+/// A check that passes or fails.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
     name: &'static str,
@@ -13,7 +13,7 @@ pub(crate) struct Step {
     run: fn() -> Result<(), String>,
 }
 
-/// In this order: what fails fastest comes first; the tests come last, so that the closing line of
+/// In this order: the fastest checks come first; the tests come last, so that the closing line of
 /// their runner ends the output.
 const STEPS: [Step; 13] = [
     Step { name: "fmt", what: "formatting", run: fmt },
@@ -35,7 +35,7 @@ const STEPS: [Step; 13] = [
     Step { name: "test", what: "all other tests", run: test },
 ];
 
-/// These write instead of checking, so that they are not part of `ci`.
+/// Steps that write instead of checking, and so are not part of `ci`.
 const WRITERS: [Step; 6] = [
     Step { name: "constants", what: "write the numbers that GLSL shares with Rust", run: constants::write },
     Step { name: "shaders", what: "the same, then compile the GLSL, write the SPIR-V", run: shaders::write },
@@ -49,7 +49,7 @@ const WRITERS: [Step; 6] = [
     Step { name: "requirements", what: "write docs/studies/requirements.md, some minutes", run: requirements::write },
 ];
 
-/// The steps by their names, in the order given; `ci` stands for all.
+/// The steps with the given names, in that order; `ci` stands for all.
 ///
 /// # Errors
 ///
@@ -70,7 +70,7 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
     Ok(chosen)
 }
 
-/// How the program is called.
+/// The usage text.
 pub(crate) fn usage() -> String {
     let mut text = "usage: cargo xtask STEP...\n\n  ci            all of the following, in this order\n".to_owned();
     for step in STEPS.iter().chain(&WRITERS) {
@@ -79,7 +79,7 @@ pub(crate) fn usage() -> String {
     text
 }
 
-/// Runs every step, the later ones too when one fails, and returns whether all passed.
+/// Runs every step, also after a failure, and returns whether all passed.
 pub(crate) fn run(steps: &[Step]) -> bool {
     let mut table = String::new();
     let mut passed = true;
@@ -94,7 +94,7 @@ pub(crate) fn run(steps: &[Step]) -> bool {
             passed = false;
             eprintln!("error: {}: {message}", step.name);
         }
-        // The time of the last step is in the table, or known to whoever ran it alone.
+        // The time of the last step is in the table, or irrelevant if it ran alone.
         if index + 1 < steps.len() {
             eprintln!("    {} {verdict} after {seconds:.1} s", step.name);
         }
@@ -114,7 +114,7 @@ fn clippy() -> Result<(), String> {
 }
 
 fn features() -> Result<(), String> {
-    // One call each: cargo unites the features of packages that it builds together.
+    // One call each: cargo unifies the features of packages that it builds together.
     for package in ["photon-core", "photon-scene", "backend-cpu", "backend-vulkan"] {
         let command = ["cargo", "clippy", "--locked", "--no-default-features", "-p", package, "--", "-D", "warnings"];
         shell::run(&command, &[])?;
@@ -126,7 +126,7 @@ fn doc() -> Result<(), String> {
     shell::run(&["cargo", "doc", "--workspace", "--no-deps", "--locked"], &[("RUSTDOCFLAGS", "-D warnings")])
 }
 
-// The benchmarks are linted, but neither built nor run here: their rivals take longer to compile
+// The benchmarks are linted, but neither built nor run here: the libraries they compare with take longer to compile
 // than everything else.
 
 fn doctest() -> Result<(), String> {
@@ -159,8 +159,8 @@ fn test() -> Result<(), String> {
     shell::run(&[&["cargo", "test"], selection.as_slice(), &targets].concat(), &[])
 }
 
-/// Whether tests of Vulkan can run. If not, and nobody requires it, they are skipped: nextest counts
-/// them as such, and under `cargo test` each says so.
+/// Whether tests of Vulkan can run. If not, and they are not required, they are skipped: nextest counts
+/// them as skipped, and under `cargo test` each prints a message.
 fn vulkan_is_here() -> bool {
     let devices = ["cargo", "run", "--quiet", "--locked", "-p", "backend-vulkan", "--example", "devices"];
     let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");

@@ -1,4 +1,4 @@
-//! Numbers that Rust and GLSL share: `shaders-glsl/shading/constants.glsl`, written from Rust.
+//! Constants shared by Rust and GLSL: generates `shaders-glsl/shading/constants.glsl` from Rust.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -12,10 +12,10 @@ use photon_core::{
 
 use crate::shell;
 
-/// What the numbers belong to, and each with its name.
+/// A description of a group of constants, and their names and values.
 type Group = (&'static str, Vec<(&'static str, u32)>);
 
-/// All that is shared.
+/// All shared constants.
 fn groups() -> Vec<Group> {
     vec![
         (
@@ -115,7 +115,7 @@ fn groups() -> Vec<Group> {
     ]
 }
 
-/// The file's text.
+/// The text of the file.
 fn text() -> String {
     let mut text = "// Numbers that Rust and GLSL share. Written by `cargo xtask constants`.\n\
                     #ifndef CONSTANTS_GLSL\n#define CONSTANTS_GLSL\n"
@@ -134,7 +134,7 @@ fn file() -> PathBuf {
     shell::root().join("shaders-glsl/shading/constants.glsl")
 }
 
-/// Writes the file, if it says anything else.
+/// Writes the file, if it differs.
 pub(crate) fn write() -> Result<(), String> {
     let path = file();
     if compare(&path).is_ok() {
@@ -144,7 +144,7 @@ pub(crate) fn write() -> Result<(), String> {
     fs::write(&path, text()).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// Fails if the file is not what would be written.
+/// Fails if the file is not up to date.
 pub(crate) fn fresh() -> Result<(), String> {
     compare(&file())
 }

@@ -1,4 +1,4 @@
-//! Packages that may occur in one version only, because their types meet in our interfaces.
+//! Packages that may occur in only one version, because their types occur in our interfaces.
 
 use std::collections::BTreeSet;
 
@@ -7,10 +7,10 @@ use crate::graph::{Graph, Kind};
 /// Vectors of two versions of glam, or handles of two versions of ash, are different types.
 const SINGLE: [&str; 2] = ["glam", "ash"];
 
-/// The benchmarks compare us with rivals, which bring what they like.
+/// The benchmarks compare with other libraries, which may depend on any version.
 const FREE: &str = "photon-benches";
 
-/// Fails when a package that must be single occurs in two versions.
+/// Fails if a package that must be unique occurs in two versions.
 pub(crate) fn step() -> Result<(), String> {
     check(&Graph::of_workspace()?)?;
     eprintln!("at most one version each: {}", SINGLE.join(", "));

@@ -1,4 +1,4 @@
-//! The rows of `docs/studies/extremes.csv` and `extremes-long.csv`, written from a run on every backend.
+//! Writes `docs/studies/extremes.csv` and `extremes-long.csv` from a run on every backend.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -10,17 +10,17 @@ const LONG: &str = "docs/studies/extremes-long.csv";
 
 const RUN: [&str; 7] = ["cargo", "run", "--quiet", "--locked", "-p", "studies", "--bin"];
 
-/// The quick extent, a minute or two.
+/// The quick run, a minute or two.
 pub(crate) fn quick() -> Result<(), String> {
     write(QUICK, &[])
 }
 
-/// The long extent, most of an hour.
+/// The long run, most of an hour.
 pub(crate) fn long() -> Result<(), String> {
     write(LONG, &["--long"])
 }
 
-/// The rows of a long run on another machine, for example one with a GPU: what the program printed there.
+/// The rows of a long run on another machine, for example one with a GPU: reads what the program printed there.
 pub(crate) fn elsewhere() -> Result<(), String> {
     let from = "out/extremes-long.md";
     let text = fs::read_to_string(shell::root().join(from)).map_err(|error| format!("{from}: {error}"))?;
@@ -34,14 +34,14 @@ fn write(file: &str, extent: &[&str]) -> Result<(), String> {
     if all { Ok(()) } else { Err(format!("{file} is written, and has rows that fail")) }
 }
 
-/// Writes the rows of a report, and returns how many of them fail.
+/// Writes the rows of a report, and returns the number of failed ones.
 fn put(file: &str, report: &str) -> Result<usize, String> {
     let rows = rows(report)?;
     fs::write(shell::root().join(file), csv(&rows)).map_err(|error| format!("{file}: {error}"))?;
     Ok(rows.iter().filter(|row| row[8] == "FAILS").count())
 }
 
-/// Backend, device, group, seconds that the group took, case, what, range, found, verdict.
+/// Backend, device, group, seconds of the group, case, quantity, range, result, verdict.
 type Row = [String; 9];
 
 /// The rows of the Markdown that the program prints.
@@ -56,7 +56,7 @@ fn rows(report: &str) -> Result<Vec<Row>, String> {
         } else if let Some(time) = line.strip_suffix(" s").filter(|time| time.parse::<f64>().is_ok()) {
             seconds = time;
         } else if line.starts_with("| ") && !line.starts_with("| case |") {
-            // `\\|` is a bar within a cell.
+            // `\\|` is a literal bar within a cell.
             let hidden = line.replace("\\|", "\0");
             let cells: Vec<String> = hidden
                 .trim_matches('|')
@@ -73,7 +73,7 @@ fn rows(report: &str) -> Result<Vec<Row>, String> {
     if rows.is_empty() { Err("the report has no rows".to_owned()) } else { Ok(rows) }
 }
 
-/// As RFC 4180 has it: cells with a comma or a quote stand in quotes.
+/// Formats rows by RFC 4180: cells with a comma or a quote are quoted.
 fn csv(rows: &[Row]) -> String {
     let mut text = "backend,device,group,seconds,case,what,range,found,verdict\n".to_owned();
     for row in rows {

@@ -1,4 +1,4 @@
-//! The packages of the workspace and what they depend on, read from `cargo metadata`.
+//! The packages of the workspace and their dependencies, read from `cargo metadata`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::shell;
 pub(crate) struct Package {
     pub(crate) name: String,
     pub(crate) version: String,
-    /// The oldest compiler that it declares to work with.
+    /// The minimum Rust version that it declares.
     pub(crate) rust_version: Option<String>,
     pub(crate) licence: Option<String>,
     manifest: String,
@@ -25,7 +25,7 @@ struct Edge {
     kinds: BTreeSet<Kind>,
 }
 
-/// What a dependency is needed for.
+/// Kind of a dependency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     Normal,
@@ -33,7 +33,7 @@ pub(crate) enum Kind {
     Dev,
 }
 
-/// All packages, by the identifier that `cargo metadata` gives them.
+/// All packages, by their identifier in `cargo metadata`.
 #[derive(Debug)]
 pub(crate) struct Graph {
     packages: BTreeMap<String, Package>,
@@ -41,7 +41,7 @@ pub(crate) struct Graph {
 }
 
 impl Graph {
-    /// The graph of this workspace, for all platforms, as its lock file has it.
+    /// The graph of this workspace, for all platforms, as in its lock file.
     pub(crate) fn of_workspace() -> Result<Self, String> {
         let text = shell::capture(&["cargo", "metadata", "--format-version", "1", "--locked"])?;
         Self::parse(&text)
@@ -78,7 +78,7 @@ impl Graph {
         self.members.iter().filter_map(|id| self.packages.get(id).map(|package| (id.as_str(), package)))
     }
 
-    /// The members that others use: those under `crates/`.
+    /// The members under `crates/`, which users depend on.
     pub(crate) fn libraries(&self) -> impl Iterator<Item = (&str, &Package)> {
         self.members().filter(|(_, package)| {
             let folder = Path::new(&package.manifest).parent().and_then(Path::parent);
@@ -86,7 +86,7 @@ impl Graph {
         })
     }
 
-    /// Everything that `from` leads to along dependencies of the given kinds, `from` included.
+    /// Everything reachable from `from` along dependencies of the given kinds, `from` included.
     pub(crate) fn reached<'a>(
         &'a self,
         from: impl Iterator<Item = &'a str>,
@@ -122,7 +122,7 @@ fn list<'a>(value: &'a Value, key: &str) -> Result<&'a [Value], String> {
     value[key].as_array().map(Vec::as_slice).ok_or_else(|| format!("cargo metadata: no list under {key:?}"))
 }
 
-/// A made-up workspace: the library `core`, the package `benches`, and what they lead to.
+/// An artificial workspace: the library `core`, the package `benches`, and their dependencies.
 #[cfg(test)]
 pub(crate) mod sample {
     use serde_json::{Value, json};

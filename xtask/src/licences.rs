@@ -1,10 +1,10 @@
-//! Licences of everything that the libraries and programs are linked with.
+//! Checks the licences of everything that is linked into the libraries and programs.
 //!
-//! `xtask-book` is a workspace of its own and not looked at: mdBook is MPL-2.0, but only renders the documentation.
+//! `xtask-book` is a separate workspace and not checked: mdBook is MPL-2.0, but only renders the documentation.
 
 use crate::graph::{Graph, Kind};
 
-/// Permissive licences that ask for no more than a notice.
+/// Permissive licences that require no more than a notice.
 const ACCEPTED: [&str; 11] = [
     "MIT",
     "MIT-0",
@@ -19,10 +19,10 @@ const ACCEPTED: [&str; 11] = [
     "Unlicense",
 ];
 
-/// The rivals in the benchmarks are linked with nothing that leaves this repository.
+/// The libraries that the benchmarks compare with are not linked into anything that is distributed.
 const FREE: &str = "photon-benches";
 
-/// Fails when a dependency has no licence among the accepted ones.
+/// Fails if a dependency has none of the accepted licences.
 pub(crate) fn step() -> Result<(), String> {
     let count = check(&Graph::of_workspace()?)?;
     eprintln!("{count} packages, all under permissive licences");
@@ -47,7 +47,7 @@ fn check(graph: &Graph) -> Result<usize, String> {
     Err(format!("not among the accepted licences:\n{}", refused.join("\n")))
 }
 
-/// Whether one way through an expression like `(MIT OR Apache-2.0) AND Zlib` is accepted throughout.
+/// Whether an expression like `(MIT OR Apache-2.0) AND Zlib` can be satisfied with accepted licences.
 ///
 /// `AND` binds tighter than `OR`; an old-style `/` means `OR`; parentheses nest.
 fn accepted(expression: &str) -> bool {

@@ -1,12 +1,12 @@
-//! Relative links of Markdown pages, and whether the book's table of contents is complete.
+//! Checks relative links of Markdown pages, and whether the book's table of contents is complete.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 const BOOK: &str = "docs/";
 const SUMMARY: &str = "docs/SUMMARY.md";
 
-/// What is wrong with the pages, given by their paths from the root of the repository; `exists` answers for
-/// files that are no pages.
+/// The faults of the pages, given by their paths from the root of the repository; `exists` answers for
+/// files that are not pages.
 pub(crate) fn faults(pages: &BTreeMap<String, String>, exists: &dyn Fn(&str) -> bool) -> Vec<String> {
     let mut faults = Vec::new();
     let anchors: BTreeMap<&str, BTreeSet<String>> =
@@ -42,7 +42,7 @@ pub(crate) fn faults(pages: &BTreeMap<String, String>, exists: &dyn Fn(&str) -> 
     faults
 }
 
-/// Relative targets of links and pictures, each with its line; code is skipped.
+/// Relative targets of links and images, each with its line; code is skipped.
 fn links(text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     for (number, line) in prose(text) {
@@ -58,7 +58,7 @@ fn links(text: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// Anchors that headings get: lower case, spaces as hyphens, punctuation left out.
+/// Anchors that headings get: lower case, spaces as hyphens, without punctuation.
 fn anchors(text: &str) -> BTreeSet<String> {
     let mut fenced = false;
     let mut found = BTreeSet::new();
@@ -79,7 +79,7 @@ fn is_heading(marks: &str) -> bool {
     (1..=6).contains(&marks.len()) && marks.bytes().all(|mark| mark == b'#')
 }
 
-/// Lines outside of fenced code, without what stands in backticks.
+/// Lines outside of fenced code, without inline code.
 fn prose(text: &str) -> Vec<(usize, String)> {
     let mut fenced = false;
     let mut lines = Vec::new();
@@ -93,7 +93,7 @@ fn prose(text: &str) -> Vec<(usize, String)> {
     lines
 }
 
-/// The path that a link from `page` leads to, if it stays below the root.
+/// The path that a link from `page` refers to, if it stays within the root.
 fn resolve(page: &str, target: &str) -> Option<String> {
     let mut parts: Vec<&str> = page.split('/').collect();
     parts.pop();

@@ -1,19 +1,19 @@
-//! Backends are built without the parsers of scene files.
+//! Checks that backends are built without the parsers of scene files.
 
 use crate::shell;
 
 /// The backends, which take a scene as slices.
 const BACKENDS: [&str; 2] = ["backend-cpu", "backend-vulkan"];
 
-/// What the loaders of photon-scene need, its feature `files`.
+/// The dependencies of photon-scene's loaders (feature `files`).
 const LOADERS: [&str; 5] = ["gltf", "png", "ply-rs-bw", "serde", "toml"];
 
-/// Fails when a backend, built by itself, brings a loader.
+/// Fails if a backend, built by itself, depends on a loader.
 pub(crate) fn step() -> Result<(), String> {
     for backend in BACKENDS {
-        // Not `cargo metadata`: that unites the features of all members, and the programs have `files`. For this
-        // platform: `--target all` also lists what rdst, beneath obvhs, has for measuring itself, under a
-        // `cfg(tuning)` that nobody sets.
+        // Not `cargo metadata`: that unifies the features of all members, and the programs have `files`. For this
+        // platform only: `--target all` also lists what rdst, a dependency of obvhs, needs for its own measurements,
+        // under a `cfg(tuning)` that is never set.
         let tree = ["cargo", "tree", "--locked", "-p", backend, "-e", "normal", "--prefix", "none"];
         check(backend, &shell::capture(&tree)?)?;
     }
@@ -21,13 +21,13 @@ pub(crate) fn step() -> Result<(), String> {
     Ok(())
 }
 
-/// Looks for loaders in what `cargo tree --prefix none` printed: a package a line, its name first.
+/// Looks for loaders in the output of `cargo tree --prefix none`: one package per line, its name first.
 fn check(backend: &str, tree: &str) -> Result<(), String> {
     let mut names = tree.lines().filter_map(|line| line.split_whitespace().next());
     if names.next() != Some(backend) {
         return Err(format!("cargo tree does not begin with {backend}, but so:\n{tree}"));
     }
-    // Families by their first word as well: serde_core, gltf-json, toml_edit.
+    // Also matches families by their first word: serde_core, gltf-json, toml_edit.
     let family = |name: &str, loader: &str| {
         name.strip_prefix(loader).is_some_and(|rest| rest.is_empty() || rest.starts_with(['-', '_']))
     };

@@ -1,13 +1,13 @@
-//! The oldest compiler: what the workspace promises, its dependencies must keep.
+//! The minimum Rust version: dependencies must support the version that the workspace declares.
 //!
-//! Three checks of different strength. Declared versions are compared everywhere; the lint
-//! `clippy::incompatible_msrv` (step `clippy`) looks at our own use of the standard library; and
-//! where the promised compiler is installed, it compiles the libraries.
+//! Three checks of different strength. Declared versions are always compared; the lint
+//! `clippy::incompatible_msrv` (step `clippy`) checks our own use of the standard library; and
+//! if the declared compiler version is installed, it compiles the libraries.
 
 use crate::graph::{Graph, Kind};
 use crate::shell;
 
-/// Compares declared versions, and compiles the libraries with the promised compiler if installed.
+/// Compares declared versions, and compiles the libraries with the declared version if it is installed.
 pub(crate) fn step() -> Result<(), String> {
     let graph = Graph::of_workspace()?;
     let promised = check(&graph)?;
@@ -26,11 +26,11 @@ pub(crate) fn step() -> Result<(), String> {
     shell::run(&command, &[("RUSTUP_TOOLCHAIN", &toolchain)])
 }
 
-/// Returns the version that the libraries promise.
+/// Returns the version that the libraries declare.
 ///
 /// # Errors
 ///
-/// The libraries promise none or differ; a dependency declares a newer one.
+/// The libraries declare none or different ones; a dependency declares a newer one.
 fn check(graph: &Graph) -> Result<String, String> {
     let mut promised: Option<(&str, &str)> = None;
     for (_, package) in graph.libraries() {

@@ -1,5 +1,5 @@
-//! `docs/studies/requirements.md`: what is not required costs nothing. Instructions on the CPU by callgrind, of the
-//! shaders by `spirv-opt`; bytes, time and equality of bits by the study that prints the rows.
+//! Writes `docs/studies/requirements.md`: features that are not required cost nothing. Instructions on the CPU by
+//! callgrind, of the shaders by `spirv-opt`; bytes, time and equality of bits by the study that prints the rows.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -8,14 +8,14 @@ use crate::shell;
 
 const FILE: &str = "docs/studies/requirements.md";
 
-/// What stands before this line is written by hand and kept.
+/// The text before this line is handwritten and kept.
 const MARK: &str = "<!-- rows: written by `cargo xtask requirements` -->\n";
 
-/// The kernels that are specialised by features, and where the GLSL says which it has.
+/// The kernels that are specialised by features, and the GLSL line that declares them.
 const KERNELS: [&str; 6] =
     ["stages/emit", "stages/trace", "stages/eye", "stages/direct", "stages/final_gather", "stages/area"];
 
-/// Bits of `photon_core::Features` that a scene has or has not, together.
+/// Bits of `photon_core::Features` that a scene has together or not at all.
 const FEATURES: [(&str, u32); 8] = [
     ("nothing", 0),
     ("mirrors", 1 << 1),
@@ -48,7 +48,7 @@ fn measured(arguments: &[&str]) -> Result<String, String> {
     shell::capture(&[&run, arguments].concat())
 }
 
-/// Instructions per path, by the difference between runs of two lengths, and of a whole pass, by that between
+/// Instructions per path, from the difference between runs of two lengths, and of a whole pass, from that between
 /// runs of one pass and of two.
 fn cpu() -> Result<String, String> {
     let mut text = "### Instructions on the CPU (callgrind)\n\n\
@@ -94,8 +94,8 @@ fn instructions(scene: &str, how: &str, paths: u32, passes: u32) -> Result<u64, 
     total.and_then(|words| words.trim().parse().ok()).ok_or_else(|| "callgrind gave no total".to_owned())
 }
 
-/// Instructions of each kernel specialised to all features but one, beside the same kernel compiled from
-/// GLSL that never had that feature.
+/// Instructions of each kernel specialised to all features but one, compared with the same kernel compiled from
+/// GLSL without that feature.
 fn shaders() -> Result<String, String> {
     let mut text = "### Instructions of SPIR-V, specialised and with dead code removed\n\n\
                     Without the feature: specialised / compiled without it from the start, and the reduction against all \
@@ -121,8 +121,8 @@ fn shaders() -> Result<String, String> {
     Ok(text)
 }
 
-/// Instructions of a kernel for these features: of the GLSL as it is, or with features struck out.
-/// Compiled here either way, as another version of the compiler makes other code.
+/// Instructions of a kernel for these features: of the original GLSL, or with features removed.
+/// Compiled here in both cases, since compiler versions generate different code.
 fn compiled(kernel: &str, struck: Option<u32>, features: u32) -> Result<usize, String> {
     let root = shell::root();
     let source = fs::read_to_string(root.join(format!("shaders-glsl/{kernel}.comp"))).map_err(|e| e.to_string())?;
@@ -134,7 +134,7 @@ fn compiled(kernel: &str, struck: Option<u32>, features: u32) -> Result<usize, S
     fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
     let (glsl, spirv) = (folder.join("kernel.comp"), folder.join("kernel.spv"));
     let source = match struck {
-        // What is aimed is no feature, but off where nothing is: no trace of it either.
+        // Aiming is not a feature bit, but off if nothing is aimed at: removed as well.
         Some(left) => source
             .replace(named, &format!("const uint FEATURES = {left}u;"))
             .replace("layout(constant_id = 3) const bool AIMED", "const bool AIMED")
@@ -147,7 +147,7 @@ fn compiled(kernel: &str, struck: Option<u32>, features: u32) -> Result<usize, S
     count(&spirv, features)
 }
 
-/// Instructions that are left when the constant is known and what is dead is gone.
+/// Number of instructions that remain when the constant is folded and dead code is removed.
 fn count(file: &str, features: u32) -> Result<usize, String> {
     let out = shell::root().join("target/requirements.spv");
     let out = out.to_string_lossy();
@@ -181,6 +181,6 @@ fn count(file: &str, features: u32) -> Result<usize, String> {
         file,
     ])?;
     let listing = shell::capture(&["spirv-dis", "--no-header", &out])?;
-    // What comes before the first function declares.
+    // Everything before the first function is a declaration.
     Ok(listing.lines().skip_while(|line| !line.contains("OpFunction ")).count())
 }

@@ -1,4 +1,4 @@
-//! The compiled shaders. The compiler is C++, and therefore a package of its own.
+//! Steps for the compiled shaders. The compiler is C++, and therefore used by a separate package.
 
 use std::fs;
 
@@ -6,13 +6,13 @@ use crate::{constants, shell};
 
 const COMPILE: [&str; 7] = ["cargo", "run", "--quiet", "--locked", "--release", "-p", "xtask-shaders"];
 
-/// Compiles and writes.
+/// Compiles the shaders and writes the SPIR-V.
 pub(crate) fn write() -> Result<(), String> {
     constants::write()?;
     shell::run(&COMPILE, &[])
 }
 
-/// Compiles, compares with what is committed, and has the validator look at it.
+/// Compiles the shaders, compares with the committed SPIR-V, and runs the validator on it.
 pub(crate) fn fresh() -> Result<(), String> {
     constants::fresh()?;
     shell::run(&[&COMPILE, ["--", "--check"].as_slice()].concat(), &[])?;

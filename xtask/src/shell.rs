@@ -1,4 +1,4 @@
-//! Programs run by the steps: shown before they start, and named when they fail.
+//! Runs external programs: prints the command first, and names it in errors.
 
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -13,7 +13,7 @@ pub(crate) fn root() -> PathBuf {
     }
 }
 
-/// Runs a command in the root of the workspace; its output goes where ours goes.
+/// Runs a command in the root of the workspace, with inherited output.
 ///
 /// # Errors
 ///
@@ -46,7 +46,7 @@ pub(crate) fn capture(command: &[&str]) -> Result<String, String> {
     String::from_utf8(output.stdout).map_err(|_| format!("`{line}` wrote something that is not UTF-8"))
 }
 
-/// As [`capture`], and whether it succeeded: what it wrote counts even if it did not.
+/// Like [`capture`], but a failing command is not an error: also returns whether it succeeded.
 ///
 /// # Errors
 ///
@@ -61,7 +61,7 @@ pub(crate) fn capture_all(command: &[&str]) -> Result<(String, bool), String> {
     Ok((text, output.status.success()))
 }
 
-/// Whether a program answers when asked for its version.
+/// Whether a program is installed: it responds when asked for its version.
 pub(crate) fn present(command: &[&str]) -> bool {
     prepare(command)
         .and_then(|mut command| {

@@ -1,26 +1,26 @@
-//! Rules for the files themselves, which no compiler keeps.
+//! Rules for source files that no compiler checks.
 
 use std::fs;
 use std::path::Path;
 
 use crate::shell;
 
-/// Longer files hold more than one idea.
+/// Longer files should be split.
 const MAX_LINES: usize = 500;
-/// Pictures and meshes bigger than this belong elsewhere.
+/// Larger pictures and meshes do not belong in the repository.
 const MAX_BYTES: u64 = 2 << 20;
 
-/// Written by hand, so the limit on lines holds. Lock files and licences are not.
+/// Handwritten files, to which the limit on lines applies. Lock files and licences are not.
 const WRITTEN: [&str; 9] = ["rs", "glsl", "comp", "toml", "md", "yml", "sh", "py", "html"];
 
-// Put together from halves, so that this file does not break its own rules.
-/// What stands for work that is not done, in Rust files.
+// Concatenated from halves, so that this file does not break its own rules.
+/// Markers of unfinished work, in Rust files.
 const UNDONE: [&str; 3] = [concat!("to", "do!("), concat!("unimple", "mented!("), concat!("#[ig", "nore")];
-/// Folders of one machine; what needs a temporary folder asks the system for it.
+/// Paths specific to one machine; code that needs a temporary folder asks the system for it.
 const MACHINE: [&str; 5] =
     [concat!("/ho", "me/"), concat!("/ro", "ot/"), concat!("/t", "mp/"), concat!("/wo", "rk/"), concat!("/Us", "ers/")];
 
-/// Fails when a file of the repository breaks a rule; lists all that do.
+/// Fails if a file of the repository breaks a rule; lists all that do.
 pub(crate) fn step() -> Result<(), String> {
     let root = shell::root();
     // A checkout may belong to another user than the one who runs the checks.
@@ -31,7 +31,7 @@ pub(crate) fn step() -> Result<(), String> {
     let mut count = 0;
     for name in listed.split('\0').filter(|name| !name.is_empty()) {
         let path = root.join(name);
-        // A file deleted but not yet committed is still listed.
+        // A deleted file that is not committed yet is still listed.
         let Ok(found) = fs::symlink_metadata(&path) else { continue };
         if !found.is_file() {
             continue;
@@ -52,7 +52,7 @@ pub(crate) fn step() -> Result<(), String> {
     Err(faults.join("\n"))
 }
 
-/// What is wrong with one text file, each with its line.
+/// The faults of one text file, each with its line.
 fn faults_of(name: &str, text: &str) -> Vec<String> {
     let extension = Path::new(name).extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let mut faults = Vec::new();

@@ -1,4 +1,4 @@
-//! Collecting a scene, piece by piece.
+//! [`SceneBuilder`]: assembles a scene from materials, meshes, lights and cameras.
 
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
 use crate::error::SceneError;
@@ -7,22 +7,22 @@ use crate::scene::Scene;
 use crate::{camera, lights, normalise, solids, validate};
 use photon_core::{Primitive, Units, light_cdf};
 
-/// A material of one [`SceneBuilder`].
+/// Handle of a material of one [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub(crate) u32);
 
-/// A scene in the making.
+/// A scene under construction.
 ///
-/// Nothing is checked before [`SceneBuilder::build`].
+/// Nothing is validated before [`SceneBuilder::build`].
 ///
 /// ```
 /// use photon_scene::{CameraDesc, MaterialDesc, SceneBuilder};
 ///
 /// let mut scene = SceneBuilder::new();
 /// let white = scene.material(MaterialDesc::lambert("white", [0.8; 3]));
-/// let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [10.0; 3]));
+/// let glowing = scene.material(MaterialDesc::emissive("area light", [0.0; 3], [10.0; 3]));
 /// scene.quad("floor", [[-1., 0., 1.], [1., 0., 1.], [1., 0., -1.], [-1., 0., -1.]], white);
-/// scene.quad("lamp", [[-1., 2., -1.], [1., 2., -1.], [1., 2., 1.], [-1., 2., 1.]], lamp);
+/// scene.quad("area light", [[-1., 2., -1.], [1., 2., -1.], [1., 2., 1.], [-1., 2., 1.]], glowing);
 /// scene.camera("front", CameraDesc::look_at([0., 1., 5.], [0., 1., 0.], [0., 1., 0.], 0.7));
 /// let scene = scene.build()?;
 /// assert_eq!(scene.view().triangles.len(), 4);
@@ -43,13 +43,13 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// Adds a material, for meshes to refer to.
+    /// Adds a material and returns the handle by which meshes refer to it.
     pub fn material(&mut self, desc: MaterialDesc) -> MaterialId {
         self.materials.push(desc);
         MaterialId(u32::try_from(self.materials.len() - 1).unwrap_or(u32::MAX))
     }
 
-    /// Adds triangles: three indices into `positions` each, user space, counter-clockwise as seen
+    /// Adds triangles: each is three indices into `positions` (user space), counter-clockwise as seen
     /// from the front.
     pub fn mesh(
         &mut self,
@@ -71,48 +71,48 @@ impl SceneBuilder {
         self.lights.push((name.into(), desc));
     }
 
-    /// Adds a camera; the first is the one used where none is named.
+    /// Adds a camera; the first one is the default.
     pub fn camera(&mut self, name: impl Into<String>, desc: CameraDesc) {
         self.cameras.push((name.into(), desc));
     }
 
-    /// The materials so far, to be changed.
+    /// The materials added so far, for modification.
     pub fn materials_mut(&mut self) -> &mut [MaterialDesc] {
         &mut self.materials
     }
 
-    /// Whether there is a camera.
+    /// Whether the scene has a camera.
     #[must_use]
     pub fn has_camera(&self) -> bool {
         !self.cameras.is_empty()
     }
 
-    /// Whether anything emits: a mesh with an emissive material, or a light.
+    /// Whether anything emits light: a mesh with an emissive material, or a light.
     #[must_use]
     pub fn has_light(&self) -> bool {
         let emits = |mesh: &Mesh| self.materials.get(mesh.material.0 as usize).is_some_and(MaterialDesc::is_emissive);
         !self.lights.is_empty() || self.meshes.iter().any(emits)
     }
 
-    /// The box around the triangles, user space: lower and upper corner. None without triangles.
+    /// Bounding box of the triangles in user space: lower and upper corner. `None` without triangles.
     #[must_use]
     pub fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {
         normalise::bounds(&self.meshes)
     }
 
-    /// A camera that sees the whole scene from the front: from +z, with y upwards.
+    /// A camera that shows the whole scene from the front: from +z, with y upwards.
     #[must_use]
     pub fn frame_camera(&self) -> CameraDesc {
         camera::framing(self.bounds())
     }
 
-    /// Checks everything and moves it to normalised space.
+    /// Validates everything and converts it to normalised space.
     ///
-    /// Triangles without area, and those that light passes unchanged, are dropped and counted; a scene without
+    /// Triangles without area, and those that light passes unchanged, are dropped and counted. A scene without
     /// triangles, or without any light, is not an error here.
     ///
     /// # Errors
-    /// Whatever is out of range, by the name of the material, mesh, light or camera.
+    /// [`SceneError`] for any value out of range; it names the material, mesh, light or camera.
     pub fn build(self) -> Result<Scene, SceneError> {
         validate::check(&self)?;
         let frame = normalise::Frame::new(&self.meshes, &self.lights)?;
@@ -155,7 +155,7 @@ impl SceneBuilder {
     }
 }
 
-/// Where pictures in f32 would hold zeros or infinities, which the film, in f64, does not.
+/// Warns if radiances are outside the range of f32 pictures; the film, in f64, can represent them.
 fn warn_of_radiance(units: Units, warnings: &mut Vec<String>) {
     let radiance = units.radiance_to_user();
     if !(1e-32..=1e32).contains(&radiance) {

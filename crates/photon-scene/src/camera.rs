@@ -1,4 +1,4 @@
-//! Cameras, from the user's space to the renderer's.
+//! Conversion of cameras from user space to normalised space.
 
 use crate::describe::{CameraDesc, Projection};
 use crate::error::SceneError;
@@ -6,7 +6,7 @@ use crate::validate::unit;
 use glam::DVec3;
 use photon_core::{Camera, Units};
 
-/// A camera for a picture of that shape; `desc` has been checked.
+/// The camera in normalised space for a picture of that width and height; `desc` has been validated.
 pub(crate) fn resolve(
     name: &str,
     desc: &CameraDesc,
@@ -38,13 +38,13 @@ pub(crate) fn resolve(
         return Err(SceneError::Extreme {
             what: format!("camera '{name}'"),
             value: format!("at {:?} with {:?}", desc.position, desc.projection),
-            hint: "bring its position and its view within the reach of the scene",
+            hint: "move it nearer to the scene and make its view comparable to the scene in size",
         });
     }
     Ok(camera)
 }
 
-/// A camera that sees all of a box from +z, y upwards; of a unit box where there is none.
+/// A camera from +z, y upwards, that shows all of a box, or of a unit box if `bounds` is `None`.
 pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>) -> CameraDesc {
     let (low, high) = bounds.unwrap_or(([-0.5; 3], [0.5; 3]));
     let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
@@ -52,7 +52,7 @@ pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>) -> CameraDesc {
     let center = low + extent * 0.5;
     let size = if extent.max_element() > 0.0 { extent.max_element() } else { 1.0 };
     let vertical_fov = 40_f64.to_radians();
-    // In front of the nearest face, so far away that this face fits with a tenth to spare.
+    // In front of the nearest face, at a distance where this face fits with a margin of a tenth.
     let face = if extent.x.max(extent.y) > 0.0 { extent.x.max(extent.y) } else { size };
     let distance = extent.z * 0.5 + 0.55 * face / libm::tan(0.5 * vertical_fov);
     let position = center + DVec3::Z * distance;

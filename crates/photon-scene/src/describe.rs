@@ -1,59 +1,59 @@
-//! What a user describes, in user space, in f64.
+//! Scene descriptions in user space, in f64.
 //!
-//! Units are radiometric and per channel of linear RGB; lengths are whatever the user calls one
-//! metre.
+//! Units are radiometric and per channel of linear RGB; the unit of length is the user's choice
+//! (called a metre here).
 
 /// How a surface scatters light. Colours are linear RGB in `[0, 1]`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
-    /// Scatters evenly on whichever side the light arrives.
+    /// Diffuse (Lambertian) reflection on both sides.
     Lambert {
-        /// Fraction of the light that is scattered.
+        /// Fraction of the incident light that is scattered.
         albedo: [f64; 3],
     },
     /// A perfect mirror on both sides.
     Mirror {
-        /// Fraction of the light that is reflected.
+        /// Fraction of the incident light that is reflected.
         reflectance: [f64; 3],
     },
-    /// The smooth boundary of a solid; its triangles must close it, and their fronts (where the
+    /// The smooth boundary of a solid. Its triangles must form a closed mesh whose fronts (where the
     /// vertices run counter-clockwise) face outwards.
     Dielectric {
-        /// Refractive index inside, against the vacuum; finite and > 0. What is around the solid counts by itself, be it
-        /// air or another solid.
+        /// Refractive index inside, relative to vacuum; finite and > 0. The surrounding medium, be it air or another
+        /// solid, is accounted for separately.
         ior: f64,
         /// Absorption coefficient inside (Beer–Lambert), per user length, finite and ≥ 0.
         absorption: [f64; 3],
-        /// Multiplies what is transmitted each time it crosses the boundary.
+        /// Multiplies transmitted light at each crossing of the boundary.
         tint: [f64; 3],
     },
-    /// A smooth sheet without thickness, which light passes straight through.
+    /// A smooth sheet without thickness, which light passes without change of direction.
     Thin {
         /// Refractive index of the sheet, finite and > 0.
         ior: f64,
-        /// Multiplies what is transmitted.
+        /// Multiplies transmitted light.
         tint: [f64; 3],
     },
 }
 
-/// A named material: a surface, and what it emits.
+/// A named material: a surface and its emission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDesc {
-    /// What messages and override files call it; need not be unique.
+    /// Name in messages and override files; need not be unique.
     pub name: String,
-    /// How it scatters.
+    /// How the surface scatters light.
     pub surface: Surface,
-    /// Radiance that leaves it, the same in all directions, W/(m²·sr), finite and ≥ 0.
+    /// Emitted radiance, the same in all directions, W/(m²·sr), finite and ≥ 0.
     pub emission: [f64; 3],
-    /// Whether the back emits as well as the front.
+    /// Whether the back emits too, not only the front.
     pub emits_both_sides: bool,
-    /// Where solids overlap, the one of the highest priority is there; of equals, the one that light entered last. For
-    /// [`Surface::Dielectric`] alone.
+    /// Where solids overlap, the one of the highest priority applies; among equals, the one that light entered last.
+    /// Only for [`Surface::Dielectric`].
     pub priority: u32,
 }
 
 impl MaterialDesc {
-    /// Any surface, dark.
+    /// A material with the given surface and no emission.
     #[must_use]
     pub fn new(name: impl Into<String>, surface: Surface) -> Self {
         Self { name: name.into(), surface, emission: [0.0; 3], emits_both_sides: false, priority: 0 }
@@ -71,7 +71,7 @@ impl MaterialDesc {
         Self::new(name, Surface::Mirror { reflectance })
     }
 
-    /// Clear glass that fills a closed mesh.
+    /// Clear glass inside a closed mesh.
     #[must_use]
     pub fn glass(name: impl Into<String>, ior: f64) -> Self {
         Self::new(name, Surface::Dielectric { ior, absorption: [0.0; 3], tint: [1.0; 3] })
@@ -89,14 +89,14 @@ impl MaterialDesc {
         Self { emission: radiance, ..Self::lambert(name, albedo) }
     }
 
-    /// Whether it emits at all.
+    /// Whether the material emits any light.
     #[must_use]
     pub fn is_emissive(&self) -> bool {
         self.emission != [0.0; 3]
     }
 
-    /// Whether light passes it as if it were not there: an index of 1 that absorbs, tints and emits
-    /// nothing.
+    /// Whether light passes unchanged: a refractive index of 1 without absorption, tint or
+    /// emission.
     #[must_use]
     pub fn is_invisible(&self) -> bool {
         let clear = match self.surface {
@@ -108,64 +108,64 @@ impl MaterialDesc {
     }
 }
 
-/// A light that is not a surface.
+/// A light that is not a surface: point, spot or directional.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightDesc {
-    /// Shines evenly in all directions; its flux is `4π · intensity`.
+    /// Emits equally in all directions; its flux is `4π · intensity`.
     Point {
-        /// User space.
+        /// Position, user space.
         position: [f64; 3],
         /// Radiant intensity, W/sr, finite and ≥ 0.
         intensity: [f64; 3],
     },
-    /// Shines within a cone. Between the two angles the intensity falls as the glTF extension
+    /// Emits within a cone. Between the two angles the intensity falls off as the glTF extension
     /// `KHR_lights_punctual` defines: the square of
     /// `(cos θ − cos outer) / (cos inner − cos outer)`, clamped to `[0, 1]`.
     Spot {
-        /// User space.
+        /// Position, user space.
         position: [f64; 3],
-        /// Axis of the cone, along which the light travels; not zero, need not be unit.
+        /// Axis of the cone, in which light travels; not zero, need not be unit.
         direction: [f64; 3],
         /// Radiant intensity within the inner cone, W/sr, finite and ≥ 0.
         intensity: [f64; 3],
         /// Angle from the axis up to which the intensity is full, radians, ≥ 0.
         inner_angle: f64,
-        /// Angle from the axis at which it has fallen to zero, radians, ≥ inner, in `(0, π/2]`.
+        /// Angle from the axis at which the intensity reaches zero, radians, ≥ inner, in `(0, π/2]`.
         outer_angle: f64,
     },
     /// Parallel light from infinitely far away.
     Directional {
-        /// Along which the light travels; not zero, need not be unit.
+        /// Direction in which light travels; not zero, need not be unit.
         direction: [f64; 3],
-        /// Irradiance on a plane that faces it, W/m², finite and ≥ 0.
+        /// Irradiance on a plane perpendicular to the direction, W/m², finite and ≥ 0.
         irradiance: [f64; 3],
     },
 }
 
-/// How a camera maps directions or points to the picture.
+/// How a camera maps directions or points to pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// Rays leave one point.
+    /// All rays start at one point.
     Perspective {
         /// Angle between the picture's lower and upper edge, radians, in `(0, π)`.
         vertical_fov: f64,
     },
     /// Rays are parallel.
     Orthographic {
-        /// Half the height of what the picture shows, user length, > 0.
+        /// Half the height of the visible region, user length, > 0.
         half_height: f64,
     },
 }
 
-/// A camera. The picture's width follows from its height and its shape in pixels.
+/// A camera. The width of the view follows from its height and the aspect ratio of the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDesc {
-    /// Where rays start, user space; may lie outside the scene.
+    /// Origin of the rays, user space; may lie outside the scene.
     pub position: [f64; 3],
-    /// Where it looks; not zero, need not be unit.
+    /// View direction; not zero, need not be unit.
     pub direction: [f64; 3],
-    /// What is upwards in the picture; not parallel to `direction`, need not be unit or at a right
-    /// angle to it.
+    /// Up direction in the picture; not parallel to `direction`, need not be unit or perpendicular
+    /// to it.
     pub up: [f64; 3],
     /// Perspective or orthographic.
     pub projection: Projection,

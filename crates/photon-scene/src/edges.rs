@@ -1,9 +1,9 @@
-//! Edges of triangle meshes.
+//! Topology of triangle meshes: open edges.
 
-/// How many directed edges lack the one that runs the other way; 0 for a closed mesh. Corners are the same
-/// vertex where their keys are equal.
+/// Number of directed edges without a counterpart in the opposite direction; 0 for a closed mesh. Corners are the
+/// same vertex if their keys are equal.
 pub(crate) fn open_edges<K: Copy + Ord>(triangles: impl IntoIterator<Item = [K; 3]>) -> usize {
-    // Each edge in a fixed direction, and which way the triangle runs along it.
+    // Each edge in canonical vertex order, and the direction in which the triangle traverses it.
     let mut edges: Vec<(K, K, i32)> = triangles
         .into_iter()
         .flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)])

@@ -1,48 +1,48 @@
-//! What can be wrong with a scene, each naming its culprit and its mend.
+//! Errors of scenes and scene files. Each names the object at fault and how to fix it.
 
 use std::path::PathBuf;
 
-/// What can be wrong with a scene or its file.
+/// An error in a scene or its file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// A number of a material is out of its range.
+    /// A property of a material is out of range.
     #[error("material '{material}': {property} is {value}, but {hint}")]
     Material {
-        /// Its name.
+        /// Name of the material.
         material: String,
-        /// Which of its numbers.
+        /// Name of the property.
         property: &'static str,
-        /// What it is.
+        /// Its value.
         value: String,
-        /// What it may be.
+        /// The valid range.
         hint: &'static str,
     },
-    /// A number of a light is out of its range.
+    /// A property of a light is out of range.
     #[error("light '{light}': {property} is {value}, but {hint}")]
     Light {
-        /// Its name.
+        /// Name of the light.
         light: String,
-        /// Which of its numbers.
+        /// Name of the property.
         property: &'static str,
-        /// What it is.
+        /// Its value.
         value: String,
-        /// What it may be.
+        /// The valid range.
         hint: &'static str,
     },
-    /// A number of a camera is out of its range.
+    /// A property of a camera is out of range.
     #[error("camera '{camera}': {property} is {value}, but {hint}")]
     Camera {
-        /// Its name.
+        /// Name of the camera.
         camera: String,
-        /// Which of its numbers.
+        /// Name of the property.
         property: &'static str,
-        /// What it is.
+        /// Its value.
         value: String,
-        /// What it may be.
+        /// The valid range.
         hint: &'static str,
     },
-    /// A vertex that is nowhere.
+    /// A vertex with a coordinate that is not finite.
     #[error("mesh '{mesh}': vertex {vertex} is {value}, but every coordinate must be a finite number")]
     Vertex {
         /// Name of the mesh.
@@ -52,31 +52,31 @@ pub enum SceneError {
         /// Its coordinates.
         value: String,
     },
-    /// A triangle that names a vertex which is not there.
+    /// A triangle refers to a vertex that does not exist.
     #[error("mesh '{mesh}': triangle {triangle} refers to vertex {index}, but there are {vertices}, numbered from 0")]
     Index {
         /// Name of the mesh.
         mesh: String,
         /// Index of the triangle, from 0.
         triangle: usize,
-        /// The index it holds.
+        /// The vertex index it holds.
         index: u32,
-        /// How many vertices the mesh has.
+        /// Number of vertices of the mesh.
         vertices: usize,
     },
-    /// A mesh whose material is of another builder.
+    /// A mesh uses a material of another builder.
     #[error(
         "mesh '{mesh}': material number {material} is not one of the {materials} of this builder; use the MaterialId that its own material() returned"
     )]
     MaterialId {
         /// Name of the mesh.
         mesh: String,
-        /// The number.
+        /// The material number.
         material: u32,
-        /// How many there are.
+        /// Number of materials of this builder.
         materials: usize,
     },
-    /// An area light without area.
+    /// An area light has zero area.
     #[error(
         "mesh '{mesh}' emits light (material '{material}') but has no area; give it triangles with area, or use a point light"
     )]
@@ -86,71 +86,71 @@ pub enum SceneError {
         /// Name of its material.
         material: String,
     },
-    /// Numbers that leave the range of floating point.
-    #[error("{what} is {value}, beyond what can be computed with; {hint}")]
+    /// A number exceeds the range of floating point.
+    #[error("{what} is {value}, beyond the range of floating point; {hint}")]
     Extreme {
-        /// What leaves it.
+        /// The quantity that exceeds the range.
         what: String,
-        /// How far.
+        /// Its value.
         value: String,
-        /// What to change.
+        /// How to fix it.
         hint: &'static str,
     },
-    /// More of something than can be numbered.
-    #[error("{count} {what} are more than can be numbered with 32 bits; split the scene")]
+    /// More items than 32-bit indices can address.
+    #[error("{count} {what} are more than 32-bit indices can address; split the scene")]
     TooMany {
-        /// Of what.
+        /// Kind of item.
         what: &'static str,
-        /// How many.
+        /// Number of items.
         count: usize,
     },
-    /// No camera to look through.
+    /// The scene has no camera.
     #[error("the scene has no camera; add one to the file or to an override file, or use SceneBuilder::frame_camera")]
     NoCamera,
-    /// A camera that is not there.
-    #[error("there is no camera '{name}'; there are: {}", known.join(", "))]
+    /// There is no camera of the requested name.
+    #[error("there is no camera '{name}'; the cameras are: {}", known.join(", "))]
     UnknownCamera {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What there is.
+        /// Names of the cameras that exist.
         known: Vec<String>,
     },
-    /// A picture without pixels, or with more than can be numbered.
+    /// A picture without pixels, or with more than 32-bit indices can address.
     #[error(
         "a picture of {width}x{height} pixels cannot be made; each side must be at least 1, and their product below 2^32"
     )]
     PictureSize {
-        /// Columns.
+        /// Width in pixels.
         width: u32,
-        /// Rows.
+        /// Height in pixels.
         height: u32,
     },
-    /// A file that cannot be read at all.
-    #[error("cannot read {}: {source}; check that the file exists and may be read", path.display())]
+    /// A file cannot be read at all.
+    #[error("cannot read {}: {source}; check that the file exists and is readable", path.display())]
     Read {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// The cause.
         source: std::io::Error,
     },
-    /// A file whose content makes no sense.
+    /// The content of a file is invalid.
     #[error("{}{}: {what}; {hint}", path.display(), line.map(|line| format!(", line {line}")).unwrap_or_default())]
     Content {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Where in it, from 1, where that is known.
+        /// Line number, from 1, if known.
         line: Option<u64>,
         /// What is wrong.
         what: String,
-        /// What would be right.
+        /// What would be valid.
         hint: String,
     },
-    /// A kind of file that no loader reads.
-    #[error("{}: unknown kind of scene file; supported are {supported}", path.display())]
+    /// No loader supports this file format.
+    #[error("{}: unknown scene file format; supported are {supported}", path.display())]
     UnknownFormat {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What can be read.
+        /// The supported formats.
         supported: &'static str,
     },
 }

@@ -1,5 +1,5 @@
-//! What our own glTF files hold in `extras.photonmap`: the numbers of a scene in double precision, and what glTF has
-//! no words for.
+//! The contents of `extras.photonmap` in glTF files written by this crate: the numbers of a scene in double precision,
+//! and properties that glTF cannot express.
 //!
 //! ```json
 //! "materials": [{ …, "extras": { "photonmap": { "kind": "glass", "ior": "1.5", "tint": ["1.0", "1.0", "1.0"], … } } }],
@@ -7,9 +7,9 @@
 //! "meshes":    [{ "primitives": [{ …, "extras": { "photonmap": { "positions": 2 } } }] }]
 //! ```
 //!
-//! Numbers are decimal strings, since readers of JSON may round numbers. `positions` is the number of a buffer view
-//! with three 64-bit floats for each vertex. All of it only refines what glTF says: a program that changes a scene and
-//! keeps the extras is followed, see [`Agrees`].
+//! Numbers are decimal strings, since JSON readers may round numbers. `positions` is the index of a buffer view
+//! with three 64-bit floats per vertex. The extras only refine the standard glTF content: if another program changes a
+//! scene but keeps the extras, its changes take precedence, see [`Agrees`].
 
 use std::str::FromStr;
 
@@ -18,13 +18,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 
-/// A number that survives being written and read.
+/// An f64 that is serialized without loss, as a string.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Exact(pub(crate) f64);
 
 impl Serialize for Exact {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        // The shortest text that is read back as the same number.
+        // The shortest text that parses to the same number.
         serializer.collect_str(&format_args!("{:?}", self.0))
     }
 }
@@ -46,13 +46,13 @@ fn plain(values: Triple) -> [f64; 3] {
     values.map(|value| value.0)
 }
 
-/// The extras of one object, of which other programs may hold parts too.
+/// The extras of one object, parts of which may belong to other programs.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Extras<T> {
     pub(crate) photonmap: T,
 }
 
-/// Of a material.
+/// Extras of a material.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub(crate) enum MaterialExtras {
@@ -105,7 +105,7 @@ impl MaterialExtras {
     }
 
     pub(crate) fn desc(self, name: String) -> MaterialDesc {
-        // Which of overlapping solids counts is said of solids alone.
+        // Priority applies only to solids.
         let priority = if let Self::Glass { priority, .. } = self { priority } else { 0 };
         let (surface, emission, emits_both_sides) = match self {
             Self::Lambert { albedo, emission, emits_both_sides } => {
@@ -126,7 +126,7 @@ impl MaterialExtras {
     }
 }
 
-/// Of a node that holds a light or a camera.
+/// Extras of a node that holds a light or a camera.
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct NodeExtras {
@@ -205,7 +205,7 @@ impl CameraExtras {
         Self { position, direction, up, vertical_fov, half_height }
     }
 
-    /// `None` without a projection, or with two.
+    /// The camera; `None` without a projection, or with two.
     pub(crate) fn desc(self) -> Option<CameraDesc> {
         let projection = match (self.vertical_fov, self.half_height) {
             (Some(fov), None) => Projection::Perspective { vertical_fov: fov.0 },
@@ -217,25 +217,25 @@ impl CameraExtras {
     }
 }
 
-/// Of a primitive.
+/// Extras of a primitive.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PrimitiveExtras {
-    /// Buffer view of the positions in double precision.
+    /// Index of the buffer view with the positions in double precision.
     pub(crate) positions: usize,
 }
 
-/// Whether the extras refine what glTF says in single precision, or are left over from before a change.
+/// Whether the extras refine the single-precision glTF content, or are stale because that was changed.
 pub(crate) trait Agrees {
     fn agrees(&self, exact: &Self) -> bool;
 }
 
-/// Single precision, some operations and a logarithm later.
+/// Equal up to single precision, a few operations and a logarithm.
 fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-4 * a.abs().max(b.abs()) + 1e-30
 }
 
-/// Each within what is lost of the greatest.
+/// Each component equal up to the rounding error of the largest one.
 fn all_close(a: [f64; 3], b: [f64; 3]) -> bool {
     let greatest = a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-4 * greatest + 1e-30)
@@ -260,7 +260,7 @@ impl Agrees for MaterialDesc {
             }
             _ => false,
         };
-        // The sides of what is dark do not matter.
+        // Whether a non-emissive surface is double-sided does not matter.
         let sides = !self.is_emissive() || !exact.is_emissive() || self.emits_both_sides == exact.emits_both_sides;
         surface && sides && all_close(self.emission, exact.emission)
     }
@@ -294,23 +294,23 @@ impl Agrees for CameraDesc {
             | (Projection::Orthographic { half_height: a }, Projection::Orthographic { half_height: b }) => close(a, b),
             _ => false,
         };
-        // The file's is at a right angle to the direction.
+        // The up vector in the file is perpendicular to the direction.
         let right = |camera: &Self| glam::DVec3::from(camera.direction).cross(glam::DVec3::from(camera.up)).to_array();
         let axes = parallel(self.direction, exact.direction) && parallel(right(self), right(exact));
         projection && axes && all_close(self.position, exact.position)
     }
 }
 
-/// The text of an object's extras; nothing where they are not ours.
+/// Parses the extras of an object; `None` if it has none of ours.
 ///
 /// # Errors
-/// Words for the report, where they are ours and make no sense.
+/// A text for the report, if they are ours but invalid.
 pub(crate) fn read<T: for<'de> Deserialize<'de>>(extras: Option<&str>) -> Result<Option<T>, String> {
     let Some(text) = extras.filter(|text| text.contains("\"photonmap\"")) else { return Ok(None) };
     let parsed: Result<Extras<T>, _> = serde_json::from_str(text);
     parsed.map(|extras| Some(extras.photonmap)).map_err(|why| format!("its extras.photonmap is ignored: {why}"))
 }
 
-/// What the report says of extras that no longer fit.
+/// Report text for extras that no longer agree with the rest of the file.
 pub(crate) const CHANGED: &str =
     "was changed after it was exported; what glTF says is used, in single precision, and its extras are ignored";

@@ -1,8 +1,8 @@
-//! Scenes: what the renderer is given.
+//! Scene description: building, loading, checking and normalising the input of the renderer.
 //!
-//! A [`SceneBuilder`] collects what a user describes, in the user's own space and radiometric units;
-//! [`SceneBuilder::build`] checks it, names whatever is wrong, and turns it into a [`Scene`]: the
-//! tables in normalised space that backends read through [`Scene::view`].
+//! A [`SceneBuilder`] collects a scene in the user's own space and radiometric units. [`SceneBuilder::build`]
+//! validates it, reports the name of any invalid object, and converts it to a [`Scene`]: the tables in
+//! normalised space that backends read through [`Scene::view`].
 #![deny(unsafe_code)]
 
 mod builder;

@@ -1,4 +1,4 @@
-//! The tables of lights and materials, in units of the scene's total power.
+//! The tables of lights and materials, with powers relative to the scene's total power.
 
 use crate::describe::{LightDesc, MaterialDesc, Surface};
 use crate::error::SceneError;
@@ -9,22 +9,22 @@ use photon_core::sampling::spot_solid_angle;
 use photon_core::{Light, Material, MaterialKind, Medium, MediumStack};
 use std::f64::consts::PI;
 
-/// Everything that emits.
+/// Everything that emits light.
 #[derive(Debug)]
 pub(crate) struct Lit {
     pub(crate) lights: Vec<Light>,
-    /// Mean of RGB of each light's power, for its share of the photons.
+    /// Mean of RGB of each light's power, which determines its share of the photons.
     pub(crate) means: Vec<f64>,
-    /// All the flux, mean of RGB, watts; 1 where nothing shines.
+    /// Total flux, mean of RGB, watts; 1 if nothing emits.
     pub(crate) power: f64,
-    /// The same in W per squared normalised length, which is what radiances are divided by.
+    /// The same in W per squared normalised length, by which radiances are divided.
     total: f64,
 }
 
 /// Lists emissive triangles, then the other lights, each with its power.
 ///
-/// Powers are first taken per squared scale: that is what a scene ten to the thirty times as large
-/// keeps, while its watts might leave the range.
+/// Powers are first computed relative to the squared scale, which stays in the range of f64 even for a scene
+/// ten to the thirty times as large, while its watts might not.
 pub(crate) fn table(
     descs: &[(String, LightDesc)],
     materials: &[MaterialDesc],
@@ -56,8 +56,8 @@ pub(crate) fn table(
     let mut weak = 0_usize;
     for (light, power) in all {
         let share = power / total;
-        // A light whose power vanishes beside the others' would only be handed photons of none; one
-        // that is denormal, by some devices and not by others.
+        // A light whose power vanishes relative to the others' would only get photons without power;
+        // a denormal one would, depending on the device.
         if total > 0.0 && share.max_element() >= f64::from(f32::MIN_POSITIVE) {
             lit.lights.push(Light { power: share.as_vec3().to_array(), ..light });
             lit.means.push(mean(share));
@@ -67,8 +67,8 @@ pub(crate) fn table(
     }
     if weak > 0 {
         warnings.push(format!(
-            "{weak} of the lights are too weak, beside all others together, for 32 bits to tell them from none, \
-             and are left out; render them by themselves"
+            "{weak} of the lights are too weak, relative to all lights together, to be represented in 32 bits, \
+             and are left out; render them separately"
         ));
     }
     if lit.lights.len() >= u32::MAX as usize {
@@ -77,7 +77,7 @@ pub(crate) fn table(
     Ok(lit)
 }
 
-/// A light that is not a surface, and its flux per squared scale.
+/// A point, spot or directional light, and its flux per squared scale.
 fn punctual(desc: &LightDesc, radius: f64, frame: Frame) -> (Light, DVec3) {
     let place = |position| frame.point(position).as_vec3().to_array();
     let per_area = |intensity| DVec3::from_array(intensity) / frame.scale / frame.scale;
@@ -87,11 +87,11 @@ fn punctual(desc: &LightDesc, radius: f64, frame: Frame) -> (Light, DVec3) {
             (light, per_area(intensity) * (4.0 * PI))
         }
         LightDesc::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-            // 1 − cos, by the half angle: a cosine would round the narrowest cones away.
+            // 1 − cos, from the half angle: computing it from a cosine would round the narrowest cones to 0.
             let versine = |angle: f64| 2.0 * square(libm::sin(0.5 * angle));
             let versine_outer = versine(outer_angle).min(1.0) as f32;
             let versine_inner = (versine(inner_angle) as f32).min(versine_outer);
-            // ∫ I dω over the cone, of the rounded numbers, so that dividing it out again gives I exactly.
+            // ∫ I dω over the cone, of the rounded numbers, so that dividing by it gives I exactly.
             let solid_angle = spot_solid_angle(versine_inner, versine_outer);
             let light = Light {
                 kind: Light::SPOT,
@@ -123,7 +123,7 @@ fn mean(power: DVec3) -> f64 {
     power.element_sum() / 3.0
 }
 
-/// The materials, indexed as they were added, and the table of media that they name.
+/// The materials, in the order in which they were added, and the table of media that they refer to.
 pub(crate) fn materials(
     descs: &[MaterialDesc],
     geometry: &Geometry,
@@ -144,7 +144,7 @@ pub(crate) fn materials(
         .zip(shines.into_iter().zip(in_use))
         .map(|(desc, (shines, in_use))| {
             let surface = surface(desc, in_use, &mut media, frame);
-            // One that no triangle uses must not make the scene seem to glow.
+            // An emissive material that no triangle uses must not count as a light.
             let emission =
                 if shines && lit.total > 0.0 { DVec3::from_array(desc.emission) / lit.total } else { DVec3::ZERO };
             let flags = if desc.emits_both_sides { Material::EMITS_BOTH_SIDES } else { 0 };
@@ -164,11 +164,11 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
     match desc.surface {
         Surface::Lambert { albedo } => Material { albedo: colour(albedo), ..of(MaterialKind::Lambert) },
         Surface::Mirror { reflectance } => Material { albedo: colour(reflectance), ..of(MaterialKind::Mirror) },
-        // A solid that no triangle is made of takes none of the 255 places of media, without which it would be no solid.
+        // A solid material that no triangle uses does not take one of the 255 media; without a medium it is no solid.
         Surface::Dielectric { tint, .. } if !in_use => Material { albedo: colour(tint), ..of(MaterialKind::Lambert) },
         Surface::Dielectric { ior, absorption, tint } => {
             let medium = Medium {
-                // Black beyond a few units anyway; an infinity would make 0 · ∞ at no distance.
+                // Opaque beyond a few units anyway; an infinity would give 0 · ∞ at zero distance.
                 absorption: absorption.map(|part| (part * frame.scale).min(1e30) as f32),
                 ior: ior as f32,
                 priority: desc.priority,
@@ -181,7 +181,7 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
     }
 }
 
-/// Where a medium stands in the table, after the vacuum; equal ones share a place.
+/// Index of a medium in the table, after the vacuum; equal media share an entry.
 fn index_of(media: &mut Vec<Medium>, medium: Medium) -> u32 {
     let found = media.iter().skip(1).position(|known| *known == medium).map(|index| index + 1);
     let index = found.unwrap_or_else(|| {

@@ -1,4 +1,4 @@
-//! What a builder keeps of a mesh.
+//! The meshes of a builder.
 
 use crate::builder::MaterialId;
 

@@ -1,43 +1,43 @@
-//! From user space to the unit box about the origin.
+//! Conversion from user space to normalised space: a unit box centred at the origin.
 
 use crate::describe::{LightDesc, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::mesh::Mesh;
 use glam::DVec3;
 
-/// The similarity that recentres and scales the scene.
+/// The similarity transform that recentres and scales the scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     /// Centre of the bounding box, user space.
     pub(crate) center: DVec3,
-    /// The box's largest extent, user length; 1 where there is none.
+    /// The box's largest extent, user length; 1 for an empty box.
     pub(crate) scale: f64,
-    /// What the triangles alone take of it; 1 where there are none.
+    /// The fraction of it that the triangles alone span; 1 without triangles.
     filled: f64,
 }
 
-/// The triangles that are left, in normalised space.
+/// The remaining triangles, in normalised space.
 #[derive(Debug, Default)]
 pub(crate) struct Geometry {
     pub(crate) positions: Vec<[f32; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Unit normal and material.
     pub(crate) primitives: Vec<([f32; 3], u32)>,
-    /// First triangle of each mesh.
+    /// Index of the first triangle of each mesh.
     pub(crate) mesh_starts: Vec<u32>,
     /// Emissive triangles, with their areas.
     pub(crate) emitters: Vec<(u32, f64)>,
-    /// How many had no area.
+    /// Number of triangles dropped because they have no area.
     pub(crate) dropped: u64,
-    /// How many bound nothing: light passes as if they were not there, so that they are not modelled.
+    /// Number of triangles left out because light passes them unchanged.
     pub(crate) invisible: u64,
-    /// Radius of a sphere about the origin that holds the vertices.
+    /// Radius of a sphere around the origin that contains the vertices.
     pub(crate) radius: f64,
 }
 
-/// Box around the vertices that triangles refer to: lower and upper corner.
+/// Bounding box of the vertices that triangles refer to: lower and upper corner.
 pub(crate) fn bounds(meshes: &[Mesh]) -> Option<([f64; 3], [f64; 3])> {
-    // A vertex that no triangle uses must not make the scene smaller than it is.
+    // A vertex that no triangle uses must not enlarge the box.
     around(meshes.iter().flat_map(|mesh| {
         mesh.triangles.iter().flatten().filter_map(|&index| mesh.positions.get(index as usize).copied())
     }))
@@ -55,7 +55,7 @@ fn extent(low: [f64; 3], high: [f64; 3]) -> f64 {
 }
 
 impl Frame {
-    /// The frame of the triangles and of the lights that have a place.
+    /// The frame of the triangles and of the lights that have a position.
     pub(crate) fn new(meshes: &[Mesh], lights: &[(String, LightDesc)]) -> Result<Self, SceneError> {
         let places: Vec<_> = lights
             .iter()
@@ -83,23 +83,23 @@ impl Frame {
         Ok(Self { center, scale, filled })
     }
 
-    /// A point of user space, normalised.
+    /// Converts a point from user space to normalised space.
     pub(crate) fn point(self, user: [f64; 3]) -> DVec3 {
         (DVec3::from_array(user) - self.center) / self.scale
     }
 
-    /// Distance of the user's origin from the scene, in extents of the scene.
+    /// Distance of the user's origin from the scene's centre, in extents of the scene.
     fn offset(self) -> f64 {
         self.center.abs().max_element() / self.scale
     }
 
-    /// Where the scene is placed or spread so that precision is lost.
+    /// Warns if the scene's position or extent costs precision.
     pub(crate) fn warn(self, warnings: &mut Vec<String>) {
         let offset = self.offset();
         if offset > 1e4 {
             warnings.push(format!(
                 "the scene lies {offset:.1e} times its own extent away from the origin; if its coordinates were \
-                 ever stored in 32 bits, it is distorted; move it towards the origin where it is made"
+                 ever stored in 32 bits, it is distorted; move it towards the origin in the program that made it"
             ));
         }
         if self.filled < 1e-3 {
@@ -112,7 +112,7 @@ impl Frame {
     }
 }
 
-/// Moves all meshes to normalised space, without the triangles that have no area there.
+/// Converts all meshes to normalised space, leaving out the triangles that have no area there.
 pub(crate) fn geometry(meshes: &[Mesh], materials: &[MaterialDesc], frame: Frame) -> Result<Geometry, SceneError> {
     let mut geometry = Geometry::default();
     let count: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
@@ -143,8 +143,8 @@ pub(crate) fn geometry(meshes: &[Mesh], materials: &[MaterialDesc], frame: Frame
     Ok(geometry)
 }
 
-/// Whether the box about a mesh meets that of a solid which light does not pass unchanged: an index of 1 within glass
-/// is a hollow.
+/// Whether the bounding box of a mesh overlaps that of a solid that light does not pass unchanged: a mesh of index 1
+/// within glass is a cavity.
 fn meets_a_solid(mesh: &Mesh, meshes: &[Mesh], materials: &[MaterialDesc]) -> bool {
     if !matches!(materials[mesh.material.0 as usize].surface, Surface::Dielectric { .. }) {
         return false;
@@ -162,8 +162,8 @@ fn meets_a_solid(mesh: &Mesh, meshes: &[Mesh], materials: &[MaterialDesc]) -> bo
 impl Geometry {
     fn add(&mut self, mesh: &Mesh, emits: bool, frame: Frame) {
         let wide: Vec<DVec3> = mesh.positions.iter().map(|&at| frame.point(at)).collect();
-        // Coordinates are known to half a unit in the last place of f64; an area below what that
-        // makes of it is noise.
+        // Coordinates are known to half a unit in the last place of f64; an area below the error that this
+        // causes is noise.
         let noise = (frame.offset() + 1.0) * 2.0 * f64::EPSILON;
         let mut moved = vec![u32::MAX; wide.len()];
         for &corners in &mesh.triangles {
@@ -171,7 +171,7 @@ impl Geometry {
             let (cross, area) = cross_and_area([a, b, c]);
             let longest = (b - a).length().max((c - a).length()).max((c - b).length());
             let narrow = [a, b, c].map(|at| at.as_vec3().as_dvec3());
-            // What rays meet is the rounded triangle, and what samples it divides by its area.
+            // Rays are tested against the rounded triangle, and sampling divides by its area.
             let (_, narrow_area) = cross_and_area(narrow);
             if 2.0 * area <= noise * longest || narrow_area == 0.0 || area < f64::from(f32::MIN_POSITIVE) {
                 self.dropped += 1;
@@ -204,8 +204,8 @@ pub(crate) fn length(vector: [f32; 3]) -> f64 {
     glam::Vec3::from_array(vector).as_dvec3().length()
 }
 
-/// The nearest f32 that is surely not below a positive number.
+/// Rounds a positive number to an f32 that is certainly not below it.
 pub(crate) fn round_up(value: f64) -> f32 {
-    // Twice the rounding to f32, so that the sphere holds what was rounded to lie on it.
+    // Twice the rounding error of f32, so that the sphere contains points that were rounded onto it.
     (value * (1.0 + 2.0 * f64::from(f32::EPSILON))) as f32
 }

@@ -1,26 +1,26 @@
-//! What a loader could not take over as it stood.
+//! Reports on what a loader could not represent exactly.
 
 use std::fmt;
 
-/// What happened to the subject of a line.
+/// How a loader handled the subject of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReportKind {
-    /// It is rendered, but not as the file says.
+    /// It is rendered, but not exactly as in the file.
     Approximated,
     /// It is not rendered.
     LeftOut,
-    /// Nothing is lost; something the user may want to know.
+    /// Nothing is lost; information for the user.
     Note,
 }
 
-/// One thing a loader has to say.
+/// One message of a loader.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReportLine {
-    /// What happened.
+    /// How the subject was handled.
     pub kind: ReportKind,
-    /// To which material, mesh, node or light.
+    /// Name of the material, mesh, node or light.
     pub subject: String,
-    /// How, and what the user can do about it.
+    /// What was changed, and what the user can do about it.
     pub text: String,
 }
 
@@ -35,7 +35,7 @@ impl fmt::Display for ReportLine {
     }
 }
 
-/// Everything a loader has to say, in the order of the file.
+/// All messages of a loader, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadReport {
     /// The lines.
@@ -58,13 +58,13 @@ impl LoadReport {
         self.push(ReportKind::Note, subject.into(), text.into());
     }
 
-    /// Whether the scene is rendered as its file says: notes at most.
+    /// Whether the scene is rendered exactly as in its file: the report contains only notes.
     #[must_use]
     pub fn is_exact(&self) -> bool {
         self.lines.iter().all(|line| line.kind == ReportKind::Note)
     }
 
-    /// Adds the lines of another report.
+    /// Appends the lines of another report.
     #[cfg(feature = "files")]
     pub(crate) fn extend(&mut self, other: Self) {
         for ReportLine { kind, subject, text } in other.lines {
@@ -74,8 +74,8 @@ impl LoadReport {
 
     fn push(&mut self, kind: ReportKind, subject: String, text: String) {
         let line = ReportLine { kind, subject, text };
-        // A file that says the same of a material a thousand times is reported once; one with a
-        // million materials is not compared with itself.
+        // Repeated lines on the same subject are reported once; only the last 100 lines are compared, so that a file
+        // with a million materials does not take quadratic time.
         if !self.lines.iter().rev().take(100).any(|known| *known == line) {
             self.lines.push(line);
         }

@@ -1,4 +1,4 @@
-//! Scenes as glTF 2.0 binary files.
+//! Writes scenes as glTF 2.0 binary files.
 
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::{Value, json};
@@ -8,10 +8,10 @@ use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 use crate::error::SceneError;
 use crate::extras::{CameraExtras, LightExtras, MaterialExtras, NodeExtras};
 
-/// The scene as a glTF 2.0 binary file (`.glb`), which [`crate::load_gltf`] reads back as the same scene: its picture is
-/// the same, bit for bit.
+/// Writes the scene as a glTF 2.0 binary file (`.glb`), which [`crate::load_gltf`] reads back as the same scene: its
+/// picture is the same, bit for bit.
 ///
-/// Meshes, cameras, point, spot and directional lights become what glTF has for them, materials what comes nearest:
+/// Meshes, cameras, point, spot and directional lights become their glTF equivalents, materials the nearest match:
 ///
 /// | here | glTF |
 /// |---|---|
@@ -21,20 +21,20 @@ use crate::extras::{CameraExtras, LightExtras, MaterialExtras, NodeExtras};
 /// | thin sheet | the same without a volume |
 /// | emission | `emissiveFactor` × `KHR_materials_emissive_strength` |
 ///
-/// glTF has single precision. `extras.photonmap` of materials, of nodes with lights or cameras and of primitives hold
-/// the same numbers in double precision, as decimal strings, or as the number of a buffer view with 64-bit floats; also
-/// the priority of a solid, and whether a dark surface would emit from both sides. They are used by the loader as long as they agree with what glTF
-/// says.
+/// glTF has single precision. `extras.photonmap` of materials, of nodes with lights or cameras and of primitives store
+/// the same numbers in double precision, as decimal strings, or as the index of a buffer view with 64-bit floats; also
+/// the priority of a solid, and whether a non-emissive surface would emit from both sides. The loader uses them as long
+/// as they agree with the standard glTF content.
 ///
 /// # Errors
-/// Whatever [`SceneBuilder::build`] finds, and [`SceneError::Extreme`] for numbers beyond single precision or a file
+/// The errors of [`SceneBuilder::build`], and [`SceneError::Extreme`] for numbers beyond single precision or a file
 /// beyond 4 GiB.
 pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     scene.clone().build()?;
     let mut file = File::default();
     let materials: Vec<Value> = scene.materials.iter().map(material).collect::<Result<_, _>>()?;
     for mesh in &scene.meshes {
-        // glTF has no meshes without triangles.
+        // glTF does not allow meshes without triangles.
         if !mesh.triangles.is_empty() {
             file.mesh(&mesh.name, &mesh.positions, &mesh.triangles, mesh.material.0)?;
         }
@@ -58,7 +58,7 @@ struct File {
 }
 
 impl File {
-    /// Appends a buffer view, which begins at a multiple of 8 bytes, and returns its number.
+    /// Appends a buffer view, aligned to 8 bytes, and returns its index.
     fn view(&mut self, bytes: impl Iterator<Item = u8>) -> usize {
         while !self.bin.len().is_multiple_of(8) {
             self.bin.push(0);
@@ -168,7 +168,7 @@ impl File {
             "scenes": [{ "nodes": (0..self.nodes.len()).collect::<Vec<_>>() }],
             "nodes": self.nodes,
         });
-        // glTF has no empty lists.
+        // glTF does not allow empty lists.
         let lists = [
             ("materials", materials),
             ("meshes", self.meshes),
@@ -210,7 +210,7 @@ impl File {
     }
 }
 
-/// Header and chunks (glTF 2.0 specification, section 4.4).
+/// Assembles header and chunks (glTF 2.0 specification, section 4.4).
 fn pack(json: &[u8], bin: &[u8]) -> Result<Vec<u8>, SceneError> {
     let length = 12 + 8 + json.len() + if bin.is_empty() { 0 } else { 8 + bin.len() };
     let Ok(total) = u32::try_from(length) else {
@@ -251,7 +251,7 @@ fn material(desc: &MaterialDesc) -> Result<Value, SceneError> {
     }
     if let Surface::Dielectric { absorption, .. } = desc.surface {
         let mut volume = json!({ "thicknessFactor": 1.0 });
-        // Where the strongest channel has fallen to 1/e; what leaves single precision absorbs nothing that is seen.
+        // Distance at which the strongest channel falls to 1/e; an absorption that underflows f32 is invisible.
         let (greatest, relative) = scaled(absorption);
         let distance = 1.0 / greatest;
         if greatest > 0.0 && (distance as f32).is_finite() {
@@ -264,7 +264,7 @@ fn material(desc: &MaterialDesc) -> Result<Value, SceneError> {
     if strength > 0.0 {
         extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": single(strength, what)? });
     }
-    // Other programs show only the front of what is not double-sided; here every surface has two sides.
+    // Other programs cull the back of surfaces that are not double-sided; here every surface has two sides.
     let both =
         if desc.is_emissive() { desc.emits_both_sides } else { !matches!(desc.surface, Surface::Dielectric { .. }) };
     let mut material = json!({
@@ -284,7 +284,7 @@ fn material(desc: &MaterialDesc) -> Result<Value, SceneError> {
     Ok(material)
 }
 
-/// A node at `position` whose −Z is `direction`.
+/// A node at `position` whose −Z axis is `direction`.
 fn placed(
     name: &str,
     position: [f64; 3],
@@ -304,7 +304,7 @@ fn placed(
     }))
 }
 
-/// The greatest of three numbers that are not negative, and the numbers relative to it.
+/// The largest of three numbers ≥ 0, and the numbers relative to it.
 fn scaled(values: [f64; 3]) -> (f64, [f64; 3]) {
     let greatest = values.into_iter().fold(0.0, f64::max);
     (greatest, if greatest > 0.0 { values.map(|value| value / greatest) } else { [1.0; 3] })

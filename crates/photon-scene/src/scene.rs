@@ -1,15 +1,15 @@
-//! A scene that has been checked, in normalised space.
+//! A validated scene in normalised space.
 
 use crate::camera;
 use crate::describe::CameraDesc;
 use crate::error::SceneError;
 use photon_core::{Camera, Light, Material, Medium, Primitive, SceneView, Units};
 
-/// What [`crate::SceneBuilder::build`] makes: the tables that backends read, and what is needed to
-/// speak of them by name.
+/// The result of [`crate::SceneBuilder::build`]: the tables that backends read, and the names and units for
+/// messages and results.
 ///
-/// Vertices lie in a box of unit size about the origin, those that no triangle uses are gone, and
-/// triangles keep the order in which meshes were added. Powers are fractions of
+/// Vertices lie in a box of unit size centred at the origin, vertices that no triangle uses are removed, and
+/// triangles are in the order in which meshes were added. Powers are fractions of
 /// [`Units::power`].
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -31,7 +31,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The tables, lent.
+    /// The tables, borrowed.
     #[must_use]
     pub fn view(&self) -> SceneView<'_> {
         SceneView {
@@ -47,12 +47,12 @@ impl Scene {
         }
     }
 
-    /// The camera of that name, or the first, for a picture of `width` by `height` pixels.
+    /// The camera of the given name, or the first one, for a picture of `width` by `height` pixels.
     ///
-    /// The vertical field of view is kept; the horizontal one follows the picture's shape.
+    /// The vertical field of view is kept; the horizontal one follows from the picture's aspect ratio.
     ///
     /// # Errors
-    /// No camera at all, none of that name (the message lists those there are), a picture without
+    /// No camera at all, none of that name (the message lists those that exist), a picture without
     /// pixels, or a camera beyond the range of f32 in units of the scene.
     pub fn camera(&self, name: Option<&str>, width: u32, height: u32) -> Result<Camera, SceneError> {
         let wanted = |(known, _): &&(String, CameraDesc)| name.is_none_or(|name| name == known);
@@ -66,40 +66,40 @@ impl Scene {
         }
     }
 
-    /// The cameras, in the order in which they were added.
+    /// Names of the cameras, in the order in which they were added.
     pub fn camera_names(&self) -> impl Iterator<Item = &str> {
         self.cameras.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The way back to the user's space and watts.
+    /// Conversion back to user space and watts.
     #[must_use]
     pub fn units(&self) -> Units {
         self.units
     }
 
-    /// The materials' names, by index.
+    /// Names of the materials, by index.
     pub fn material_names(&self) -> impl Iterator<Item = &str> {
         self.material_names.iter().map(String::as_str)
     }
 
-    /// Name of the mesh that a triangle belongs to; empty for a triangle that is not there.
+    /// Name of the mesh that a triangle belongs to; empty if there is no such triangle.
     #[must_use]
     pub fn mesh_of_triangle(&self, primitive: u32) -> &str {
         if primitive as usize >= self.triangles.len() {
             return "";
         }
-        // Meshes of which nothing is left begin where the next one does: the last is the one.
+        // Meshes without remaining triangles start at the same index as the next mesh: the last one is right.
         let after = self.mesh_starts.partition_point(|&start| start <= primitive);
         after.checked_sub(1).and_then(|mesh| self.mesh_names.get(mesh)).map_or("", String::as_str)
     }
 
-    /// How many triangles had no area and were dropped.
+    /// Number of triangles that had no area and were dropped.
     #[must_use]
     pub fn dropped_triangles(&self) -> u64 {
         self.dropped
     }
 
-    /// What is odd about the scene without being wrong, for the user to read.
+    /// Warnings: problems that do not prevent rendering.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings

@@ -1,14 +1,14 @@
-//! Whether refracting solids are closed and face outwards.
+//! Checks that refracting solids are closed and face outwards.
 
 use crate::describe::{MaterialDesc, Surface};
 use crate::edges::open_edges;
 use crate::normalise::Geometry;
 use glam::{DVec3, Vec3};
 
-/// Warns of every solid dielectric whose triangles leave a hole or face inwards.
+/// Warns of every solid dielectric whose mesh has holes or faces inwards.
 ///
-/// All triangles of a material are taken together: a bubble inside glass is a shell that faces
-/// inwards by itself, and a solid may come in several meshes.
+/// All triangles of a material are checked together: a bubble inside glass is by itself a shell that faces
+/// inwards, and a solid may consist of several meshes.
 pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &mut Vec<String>) {
     for (index, material) in materials.iter().enumerate() {
         if !matches!(material.surface, Surface::Dielectric { .. }) {
@@ -25,25 +25,25 @@ pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &m
         let open = open_edges(triangles.iter().map(|corners| corners.map(place)));
         if open > 0 {
             warnings.push(format!(
-                "the solid glass '{name}' is not closed: {open} edges border on one side only; light that enters \
-                 may never leave; close it, or make the material thin"
+                "the solid glass '{name}' is not closed: {open} edges have a triangle on one side only; light that \
+                 enters may never leave; close it, or make the material thin"
             ));
         } else if signed_volume(&triangles) < 0.0 {
             warnings.push(format!(
-                "the solid glass '{name}' is inside out: its triangles run clockwise as seen from outside; turn \
-                 them around"
+                "the solid glass '{name}' is inside out: its triangles run clockwise as seen from outside; flip \
+                 them"
             ));
         }
     }
 }
 
-/// A vertex by its coordinates, for those that several triangles list separately.
+/// The bits of the coordinates as key of a vertex, to identify vertices that several triangles list separately.
 fn place(at: Vec3) -> [u32; 3] {
-    // Zeros of both signs are one place.
+    // Zeros of both signs are the same.
     (at + 0.0).to_array().map(f32::to_bits)
 }
 
-/// Volume that closed triangles enclose, negative where they face inwards (the divergence theorem).
+/// Volume enclosed by closed triangles, negative if they face inwards (divergence theorem).
 fn signed_volume(triangles: &[[Vec3; 3]]) -> f64 {
     triangles
         .iter()

@@ -1,4 +1,4 @@
-//! Everything that can be checked before anything is computed.
+//! Validation of scene descriptions before any computation.
 
 use crate::builder::SceneBuilder;
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
@@ -7,7 +7,7 @@ use crate::mesh::Mesh;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A property, its value and its mend: what the caller adds its culprit's name to.
+/// A property, its value and its hint, to which the caller adds the name of the object.
 type Fault = (&'static str, String, &'static str);
 
 /// Checks materials, meshes, lights and cameras, in that order.
@@ -60,7 +60,7 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
 }
 
 fn refractive(ior: f64) -> Result<(), Fault> {
-    // In f32, since that is what rays meet.
+    // As f32, since rays are traced with that precision.
     let narrow = ior as f32;
     require(
         narrow.is_normal() && narrow > 0.0,
@@ -86,7 +86,7 @@ fn finite(property: &'static str, point: [f64; 3]) -> Result<(), Fault> {
 
 fn heading(property: &'static str, direction: [f64; 3]) -> Result<(), Fault> {
     finite(property, direction)?;
-    require(direction != [0.0; 3], property, direction, "it must point somewhere")
+    require(direction != [0.0; 3], property, direction, "it must not be zero")
 }
 
 fn require(fine: bool, property: &'static str, value: impl std::fmt::Debug, hint: &'static str) -> Result<(), Fault> {
@@ -122,7 +122,7 @@ fn light(desc: &LightDesc) -> Result<(), Fault> {
             heading("direction", direction)?;
             not_negative("intensity", intensity)?;
             require(
-                // Below, the rounding of directions to f32 would blur the cone by more than a hundredth.
+                // Below this, rounding directions to f32 would blur the cone by more than a hundredth.
                 (1e-5..=FRAC_PI_2).contains(&outer_angle),
                 "the outer angle",
                 outer_angle,
@@ -147,7 +147,7 @@ fn camera(desc: &CameraDesc) -> Result<(), Fault> {
     heading("direction", desc.direction)?;
     heading("up", desc.up)?;
     let sine = unit(desc.direction).cross(unit(desc.up)).length();
-    // Below that, the roll of the picture would be decided by rounding.
+    // Below this, rounding would determine the roll of the picture.
     require(sine > 1e-9, "up", desc.up, "it must not be parallel to the direction of view")?;
     match desc.projection {
         Projection::Perspective { vertical_fov } => require(
@@ -165,10 +165,10 @@ fn camera(desc: &CameraDesc) -> Result<(), Fault> {
     }
 }
 
-/// The unit vector along one that is finite and not zero, however long.
+/// Normalises a vector that is finite and not zero, however long.
 pub(crate) fn unit(vector: [f64; 3]) -> DVec3 {
     let vector = DVec3::from_array(vector);
-    // The square of an extreme component would leave the range, the quotient by the largest one
+    // The square of an extreme component could overflow or underflow, that of its quotient by the largest one
     // does not.
     (vector / vector.abs().max_element()).normalize_or_zero()
 }

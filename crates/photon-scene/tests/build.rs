@@ -1,16 +1,16 @@
-//! What the builder makes of sound scenes: normalisation, powers, names.
+//! What the builder makes of valid scenes: normalisation, powers, names.
 
 use photon_core::{Camera, Light, Material, Units};
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface};
 use std::f64::consts::PI;
 
-/// A floor, a lamp above it, a glass tetrahedron, and one light of each other kind; lengths times
+/// A floor, an area light above it, a glass tetrahedron, and one light of each other kind; lengths times
 /// `size`, radiances times `brightness`.
 fn scene(size: f64, brightness: f64) -> Scene {
     nudged(size, brightness, 0.0)
 }
 
-/// The same, with the bulb moved by `nudge`.
+/// The same, with the point light moved by `nudge`.
 fn nudged(size: f64, brightness: f64, nudge: f64) -> Scene {
     let mut builder = SceneBuilder::new();
     let at = |x: f64, y: f64, z: f64| [x * size, y * size, z * size];
@@ -77,7 +77,7 @@ fn powers_of_two_change_no_bit() {
     {
         assert!(tables(&scene(size, brightness)).0 == reference, "size {size:e}, brightness {brightness:e}");
     }
-    assert!(tables(&nudged(1.0, 1.0, 1e-7)).0 != reference, "the comparison sees a last bit");
+    assert!(tables(&nudged(1.0, 1.0, 1e-7)).0 != reference, "the comparison detects a change of the last bit");
 }
 
 #[test]
@@ -115,10 +115,10 @@ fn powers_are_those_of_the_closed_forms() {
     let kinds: Vec<u32> = view.lights.iter().map(|light| light.kind).collect();
     assert_eq!(kinds, [Light::TRIANGLE, Light::TRIANGLE, Light::POINT, Light::SPOT, Light::DIRECTIONAL]);
     assert_eq!((view.lights[0].primitive, view.lights[1].primitive), (2, 3));
-    // Radiance as users see it comes back.
+    // Radiance converts back to the user's units.
     let radiance = f64::from(view.materials[1].emission[0]) * scene.units().radiance_to_user();
     assert!((radiance / 9.0 - 1.0).abs() < 1e-6, "{radiance}");
-    // Emission times area times π is the power that is emitted, in normalised units too.
+    // Emission times area times π is the emitted power, in normalised units too.
     let flux = view.materials[1].emission[0] * view.lights[0].area * std::f32::consts::PI;
     assert!((flux / view.lights[0].power[0] - 1.0).abs() < 1e-6);
 }
@@ -168,7 +168,7 @@ fn triangles_without_area_are_dropped_and_slivers_stay() {
     let sliver = vec![[0.0, 0.0, 0.0], [1.0, 0.3, 0.2], [0.5, 0.15 + 1e-6, 0.1]];
     builder.mesh("empty", Vec::new(), Vec::new(), white);
     builder.mesh("sliver", sliver, vec![[0, 1, 2]], white);
-    // On a slanted line, the same point twice, and closer together than f32 tells apart.
+    // Collinear, with a repeated vertex, and too small for f32.
     let third = 1.0 / 3.0;
     let flat = vec![
         [0.0, 0.0, 0.0],
@@ -188,7 +188,7 @@ fn triangles_without_area_are_dropped_and_slivers_stay() {
     for primitive in scene.view().primitives {
         assert!((glam::Vec3::from(primitive.normal).length() - 1.0).abs() < 1e-6, "{primitive:?}");
     }
-    assert_eq!(scene.view().positions.len(), 7, "vertices that no triangle uses are gone");
+    assert_eq!(scene.view().positions.len(), 7, "vertices that no triangle uses are removed");
 }
 
 #[test]

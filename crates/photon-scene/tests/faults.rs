@@ -1,4 +1,4 @@
-//! Every fault that the builder can find names its culprit, its value and a mend.
+//! Every error of the builder names the object at fault, its value and a hint.
 
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, SceneError, Surface};
 
@@ -13,7 +13,7 @@ fn build(add: impl FnOnce(&mut SceneBuilder)) -> Result<photon_scene::Scene, Sce
     builder.build()
 }
 
-/// What the builder says to it.
+/// The error that the builder reports for it.
 fn fault(add: impl FnOnce(&mut SceneBuilder)) -> String {
     build(add).map(drop).expect_err("a fault").to_string()
 }
@@ -97,7 +97,7 @@ fn lights() {
         light(LightDesc::Spot { position, direction, intensity: [1.0; 3], inner_angle, outer_angle })
     };
     let down = [0.0, -1.0, 0.0];
-    names(&spot([0.0; 3], 0.1, 0.2), &["'sun'", "direction", "point somewhere"]);
+    names(&spot([0.0; 3], 0.1, 0.2), &["'sun'", "direction", "not be zero"]);
     names(&spot([f64::INFINITY; 3], 0.1, 0.2), &["'sun'", "direction", "inf"]);
     for outer in [0.0, -0.1, 1.6, 1e-6, f64::NAN] {
         names(&spot(down, 0.0, outer), &["'sun'", "outer angle", &format!("{outer:?}"), "π/2"]);
@@ -132,7 +132,7 @@ fn cameras() {
     }
     let scene = build(|builder| builder.camera("eye", look(origin, up, 1.0))).expect("a scene");
     let of = |name, width, height| scene.camera(name, width, height).expect_err("a fault").to_string();
-    names(&of(Some("ear"), 1, 1), &["'ear'", "there are: eye"]);
+    names(&of(Some("ear"), 1, 1), &["'ear'", "cameras are: eye"]);
     names(&of(None, 0, 3), &["0x3", "at least 1"]);
     names(&of(None, u32::MAX, 2), &["2^32"]);
     let blind = build(|_| ()).expect("a scene").camera(Some("eye"), 1, 1).expect_err("no camera").to_string();
@@ -144,7 +144,7 @@ fn cameras() {
 
 #[test]
 fn frames_of_extreme_directions_are_unit() {
-    // Denormal, huge, along the axes and nearly so: numerics of a frame must not depend on them.
+    // Denormal, huge, parallel to the axes or nearly so: the numerics of a camera frame must not depend on that.
     for direction in
         [[0.0, 0.0, 1e-310], [1e300, -1e300, 1e300], [0.0, -1.0, 0.0], [1e-9, -1.0, 1e-12], [5e-324, 0.0, 0.0]]
     {

@@ -1,4 +1,4 @@
-//! Scenes written as .glb and read again.
+//! Round trips of scenes through .glb files.
 #![cfg(feature = "files")]
 #![expect(clippy::unwrap_used, reason = "test code")]
 
@@ -9,19 +9,19 @@ use photon_scene::{
     load_gltf,
 };
 
-/// Writes the bytes, and reads them.
+/// Writes the bytes to a file, and loads it.
 fn reload(name: &str, bytes: &[u8]) -> (SceneBuilder, LoadReport) {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("glb-{name}.glb"));
     std::fs::write(&path, bytes).unwrap();
     load_gltf(&path).unwrap()
 }
 
-/// Everything that a scene holds, number by number.
+/// All numbers of a scene.
 fn described(scene: &SceneBuilder) -> String {
     format!("{scene:#?}")
 }
 
-/// One of everything, with numbers that single precision does not hold.
+/// One object of each kind, with numbers that single precision cannot represent.
 fn everything() -> SceneBuilder {
     let third = 1.0 / 3.0;
     let mut scene = SceneBuilder::new();
@@ -69,12 +69,12 @@ fn every_built_in_scene_comes_back_number_by_number() {
         let (again, report) = reload(name, &bytes);
         assert!(report.lines.is_empty(), "{name}: {report}");
         assert_eq!(described(&scene), described(&again), "{name}");
-        // And it is a valid file for others.
+        // The file is also valid for other readers.
         gltf::Gltf::from_slice(&bytes).unwrap_or_else(|why| panic!("{name}: {why:?}"));
     }
 }
 
-/// A material that no triangle has is exported, and in nobody's way.
+/// A material that no triangle uses is exported, and does no harm.
 #[test]
 fn unused_glass_does_not_matter() {
     let mut scene = builtin("cornell").unwrap();
@@ -84,7 +84,7 @@ fn unused_glass_does_not_matter() {
     again.build().unwrap().view().validate().unwrap();
 }
 
-/// Without the extras the file is read as others read it: the same scene in single precision.
+/// Without the extras the file is read as other programs read it: the same scene in single precision.
 #[test]
 fn the_comparison_sees_single_precision() {
     let scene = everything();
@@ -101,7 +101,7 @@ fn the_comparison_sees_single_precision() {
     assert!(described(&again).contains("Dielectric") && described(&again).contains("Thin"));
 }
 
-/// All occurrences; both of one length, so that no length of a chunk changes.
+/// Replaces all occurrences by a text of equal length, so that no chunk length changes.
 fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     let mut all = bytes.to_vec();
@@ -114,7 +114,7 @@ fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     all
 }
 
-/// What another program changes counts, though it keeps the extras.
+/// Changes by another program take precedence, even if it keeps the extras.
 #[test]
 fn a_changed_file_is_followed() {
     let mut scene = SceneBuilder::new();
@@ -165,6 +165,6 @@ fn what_gltf_cannot_hold_is_named() {
     assert!(lit(1e3).is_ok());
     let why = lit(1e60).unwrap_err().to_string();
     assert!(why.contains("light 'huge'"), "{why}");
-    // What is no scene is no file.
+    // An invalid scene is not written.
     assert!(lit(f64::NAN).unwrap_err().to_string().contains("huge"));
 }

@@ -1,4 +1,4 @@
-//! glTF files as they lie on a disk: beside their buffers, with odd names, missing or cut.
+//! glTF files on disk: with external buffers, unusual names, missing or truncated files.
 #![allow(clippy::unwrap_used, reason = "a test that unwraps fails with the place and the error")]
 
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use photon_scene::{Scene, SceneError, load_gltf};
 
-/// A folder of its own for a test; taken away at the end.
+/// A temporary folder for one test, removed at the end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -25,7 +25,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // Another test's folder is another's; a leftover one does no harm.
+        // Each test has a folder of its own; a leftover one does no harm.
         let _ = fs::remove_dir_all(&self.0);
     }
 }
@@ -65,7 +65,7 @@ fn an_area_light_has_the_power_of_its_area() {
     let folder = Folder::new("lamp");
     folder.write("square.bin", square());
     let scene = build(&folder.write("lamp.gltf", area_light("square.bin")));
-    // π · radiance · area, for a lamp that shines from one side.
+    // π · radiance · area, for an area light that emits from one side.
     let expected = std::f64::consts::PI * 5.0 * 4.0;
     assert!((scene.units().power / expected - 1.0).abs() < 1e-12, "{:?}", scene.units());
     assert_eq!(scene.view().lights.len(), 2);

@@ -15,31 +15,31 @@ mod values;
 
 pub use groups::{BudgetArgs, EstimateArgs, LightArgs, MachineArgs, OutputArgs, PhotonArgs, PictureArgs, SceneArgs};
 
-/// Reads the name of a data structure of the photon map.
+/// Parser of the names of photon map data structures.
 pub(crate) fn index_names() -> impl TypedValueParser<Value = IndexKind> {
     values::choice(IndexKind::ALL.map(IndexKind::name))
 }
 
-/// Passes where neither `--passes` nor `--time` says otherwise: a finished picture of the default
+/// Default number of passes if neither `--passes` nor `--time` is given: a finished picture of the default
 /// scene, well within a minute on two cores.
 pub const PASSES: u32 = 32;
 
-/// Everything that settings are made from.
+/// The options that determine the settings.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SettingsArgs {
-    /// Size and viewpoint.
+    /// Size and camera.
     #[command(flatten)]
     pub picture: PictureArgs,
-    /// When to stop.
+    /// Quality and stopping criteria.
     #[command(flatten)]
     pub budget: BudgetArgs,
-    /// How photons are traced.
+    /// Photon tracing.
     #[command(flatten)]
     pub photon: PhotonArgs,
-    /// How they become radiance.
+    /// Density estimation.
     #[command(flatten)]
     pub estimate: EstimateArgs,
-    /// Which light is computed.
+    /// Direct and indirect light.
     #[command(flatten)]
     pub light: LightArgs,
 }
@@ -48,16 +48,16 @@ pub struct SettingsArgs {
 #[derive(Clone, Debug, Parser)]
 #[command(name = "render")]
 pub struct RenderArgs {
-    /// What is rendered.
+    /// The scene to render.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// What is written.
+    /// Output files.
     #[command(flatten)]
     pub files: OutputArgs,
-    /// How it is rendered.
+    /// Render settings.
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// What it runs on.
+    /// Backend, threads and memory.
     #[command(flatten)]
     pub machine: MachineArgs,
     /// Same as `photonmap scenes`.
@@ -71,23 +71,23 @@ pub struct RenderArgs {
     pub explain: bool,
 }
 
-/// Say what a scene needs with these settings, what is left out and why; nothing is rendered.
+/// Show what a scene requires with these settings, what is left out and why; nothing is rendered.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "explain")]
 pub struct ExplainArgs {
-    /// What would be rendered.
+    /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// How it would be rendered.
+    /// Render settings.
     #[command(flatten)]
     pub settings: SettingsArgs,
 }
 
 impl SettingsArgs {
-    /// The library's settings.
+    /// Converts the options to the library's settings.
     ///
     /// # Errors
-    /// [`Fault::Input`] names the option whose value makes no sense.
+    /// [`Fault::Input`], which names the option with an invalid value.
     pub fn settings(&self) -> Result<Settings, Fault> {
         let Self { picture, budget, photon, estimate, light } = self;
         let estimator = self.estimator()?;
@@ -95,7 +95,9 @@ impl SettingsArgs {
         let pixels = u64::from(picture.size.0) * u64::from(picture.size.1);
         let base = match budget.preset {
             Some(_) if paper => {
-                return Err(Fault::input("--preset: the paper has numbers of its own; leave out one of the two"));
+                return Err(Fault::input(
+                    "--preset: --estimator paper has its own parameters; leave out one of the two",
+                ));
             }
             Some(preset) => Settings::preset(preset, pixels),
             None if paper => Settings { gather_rays: 8, ..Settings::paper() },
@@ -109,16 +111,16 @@ impl SettingsArgs {
         }
         let irradiance_every = light.irradiance_every.or(base.irradiance_every);
         let indirect = light.indirect.unwrap_or(base.indirect);
-        // A given time is used best with radii that are adapted to it, which needs error estimates.
+        // A given time is used best with radii that are adapted to it, which requires error estimates.
         let derived = matches!(estimator, Estimator::Radius { radius: None }) && irradiance_every.is_none();
         let adapts = derived && budget.passes.is_none() && budget.time.is_some();
-        // What was measured to be best for a given time is what the preset `final` has.
+        // The preset `final` has the settings that were measured to be best for a given time.
         let timed =
             adapts && budget.target_error.is_none() && budget.total_photons.is_none() && budget.preset.is_none();
         let kind = if timed { Settings::preset(Preset::Final, pixels) } else { base.clone() };
         let bandwidth = match estimate.bandwidth {
             Some(bandwidth) => bandwidth,
-            // Neither gathered light nor the k nearest photons have a radius of the pixel's own.
+            // Neither final gathering nor the k nearest photons have a radius per pixel.
             None if indirect == Indirect::Gather || !matches!(estimator, Estimator::Radius { .. }) => Bandwidth::Shared,
             None => kind.bandwidth,
         };
@@ -150,7 +152,7 @@ impl SettingsArgs {
         Ok(settings)
     }
 
-    /// The estimator with the numbers that are given.
+    /// The estimator with its parameters from the options.
     fn estimator(&self) -> Result<Estimator, Fault> {
         let given = &self.estimate;
         if given.k == Some(0) {
@@ -169,7 +171,7 @@ impl SettingsArgs {
         })
     }
 
-    /// When to stop; `time` is what is left of `--time`.
+    /// The stopping criteria; `time` is what remains of `--time`.
     #[must_use]
     pub fn plan(&self, time: Option<Duration>) -> Plan {
         let budget = &self.budget;
@@ -186,7 +188,7 @@ impl SettingsArgs {
 }
 
 impl OutputArgs {
-    /// Checks what no file system needs to be asked for.
+    /// Checks what can be checked without access to the file system.
     ///
     /// # Errors
     /// [`Fault::Input`] for an exposure that is not finite.

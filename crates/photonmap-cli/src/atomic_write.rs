@@ -21,7 +21,7 @@ pub fn write(path: &Path, save: impl FnOnce(&mut BufWriter<File>) -> Result<(), 
         let (file, partial) = create(path)?.into_parts();
         let mut file = BufWriter::new(file);
         save(&mut file)?;
-        // The last bytes may be those that do not fit; dropping the buffer would hide that.
+        // The last write may fail for lack of space; dropping the buffer would hide that.
         file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
         Ok(partial.persist(path)?)
     };
@@ -36,10 +36,10 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
     write(path, |file| Ok(file.write_all(bytes)?))
 }
 
-/// Checks that [`write()`] could start, so that a wrong path is found before an hour of rendering.
+/// Checks that [`write()`] could start, so that an invalid path is reported before an hour of rendering.
 ///
 /// # Errors
-/// [`Fault::Input`] names the file and why not.
+/// [`Fault::Input`], which names the file and the reason.
 pub fn check(path: &Path) -> Result<(), Fault> {
     let refused = |why: &dyn std::fmt::Display| Fault::input(format!("{}: cannot be written: {why}", path.display()));
     if path.is_dir() {

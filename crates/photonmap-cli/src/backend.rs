@@ -30,7 +30,7 @@ pub enum Chosen {
     Vulkan(Box<Vulkan>),
 }
 
-/// Opens the backend `name`, and says on standard error which one was taken where there was a choice.
+/// Opens the backend `name`, and reports on standard error which one was chosen if there was a choice.
 ///
 /// # Errors
 /// [`Fault::Input`] where Vulkan is requested and not available, with what is missing and what to do.
@@ -42,7 +42,7 @@ pub fn open(name: BackendName, threads: Option<usize>) -> Result<Chosen, Fault> 
         BackendName::Cpu => cpu(threads),
         BackendName::Vulkan => {
             let on = vulkan()?;
-            eprintln!("backend: vulkan on {}, as asked for", device(&on));
+            eprintln!("backend: vulkan on {}, as requested", device(&on));
             Ok(Chosen::Vulkan(Box::new(on)))
         }
         BackendName::Auto => match gpu() {
@@ -65,7 +65,7 @@ fn cpu(threads: Option<usize>) -> Result<Chosen, Fault> {
     }))
 }
 
-/// The device that the library prefers, or that the user selected; software drivers included.
+/// The device that the library prefers, or that the user selected; includes software drivers.
 ///
 /// # Errors
 /// [`Fault::Input`]: no loader, no driver, or no suitable device with what each lacks.
@@ -79,10 +79,10 @@ fn gpu() -> Result<Vulkan, String> {
     let found = backend_vulkan::devices().map_err(|error| why_not(&error))?;
     worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>())?;
     let on = Vulkan::new().map_err(|error| why_not(&error))?;
-    // The user may have named a software device among others.
+    // The user may have selected a software device.
     match found.iter().find(|candidate| candidate.name == on.limits().name) {
         Some(candidate) if candidate.kind == SOFTWARE => {
-            Err(format!("{} names {}, which is software", DEVICE, candidate.name))
+            Err(format!("{} selects {}, which is a software driver", DEVICE, candidate.name))
         }
         _ => Ok(on),
     }
@@ -90,7 +90,7 @@ fn gpu() -> Result<Vulkan, String> {
 
 const SOFTWARE: &str = "software";
 
-/// The properties of a candidate that decide.
+/// The properties of a candidate that determine the choice.
 struct Summary<'a> {
     name: &'a str,
     kind: &'a str,
@@ -103,14 +103,14 @@ impl<'a> From<&'a Candidate> for Summary<'a> {
     }
 }
 
-/// Whether some device can be expected to be faster than the CPU.
+/// Whether some device is expected to be faster than the CPU.
 fn worth_it(found: &[Summary<'_>]) -> Result<(), String> {
     if found.iter().any(|device| device.lacks.is_empty() && device.kind != SOFTWARE) {
         return Ok(());
     }
     let why = |device: &Summary<'_>| {
         if device.lacks.is_empty() {
-            format!("{} is software", device.name)
+            format!("{} is a software driver", device.name)
         } else {
             format!("{} lacks {}", device.name, device.lacks.join(", "))
         }
@@ -126,7 +126,7 @@ fn worth_it(found: &[Summary<'_>]) -> Result<(), String> {
 fn why_not(error: &photon_core::Error) -> String {
     let photon_core::Error::NoDevice { rejected } = error else { return chain(error) };
     let hint =
-        format!("update its driver, name another by {DEVICE} (`photonmap devices` lists them), or use --backend cpu");
+        format!("update its driver, select another by {DEVICE} (`photonmap devices` lists them), or use --backend cpu");
     if rejected.is_empty() {
         return format!("Vulkan lists no device: {hint}");
     }
@@ -166,7 +166,7 @@ mod tests {
         let new = || Summary { name: "New", kind: "integrated GPU", lacks: &[] };
         assert!(worth_it(&[soft(), old(), new()]).is_ok());
         let why = worth_it(&[soft(), old()]).unwrap_err();
-        assert!(why.contains("Soft is software") && why.contains("Old lacks bufferDeviceAddress"), "{why}");
+        assert!(why.contains("Soft is a software driver") && why.contains("Old lacks bufferDeviceAddress"), "{why}");
         assert!(worth_it(&[]).unwrap_err().contains("no device"));
     }
 

@@ -1,29 +1,29 @@
-//! Two pictures of one scene, compared with the noise that each has.
+//! Difference of two pictures of one scene, compared with the noise of each.
 
 use photon_core::Film;
 
-/// How far two films are apart.
+/// Measures of the difference of two films.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
     /// Mean of the second over mean of the first, minus 1.
     pub mean: f64,
     /// Root mean square of the differences over the mean of the first.
     pub rms: f64,
-    /// The same of the standard errors that the first knows of itself: its noise.
+    /// The same of the first film's own estimate of its standard errors: its noise.
     pub noise: f64,
-    /// Share of the pixels that differ by more than a hundredth of the mean.
+    /// Fraction of the pixels that differ by more than a hundredth of the mean.
     pub apart: f64,
-    /// Greatest difference over the mean of the first.
+    /// Largest difference over the mean of the first.
     pub greatest: f64,
 }
 
-/// Compares the pictures, mean of RGB.
+/// Compares the pictures, by the mean of RGB.
 ///
 /// # Panics
 /// If their sizes differ.
 #[must_use]
 pub fn between(a: &Film, b: &Film) -> Difference {
-    assert_eq!((a.width, a.height), (b.width, b.height), "pictures of one size");
+    assert_eq!((a.width, a.height), (b.width, b.height), "pictures differ in size");
     let grey = |film: &Film| -> Vec<f64> {
         film.beauty().iter().map(|c| c.iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0).collect()
     };
@@ -42,14 +42,14 @@ pub fn between(a: &Film, b: &Film) -> Difference {
     }
 }
 
-/// The difference as a picture: grey where there is none, `gain` times the difference over the mean
-/// above or below it.
+/// The difference as a picture: grey for no difference, brighter or darker by `gain` times the difference over
+/// the mean.
 #[must_use]
 pub fn picture(a: &Film, b: &Film, gain: f32) -> Vec<u8> {
     signed(&a.beauty(), &b.beauty(), gain)
 }
 
-/// As [`picture`], of pixels; where the first is black all over, differences are absolute.
+/// As [`picture`], for pixels; if the first picture is black everywhere, differences are absolute.
 #[must_use]
 pub fn signed(left: &[[f32; 3]], right: &[[f32; 3]], gain: f32) -> Vec<u8> {
     let level = left.iter().flatten().sum::<f32>() / (3 * left.len()) as f32;

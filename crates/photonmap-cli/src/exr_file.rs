@@ -1,4 +1,4 @@
-//! Pictures to work with: linear, layered, and telling how they were made.
+//! OpenEXR output and input: linear, layered, with the render settings as attributes.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::fault::Fault;
 /// Writes one part of f32 channels: `R G B`, which is the sum of `emission.*`, `direct.*`,
 /// `caustic.*` and `indirect.*`, then `depth.Z`, `N.*`, `albedo.*` and `error.Y`, the standard error
 /// of the mean; if errors were asked for, `stderr.Y`, `bias.Y`, `claimed.Y` and `flag.Y` as in
-/// [`ConfidenceInterval`]; and `attributes`. The file appears whole or not at all.
+/// [`ConfidenceInterval`]; and `attributes`. The file is written atomically.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
@@ -59,18 +59,18 @@ pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::
 /// A picture read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: usize,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: usize,
     /// Linear RGB, row by row from the top.
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// Reads the channels `R`, `G` and `B` of the first layer; whatever else is there is not looked at.
+/// Reads the channels `R`, `G` and `B` of the first layer; other channels and layers are ignored.
 ///
 /// # Errors
-/// [`Fault::Input`] names the file: it cannot be read, is not an OpenEXR file, or lacks one of the channels.
+/// [`Fault::Input`], which names the file: it cannot be read, is not an OpenEXR file, or lacks one of the channels.
 pub fn read(path: &Path) -> std::result::Result<Picture, Fault> {
     let wrong = |what: String| Fault::input(format!("{}: {what}", path.display()));
     let image = read_first_flat_layer_from_file(path)

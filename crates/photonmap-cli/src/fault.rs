@@ -1,31 +1,31 @@
-//! How a program fails: in one line that names the culprit, with a code that says whose fault it is.
+//! Errors of the program: one line that names the cause, and an exit code for the kind of error.
 
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Why a program ends early.
+/// Why the program ends early.
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
-    /// The user's: a wrong option or a wrong file. Code 2.
+    /// A user error: a wrong option or a wrong file. Exit code 2.
     #[error("{0}")]
     Input(String),
-    /// Anything else. Code 1.
+    /// Any other error. Exit code 1.
     #[error("{0}")]
     Failure(String),
 }
 
 impl Fault {
-    /// The user's.
+    /// A user error.
     pub fn input(message: impl ToString) -> Self {
         Self::Input(message.to_string())
     }
 
-    /// Somebody else's.
+    /// Any other error.
     pub fn failure(message: impl ToString) -> Self {
         Self::Failure(message.to_string())
     }
 
-    /// A file that could not be written.
+    /// A file could not be written.
     pub fn writing(path: &Path, why: impl ToString) -> Self {
         Self::Failure(format!("{}: cannot be written: {}", path.display(), why.to_string()))
     }
@@ -55,14 +55,14 @@ impl From<photon_scene::SceneError> for Fault {
     }
 }
 
-/// An error and what caused it, in one line.
+/// An error and its causes, in one line.
 #[must_use]
 pub fn chain(error: &dyn std::error::Error) -> String {
     let causes = std::iter::successors(Some(error), |error| error.source());
     causes.map(ToString::to_string).collect::<Vec<_>>().join(": ")
 }
 
-/// Runs `program`; on a fault, says so on stderr and gives its code.
+/// Runs `program`; prints an error to stderr and returns its exit code.
 #[expect(clippy::print_stderr, reason = "a program's last words")]
 pub fn run(program: impl FnOnce() -> Result<(), Fault>) -> ExitCode {
     match program() {

@@ -1,9 +1,9 @@
-//! FLIP: the difference that a viewer sees when two pictures alternate in the same place.
+//! FLIP: the difference that a viewer perceives when two pictures alternate in the same place.
 //!
 //! Our implementation of LDR-FLIP: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A Difference
 //! Evaluator for Alternating Images", Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020; the numbers of equations
 //! and sections are theirs. Colours are compared after the contrast sensitivity of the eye has blurred them, and edges
-//! and points that only one picture has count more.
+//! and points that occur in only one picture have more weight.
 
 mod colour;
 mod features;
@@ -23,8 +23,8 @@ const P_T: f64 = 0.95;
 /// Exponent of feature differences (section 4.2).
 const Q_F: f64 = 0.5;
 
-/// The difference at each pixel, row by row, in `[0, 1]`: 0 for no difference that is seen. Pixels are linear RGB
-/// with the primaries of sRGB, in `[0, 1]`; whatever lies outside is clamped.
+/// The difference at each pixel, row by row, in `[0, 1]`: 0 for no visible difference. Pixels are linear RGB
+/// with the primaries of sRGB, in `[0, 1]`; values outside are clamped.
 ///
 /// # Panics
 /// If a picture does not have `width × height` pixels.
@@ -32,7 +32,7 @@ const Q_F: f64 = 0.5;
 pub fn map(reference: &[[f32; 3]], test: &[[f32; 3]], width: usize, pixels_per_degree: f64) -> Vec<f64> {
     assert!(
         reference.len() == test.len() && (width == 0 || reference.len().is_multiple_of(width)),
-        "pictures of one size"
+        "pictures differ in size"
     );
     if reference.is_empty() || width == 0 {
         return Vec::new();
@@ -51,7 +51,7 @@ pub fn map(reference: &[[f32; 3]], test: &[[f32; 3]], width: usize, pixels_per_d
         .collect()
 }
 
-/// The mean of [`map`], which the paper takes for the difference of the pictures.
+/// The mean of [`map`], which the paper uses as the difference of two pictures.
 ///
 /// # Panics
 /// As [`map`].
@@ -61,7 +61,7 @@ pub fn mean(reference: &[[f32; 3]], test: &[[f32; 3]], width: usize, pixels_per_
     all.iter().sum::<f64>() / all.len().max(1) as f64
 }
 
-/// A picture as a viewer sees it.
+/// A picture as perceived by a viewer.
 struct Seen {
     /// Blurred by contrast sensitivity, in Lab with Hunt's adjustment.
     lab: Vec<[f64; 3]>,

@@ -1,8 +1,8 @@
-//! Error forecasts in words.
+//! Formats error forecasts as text.
 
 use photon_core::Forecast;
 
-/// The error reached so far.
+/// The error so far.
 pub(crate) fn error_line(what: &str, forecast: &Forecast) -> String {
     let Forecast { passes, claimed, error, share, .. } = forecast;
     let within = forecast.target.map_or(String::new(), |target| {
@@ -16,9 +16,9 @@ pub(crate) fn error_line(what: &str, forecast: &Forecast) -> String {
     )
 }
 
-/// The error of the first passes, and what more of them are predicted to bring.
+/// The error of the first passes, and the prediction for more passes.
 pub(crate) fn forecast_lines(forecast: &Forecast, photons: u32) -> String {
-    // A range, unless both ends round to the same number.
+    // An interval, unless both ends round to the same number.
     let from = |least: String, most: String| if least == most { most } else { format!("{least} to {most}") };
     let cost = |least: u32, most: u32| {
         let [least, most] = [least, most].map(|passes| {

@@ -1,4 +1,4 @@
-//! Scenes by the name of a built-in one, or from a file.
+//! Loads scenes: built-in ones by name, others from files.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use photon_scene::{LoadReport, Overrides, Scene, SceneBuilder};
 use crate::args::SceneArgs;
 use crate::fault::Fault;
 
-/// Loads and builds a scene, and prints what the loader and the scene have to say on standard error.
+/// Loads and builds a scene, and prints the loader's report and the scene's warnings to standard error.
 ///
 /// # Errors
-/// As [`builder`]; whatever [`SceneBuilder::build`] finds; with `--strict` anything that the loader approximates.
+/// As [`builder`]; the errors of [`SceneBuilder::build`]; with `--strict` anything that the loader approximates.
 #[expect(clippy::print_stderr, reason = "warnings go to standard error")]
 pub fn scene(args: &SceneArgs) -> Result<(Scene, LoadReport), Fault> {
     let (builder, report) = builder(args)?;
@@ -37,10 +37,10 @@ pub fn print(report: &LoadReport, strict: bool) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The description of a scene, with the overrides applied; nothing is checked yet.
+/// The description of a scene, with the overrides applied; not validated yet.
 ///
 /// # Errors
-/// [`Fault::Input`] for a name that is not known, or a file that cannot be read or does not make sense.
+/// [`Fault::Input`] for an unknown name, or a file that cannot be read or is invalid.
 pub fn builder(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
     let overrides = args.overrides.as_deref().map(Overrides::read).transpose()?;
     match photon_scene::builtin(&args.scene) {
@@ -54,7 +54,7 @@ pub fn builder(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
         None if Path::new(&args.scene).extension().is_none() => {
             let names: Vec<&str> = photon_scene::builtin_names().iter().map(|(name, _)| *name).collect();
             Err(Fault::input(format!(
-                "{}: no built-in scene has that name (there are {}), and it has no extension that tells the format of \
+                "{}: no built-in scene has that name (there are {}), and it has no extension that gives the format of \
                  a file",
                 args.scene,
                 names.join(", ")

@@ -1,12 +1,12 @@
-//! How much memory the process holds, and how much it may.
+//! Memory of the process: how much it uses, and how much it may use.
 
-/// Bytes resident now, where the system says so (Linux).
+/// Resident bytes now, if the system reports them (Linux).
 #[must_use]
 pub fn resident() -> Option<u64> {
     status("VmRSS:")
 }
 
-/// The most that has been resident, likewise.
+/// Peak resident bytes, likewise.
 #[must_use]
 pub fn peak() -> Option<u64> {
     status("VmHWM:")
@@ -18,24 +18,24 @@ fn status(key: &str) -> Option<u64> {
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }
 
-/// What a process needs besides the library's buffers: stacks, kernels, and files while they are
+/// Memory that the process needs besides the library's buffers: stacks, kernels, and files while they are
 /// written.
 const BESIDES: u64 = 24 << 20;
 
-/// Bytes of a pixel in a picture that is being written: its channels, and as they are compressed.
+/// Bytes per pixel while a picture is being written: its channels, and their compressed form.
 const WRITTEN: u64 = 300;
 
-/// What the library may hold for the process to stay below `cap`, with what it holds already.
+/// Memory limit for the library, including what it holds already, such that the process stays below `cap`.
 #[must_use]
 pub fn for_the_library(cap: u64, size: (u32, u32)) -> u64 {
     let pixels = u64::from(size.0) * u64::from(size.1);
     cap.saturating_sub(resident().unwrap_or_default() + BESIDES + pixels * WRITTEN)
 }
 
-/// A size in bytes: `2GiB`, `500MB`, `1048576`.
+/// Parses a size in bytes: `2GiB`, `500MB`, `1048576`.
 ///
 /// # Errors
-/// Words for the user, if it is none.
+/// A message for the user.
 pub fn parse(text: &str) -> Result<u64, String> {
     let split = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
     let (digits, unit) = text.split_at(split);

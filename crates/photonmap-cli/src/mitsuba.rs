@@ -1,7 +1,8 @@
-//! Scenes for Mitsuba 3 (Jakob et al. 2022): an XML file, and a PLY file for each material.
+//! Export to Mitsuba 3 (Jakob et al. 2022): an XML file, and a PLY file for each material.
 //!
-//! Each boundary of a solid is one against vacuum there: solids within solids are not expressed. User space, radiance in W/(m²·sr), linear RGB. Surfaces scatter on both sides, as here. What Mitsuba expresses
-//! otherwise is a warning, what it cannot express an error.
+//! Each boundary of a solid is exported as one against vacuum: nested solids are not expressed. User space, radiance in
+//! W/(m²·sr), linear RGB. Surfaces scatter on both sides, as here. What Mitsuba handles differently is a warning, what
+//! it cannot express an error.
 
 mod ply;
 
@@ -14,18 +15,18 @@ use photon_scene::Scene;
 use crate::atomic_write;
 use crate::fault::Fault;
 
-/// What was written beside the file itself.
+/// The files written besides the XML file, and warnings.
 #[derive(Clone, Debug)]
 pub struct Written {
     /// The folder of the meshes.
     pub folder: PathBuf,
-    /// Files in it.
+    /// Number of files in it.
     pub meshes: usize,
-    /// What is not exactly as here.
+    /// What differs from this renderer.
     pub warnings: Vec<String>,
 }
 
-/// Writes the scene as `camera` sees it.
+/// Writes the scene with the given camera.
 ///
 /// # Errors
 /// [`Fault::Input`] for a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
@@ -38,7 +39,7 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> R
     let mut written = Written { folder: folder.clone(), meshes: 0, warnings: Vec::new() };
     let absorbs = view.media.iter().any(|medium| medium.absorption != [0.0; 3]);
     let mut text = String::from("<scene version=\"3.0.0\">\n");
-    // Only the volumetric path tracer knows of absorption.
+    // Only the volumetric path tracer supports absorption.
     let _ = writeln!(text, "    <integrator type=\"{}\">", if absorbs { "volpath" } else { "path" });
     text += "        <integer name=\"max_depth\" value=\"-1\"/>\n    </integrator>\n";
     text += &sensor(scene, camera, size);
@@ -96,7 +97,7 @@ fn sensor(scene: &Scene, camera: &Camera, (width, height): (u32, u32)) -> String
         list(target),
         list(up)
     );
-    // Each pixel is the mean over its square, as here.
+    // A box filter: each pixel is the mean over its square, as here.
     let _ = writeln!(
         text,
         "        <film type=\"hdrfilm\">
@@ -156,7 +157,7 @@ fn shape(scene: &Scene, index: usize, material: &Material, file: &str) -> Result
     Ok(text)
 }
 
-/// Nothing for triangles, which are among the shapes.
+/// The emitter of a light; empty for triangles, which are exported as shapes.
 fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
     let units = scene.units();
     let watts = light.power.map(|c| f64::from(c) * units.power);
@@ -169,10 +170,10 @@ fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
             rgb("intensity", per(4.0 * std::f64::consts::PI))
         ),
         Light::SPOT => {
-            // Radians off the axis: even up to the inner angle, dark from the outer one on.
+            // Radians from the axis: full intensity up to the inner angle, zero from the outer one on.
             let angle = |versine: f32| 2.0 * (0.5 * f64::from(versine)).sqrt().min(1.0).asin();
             let (inner, outer) = (f64::from(light.versine_inner), f64::from(light.versine_outer));
-            // Full within the inner cone, and a third on the mean over the solid angle beyond: the square of a ramp.
+            // Full intensity within the inner cone, and on average a third over the solid angle beyond: the square of a ramp.
             let solid_angle = 2.0 * std::f64::consts::PI * (inner + (outer - inner) / 3.0);
             warnings.push(
                 "a spot light falls off linearly with the angle in Mitsuba, here with the square of the cosine".into(),
@@ -191,7 +192,7 @@ fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
             )
         }
         Light::DIRECTIONAL => {
-            // Parallel light is that through a disc around the scene.
+            // Parallel light enters through a disc around the scene.
             let radius = units.length_to_user(light.radius);
             format!(
                 "    <emitter type=\"directional\"><vector name=\"direction\" value=\"{}\"/>{}</emitter>\n",
@@ -203,12 +204,12 @@ fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
     }
 }
 
-/// A direction at a right angle.
+/// A perpendicular direction.
 fn perpendicular([x, y, z]: [f32; 3]) -> [f32; 3] {
     if x.abs() < 0.5 { [0.0, z, -y] } else { [y, -x, 0.0] }
 }
 
-/// As XML writes it within quotes.
+/// Escapes text for a quoted XML attribute.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

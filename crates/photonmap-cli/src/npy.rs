@@ -1,4 +1,4 @@
-//! NumPy's array files, as far as `photonmap map` needs them: two-dimensional, little-endian, in C order.
+//! NumPy array files, as far as `photonmap map` needs them: two-dimensional, little-endian, in C order.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// Reads an array of float32 of shape (N, 3).
 ///
 /// # Errors
-/// [`Fault::Input`] names the file and what is wrong with it.
+/// [`Fault::Input`], which names the file and what is wrong with it.
 pub fn read_points(path: &Path) -> Result<Vec<[f32; 3]>, Fault> {
     let wrong = |what: &str| Fault::input(format!("{}: {what}", path.display()));
     let bytes = std::fs::read(path).map_err(|why| wrong(&format!("cannot be read: {why}")))?;
@@ -19,7 +19,7 @@ pub fn read_points(path: &Path) -> Result<Vec<[f32; 3]>, Fault> {
 fn parse(bytes: &[u8]) -> Result<Vec<[f32; 3]>, String> {
     const ASK: &str = "give a float32 array of shape (N, 3) as numpy.save writes it";
     if bytes.len() < 10 || &bytes[..6] != MAGIC {
-        return Err(format!("is no .npy file; {ASK}"));
+        return Err(format!("is not a .npy file; {ASK}"));
     }
     let (start, length): (usize, usize) = if bytes[6] == 1 {
         (10, usize::from(u16::from_le_bytes([bytes[8], bytes[9]])))
@@ -31,7 +31,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<[f32; 3]>, String> {
     let end = start.checked_add(length).filter(|&end| end <= bytes.len()).ok_or("ends within its header")?;
     let header = String::from_utf8_lossy(&bytes[start..end]).replace(' ', "");
     if !header.contains("'descr':'<f4'") {
-        return Err(format!("holds something else than float32 (header {header:?}); {ASK}"));
+        return Err(format!("does not hold float32 (header {header:?}); {ASK}"));
     }
     if !header.contains("'fortran_order':False") {
         return Err(format!("is in Fortran order; {ASK}, after numpy.ascontiguousarray"));
@@ -46,7 +46,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<[f32; 3]>, String> {
     let data = &bytes[end..];
     if rows.checked_mul(12) != Some(data.len()) {
         return Err(format!(
-            "has {} bytes of data where {rows} rows need 12 each; it is cut off or damaged",
+            "has {} bytes of data where {rows} rows need 12 each; it is truncated or damaged",
             data.len()
         ));
     }
@@ -54,7 +54,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<[f32; 3]>, String> {
     Ok(data.chunks_exact(12).map(|row| [number(&row[0..4]), number(&row[4..8]), number(&row[8..12])]).collect())
 }
 
-/// Writes an array of uint32; `columns` of `None` makes it one-dimensional.
+/// Writes an array of uint32; one-dimensional if `columns` is `None`.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
@@ -64,7 +64,7 @@ pub fn write_u32(path: &Path, values: &[u32], columns: Option<usize>) -> Result<
         None => format!("({},)", values.len()),
     };
     let mut header = format!("{{'descr': '<u4', 'fortran_order': False, 'shape': {shape}, }}");
-    // Data begin at a multiple of 64 bytes.
+    // Data start at a multiple of 64 bytes.
     while (10 + header.len() + 1) % 64 != 0 {
         header.push(' ');
     }
@@ -99,13 +99,13 @@ mod tests {
         let good = file(&header("<f4", "False", "(2, 3)"), &data);
         assert_eq!(parse(&good).unwrap(), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
         for (bytes, culprit) in [
-            (b"hello".to_vec(), "no .npy"),
+            (b"hello".to_vec(), "not a .npy"),
             (file(&header("<f8", "False", "(2, 3)"), &data), "float32"),
             (file(&header("<f4", "True", "(2, 3)"), &data), "Fortran"),
             (file(&header("<f4", "False", "(3, 2)"), &data), "shape (3,2)"),
             (file(&header("<f4", "False", "(6,)"), &data), "shape (6,)"),
-            (file(&header("<f4", "False", "(3, 3)"), &data), "cut off"),
-            (good[..good.len() - 1].to_vec(), "cut off"),
+            (file(&header("<f4", "False", "(3, 3)"), &data), "truncated"),
+            (good[..good.len() - 1].to_vec(), "truncated"),
             (good[..20].to_vec(), "header"),
         ] {
             let error = parse(&bytes).unwrap_err();

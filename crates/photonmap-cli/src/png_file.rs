@@ -1,4 +1,4 @@
-//! Pictures for the screen.
+//! PNG output.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::atomic_write;
 use crate::fault::Fault;
 use crate::tonemap::{self, ToneMap};
 
-/// Writes the picture, tone-mapped, 8 bits, sRGB. The file appears whole or not at all.
+/// Writes the picture, tone-mapped, 8 bits, sRGB. The file is written atomically.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
@@ -18,7 +18,7 @@ pub fn write(path: &Path, film: &Film, curve: ToneMap, exposure: f32) -> Result<
     write_bytes(path, film.width, film.height, &bytes)
 }
 
-/// Writes RGB of 8 bits, sRGB, row by row. The file appears whole or not at all.
+/// Writes RGB of 8 bits, sRGB, row by row. The file is written atomically.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.

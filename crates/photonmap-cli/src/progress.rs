@@ -6,15 +6,15 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Between plain lines, at least.
+/// Minimum interval between plain lines.
 const INTERVAL: Duration = Duration::from_secs(5);
 
-/// What is known beforehand of the end.
+/// What is known beforehand about the end of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// So many passes.
+    /// The number of passes.
     Passes(u32),
-    /// So much time.
+    /// The time.
     Time(Duration),
     /// Neither.
     Open,
@@ -39,7 +39,7 @@ impl Progress {
         Self { limit, begun: now, bar, shown: now }
     }
 
-    /// `done` passes are finished.
+    /// Reports that `done` passes are finished.
     pub fn passes(&mut self, done: u32) {
         let elapsed = self.begun.elapsed();
         let text = line(done, self.limit, elapsed);
@@ -77,7 +77,7 @@ fn bar(limit: Limit) -> ProgressBar {
     bar
 }
 
-/// How much of the way is done, in `[0, 1]`.
+/// Fraction of the work that is done, in `[0, 1]`.
 fn fraction(done: u32, limit: Limit, elapsed: Duration) -> f64 {
     let part = match limit {
         Limit::Passes(all) => f64::from(done) / f64::from(all.max(1)),

@@ -1,13 +1,13 @@
 //! Relative mean square error.
 
 /// The mean over pixels of `(x − y)² / (y² + ȳ²/100)`, where `x` is the picture, `y` the reference and `ȳ` the mean
-/// of the reference, all as the mean of RGB. Infinite where the reference is black and the picture is not.
+/// of the reference, all as the mean of RGB. Infinite if the reference is black and the picture is not.
 ///
 /// # Panics
 /// If the numbers of pixels differ.
 #[must_use]
 pub fn relmse(reference: &[[f32; 3]], picture: &[[f32; 3]]) -> f64 {
-    assert_eq!(reference.len(), picture.len(), "pictures of one size");
+    assert_eq!(reference.len(), picture.len(), "pictures differ in size");
     let grey = |pixel: &[f32; 3]| pixel.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
     let count = reference.len().max(1) as f64;
     let mean = reference.iter().map(grey).sum::<f64>() / count;

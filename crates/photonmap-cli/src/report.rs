@@ -1,33 +1,33 @@
-//! What a render did, as JSON.
+//! The report of a render, as JSON.
 
 use photon_core::{FluxSum, Forecast, LightShare, Outcome, PerMap, Render, Settings, Stage, Tally};
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
-/// Everything that the report takes besides the renderer itself.
+/// Contents of the report besides those of the renderer.
 #[derive(Debug)]
 pub struct Details<'a> {
-    /// What was asked for.
+    /// Name of the scene, as given.
     pub scene: &'a str,
-    /// Pixels.
+    /// Width and height in pixels.
     pub size: (u32, u32),
-    /// What was set.
+    /// The settings.
     pub settings: &'a Settings,
-    /// What passes did.
+    /// Result of the passes.
     pub outcome: &'a Outcome,
-    /// What the loader did.
+    /// The loader's report.
     pub load: &'a LoadReport,
-    /// What the scene warns of.
+    /// Warnings of the scene.
     pub warnings: &'a [String],
-    /// What each light gets of the photons.
+    /// Share of each light in the photons.
     pub lights: &'a [LightShare],
-    /// Seconds that loading took.
+    /// Seconds spent loading.
     pub seconds_load: f64,
     /// Seconds from start to finished film.
     pub seconds_total: f64,
 }
 
-/// Shares of 1, errors relative to the pixel.
+/// An error forecast; shares are fractions of 1, errors are relative to the pixel.
 fn forecast(details: &Forecast) -> Value {
     json!({
         "passes": details.passes,
@@ -47,14 +47,14 @@ fn forecast(details: &Forecast) -> Value {
     })
 }
 
-/// The report.
+/// Makes the report.
 #[must_use]
 pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
     let facts = renderer.facts();
     let (required, outcome) = (facts.required, details.outcome);
     let tally = &outcome.tally;
     let seconds = |stage: Stage| outcome.seconds.get(stage);
-    // In fractions of the scene's power.
+    // Fractions of the scene's power.
     let flux = |sum: &FluxSum| sum.value().map(|f| f / (outcome.paths.max(1)) as f64);
     let tracing = seconds(Stage::Emit) + seconds(Stage::Trace);
     let last = outcome.last.as_ref();
@@ -70,7 +70,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
             "kept_of_photons": required.photon_format.name(),
         },
         "maps": by_name(required.maps),
-        // Of a record; what it takes with all that searches need beside it is in `bytes_per_photon`.
+        // Of one photon record; `bytes_per_photon` also includes the buffers of searches.
         "bytes_of_photon_in_map": by_name(required.maps.map(|kept| kept.then(|| required.photon_format.bytes()))),
         "radius_of_last_pass": by_name(last.map(|pass| pass.radius).unwrap_or_default()),
         "peak_resident_bytes": crate::memory::peak(),
@@ -100,7 +100,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
             "stored": by_name(PerMap::from_fn(|kind| tally.stored[kind] + outcome.aimed.stored[kind])),
             "balance": tally.balances(),
         },
-        // Of aimed paths: those that met something diffuse told what they were sent for.
+        // Counts of aimed paths; those that reached a diffuse surface served their purpose.
         "aimed": facts.aimed.map(|_| aimed(&outcome.aimed)),
         "flux": {
             "emitted": flux(&tally.flux_emitted),
@@ -136,7 +136,7 @@ fn by_name<T: Into<Value>>(values: PerMap<T>) -> Value {
     Value::Object(fields.collect())
 }
 
-/// What became of aimed paths; their flux is in fractions of the scene's power.
+/// Counts of aimed paths by fate; their flux is in fractions of the scene's power.
 fn aimed(tally: &Tally) -> Value {
     let flux = |sum: &FluxSum| sum.value().map(|f| f / tally.emitted.max(1) as f64);
     json!({
@@ -159,7 +159,7 @@ fn aimed(tally: &Tally) -> Value {
     })
 }
 
-/// What the photons of a pass take in maps and buffers, for each of them; none without photons.
+/// Bytes of maps and buffers per photon of a pass; `None` without photons.
 fn bytes_per_photon(memory: &[(String, u64)], photons: u64) -> Option<f64> {
     let bytes: u64 = memory.iter().filter(|(label, _)| label.contains("photons:")).map(|(_, bytes)| bytes).sum();
     (photons > 0).then(|| bytes as f64 / photons as f64)

@@ -1,24 +1,24 @@
-//! From radiance to the eight bits of a PNG: exposure, a curve, sRGB.
+//! Conversion of radiance to 8-bit sRGB for PNG: exposure, tone curve, sRGB.
 
 use clap::ValueEnum;
 
-/// The curve that brings radiance into `[0, 1]`.
+/// Tone curve that maps radiance to `[0, 1]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ToneMap {
-    /// Cut off at 1.
+    /// Clamp at 1.
     None,
     /// `x / (1 + x)` on luminance (Reinhard et al. 2002, equation 3).
     Reinhard,
     /// A rational fit of a film-like curve (Narkowicz 2016), channel by channel.
     Aces,
-    /// Linear up to 0.8, then a shoulder on the brightest channel that keeps hues and pales towards
+    /// Linear up to 0.8, then a shoulder on the brightest channel that preserves hue and desaturates towards
     /// white (after Khronos' PBR Neutral, 2024).
     Neutral,
     /// A logarithmic curve over 16.5 stops on mixed channels (after Sobotka's AgX, 2022).
     Agx,
 }
 
-/// One colour, `[0, 1]`, still linear. Whatever is not a number becomes 0.
+/// Maps one colour to `[0, 1]`, still linear. NaN becomes 0.
 #[must_use]
 pub fn map(curve: ToneMap, exposure: f32, colour: [f32; 3]) -> [f32; 3] {
     let scale = exposure.exp2();
@@ -43,7 +43,7 @@ fn neutral(colour: [f32; 3]) -> [f32; 3] {
     const START: f32 = 0.76;
     const PALE: f32 = 0.15;
     let low = colour.into_iter().fold(f32::INFINITY, f32::min);
-    // A dielectric's own reflection of 4 % is taken away, smoothly near black.
+    // The Fresnel reflection of a dielectric, 4 %, is subtracted, smoothly near black.
     let foot = if low < 0.08 { low - 6.25 * low * low } else { 0.04 };
     let colour = colour.map(|c| c - foot);
     let peak = colour.into_iter().fold(0.0, f32::max);
@@ -57,8 +57,8 @@ fn neutral(colour: [f32; 3]) -> [f32; 3] {
 }
 
 fn agx(colour: [f32; 3]) -> [f32; 3] {
-    // Rows sum to 1, so that grey stays grey: each channel takes some of its neighbours, and gives
-    // it back after the curve.
+    // Rows sum to 1, so that grey stays grey: each channel is mixed with the others, and unmixed
+    // after the curve.
     const MIX: [[f32; 3]; 3] = [[0.8425, 0.0784, 0.0791], [0.0423, 0.8786, 0.0791], [0.0423, 0.0784, 0.8793]];
     const UNMIX: [[f32; 3]; 3] = [[1.1966, -0.0980, -0.0986], [-0.0529, 1.1515, -0.0986], [-0.0529, -0.0980, 1.1509]];
     const DARKEST: f32 = -12.473_93;
@@ -66,11 +66,11 @@ fn agx(colour: [f32; 3]) -> [f32; 3] {
     let apply = |rows: [[f32; 3]; 3], v: [f32; 3]| rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
     let encoded = apply(MIX, colour).map(|c| {
         let x = ((c.max(1e-10).log2() - DARKEST) / (BRIGHTEST - DARKEST)).clamp(0.0, 1.0);
-        // A smooth S through 0, middle grey and 1.
+        // A smooth S-curve through 0, middle grey and 1.
         let s = x * x * (3.0 - 2.0 * x);
         (0.35 * x + 0.65 * s).powf(1.25)
     });
-    // The curve's values are meant for the screen; the sRGB curve comes later, hence its inverse.
+    // The curve gives display values; the sRGB curve is applied later, hence its inverse here.
     apply(UNMIX, encoded).map(|c| decode(c.clamp(0.0, 1.0)))
 }
 
@@ -79,7 +79,7 @@ fn decode(c: f32) -> f32 {
     if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
-/// sRGB's curve and eight bits (IEC 61966-2-1).
+/// The sRGB curve, quantized to eight bits (IEC 61966-2-1).
 #[must_use]
 pub fn encode(linear: f32) -> u8 {
     let c = linear.clamp(0.0, 1.0);

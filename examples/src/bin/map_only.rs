@@ -1,8 +1,8 @@
-//! Example: the photon map by itself, with photons and query points of your own.
+//! Example: the photon map alone, with photons and query points of your own.
 //!
-//! Photons lie evenly on a square, as another renderer may have traced them. The program finds the nearest ones of some
-//! points, and estimates irradiance from them by Jensen's formula: the flux of the photons over the area of the disc that
-//! holds them. `photonmap map` does the searches for files.
+//! Photons are distributed uniformly on a square, as if traced by another renderer. The program finds the nearest
+//! photons of some points, and estimates irradiance by Jensen's formula: the flux of the photons divided by the area
+//! of the disc that contains them. `photonmap map` does such searches for files.
 //!
 //!     cargo run --release -p photon-examples --bin map_only
 #![expect(clippy::print_stdout, reason = "the result")]
@@ -13,14 +13,14 @@ use std::f64::consts::PI;
 use backend_cpu::index::PointIndex;
 use photon_core::IndexKind;
 
-/// Photons along a side of the square, whose side is 1, and the flux of all photons together, in watts.
+/// Photons along a side of the square, whose side is 1, and the total flux of all photons, in watts.
 const SIDE: usize = 300;
 const FLUX: f64 = 5.0;
-/// Photons of an estimate.
+/// Photons per estimate.
 const K: usize = 100;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // A jittered grid: one photon in each cell, at a place given by an irrational rotation.
+    // A jittered grid: one photon per cell, at an offset given by an irrational rotation.
     let photons: Vec<[f32; 3]> = (0..SIDE * SIDE)
         .map(|i| {
             let jitter = |step: f64| (i as f64 * step).fract();
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let index = PointIndex::build(&photons, IndexKind::Morton)?;
     let mut nearest = vec![0_u32; queries.len() * K];
-    // Rows of K numbers of photons, nearest first; a distance limit would be the third argument, squared.
+    // Rows of K photon indices, nearest first; the third argument is a limit on the squared distance.
     index.nearest_many(&queries, K, f32::INFINITY, &mut nearest);
 
     let photon_flux = FLUX / photons.len() as f64;
@@ -40,15 +40,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (query, row) in queries.iter().zip(nearest.chunks_exact(K)) {
         let farthest = photons[row[K - 1] as usize];
         let r2: f64 = query.iter().zip(farthest).map(|(q, p)| f64::from(p - q).powi(2)).sum();
-        // The farthest photon only sets the radius, so that K - 1 lie within it.
+        // The farthest photon only determines the radius, so that K - 1 lie within it.
         let irradiance = (K - 1) as f64 * photon_flux / (PI * r2);
         worst = worst.max((irradiance / FLUX - 1.0).abs());
         println!("at ({:.3}, {:.3}): {irradiance:.3} W/m², radius {:.4}", query[0], query[1], r2.sqrt());
     }
     println!("expected {FLUX} W/m²; off by at most {:.1} %", 100.0 * worst);
-    // Photons of a jittered grid lie more evenly than by chance, for which a tenth would be one standard deviation.
+    // A jittered grid is more uniform than independent photons, for which a tenth would be one standard deviation.
     if worst > 0.1 {
-        return Err("the estimate is not the flux over the area".into());
+        return Err("the estimate differs from the flux over the area".into());
     }
     Ok(())
 }

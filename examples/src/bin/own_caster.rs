@@ -1,7 +1,7 @@
 //! Example: the whole pipeline with a ray caster of your own.
 //!
-//! The foreign caster here is the traversal and triangle test of the crate obvhs; Embree, or the BVH that your renderer
-//! has already, takes the same place. Both casters render the same passes, and the pictures are compared: hits agree
+//! The custom caster here is the traversal and triangle test of the crate obvhs; Embree, or the BVH of your own
+//! renderer, can take its place. Both casters render the same passes, and the pictures are compared: hits agree
 //! except for rounding, so that the pictures differ by far less than their noise.
 //!
 //!     cargo run --release -p photon-examples --bin own_caster -- cornell
@@ -22,7 +22,7 @@ const SIZE: u32 = 128;
 const PHOTONS: u32 = 50_000;
 const PASSES: u32 = 4;
 
-/// The acceleration structure that another renderer has already.
+/// The existing acceleration structure of another renderer.
 struct Foreign {
     tree: Bvh2,
     triangles: Vec<Triangle>,
@@ -81,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     compare(&ours, &foreign)
 }
 
-/// Prints the difference, which is an error if rounding does not explain it.
+/// Prints the difference; it is an error if rounding does not explain it.
 fn compare(ours: &Film, foreign: &Film) -> Result<(), Box<dyn Error>> {
     let noise = ours.standard_error();
     let (mut apart, mut sum, mut squares) = (0, 0.0, 0.0);
@@ -96,7 +96,7 @@ fn compare(ours: &Film, foreign: &Film) -> Result<(), Box<dyn Error>> {
     let pixels = a.len() as f64;
     let relative = (squares / pixels).sqrt() / (sum / pixels);
     println!("RMS difference {relative:.5} of the mean; {apart} of {pixels} pixels beyond 4.5 standard errors");
-    // One ray in many thousands meets an edge, where the other caster may see the neighbour.
+    // One ray in many thousands hits an edge, where the other caster may hit the adjacent triangle.
     if apart as f64 > 0.01 * pixels {
         return Err("the pictures differ by more than rounding explains".into());
     }

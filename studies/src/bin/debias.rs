@@ -1,11 +1,11 @@
-//! What each tool against bias gains and costs: the tables of `docs/studies/debiasing.md`.
+//! Benefit and cost of each method of bias reduction: the tables of `docs/studies/debiasing.md`.
 //!
 //! `debias SCENE [--backend cpu|vulkan] [--size N] [--seeds N] [--passes N] [--photons N] [--reference N]
 //! [--part area|gather|bandwidth|plane]`: Markdown rows of error, with and without. Errors are squared over the
 //! square of the reference plus that of a tenth of its mean; the reference is two runs of `--reference` passes
-//! of eight times the photons on the CPU, divided by the surface: by the disc it would be too dark itself. Each is
-//! dealt out among four films. Products of the differences from two films have none of their noise, and what
-//! chance is left in their mean is told by the spread between seeds, and between films.
+//! of eight times the photons on the CPU, with the area on the surface: the disc would make it too dark. Each is
+//! distributed over four films. Products of the differences from two films contain none of their noise, and the
+//! remaining random error of their mean is estimated from the spread between seeds, and between films.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a program for measuring")]
 
 use std::time::Instant;
@@ -17,10 +17,10 @@ use photon_core::{
 };
 use photon_scene::{Scene, builtin};
 
-/// Films among which a run of the reference is dealt out.
+/// Number of films over which a run of the reference is distributed.
 const PARTS: u32 = 4;
 
-/// What the command line says.
+/// The command line options.
 struct Job {
     scene: String,
     backend: String,
@@ -67,7 +67,7 @@ fn main() {
         .map(|film| {
             let seed = (1 << 40) + u64::from(film / PARTS);
             let long = Settings { photons: 8 * job.photons, seed, area: Area::Surface, ..base.clone() };
-            // Every fourth pass, so that the radii of all films shrink alike.
+            // Every fourth pass, so that the radii of all films shrink equally.
             let passes = (film % PARTS..job.reference).step_by(PARTS as usize);
             grey(&run(Cpu::new().unwrap(), &scene, &long, passes, job.size).0)
         })
@@ -91,7 +91,7 @@ fn main() {
     }
 }
 
-/// What is measured, by name.
+/// The settings to measure, by name.
 fn settings(job: &Job, base: &Settings) -> Vec<(String, Settings)> {
     let gather = Settings { indirect: Indirect::Gather, gather_rays: 16, ..base.clone() };
     let details = Settings { errors: true, ..base.clone() };
@@ -118,7 +118,7 @@ fn settings(job: &Job, base: &Settings) -> Vec<(String, Settings)> {
     }
 }
 
-/// The film of those passes, and the least seconds of one.
+/// The film of those passes, and the minimum time of a pass, seconds.
 fn run<B: TransportBackend>(
     on: B,
     scene: &Scene,
@@ -148,7 +148,7 @@ fn grey(film: &Film) -> Vec<f64> {
     film.beauty().iter().map(|pixel| pixel.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0).collect()
 }
 
-/// Of one pixel in each picture but one: the mean, and its variance.
+/// For one pixel, over all pictures but one: the mean, and its variance.
 fn moments(pictures: &[Vec<f64>], pixel: usize, without: Option<usize>) -> (f64, f64) {
     let values = || pictures.iter().enumerate().filter(|(index, _)| Some(*index) != without).map(|(_, all)| all[pixel]);
     let count = values().count() as f64;
@@ -156,8 +156,8 @@ fn moments(pictures: &[Vec<f64>], pixel: usize, without: Option<usize>) -> (f64,
     (mean, values().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0) / count)
 }
 
-/// The mean over pixels of their squared bias over their scale: the squared difference of two means, less
-/// what their noise adds to it. That is the mean of products over all pairs of pictures and all pairs of truths.
+/// The mean over pixels of their squared bias over their scale: the squared difference of two means, minus
+/// the contribution of their noise. That is the mean of products over all pairs of pictures and all pairs of truths.
 fn bias_squared(pictures: &[Vec<f64>], truths: &[Vec<f64>], scales: &[f64], without: [Option<usize>; 2]) -> f64 {
     let of = |(pixel, scale): (usize, &f64)| {
         let (found, noise) = moments(pictures, pixel, without[0]);
@@ -167,7 +167,7 @@ fn bias_squared(pictures: &[Vec<f64>], truths: &[Vec<f64>], scales: &[f64], with
     scales.iter().enumerate().map(of).sum::<f64>() / scales.len() as f64
 }
 
-/// The standard error of that, by leaving out one film after the other (Quenouille 1956, Tukey 1958), of the
+/// The standard error of that by the jackknife, leaving out one film at a time (Quenouille 1956, Tukey 1958), of the
 /// pictures and of the truths, which are independent.
 fn chance(pictures: &[Vec<f64>], truths: &[Vec<f64>], scales: &[f64]) -> f64 {
     let variance = |count: usize, leave: &dyn Fn(usize) -> [Option<usize>; 2]| {
@@ -179,7 +179,7 @@ fn chance(pictures: &[Vec<f64>], truths: &[Vec<f64>], scales: &[f64]) -> f64 {
     (by_seed + variance(truths.len(), &|film| [None, Some(film)])).sqrt()
 }
 
-/// Mean squares over pixels of the bias and of the noise of films that differ in their seed.
+/// Mean squares over pixels of the bias and of the noise of films with different seeds.
 fn row(name: &str, films: &[(Film, f64)], truths: &[Vec<f64>], job: &Job) {
     let pictures: Pictures = films.iter().map(|(film, _)| grey(film)).collect();
     let pixels = pictures[0].len();

@@ -22,22 +22,22 @@ struct Args {
     /// Built-in names or files; a file may be followed by `:` and its override file. Default: all
     /// built-in scenes.
     scenes: Vec<String>,
-    /// Where the table and the pictures go.
+    /// Folder for the table and the pictures.
     #[arg(long, default_value = "out/compare")]
     out: PathBuf,
-    /// Pixels across and down.
+    /// Width and height of the pictures, pixels.
     #[arg(long, default_value_t = 256)]
     size: u32,
-    /// Passes.
+    /// Number of passes.
     #[arg(long, default_value_t = 8)]
     passes: u32,
     /// Photon paths per pass.
     #[arg(long, default_value_t = 100_000)]
     photons: u32,
-    /// Final gathering instead of the global map.
+    /// Use final gathering instead of the global map.
     #[arg(long)]
     gather: bool,
-    /// How much differences are amplified in the pictures.
+    /// Gain of the differences in the pictures.
     #[arg(long, default_value_t = 10.0)]
     gain: f32,
 }

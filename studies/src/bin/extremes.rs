@@ -1,6 +1,6 @@
-//! Runs the extremes on every backend that is here and prints them in Markdown: `cargo xtask extremes` puts
-//! that into `docs/studies/extremes.csv`. With `--long`, everything; `--only NAME` for one backend, `--group NAME` for one
-//! group of cases.
+//! Runs the extreme cases on every available backend and prints the results in Markdown: `cargo xtask extremes`
+//! writes them to `docs/studies/extremes.csv`. With `--long`, everything; `--only NAME` for one backend, `--group NAME` for
+//! one group of cases.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "results go to stdout, progress to stderr")]
 
 use std::process::ExitCode;
@@ -27,7 +27,7 @@ impl TestBackend for OnVulkan {
     type On = Vulkan;
 
     fn make(_threads: usize) -> Vulkan {
-        Vulkan::new().expect("it was there a moment ago")
+        Vulkan::new().expect("it was available a moment ago")
     }
 
     fn available() -> bool {
@@ -50,7 +50,7 @@ fn main() -> ExitCode {
         if OnVulkan::available() {
             good &= backend::<OnVulkan>("Vulkan", extent, group);
         } else {
-            eprintln!("no Vulkan here: its part is left out");
+            eprintln!("no Vulkan device: its part is left out");
             good = false;
         }
     }

@@ -1,9 +1,9 @@
-//! What each feature costs a scene that has it, and one that has not: `cargo xtask requirements` puts that into
-//! `docs/studies/requirements.md`.
+//! Cost of each feature for a scene that has it, and for one that does not: `cargo xtask requirements` writes it
+//! to `docs/studies/requirements.md`.
 //!
-//! Bytes, time and bits for each feature, derived beside widened, on every backend, in Markdown; of all scenes,
-//! or of those named. `--work SCENE derived|widened PATHS PASSES`: so many passes of so many paths on one thread of the
-//! CPU, for a counter of instructions; `--scenes`: their names, line by line.
+//! Bytes, time and equality of bits for each feature, with derived and with widened requirements, on every backend, in
+//! Markdown; of all scenes, or of those named. `--work SCENE derived|widened PATHS PASSES`: that many passes of that
+//! many paths on one CPU thread, for an instruction counter; `--scenes`: the names of the scenes, one per line.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a program for measuring")]
 
 use backend_cpu::Cpu;
@@ -63,7 +63,7 @@ fn main() {
     }
 }
 
-/// A room with one thing in it, for passes of so many paths.
+/// A room with one feature, for passes of that many paths.
 fn scene(name: &str, photons: u32) -> (Scene, Settings) {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
@@ -101,7 +101,7 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
         max_bounces: 16,
         estimator: Estimator::Radius { radius: Some(0.1) },
         gather_rays: 4,
-        // Glass and mirrors are to be seen without what aims at them.
+        // Glass and mirrors without the effect of aimed photons.
         caustic_photons: CausticPhotons::Shared,
         ..Settings::default()
     };
@@ -137,7 +137,7 @@ fn table<B: TransportBackend>(name: &str, scenes: &[&str], make: impl Fn() -> B,
             let required = required(&scene, &settings, widened);
             (start(make(), &scene, &settings, required), Vec::new())
         });
-        // In turns, so that other work on the machine meets both; until pixels have radii of their own.
+        // Alternating, so that other load on the machine affects both; enough passes for radii per pixel.
         let passes = if settings.bandwidth == Bandwidth::PerPixel { 10 } else { 5 };
         for pass in 0..passes {
             for (renderer, times) in &mut both {

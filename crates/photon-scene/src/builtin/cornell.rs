@@ -1,4 +1,4 @@
-//! The Cornell box (Goral, Torrance, Greenberg and Battaile 1984), tidied up: right angles, and 5.5
+//! The Cornell box (Goral, Torrance, Greenberg and Battaile 1984), simplified: right angles, and 5.5
 //! metres instead of 55 centimetres.
 
 use super::add;
@@ -6,19 +6,19 @@ use crate::builder::SceneBuilder;
 use crate::describe::{CameraDesc, MaterialDesc};
 use crate::shapes::{cuboid, rotate_y, translate};
 
-/// Half the width of the box; its height is twice that.
+/// Half the width of the box; the height is twice this.
 pub(super) const HALF: f64 = 2.75;
 
 const WHITE: [f64; 3] = [0.73, 0.73, 0.71];
 const RED: [f64; 3] = [0.63, 0.065, 0.05];
 const GREEN: [f64; 3] = [0.14, 0.45, 0.09];
-/// Colour of a warm lamp, brightest channel 1.
+/// Colour of a warm area light, brightest channel 1.
 const WARM: [f64; 3] = [1.0, 0.87, 0.70];
-/// The lamp hangs so far below the ceiling.
+/// Distance of the area light below the ceiling, metres.
 const GAP: f64 = 0.02;
 
-/// Five walls, the front left open; a lamp below the ceiling about `[x, z]`, of that width, depth and
-/// radiance in its brightest channel; and the camera in front.
+/// Five walls with the front left open; an area light below the ceiling, centred at `[x, z]`, with the given
+/// width, depth and radiance in its brightest channel; and a camera in front.
 pub(super) fn room([x, z]: [f64; 2], [width, depth]: [f64; 2], radiance: f64) -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let white = scene.material(MaterialDesc::lambert("white", WHITE));
@@ -37,14 +37,14 @@ pub(super) fn room([x, z]: [f64; 2], [width, depth]: [f64; 2], radiance: f64) ->
     let ([x0, x1], [z0, z1]) = ([x - width / 2.0, x + width / 2.0], [z - depth / 2.0, z + depth / 2.0]);
     scene.quad("lamp", [[x0, y, z0], [x1, y, z0], [x1, y, z1], [x0, y, z1]], area_light);
 
-    // So far that the open front just fills a square picture.
+    // At this distance the open front exactly fills a square picture.
     let distance = 8.0;
     let fov = 2.0 * (0.998 * h / distance).atan();
     scene.camera("front", CameraDesc::look_at([0., h, h + distance], [0., h, 0.], [0., 1., 0.], fov));
     scene
 }
 
-/// The classical arrangement: a tall block behind, a cube in front.
+/// The classical arrangement: a tall block at the back, a cube in front.
 pub(super) fn cornell() -> SceneBuilder {
     let mut scene = room([0.0, 0.0], [1.3, 1.05], 32.0);
     let block = scene.material(MaterialDesc::lambert("blocks", WHITE));

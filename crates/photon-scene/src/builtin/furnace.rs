@@ -1,4 +1,4 @@
-//! Closed rooms whose walls glow evenly.
+//! Closed rooms with uniformly emitting walls (furnace tests).
 
 use super::add;
 use crate::builder::SceneBuilder;
@@ -13,12 +13,12 @@ pub enum FurnaceShape {
     Box,
     /// An icosphere of radius 1, of 1280 triangles.
     Sphere,
-    /// A room on an L, which does not see all of itself.
+    /// An L-shaped room, in which not all points see each other.
     LRoom,
 }
 
 impl FurnaceShape {
-    /// Inwards; the origin lies inside.
+    /// The mesh, facing inwards, with the origin inside.
     fn shape(self) -> Shape {
         flip(match self {
             Self::Box => cuboid([-1.0, -0.75, -1.5], [1.0, 0.75, 1.5]),
@@ -31,10 +31,10 @@ impl FurnaceShape {
     }
 }
 
-/// A room closed all around, whose walls have the same albedo (in `[0, 1)`) and emit 1 W/m².
+/// A closed room whose walls all have the same albedo (in `[0, 1)`) and emit 1 W/m².
 ///
-/// Radiosity is `1 / (1 − albedo)` everywhere, whatever the shape, and radiance that over π: the sum
-/// of what is emitted and of what arrives from walls that are all alike.
+/// Radiosity is `1 / (1 − albedo)` everywhere, whatever the shape, and radiance is that over π: the sum
+/// of the emitted light and the reflected light from walls that are all alike.
 #[must_use]
 pub fn furnace(albedo: f64, shape: FurnaceShape) -> SceneBuilder {
     let mut scene = SceneBuilder::new();

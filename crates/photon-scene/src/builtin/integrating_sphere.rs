@@ -1,4 +1,4 @@
-//! The sphere that laboratories measure flux with.
+//! The integrating sphere, which laboratories use to measure flux.
 
 use super::add;
 use crate::builder::SceneBuilder;
@@ -6,18 +6,18 @@ use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
 use crate::shapes::{area, flip, icosphere};
 use std::f64::consts::PI;
 
-/// A point light in a diffuse sphere about the origin.
+/// A point light in a diffuse sphere around the origin.
 ///
-/// Wherever the light is, what the wall receives from the wall is the same everywhere,
-/// [`IntegratingSphere::indirect_irradiance`]: between any two points of a sphere, cosines and
-/// distance cancel.
+/// Wherever the light is, the irradiance that the wall receives from the wall is the same everywhere,
+/// [`IntegratingSphere::indirect_irradiance`]: between any two points of a sphere, the cosines and the
+/// distance in the form factor cancel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratingSphere {
-    /// Radius of the sphere that has the mesh's area, > 0.
+    /// Radius of the sphere whose area equals that of the mesh, > 0.
     pub radius: f64,
     /// Albedo of the wall, in `[0, 1)`.
     pub albedo: f64,
-    /// Where the light is; inside.
+    /// Position of the light; inside the sphere.
     pub light: [f64; 3],
     /// Radiant flux of the light, watts, the same in every channel.
     pub power: f64,
@@ -26,7 +26,7 @@ pub struct IntegratingSphere {
 }
 
 impl Default for IntegratingSphere {
-    /// One metre, 80 %, π W well off the centre, 20 480 triangles: the indirect irradiance is 1 W/m².
+    /// Radius 1 m, albedo 0.8, π W well off the centre, 20 480 triangles: the indirect irradiance is 1 W/m².
     fn default() -> Self {
         Self { radius: 1.0, albedo: 0.8, light: [0.3, 0.4, -0.2], power: PI, subdivision: 5 }
     }
@@ -38,8 +38,8 @@ impl IntegratingSphere {
     pub fn builder(&self) -> SceneBuilder {
         let mut scene = SceneBuilder::new();
         let wall = scene.material(MaterialDesc::lambert("wall", [self.albedo; 3]));
-        // Corners a little outside, so that the area is the sphere's: flux that the wall takes up
-        // must equal the light's, and irradiance is per area.
+        // Vertices slightly outside the sphere, so that the mesh has the sphere's area: the flux that the wall
+        // absorbs must equal the light's, and irradiance is per area.
         let unit = area(&icosphere(self.subdivision, [0.0; 3], 1.0));
         let corners = self.radius * (4.0 * PI / unit).sqrt();
         add(&mut scene, "wall", flip(icosphere(self.subdivision, [0.0; 3], corners)), wall);

@@ -1,6 +1,6 @@
-//! Scenes that need no file: pictures to look at, and rooms whose answer is known.
+//! Built-in scenes that need no file: demonstration scenes, and rooms with analytic solutions.
 //!
-//! All are in metres and watts, with y upwards, and have one camera, made for a square picture.
+//! All are in metres and watts, with y upwards, and have one camera, set up for a square picture.
 
 mod cornell;
 mod furnace;
@@ -18,25 +18,25 @@ pub use plates::plates;
 use crate::builder::{MaterialId, SceneBuilder};
 use crate::shapes::Shape;
 
-/// Every name with a line that says what it shows.
+/// Names, each with a one-line description.
 const NAMES: [(&str, &str); 8] = [
-    ("cornell", "the Cornell box: diffuse walls, two blocks, a lamp in the ceiling"),
-    ("cornell-glass", "the Cornell box with a mirror ball and a glass ball, and the caustics they cast"),
-    ("ring", "a golden ring on a table, with the cardioid that its inner wall casts"),
+    ("cornell", "the Cornell box: diffuse walls, two blocks, an area light in the ceiling"),
+    ("cornell-glass", "the Cornell box with a mirror ball and a glass ball, with their caustics"),
+    ("ring", "a golden ring on a table, with the cardioid caustic of its inner wall"),
     ("pool", "the floor of a swimming pool in the sun, under waves"),
-    ("two-rooms", "a dark room, lit through a door that stands ajar"),
-    ("furnace", "inside a glowing sphere that looks the same everywhere: radiosity 2"),
+    ("two-rooms", "a dark room, lit through a partly open door"),
+    ("furnace", "inside a uniformly emitting sphere: radiosity 2 everywhere"),
     ("integrating-sphere", "inside a diffuse sphere: indirect irradiance 1 everywhere"),
-    ("plates", "two endless plates, by way of four mirrors: radiosities 5/3 and 4/3"),
+    ("plates", "two infinite parallel plates, modelled with four mirrors: radiosities 5/3 and 4/3"),
 ];
 
-/// The built-in scenes: name, and one line that says what it shows.
+/// The built-in scenes: name and one-line description.
 #[must_use]
 pub fn builtin_names() -> &'static [(&'static str, &'static str)] {
     &NAMES
 }
 
-/// A built-in scene by its name, one of [`builtin_names`]; `None` for any other.
+/// A built-in scene by name, one of [`builtin_names`]; `None` for any other name.
 ///
 /// ```
 /// let scene = photon_scene::builtin("cornell").expect("listed").build()?;
@@ -93,7 +93,7 @@ mod tests {
         }
     }
 
-    /// The check for open glass must see that of these scenes: a hole in it makes a warning.
+    /// The check for open solids must work on these scenes: a hole in the glass makes a warning.
     #[test]
     fn a_hole_in_the_glass_is_told() {
         let mut scene = glass::cornell_glass();

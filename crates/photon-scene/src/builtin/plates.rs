@@ -1,17 +1,17 @@
-//! Two endless parallel plates.
+//! Two infinite parallel plates.
 
 use crate::builder::SceneBuilder;
 use crate::describe::{CameraDesc, MaterialDesc};
 use std::f64::consts::PI;
 
-/// Half the width of the box, and its height.
+/// Half the width of the box; also its height.
 const HALF: f64 = 1.0;
 const HEIGHT: f64 = 1.0;
 
-/// A floor and a ceiling between four perfect mirrors, which make them endless; the floor emits
-/// `exitance` W/m². Albedos are in `[0, 1]`, and not both 1.
+/// A floor and a ceiling between four perfect mirrors, which make them effectively infinite; the floor emits
+/// `exitance` W/m². Albedos are in `[0, 1]`, but not both 1.
 ///
-/// All that leaves one plate arrives at the other, so that with floor 1 and ceiling 2 the
+/// All light that leaves one plate arrives at the other, so that with floor 1 and ceiling 2 the
 /// radiosities are `B₁ = e + ρ₁ B₂` and `B₂ = ρ₂ B₁`: `B₁ = e / (1 − ρ₁ρ₂)`.
 #[must_use]
 pub fn plates(floor: f64, ceiling: f64, exitance: f64) -> SceneBuilder {
@@ -29,7 +29,7 @@ pub fn plates(floor: f64, ceiling: f64, exitance: f64) -> SceneBuilder {
         let [p, q, r, s] = [(from, 0.0), (to, 0.0), (to, top), (from, top)].map(|([x, z], y)| [x, y, z]);
         scene.quad(name, [p, q, r, s], mirror);
     }
-    // Turned a little, so that it does not look at its own reflections' edges.
+    // Rotated slightly, so that the camera does not look at the edges of its own reflections.
     scene.camera("inside", CameraDesc::look_at([0.1, 0.5, 0.6], [-0.25, 0.47, -0.7], [0., 1., 0.], 1.2));
     scene
 }

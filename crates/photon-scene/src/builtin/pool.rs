@@ -1,4 +1,4 @@
-//! A swimming pool in the sun.
+//! A swimming pool in sunlight.
 
 use super::add;
 use crate::builder::{MaterialId, SceneBuilder};
@@ -8,19 +8,19 @@ use crate::shapes::{grid, height_field, icosphere};
 /// Half the length of the pool's square basin.
 const HALF: f64 = 2.0;
 const DEPTH: f64 = 1.3;
-/// Level of the water at rest; the deck is at 0.
+/// Height of the water at rest; the deck is at 0.
 const LEVEL: f64 = -0.12;
-/// Width of the deck: enough that the slanting sun does not get under it and behind the walls.
+/// Width of the deck: enough that the slanting sunlight does not get under it and behind the walls.
 const DECK: f64 = 1.2;
-/// Edge of a tile.
+/// Edge length of a tile.
 const TILE: f64 = 0.25;
-/// Cells of the water's surface along each side: the shortest wave has 40.
+/// Grid cells of the water's surface along each side; the shortest wave spans 40.
 const CELLS: u32 = 512;
 
-/// Wave vectors (radians per metre, in x and z), amplitudes and phases.
+/// Wave vectors (radians per metre, in x and z), amplitudes and phases of the waves.
 ///
-/// A crest of curvature κ focuses at the depth `n / ((n − 1) κ)`: the short waves together do it at
-/// about the depth of the pool, which is what draws a net of bright lines; the long ones bend it.
+/// A crest of curvature κ focuses at the depth `n / ((n − 1) κ)`: the short waves together focus at
+/// about the depth of the pool, which makes a net of bright lines; the long ones bend it.
 const WAVES: [([f64; 2], f64, f64); 8] = [
     ([3.1, 1.4], 0.0140, 0.3),
     ([-2.7, 5.3], 0.0090, 1.9),
@@ -32,12 +32,12 @@ const WAVES: [([f64; 2], f64, f64); 8] = [
     ([-15.8, -6.4], 0.0024, 1.2),
 ];
 
-/// Height of the waves above the level.
+/// Height of the water above `LEVEL`.
 fn wave(x: f64, z: f64) -> f64 {
     WAVES.iter().map(|&([kx, kz], amplitude, phase)| amplitude * libm::sin(kx * x + kz * z + phase)).sum()
 }
 
-/// A tiled basin full of waving water, seen from the deck.
+/// A tiled basin of water with waves, seen from the deck.
 pub(super) fn pool() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let tiles = [
@@ -48,7 +48,7 @@ pub(super) fn pool() -> SceneBuilder {
     let ball = scene.material(MaterialDesc::lambert("ball", [0.75, 0.16, 0.08]));
     let water = scene.material(MaterialDesc::new(
         "water",
-        // Clear water takes most from red.
+        // Clear water absorbs red most.
         Surface::Dielectric { ior: 1.33, absorption: [0.30, 0.055, 0.025], tint: [1.0; 3] },
     ));
 
@@ -71,8 +71,8 @@ pub(super) fn pool() -> SceneBuilder {
         let [[x0, z0], [x1, z1]] = [low, high];
         scene.quad(name, [[x0, 0., z1], [x1, 0., z1], [x1, 0., z0], [x0, 0., z0]], deck);
     }
-    // The water reaches into the walls and below the floor: there is no film of air between them
-    // that light would have to cross, and its own sides are never seen.
+    // The water extends into the walls and below the floor: there is no gap of air between them for light
+    // to cross, and the sides of the water are never seen.
     let (beyond, below) = (h + 0.1, -DEPTH - 0.1);
     let surface = |x, z| LEVEL + wave(x, z);
     let body = height_field([-beyond; 2], [beyond; 2], [CELLS; 2], below, surface);
@@ -85,7 +85,7 @@ pub(super) fn pool() -> SceneBuilder {
     scene
 }
 
-/// A quadrilateral of tiles in two colours by turns, one mesh for each colour.
+/// A quadrilateral of tiles in two alternating colours, one mesh for each colour.
 fn tile(scene: &mut SceneBuilder, name: &str, corners: [[f64; 3]; 4], colours: [MaterialId; 2]) {
     let along = |[from, to]: [[f64; 3]; 2]| {
         let squares = from.iter().zip(to).map(|(from, to)| (to - from) * (to - from));
@@ -111,7 +111,7 @@ mod tests {
         let side = 2.0 * HALF;
         let body = height_field([-HALF; 2], [HALF; 2], [256; 2], -DEPTH, |x, z| LEVEL + wave(x, z));
         assert_eq!(open_edges(&body), 0);
-        // Waves add at most their amplitudes.
+        // The height of a sum of waves is at most the sum of their amplitudes.
         let most: f64 = WAVES.iter().map(|wave| wave.1).sum();
         let mean = volume(&body) / (side * side) - (LEVEL + DEPTH);
         assert!(mean.abs() < most, "{mean}");

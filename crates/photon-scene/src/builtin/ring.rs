@@ -1,4 +1,4 @@
-//! A ring on a table, with the caustic that is known from cups.
+//! A ring on a table, with the cardioid caustic known from coffee cups.
 
 use super::add;
 use crate::builder::SceneBuilder;
@@ -8,18 +8,18 @@ use crate::shapes::{disc, tube};
 /// Radius of the inner wall.
 const INNER: f64 = 1.0;
 const OUTER: f64 = 1.06;
-/// A light at height H casts the whole caustic from the ring's wall at height H/4: there a ray has
-/// gone three parts of its way to the caustic. From H/2 on, reflections reach across the ring, so
-/// that the edge of what the wall reflects does not show inside.
+/// Height of the ring. A light at height H casts the whole caustic from the part of the wall at height H/4: there
+/// a ray has travelled three quarters of its way to the caustic. From H/2 on, reflections reach across the ring, so
+/// that the upper edge of the reflected light is not visible inside.
 const RING: f64 = 0.62;
 const LIGHT: f64 = 1.24;
-/// The envelope is a curve only if facets are narrower than what the picture resolves.
+/// The envelope is smooth only if the triangles are narrower than the resolution of the picture.
 const SEGMENTS: u32 = 8192;
 
-/// A golden ring, lit by a spot straight above a point of its inner wall.
+/// A golden ring, lit by a spot light straight above a point of its inner wall.
 ///
-/// Seen from above, reflections in an upright cylinder are those in a circle, and those of light
-/// from a point on the circle touch a cardioid, whose cusp lies a third of the radius beyond the
+/// Seen from above, reflections in an upright cylinder are those in a circle, and rays from a point on
+/// the circle, reflected once, envelop a cardioid, whose cusp lies a third of the radius beyond the
 /// centre as seen from the light: at x = −1/3, z = 0.
 pub(super) fn ring() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
@@ -28,15 +28,15 @@ pub(super) fn ring() -> SceneBuilder {
     let panel = scene.material(MaterialDesc::emissive("panel", [0.0; 3], [0.36, 0.42, 0.50]));
 
     add(&mut scene, "table", disc([0., 0., 0.], [0., 1., 0.], 4.5, 128), table);
-    // Its lower rim is let into the table, so that no light creeps under it.
+    // The lower rim extends into the table, so that no light leaks under it.
     add(&mut scene, "ring", tube([0., -0.01, 0.], INNER, OUTER, RING + 0.01, SEGMENTS), gold);
-    // Dim and far: something for the shadows, and for the metal to show.
+    // A dim, distant panel: fills the shadows and gives the metal something to reflect.
     scene.quad("panel", [[-5., 5., -7.5], [3., 5., -7.5], [3., 5., -1.], [-5., 5., -1.]], panel);
     scene.light(
         "spot",
         LightDesc::Spot {
             position: [INNER, LIGHT, 0.],
-            // Along the bisector of what it has to light: the table beyond, and the ring.
+            // Along the bisector of the region to be lit: the table beyond, and the ring.
             direction: [-0.8, -LIGHT, 0.],
             intensity: [7.5, 7.2, 6.6],
             inner_angle: 0.9,
@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn the_cusp_lies_a_third_of_the_radius_beyond_the_centre() {
         let angle = 1e-4_f64;
-        // From (1, 0) to the wall at π − angle, and on from there.
+        // From (1, 0) to the wall at π − angle, and the reflected direction from there.
         let wall = [-angle.cos() * INNER, angle.sin() * INNER];
         let (dx, dz) = (wall[0] - INNER, wall[1]);
         let along = 2.0 * (dx * wall[0] + dz * wall[1]) / (INNER * INNER);

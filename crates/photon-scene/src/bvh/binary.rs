@@ -1,4 +1,4 @@
-//! The binary tree: obvhs builds it, and where obvhs would go astray a plain median split does.
+//! Construction of binary BVHs: by obvhs, or by a plain median split where obvhs would degenerate.
 
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -7,45 +7,45 @@ use obvhs::{Boundable, BvhBuildParams};
 
 use super::{AccelError, check};
 
-/// So many primitives with one and the same box make obvhs build a list instead of a tree.
+/// From this many primitives with identical boxes on, obvhs builds a list instead of a tree.
 const TWINS: usize = 64;
 
-/// A node of a binary tree, as both builders make it.
+/// A node of a binary tree, as both builders produce it.
 #[derive(Clone, Copy, Debug)]
 pub struct Binary {
-    /// Lower corner of its box.
+    /// Lower corner of the bounding box.
     pub low: [f32; 3],
-    /// Upper corner.
+    /// Upper corner of the bounding box.
     pub high: [f32; 3],
-    /// Leaf: first of its primitives. Otherwise the first of two children, side by side.
+    /// Leaf: index of its first primitive. Inner node: index of the first of two adjacent children.
     pub first: u32,
-    /// Primitives; 0 for an inner node.
+    /// Number of primitives; 0 for an inner node.
     pub count: u32,
 }
 
-/// A binary tree over padded boxes about triangles, for those who arrange it in their own way.
+/// A binary tree over padded triangle bounds, from which backends derive their own node formats.
 #[derive(Debug)]
 pub struct BinaryTree {
-    /// The root first; none where there are no triangles.
+    /// The root first; empty without triangles.
     pub nodes: Vec<Binary>,
-    /// Indices of triangles, in the order that leaves refer to.
+    /// Triangle indices, in the order that leaves refer to.
     pub order: Vec<u32>,
 }
 
 impl BinaryTree {
-    /// The tree with the least expected cost that obvhs finds, with up to `leaf` ≥ 1 triangles in a
+    /// Builds a low-cost tree (surface area heuristic, by obvhs) with up to `leaf` ≥ 1 triangles per
     /// leaf. It may be deep.
     ///
     /// # Errors
-    /// [`AccelError`] names the triangle or the vertex.
+    /// [`AccelError`], which names the triangle or the vertex.
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf: usize) -> Result<Self, AccelError> {
         Self::by(tree, positions, triangles, leaf)
     }
 
-    /// Split at medians: never deeper than the logarithm of the count, rounded up, and 1.
+    /// Builds by median splits: the depth is at most the logarithm of the count, rounded up, plus 1.
     ///
     /// # Errors
-    /// [`AccelError`] names the triangle or the vertex.
+    /// [`AccelError`], which names the triangle or the vertex.
     pub fn balanced(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf: usize) -> Result<Self, AccelError> {
         Self::by(balanced, positions, triangles, leaf)
     }
@@ -68,7 +68,7 @@ impl BinaryTree {
 /// Nodes, and the order of primitives that leaves refer to.
 pub(crate) type Arranged = (Vec<Binary>, Vec<u32>);
 
-/// A padded box, as obvhs takes it.
+/// A padded bounding box, in the form that obvhs takes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Padded {
     low: [f32; 3],
@@ -76,7 +76,7 @@ pub(crate) struct Padded {
 }
 
 impl Padded {
-    /// Around a triangle, wider than rounding in the triangle test can reach within a unit box.
+    /// Bounds of a triangle, padded by more than the rounding errors of the triangle test within a unit box.
     pub(crate) fn around(corners: [[f32; 3]; 3]) -> Self {
         const ULPS: f32 = 8.0 * f32::EPSILON;
         let mut padded = Self { low: corners[0], high: corners[0] };
@@ -104,15 +104,15 @@ fn obvhs_vec(v: [f32; 3]) -> glam::Vec3A {
     v.into()
 }
 
-/// A padded box for each triangle.
+/// A padded bounding box for each triangle.
 pub(crate) fn padded(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Vec<Padded>, AccelError> {
     check(positions, triangles)?;
     let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
     Ok(triangles.iter().map(|triangle| Padded::around(corners(triangle))).collect())
 }
 
-/// A binary tree over `boxes`, its root first, and the order of primitives that its leaves refer to.
-/// At most `leaf` primitives stand in a leaf.
+/// A binary tree over `boxes`, root first, and the order of primitives that its leaves refer to.
+/// Leaves hold at most `leaf` primitives.
 pub(crate) fn tree(boxes: &[Padded], leaf: usize) -> Arranged {
     if boxes.len() <= leaf || has_twins(boxes) {
         return balanced(boxes, leaf);
@@ -122,7 +122,7 @@ pub(crate) fn tree(boxes: &[Padded], leaf: usize) -> Arranged {
     (binary(&built), built.primitive_indices)
 }
 
-/// The nodes of an obvhs tree.
+/// Converts the nodes of an obvhs tree.
 fn binary(tree: &Bvh2) -> Vec<Binary> {
     tree.nodes
         .iter()
@@ -147,7 +147,7 @@ fn has_twins(boxes: &[Padded]) -> bool {
     keys.windows(TWINS).any(|run| run[0] == run[TWINS - 1])
 }
 
-/// Split at the median of the widest axis: never deeper than the logarithm of the count.
+/// Splits at the median of the widest axis: the depth is at most the logarithm of the count.
 pub(crate) fn balanced(boxes: &[Padded], leaf: usize) -> Arranged {
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let blank = Binary { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3], first: 0, count: 0 };

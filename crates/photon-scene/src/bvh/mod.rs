@@ -1,7 +1,7 @@
-//! Bounding-volume hierarchies: one builder of binary trees, and the two node formats that are made of
-//! them. A backend takes the format that suits its hardware; none needs another backend for it.
+//! Bounding-volume hierarchies: one builder of binary trees, and the two node formats derived from them.
+//! A backend uses the format that suits its hardware, without depending on another backend.
 //!
-//! - `simd`: eight boxes of `f32` side by side for the vector units of a processor, and the traversal
+//! - `simd`: eight `f32` boxes per node for the vector units of a CPU, with its traversal
 //!   ([`Accel`]).
 //! - `compressed`: eight boxes in 80 bytes for a GPU ([`CompressedTree`]); the traversal is the
 //!   backend's shader.
@@ -14,37 +14,37 @@ pub use binary::{Binary, BinaryTree};
 pub use compressed::{CompressedNode, CompressedTree};
 pub use simd::{Accel, BruteForce};
 
-/// What keeps a tree from being built.
+/// Why a tree cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AccelError {
-    /// A triangle names a vertex that is not there.
-    #[error("triangle {triangle} names vertex {vertex}, but there are only {count}")]
+    /// A triangle refers to a vertex that does not exist.
+    #[error("triangle {triangle} refers to vertex {vertex}, but there are only {count}")]
     OutOfRange {
-        /// Which triangle.
+        /// Index of the triangle.
         triangle: usize,
-        /// The index.
+        /// The vertex index it holds.
         vertex: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         count: usize,
     },
-    /// A coordinate is not finite, or far outside the unit box that scenes are brought to.
+    /// A coordinate is not finite, or far outside the unit box of normalised space.
     #[error("vertex {vertex} lies at {position:?}: bring the scene to a unit box about the origin first")]
     NotNormalised {
-        /// Which vertex.
+        /// Index of the vertex.
         vertex: usize,
-        /// Where it lies.
+        /// Its position.
         position: [f32; 3],
     },
-    /// More triangles than an index can number.
+    /// More triangles than indices can address.
     #[error("{count} triangles are more than 2^31: split the scene")]
     TooMany {
-        /// How many there are.
+        /// Number of triangles.
         count: usize,
     },
 }
 
-/// Beyond this, padding for a unit box no longer covers rounding.
+/// Largest coordinate magnitude: beyond it, padding for a unit box no longer covers rounding errors.
 const LIMIT: f32 = 16.0;
 
 fn check(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), AccelError> {

@@ -1,23 +1,23 @@
-//! glTF 2.0: `.gltf` with its buffers beside it or within it, and `.glb`.
+//! glTF 2.0: `.gltf` with external or embedded buffers, and `.glb`.
 //!
 //! | glTF | here |
 //! |---|---|
-//! | node | its matrix or translation, rotation and scale, in f64; a mirrored mesh keeps its front |
-//! | primitive | one mesh, once for each node that holds it; lists, strips and fans of triangles |
-//! | base colour | albedo, mirror's reflectance, or tint of what is transmitted |
+//! | node | its matrix or translation, rotation and scale, in f64; a mirrored mesh keeps its front side |
+//! | primitive | one mesh for each node that refers to it; triangle lists, strips and fans |
+//! | base colour | albedo, reflectance of a mirror, or tint of transmitted light |
 //! | metal (≥ 0.5), roughness ≤ 0.1 | mirror |
 //! | `transmission` ≥ 0.5 | thin sheet; solid dielectric where `volume` gives a thickness |
-//! | `ior` | refractive index; 1.5 where there is none |
+//! | `ior` | refractive index; default 1.5 |
 //! | `volume` | absorption `−ln(colour) / distance`, per length of the scene |
 //! | `emissiveFactor` × `emissive_strength` | radiance, W/(m²·sr); from both sides if `doubleSided` |
 //! | `lights_punctual` | candela are W/sr, lux are W/m²: no factor of 683 |
-//! | texture | its mean colour, where it is a PNG |
+//! | texture | its mean colour, if it is a PNG |
 //! | alpha below one half | thin sheet |
 //! | `extras.photonmap` | the same in double precision, as [`crate::glb`] writes it |
 //!
-//! Whatever that leaves out is a line of the report. The document is read without the parser's own
-//! validation, which refuses extensions that are supported here; instead, every index is looked up
-//! where it is used, and what it leads nowhere from is named.
+//! Everything that is left out is a line of the report. The document is read without the parser's own
+//! validation, which rejects extensions that are supported here; instead, every index is checked
+//! where it is used, and an error names the object with an invalid reference.
 
 mod accessor;
 mod buffers;
@@ -48,20 +48,20 @@ use crate::error::SceneError;
 use crate::extras::{self, NodeExtras};
 use crate::report::LoadReport;
 
-/// Reads a glTF 2.0 file, `.gltf` or `.glb`, whichever its first bytes say.
+/// Reads a glTF 2.0 file, `.gltf` or `.glb`; its first bytes determine which.
 ///
 /// # Errors
 ///
-/// [`SceneError::Read`] if the file cannot be read; [`SceneError::Content`] if it or a buffer it
-/// names is missing, truncated or inconsistent, or requires an extension that is not supported.
-/// Numbers out of their range (an albedo of 2) are found by [`SceneBuilder::build`].
+/// [`SceneError::Read`] if the file cannot be read; [`SceneError::Content`] if it or a buffer that it
+/// refers to is missing, truncated or inconsistent, or requires an extension that is not supported.
+/// Numbers out of range (an albedo of 2) are reported by [`SceneBuilder::build`].
 pub fn load_gltf(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let bytes = read(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     assemble(&bytes, folder).map_err(|fault| fault.in_file(path))
 }
 
-/// The scene that the bytes of a file describe; other files are looked for in `folder`.
+/// Builds the scene from the bytes of a file; relative URIs are resolved in `folder`.
 fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), Fault> {
     let mut report = LoadReport::default();
     let mut builder = SceneBuilder::new();
@@ -114,7 +114,7 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
     Ok((builder, report))
 }
 
-/// What concerns the file as a whole.
+/// Reports what concerns the file as a whole.
 fn report_rest(root: &Root, report: &mut LoadReport) {
     if root.scenes.len() > 1 {
         let index = root.scene.map_or(0, |scene| scene.value());

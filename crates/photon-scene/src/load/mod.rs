@@ -1,4 +1,4 @@
-//! Scenes from files.
+//! Loading of scenes from files.
 
 mod gltf;
 mod mtl;
@@ -22,21 +22,21 @@ pub use self::ply::load_ply;
 
 /// Reads a scene file, applies overrides to it, and builds it.
 ///
-/// The kind of file is told by its extension: `.gltf`, `.glb`, `.obj` or `.ply`. Where neither the
-/// file nor the overrides have a camera, one that sees everything is added and noted.
+/// The extension determines the format: `.gltf`, `.glb`, `.obj` or `.ply`. If neither the
+/// file nor the overrides have a camera, one that shows the whole scene is added and noted in the report.
 ///
 /// # Errors
-/// A file that cannot be read or makes no sense, an extension that is not known, an override of
-/// something that is not there, or whatever [`crate::SceneBuilder::build`] finds; each by its name.
+/// A file that cannot be read or is invalid, an unknown extension, an override of something that does
+/// not exist, or the errors of [`crate::SceneBuilder::build`]; each names the object at fault.
 pub fn load(path: &Path, overrides: Option<&Overrides>) -> Result<(Scene, LoadReport), SceneError> {
     let (builder, report) = load_builder(path, overrides)?;
     Ok((builder.build()?, report))
 }
 
-/// As [`load`], but does not build the scene: for programs that change it first, or write it elsewhere.
+/// Like [`load`], but does not build the scene: for programs that modify it first, or convert it.
 ///
 /// # Errors
-/// As [`load`], without what [`crate::SceneBuilder::build`] finds.
+/// As [`load`], without the errors of [`crate::SceneBuilder::build`].
 pub fn load_builder(path: &Path, overrides: Option<&Overrides>) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
     let (mut builder, mut report) = match extension.as_deref() {
@@ -53,7 +53,7 @@ pub fn load_builder(path: &Path, overrides: Option<&Overrides>) -> Result<(Scene
         report.note(
             "the file",
             format!(
-                "has no camera; one at {:?} that sees everything is used; give another in an override file",
+                "has no camera; one at {:?} that shows the whole scene is used; give another in an override file",
                 camera.position
             ),
         );
@@ -62,32 +62,32 @@ pub fn load_builder(path: &Path, overrides: Option<&Overrides>) -> Result<(Scene
     Ok((builder, report))
 }
 
-/// The bytes of a file.
+/// Reads the bytes of a file.
 fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
     let wrong = |source| SceneError::Read { path: path.to_owned(), source };
-    // A file may name others; a device among them would be read without end.
+    // A scene file may refer to others; a device among them could be read without end.
     if !std::fs::metadata(path).map_err(wrong)?.is_file() {
-        return Err(wrong(std::io::Error::other("it is no regular file")));
+        return Err(wrong(std::io::Error::other("it is not a regular file")));
     }
     std::fs::read(path).map_err(wrong)
 }
 
-/// The text of a file of an age in which its encoding was not settled.
+/// Reads the text of a file in a format that does not define an encoding.
 fn read_text(path: &Path) -> Result<String, SceneError> {
-    // Only names and comments can hold anything else than ASCII, and a name stays the same wherever
-    // it stands.
+    // Only names and comments can contain characters other than ASCII, and a name decodes to the same
+    // text wherever it occurs.
     Ok(match String::from_utf8(read(path)?) {
         Ok(text) => text,
         Err(other) => String::from_utf8_lossy(other.as_bytes()).into_owned(),
     })
 }
 
-/// What a mesh without a material is made of.
+/// Material of meshes without one.
 fn default_material() -> MaterialDesc {
     MaterialDesc::lambert("default", [0.5; 3])
 }
 
-/// What a mesh is called that its file does not name.
+/// Name of a mesh that has none in the file: the file name without extension.
 fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "mesh".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }

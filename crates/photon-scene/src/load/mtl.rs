@@ -9,13 +9,13 @@ use crate::error::SceneError;
 use crate::report::LoadReport;
 use std::path::Path;
 
-/// All materials of the MTL files that an OBJ file names.
+/// All materials of the MTL files that an OBJ file refers to.
 #[derive(Default)]
 pub(super) struct Library {
     entries: Vec<Entry>,
 }
 
-/// A material as its file has it.
+/// A material as defined in its file.
 #[derive(Default)]
 struct Entry {
     name: String,
@@ -37,24 +37,24 @@ struct Entry {
     dissolve: Option<f64>,
     /// `illum`
     illumination: Option<u8>,
-    /// What follows `map_Kd` and the like.
+    /// The arguments of `map_Kd` and similar statements.
     textures: Vec<String>,
-    /// Other statements, as they stand.
+    /// Other statements, verbatim.
     others: Vec<String>,
 }
 
 impl Library {
-    /// Adds what a statement `mtllib names` refers to; what is not there is reported.
+    /// Reads the files that a statement `mtllib names` refers to; missing files are reported.
     pub(super) fn open(&mut self, obj: &Path, names: &str, report: &mut LoadReport) -> Result<(), SceneError> {
         let beside = |name: &str| obj.parent().unwrap_or(Path::new("")).join(name.replace('\\', "/"));
-        // One name with blanks in it, or several names.
+        // One name with spaces in it, or several names.
         let whole = beside(names);
         let paths = if whole.is_file() { vec![whole] } else { names.split_whitespace().map(beside).collect() };
         for path in paths {
             if path.is_file() {
                 self.entries.extend(parse(&path)?);
             } else {
-                let text = "is not there; what it defines is made a diffuse grey of 0.5; put it beside the OBJ file";
+                let text = "does not exist; its materials become diffuse grey 0.5; put it beside the OBJ file";
                 report.left_out(format!("material file '{}'", path.display()), text);
             }
         }
@@ -66,7 +66,7 @@ impl Library {
         self.entries.iter().rposition(|entry| entry.name == name)
     }
 
-    /// Each material as the renderer models it; what that loses is reported.
+    /// Converts each material to the renderer's model; losses are reported.
     pub(super) fn describe(&self, report: &mut LoadReport) -> Vec<MaterialDesc> {
         self.entries.iter().map(|material| Translation { material, report }.describe()).collect()
     }
@@ -82,7 +82,7 @@ fn parse(path: &Path) -> Result<Vec<Entry>, SceneError> {
         let fault = |hint: &str| SceneError::Content {
             path: path.to_owned(),
             line: Some(index as u64 + 1),
-            what: format!("'{line}' cannot be understood"),
+            what: format!("'{line}' is invalid"),
             hint: hint.to_owned(),
         };
         if keyword == "newmtl" {
@@ -99,7 +99,7 @@ fn parse(path: &Path) -> Result<Vec<Entry>, SceneError> {
 }
 
 impl Entry {
-    /// Takes one statement; the error is its mend.
+    /// Parses one statement; the error is the hint.
     fn statement(&mut self, keyword: &str, rest: &str) -> Result<(), &'static str> {
         match keyword {
             "Ka" | "Kd" | "Ks" | "Ke" | "Tf" => {
@@ -118,7 +118,7 @@ impl Entry {
             }
             "Ns" => self.shininess = Some(number(rest)?),
             "Ni" => self.ior = Some(number(rest)?),
-            // A halo varies the opacity with the angle; its number is what it is at the rim.
+            // A halo varies the opacity with the angle; its number is the opacity at the rim.
             "d" => self.dissolve = Some(number(rest.trim_start_matches("-halo"))?),
             "Tr" => self.dissolve = self.dissolve.or(Some(1.0 - number(rest)?)),
             "illum" => {
@@ -140,7 +140,7 @@ fn number(rest: &str) -> Result<f64, &'static str> {
     rest.split_whitespace().next().and_then(|word| word.parse().ok()).ok_or("a number must follow")
 }
 
-/// Three numbers, or one for all.
+/// Three numbers, or one number for all channels.
 fn color(rest: &str) -> Option<[f64; 3]> {
     let words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
     let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();

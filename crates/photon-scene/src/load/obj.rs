@@ -1,7 +1,7 @@
-//! Wavefront OBJ: polygons by name and material.
+//! Wavefront OBJ: polygons grouped by name and material.
 //!
-//! Read here rather than by a library: those that there are tell neither line nor face of an error,
-//! or panic at a malformed one.
+//! A parser of our own, since existing libraries report neither line nor face of an error,
+//! or panic at malformed input.
 
 mod census;
 
@@ -17,16 +17,16 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Reads an OBJ file and the MTL files that it names.
+/// Reads an OBJ file and the MTL files that it refers to.
 ///
-/// Polygons become fans of triangles; each pair of an object (or group) and a material becomes a
-/// mesh. All materials of the MTL files are there to be overridden, used or not.
+/// Polygons are triangulated as fans; each pair of an object (or group) and a material becomes a
+/// mesh. All materials of the MTL files can be overridden, used or not.
 ///
 /// # Errors
-/// A file that cannot be read; a statement that makes no sense, by its line.
+/// A file that cannot be read, or an invalid statement; the error has its line number.
 pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let text = read_text(path)?;
-    // A line that another is joined to is none of its own here either.
+    // A line that is joined to the previous one is not a statement of its own here either.
     let is_vertex = |(statement, _): &(Cow<'_, str>, usize)| statement.split_whitespace().next() == Some("v");
     let vertices = statements(&text).filter(is_vertex).count();
     if vertices >= u32::MAX as usize {
@@ -53,7 +53,7 @@ pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     Ok(reader.finish())
 }
 
-/// The statements of a file, each with the number of its first line: a backslash at its end joins a line with the next.
+/// The statements of a file, each with the number of its first line: a backslash at the end joins a line with the next.
 fn statements(text: &str) -> impl Iterator<Item = (Cow<'_, str>, usize)> {
     let begun = |line: &'_ str| line.trim_end().strip_suffix('\\').map(str::len);
     let mut lines = text.lines().enumerate();
@@ -86,7 +86,7 @@ struct Group {
 
 struct Reader<'a> {
     path: &'a Path,
-    /// How many the file has altogether: a face may name one that comes later.
+    /// Number of vertices in the whole file: a face may refer to one that comes later.
     vertices: usize,
     positions: Vec<[f64; 3]>,
     normals: Vec<DVec3>,
@@ -96,7 +96,7 @@ struct Reader<'a> {
     material: Option<String>,
     groups: Vec<Group>,
     by_name: HashMap<(String, Option<String>), usize>,
-    /// The group that faces go to; none until the next face asks for it.
+    /// The group that faces are added to; `None` until the next face determines it.
     group: Option<usize>,
     faces: usize,
     census: Census,
@@ -110,7 +110,7 @@ impl Reader<'_> {
 
     fn statement(&mut self, line: &str, number: usize) -> Result<(), SceneError> {
         let line = line.trim();
-        // Not everywhere: names may hold one.
+        // Only at the start: names may contain '#'.
         if line.starts_with('#') {
             return Ok(());
         }
@@ -120,7 +120,7 @@ impl Reader<'_> {
             "v" => {
                 let position = self.numbers(keyword, rest, number)?;
                 self.positions.push(position);
-                // A fourth number is a weight that only curves use; a sixth, the last of a colour.
+                // A fourth number is a weight that only curves use; a sixth is the last component of a colour.
                 self.census.colored += usize::from(rest.split_whitespace().nth(5).is_some());
             }
             "vn" => {
@@ -137,7 +137,7 @@ impl Reader<'_> {
                 self.group = None;
             }
             "mtllib" => self.library.open(self.path, rest, &mut self.report)?,
-            // Texture coordinates and smoothing groups mean nothing to a surface without textures.
+            // Texture coordinates and smoothing groups are irrelevant without textures.
             "" | "vt" | "s" => {}
             other => *self.census.ignored.entry(other.to_owned()).or_default() += 1,
         }
@@ -152,7 +152,7 @@ impl Reader<'_> {
             *number = word.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
                 self.fault(
                     line,
-                    format!("'{keyword} {rest}' has {word} for a number"),
+                    format!("'{keyword} {rest}' has {word} in place of a number"),
                     "three finite numbers must follow",
                 )
             })?;
@@ -209,10 +209,10 @@ impl Reader<'_> {
         let mut builder = SceneBuilder::new();
         let ids: Vec<MaterialId> =
             self.library.describe(&mut self.report).into_iter().map(|desc| builder.material(desc)).collect();
-        // Of materials that are nowhere defined, and of none; under their names, so that an override
-        // file can say what they are.
+        // Materials that are not defined anywhere, and the one of faces without material; under their names, so that an
+        // override file can define them.
         let mut grey = HashMap::new();
-        // Which group a vertex was last moved for, and where to.
+        // The last group that each vertex was copied to, and its index there.
         let mut moved = vec![(usize::MAX, 0_u32); self.positions.len()];
         for (number, group) in self.groups.into_iter().enumerate() {
             let known = group.material.as_deref().and_then(|name| self.library.find(name)).map(|index| ids[index]);
@@ -221,7 +221,7 @@ impl Reader<'_> {
                     let desc = default_material();
                     match group.material {
                         Some(name) => {
-                            let text = "is nowhere defined; it is made a diffuse grey of 0.5";
+                            let text = "is not defined; it is made a diffuse grey of 0.5";
                             self.report.approximated(format!("material '{name}'"), text);
                             builder.material(MaterialDesc { name, ..desc })
                         }
@@ -250,7 +250,7 @@ impl Reader<'_> {
     }
 }
 
-/// The index from 0 that a reference from 1, or back from -1, means; none if it is out of range.
+/// Converts a reference, from 1 or backwards from -1, to an index from 0; `None` if it is out of range.
 fn resolve(word: &str, before: usize, all: usize) -> Option<usize> {
     let number: i64 = word.parse().ok()?;
     let index = if number > 0 { number - 1 } else { (before as i64).checked_add(number)? };

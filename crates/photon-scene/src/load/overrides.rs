@@ -1,4 +1,4 @@
-//! Override files: what a scene file lacks, or says otherwise than is wanted.
+//! Override files: additions and changes to a scene file.
 
 use super::schema::{Camera, File, Kind, Light, Material, Quad};
 use crate::builder::{MaterialId, SceneBuilder};
@@ -7,12 +7,12 @@ use crate::error::SceneError;
 use crate::report::LoadReport;
 use std::path::{Path, PathBuf};
 
-/// Materials, lights, cameras and quadrilaterals to lay over a scene, read from TOML.
+/// Materials, lights, cameras and quadrilaterals that change or extend a scene, read from TOML.
 ///
 /// The format is described in the project's `docs/scene-files.md`.
 #[derive(Clone, Debug)]
 pub struct Overrides {
-    /// For messages.
+    /// Path for messages.
     path: PathBuf,
     file: File,
 }
@@ -26,11 +26,11 @@ impl Overrides {
         Self::parse(&super::read_text(path)?, path)
     }
 
-    /// Takes the text of an override file; `path` is what messages call it.
+    /// Parses the text of an override file; `path` is its name in messages.
     ///
     /// # Errors
-    /// Text that is not TOML, a key that is not known or missing, a value of the wrong type, by its
-    /// line.
+    /// Text that is not TOML, an unknown or missing key, or a value of the wrong type; the error has the
+    /// line number.
     pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
         let path = path.to_owned();
         match toml::from_str(text) {
@@ -43,20 +43,20 @@ impl Overrides {
                     path,
                     line,
                     what,
-                    hint: "docs/scene-files.md lists what may stand there".to_owned(),
+                    hint: "docs/scene-files.md lists the valid keys and values".to_owned(),
                 })
             }
         }
     }
 
-    /// Changes a scene: materials first, then quadrilaterals, lights and cameras are added. The
-    /// cameras come before those that are there already, so that the first of them is the default.
+    /// Modifies a scene: changes materials first, then adds quadrilaterals, lights and cameras. The
+    /// new cameras are inserted before existing ones, so that the first of them is the default.
     ///
-    /// Lines of the report about materials whose surface is now given here are taken out of it.
+    /// Removes report lines about materials whose surface is now given by the override file.
     ///
     /// # Errors
-    /// A material that is not there, a property that its kind does not have, a camera without or
-    /// with two projections, by name.
+    /// A material that does not exist, a property that its kind does not have, a camera without or
+    /// with two projections; the error has the name.
     pub fn apply(&self, scene: &mut SceneBuilder, report: &mut LoadReport) -> Result<(), SceneError> {
         let frame = Frame::of(scene);
         for (name, material) in &self.file.materials {
@@ -157,7 +157,7 @@ impl Overrides {
     fn quad(&self, index: usize, quad: &Quad, frame: Frame, scene: &mut SceneBuilder) -> Result<(), SceneError> {
         let name = quad.name.clone().unwrap_or_else(|| format!("override quad {index}"));
         let Some(material) = scene.materials.iter().position(|material| material.name == quad.material) else {
-            let what = format!("quad '{name}' is of a material '{}', which is not there", quad.material);
+            let what = format!("quad '{name}' uses material '{}', which does not exist", quad.material);
             return Err(self.unknown(&what, scene));
         };
         let corners = frame.corners(quad.relative, quad.corner, quad.edges);
@@ -174,8 +174,8 @@ impl Overrides {
             }
             (given, _) => {
                 let count = if given.is_some() { "both" } else { "neither" };
-                let what = format!("camera '{}' has {count} of fov_degrees and half_height", camera.name);
-                return Err(self.fault(what, "give one: fov_degrees for perspective, half_height for parallel rays"));
+                let what = format!("camera '{}' has {count} of the keys fov_degrees and half_height", camera.name);
+                return Err(self.fault(what, "give one: fov_degrees for perspective, half_height for orthographic"));
             }
         };
         let from = frame.place(camera.relative, camera.from);
@@ -223,7 +223,7 @@ fn add_light(index: usize, light: &Light, frame: Frame, scene: &mut SceneBuilder
     }
 }
 
-/// The box around the scene's triangles, as far as `relative` coordinates need it.
+/// The bounding box of the scene's triangles, as far as `relative` coordinates need it.
 #[derive(Clone, Copy)]
 struct Frame {
     center: [f64; 3],
@@ -248,7 +248,7 @@ impl Frame {
         std::array::from_fn(|axis| self.center[axis] + self.size * at[axis])
     }
 
-    /// A parallelogram, counter-clockwise as seen from where the cross product of its edges points.
+    /// A parallelogram, counter-clockwise as seen from the side to which the cross product of its edges points.
     fn corners(self, relative: bool, corner: [f64; 3], [first, second]: [[f64; 3]; 2]) -> [[f64; 3]; 4] {
         let sum = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|axis| a[axis] + b[axis]);
         let next = sum(corner, first);

@@ -12,12 +12,12 @@ use std::path::Path;
 
 /// Reads the vertices and polygons of a PLY file, ASCII or binary of either byte order.
 ///
-/// Polygons become fans of triangles, the report says where those stick out, and strips of triangles are resolved.
-/// The mesh is named after the file.
+/// Polygons are triangulated as fans; the report says where those do not cover the polygon. Triangle strips are
+/// resolved. The mesh is named after the file.
 ///
 /// # Errors
-/// A file that cannot be read or makes no sense, by its line where it has lines; a polygon that
-/// names a vertex which is not there.
+/// A file that cannot be read or is invalid, with the line number if the format has lines; a polygon that
+/// refers to a vertex that does not exist.
 pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let bytes = read(path)?;
     let fault = |line: Option<usize>, what: String, hint: &str| SceneError::Content {
@@ -27,7 +27,7 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
         hint: hint.to_owned(),
     };
     let damaged = |error: ParseError| {
-        // Its message begins with the line's number and spreads over several lines.
+        // Its message begins with the line number and spans several lines.
         let text = error.to_string();
         let text = error.line().and_then(|line| text.strip_prefix(&format!("Line {line}: "))).unwrap_or(&text);
         let what = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -37,9 +37,12 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let mut reader = Reader::new(bytes.as_slice());
     let header = parser.read_header(&mut reader).map_err(damaged)?;
     for element in header.elements.values() {
-        // Each takes a byte at least, so that more cannot be there: better told than waited for.
+        // Each element takes at least a byte, so that more cannot exist: report that at once instead of reading on.
         if element.count > bytes.len() || (element.properties.is_empty() && element.count > 0) {
-            let what = format!("{} elements '{}' are announced but cannot be there", element.count, element.name);
+            let what = format!(
+                "the header declares {} elements '{}', more than the file can hold",
+                element.count, element.name
+            );
             return Err(fault(None, what, "it is truncated or damaged; copy or export it again"));
         }
     }
@@ -78,7 +81,7 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
         triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
     }
     for (number, strips) in elements("tristrips").iter().enumerate() {
-        // A negative index ends a strip, and every other triangle of one runs backwards.
+        // A negative index ends a strip, and every other triangle of a strip is reversed.
         for strip in strips.indices.split(|&index| index < 0) {
             let corners: Vec<u32> =
                 strip.iter().map(|&index| corner("strip", number, index)).collect::<Result<_, _>>()?;
@@ -116,11 +119,11 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     Ok((builder, report))
 }
 
-/// A vertex, a face or whatever else: what each has of the properties that are used.
+/// A vertex, face or other element: the properties of it that are used.
 #[derive(Default)]
 struct Element {
     position: [f64; 3],
-    /// Which coordinates were there, as bits.
+    /// Which coordinates were present, as bits.
     axes: u8,
     indices: Vec<i64>,
 }

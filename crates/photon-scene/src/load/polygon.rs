@@ -1,10 +1,10 @@
-//! Polygons with more than three corners.
+//! Triangulation of polygons with more than three corners.
 
 use glam::DVec3;
 
-/// Whether the fan of triangles about the first corner covers a polygon and no more: every triangle
-/// faces as the whole does (Newell's normal). Any convex polygon passes, of the others those that
-/// the first corner sees all of.
+/// Whether the triangle fan around the first corner covers exactly the polygon: every triangle
+/// has the orientation of the whole (Newell's normal). True for convex polygons, and for others if
+/// the first corner sees the whole polygon.
 pub(super) fn fan_covers(places: &[DVec3]) -> bool {
     let last = places.len().saturating_sub(1);
     let fan = |next: usize| (places[next] - places[0]).cross(places[next + 1] - places[0]);
@@ -12,11 +12,11 @@ pub(super) fn fan_covers(places: &[DVec3]) -> bool {
     (1..last).all(|next| fan(next).dot(whole) >= 0.0)
 }
 
-/// The line of a report on polygons that fans do not cover; `first` says where one of them is.
+/// The report line on polygons that fans do not cover; `first` is the location of one of them.
 pub(super) fn concave(count: usize, first: &str) -> String {
     format!(
-        "{count} polygons are not convex, the first {first}; each is cut into a fan of triangles, which may stick \
-         out; triangulate them where the file is made"
+        "{count} polygons are not convex, the first {first}; each is triangulated as a fan, which may extend beyond \
+         the polygon; triangulate them before export"
     )
 }
 
@@ -24,7 +24,7 @@ pub(super) fn concave(count: usize, first: &str) -> String {
 mod tests {
     use super::*;
 
-    /// A chevron: the third corner lies inside the hull of the others.
+    /// A chevron: the third corner lies inside the convex hull of the others.
     const CHEVRON: [[f64; 2]; 4] = [[0.0, 0.0], [2.0, 1.0], [0.0, 0.5], [-2.0, 1.0]];
 
     fn covers(first: usize, corners: &[[f64; 2]]) -> bool {
@@ -37,7 +37,7 @@ mod tests {
     fn a_fan_covers_what_its_first_corner_sees() {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         assert!((0..4).all(|first| covers(first, &square)));
-        // From the tip and from the notch all of it is in view, from its wings it is not.
+        // The whole polygon is visible from the tip and from the notch, but not from the wings.
         assert_eq!([0, 1, 2, 3].map(|first| covers(first, &CHEVRON)), [true, false, true, false]);
     }
 

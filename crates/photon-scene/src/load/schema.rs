@@ -1,9 +1,9 @@
-//! What an override file may hold. Every key is known: a misspelt one is an error.
+//! Schema of override files. Unknown keys are errors, so that misspelt ones are found.
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// The file.
+/// The whole file.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct File {
@@ -13,11 +13,11 @@ pub(super) struct File {
     pub(super) cameras: Vec<Camera>,
 }
 
-/// `[materials."name"]`: what is given replaces what the scene has.
+/// `[materials."name"]`: the given properties replace those of the scene.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Material {
-    /// It is not in the scene, but added to it.
+    /// Adds a material to the scene instead of changing an existing one.
     #[serde(default)]
     pub(super) new: bool,
     pub(super) kind: Option<Kind>,
@@ -39,7 +39,7 @@ pub(super) enum Kind {
     Thin,
 }
 
-/// A number for all channels, or one for each.
+/// One number for all channels, or one for each.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(untagged, expecting = "a number, or three numbers in brackets, is expected")]
 pub(super) enum Colour {

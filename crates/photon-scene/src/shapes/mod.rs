@@ -1,11 +1,11 @@
 //! Triangle meshes of simple shapes, in f64 and user space, y upwards.
 //!
 //! Closed shapes share vertices between neighbouring triangles, so that they have no seams, and
-//! face outwards: their triangles run counter-clockwise as seen from outside. [`flip`] makes a room
-//! of a solid.
+//! outward-facing: their triangles run counter-clockwise as seen from outside. [`flip`] turns a solid
+//! into a room.
 //!
-//! Counts below the least that makes sense are taken as the least. Sizes are not checked here:
-//! [`crate::SceneBuilder::build`] names numbers that are not finite.
+//! Counts below the minimum are raised to it. Sizes are not checked here:
+//! [`crate::SceneBuilder::build`] reports numbers that are not finite.
 
 mod plane;
 mod revolution;
@@ -23,7 +23,7 @@ use glam::DVec3;
 /// Vertices, and three indices into them for each triangle.
 pub type Shape = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
-/// The same shape with its front and back exchanged.
+/// The same shape with front and back exchanged.
 #[must_use]
 pub fn flip((positions, mut triangles): Shape) -> Shape {
     for corners in &mut triangles {
@@ -32,7 +32,7 @@ pub fn flip((positions, mut triangles): Shape) -> Shape {
     (positions, triangles)
 }
 
-/// Several shapes as one.
+/// Merges several shapes into one.
 #[must_use]
 pub fn join(shapes: impl IntoIterator<Item = Shape>) -> Shape {
     let mut joined = Shape::default();
@@ -50,13 +50,13 @@ pub fn area(shape: &Shape) -> f64 {
     corners(shape).map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum()
 }
 
-/// Volume that a closed shape encloses, negative where it faces inwards (the divergence theorem).
+/// Volume enclosed by a closed shape, negative if it faces inwards (divergence theorem).
 #[must_use]
 pub fn volume(shape: &Shape) -> f64 {
     corners(shape).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }
 
-/// How many directed edges lack the one that runs the other way; 0 for a closed shape.
+/// Number of directed edges without a counterpart in the opposite direction; 0 for a closed shape.
 #[must_use]
 pub fn open_edges(shape: &Shape) -> usize {
     edges::open_edges(shape.1.iter().copied())
@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// Closed by shared vertices: every edge twice, once in each direction, and no vertex unused.
+    /// Checks that shared vertices close the mesh: every edge twice, once per direction, and no unused vertex.
     pub(super) fn assert_closed(name: &str, shape: &Shape) {
         assert_eq!(open_edges(shape), 0, "{name} has open edges");
         let mut edges: Vec<(u32, u32)> = shape.1.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
@@ -82,7 +82,7 @@ mod tests {
         assert!(used.into_iter().all(|used| used), "{name} has vertices that no triangle uses");
     }
 
-    /// Euler's characteristic V − E + F.
+    /// Euler characteristic V − E + F.
     fn euler(shape: &Shape) -> i64 {
         shape.0.len() as i64 - (shape.1.len() * 3 / 2) as i64 + shape.1.len() as i64
     }
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn closed_shapes_are_closed_face_outwards_and_have_the_right_size() {
         let at = [3.0, -2.0, 0.5];
-        // Name, shape, area, volume, Euler's characteristic, relative tolerance of both sizes.
+        // Name, shape, area, volume, Euler characteristic, relative tolerance of area and volume.
         let cases = [
             ("icosphere", icosphere(5, at, 2.0), 16.0 * PI, 32.0 / 3.0 * PI, 2, 2e-3),
             ("uv sphere", uv_sphere(128, 64, at, 2.0), 16.0 * PI, 32.0 / 3.0 * PI, 2, 2e-3),

@@ -1,4 +1,4 @@
-//! Flat shapes, with one side.
+//! Flat, one-sided shapes.
 
 use super::Shape;
 use glam::DVec3;
@@ -34,8 +34,8 @@ pub fn grid(corners: [[f64; 3]; 4], columns: u32, rows: u32) -> Shape {
     (positions.collect(), triangles.collect())
 }
 
-/// A disc that faces along `normal` (not zero, need not be unit), of at least 3 segments inscribed
-/// in a circle of that radius.
+/// A disc facing `normal` (not zero, need not be unit), of at least 3 segments inscribed
+/// in a circle of the given radius.
 #[must_use]
 pub fn disc(center: [f64; 3], normal: [f64; 3], radius: f64, segments: u32) -> Shape {
     let segments = segments.max(3);

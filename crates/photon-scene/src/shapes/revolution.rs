@@ -1,4 +1,4 @@
-//! Profiles turned about the y axis.
+//! Surfaces of revolution about the y axis.
 
 use super::{Shape, translate};
 use std::f64::consts::TAU;
@@ -34,7 +34,7 @@ pub fn revolve(profile: &[[f64; 2]], segments: u32) -> Shape {
     (positions, triangles)
 }
 
-/// The ring that a closed profile of `[radius, height]` points makes when turned about the y axis.
+/// The ring obtained by revolving a closed profile of `[radius, height]` points about the y axis.
 ///
 /// The profile runs counter-clockwise with the radius to the right and the height upwards; all radii
 /// are > 0. At least 3 segments. A profile of fewer than three points makes an empty shape.
@@ -55,16 +55,16 @@ pub fn revolve_loop(profile: &[[f64; 2]], segments: u32) -> Shape {
     (turned(profile, segments), triangles)
 }
 
-/// A closed cylinder about a vertical axis; `center` is the centre of its bottom. Its at least 3
-/// segments are inscribed.
+/// A closed cylinder about a vertical axis; `center` is the centre of its base. Its segments, at least 3,
+/// are inscribed.
 #[must_use]
 pub fn cylinder(center: [f64; 3], radius: f64, height: f64, segments: u32) -> Shape {
     let profile = [[0.0, 0.0], [radius, 0.0], [radius, height], [0.0, height]];
     translate(revolve(&profile, segments), center)
 }
 
-/// A ring with a rectangular section about a vertical axis; `center` is the centre of its bottom.
-/// Needs 0 < inner < outer; its at least 3 segments are inscribed.
+/// A ring of rectangular cross-section about a vertical axis; `center` is the centre of its base.
+/// Requires 0 < inner < outer; its segments, at least 3, are inscribed.
 #[must_use]
 pub fn tube(center: [f64; 3], inner: f64, outer: f64, height: f64, segments: u32) -> Shape {
     let profile = [[inner, 0.0], [outer, 0.0], [outer, height], [inner, height]];
@@ -72,7 +72,7 @@ pub fn tube(center: [f64; 3], inner: f64, outer: f64, height: f64, segments: u32
 }
 
 /// A torus about a vertical axis through `center`: a circle of radius `minor` at distance `major`,
-/// of at least 3 by 3 segments inscribed. Needs 0 < minor < major.
+/// with at least 3 by 3 inscribed segments. Requires 0 < minor < major.
 #[must_use]
 pub fn torus(center: [f64; 3], major: f64, minor: f64, segments: u32, sides: u32) -> Shape {
     let sides = sides.max(3);
@@ -85,7 +85,7 @@ pub fn torus(center: [f64; 3], major: f64, minor: f64, segments: u32, sides: u32
     translate(revolve_loop(&profile, segments), center)
 }
 
-/// One ring of vertices for each point.
+/// One ring of vertices for each profile point.
 fn turned(profile: &[[f64; 2]], segments: u32) -> Vec<[f64; 3]> {
     let ring = |&[radius, height]: &[f64; 2]| {
         (0..segments).map(move |step| {
@@ -96,7 +96,7 @@ fn turned(profile: &[[f64; 2]], segments: u32) -> Vec<[f64; 3]> {
     profile.iter().flat_map(ring).collect()
 }
 
-/// The two triangles between two rings and two steps.
+/// The two triangles between two rings and two segment boundaries.
 fn band(triangles: &mut Vec<[u32; 3]>, below: u32, above: u32, step: u32, next: u32) {
     let [a, b, c, d] = [below + step, above + step, above + next, below + next];
     triangles.push([a, b, c]);

@@ -1,4 +1,4 @@
-//! Solids with flat sides, and moving them about.
+//! Polyhedra, and transforms of shapes.
 
 use super::{Shape, grid};
 
@@ -10,12 +10,12 @@ pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Shape {
     prism(&[[x0, z0], [x0, z1], [x1, z1], [x1, z0]], 0, y0, y1)
 }
 
-/// A polygon of `[x, z]` points, stretched from height `bottom` to height `top`.
+/// A polygon of `[x, z]` points, extruded from height `bottom` to height `top`.
 ///
 /// The points run counter-clockwise as seen from above (from +z towards +x), at least 3 of them.
-/// The caps are fans about the point number `hub`, from which all others must be visible: any point
-/// of a convex polygon, the inner corner of an L. Fewer points, or a hub beyond them, make an empty
-/// shape.
+/// The caps are fans around point number `hub`, from which all others must be visible: any point
+/// of a convex polygon, the inner corner of an L. With fewer points, or a hub out of range, the shape is
+/// empty.
 #[must_use]
 pub fn prism(polygon: &[[f64; 2]], hub: u32, bottom: f64, top: f64) -> Shape {
     let count = polygon.len() as u32;
@@ -52,12 +52,12 @@ pub fn height_field(
 ) -> Shape {
     let [nx, nz] = cells.map(|count| count.max(1));
     let [[x0, z0], [x1, z1]] = [low, high];
-    // Columns run along z, as the first side of the quadrilateral does.
+    // Columns run along z, as does the first side of the quadrilateral.
     let (mut positions, mut triangles) = grid([[x0, 0., z0], [x0, 0., z1], [x1, 0., z1], [x1, 0., z0]], nz, nx);
     for at in &mut positions {
         at[1] = height(at[0], at[2]);
     }
-    // The rim, counter-clockwise as seen from above.
+    // The boundary, counter-clockwise as seen from above.
     let at = |x: u32, z: u32| x * (nz + 1) + z;
     let rim: Vec<u32> = (0..nz)
         .map(|z| at(0, z))
@@ -65,7 +65,7 @@ pub fn height_field(
         .chain((0..nz).map(|z| at(nx, nz - z)))
         .chain((0..nx).map(|x| at(nx - x, 0)))
         .collect();
-    // The bottom is a fan about its middle: it needs no more corners than the rim has.
+    // The bottom is a fan around its centre, so that it needs no vertices other than those of the boundary.
     let middle = positions.len() as u32;
     positions.push([(x0 + x1) / 2.0, bottom, (z0 + z1) / 2.0]);
     positions.extend(
@@ -81,7 +81,7 @@ pub fn height_field(
     (positions, triangles)
 }
 
-/// Moves a shape.
+/// Translates a shape.
 #[must_use]
 pub fn translate((mut positions, triangles): Shape, by: [f64; 3]) -> Shape {
     for at in &mut positions {
@@ -92,7 +92,7 @@ pub fn translate((mut positions, triangles): Shape, by: [f64; 3]) -> Shape {
     (positions, triangles)
 }
 
-/// Turns a shape about the y axis, by radians from +z towards +x.
+/// Rotates a shape about the y axis, by radians from +z towards +x.
 #[must_use]
 pub fn rotate_y((mut positions, triangles): Shape, angle: f64) -> Shape {
     let (sin, cos) = libm::sincos(angle);

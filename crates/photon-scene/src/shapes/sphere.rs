@@ -5,11 +5,11 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// More would not fit the memory of most machines: 20 million triangles.
+/// More would exceed the memory of most machines: 20 million triangles.
 const MAX_SUBDIVISIONS: u32 = 10;
 
-/// A sphere of `20 · 4^subdivision` nearly equal triangles, inscribed: an icosahedron whose
-/// triangles are divided into four, again and again, at most 10 times.
+/// A sphere of `20 · 4^subdivision` nearly equal inscribed triangles: an icosahedron whose
+/// triangles are subdivided into four repeatedly, at most 10 times.
 #[must_use]
 pub fn icosphere(subdivision: u32, center: [f64; 3], radius: f64) -> Shape {
     let (mut points, mut triangles) = icosahedron();
@@ -18,7 +18,7 @@ pub fn icosphere(subdivision: u32, center: [f64; 3], radius: f64) -> Shape {
         let mut finer = Vec::with_capacity(triangles.len() * 4);
         for [a, b, c] in triangles {
             let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
-                // The neighbour on the other side of the edge finds the same vertex.
+                // The triangle on the other side of the edge looks up the same vertex.
                 *middles.entry((from.min(to), from.max(to))).or_insert_with(|| {
                     points.push((points[from as usize] + points[to as usize]).normalize_or_zero());
                     points.len() as u32 - 1
@@ -32,7 +32,7 @@ pub fn icosphere(subdivision: u32, center: [f64; 3], radius: f64) -> Shape {
     (points.into_iter().map(|at| (center + at * radius).to_array()).collect(), triangles)
 }
 
-/// The icosahedron in the unit sphere: the corners of three golden rectangles at right angles.
+/// The icosahedron in the unit sphere: the corners of three perpendicular golden rectangles.
 fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut points = Vec::with_capacity(12);
@@ -44,7 +44,7 @@ fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
             points.push(DVec3::from_array(at));
         }
     }
-    // Neighbours are 2 apart, all others at least 2 · golden.
+    // Neighbours are at distance 2, all others at least 2 · golden.
     let near = |a: usize, b: usize| points[a].distance_squared(points[b]) < 5.0;
     let mut triangles = Vec::with_capacity(20);
     for a in 0..12 {
@@ -61,8 +61,8 @@ fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (points.into_iter().map(DVec3::normalize_or_zero).collect(), triangles)
 }
 
-/// A sphere of `segments` meridians (at least 3) and `rings` bands (at least 2), inscribed, with
-/// poles above and below.
+/// An inscribed sphere of `segments` meridians (at least 3) and `rings` bands (at least 2), with
+/// poles at the top and bottom.
 #[must_use]
 pub fn uv_sphere(segments: u32, rings: u32, center: [f64; 3], radius: f64) -> Shape {
     let rings = rings.max(2);

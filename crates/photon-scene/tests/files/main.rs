@@ -1,4 +1,4 @@
-//! Files of the formats that are read, written by the tests themselves.
+//! Files of the supported formats, written by the tests themselves.
 
 mod obj;
 mod overrides;

@@ -41,7 +41,7 @@ fn obj_and_mtl() {
         "left out: material 'rough': its textures (wood grain.png)",
         "left out: material 'rough': its statements Pr 0.4",
         "note: material 'lamp': emits [5.0, 4.0, 3.0]",
-        "material 'nowhere': is nowhere defined",
+        "material 'nowhere': is not defined",
         "1 statements 'l'",
         "has no camera",
     ] {
@@ -66,8 +66,8 @@ fn obj_says_what_it_approximates() {
     let colored = report("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 # all\n");
     names(&colored.to_string(), &["the colours of 1 vertices"]);
     let lost = report("mtllib gone.mtl\nusemtl a#b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    names(&lost.to_string(), &["gone.mtl'", "is not there", "'a#b': is nowhere defined"]);
-    // Latin-1 is not UTF-8, and still a comment.
+    names(&lost.to_string(), &["gone.mtl'", "does not exist", "'a#b': is not defined"]);
+    // Latin-1 is not UTF-8, and still accepted in a comment.
     let path = folder.file("latin.obj", b"# \xfc\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     assert!(load_obj(&path).is_ok());
 }
@@ -89,7 +89,7 @@ fn obj_faults_name_their_line() {
     names(&fault(&format!("{start}f 1 2\n")), &["line 4", "face 1 has 2 corners"]);
     names(&fault("v 0 0 0\nv 1 nan 0\n"), &["line 2", "nan", "finite"]);
     names(&fault("v 0 0\n"), &["line 1", "nothing", "three finite numbers"]);
-    // Wild references to what is not used do no harm.
+    // Invalid references to unused data do no harm.
     assert!(load_obj(&folder.file("b.obj", format!("vt 0 0\n{start}f 1/-9/-9 2/7/7 3//0\n"))).is_ok());
     for (statement, hint) in [
         ("Kd 1 x 0", "one number, or three"),
@@ -111,7 +111,7 @@ fn obj_faults_name_their_line() {
     assert!(scene.warnings()[0].contains("no triangles"));
 }
 
-/// A device has no end.
+/// A device can be read without end.
 #[cfg(unix)]
 #[test]
 fn a_library_that_is_a_device_is_not_read() {
@@ -126,7 +126,7 @@ fn a_library_that_is_a_device_is_not_read() {
     assert!(words.contains("/dev/zero"), "{words}");
 }
 
-/// A vertex whose line is joined to the one before is none: faces may not refer to it. Found by fuzzing.
+/// A vertex statement that is joined to the previous line is no vertex: faces may not refer to it. Found by fuzzing.
 #[test]
 fn obj_lines_that_are_joined_count_once() {
     let folder = Folder::new("obj-joined");

@@ -93,7 +93,7 @@ fn overrides_are_laid_over() {
     assert_eq!(material(&scene, "floor").albedo, [0.1, 0.2, 0.3]);
     assert_eq!(material(&scene, "glow").flags, Material::EMITS_BOTH_SIDES);
 
-    // The quadrilateral stands where it was put, facing up; the relative one, on the box of the
+    // The absolute quadrilateral is where it was put, facing up; the relative one, in terms of the bounding box of the
     // file: centre (1, 1, 0), extent 2, facing +z.
     let primitives = scene.view().primitives;
     assert_eq!((scene.mesh_of_triangle(8), primitives[8].normal), ("override quad 0", [0.0, 1.0, 0.0]));

@@ -69,7 +69,7 @@ fn ply_strips_alternate() {
 #[test]
 fn ply_polygons_that_a_fan_does_not_cover() {
     let folder = Folder::new("ply-concave");
-    // A chevron and a triangle. From the chevron's tip a fan covers it, from a wing it sticks out.
+    // A chevron and a triangle. A fan from the chevron's tip covers it, one from a wing does not.
     let report = |chevron: &str| {
         let text = format!(
             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
@@ -97,7 +97,7 @@ fn ply_faults() {
     names(&fault(ascii.replace("property short z", "property short w").as_bytes()), &["vertex 0", "x, y and z"]);
     names(&fault(ascii.replace("vertex 5", "vertex 99999999999").as_bytes()), &["99999999999 elements 'vertex'"]);
     let hollow = "ply\nformat binary_little_endian 1.0\nelement air 9000000000000\nend_header\n";
-    names(&fault(hollow.as_bytes()), &["'air'", "cannot be there"]);
+    names(&fault(hollow.as_bytes()), &["'air'", "more than the file can hold"]);
     let infinite = ascii.replace("0.5 4 1", "0.5 inf 1");
     names(&message(load(&folder.file("b.ply", infinite), None)), &["b.ply, line 17", "0.5 inf 1"]);
     // The first vertex's first coordinate, after the header.

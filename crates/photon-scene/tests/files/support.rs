@@ -1,10 +1,10 @@
-//! What the tests of all formats share.
+//! Shared helpers of the tests of all formats.
 
 use photon_core::Material;
 use photon_scene::{Scene, SceneError};
 use std::path::PathBuf;
 
-/// A folder of its own, removed at the end.
+/// A temporary folder, removed at the end.
 pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl Folder {
@@ -23,7 +23,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // Left behind at worst.
+        // At worst the folder is left behind.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

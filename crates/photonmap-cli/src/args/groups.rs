@@ -1,6 +1,6 @@
 //! The options of `photonmap render` and `photonmap explain`, in the groups that `--help` shows.
 //!
-//! Options marked `hide_short_help` are listed by `--help` alone; `-h` shows what a first picture takes.
+//! Options marked `hide_short_help` are listed only by `--help`; `-h` shows what a first picture needs.
 
 use std::path::PathBuf;
 
@@ -13,14 +13,14 @@ use super::values::{caustic_photons, choice, count, size, total};
 use crate::backend::BackendName;
 use crate::tonemap::ToneMap;
 
-/// What is rendered.
+/// The scene to render.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneArgs {
     /// A .gltf, .glb, .obj or .ply file, or the name of a built-in scene.
     #[arg(default_value = "cornell-glass")]
     pub scene: String,
-    /// Lights, materials and cameras that the file lacks (see docs/scene-files.md).
+    /// File with lights, materials and cameras to add or change (see docs/scene-files.md).
     #[arg(long, value_name = "FILE.toml")]
     pub overrides: Option<PathBuf>,
     /// Treat everything that the loader approximates or leaves out as an error.
@@ -28,7 +28,7 @@ pub struct SceneArgs {
     pub strict: bool,
 }
 
-/// Size and viewpoint of the picture.
+/// Size and camera of the picture.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureArgs {
@@ -40,7 +40,7 @@ pub struct PictureArgs {
     pub camera: Option<String>,
 }
 
-/// The files that are written.
+/// The output files.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct OutputArgs {
@@ -58,11 +58,11 @@ pub struct OutputArgs {
     pub json: Option<PathBuf>,
 }
 
-/// How good the picture is to be, and when to stop.
+/// Quality of the picture, and stopping criteria.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Quality and time")]
 pub struct BudgetArgs {
-    /// Settings for a purpose: a quick look, everyday work, or a finished picture. Options given besides take
+    /// Settings for a purpose: a quick look, everyday work, or a finished picture. Options given explicitly take
     /// precedence.
     #[arg(long, value_parser = choice::<Preset>(Preset::ALL.map(Preset::name)))]
     pub preset: Option<Preset>,
@@ -84,7 +84,7 @@ pub struct BudgetArgs {
     /// Fraction of the pixels with an error estimate that must reach --target-error.
     #[arg(long, value_name = "FRACTION", default_value_t = 0.95, hide_short_help = true)]
     pub share: f64,
-    /// Number of photon paths in all, in whole passes; `k` and `M` are understood.
+    /// Total number of photon paths, in whole passes; the suffixes `k` and `M` are accepted.
     #[arg(long, value_name = "N", value_parser = total, hide_short_help = true)]
     pub total_photons: Option<u64>,
     /// Estimate the error of each pixel: channels stderr, bias, claimed and flag of an EXR. Implied by
@@ -97,30 +97,30 @@ pub struct BudgetArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Photons")]
 pub struct PhotonArgs {
-    /// Photon paths emitted per pass; `k` and `M` are understood [default: 200k].
+    /// Photon paths emitted per pass; the suffixes `k` and `M` are accepted [default: 200k].
     #[arg(long, value_name = "N", value_parser = count)]
     pub photons: Option<u32>,
-    /// Paths per pass that are aimed at mirrors and glass, for caustics: a number, `auto`, or `shared` for none
-    /// besides --photons [default: auto, with --estimator paper shared].
+    /// Paths per pass aimed at mirrors and glass by a projection map, for caustics: a number, `auto`, or `shared` for
+    /// no paths besides --photons [default: auto, with --estimator paper shared].
     #[arg(long, value_name = "N", value_parser = caustic_photons, hide_short_help = true)]
     pub caustic_photons: Option<CausticPhotons>,
-    /// Longest path, in surfaces that it meets [default: 64].
+    /// Maximum length of a path, in surface hits [default: 64].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub max_bounces: Option<u32>,
-    /// Key of all random numbers: the same key gives the same picture.
+    /// Seed of all random numbers: the same seed gives the same picture.
     #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true)]
     pub seed: u64,
-    /// Random numbers of photons: counter-based, the linear congruential generator of Lin and Wang 2010, or
-    /// Sobol's sequence [default: counter, with --estimator paper lcg].
+    /// Random number generator of photons: counter-based, the linear congruential generator of Lin and Wang 2010, or
+    /// the Sobol sequence [default: counter, with --estimator paper lcg].
     #[arg(long, value_parser = choice::<RandomKind>(RandomKind::ALL.map(RandomKind::name)), hide_short_help = true)]
     pub rng: Option<RandomKind>,
-    /// How paths are distributed over threads: fixed quotas, or a shared counter; the picture is the same
+    /// How paths are scheduled on threads: static quotas, or a shared counter (dynamic); the picture is the same
     /// [default: dynamic, with --estimator paper static].
     #[arg(long, alias = "sharing", value_parser = choice::<Scheduling>(Scheduling::ALL.map(Scheduling::name)), hide_short_help = true)]
     pub scheduling: Option<Scheduling>,
 }
 
-/// How photons become radiance.
+/// How radiance is estimated from photons.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Density estimation")]
 pub struct EstimateArgs {
@@ -134,10 +134,10 @@ pub struct EstimateArgs {
     /// Search radius of the first pass, in the scene's unit of length [default: from the photon density].
     #[arg(long, value_name = "R", hide_short_help = true)]
     pub radius: Option<f64>,
-    /// Factor on radii that are derived: below 1 for sharper caustics, above 1 for smoother light [default: 1].
+    /// Factor on derived radii: below 1 for sharper caustics, above 1 for smoother light [default: 1].
     #[arg(long, value_name = "F", hide_short_help = true)]
     pub radius_factor: Option<f64>,
-    /// How fast radii shrink from pass to pass, above 0 and at most 1; 1 keeps them [default: 2/3].
+    /// How fast radii shrink from pass to pass, above 0 and at most 1; 1 keeps them constant [default: 2/3].
     #[arg(long, value_name = "ALPHA", hide_short_help = true)]
     pub alpha: Option<f64>,
     /// Weight by distance: constant, epanechnikov, cone, cone:SLOPE or biweight
@@ -148,7 +148,7 @@ pub struct EstimateArgs {
     /// removes dark edges [default: disc, or that of --preset or --time].
     #[arg(long, value_parser = choice::<Area>(Area::ALL.map(Area::name)), hide_short_help = true)]
     pub area: Option<Area>,
-    /// One radius for each photon map, or one for each pixel from its own noise and bias, which estimates errors too
+    /// One radius for each photon map, or one for each pixel from its own noise and bias, which also estimates errors
     /// [default: shared, or that of --preset or --time].
     #[arg(long, value_parser = choice::<Bandwidth>(Bandwidth::ALL.map(Bandwidth::name)), hide_short_help = true)]
     pub bandwidth: Option<Bandwidth>,
@@ -160,7 +160,7 @@ pub struct EstimateArgs {
     /// order [default: morton, with --estimator paper median].
     #[arg(long, value_parser = choice::<IndexKind>(IndexKind::ALL.map(IndexKind::name)), hide_short_help = true)]
     pub index: Option<IndexKind>,
-    /// With --estimator paper: fewest photons of an estimate.
+    /// With --estimator paper: minimum number of photons of an estimate.
     #[arg(long, value_name = "N", default_value_t = 8, hide_short_help = true)]
     pub paper_threshold: u32,
     /// With --estimator paper: its free scale factor.
@@ -189,17 +189,17 @@ pub struct LightArgs {
     pub irradiance_every: Option<u32>,
 }
 
-/// What it runs on.
+/// Backend, threads and memory.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Machine")]
 pub struct MachineArgs {
-    /// Where to compute.
+    /// Backend that computes.
     #[arg(long, value_enum, default_value_t = BackendName::Auto)]
     pub backend: BackendName,
     /// Number of threads on the CPU [default: all cores].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub threads: Option<usize>,
-    /// Limit on the memory of the process, such as 2GiB; passes then have fewer photons, and there are more of them.
+    /// Limit on the memory of the process, such as 2GiB; passes then have fewer photons, and there are more passes.
     #[arg(long, value_name = "SIZE", value_parser = crate::memory::parse, hide_short_help = true)]
     pub memory: Option<u64>,
 }

@@ -1,4 +1,4 @@
-//! Options in, settings out.
+//! Command lines and the settings that they give.
 
 use super::*;
 use photon_core::{Area, CausticPhotons, Kernel, RandomKind, Scheduling};

@@ -1,4 +1,4 @@
-//! How the values of options are read.
+//! Parsers of option values.
 
 use std::error::Error;
 use std::str::FromStr;
@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use photon_core::CausticPhotons;
 
-/// One of the named values of an option type of the library.
+/// Parser of the names of an option type of the library.
 pub(super) fn choice<T>(names: impl IntoIterator<Item = &'static str>) -> impl TypedValueParser<Value = T>
 where
     T: FromStr + Clone + Send + Sync + 'static,
@@ -15,7 +15,7 @@ where
     PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
 }
 
-/// A number of photons in all, which may be more than 32 bits hold.
+/// A total number of photons, which may exceed 32 bits.
 pub(super) fn total(text: &str) -> Result<u64, String> {
     count(text).map(u64::from).or_else(|_| match text.parse::<u64>() {
         Ok(number) if number > 0 => Ok(number),
@@ -23,7 +23,7 @@ pub(super) fn total(text: &str) -> Result<u64, String> {
     })
 }
 
-/// Width and height.
+/// Parses width and height.
 pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     let (width, height) = parsed.ok_or("give two whole numbers with an x between, such as 640x480")?;
@@ -31,7 +31,7 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     Ok((width, height))
 }
 
-/// A whole number of paths, with `k` for a thousand and `M` for a million.
+/// Parses a whole number of paths, with `k` for a thousand and `M` for a million.
 pub(super) fn count(text: &str) -> Result<u32, String> {
     let (digits, factor) = match text.strip_suffix(['k', 'K']) {
         Some(digits) => (digits, 1e3),

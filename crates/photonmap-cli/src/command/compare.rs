@@ -14,19 +14,19 @@ use crate::{atomic_write, difference, flip, png_file, stdout};
 /// Compare two pictures: relative mean square error, FLIP, and a picture of the signed difference.
 ///
 /// relMSE is the mean over pixels of (x − y)² / (y² + ȳ²/100), with y the reference and ȳ its mean. FLIP (Andersson et
-/// al. 2020) is what a viewer sees when the tone-mapped pictures alternate, from 0 to 1.
+/// al. 2020) is the difference that a viewer sees when the tone-mapped pictures alternate, from 0 to 1.
 #[derive(Clone, Debug, Args)]
 pub struct CompareArgs {
-    /// The reference.
+    /// The reference picture.
     #[arg(value_name = "A.exr")]
     reference: PathBuf,
-    /// The picture to judge.
+    /// The picture to compare with it.
     #[arg(value_name = "B.exr")]
     picture: PathBuf,
-    /// Write the signed difference: grey where there is none, brighter where B is brighter than A.
+    /// Write the signed difference: grey for none, brighter where B is brighter than A.
     #[arg(short, long, value_name = "FILE.png")]
     output: Option<PathBuf>,
-    /// Gain of that picture: differences of the mean of A divided by this are white or black.
+    /// Gain of the difference picture: differences of the mean of A divided by this are white or black.
     #[arg(long, value_name = "G", default_value_t = 10.0)]
     gain: f32,
     /// Write the FLIP of each pixel, black for 0 and white for 1.
@@ -46,7 +46,7 @@ pub struct CompareArgs {
     json: Option<PathBuf>,
 }
 
-/// Reads both pictures, prints the figures, and writes what is asked for.
+/// Reads both pictures, prints the figures, and writes the requested files.
 ///
 /// # Errors
 /// [`Fault::Input`] for files that cannot be read, sizes that differ, pixels that are not finite, and options out of
@@ -136,7 +136,7 @@ fn check(args: &CompareArgs) -> Result<(), Fault> {
     args.json.iter().filter(|path| path.as_os_str() != "-").try_for_each(|path| atomic_write::check(path))
 }
 
-/// A picture whose pixels are all finite.
+/// Reads a picture whose pixels are all finite.
 fn read(path: &Path) -> Result<Picture, Fault> {
     let picture = exr_file::read(path)?;
     match picture.pixels.iter().position(|pixel| pixel.iter().any(|c| !c.is_finite())) {

@@ -4,7 +4,7 @@ use crate::backend;
 use crate::fault::Fault;
 use crate::stdout;
 
-/// Lists the Vulkan devices, one a line, and what each lacks.
+/// Lists the Vulkan devices, one per line, and what each lacks.
 ///
 /// # Errors
 /// [`Fault::Input`] if there is no Vulkan loader or driver.

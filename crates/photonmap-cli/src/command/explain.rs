@@ -6,10 +6,10 @@ use crate::args::ExplainArgs;
 use crate::fault::Fault;
 use crate::{load, stdout};
 
-/// Prints what the scene needs with these settings, what is left out, and how photons are shared among lights.
+/// Prints what the scene requires with these settings, what is left out, and how photons are distributed over lights.
 ///
 /// # Errors
-/// As [`load::scene`], and settings that make no sense.
+/// As [`load::scene`], and invalid settings.
 pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
     let settings = args.settings.settings()?;
     let (scene, _) = load::scene(&args.scene)?;

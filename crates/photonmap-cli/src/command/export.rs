@@ -11,14 +11,14 @@ use crate::{atomic_write, load, mitsuba};
 
 /// Write a scene as a glTF binary (.glb), or for Mitsuba 3 (.xml).
 ///
-/// A .glb holds everything: `photonmap render F.glb` gives the same picture as the scene, bit for bit. What glTF has no
-/// words for is in its extras, which other programs ignore; they read the same scene in single precision.
+/// A .glb contains the whole scene: `photonmap render F.glb` gives the same picture, bit for bit. What glTF cannot
+/// express is in its extras, which other programs ignore; they read the same scene in single precision.
 ///
 /// An .xml is for Mitsuba 3, with its triangles in the folder F-meshes beside it, and has one camera, that of --camera
 /// for a picture of --size.
 #[derive(Clone, Debug, Args)]
 pub struct ExportArgs {
-    /// What is written.
+    /// The scene to export.
     #[command(flatten)]
     scene: SceneArgs,
     /// File to write; its extension, .glb or .xml, chooses the format.
@@ -32,7 +32,7 @@ pub struct ExportArgs {
 /// Writes the file.
 ///
 /// # Errors
-/// [`Fault::Input`] for a scene that cannot be loaded or expressed in the format, or an extension that is not known;
+/// [`Fault::Input`] for a scene that cannot be loaded or expressed in the format, or an unknown extension;
 /// [`Fault::Failure`] if the file cannot be written.
 pub fn run(args: &ExportArgs) -> Result<(), Fault> {
     let path = &args.output;

@@ -43,7 +43,7 @@ pub fn completions(args: &CompletionsArgs) -> Result<(), Fault> {
 /// [`Fault::Failure`] if standard output cannot be written.
 pub fn man(args: &ManArgs) -> Result<(), Fault> {
     let mut cli = Cli::command();
-    // Gives commands their full names, such as photonmap-render.
+    // Sets the full names of commands, such as photonmap-render.
     cli.build();
     let command = match &args.command {
         Some(name) => {
@@ -52,7 +52,7 @@ pub fn man(args: &ManArgs) -> Result<(), Fault> {
         }
         None => cli,
     };
-    // The manual says everything, also of options that `-h` leaves out.
+    // The manual describes all options, including those hidden from `-h`.
     let command = command.mut_args(|argument| argument.hide_short_help(false));
     let mut page = Vec::new();
     clap_mangen::Man::new(command).render(&mut page).map_err(Fault::failure)?;

@@ -123,7 +123,7 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Refuses points that are not finite, by their index.
+/// Rejects points that are not finite; the error has the index.
 fn finite(file: &Path, points: Vec<[f32; 3]>) -> Result<Vec<[f32; 3]>, Fault> {
     match points.iter().position(|point| point.iter().any(|c| !c.is_finite())) {
         None => Ok(points),

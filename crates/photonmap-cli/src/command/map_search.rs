@@ -9,32 +9,32 @@ use photon_core::{Backend, IndexKind, Photon, Stage};
 
 use crate::fault::Fault;
 
-/// What is looked for.
+/// The kind of search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Wanted {
-    /// So many nearest, none farther than the radius, which may be infinite.
+    /// The k nearest, none farther than the radius, which may be infinite.
     Nearest { k: u32, max_radius: f32 },
-    /// How many there are within the radius.
+    /// Their number within the radius.
     Count { radius: f32 },
 }
 
-/// What was found.
+/// The result of a search.
 #[derive(Debug)]
 pub(crate) struct Found {
-    /// Rows of ids, or counts.
+    /// Rows of photon indices, or counts.
     pub(crate) words: Vec<u32>,
     pub(crate) backend: &'static str,
-    /// The device, where there is one.
+    /// Name of the device, if any.
     pub(crate) device: Option<String>,
-    /// Threads, where it is they that searched.
+    /// Number of threads, if the search ran on the CPU.
     pub(crate) threads: Option<usize>,
-    /// Bytes of the arrangement, photons not counted; unknown on some backends.
+    /// Bytes of the index, photons not counted; unknown on some backends.
     pub(crate) bytes: Option<u64>,
     pub(crate) seconds_build: f64,
     pub(crate) seconds_query: f64,
 }
 
-/// On the processor's cores. A fault of the photons is said to be one of `file`.
+/// Searches on the CPU. An error in the photons names `file`.
 pub(crate) fn on_cpu(
     threads: Option<usize>,
     file: &Path,
@@ -69,8 +69,8 @@ pub(crate) fn on_cpu(
     Ok(Found { words, backend: "cpu", device: None, threads, bytes, seconds_build, seconds_query })
 }
 
-/// On a GPU. Seconds are by its own clock, so that neither the copies to and from it nor the compiling
-/// of kernels count.
+/// Searches on a GPU. Seconds are by its own clock, so that they include neither copies to and from the device
+/// nor the compilation of kernels.
 pub(crate) fn on_vulkan(
     mut on: Vulkan,
     photons: &[[f32; 3]],
@@ -78,7 +78,7 @@ pub(crate) fn on_vulkan(
     kind: IndexKind,
     wanted: Wanted,
 ) -> Result<Found, Fault> {
-    // Only where they are matters to these searches.
+    // These searches only use the positions.
     let records: Vec<Photon> = photons.iter().map(|&position| Photon { position, ..Photon::default() }).collect();
     let mut builder = on.map_stages(kind)?.builder;
     let there = on.upload("photons", &records)?;
@@ -103,7 +103,7 @@ pub(crate) fn on_vulkan(
     Ok(Found { words, backend: "vulkan", device, threads: None, bytes: None, seconds_build, seconds_query })
 }
 
-/// Seconds of one stage; by the host's clock where the device has none.
+/// Seconds of one stage; by the host's clock if the device has none.
 fn spent(on: &mut Vulkan, stage: Stage, begun: Instant) -> Result<f64, Fault> {
     let seconds = on.timings()?.get(stage);
     Ok(if seconds > 0.0 { seconds } else { begun.elapsed().as_secs_f64() })

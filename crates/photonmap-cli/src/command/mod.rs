@@ -21,7 +21,7 @@ use crate::fault::{self, Fault};
 #[derive(Debug, Parser)]
 #[command(name = "photonmap", version, propagate_version = true, arg_required_else_help = true, after_help = AFTER)]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     command: Command,
 }
@@ -89,7 +89,7 @@ mod tests {
         Cli::command().debug_assert();
     }
 
-    /// `-h` is for a first picture: it fits a screen, and `--help` says more.
+    /// `-h` is for a first picture: it fits on a screen, and `--help` lists everything.
     #[test]
     fn the_short_help_is_short() {
         let mut command = Cli::command();

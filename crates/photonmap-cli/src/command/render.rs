@@ -23,7 +23,7 @@ use crate::{atomic_write, exr_file, load, memory, png_file, stdout};
 /// Renders the scene and writes the files.
 ///
 /// # Errors
-/// [`Fault::Input`] for options, scenes and paths that make no sense, before anything is rendered;
+/// [`Fault::Input`] for invalid options, scenes and paths, before anything is rendered;
 /// [`Fault::Failure`] if rendering or writing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     args.files.check()?;
@@ -85,7 +85,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Checked before anything is rendered.
+/// The output files, checked before anything is rendered.
 fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
     if args.files.output.is_empty() {
         let stem = Path::new(&args.scene.scene).file_stem().unwrap_or_default();
@@ -104,12 +104,12 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
     Ok(args.files.output.clone())
 }
 
-/// Set by Ctrl-C.
+/// A flag that is set by Ctrl-C.
 fn interrupt() -> Result<Arc<AtomicBool>, Fault> {
     let stop = Arc::new(AtomicBool::new(false));
     let heard = Arc::clone(&stop);
     let handler = ctrlc::set_handler(move || {
-        // The first asks for the picture so far; the second does not wait for it.
+        // The first Ctrl-C requests the picture so far; the second ends the program at once.
         if heard.swap(true, Ordering::SeqCst) {
             std::process::exit(130);
         }
@@ -118,7 +118,7 @@ fn interrupt() -> Result<Arc<AtomicBool>, Fault> {
     Ok(stop)
 }
 
-/// Lights that get hardly any photons, if photons are sent out.
+/// Warnings about lights that get hardly any photons, if photons are traced.
 fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
     let facts = renderer.facts();
     let required = &facts.required;
@@ -139,7 +139,7 @@ fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
 
 fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
     let chosen = backend::open(args.machine.backend, args.machine.threads)?;
-    // Measured now, since a driver takes memory of its own when it is opened.
+    // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
     let settings = &Settings { memory, ..settings.clone() };
     match chosen {
@@ -164,11 +164,11 @@ fn passes(
     started: Instant,
     stop: &AtomicBool,
 ) -> Result<Outcome, Fault> {
-    // The time asked for is that of the whole program.
+    // The requested time is that of the whole program.
     let limit = args.settings.budget.time.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX));
     let time = limit.map(|time| time.saturating_sub(started.elapsed() + writing(args)));
     let mut plan = args.settings.plan(time);
-    // As many photons in all, if memory makes passes smaller.
+    // The same total number of photons, if the memory limit makes passes smaller.
     let each = renderer.facts().photons;
     if each < photons {
         eprintln!("memory: {each} paths a pass fit the limit");
@@ -208,7 +208,7 @@ fn passes(
     Ok(outcome)
 }
 
-/// About how long writing the pictures takes: a tenth of a microsecond a pixel for a PNG, and the
+/// Estimated time to write the pictures: a tenth of a microsecond per pixel for a PNG, and the
 /// compression of all layers for an EXR.
 fn writing(args: &RenderArgs) -> Duration {
     let (width, height) = args.settings.picture.size;

@@ -32,7 +32,7 @@ fn apply(matrix: [[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-/// XYZ relative to that of white.
+/// XYZ relative to the white point.
 fn relative_xyz(rgb: [f64; 3]) -> [f64; 3] {
     let (xyz, white) = (apply(TO_XYZ, rgb), apply(TO_XYZ, [1.0; 3]));
     std::array::from_fn(|axis| xyz[axis] / white[axis])
@@ -81,7 +81,7 @@ mod tests {
         }
     }
 
-    /// CIE 15: white is L* 100 without colour; sRGB's green and blue are known.
+    /// CIE 15: white has L* 100 and no chroma; the values of sRGB green and blue are known.
     #[test]
     fn lab_has_the_known_values() {
         let lab = |rgb| {

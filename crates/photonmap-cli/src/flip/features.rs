@@ -1,8 +1,8 @@
-//! Edges and points, which stand out when pictures alternate (section 4.2).
+//! Edges and points, which are noticeable when pictures alternate (section 4.2).
 
 use super::filter::{Plane, weights};
 
-/// Width of the detectors, degrees.
+/// Width of the feature detectors, degrees.
 const WIDTH: f64 = 0.082;
 
 /// Strength of edges and of points at each pixel; `luminance` is in `[0, 1]`.
@@ -23,7 +23,7 @@ pub(super) fn detect(luminance: &Plane, pixels_per_degree: f64) -> (Vec<f64>, Ve
     (strength(&edge), strength(&point))
 }
 
-/// Positive weights sum to 1, negative ones to −1.
+/// Normalises positive weights to sum 1, negative ones to −1.
 fn balanced(weights: Vec<f64>) -> Vec<f64> {
     let positive: f64 = weights.iter().filter(|weight| **weight > 0.0).sum();
     let negative: f64 = -weights.iter().filter(|weight| **weight < 0.0).sum::<f64>();

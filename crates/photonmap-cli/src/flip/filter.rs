@@ -1,4 +1,4 @@
-//! Separable filters, and the contrast sensitivity of the eye.
+//! Separable filters, and the contrast sensitivity function of the eye.
 
 use std::f64::consts::PI;
 
@@ -13,8 +13,8 @@ impl Plane {
         Self { values, width }
     }
 
-    /// Filtered by `across` along rows and by `down` along columns. Both have an odd number of weights; beyond the
-    /// rim the outermost pixels are repeated.
+    /// Filtered by `across` along rows and by `down` along columns. Both have an odd number of weights; the
+    /// outermost pixels are repeated beyond the border.
     pub(super) fn filtered(&self, across: &[f64], down: &[f64]) -> Self {
         let (width, height) = (self.width, self.values.len() / self.width);
         let pass = |from: &[f64], weights: &[f64], length: usize, at: &dyn Fn(usize, usize) -> usize| {
@@ -43,7 +43,7 @@ impl Plane {
     }
 }
 
-/// The weights `weight(x)` at whole distances up to `radius` on either side.
+/// The weights `weight(x)` at integer distances up to `radius` on either side.
 pub(super) fn weights(radius: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..=2 * radius).map(|place| weight(place as f64 - radius as f64)).collect()
 }
@@ -55,7 +55,7 @@ const TERMS: [[(f64, f64); 2]; 3] =
 /// Blurs the channels of the opponent space as the eye does (section 4.1.1).
 pub(super) fn contrast_sensitivity(channels: [Plane; 3], pixels_per_degree: f64) -> [Plane; 3] {
     let widest = TERMS.iter().flatten().map(|term| term.1).fold(0.0, f64::max);
-    // Three standard deviations of the widest.
+    // Three standard deviations of the widest filter.
     let radius = (3.0 * (widest / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as usize;
     let mut terms = TERMS.iter();
     channels.map(|channel| {
@@ -63,7 +63,7 @@ pub(super) fn contrast_sensitivity(channels: [Plane; 3], pixels_per_degree: f64)
         let parts = terms.map(|(a, b)| {
             let gaussian = weights(radius, |x| (-(PI * x / pixels_per_degree).powi(2) / b).exp());
             let sum: f64 = gaussian.iter().sum();
-            // Of two dimensions, whose weight is the square of the sum.
+            // In two dimensions, where the total weight is the square of the sum.
             (gaussian.iter().map(|weight| weight / sum).collect::<Vec<_>>(), a * (PI / b).sqrt() * sum * sum)
         });
         let whole = parts[0].1 + parts[1].1;

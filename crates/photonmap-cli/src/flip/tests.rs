@@ -1,4 +1,4 @@
-//! Known values, and what the difference must and must not see.
+//! Known values, and which differences must be detected.
 
 use super::*;
 
@@ -10,7 +10,7 @@ fn of(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     mean(a, b, 32, PIXELS_PER_DEGREE)
 }
 
-/// Smooth stripes and a disc, so that all parts of the difference have something to do.
+/// Smooth stripes and a disc, so that all parts of the measure contribute.
 fn scene() -> Vec<[f32; 3]> {
     let pixel = |at: usize| {
         let (x, y) = ((at % 32) as f32, (at / 32) as f32);
@@ -28,9 +28,9 @@ fn equal_pictures_do_not_differ() {
     assert!(map(&[], &[], 0, PIXELS_PER_DEGREE).is_empty());
 }
 
-/// Of flat pictures only the colour difference is left. White is 100 away from black: 100^0.7 = 25.119. Green and blue
-/// are 203.3 apart by HyAB of the Lab values in `colour`, with Hunt's adjustment: 41.28 to the power 0.7. Above 0.4 of
-/// that, 16.51, the rest goes to the last twentieth: 0.95 + 0.05 (25.119 − 16.51) / (41.28 − 16.51) = 0.9674.
+/// Between uniform pictures only the colour difference remains. White is 100 away from black: 100^0.7 = 25.119. Green
+/// and blue are 203.3 apart by HyAB of the Lab values in `colour`, with Hunt's adjustment: 41.28 to the power 0.7. Above 0.4
+/// of that, 16.51, the rest goes to the last twentieth: 0.95 + 0.05 (25.119 − 16.51) / (41.28 − 16.51) = 0.9674.
 #[test]
 fn black_and_white_are_nearly_1_apart() {
     let value = of(&flat([0.0; 3]), &flat([1.0; 3]));
@@ -39,7 +39,7 @@ fn black_and_white_are_nearly_1_apart() {
     assert!((most - 1.0).abs() < 1e-9, "{most}");
 }
 
-/// The program of the paper's authors (flip-evaluator 1.7, in single precision) says so of the same pictures: one with
+/// Values of the authors' program (flip-evaluator 1.7, in single precision) for the same pictures: one with
 /// less red, a white pixel, and its upper half a pixel to the right.
 #[test]
 fn the_authors_program_agrees() {
@@ -57,7 +57,7 @@ fn the_authors_program_agrees() {
     for (ours, theirs) in ours.into_iter().zip([0.238_752, 0.452_394, 0.414_813, 0.645_324]) {
         assert!((ours - theirs).abs() < 5e-4, "{ours} {theirs}");
     }
-    // Their white point has other last digits.
+    // Their white point differs in the last digits.
     let value = of(&flat([0.0; 3]), &flat([1.0; 3]));
     assert!((value - 0.967_391).abs() < 2e-5, "{value}");
 }
@@ -70,7 +70,7 @@ fn order_does_not_matter_and_values_stay_in_range() {
     assert!(there.iter().all(|value| (0.0..=1.0).contains(value)) && there.iter().any(|&value| value > 0.2));
 }
 
-/// One pixel that is off is seen, a greater error more so, and only in its neighbourhood.
+/// A single wrong pixel is detected, a larger error more strongly, and only in its neighbourhood.
 #[test]
 fn a_firefly_is_seen_where_it_is() {
     let clean = scene();
@@ -81,11 +81,11 @@ fn a_firefly_is_seen_where_it_is() {
     };
     let (small, large) = (with(0.5), with(1.0));
     assert!(large[20 * 32 + 27] > 0.3 && large[20 * 32 + 27] > small[20 * 32 + 27]);
-    // Beyond the reach of the widest filter, ten pixels.
+    // Beyond the radius of the widest filter, ten pixels.
     assert!(large[20 * 32 + 5] == 0.0 && large[2 * 32 + 27] == 0.0);
 }
 
-/// A shift of an edge is a feature that flat colour differences of the same size are not.
+/// A shifted edge is a feature, which weighs more than a uniform colour difference of the same size.
 #[test]
 fn an_edge_counts_more_than_a_gradient() {
     let step = |at: usize| [if at % 32 < 16 { 0.2 } else { 0.35 }; 3];

@@ -8,7 +8,7 @@ use photon_scene::Scene;
 use crate::atomic_write;
 use crate::fault::Fault;
 
-/// Writes them in user space, binary and in single precision; returns how many there are, and writes nothing for none.
+/// Writes them in user space, binary, in single precision; returns their number, and writes no file if it is 0.
 pub(super) fn write(scene: &Scene, material: u32, path: &Path) -> Result<usize, Fault> {
     let view = scene.view();
     let mut numbers = vec![u32::MAX; view.positions.len()];

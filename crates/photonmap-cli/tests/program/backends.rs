@@ -1,24 +1,24 @@
-//! How programs choose where to work, and what they say where there is no Vulkan.
+//! Selection of backends by programs, and their messages without Vulkan.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use crate::support::{folder, photonmap, refused, stderr};
 
-/// `render` with one variable of the environment set.
+/// `render` with one environment variable set.
 fn render(arguments: &[&str], variable: (&str, &Path)) -> Output {
     let mut command = photonmap("render");
     command.args(arguments).env_remove("PHOTON_VK_DEVICE").env(variable.0, variable.1).output().unwrap()
 }
 
-/// What takes Vulkan from a program: a variable, its value, and what the error must speak of.
+/// Ways to disable Vulkan for a program: a variable, its value, and what the error must mention.
 #[cfg(target_os = "linux")]
 fn obstacles(folder: &Path) -> Vec<(&'static str, PathBuf, &'static str)> {
-    // A file of that name which is no library: the dynamic linker stops there.
+    // A file of that name which is not a library: the dynamic linker fails on it.
     std::fs::write(folder.join("libvulkan.so.1"), "").unwrap();
     std::fs::write(folder.join("libvulkan.so"), "").unwrap();
     let mut all = vec![("LD_LIBRARY_PATH", folder.to_owned(), "loader")];
-    // What follows needs a loader, and the last a driver.
+    // The following cases need a loader, and the last one a driver.
     match backend_vulkan::devices() {
         Err(error) => eprintln!("skipped: no Vulkan: {error}"),
         Ok(_) => {
@@ -39,7 +39,7 @@ fn vulkan_that_is_not_there_is_an_error_with_a_hint() {
         assert_eq!(output.status.code(), Some(2), "{variable}: {text}");
         assert!(text.contains(culprit) && text.contains("CPU backend") | text.contains("--backend cpu"), "{text}");
         assert_eq!(text.lines().filter(|line| line.starts_with("error")).count(), 1, "{text}");
-        // What is named by its variable is no obstacle to a list.
+        // A device that cannot be selected by its variable does not prevent the list.
         if culprit != "no such card" {
             for mut list in [photonmap("devices"), photonmap("render")] {
                 if list.get_args().last().is_some_and(|name| name == "render") {
@@ -52,7 +52,7 @@ fn vulkan_that_is_not_there_is_an_error_with_a_hint() {
     }
 }
 
-/// The least that gives a picture.
+/// The smallest render that gives a picture.
 const SMALL: [&str; 7] = ["cornell", "--size", "8x8", "--photons", "500", "--passes", "1"];
 
 #[test]
@@ -71,7 +71,7 @@ fn auto_says_in_one_line_what_it_took() {
     assert!(line.starts_with(&format!("backend: {taken}")) && line.contains(", since "), "{line}");
 }
 
-/// By its number, and by a part of its name in any case; a number that there is not is named.
+/// By number, and by a part of the name in any case; an error names a number that does not exist.
 #[test]
 fn a_device_is_chosen_by_number_or_name() {
     let suitable = |found: Vec<backend_vulkan::Candidate>| found.into_iter().find(|device| device.lacks.is_empty());
@@ -95,8 +95,8 @@ fn a_device_is_chosen_by_number_or_name() {
     assert!(stderr(&output).contains("is not the 99 that was asked for"), "{output:?}");
 }
 
-/// Compiled pipelines are kept in the user's cache folder. A file that was damaged there is written anew,
-/// and a folder that cannot be written to does not matter.
+/// Compiled pipelines are cached in the user's cache folder. A damaged cache file is replaced,
+/// and a folder that is not writable does not matter.
 #[test]
 fn compiled_pipelines_are_kept_and_damage_is_survived() {
     if !backend_vulkan::devices().is_ok_and(|found| found.iter().any(|device| device.lacks.is_empty())) {
@@ -170,7 +170,7 @@ fn a_picture_is_the_same_on_either_backend() {
         let output = photonmap("render")
             .args(["cornell-glass", "--backend", backend, "--size", "24x24", "--photons", "5000", "--passes", "2"])
             .args(["-o", exr.to_str().unwrap(), "--json", json.to_str().unwrap()])
-            // Where the validation layer is installed, the loader lets it look on; it writes to standard output.
+            // Where the validation layer is installed, the loader enables it; it writes to standard output.
             .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
             .env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT")
             .output()
@@ -180,7 +180,7 @@ fn a_picture_is_the_same_on_either_backend() {
         let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
         assert_eq!(report["backend"], backend);
         assert_eq!(report["counters"]["balance"], true);
-        // On either, by the clock of what does the work: every stage that ran, together no more than all.
+        // On either backend, by the clock of the device: every stage that ran, and their sum is at most the total.
         let seconds = |stage: &str| report["seconds"][stage].as_f64().unwrap();
         let stages = ["emit+trace", "build", "eye", "direct", "estimate", "film"].map(seconds);
         assert!(stages.iter().all(|&seconds| seconds > 0.0), "{backend}: {report}");
@@ -192,13 +192,13 @@ fn a_picture_is_the_same_on_either_backend() {
         beauty.flat_map(|channel| channel.sample_data.values_as_f32().collect::<Vec<_>>()).collect::<Vec<f32>>()
     };
     let (cpu, vulkan) = (picture("cpu"), picture("vulkan"));
-    // Equal random numbers give equal paths, but for the few that rounding sends to another side of an
-    // edge: those move the mean of the absolute differences by far less than a hundredth.
+    // Equal random numbers give equal paths, except for the few that rounding sends to the other side of an
+    // edge: those change the mean of the absolute differences by far less than a hundredth.
     let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
     let apart: Vec<f32> = cpu.iter().zip(&vulkan).map(|(a, b)| (a - b).abs()).collect();
     assert_eq!(cpu.len(), 3 * 24 * 24);
     assert!(mean(&apart) < 0.01 * mean(&cpu), "{} of {}", mean(&apart), mean(&cpu));
-    // The comparison must be able to fail: a picture that is moved by some pixels does.
+    // The comparison must be able to fail: it does for a picture that is shifted by some pixels.
     let shifted: Vec<f32> = cpu.iter().zip(cpu.iter().skip(3)).map(|(a, b)| (a - b).abs()).collect();
     assert!(mean(&shifted) > 0.01 * mean(&cpu));
 }

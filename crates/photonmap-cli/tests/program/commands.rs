@@ -26,11 +26,11 @@ fn every_command_has_help() {
         succeeded(&short);
         assert!(stdout(&long).len() >= stdout(&short).len() && stdout(&short).contains("Usage: photonmap"));
     }
-    // Without a command, and with one that is not known.
+    // Without a command, and with an unknown one.
     assert_eq!(photonmap("nonsense").output().unwrap().status.code(), Some(2));
 }
 
-/// Every reason is told, and nothing is rendered.
+/// Every reason is printed, and nothing is rendered.
 #[test]
 fn explain_tells_what_is_left_out() {
     let folder = folder("explain");
@@ -44,7 +44,7 @@ fn explain_tells_what_is_left_out() {
         assert!(left_out.contains("mirror") && left_out.contains("map of caustic photons"), "{text}");
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
     }
-    // Settings count.
+    // Settings are taken into account.
     let gather = stdout(&run("explain", &["cornell", "--indirect", "gather", "--photons", "1234"]));
     assert!(gather.contains("1234 paths a pass") && gather != stdout(&run("explain", &["cornell"])), "{gather}");
     refused(&run("explain", &["no-such-scene"]), "no-such-scene");
@@ -61,7 +61,7 @@ fn completions_name_every_command() {
             assert!(text.contains(command), "{shell} {command}");
         }
         assert!(text.contains("target-error"), "{shell}");
-        // The other shells are not told of values.
+        // The other shells do not complete values.
         assert_eq!(text.contains("per-pixel"), ["bash", "zsh", "fish"].contains(&shell), "{shell}");
     }
     refused(&run("completions", &["tcsh"]), "bash");
@@ -69,7 +69,7 @@ fn completions_name_every_command() {
 
 #[test]
 fn the_manual_names_every_command() {
-    // Without the escapes of roff.
+    // Without the escape sequences of roff.
     let page = |arguments: &[&str]| {
         let output = run("man", arguments);
         succeeded(&output);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::support::{folder, json, refused, render, run, stdout, succeeded};
 
-/// An EXR with the channels R, G and B.
+/// An EXR file with the channels R, G and B.
 fn write(path: &Path, width: usize, height: usize, pixel: impl Fn(usize, usize) -> [f32; 3] + Sync) {
     exr::prelude::write_rgb_file(path, width, height, |x, y| {
         let [r, g, b] = pixel(x, y);
@@ -27,7 +27,7 @@ fn known_differences_are_told() {
         let linear = ["--tonemap", "none", "--json", report.to_str().unwrap()];
         succeeded(&run("compare", &[&[a, b][..], &linear].concat()));
         let report = json(&report);
-        // JSON has no infinity, and null for it.
+        // JSON has no infinity; null stands for it.
         ["relmse", "flip_mean", "flip_max"].map(|key| report[key].as_f64().unwrap_or(f64::INFINITY))
     };
     assert_eq!(figures(&grey, &grey), [0.0; 3]);
@@ -53,7 +53,7 @@ fn known_differences_are_told() {
     assert!(map.is_file());
 }
 
-/// More photons bring a render nearer to its reference, and FLIP and relMSE both tell.
+/// More photons bring a render closer to its reference, by both FLIP and relMSE.
 #[test]
 fn less_noise_is_a_smaller_difference() {
     let folder = folder("compare-render");

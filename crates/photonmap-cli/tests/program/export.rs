@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::support::{channels, folder, refused, render, run, stderr, succeeded};
 
-/// A file that holds a scene of all materials and lights, in coordinates that single precision does not hold.
+/// A file with a scene of all materials and lights, in coordinates that single precision cannot represent.
 const OVERRIDES: &str = r#"
 [materials.white]
 albedo = [0.123456789012345, 0.7, 0.3]
@@ -63,7 +63,7 @@ up = [0.1, 1, 0]
 fov_degrees = 47.3
 "#;
 
-/// The picture and its other channels after a detour through a .glb, beside those of the scene itself.
+/// Renders the scene directly and by way of a .glb: all channels are equal.
 fn both(folder: &Path, scene: &[&str], name: &str) -> [std::collections::BTreeMap<String, Vec<f32>>; 2] {
     let file = folder.join(format!("{name}.glb"));
     let file = file.to_str().unwrap();
@@ -76,7 +76,7 @@ fn both(folder: &Path, scene: &[&str], name: &str) -> [std::collections::BTreeMa
         succeeded(&render(&[scene, &small, &["-o", path.to_str().unwrap()]].concat()));
         channels(&path)
     };
-    // Nothing is approximated, whatever single precision cannot hold.
+    // Nothing is approximated, even what single precision cannot represent.
     [picture(scene, "own.exr"), picture(&[file, "--strict"], "again.exr")]
 }
 
@@ -95,7 +95,7 @@ fn a_reloaded_scene_gives_the_same_picture_bit_for_bit() {
         };
         assert!(own["R"].iter().any(|&v| v > 0.0));
         assert!(bits(&own) == bits(&again), "{scene:?}");
-        // The comparison tells pictures apart.
+        // The comparison distinguishes different pictures.
         assert!(others.iter().all(|other| *other != bits(&own)));
         others.push(bits(&own));
     }

@@ -1,4 +1,4 @@
-//! Files appear whole or not at all.
+//! Files are written atomically.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::support::{channels, folder, photonmap};
 
-/// Ctrl-C writes what is there.
+/// Ctrl-C writes the picture so far.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_a_valid_picture() {
@@ -18,7 +18,7 @@ fn an_interrupt_leaves_a_valid_picture() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // The first line of progress comes after some passes, however busy the machine is.
+    // The first progress line comes after some passes, even on a busy machine.
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
     assert!(lines.any(|line| line.starts_with("pass ")));
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
@@ -31,7 +31,7 @@ fn an_interrupt_leaves_a_valid_picture() {
     assert!(report["passes"].as_u64().unwrap() >= 1);
 }
 
-/// A disk that is full, by a limit on the size of files: the picture that was there stays, nothing
+/// A full disk, simulated by a limit on file size: the previous picture stays, nothing
 /// else is left, and the message names the file.
 #[cfg(unix)]
 #[test]
@@ -49,7 +49,7 @@ fn a_full_disk_leaves_the_picture_that_was_there() {
         };
         assert!(command("", "1").status.success());
         let before = std::fs::read(&picture).unwrap();
-        // In blocks of 512 bytes or of 1024, by the shell.
+        // In blocks of 512 bytes or of 1024, depending on the shell.
         let output = command(&format!("ulimit -f {blocks};"), "2");
         let text = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{name}: {text}");
@@ -59,7 +59,7 @@ fn a_full_disk_leaves_the_picture_that_was_there() {
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2, "nothing else is left");
 }
 
-/// Killed at any moment: what has its name is whole.
+/// Killed at any moment: a file under the final name is complete.
 #[cfg(unix)]
 #[test]
 fn a_kill_leaves_no_half_picture() {

@@ -1,4 +1,4 @@
-//! The program `photonmap` as a user meets it.
+//! The program `photonmap`, tested by its command line.
 #![expect(clippy::unwrap_used, reason = "test code")]
 
 mod backends;

@@ -28,7 +28,7 @@ fn load(path: &Path) -> (String, Vec<u32>) {
 #[test]
 fn the_map_finds_what_brute_force_finds() {
     let folder = folder("map");
-    // Coordinates on a coarse grid: many photons are equally far from a query.
+    // Coordinates on a coarse grid: many photons are at equal distance from a query.
     let point = |i: u32| [i % 7, i / 7 % 5, i / 35 % 3].map(|c| c as f32 * 0.25);
     let photons: Vec<_> = (0..200).map(point).collect();
     let queries: Vec<_> = (0..20).map(|i| point(i * 11 + 3).map(|c| c + 0.05)).collect();
@@ -115,7 +115,7 @@ fn what_is_wrong_is_named() {
         let files = ["--photons", photons.to_str().unwrap(), "--queries", good];
         refused(&photonmap("map").args(files).args(arguments).output().unwrap(), culprit);
     }
-    // In queries likewise, on either backend.
+    // The same for queries, on either backend.
     let files = ["--photons", good, "--queries", nan.to_str().unwrap(), "--k", "1"];
     for backend in ["cpu", "auto"] {
         let output = photonmap("map").args(files).args(["--backend", backend]).output().unwrap();

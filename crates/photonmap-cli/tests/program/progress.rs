@@ -1,8 +1,8 @@
-//! What the program says while it works, and at the end.
+//! Messages of the program during and after a render.
 
 use crate::support::{folder, render, stderr, stdout, succeeded};
 
-/// Without a terminal there is no bar, at most a line every few seconds, and the last line says what was written.
+/// Without a terminal there is no bar, at most a line every few seconds, and the last line names the files written.
 #[test]
 fn the_last_line_says_what_was_written() {
     let folder = folder("last-line");
@@ -13,7 +13,7 @@ fn the_last_line_says_what_was_written() {
     succeeded(&output);
     let text = stderr(&output);
     assert!(!text.contains('\r') && !text.contains('\u{1b}'), "{text}");
-    // Far below a line for each pass.
+    // Far fewer lines than passes.
     assert!(text.lines().count() < 12, "{text}");
     let last = text.lines().last().unwrap();
     assert!(last.starts_with(&format!("wrote {picture}, {report}: 40 passes of 500 paths in ")), "{text}");

@@ -127,7 +127,7 @@ fn strict_refuses_what_is_approximated() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("--strict"), "{output:?}");
 }
 
-/// A cap on memory that is below what the photons asked for would take.
+/// A memory limit below what the requested photons would take.
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_is_capped_and_the_photons_are_all_there() {
@@ -161,7 +161,7 @@ fn memory_is_capped_and_the_photons_are_all_there() {
     assert!(number("paths_per_pass") < 1_500_000 && number("paths") >= 1_500_000, "{report:#}");
 }
 
-/// A light that hardly any photon leaves from is named, in words and in the report.
+/// A light with hardly any photons is named, in a warning and in the report.
 #[test]
 fn lights_that_get_too_few_photons_are_named() {
     let folder = folder("starving");

@@ -1,10 +1,10 @@
-//! What the tests share.
+//! Shared helpers of the tests.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder of this test's own, empty.
+/// An empty folder for one test.
 pub(crate) fn folder(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&path);
@@ -35,13 +35,13 @@ pub(crate) fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Fails with what the program said, unless it succeeded.
+/// Fails with the program's output, unless it succeeded.
 #[track_caller]
 pub(crate) fn succeeded(output: &Output) {
     assert!(output.status.success(), "{output:?}");
 }
 
-/// Fails unless the program refused its input with code 2 and one line that names the culprit.
+/// Fails unless the program rejected its input with code 2 and one line that names the culprit.
 #[track_caller]
 pub(crate) fn refused(output: &Output, culprit: &str) {
     let text = stderr(output);
@@ -52,7 +52,7 @@ pub(crate) fn refused(output: &Output, culprit: &str) {
 
 pub(crate) const SMALL: [&str; 6] = ["--size", "24x16", "--photons", "3000", "--passes", "3"];
 
-/// Channels of a file by name.
+/// Channels of an EXR file by name.
 pub(crate) fn channels(path: &Path) -> BTreeMap<String, Vec<f32>> {
     use exr::prelude::*;
     let image = read_first_flat_layer_from_file(path).unwrap();
@@ -64,7 +64,7 @@ pub(crate) fn json(path: &Path) -> serde_json::Value {
     serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
 }
 
-/// Whether some device will do; says so if not.
+/// Whether a suitable device exists; prints a message if not.
 pub(crate) fn has_vulkan() -> bool {
     let there = backend_vulkan::devices().is_ok_and(|found| found.iter().any(|device| device.lacks.is_empty()));
     if !there {

@@ -1,5 +1,5 @@
-//! What a renderer with a Vulkan device of its own has already: instance, device, queue, buffers, and a compute
-//! shader that fills them.
+//! What a renderer with its own Vulkan device already has: instance, device, queue, buffers, and a compute
+//! shader that fills the buffers.
 
 use std::error::Error;
 
@@ -9,9 +9,9 @@ use backend_vulkan::ash::{self, vk};
 /// The host's kernel, compiled from `shaders-glsl/example/photons.comp`.
 const KERNEL: &[u8] = include_bytes!("../../../../crates/backend-vulkan/spirv/example_photons.spv");
 
-/// The host's device and everything on it.
+/// The host's device and the objects created on it.
 pub(crate) struct Host {
-    // Keeps the loader in memory.
+    // Keeps the loader library in memory.
     _entry: ash::Entry,
     pub(crate) device: RawDevice,
     memory_types: vk::PhysicalDeviceMemoryProperties,
@@ -31,19 +31,19 @@ pub(crate) struct Push {
     pub(crate) power: f32,
     pub(crate) side: f32,
     pub(crate) radius: f32,
-    /// Rounds the record up to whole multiples of its alignment.
+    /// Padding that rounds the record up to a multiple of its alignment.
     pub(crate) reserved: u32,
 }
 
 impl Host {
-    /// Opens the first device that the library finds suitable, hardware first.
+    /// Opens the first suitable device, preferring hardware.
     pub(crate) fn new() -> Result<Self, Box<dyn Error>> {
         let listed = backend_vulkan::devices()?;
         let hardware = |device: &&backend_vulkan::Candidate| device.lacks.is_empty() && device.kind != "software";
         let chosen = listed.iter().find(hardware).or(listed.iter().find(|device| device.lacks.is_empty()));
         let chosen = chosen.ok_or("no suitable Vulkan device: `photonmap devices` says what each lacks")?;
         // SAFETY: the loader is the system's; the structures live until after the calls that take them,
-        // and each handle is made from the one before it.
+        // and each handle is created from the one before it.
         unsafe {
             let entry = ash::Entry::load()?;
             let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_2);
@@ -54,7 +54,7 @@ impl Host {
             let computes = |family: &vk::QueueFamilyProperties| family.queue_flags.contains(vk::QueueFlags::COMPUTE);
             let family = families.iter().position(computes).unwrap_or(0) as u32;
             let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
-            // What the library asks for; a host adds what it needs itself.
+            // The features that the library requires; a host adds those that it needs itself.
             let (features, mut twelve) = RawDevice::features();
             let info = vk::DeviceCreateInfo::default()
                 .queue_create_infos(&queues)
@@ -71,17 +71,17 @@ impl Host {
         }
     }
 
-    /// A buffer in the card's own memory, and its address.
+    /// A device-local buffer and its address.
     pub(crate) fn buffer(&mut self, bytes: u64) -> Result<(vk::Buffer, u64), Box<dyn Error>> {
         let device = &self.device.device;
-        // The usages that the library asks of buffers that it is lent.
+        // The usages that the library requires of borrowed buffers.
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
         let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
         // SAFETY: the device is alive, the memory is of a type and size that the buffer takes, and is
-        // bound before the address is asked for.
+        // bound before the address is queried.
         unsafe {
             let buffer = device.create_buffer(&info, None)?;
             let needs = device.get_buffer_memory_requirements(buffer);
@@ -103,7 +103,7 @@ impl Host {
         }
     }
 
-    /// Starts the kernel, and does not wait for it: what comes on the same queue does.
+    /// Submits the kernel without waiting for it: later submissions to the same queue wait.
     pub(crate) fn run(&self, push: &Push) -> Result<(), Box<dyn Error>> {
         let device = &self.device.device;
         let threads = push.photon_count.max(push.query_side * push.query_side);
@@ -120,7 +120,7 @@ impl Host {
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline);
             device.cmd_push_constants(commands, layout, vk::ShaderStageFlags::COMPUTE, 0, bytes);
             device.cmd_dispatch(commands, threads.div_ceil(128), 1, 1);
-            // All that follows on the queue sees what the kernel wrote.
+            // Makes the kernel's writes visible to everything that follows on the queue.
             let barrier = [vk::MemoryBarrier::default()
                 .src_access_mask(vk::AccessFlags::SHADER_WRITE)
                 .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)];

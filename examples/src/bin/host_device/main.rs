@@ -1,7 +1,8 @@
-//! Example: a renderer with a Vulkan device of its own lends it to the photon map, with photons and query points that
+//! Example: a renderer lends its own Vulkan device to the photon map, with photons and query points that
 //! its own compute shader wrote there. Neither ever leaves the device; only the estimates are read back.
 //!
-//! The photons lie evenly on a square, so that the answer is known: irradiance is their flux over the area of the square.
+//! The photons are distributed uniformly on a square, so that the exact result is known: irradiance is their flux
+//! divided by the area of the square.
 //!
 //!     cargo run --release -p photon-examples --bin host_device -- [PHOTONS] [median|vvh|morton]
 #![expect(clippy::print_stdout, reason = "a program's output")]
@@ -24,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let photon_count: u32 = arguments.next().map_or(Ok(200_000), |text| text.parse())?;
     let kind: IndexKind = arguments.next().map_or(Ok(IndexKind::Morton), |text| text.parse())?;
-    // Fewer have noise beyond the bounds of the check at the end.
+    // With fewer, the noise exceeds the bounds of the check at the end.
     if !(10_000..=1 << 26).contains(&photon_count) {
         return Err("the number of photons must be from 10000 to 67108864".into());
     }
@@ -37,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         queries: query_address,
         photon_count,
         query_side: QUERIES,
-        // Each carries all the flux; it is divided by their number at the end, as paths are.
+        // Each photon carries the total flux; it is divided by the number of photons at the end, as with paths.
         power: FLUX,
         side: SIDE,
         radius: RADIUS,
@@ -46,9 +47,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let estimates = {
         // SAFETY: the host's handles belong together and outlive this block, its device has the
-        // features that are asked for, and the host does not use the queue meanwhile.
+        // required features, and the host does not use the queue meanwhile.
         let mut on = unsafe { Vulkan::from_raw(host.device.clone()) }?;
-        // SAFETY: the host's buffers have the usages and the flag that are asked for, hold so many
+        // SAFETY: the host's buffers have the required usages and flag, hold this many
         // records, outlive this block, and the kernel that writes them was submitted to the same queue,
         // with a barrier at its end.
         let (photons, there) = unsafe {
@@ -68,26 +69,26 @@ fn main() -> Result<(), Box<dyn Error>> {
     check(&estimates, u64::from(photon_count))
 }
 
-/// Compares the estimates with the closed form, within statistical bounds.
+/// Compares the estimates with the exact result, within statistical bounds.
 fn check(estimates: &[Estimate], photons: u64) -> Result<(), Box<dyn Error>> {
     let truth = f64::from(FLUX) / f64::from(SIDE * SIDE);
     let relative: Vec<f64> = estimates.iter().map(|e| e.irradiance(photons)[0] / truth - 1.0).collect();
     let mean = relative.iter().sum::<f64>() / relative.len() as f64;
     let worst = relative.iter().fold(0.0_f64, |worst, r| worst.max(r.abs()));
-    // A disc holds n photons or so, with a standard deviation of √n.
+    // A disc contains about n photons, with a standard deviation of √n.
     let in_disc = photons as f64 * std::f64::consts::PI * f64::from(RADIUS * RADIUS) / f64::from(SIDE * SIDE);
-    // Discs overlap, so that together they know no more than all photons of the square between them do.
+    // Discs overlap, so that the mean cannot be more accurate than one estimate from all photons of the square.
     let error = 1.2 / (photons as f64).sqrt();
     println!(
-        "irradiance {:.4} W/m² where {truth:.4} is right: off by {:+.3} %, standard error {:.3} %; worst query {:.1} %",
+        "irradiance {:.4} W/m², exact {truth:.4}: error {:+.3} %, standard error {:.3} %; worst query {:.1} %",
         truth * (1.0 + mean),
         100.0 * mean,
         100.0 * error,
         100.0 * worst
     );
-    // 4.5 standard errors for the mean; 6 for the worst of 4096 that depend on each other.
+    // 4.5 standard errors for the mean; 6 for the worst of 4096, which are correlated.
     if estimates.len() != (QUERIES * QUERIES) as usize || mean.abs() > 4.5 * error || worst > 6.0 / in_disc.sqrt() {
-        return Err("the answer is not that of the closed form".into());
+        return Err("the result differs from the closed form".into());
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The errors that the paper's formulas have, predicted and seen, beside those of the defaults.
+//! The errors of the paper's formulas, predicted and measured, compared with those of the defaults.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
@@ -10,36 +10,36 @@ use photon_core::{
 #[derive(Debug)]
 pub(crate) struct Bias {
     pub(crate) what: &'static str,
-    /// Ratio to the truth, or a correlation.
+    /// Ratio to the true value, or a correlation.
     pub(crate) predicted: f64,
-    /// What the paper's formula gives, and its standard error.
+    /// Result of the paper's formula, and its standard error.
     pub(crate) paper: (f64, f64),
-    /// What the default gives, and its standard error.
+    /// Result of the default, and its standard error.
     pub(crate) ours: (f64, f64),
-    /// What the default should give.
+    /// Expected result of the default.
     pub(crate) truth: f64,
 }
 
 impl Bias {
-    /// Whether both are where they should be, within 4.5 standard errors.
+    /// Whether both agree with the expected values within 4.5 standard errors.
     pub(crate) fn is_as_predicted(&self) -> bool {
         let near = |(seen, error): (f64, f64), wanted: f64| (seen - wanted).abs() <= 4.5 * error;
         near(self.paper, self.predicted) && near(self.ours, self.truth)
     }
 }
 
-/// Photons on the square that is looked at.
+/// Number of photons on the square.
 const PHOTONS: u32 = 100_000;
-/// Queries along a side, and how far from the edges they stay; the square's side is 1.
+/// Queries along a side, and their distance from the edges; the square's side is 1.
 const SIDE: u32 = 16;
 const MARGIN: f32 = 0.1;
-/// Independent fields of photons.
+/// Number of independent sets of photons.
 const FIELDS: u32 = 4;
 
-/// All of them, on one backend.
+/// Measures all of them, on one backend.
 pub(crate) fn all<B: Backend>(on: &mut B) -> Result<Vec<Bias>> {
     let paper = |max, threshold| Search::Paper { max, threshold, factor: 1.0 };
-    // Radius of a disc that holds so many on average.
+    // Radius of a disc that contains that many photons on average.
     let radius = |mean: f64| (mean / (f64::from(PHOTONS) * std::f64::consts::PI)).sqrt() as f32;
     let mut found = Vec::new();
     let mut compare = |what, predicted, slanted, searches: [Search; 2], radius| -> Result<()> {
@@ -59,8 +59,8 @@ pub(crate) fn all<B: Backend>(on: &mut B) -> Result<Vec<Bias>> {
     found.push(Bias {
         what: "correlation of the first numbers of neighbouring threads (LCG)",
         predicted: {
-            // Neighbours stay as far apart as one step takes them, a/2³¹ of the period; the correlation
-            // of an even number with itself so far on is 1 − 6c(1 − c).
+            // Neighbouring paths are one step apart, a/2³¹ of the period; the correlation
+            // of a uniform number with itself shifted by this fraction c is 1 − 6c(1 − c).
             let apart = 1_103_515_245.0 / f64::from(1_u32 << 31);
             1.0 - 6.0 * apart * (1.0 - apart)
         },
@@ -71,7 +71,7 @@ pub(crate) fn all<B: Backend>(on: &mut B) -> Result<Vec<Bias>> {
     Ok(found)
 }
 
-/// What is left of the mean when a Poisson number below `threshold` counts as none:
+/// Fraction of the mean that remains if a Poisson number below `threshold` counts as 0:
 /// `E[X; X ≥ t] / E[X] = P(X ≥ t − 1)`.
 fn too_few(threshold: u32, mean: f64) -> f64 {
     let mut term = (-mean).exp();
@@ -83,8 +83,8 @@ fn too_few(threshold: u32, mean: f64) -> f64 {
     1.0 - below
 }
 
-/// Irradiance over the truth, mean and standard error, in fields of even density; of light from all
-/// sides alike if `slanted`, else from straight above.
+/// Irradiance relative to the truth, mean and standard error, in sets of uniform density; with light from all
+/// directions equally if `slanted`, else perpendicular.
 fn ratio<B: Backend>(on: &mut B, search: Search, slanted: bool, radius: f32) -> Result<(f64, f64)> {
     let query = |i: u32| {
         let at = |n: u32| MARGIN + (1.0 - 2.0 * MARGIN) * (n as f32 + 0.5) / SIDE as f32;
@@ -111,26 +111,26 @@ fn ratio<B: Backend>(on: &mut B, search: Search, slanted: bool, radius: f32) -> 
     Ok((mean, (variance / n).sqrt()))
 }
 
-/// Unit power, strewn over the unit square.
+/// Photons of unit total power, uniformly random on the unit square.
 fn photons(field: u32, slanted: bool) -> Vec<Photon> {
     let up = octahedral::pack(Vec3::Z);
     (0..PHOTONS)
         .map(|i| {
             let mut sampler = Sampler::new(RandomKind::Counter, 2010, field, Domain::Photon, i);
             let [x, y, u, v] = sampler.words(0).map(unit_f32);
-            // Lambert: as many photons land from each direction as its cosine says.
+            // Lambert: the number of photons per direction is proportional to its cosine.
             let towards = if slanted { sampling::cosine_hemisphere(Vec3::Z, u, v) } else { Vec3::Z };
             Photon { position: [x, y, 0.0], direction: octahedral::pack(towards), power: [1.0; 3], normal: up }
         })
         .collect()
 }
 
-/// Correlation between the first numbers of neighbouring paths, and the standard error that it would
+/// Correlation between the first random numbers of neighbouring paths, and the standard error that it would
 /// have if they were independent.
 fn correlation(kind: RandomKind) -> (f64, f64) {
     const PATHS: u32 = 1 << 20;
     let first = |path| f64::from(unit_f32(Sampler::new(kind, 0, 0, Domain::Photon, path).words(0)[0]));
-    // The mean and the variance of even numbers between 0 and 1 are known.
+    // The mean and variance of uniform numbers between 0 and 1 are known.
     let sum: f64 = (0..PATHS).map(|path| (first(path) - 0.5) * (first(path + 1) - 0.5)).sum();
     let n = f64::from(PATHS);
     (sum / n * 12.0, 1.0 / n.sqrt())
@@ -151,7 +151,7 @@ mod tests {
     fn check<B: Backend>(on: &mut B) {
         for bias in all(on).unwrap() {
             assert!(bias.is_as_predicted(), "{bias:?}");
-            // A comparison that cannot tell the two apart proves nothing.
+            // A comparison that cannot distinguish the two proves nothing.
             let mistaken = Bias { predicted: bias.truth, truth: bias.predicted, ..bias };
             let weak = mistaken.what.contains("200");
             assert!(weak || !mistaken.is_as_predicted(), "{mistaken:?}");

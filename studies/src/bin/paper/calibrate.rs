@@ -1,4 +1,4 @@
-//! How many paths fill a map, and within what radius it is read: found once, on the CPU, so that all
+//! Finds how many paths fill a map, and the search radius: once, on the CPU, so that all
 //! backends render the same.
 
 use backend_cpu::Cpu;
@@ -7,34 +7,34 @@ use photon_core::{Backend, IndexKind, Photon, Result};
 use crate::plan::{MapPlan, Plan};
 use crate::studio::Studio;
 
-/// Paths of the sample.
+/// Number of paths of the sample.
 const PATHS: u32 = 1 << 18;
-/// No photon is looked for farther than this, in normalised space.
+/// Maximum search distance, in normalised space.
 const FARTHEST: f64 = 0.25;
 
-/// One map.
+/// Size of one map.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Size {
-    /// Paths that leave about as many photons in it as are wanted.
+    /// Paths that store about the required number of photons in it.
     pub(crate) paths: u32,
-    /// Photons that it must have room for.
+    /// Photon capacity that it needs.
     pub(crate) capacity: u64,
-    /// Normalised space.
+    /// Search radius, normalised space.
     pub(crate) radius: f32,
 }
 
-/// Both maps; `None` where there is none.
+/// Both maps; `None` for a map that is not used.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sizes {
     pub(crate) caustic: Option<Size>,
     pub(crate) global: Option<Size>,
 }
 
-/// Maps of a sample of photons.
+/// Maps of a sample of photons, from which sizes are extrapolated.
 pub(crate) struct Calibration {
     on: Cpu,
     stages: photon_core::MapStages<Cpu>,
-    /// The caustic and the global one; `None` where no photon landed.
+    /// The caustic and the global map; `None` if no photon was stored.
     maps: [Option<(<Cpu as Backend>::PhotonMap, u64)>; 2],
 }
 
@@ -55,14 +55,14 @@ impl Calibration {
         Ok(Self { on, stages, maps })
     }
 
-    /// What the maps of a plan take.
+    /// Sizes of the maps of a plan.
     pub(crate) fn sizes(&mut self, plan: &Plan) -> Result<Sizes> {
         let mut global = self.size(1, plan.global.as_ref())?;
         let mut caustic = self.size(0, plan.caustic.as_ref())?;
         if let (true, Some(caustic), Some(global), Some((_, found))) =
             (plan.together, &mut caustic, &mut global, &self.maps[0])
         {
-            // As many caustic photons as the paths of the global map leave, and a radius for those.
+            // The caustic photons that the paths of the global map store, and a radius for them.
             let landing = *found as f64 / f64::from(PATHS) * f64::from(global.paths);
             let wanted = plan.caustic.map_or(0.0, |map| f64::from(map.photons));
             caustic.radius = (f64::from(caustic.radius) * (wanted / landing).sqrt()).min(FARTHEST) as f32;
@@ -76,18 +76,18 @@ impl Calibration {
         let (Some(wanted), Some((map, found))) = (wanted, &self.maps[lane]) else { return Ok(None) };
         let (photons, found) = (f64::from(wanted.photons), *found as f64);
         let paths = (photons / found * f64::from(PATHS)).ceil();
-        // As many neighbours among the sample's photons as are wanted among the map's, as near as can be.
+        // The number of neighbours in the sample that is nearest to what corresponds to the required number in the map.
         let asked = (f64::from(wanted.neighbours) * found / photons).clamp(8.0, (found / 8.0).max(8.0)) as u32;
         let cosine = plan_cosine(wanted);
         let typical = self.stages.estimator.neighbour_radius(&mut self.on, map, asked, cosine)?;
-        // Around a place of even density, numbers grow as squares of radii.
+        // At uniform density, numbers grow with the square of the radius.
         let scale = f64::from(wanted.neighbours) / photons * found / f64::from(asked);
         let radius = typical.map_or(FARTHEST, |radius| (f64::from(radius) * scale.sqrt()).min(FARTHEST));
         Ok(Some(Size { paths: paths as u32, capacity: room(photons), radius: radius as f32 }))
     }
 }
 
-/// Numbers of photons scatter; LCGs scatter them more than chance does.
+/// Margin for the variance of photon numbers, which LCGs make larger than that of independent photons.
 fn room(photons: f64) -> u64 {
     (photons * 1.5) as u64 + 4096
 }

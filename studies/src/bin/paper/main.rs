@@ -1,4 +1,4 @@
-//! The table and the pictures of Lin and Wang 2010, run again on what is here.
+//! Repeats the table and the pictures of Lin and Wang 2010 on the available backends.
 #![forbid(unsafe_code)]
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "tables go to stdout, progress to stderr")]
 
@@ -27,41 +27,41 @@ use report::{Report, Results};
 use studio::Studio;
 
 /// Renders the pictures of "Research and Implementation of Photon Mapping in CUDA" (Lin and Wang
-/// 2010), times its grid and a larger one, and says what its formulas get wrong.
+/// 2010), measures the times of its grid and of a larger one, and the errors of its formulas.
 #[derive(Debug, Parser)]
 #[command(name = "paper", version, about)]
 struct Args {
-    /// Folder for pictures, tables and rows; made if it is not there.
+    /// Folder for pictures, tables and rows; created if it does not exist.
     #[arg(long, value_name = "DIR", default_value = "paper-results")]
     out: PathBuf,
-    /// Where to render, with commas between [default: all that is there].
+    /// Backends, separated by commas [default: all that are available].
     #[arg(long, value_enum, value_delimiter = ',')]
     backend: Vec<Where>,
     /// Built-in scene.
     #[arg(long, value_name = "NAME", default_value = "cornell-glass")]
     scene: String,
-    /// Pixels across and down.
+    /// Width and height of the pictures, pixels.
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
-    /// Runs of each cell, of which the median counts.
+    /// Runs of each cell, of which the median is taken.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: u32,
-    /// Our own grid too: photons in the global map, with commas between; by itself: 1000000,10000000.
+    /// Also our own grid: photons in the global map, separated by commas; without values: 1000000,10000000.
     #[arg(long, value_name = "N", num_args = 0..=1, value_delimiter = ',', default_missing_value = "1000000,10000000")]
     large: Vec<u32>,
-    /// Seconds after which no new cell is begun; Vulkan comes first, and gets half of them at most.
+    /// Seconds after which no new cell is started; Vulkan comes first, and gets at most half of them.
     #[arg(long, value_name = "SECONDS", default_value_t = 240.0)]
     time: f64,
-    /// Threads of the CPU [default: all cores].
+    /// Number of CPU threads [default: all cores].
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Where {
-    /// The processor's cores.
+    /// The CPU.
     Cpu,
-    /// What Vulkan offers.
+    /// A Vulkan device.
     Vulkan,
 }
 
@@ -110,12 +110,12 @@ fn work(args: &Args) -> Result<(), Fault> {
         let path = args.out.join(name);
         photonmap_cli::atomic_write::write_bytes(&path, text.as_bytes())?;
     }
-    // The paper's own table stands last, where a terminal shows it.
+    // The paper's own table is printed last, where a terminal shows it.
     print!("{}", report.markdown());
     Ok(())
 }
 
-/// Everything on one backend; after `last` nothing is begun.
+/// Runs everything on one backend; after `last` nothing new is started.
 fn measure<B: TransportBackend>(
     args: &Args,
     scene: &Scene,
@@ -126,7 +126,7 @@ fn measure<B: TransportBackend>(
 ) -> Result<Results, Fault> {
     let mut studio = Studio::new(on, scene, view)?;
     let mut results = Results::new(studio.on.name(), studio.on.device());
-    // The first use of a kernel compiles it; the CPU has nothing to warm up that would matter.
+    // The first use of a kernel compiles it; the CPU needs no significant warm-up.
     let warm_ups = usize::from(results.backend != "cpu");
     let readings = Reading::ALL
         .into_iter()
@@ -138,7 +138,7 @@ fn measure<B: TransportBackend>(
             continue;
         }
         let sizes = calibration.sizes(&plan)?;
-        // A long one is not repeated: chance matters less there than time.
+        // A long cell is not repeated: variance matters less there than time.
         let repeats = if plan.table == "large" && results.backend == "cpu" { 1 } else { args.repeats as usize };
         let (measured, mut film) = studio.run(&plan, &sizes, warm_ups, repeats)?;
         eprintln!(

@@ -1,4 +1,4 @@
-//! What is rendered: the paper's grid in both of its readings, and a larger one of our own.
+//! The plans to render: the paper's grid in both interpretations, and a larger one of our own.
 
 use photon_core::{EstimateParams, IndexKind, Kernel, RandomKind, Scheduling, Search, Settings};
 
@@ -14,18 +14,18 @@ pub(crate) const FIGURES: [(u32, u32, f64, f64); 7] = [
     (100_000, 1000, 41.29, 4.16),
 ];
 
-/// Photons of an estimate where the paper gives no number.
+/// Photons per estimate where the paper gives no number.
 pub(crate) const MAX: u32 = 200;
-/// Photons of the global map where "global" is read as the size of a gather.
+/// Photons of the global map if "global" is interpreted as the size of an estimate.
 const GLOBAL_MAP: u32 = 100_000;
 
-/// What the paper's column "global" counts. It does not say, and its times grow as those of a gather
-/// would: by the same 20 seconds from 200 to 1000, however many caustic photons there are.
+/// Interpretation of the paper's column "global". The paper does not define it, and its times grow as if it were the
+/// size of an estimate: by the same 20 seconds from 200 to 1000, however many caustic photons there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reading {
     /// Photons in the global map.
     Photons,
-    /// Photons of an estimate.
+    /// Photons per estimate.
     Gather,
 }
 
@@ -39,7 +39,7 @@ impl Reading {
         }
     }
 
-    /// In words.
+    /// Description for the tables.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Photons => "the photons in the global map; 200 of them at most in an estimate",
@@ -48,29 +48,29 @@ impl Reading {
     }
 }
 
-/// One map: how many photons, and how they become light.
+/// One map: how many photons, and how radiance is estimated from them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MapPlan {
-    /// Photons wanted in it.
+    /// Required number of photons.
     pub(crate) photons: u32,
-    /// How it is read.
+    /// Estimator.
     pub(crate) search: Search,
-    /// Photons that a typical place is to find within the radius.
+    /// Number of photons within the radius at a typical point.
     pub(crate) neighbours: u32,
 }
 
-/// One picture to be timed.
+/// One picture to render and time.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plan {
     /// `pictures`, `photons`, `gather` or `large`.
     pub(crate) table: &'static str,
-    /// What it is called in its table.
+    /// Name in its table.
     pub(crate) name: String,
-    /// The map of photons that came by mirrors and glass alone.
+    /// The map of photons that were reflected and refracted by specular surfaces only.
     pub(crate) caustic: Option<MapPlan>,
-    /// The map of photons that were scattered before.
+    /// The map of photons with at least one diffuse scattering.
     pub(crate) global: Option<MapPlan>,
-    /// One emission fills both maps, as many photons landing in the caustic one as do.
+    /// Whether one emission fills both maps, so that the number of caustic photons is not free.
     pub(crate) together: bool,
     pub(crate) settings: Settings,
 }
@@ -87,7 +87,7 @@ impl Plan {
     /// A cell of the paper's table.
     pub(crate) fn cell(reading: Reading, caustic: u32, global: u32) -> Self {
         let map = |photons: u32, max: u32| {
-            // Where a map holds little more than a gather takes, a gather is to be local all the same.
+            // If a map holds little more than an estimate takes, the estimate shall still be local.
             let neighbours = max.min(photons / 8).max(8);
             (photons > 0).then_some(MapPlan { photons, search: paper_search(max), neighbours })
         };
@@ -106,7 +106,7 @@ impl Plan {
         }
     }
 
-    /// The paper's three pictures, and one by our defaults with as many photons. The name is that of
+    /// The paper's three pictures, and one by our defaults with the same number of photons. The name is that of
     /// the file.
     pub(crate) fn pictures() -> Vec<Self> {
         let picture = |name: &str, plan: Self| Self { table: "pictures", name: name.to_owned(), ..plan };
@@ -127,8 +127,8 @@ impl Plan {
         ]
     }
 
-    /// Our own grid: the paper's way with so many photons in the global map, one habit at a time
-    /// exchanged, and at last all of them.
+    /// Our own grid: the paper's method with that many photons in the global map, then with one of its choices
+    /// replaced at a time, and finally with all of them replaced.
     pub(crate) fn large(photons: u32) -> Vec<Self> {
         let paper = paper_settings();
         let variants = [
@@ -145,17 +145,17 @@ impl Plan {
                 let search = if ours { Search::Radius } else { paper_search(MAX) };
                 Some(MapPlan { photons, search, neighbours: if ours { neighbours } else { MAX } })
             };
-            // What a default picture finds: see `photon_core`'s pipeline.
+            // The defaults of a picture: see `photon_core`'s pipeline.
             let (caustic, global) = (map(12), map(64));
             Self { table: "large", name: name.to_owned(), caustic, global, together: true, settings }
         };
         variants.into_iter().map(plan).collect()
     }
 
-    /// How a map is read, within a radius in normalised space.
+    /// The estimate parameters of a map, for a radius in normalised space.
     pub(crate) fn gather(&self, map: &MapPlan, radius: f32) -> EstimateParams {
         let kernel = if map.search == Search::Radius { self.settings.kernel } else { Kernel::Constant };
-        // The paper has no test of normals but that of its equation (2).
+        // The paper tests normals only by its equation (2).
         let min_normal_cosine = if map.search == Search::Radius { self.settings.min_normal_cosine } else { -1.0 };
         EstimateParams { kernel, radius_scale: radius, min_normal_cosine, ..EstimateParams::new(map.search) }
     }

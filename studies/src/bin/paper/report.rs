@@ -1,4 +1,4 @@
-//! What was measured, as tables beside the paper's own figures.
+//! The measurements, as tables beside the paper's own figures.
 
 use std::fmt::Write as _;
 
@@ -9,14 +9,14 @@ use crate::plan::{FIGURES, Plan, Reading};
 use crate::studio::Measured;
 use crate::table::{Table, csv_heading, csv_row, seconds, times};
 
-/// What one backend gave.
+/// Results of one backend.
 #[derive(Debug)]
 pub(crate) struct Results {
     pub(crate) backend: &'static str,
     pub(crate) device: String,
     pub(crate) cells: Vec<(Plan, Measured)>,
     pub(crate) biases: Vec<Bias>,
-    /// Cells for which there was no time.
+    /// Number of cells for which there was no time.
     pub(crate) left_out: u32,
 }
 
@@ -30,7 +30,7 @@ impl Results {
     }
 }
 
-/// All backends.
+/// Results of all backends.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     all: Vec<Results>,
@@ -39,7 +39,7 @@ pub(crate) struct Report {
 impl Report {
     pub(crate) fn add(&mut self, results: Results) {
         self.all.push(results);
-        // The paper's order: the CPU's column before the GPU's.
+        // In the paper's order: the CPU's column before the GPU's.
         self.all.sort_by_key(|results| results.backend);
     }
 
@@ -51,7 +51,7 @@ impl Report {
         std::iter::once(csv_heading()).chain(rows).collect()
     }
 
-    /// The paper's grid in both readings.
+    /// The paper's grid in both interpretations.
     pub(crate) fn grid(&self) -> String {
         let mut headings = vec!["caustic / \"global\"", "paper's CPU", "paper's GPU", "ratio"];
         for results in &self.all {
@@ -69,7 +69,7 @@ impl Report {
                 let plan = Plan::cell(reading, caustic, global);
                 let found: Vec<_> = self.all.iter().map(|results| (results, results.cell(&plan))).collect();
                 for (results, measured) in &found {
-                    // Each beside its own kind.
+                    // Each compared with the paper's backend of the same kind.
                     let papers = if results.backend == "cpu" { cpu } else { gpu };
                     row.push(measured.map_or("-".to_owned(), |m| seconds(m.wall)));
                     row.push(measured.map_or("-".to_owned(), |m| times(papers / m.wall)));
@@ -84,7 +84,7 @@ impl Report {
         text
     }
 
-    /// The pictures and our own grid, stage by stage: what each habit of the paper's costs.
+    /// The pictures and our own grid, stage by stage: the cost of each choice of the paper.
     fn by_stage(&self) -> String {
         let stages = [Stage::Emit, Stage::Trace, Stage::Build, Stage::Eye, Stage::Direct, Stage::Estimate, Stage::Film];
         let mut headings = vec!["way", "caustic", "global", "paths", "together"];
@@ -108,7 +108,7 @@ impl Report {
         text
     }
 
-    /// The paper's errors.
+    /// The errors of the paper's formulas.
     fn biases(&self) -> String {
         let mut text = String::new();
         for results in &self.all {
@@ -128,8 +128,8 @@ impl Report {
         text
     }
 
-    /// Mean radiance of the pictures' layers, and of the two that the maps give beside what the
-    /// defaults make of as many photons.
+    /// Mean radiance of the pictures' layers, and of the two that the maps give, compared with those of the
+    /// defaults with the same number of photons.
     fn pictures(&self) -> String {
         let headings = ["picture", "emission", "direct", "caustic", "of defaults", "indirect", "of defaults", "time"];
         let mut table = Table::new(&headings);
@@ -152,7 +152,7 @@ impl Report {
         table.text()
     }
 
-    /// Everything, for a document.
+    /// All tables, for a document.
     pub(crate) fn markdown(&self) -> String {
         let mut text = String::new();
         for results in &self.all {

@@ -1,4 +1,4 @@
-//! Renders one plan on one backend, stage by stage, and times it.
+//! Renders one plan on one backend, and measures the time of each stage.
 
 use std::time::Instant;
 
@@ -11,14 +11,14 @@ use photon_scene::Scene;
 use crate::calibrate::Sizes;
 use crate::plan::Plan;
 
-/// What one plan took, the median of its repetitions.
+/// Measurements of one plan: the median of its repetitions.
 #[derive(Debug)]
 pub(crate) struct Measured {
     /// Seconds from the first path to the finished picture.
     pub(crate) wall: f64,
     /// Seconds per stage, by the backend's own clock.
     pub(crate) stages: StageTimings,
-    /// Paths emitted, and photons in the caustic and in the global map.
+    /// Number of paths emitted, and of photons in the caustic and in the global map.
     pub(crate) paths: u64,
     pub(crate) stored: [u64; 2],
     /// Mean radiance of each layer of the picture, mean of RGB.
@@ -41,7 +41,7 @@ pub(crate) struct Studio<'s, B: TransportBackend> {
     view: View,
 }
 
-/// Photons on their way into the caustic or the global map, and how many paths they stand for.
+/// Photons to be stored in the caustic and the global map, and the number of paths that emitted them.
 struct Lane<B: TransportBackend> {
     photons: Option<B::Buffer<Photon>>,
     paths: u32,
@@ -51,13 +51,13 @@ struct Lane<B: TransportBackend> {
 impl<'s, B: TransportBackend> Studio<'s, B> {
     pub(crate) fn new(mut on: B, source: &'s Scene, view: View) -> Result<Self> {
         let mut required = Requirements::of(&source.view(), &Plan::large(1)[0].settings);
-        // Both maps are asked for, also in a scene where one stays empty.
+        // Both maps are requested, also in a scene where one stays empty.
         (required.maps[MapKind::Caustic], required.maps[MapKind::Global]) = (true, true);
         let scene = on.prepare(&source.view(), &required)?;
         Ok(Self { on, source, scene, required, view })
     }
 
-    /// Renders the plan `repeats` times, after `warm_ups` that do not count.
+    /// Renders the plan `repeats` times, after `warm_ups` that are discarded.
     pub(crate) fn run(
         &mut self,
         plan: &Plan,
@@ -133,7 +133,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
         Ok(Lane { photons: Some(photons), paths: size.paths, radius: size.radius })
     }
 
-    /// Traces so many paths into the maps that are there.
+    /// Traces that many paths into the maps that are used.
     pub(crate) fn fill(
         &mut self,
         stages: &mut photon_core::Stages<B>,
@@ -172,7 +172,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
         Ok(())
     }
 
-    /// What a map of the photons of a few paths needs to be made.
+    /// Photons of a few paths, to determine the sizes of a map.
     pub(crate) fn sample(&mut self, plan: &Plan, paths: u32) -> Result<[B::Buffer<Photon>; 2]> {
         let mut stages = self.on.stages(&self.required, &plan.settings)?;
         let mut rays = self.on.alloc::<PhotonRay>("photon rays", u64::from(self.on.batch()))?;

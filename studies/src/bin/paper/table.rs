@@ -1,4 +1,4 @@
-//! Tables that read well as text and as Markdown, and the same rows for other programs.
+//! Tables that are readable as text and as Markdown, and the same rows as CSV.
 
 use std::fmt::Write as _;
 
@@ -7,14 +7,14 @@ use photon_core::{Settings, Stage};
 use crate::plan::Plan;
 use crate::studio::Measured;
 
-/// A table of words.
+/// A table of text cells.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// One with these headings.
+    /// A table with these headings.
     pub(crate) fn new(headings: &[&str]) -> Self {
         Self { rows: vec![headings.iter().map(|&heading| heading.to_owned()).collect()] }
     }
@@ -23,7 +23,7 @@ impl Table {
         self.rows.push(cells);
     }
 
-    /// As Markdown, columns aligned: the first to the left, numbers to the right.
+    /// As Markdown with aligned columns: the first to the left, numbers to the right.
     pub(crate) fn text(&self) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let wide = |column: usize| {
@@ -50,7 +50,7 @@ impl Table {
     }
 }
 
-/// Seconds in three digits: `1.23 s`, `45.6 ms`, `789 µs`; a dash for none at all.
+/// Seconds with three digits: `1.23 s`, `45.6 ms`, `789 µs`; a dash for zero.
 pub(crate) fn seconds(value: f64) -> String {
     if value <= 0.0 {
         return "-".to_owned();
@@ -63,7 +63,7 @@ pub(crate) fn seconds(value: f64) -> String {
     format!("{} {unit}", digits(scaled))
 }
 
-/// A ratio in three digits.
+/// A ratio with three digits.
 pub(crate) fn times(value: f64) -> String {
     format!("{}×", digits(value))
 }
@@ -77,7 +77,7 @@ fn digits(value: f64) -> String {
     format!("{value:.places$}")
 }
 
-/// The heading of the file of rows.
+/// The header of the CSV file.
 pub(crate) fn csv_heading() -> String {
     let stages: Vec<&str> = Stage::ALL.iter().map(|stage| stage.name()).collect();
     format!(

@@ -1,5 +1,5 @@
-//! Writes the tables of `docs/studies/precision.md`, behind what is written there by hand, and its plot. Run it in release:
-//! some minutes.
+//! Writes the tables of `docs/studies/precision.md`, after its handwritten part, and its plot. Run it in release mode:
+//! it takes some minutes.
 #![expect(clippy::print_stderr, reason = "progress goes to stderr")]
 
 mod plot;
@@ -10,7 +10,7 @@ use std::time::Instant;
 use photon_tests::precision::{Table, fields, stages, sweeps};
 use plot::{Line, Panel};
 
-/// What stands before this line is kept.
+/// The text before this line is kept.
 const MARK: &str = "<!-- tables: written by `cargo run --release -p studies --bin precision` -->\n";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Error by detail, and by the length of a path.
+/// Error over level of detail, and over path length.
 fn picture(tables: &[Table]) -> String {
     let lines = |table: usize, names: &[(&'static str, &'static str)]| -> Vec<Line> {
         let table = &tables[table];

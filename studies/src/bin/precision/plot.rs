@@ -1,4 +1,4 @@
-//! Panels of lines in SVG, both axes logarithmic.
+//! Line plots in SVG panels, both axes logarithmic.
 
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
@@ -7,20 +7,20 @@ const WIDTH: f64 = 480.0;
 const HEIGHT: f64 = 360.0;
 const COLOURS: [&str; 5] = ["#1b6ca8", "#d1495b", "#2e933c", "#8e44ad", "#e08e0b"];
 
-/// Points by name.
+/// A named series of points.
 pub(crate) struct Line {
     pub(crate) name: &'static str,
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-/// Axes and what is in them.
+/// Axes and their lines.
 pub(crate) struct Panel {
     pub(crate) title: &'static str,
     pub(crate) x: &'static str,
     pub(crate) lines: Vec<Line>,
 }
 
-/// Where values are put.
+/// Maps values to positions.
 struct Frame {
     left: f64,
     x: (f64, f64),
@@ -34,7 +34,7 @@ impl Frame {
     }
 }
 
-/// What can be drawn on logarithmic axes.
+/// Whether a point can be drawn on logarithmic axes.
 fn drawn(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
     points.iter().copied().filter(|(x, y)| *x > 0.0 && *y > 0.0 && x.is_finite() && y.is_finite())
 }
@@ -43,7 +43,7 @@ fn decades((low, high): (f64, f64)) -> RangeInclusive<i32> {
     low.log10().ceil() as i32..=high.log10().floor() as i32
 }
 
-/// All panels side by side.
+/// All panels, side by side.
 pub(crate) fn picture(panels: &[Panel]) -> String {
     let width = WIDTH * panels.len() as f64;
     let mut svg = format!(

@@ -1,4 +1,4 @@
-//! The tables of what came of asking for an error, or for a time.
+//! The tables of results for error targets and time budgets.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use crate::asked::DEFAULT_WAY;
 use crate::records::{AskedRow, Body, Part};
 use crate::tables::{backends, head, percent};
 
-/// All of them, backends beside each other: by scene, then in the order of what was asked.
+/// All tables, backends side by side: by scene, then in the order of the targets.
 fn rows(parts: &[Part]) -> Vec<(&str, &AskedRow)> {
     let mut rows: Vec<(&str, &AskedRow)> = Vec::new();
     for part in parts {
@@ -23,7 +23,7 @@ fn rows(parts: &[Part]) -> Vec<(&str, &AskedRow)> {
     sorted
 }
 
-/// What was predicted and what was reached; a time as `render --time` spends it.
+/// Predictions and results; times as `render --time` uses them.
 pub(crate) fn asked(parts: &[Part]) -> String {
     let mut text = String::from(
         "\n### Error and time budgets\n\nAn error target for 95 % of the pixels that have an interval, within 20 s; or a time budget, as `--time` spends it.\n*Reached* is the estimated error. *Covered* is left out where the reference has fewer than 27 times the photons of\nthe run, at which its error is a third of the run's.\n",
@@ -51,7 +51,7 @@ pub(crate) fn asked(parts: &[Part]) -> String {
     if any { text } else { String::new() }
 }
 
-/// What a time brings by each way to spend it.
+/// Results of a time budget for each way to use it.
 pub(crate) fn ways(parts: &[Part]) -> String {
     let rows = rows(parts);
     let mut names: Vec<&str> = Vec::new();

@@ -1,4 +1,4 @@
-//! What comes of asking for an error, or for a time.
+//! Measures results for error targets and time budgets.
 
 use std::time::Duration;
 
@@ -10,13 +10,13 @@ use crate::measure::{self, Run};
 use crate::records::AskedRow;
 use crate::truth::Truth;
 
-/// Seconds after which an error is given up.
+/// Seconds after which an error target is given up.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// The way in which `render --time` spends it.
+/// How `render --time` uses the time.
 pub(crate) const DEFAULT_WAY: &str = "surface, radii per pixel";
 
-/// What is asked for, in words and as a plan; the way in which a time is spent, and with which settings.
+/// A target, in words and as a plan; the way in which a time budget is used, and the settings.
 fn plans(base: &Settings) -> Vec<(String, Option<String>, Settings, Plan)> {
     let plain = Settings { errors: true, seed: 77, ..base.clone() };
     let mut plans = Vec::new();
@@ -25,7 +25,7 @@ fn plans(base: &Settings) -> Vec<(String, Option<String>, Settings, Plan)> {
         let plan = Plan { most_time: Some(PATIENCE), ..until.into() };
         plans.push((format!("error of {:.0} %", 100.0 * target), None, plain.clone(), plan));
     }
-    // In how many ways a time can be spent. Radii are adapted to it where errors tell how.
+    // A time budget can be used in several ways. Radii are adapted to it if there are error estimates.
     for seconds in [1, 5] {
         for (name, area, bandwidth, errors) in [
             ("surface, radii adapted", Area::Surface, Bandwidth::Shared, true),
@@ -43,7 +43,7 @@ fn plans(base: &Settings) -> Vec<(String, Option<String>, Settings, Plan)> {
     plans
 }
 
-/// The lines of one scene.
+/// The results of one scene.
 pub(crate) fn rows(
     engine: &mut Engine,
     subject: &Subject,
@@ -53,7 +53,7 @@ pub(crate) fn rows(
     plans(base)
         .into_iter()
         .map(|(asked, way, settings, plan)| {
-            // Whatever is compiled for the first time is not what is timed.
+            // Kernels are compiled before the measurement starts.
             engine.film(subject, &settings, Budget::Passes(9))?;
             let (film, details) = engine.film(subject, &settings, plan)?;
             let run = Run::new(&film, details.seconds, details.outcome.paths);

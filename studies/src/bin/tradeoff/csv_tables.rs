@@ -1,11 +1,11 @@
-//! Long tables leave the document for CSV files beside it.
+//! Moves long tables from the document to CSV files beside it.
 
 use std::fmt::Write as _;
 
 /// Tables with more rows than this become CSV files.
 const MAX_ROWS: usize = 20;
 
-/// A document whose long tables have been moved out.
+/// A document without its long tables.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Separated {
     /// The Markdown, with a link in place of each long table.
@@ -32,7 +32,7 @@ pub(crate) fn separate(markdown: &str, name: &str) -> Separated {
         while let Some(next) = lines.next_if(|next| next.starts_with('|')) {
             table.push(next);
         }
-        // The head and the rule below it are no rows.
+        // The header and the delimiter row below it do not count.
         let rows = table.len().saturating_sub(2);
         if rows <= MAX_ROWS {
             table.iter().for_each(|line| out.text += &format!("{line}\n"));
@@ -45,7 +45,7 @@ pub(crate) fn separate(markdown: &str, name: &str) -> Separated {
     out
 }
 
-/// The lines of a Markdown table as CSV; the rule below the head is dropped.
+/// The lines of a Markdown table as CSV; the delimiter row is dropped.
 pub(crate) fn csv(table: &[&str]) -> String {
     let mut text = String::new();
     for (number, line) in table.iter().enumerate() {
@@ -58,7 +58,7 @@ pub(crate) fn csv(table: &[&str]) -> String {
     text
 }
 
-/// One cell, in quotes where RFC 4180 asks for them.
+/// One cell, in quotes where RFC 4180 requires them.
 fn quoted(cell: &str) -> String {
     if cell.contains([',', '"']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }

@@ -1,4 +1,4 @@
-//! Every number: the tables of each scene, the comparison with a path tracer, and the CSV.
+//! The full results: the tables of each scene, the comparison with a path tracer, and the CSV.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -7,7 +7,7 @@ use crate::csv_tables;
 use crate::records::{Body, Note, Part, Row, Sweep};
 use crate::tables::{backends, head, scenes, sweeps, time};
 
-/// Truths beside an unbiased path tracer.
+/// References compared with an unbiased path tracer.
 pub(crate) fn tracer(parts: &[Part]) -> String {
     let mut text = String::new();
     for part in parts {
@@ -38,7 +38,7 @@ pub(crate) fn tracer(parts: &[Part]) -> String {
     text
 }
 
-/// What the pictures in `docs/images`, beside the folder of the document, show; for those that are there.
+/// Captions of the pictures in `docs/images`, beside the folder of the document, as far as they exist.
 pub(crate) fn pictures(folder: &Path) -> String {
     let mut text = String::new();
     for scene in ["cornell", "cornell-glass", "ring", "two-rooms"] {
@@ -93,7 +93,7 @@ pub(crate) fn every_row(parts: &[Part]) -> String {
     csv_tables::csv(&text.lines().collect::<Vec<_>>())
 }
 
-/// What the errors of each scene are measured against.
+/// The references against which the errors of each scene are measured.
 pub(crate) fn truths(parts: &[Part]) -> String {
     let mut text = String::from("\n### Reference of each scene\n\n");
     for scene in scenes(parts) {

@@ -1,4 +1,4 @@
-//! The words about the tables.
+//! The text around the tables.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -10,7 +10,7 @@ const HEAD: &str = include_str!("head.md");
 const READING: &str = include_str!("reading.md");
 const CLAIMS: &str = include_str!("claims.md");
 
-/// How well the error estimates of films hold, a document of its own.
+/// The document on the coverage of confidence intervals.
 pub(crate) fn claims(parts: &[Part]) -> String {
     let mut text = format!("{CLAIMS}\n## Results\n");
     for table in [tables::fields(parts), tables::rates(parts), tables::claims(parts), answers::asked(parts)] {
@@ -19,7 +19,7 @@ pub(crate) fn claims(parts: &[Part]) -> String {
     text
 }
 
-/// The document of that name, in the folder where its pictures are.
+/// The document of that name, in the folder with its pictures.
 pub(crate) fn markdown(parts: &[Part], folder: &Path, name: &str) -> String {
     let mut text = format!("{HEAD}\n{READING}\n## Results\n\n");
     for backend in tables::backends(parts) {

@@ -1,4 +1,4 @@
-//! One backend, kept for all renders: a driver may refuse a program that opens its devices many times.
+//! One backend, reused for all renders: a driver may refuse a program that opens its devices many times.
 
 use std::time::Instant;
 
@@ -10,22 +10,22 @@ use photonmap_cli::backend::BackendName;
 use photonmap_cli::backend::{self, Chosen};
 use photonmap_cli::fault::Fault;
 
-/// A backend between renders; nothing after one that failed.
+/// A backend between renders; `None` after a failure.
 pub(crate) enum Engine {
     Cpu(Option<Cpu>),
     Vulkan(Option<Box<Vulkan>>),
 }
 
-/// A scene and who looks at it.
+/// A scene and its camera.
 pub(crate) struct Subject {
     pub(crate) name: String,
     pub(crate) scene: Scene,
     pub(crate) view: View,
 }
 
-/// What a render tells besides its picture.
+/// Results of a render besides its picture.
 pub(crate) struct Details {
-    /// Of the passes.
+    /// Results of the passes.
     pub(crate) seconds: f64,
     pub(crate) outcome: Outcome,
 }
@@ -48,7 +48,7 @@ impl Engine {
         })
     }
 
-    /// Short name, and the device in words.
+    /// Short name of the backend, and its device.
     pub(crate) fn names(&self) -> (&'static str, String) {
         fn of<B: TransportBackend>(on: Option<&B>) -> (&'static str, String) {
             on.map_or_else(|| ("none", String::new()), |on| (on.name(), on.device()))
@@ -59,7 +59,7 @@ impl Engine {
         }
     }
 
-    /// Renders; the backend is ready for another afterwards.
+    /// Renders; the backend can be reused afterwards.
     pub(crate) fn film(
         &mut self,
         subject: &Subject,
@@ -70,7 +70,8 @@ impl Engine {
         Ok((films.pop().ok_or_else(gone)?, details))
     }
 
-    /// Renders one plan after another: the film after each, and what the last one tells, with all passes and paths.
+    /// Renders several plans in sequence: the film after each, and the results of the last one, with all passes and
+    /// paths.
     pub(crate) fn films_at(
         &mut self,
         subject: &Subject,
@@ -91,8 +92,8 @@ impl Engine {
         }
     }
 
-    /// Renders once for each seed from 1 on. Scene and kernels are made ready once, and a pass goes before that nobody
-    /// sees; `each` takes what comes.
+    /// Renders once for each seed from 1 on. Scene and kernels are prepared once, with one discarded warm-up pass;
+    /// `each` receives the results.
     pub(crate) fn films(
         &mut self,
         subject: &Subject,
@@ -121,7 +122,7 @@ impl Engine {
     }
 }
 
-/// What can be done on any backend.
+/// An operation that works with any backend.
 pub(crate) trait Work {
     type Output;
     fn on<B: TransportBackend>(self, on: &mut B) -> Result<Self::Output, Fault>;

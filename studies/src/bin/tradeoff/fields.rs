@@ -1,4 +1,4 @@
-//! Claims and rates in fields whose truth is known exactly, those of the test suite.
+//! Confidence intervals and convergence rates in fields with an exactly known result, those of the test suite.
 
 use photon_core::{Film, TransportBackend, inverse_radius_squared_sum, radius_squared_sum};
 use photon_tests::fields::{BROKEN, Field, SMOOTH, Trial, film_of, films_of, judge};
@@ -10,11 +10,11 @@ use crate::records::{Claims, FieldRow, RateRow};
 
 const THIRDS: f64 = 2.0 / 3.0;
 
-/// What is claimed in each field, and whether it holds.
+/// The intervals of each field, and whether they hold.
 pub(crate) struct FieldClaims {
-    /// Films of each, with seeds of their own.
+    /// Number of films of each field, with different seeds.
     pub(crate) films: u32,
-    /// Pixels along a side of each.
+    /// Pixels along a side of each film.
     pub(crate) side: u32,
 }
 
@@ -55,11 +55,11 @@ impl Work for FieldClaims {
     }
 }
 
-/// How errors fall with passes, fitted and by theory for the same passes.
+/// How errors fall with passes: fitted, and in theory for the same passes.
 pub(crate) struct Rates {
     /// Pixels along a side.
     pub(crate) side: u32,
-    /// Most passes; the fewest are a 32nd of it, where radii shrink.
+    /// Largest number of passes; where radii shrink, the smallest is a 32nd of it.
     pub(crate) most: u32,
 }
 
@@ -68,7 +68,7 @@ impl Work for Rates {
 
     fn on<B: TransportBackend>(self, on: &mut B) -> Result<Vec<RateRow>, Fault> {
         let mut rows = Vec::new();
-        // Radii that stay obey their law from the first pass on, and cost more.
+        // Constant radii follow their law from the first pass on, and cost more.
         let cases = [
             (&SMOOTH[0], THIRDS, self.most),
             (&SMOOTH[0], 1.0, self.most / 16),
@@ -93,7 +93,7 @@ impl Work for Rates {
     }
 }
 
-/// Mean squared bias and variance of errors that chance made of one.
+/// Mean squared bias and variance of errors that are due to noise.
 fn parts(errors: &[f64]) -> (f64, f64) {
     let n = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / n;
@@ -105,7 +105,7 @@ fn of_field(field: &Field, alpha: f64, after: &[u32], values: &[Vec<f64>]) -> Ve
     let of_n = |of: &dyn Fn(u32, f64) -> f64| -> Vec<(f64, f64)> {
         after.iter().map(|&passes| (f64::from(passes), of(passes, f64::from(passes)))).collect()
     };
-    // Of a field like this, by noise and bias that obey theory from what was found after the fewest passes on.
+    // The rate of such a field, if noise and bias follow the theory from the smallest number of passes on.
     let variance = of_n(&|passes, n| inverse_radius_squared_sum(passes, alpha) / (n * n));
     let bias = of_n(&|passes, n| (radius_squared_sum(passes, alpha) / n).powi(2));
     let (b, v) = parts(&values[0]);
@@ -142,8 +142,8 @@ fn of_field(field: &Field, alpha: f64, after: &[u32], values: &[Vec<f64>]) -> Ve
     rows
 }
 
-/// The standard error of a slope, by leaving out a sixteenth of the pixels at a time (Tukey 1958): what is
-/// found after more passes has the photons of what was found before, so that residuals say too little.
+/// The standard error of a slope, by a jackknife over sixteenths of the pixels (Tukey 1958): results after
+/// more passes contain the photons of those after fewer, so that residuals underestimate the error.
 fn jackknife(after: &[u32], values: &[Vec<f64>], part: &dyn Fn(&[f64]) -> f64) -> f64 {
     const BLOCKS: usize = 16;
     let slopes: Vec<f64> = (0..BLOCKS)

@@ -1,4 +1,4 @@
-//! What each index costs: its time to be built and its time to be asked, over the photons of a pass.
+//! Cost of each index: build time and query time, over the number of photons per pass.
 
 use std::fmt::Write as _;
 
@@ -10,28 +10,28 @@ use crate::engine::{Engine, Subject};
 use crate::records::{Body, Part};
 use crate::tables::{head, time};
 
-/// Pixels across and down of the picture that asks.
+/// Width and height of the picture that queries the index.
 const SIDE: u32 = 192;
-/// Paths of a pass.
+/// Paths per pass.
 const PATHS: [u32; 3] = [20_000, 100_000, 500_000];
 const PASSES: u32 = 2;
 const SEEDS: u32 = 3;
 
-/// One index, filled by so many paths.
+/// One index, filled by that many paths.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct IndexRow {
     pub(crate) scene: String,
     pub(crate) index: String,
     pub(crate) paths: u32,
-    /// Photons that maps kept of them, mean of the passes.
+    /// Number of photons stored in the maps, mean of the passes.
     pub(crate) photons: u64,
-    /// Seconds of a pass: arranging the photons of all maps.
+    /// Seconds per pass: building the index of all maps.
     pub(crate) build: f64,
-    /// Seconds of a pass: radiance from all maps at every pixel.
+    /// Seconds per pass: radiance estimates from all maps at every pixel.
     pub(crate) query: f64,
 }
 
-/// All indices of one scene, by the estimator of a radius.
+/// All indices of one scene, with the fixed-radius estimator.
 pub(crate) fn rows(engine: &mut Engine, name: &str, base: &Settings) -> Result<Vec<IndexRow>, Fault> {
     let subject = Subject::new(name, SIDE)?;
     let mut rows = Vec::new();
@@ -58,7 +58,7 @@ pub(crate) fn rows(engine: &mut Engine, name: &str, base: &Settings) -> Result<V
     Ok(rows)
 }
 
-/// All rows, with the backends they are of.
+/// All rows, with their backends.
 pub(crate) fn all(parts: &[Part]) -> Vec<(&str, &IndexRow)> {
     let mut found = Vec::new();
     for part in parts {

@@ -1,4 +1,4 @@
-//! The price list: what error is had for what time, by every setting that trades one for the other.
+//! Error over render time, for every setting that trades one for the other.
 #![expect(clippy::print_stderr, reason = "progress goes to stderr")]
 
 mod answers;
@@ -31,78 +31,78 @@ use measure::Run;
 use records::{Body, ClaimRow, Part};
 use truth::{Effort, Truth};
 
-/// Renders scenes with many settings and seeds, and writes error and time of each. What is measured goes into
-/// files of the folder --out, to which further calls add, on other machines if need be; each call makes
-/// document and plots of all that is there.
+/// Renders scenes with many settings and seeds, and measures error and time of each. Results are written to files
+/// in the folder --out, to which further calls add, also on other machines; each call writes
+/// document and plots from all results in the folder.
 #[derive(Debug, Parser)]
 struct Args {
     /// Built-in scenes.
     #[arg(default_values_t = ["integrating-sphere", "furnace", "cornell", "cornell-glass", "ring"].map(str::to_owned))]
     scenes: Vec<String>,
-    /// Where to render; may be given twice.
+    /// Backend; may be given twice.
     #[arg(long, value_enum, default_values_t = [BackendName::Auto])]
     backend: Vec<BackendName>,
     /// What to measure; may be given several times [default: all].
     #[arg(long, value_enum)]
     part: Vec<PartName>,
-    /// Where results and plots go.
+    /// Folder for results and plots.
     #[arg(long, default_value = "out/tradeoff")]
     out: PathBuf,
-    /// The document to write, tables included; every row goes into another beside it, `NAME-rows.csv`.
+    /// The document to write, including tables; all rows go to another one beside it, `NAME-rows.csv`.
     #[arg(long)]
     document: Option<PathBuf>,
-    /// Measure nothing: only document and plots of what is in this folder.
+    /// Measure nothing: only write document and plots from the results in this folder.
     #[arg(long, value_name = "DIR")]
     assemble: Option<PathBuf>,
-    /// Pixels across and down.
+    /// Width and height of the pictures, pixels.
     #[arg(long, default_value_t = 48)]
     size: u32,
-    /// Runs of each setting.
+    /// Runs (seeds) of each setting.
     #[arg(long, default_value_t = 10)]
     seeds: u32,
-    /// Photon paths per pass of the middle setting.
+    /// Photon paths per pass of the baseline setting.
     #[arg(long, default_value_t = 20_000)]
     photons: u32,
-    /// Runs by which claims about scenes of known truth are judged.
+    /// Runs for confidence intervals of scenes with a known result.
     #[arg(long, default_value_t = 200)]
     claim_seeds: u32,
-    /// Films of each field of known truth.
+    /// Films of each field with a known result.
     #[arg(long, default_value_t = 200)]
     fields: u32,
-    /// Pixels along a side of these.
+    /// Pixels along a side of these fields.
     #[arg(long, default_value_t = 8)]
     field_side: u32,
-    /// Most passes by which rates are told.
+    /// Largest number of passes for convergence rates.
     #[arg(long, default_value_t = 16_384)]
     rate_passes: u32,
-    /// Pixels along a side by which rates are told.
+    /// Pixels along a side for convergence rates.
     #[arg(long, default_value_t = 32)]
     rate_side: u32,
-    /// How many times the photons of the longest run those of a reference are, where the truth is not known.
+    /// Photons of a reference as a multiple of those of the longest run, where no exact result is known.
     #[arg(long, default_value_t = 6000)]
     reference: u32,
 }
 
-/// What can be measured by itself.
+/// What can be measured separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PartName {
-    /// The long runs by which scenes without a closed form are judged.
+    /// The long runs that serve as references for scenes without a closed form.
     Reference,
-    /// Each knob by itself, and the presets.
+    /// Each setting varied by itself, and the presets.
     Sweep,
-    /// Claims about scenes of known truth.
+    /// Confidence intervals of scenes with a known result.
     Claims,
-    /// What presets are chosen from.
+    /// The candidates for presets.
     Presets,
     /// Build and query time per index.
     Indices,
-    /// What comes of asking for an error or a time.
+    /// Error targets and time budgets.
     Asked,
-    /// Claims in fields of known truth.
+    /// Confidence intervals in fields with a known result.
     Fields,
-    /// Rates in these.
+    /// Convergence rates in these fields.
     Rates,
-    /// Pictures by a few settings beside the reference, for `tests/mitsuba/pictures.py`.
+    /// Pictures with a few settings beside the reference, for `tests/mitsuba/pictures.py`.
     Pictures,
 }
 
@@ -122,7 +122,7 @@ fn work(args: &Args) -> Result<(), Fault> {
     }
     let parts = records::parts(folder)?;
     if parts.is_empty() && args.assemble.is_none() {
-        // Pictures and references are no rows.
+        // Pictures and references contribute no rows.
         return Ok(());
     }
     if parts.is_empty() {
@@ -175,7 +175,7 @@ fn measure(args: &Args) -> Result<(), Fault> {
     std::fs::create_dir_all(&args.out).map_err(|why| Fault::writing(&args.out, why))?;
     let wanted = |part| args.part.is_empty() || args.part.contains(&part);
     for &backend in &args.backend {
-        // One for all: a driver may refuse a program that opens it again and again.
+        // One backend for all: a driver may refuse a program that opens it repeatedly.
         let mut engine = Engine::open(backend)?;
         if wanted(PartName::Fields) {
             let work = fields::FieldClaims { films: args.fields, side: args.field_side };
@@ -245,7 +245,7 @@ fn save(args: &Args, engine: &Engine, what: &str, body: Body) -> Result<(), Faul
     records::write(&path, &Part { backend: backend.to_owned(), device, body })
 }
 
-/// Claims about a scene of known truth, with many seeds.
+/// Confidence intervals of a scene with a known result, with many seeds.
 fn claims(
     args: &Args,
     engine: &mut Engine,

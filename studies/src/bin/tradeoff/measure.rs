@@ -1,11 +1,11 @@
-//! Errors of several runs of one setting.
+//! Errors over several runs of one setting.
 
 use photon_core::{ConfidenceInterval, Film, student_975};
 
 use crate::records::{Claims, Summary};
 use crate::truth::Truth;
 
-/// What is kept of one run: a film is a hundred times as large.
+/// The part of one run that is kept: a film is a hundred times as large.
 pub(crate) struct Run {
     pub(crate) grey: Vec<f64>,
     pub(crate) claims: Option<Vec<ConfidenceInterval>>,
@@ -26,13 +26,13 @@ pub(crate) fn error(run: &Run, truth: &Truth) -> f64 {
     run.grey.iter().zip(weights(run.grey.len(), truth)).map(|(x, (y, weight))| weight * (x - y).powi(2)).sum()
 }
 
-/// The truth of each of so many pixels, and what its squared error counts for.
+/// The reference of each pixel, and the weight of its squared error.
 fn weights(count: usize, truth: &Truth) -> impl Iterator<Item = (f64, f64)> {
     let floor = truth.floor(count);
     (0..count).map(move |pixel| (truth.at(pixel), 1.0 / ((truth.at(pixel).powi(2) + floor) * count as f64)))
 }
 
-/// Errors of runs that differ by their seeds.
+/// Errors of runs with different seeds.
 pub(crate) fn summarise(runs: &[Run], truth: &Truth) -> Summary {
     let count = runs.first().map_or(0, |run| run.grey.len());
     let n = runs.len() as f64;
@@ -60,7 +60,7 @@ pub(crate) fn summarise(runs: &[Run], truth: &Truth) -> Summary {
     }
 }
 
-/// How the claims of runs did.
+/// Coverage of the confidence intervals of runs.
 pub(crate) fn claims(runs: &[Run], truth: &dyn Fn(usize) -> f64) -> Claims {
     let all: Vec<(&[ConfidenceInterval], f64)> = runs
         .iter()
@@ -114,7 +114,7 @@ pub(crate) fn slope(points: &[(f64, f64)]) -> (f64, f64) {
     (slope, (rest / (n - 2.0).max(1.0) / sxx).sqrt())
 }
 
-/// Which of the points no other beats in both time and error, from the fastest on.
+/// The Pareto front of time and error, from the fastest point on.
 pub(crate) fn pareto(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));
@@ -142,7 +142,7 @@ mod tests {
     fn bias_and_variance_come_apart() {
         let run = |value: f64| Run { grey: vec![value], claims: None, passes: 1, seconds: 1.0, photons: 10 };
         let summary = summarise(&[run(1.0), run(1.2), run(1.4)], &Truth::constant(1.0));
-        // Variance 0.04; the mean is 0.2 off, of which a third of 0.04 is chance.
+        // Variance 0.04; the mean is 0.2 off, of which a third of 0.04 is noise.
         let unit = 1.01;
         assert!((summary.variance * unit - 0.04).abs() < 1e-12, "{summary:?}");
         assert!((summary.bias * unit - (0.04 - 0.04 / 3.0)).abs() < 1e-12, "{summary:?}");

@@ -1,5 +1,5 @@
-//! Two panels in SVG: error over time with the front of what nothing beats, and error over photons with
-//! its parts and the slope of theory.
+//! Two panels in SVG: error over time with its Pareto front, and error over photons with
+//! its components and the theoretical slope.
 
 use std::fmt::Write as _;
 
@@ -88,7 +88,7 @@ fn decades((low, high): (f64, f64)) -> std::ops::RangeInclusive<i32> {
     low.log10().ceil() as i32..=high.log10().floor() as i32
 }
 
-/// The beginning of a picture of two panels and a legend.
+/// The start of a picture with two panels and a legend.
 fn begin() -> String {
     format!(
         "<svg xmlns='http://www.w3.org/2000/svg' width='{:.0}' height='{HEIGHT:.0}' font-family='sans-serif' font-size='11'>\n<rect width='100%' height='100%' fill='white'/>\n",
@@ -130,8 +130,8 @@ pub(crate) fn sweep(sweep: &Sweep) -> String {
     svg
 }
 
-/// Bias² and variance over passes where the truth is known, with what theory makes of the first point:
-/// radii that shrink to the left, radii that stay to the right.
+/// Bias² and variance over passes where the result is known, with the theoretical curves from the first point:
+/// shrinking radii on the left, constant radii on the right.
 pub(crate) fn rates(parts: &[Part]) -> Option<String> {
     let mut svg = begin();
     let rows: Vec<_> = parts
@@ -199,7 +199,7 @@ pub(crate) fn indices(parts: &[Part]) -> Option<String> {
     (!rows.is_empty()).then_some(svg)
 }
 
-/// Error, bias² and variance over photons, for passes alone.
+/// Error, bias² and variance over photons, for different numbers of passes only.
 fn photons(svg: &mut String, sweep: &Sweep) {
     let series = |of: &dyn Fn(&Summary) -> f64| -> Vec<(f64, f64)> {
         let rows = sweep.rows.iter().filter(|row| row.knob == "passes");

@@ -1,8 +1,8 @@
-//! What presets are chosen from: settings that a picture can have, by the time that a picture of some size takes.
+//! The candidates for presets: settings of a picture, by the time that a picture of a given size takes.
 //!
-//! The error of a pixel follows from the photons of a pass and not from how many pixels there are, while the time
-//! follows from both. So errors are told by small pictures, of which the truth is known well, with as many photons as
-//! a larger one would have, and times by the larger one.
+//! The error of a pixel depends on the photons of a pass and not on the number of pixels, while the time
+//! depends on both. So errors are measured on small pictures, whose reference is accurate, with as many photons as
+//! a larger one would have, and times on the larger one.
 
 use std::fmt::Write as _;
 
@@ -16,15 +16,15 @@ use crate::records::{Body, Part};
 use crate::tables;
 use crate::truth::Truth;
 
-/// Pixels across and down of the picture that is timed.
+/// Width and height of the picture that is timed.
 const SIDE: u32 = 192;
-/// Its passes, in each of [`SEEDS`] runs.
+/// Number of its passes, in each of [`SEEDS`] runs.
 const TIMED: u32 = 16;
 const SEEDS: u32 = 3;
-/// Paths of a pass for each of its pixels.
+/// Paths per pass and pixel.
 const PER_PIXEL: [u32; 3] = [1, 2, 4];
 const PASSES: [u32; 3] = [4, 64, 256];
-/// Radii of pixels are found after eight passes.
+/// Radii per pixel are determined after eight passes.
 const KINDS: [(Area, Bandwidth); 4] = [
     (Area::Disc, Bandwidth::Shared),
     (Area::Surface, Bandwidth::Shared),
@@ -32,22 +32,22 @@ const KINDS: [(Area, Bandwidth); 4] = [
     (Area::Surface, Bandwidth::PerPixel),
 ];
 
-/// One of them.
+/// One candidate.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct PresetRow {
     pub(crate) scene: String,
-    /// How ends of surfaces and radii are treated.
+    /// Treatment of boundaries of surfaces, and of radii.
     pub(crate) kind: String,
     pub(crate) per_pixel: u32,
     pub(crate) passes: u32,
-    /// Of the larger picture.
+    /// Seconds, for the larger picture.
     pub(crate) seconds: f64,
     /// relMSE, and its standard error over seeds.
     pub(crate) error: f64,
     pub(crate) error_error: f64,
 }
 
-/// All settings of one scene; `base` has what the scene asks for.
+/// All candidates of one scene; `base` has the settings that the scene requires.
 pub(crate) fn rows(
     engine: &mut Engine,
     subject: &Subject,
@@ -94,7 +94,7 @@ pub(crate) fn rows(
     Ok(rows)
 }
 
-/// The table: error of each over that of the plainest in as much time.
+/// The table: error of each relative to that of the plainest in the same time.
 pub(crate) fn table(parts: &[Part]) -> String {
     fn of(part: &Part) -> &[PresetRow] {
         if let Body::Presets(rows) = &part.body { rows } else { &[] }

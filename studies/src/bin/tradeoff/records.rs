@@ -1,4 +1,4 @@
-//! What was measured, in files that later runs and other machines can add to.
+//! Result files, to which later runs and other machines can add.
 
 use std::path::{Path, PathBuf};
 
@@ -9,17 +9,17 @@ use serde::{Deserialize, Serialize};
 use crate::indices::IndexRow;
 use crate::presets::PresetRow;
 
-/// One file of results.
+/// One result file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Part {
     /// Short name of the backend.
     pub(crate) backend: String,
-    /// Its device in words.
+    /// Name of its device.
     pub(crate) device: String,
     pub(crate) body: Body,
 }
 
-/// What kind of results.
+/// The kind of results.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum Body {
     Sweep(Sweep),
@@ -38,22 +38,22 @@ pub(crate) struct Sweep {
     pub(crate) scene: String,
     pub(crate) size: u32,
     pub(crate) seeds: u32,
-    /// Paths per pass of the middle setting.
+    /// Paths per pass of the baseline setting.
     pub(crate) photons: u32,
     pub(crate) truth: Note,
     pub(crate) rows: Vec<Row>,
 }
 
-/// What a truth is made of.
+/// How a reference was made.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum Note {
     Constant(f64),
     Reference {
         passes: u32,
         photons: u64,
-        /// The relMSE that it claims of itself: noise, and squared bias.
+        /// Its own estimate of its relMSE: noise plus squared bias.
         error: f64,
-        /// The latter.
+        /// The squared bias.
         bias: f64,
     },
 }
@@ -71,9 +71,9 @@ pub(crate) struct Row {
 /// What runs with different seeds have in common.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Summary {
-    /// Median seconds of the passes.
+    /// Median seconds per pass.
     pub(crate) seconds: f64,
-    /// The fewest.
+    /// Minimum seconds per pass.
     pub(crate) fastest: f64,
     /// Paths emitted by each run.
     pub(crate) photons: u64,
@@ -81,30 +81,30 @@ pub(crate) struct Summary {
     pub(crate) error: f64,
     /// Its standard error over runs.
     pub(crate) error_error: f64,
-    /// The part of it that the mean of all runs has too; what is left of the variance is taken off.
+    /// The part of it that is common to all runs (squared bias), corrected for the remaining variance.
     pub(crate) bias: f64,
-    /// The part that runs differ by.
+    /// The part that differs between runs (variance).
     pub(crate) variance: f64,
-    /// Claims, if errors were told.
+    /// Coverage of confidence intervals, if errors were estimated.
     pub(crate) claims: Option<Claims>,
 }
 
-/// How claims did.
+/// Coverage of confidence intervals.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Claims {
-    /// Share of the pixels of which something is claimed.
+    /// Fraction of the pixels that have an interval.
     pub(crate) claimed: f64,
-    /// Share of these whose truth is within the claim.
+    /// Fraction of these whose interval contains the true value.
     pub(crate) covered: f64,
-    /// Lowest share of one run.
+    /// Lowest fraction of one run.
     pub(crate) worst: f64,
-    /// Share of all pixels whose truth is within what noise alone would claim.
+    /// Fraction of all pixels that an interval from noise alone would cover.
     pub(crate) by_noise: f64,
-    /// Median of claim over the root mean square of the pixel's errors; 0 where nothing is claimed.
+    /// Median of half-width over the root mean square error of the pixel; 0 without intervals.
     pub(crate) sharpness: f64,
 }
 
-/// Claims about a scene whose answer is known.
+/// Coverage in a scene with a known result.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct ClaimRow {
     pub(crate) scene: String,
@@ -114,29 +114,29 @@ pub(crate) struct ClaimRow {
     pub(crate) claims: Claims,
 }
 
-/// What came of asking for something.
+/// Result of an error target or a time budget.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct AskedRow {
     pub(crate) scene: String,
     pub(crate) asked: String,
-    /// How a time is spent; `None` for an error.
+    /// How a time budget is used; `None` for an error target.
     pub(crate) way: Option<String>,
     pub(crate) predicted: String,
     pub(crate) took: String,
-    /// Error claimed at the end.
+    /// Estimated error at the end.
     pub(crate) reached: Option<f64>,
     /// relMSE.
     pub(crate) error: Option<f64>,
     pub(crate) claimed: f64,
-    /// Share of claims that hold, where that can be told.
+    /// Fraction of intervals that hold, where that can be measured.
     pub(crate) covered: Option<f64>,
 }
 
-/// Claims in a field of known truth.
+/// Coverage in a field with a known result.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct FieldRow {
     pub(crate) field: String,
-    /// Whether light ends in it, so that nothing may be claimed.
+    /// Whether the light has an edge in it, so that no interval may be given.
     pub(crate) broken: bool,
     pub(crate) passes: u32,
     pub(crate) alpha: f64,
@@ -145,7 +145,7 @@ pub(crate) struct FieldRow {
     pub(crate) claims: Claims,
 }
 
-/// How fast something falls with passes.
+/// How fast a quantity falls with passes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct RateRow {
     pub(crate) field: String,
@@ -155,33 +155,33 @@ pub(crate) struct RateRow {
     pub(crate) to: u32,
     pub(crate) slope: f64,
     pub(crate) error: f64,
-    /// For as many passes.
+    /// Theoretical slope for the same passes.
     pub(crate) theory: f64,
-    /// Passes and what was found, for the plot.
+    /// Passes and measured values, for the plot.
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-/// A truth beside an unbiased path tracer's picture; `tests/mitsuba/check.py` writes it.
+/// A reference compared with an unbiased path tracer's picture; written by `tests/mitsuba/check.py`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct TracerRow {
     pub(crate) scene: String,
-    /// What the truth is: a closed form, or the backend of a reference.
+    /// Kind of reference: a closed form, or the backend of a long run.
     pub(crate) reference: String,
     /// Paths per pixel.
     pub(crate) samples: u32,
-    /// Mean over pixels of the tracer's less ours, over what errors are measured by.
+    /// Mean over pixels of the tracer's value minus ours, over the scale of relMSE.
     pub(crate) mean: f64,
-    /// That over its standard error.
+    /// The same divided by its standard error.
     pub(crate) z: f64,
     /// relMSE between the two.
     pub(crate) difference: f64,
-    /// How much of it is the path tracer's noise, by the spread of its runs.
+    /// The part of it that is the path tracer's noise, from the spread of its runs.
     pub(crate) noise: f64,
-    /// What the reference claims of itself.
+    /// The reference's own estimate of its error.
     pub(crate) claimed: f64,
 }
 
-/// A long run, for whoever has to judge others by it.
+/// A long run, as reference for other runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Reference {
     pub(crate) scene: String,
@@ -192,7 +192,7 @@ pub(crate) struct Reference {
     pub(crate) pixels: Vec<[f32; 3]>,
 }
 
-/// Pictures of one scene by several settings, beside the truth, for `tests/mitsuba/pictures.py`.
+/// Pictures of one scene with several settings, beside the reference, for `tests/mitsuba/pictures.py`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Pictures {
     pub(crate) scene: String,
@@ -216,13 +216,13 @@ pub(crate) fn write<T: Serialize>(path: &Path, record: &T) -> Result<(), Fault> 
     atomic_write::write_bytes(path, text.as_bytes())
 }
 
-/// Reads one back.
+/// Reads a record.
 pub(crate) fn read<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, Fault> {
     let text = std::fs::read_to_string(path).map_err(|why| Fault::input(format!("{}: {why}", path.display())))?;
     serde_json::from_str(&text).map_err(|why| Fault::input(format!("{}: not of this program: {why}", path.display())))
 }
 
-/// All parts in a folder, in order of their names.
+/// All result files in a folder, in order of their names.
 pub(crate) fn parts(folder: &Path) -> Result<Vec<Part>, Fault> {
     let fault = |why: std::io::Error| Fault::input(format!("{}: {why}", folder.display()));
     let mut names: Vec<PathBuf> = Vec::new();

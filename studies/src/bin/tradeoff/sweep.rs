@@ -1,4 +1,4 @@
-//! The settings that are tried: each knob by itself, about a middle setting.
+//! The settings that are measured: each varied by itself, from a baseline setting.
 
 use photon_core::{
     Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, RandomKind, Scheduling,
@@ -14,18 +14,18 @@ use crate::truth::Truth;
 /// One setting.
 #[derive(Clone, Debug)]
 struct Point {
-    /// What is turned.
+    /// Which option is varied.
     knob: &'static str,
-    /// To what.
+    /// Its value.
     value: String,
     settings: Settings,
     passes: u32,
 }
 
-/// Passes of the middle setting.
+/// Passes of the baseline setting.
 pub(crate) const PASSES: u32 = 16;
 
-/// The middle setting. A scene whose truth is that of scattered light alone shows nothing else.
+/// The baseline setting. A scene whose reference is only that of scattered light shows nothing else.
 pub(crate) fn base(scene: &str, photons: u32) -> Settings {
     let direct = if scene == "integrating-sphere" { Direct::None } else { Direct::Nee };
     Settings { photons, direct, ..Settings::default() }
@@ -45,7 +45,7 @@ fn points(base: &Settings) -> Vec<Point> {
     for passes in [1, 4, PASSES, 4 * PASSES] {
         add("passes", &passes.to_string(), base.clone(), passes);
     }
-    // As many photons in fewer, larger passes, or in more, smaller ones.
+    // The same number of photons in fewer, larger passes, or in more, smaller ones.
     add("photons per pass", "x1/4", with(&|s| s.photons /= 4), 4 * PASSES);
     add("photons per pass", "x4", with(&|s| s.photons *= 4), PASSES / 4);
     for factor in [0.25, 0.5, 0.71, 1.41, 2.0] {
@@ -104,15 +104,15 @@ fn points(base: &Settings) -> Vec<Point> {
     points
 }
 
-/// Passes and photons of the longest.
+/// Passes and photons of the longest run.
 pub(crate) fn longest(base: &Settings) -> (u32, u64) {
     let all = points(base);
     let photons = all.iter().map(|point| u64::from(point.passes) * u64::from(point.settings.photons)).max();
     (all.iter().map(|point| point.passes).max().unwrap_or(1), photons.unwrap_or(1))
 }
 
-/// Every setting by so many seeds. Seeds go round all settings, so that whatever else the machine does is
-/// shared by all; before the first, each setting runs once for what is done only once.
+/// Every setting with that many seeds. Seeds are the outer loop, so that other load on the machine
+/// affects all settings; each setting runs once before, to exclude one-time work.
 pub(crate) fn rows(
     engine: &mut Engine,
     subject: &Subject,
@@ -136,11 +136,11 @@ pub(crate) fn rows(
     Ok(points.into_iter().zip(runs).map(row).collect())
 }
 
-/// The settings whose pictures are shown: knob and value.
+/// The settings whose pictures are shown: option and value.
 const SHOWN: [(&str, &str); 5] =
     [("passes", "16"), ("radii", "x0.5"), ("area", "surface, 16 passes"), ("estimator", "paper"), ("passes", "64")];
 
-/// A picture by each of these, with the same seed.
+/// A picture with each of these, with the same seed.
 pub(crate) fn shots(engine: &mut Engine, subject: &Subject, base: &Settings) -> Result<Vec<Shot>, Fault> {
     let shown = |point: &Point| SHOWN.iter().position(|&(knob, value)| knob == point.knob && value == point.value);
     let mut points: Vec<(usize, Point)> =

@@ -1,11 +1,11 @@
-//! The tables of the document, each backend beside the others.
+//! The tables of the document, with backends side by side.
 
 use std::fmt::Write as _;
 
 use crate::measure::{pareto, slope};
 use crate::records::{Body, Claims, Note, Part, Row, Summary, Sweep};
 
-/// Sweeps, with the parts they are from.
+/// Sweeps, with the result files that they are from.
 pub(crate) fn sweeps(parts: &[Part]) -> Vec<(&Part, &Sweep)> {
     fn of(part: &Part) -> Option<(&Part, &Sweep)> {
         if let Body::Sweep(sweep) = &part.body { Some((part, sweep)) } else { None }
@@ -30,13 +30,13 @@ pub(crate) fn scenes(parts: &[Part]) -> Vec<&str> {
     names
 }
 
-/// A heading and a line below it: text to the left, numbers to the right.
+/// A header and delimiter row: text to the left, numbers to the right.
 pub(crate) fn head(columns: &[String], texts: usize) -> String {
     let line: Vec<&str> = (0..columns.len()).map(|i| if i < texts { "---" } else { "---:" }).collect();
     format!("\n| {} |\n|{}|\n", columns.join(" | "), line.join("|"))
 }
 
-/// First columns, then these for each backend.
+/// The first columns, then these for each backend.
 fn columns(parts: &[Part], first: &[&str], each: &[&str]) -> Vec<String> {
     let mut all: Vec<String> = first.iter().map(|&name| name.to_owned()).collect();
     for backend in backends(parts) {
@@ -45,7 +45,7 @@ fn columns(parts: &[Part], first: &[&str], each: &[&str]) -> Vec<String> {
     all
 }
 
-/// Rows of all backends that have the same key, in the order of the first that has them.
+/// Rows of all backends with the same key, in the order of the first backend that has them.
 fn together<'a, R>(
     parts: &'a [Part],
     rows: impl Fn(&'a Part) -> &'a [R],
@@ -88,7 +88,7 @@ fn claim_cells(claims: &Claims) -> String {
     }
 }
 
-/// Claims in fields of known truth.
+/// Coverage in fields with a known result.
 pub(crate) fn fields(parts: &[Part]) -> String {
     fn rows(part: &Part) -> &[crate::records::FieldRow] {
         if let Body::Fields(rows) = &part.body { rows } else { &[] }
@@ -113,7 +113,7 @@ pub(crate) fn fields(parts: &[Part]) -> String {
     text + &lines(&found, |row| claim_cells(&row.claims), "– | – | –")
 }
 
-/// How fast errors fall.
+/// Convergence rates.
 pub(crate) fn rates(parts: &[Part]) -> String {
     fn rows(part: &Part) -> &[crate::records::RateRow] {
         if let Body::Rates(rows) = &part.body { rows } else { &[] }
@@ -131,7 +131,7 @@ pub(crate) fn rates(parts: &[Part]) -> String {
     text + &lines(&found, |row| format!("{:.3} ± {:.3}", row.slope, row.error), "–")
 }
 
-/// Claims about scenes: by many seeds where the answer is known, else against references.
+/// Coverage in scenes: with many seeds where the result is known, else against references.
 pub(crate) fn claims(parts: &[Part]) -> String {
     fn rows(part: &Part) -> &[crate::records::ClaimRow] {
         if let Body::Claims(rows) = &part.body { rows } else { &[] }
@@ -181,7 +181,7 @@ pub(crate) fn claims(parts: &[Part]) -> String {
     text
 }
 
-/// Slopes of errors over photons, and the fronts.
+/// Slopes of errors over photons, and the Pareto fronts.
 pub(crate) fn fronts(parts: &[Part]) -> String {
     let mut text = String::from(
         "\n### Error over photons\n\nSlopes in logarithms from 1 to 64 passes; the asymptotic value of all three is −0.67.\n",
@@ -227,12 +227,12 @@ pub(crate) fn time(seconds: f64) -> String {
     if seconds < 0.1 { format!("{:.1} ms", 1000.0 * seconds) } else { format!("{seconds:.2} s") }
 }
 
-/// The middle setting of a sweep.
+/// The baseline setting of a sweep.
 fn middle(sweep: &Sweep) -> Option<&Row> {
     sweep.rows.iter().find(|row| row.knob == "passes" && row.passes == crate::sweep::PASSES)
 }
 
-/// Error of each setting over that of the middle setting in as much time.
+/// Error of each setting relative to that of the baseline in the same time.
 pub(crate) fn merits(parts: &[Part]) -> String {
     let (names, scenes) = (backends(parts), scenes(parts));
     if scenes.is_empty() {
@@ -245,7 +245,7 @@ pub(crate) fn merits(parts: &[Part]) -> String {
     columns.extend(scenes.iter().map(|&scene| scene.to_owned()));
     text += &head(&columns, 2);
     let all = sweeps(parts);
-    // Time and error of a row of one backend and scene, by those of the middle.
+    // Time and error of a row of one backend and scene, relative to those of the baseline.
     let ratio = |backend: &str, scene: &str, row: &Row| -> Option<(f64, f64)> {
         let (_, sweep) = all.iter().find(|(part, sweep)| part.backend == backend && sweep.scene == scene)?;
         let (middle, row) = (

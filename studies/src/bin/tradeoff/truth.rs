@@ -1,4 +1,4 @@
-//! What pictures are measured against.
+//! The references against which pictures are measured.
 
 use std::f64::consts::FRAC_1_PI;
 use std::path::Path;
@@ -14,14 +14,14 @@ use crate::records::{self, Note, Reference};
 #[derive(Clone, Debug)]
 pub(crate) struct Truth {
     pub(crate) note: Note,
-    /// None for a constant.
+    /// `None` for a constant.
     pixels: Vec<f64>,
     /// Likewise, linear RGB.
     pub(crate) colours: Vec<[f32; 3]>,
 }
 
 impl Truth {
-    /// The closed form, or a long run: one that lies in `folder`, or a new one of `effort`, left there.
+    /// The closed form, or a long run: one stored in `folder`, or a new one of `effort`, stored there.
     pub(crate) fn of(
         engine: &mut Engine,
         subject: &Subject,
@@ -39,7 +39,7 @@ impl Truth {
             if details != (&subject.name, width, width as usize * height as usize) {
                 let (scene, size, pixels) = details;
                 let what = format!("it is of {scene} at {size} pixels across, {pixels} in all");
-                return Err(Fault::input(format!("{}: {what}; move it away to have a new one", path.display())));
+                return Err(Fault::input(format!("{}: {what}; move it away to render a new one", path.display())));
             }
             return Ok(Self::from(reference));
         }
@@ -59,7 +59,7 @@ impl Truth {
         }
     }
 
-    /// Whether claims of a run of so many paths can be held against it: its own error is a third of theirs.
+    /// Whether intervals of a run of that many paths can be compared with it: its error is at most a third of theirs.
     pub(crate) fn judges(&self, paths: u64) -> bool {
         match self.note {
             Note::Constant(_) => true,
@@ -67,7 +67,7 @@ impl Truth {
         }
     }
 
-    /// One hundredth of its mean, squared: what keeps errors of dark pixels in bounds.
+    /// One hundredth of its squared mean: bounds the relative errors of dark pixels.
     pub(crate) fn floor(&self, count: usize) -> f64 {
         let mean = (0..count).map(|pixel| self.at(pixel)).sum::<f64>() / count.max(1) as f64;
         0.01 * mean * mean
@@ -81,21 +81,21 @@ impl From<Reference> for Truth {
     }
 }
 
-/// How long a reference is to be, beside the longest run that it judges.
+/// Length of a reference, relative to the longest run that is compared with it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effort {
     /// Passes of that run.
     pub(crate) passes: u32,
     /// Its photons.
     pub(crate) photons: u64,
-    /// How many times these.
+    /// Photons of the reference, as a multiple.
     pub(crate) times: u32,
 }
 
-/// The radiance of scenes whose answer is known.
+/// The radiance of scenes with a known result.
 pub(crate) fn closed_form(scene: &str) -> Option<f64> {
     match scene {
-        // Albedo over π times the irradiance by light that was scattered before.
+        // Albedo over π times the irradiance of light that was scattered before.
         "integrating-sphere" => {
             let sphere = IntegratingSphere::default();
             Some(sphere.albedo * FRAC_1_PI * sphere.indirect_irradiance())
@@ -108,13 +108,13 @@ pub(crate) fn closed_form(scene: &str) -> Option<f64> {
 
 /// A run with more and larger passes, and a seed that no other run has. The squared errors of photons fall as
 /// the power −2/3 of their number, those of shadow rays and of rays through a pixel as −1: a thousand times
-/// the photons are a hundredth of the error if a hundred times the passes go with them. Longer than that, since many of
-/// the rows have larger passes or less bias.
+/// the photons give a hundredth of the error if there are a hundred times the passes. It is longer than that, since many
+/// of the measured settings have larger passes or less bias.
 fn long_run(engine: &mut Engine, subject: &Subject, base: &Settings, effort: Effort) -> Result<Reference, Fault> {
     let passes = (f64::from(effort.passes) * f64::from(effort.times).powf(2.0 / 3.0) * 1.28).ceil();
     let photons = (effort.photons as f64 * f64::from(effort.times) / passes).ceil().max(1.0);
     let passes = (passes as u32).max(EARLY * 2);
-    // What discs lose at the ends of surfaces is given back: it falls slowest of all with the radii.
+    // Corrects the loss of discs at surface boundaries, whose bias falls slowest of all with the radii.
     let settings = Settings { photons: photons as u32, seed: u64::MAX, area: Area::Surface, ..base.clone() };
     crate::progress(&format!("{}: a reference of {passes} passes of {photons} paths", subject.name));
     let early = passes / EARLY;
@@ -133,14 +133,14 @@ fn long_run(engine: &mut Engine, subject: &Subject, base: &Settings, effort: Eff
     })
 }
 
-/// The first passes of a reference, by which its bias is told, are this part of all.
+/// Fraction of a reference's passes, the first ones, by which its bias is estimated.
 const EARLY: u32 = 16;
 
-/// Noise and squared bias of a whole film, as parts of its relMSE, from the first of its passes and the others.
+/// Noise and squared bias of a whole film, as parts of its relMSE, estimated from the first passes and the others.
 ///
-/// Noise is the spread of the passes. The bias falls with the radii: at the ends of surfaces and of light as the radius,
-/// elsewhere as its square. The first and the other passes differ by noise, which is known, and by bias; what there is
-/// of the latter, by the slower law, is the most that is left in the whole.
+/// Noise is the spread of the passes. The bias falls with the radius: linearly at edges of surfaces and of light,
+/// elsewhere quadratically. The first and the other passes differ by noise, which is known, and by bias; from the
+/// latter, assuming the slower law, follows an upper bound of the bias of the whole.
 fn told_by_parts(first: &Film, whole: &Film, alpha: f64) -> [f64; 2] {
     let mean_radius = |from: u32, to: u32| {
         (from..to).map(|index| radius_squared_factor(index, alpha).sqrt()).sum::<f64>() / f64::from(to - from)
@@ -178,8 +178,8 @@ mod tests {
     use super::*;
     use photon_core::{Layer, Units};
 
-    /// Passes of 64 × 64 pixels whose truth is 1: bias in proportion to the radius, and noise of a known variance,
-    /// evenly spread, in each pass.
+    /// Passes of 64 × 64 pixels whose true value is 1: bias proportional to the radius, and noise of known variance,
+    /// uniformly distributed, in each pass.
     fn films(passes: u32, bias: f64, deviation: f64) -> [Film; 2] {
         let mut film = Film::new(64, 64, Units::default()).unwrap();
         let mut first = film.clone();

@@ -1,25 +1,25 @@
-//! Which nodes of the binary tree stay, and which triangles share a leaf: the wide tree of least
-//! expected cost, by dynamic programming (Ylitie, Karras and Laine 2017, section 4.1).
+//! Collapses the binary tree to the wide tree of least expected cost: chooses the nodes that stay and the
+//! triangles that share a leaf, by dynamic programming (Ylitie, Karras and Laine 2017, section 4.1).
 
 use crate::bvh::{Binary, BinaryTree};
 
-/// What testing a triangle costs, against a node of eight boxes.
+/// Cost of a triangle test, relative to testing a node of eight boxes.
 const TRIANGLE: f32 = 0.3;
-/// A node has two subtrees, which share eight places; each gets one to seven.
+/// The two subtrees of a node share eight child slots; each gets one to seven.
 const MAX_CHILDREN: usize = 7;
-/// As few places as the entry before it; or, in the first entry, a leaf.
+/// No split: use as few slots as the entry before; or, in the first entry, make a leaf.
 const NONE: u8 = u8::MAX;
 
-/// For each binary node, how it is best replaced by a forest of 1, of up to 2, … up to 7 trees: how
-/// many of them come from its first child.
+/// For each binary node, how it is best replaced by a forest of 1, of up to 2, … up to 7 trees: the
+/// number of these trees that come from its first child.
 #[derive(Debug)]
 pub(crate) struct Plan {
-    /// Entry 0: the first child's places of eight, where the node is a tree by itself.
+    /// Entry 0: how many of eight slots the first child gets, where the node is a tree by itself.
     firsts: Vec<[u8; MAX_CHILDREN]>,
 }
 
 impl Plan {
-    /// For leaves of up to `leaf` triangles.
+    /// Plans a tree with leaves of up to `leaf` triangles.
     pub(crate) fn of(nodes: &[Binary], leaf: u32) -> Self {
         let mut firsts = vec![[NONE; MAX_CHILDREN]; nodes.len()];
         let mut costs = vec![[0.0_f32; MAX_CHILDREN]; nodes.len()];
@@ -35,7 +35,7 @@ impl Plan {
             }
             let (a, b) = (node.first as usize, node.first as usize + 1);
             counts[index] = counts[a] + counts[b];
-            // Of `places`, the best share for the first child.
+            // The best share of `places` slots for the first child.
             let best = |places: usize| {
                 (1..places)
                     .filter(|&first| first <= MAX_CHILDREN && places - first <= MAX_CHILDREN)
@@ -64,15 +64,15 @@ impl Plan {
         Self { firsts }
     }
 
-    /// Whether a child of a wide node is a leaf.
+    /// Whether a child of a wide node becomes a leaf.
     pub(crate) fn is_leaf(&self, index: u32) -> bool {
         self.firsts[index as usize][0] == NONE
     }
 
-    /// The up to eight children of the wide node that stands for `root`.
+    /// The up to eight children of the wide node that replaces the binary node `root`.
     pub(crate) fn children(&self, nodes: &[Binary], root: u32) -> Vec<u32> {
         if self.is_leaf(root) {
-            // Only where the whole tree is one leaf.
+            // Only if the whole tree is one leaf.
             return vec![root];
         }
         let first = self.firsts[root as usize][0];
@@ -83,7 +83,7 @@ impl Plan {
         children
     }
 
-    /// Up to `places` trees in place of one; never deeper than there are places.
+    /// Appends the up to `places` trees that replace a node; the recursion is never deeper than `places`.
     fn forest(&self, nodes: &[Binary], index: u32, mut places: u8, to: &mut Vec<u32>) {
         let shares = &self.firsts[index as usize];
         while places > 1 && shares[places as usize - 1] == NONE {
@@ -113,7 +113,7 @@ impl Plan {
     }
 }
 
-/// All nodes, each before those below it. A tree may be deep: no recursion.
+/// All nodes, each before its descendants. Iterative, since a tree may be deep.
 fn parents_first(nodes: &[Binary]) -> Vec<u32> {
     let mut order = Vec::with_capacity(nodes.len());
     let mut open = vec![0_u32];

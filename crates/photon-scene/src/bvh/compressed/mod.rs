@@ -9,46 +9,46 @@ use super::{AccelError, BinaryTree};
 
 pub use node::CompressedNode;
 
-/// Triangles that a leaf may hold: they are counted in one of three bits each.
+/// Maximum number of triangles in a leaf: the node format stores the count in unary, in three bits.
 const LEAF: u32 = 3;
 
-/// A compressed wide BVH of a scene in normalised space, to be uploaded to a device.
+/// A compressed wide BVH of a scene in normalised space, for upload to a device.
 #[derive(Debug)]
 pub struct CompressedTree {
-    /// In breadth-first order, the root first; none where there are no triangles.
+    /// Nodes in breadth-first order, the root first; empty without triangles.
     pub nodes: Vec<CompressedNode>,
-    /// Indices of triangles as the user numbers them, in the order that leaves refer to. A device keeps
-    /// its table of triangles in this order.
+    /// Triangle indices as the user numbers them, in the order that leaves refer to. A device stores
+    /// its triangle table in this order.
     pub order: Vec<u32>,
 }
 
 impl CompressedTree {
-    /// Levels of the deepest tree that [`CompressedTree::build`] makes, so that a traversal needs a stack of
+    /// Levels of the deepest tree that [`CompressedTree::build`] produces: a traversal needs a stack of
     /// that many entries; `TREE_DEPTH` in intersect.glsl.
     pub const MAX_DEPTH: u32 = 32;
 
-    /// Builds the tree. The same triangles give the same tree, on any number of threads.
+    /// Builds the tree. The result is deterministic, on any number of threads.
     ///
     /// # Errors
-    /// [`AccelError`] names the triangle or the vertex.
+    /// [`AccelError`], which names the triangle or the vertex.
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, AccelError> {
         let (tree, depth) = widen(&BinaryTree::build(positions, triangles, 1)?);
         if depth <= Self::MAX_DEPTH {
             return Ok(tree);
         }
-        // Too deep for the stack; split at medians it never is.
+        // Too deep for the stack; median splits never are.
         Ok(widen(&BinaryTree::balanced(positions, triangles, 1)?).0)
     }
 }
 
-/// The wide tree, and how deep it is.
+/// The wide tree and its depth.
 fn widen(binary: &BinaryTree) -> (CompressedTree, u32) {
     let mut tree = CompressedTree { nodes: Vec::new(), order: Vec::with_capacity(binary.order.len()) };
     if binary.nodes.is_empty() {
         return (tree, 0);
     }
     let plan = collapse::Plan::of(&binary.nodes, LEAF);
-    // Wide nodes in order of breadth: the binary node that each stands for, and its depth.
+    // Wide nodes in breadth-first order: the binary node that each replaces, and its depth.
     let mut roots = vec![(0_u32, 1_u32)];
     let mut next = 0;
     while next < roots.len() {

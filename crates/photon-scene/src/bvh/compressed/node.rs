@@ -1,26 +1,26 @@
-//! One node in 80 bytes, as intersect.glsl reads it.
+//! One node in 80 bytes, in the layout that intersect.glsl reads.
 
 use crate::bvh::Binary;
 use bytemuck::{Pod, Zeroable};
 
-/// Children.
+/// Number of children.
 const WIDTH: usize = 8;
 
-/// Eight children, their boxes in steps of a power of two from the lower corner of their parent's.
+/// Eight children; their boxes are quantized in power-of-two steps from the lower corner of the parent's box.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct CompressedNode {
     corner: [f32; 3],
-    /// Biased exponents of the steps along x, y, z.
+    /// Biased exponents of the step sizes along x, y, z.
     exponents: [u8; 3],
-    /// Which children are nodes.
+    /// Bit mask of the children that are inner nodes.
     nodes: u8,
     first_child: u32,
     first_triangle: u32,
-    /// 0 for none; `001 11sss` for the node in slot s; otherwise a leaf, its count of triangles as
-    /// that many bits from bit 5 on, and below them where they begin, counted from `first_triangle`.
+    /// 0 for an empty slot; `001 11sss` for an inner node in slot s; otherwise a leaf: its triangle count in
+    /// unary from bit 5 on, and in the lower bits the offset of its first triangle from `first_triangle`.
     meta: [u8; WIDTH],
-    /// Of x, y, z.
+    /// Lower bounds along x, y, z.
     low: [[u8; WIDTH]; 3],
     high: [[u8; WIDTH]; 3],
 }
@@ -28,27 +28,27 @@ pub struct CompressedNode {
 const _: () = assert!(size_of::<CompressedNode>() == 80);
 
 impl CompressedNode {
-    /// Without children yet.
+    /// A node without children yet.
     pub(crate) fn around(bounds: &Binary, first_child: u32, first_triangle: u32) -> Self {
         let exponents = std::array::from_fn(|axis| exponent(bounds.low[axis], bounds.high[axis]));
         Self { corner: bounds.low, exponents, first_child, first_triangle, ..Self::zeroed() }
     }
 
-    /// A leaf of one to three triangles.
+    /// Stores a leaf of one to three triangles.
     pub(crate) fn put_leaf(&mut self, slot: usize, bounds: &Binary, first: u32, count: u32) {
-        debug_assert!((1..=3).contains(&count) && first + count <= 24, "{count} triangles from {first} on");
+        debug_assert!((1..=3).contains(&count) && first + count <= 24, "{count} triangles from offset {first}");
         self.meta[slot] = (((1 << count) - 1) << 5) as u8 | first as u8;
         self.put_box(slot, bounds);
     }
 
-    /// A node; nodes stand in order of their slots.
+    /// Stores an inner node; inner nodes are numbered in order of their slots.
     pub(crate) fn put_node(&mut self, slot: usize, bounds: &Binary) {
         self.meta[slot] = 0x38 | slot as u8;
         self.nodes |= 1 << slot;
         self.put_box(slot, bounds);
     }
 
-    /// Rounded outward.
+    /// Stores the quantized box, rounded outward.
     fn put_box(&mut self, slot: usize, bounds: &Binary) {
         for axis in 0..3 {
             let steps = |x: f32| (f64::from(x) - f64::from(self.corner[axis])) / step(self.exponents[axis]);
@@ -57,7 +57,7 @@ impl CompressedNode {
         }
     }
 
-    /// The box of a child as the shader sees it, its kind and where it is.
+    /// The box of a child as the shader decodes it, its kind and its index.
     #[cfg(test)]
     pub(crate) fn child(&self, slot: usize) -> Option<Child> {
         let meta = self.meta[slot];
@@ -74,18 +74,18 @@ impl CompressedNode {
     }
 }
 
-/// A child, for tests.
+/// A decoded child, for tests.
 #[cfg(test)]
 #[derive(Debug)]
 pub(crate) struct Child {
     pub(crate) low: [f64; 3],
     pub(crate) high: [f64; 3],
     pub(crate) first: u32,
-    /// 0 for a node.
+    /// 0 for an inner node.
     pub(crate) triangles: u32,
 }
 
-/// The smallest step of which 255 reach from `low` to `high`.
+/// The smallest step of which 255 span from `low` to `high`.
 fn exponent(low: f32, high: f32) -> u8 {
     let extent = f64::from(high) - f64::from(low);
     let mut exponent = 1_u8;
@@ -95,21 +95,21 @@ fn exponent(low: f32, high: f32) -> u8 {
     exponent
 }
 
-/// 2^(exponent - 127).
+/// The step size: 2^(exponent - 127).
 fn step(exponent: u8) -> f64 {
     f64::from_bits((u64::from(exponent) + 1023 - 127) << 52)
 }
 
-/// Children in slots, so that the slots' numbers in binary say on which side of the node each lies:
-/// counted from the octant of a ray, those that it meets first come first (section 4.2; greedy,
-/// which the authors found almost as good as an auction).
+/// Assigns children to slots so that the binary digits of a slot number say on which side of the node the child
+/// lies: traversal in the order given by the octant of a ray then visits near children first (section 4.2; greedy,
+/// which the authors found almost as good as an auction algorithm).
 pub(crate) fn slots(nodes: &[Binary], root: u32, children: &[u32]) -> [Option<u32>; WIDTH] {
     let middle = |index: u32| -> [f32; 3] {
         let node = &nodes[index as usize];
         std::array::from_fn(|axis| 0.5 * (node.low[axis] + node.high[axis]))
     };
     let center = middle(root);
-    // How far each child lies from the side that each slot stands for.
+    // Distance of each child from the side of the node that each slot represents.
     let costs: Vec<[f32; WIDTH]> = children
         .iter()
         .map(|&child| {

@@ -1,4 +1,4 @@
-//! The tree holds every triangle once, in boxes that hold it.
+//! Every triangle occurs exactly once in the tree, inside the boxes of all its ancestors.
 
 use photon_core::random::{philox4x32, unit_f32};
 
@@ -6,7 +6,7 @@ use super::{CompressedNode, CompressedTree};
 
 type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
-/// Small triangles anywhere, and `twins` that are one and the same.
+/// Small random triangles, and `twins` identical ones.
 fn soup(count: u32, twins: u32) -> Mesh {
     let mut positions = Vec::new();
     for i in 0..count {
@@ -22,13 +22,13 @@ fn soup(count: u32, twins: u32) -> Mesh {
     (positions, triangles)
 }
 
-/// Every triangle is below the root once, and within every box above it; no path is too deep.
+/// Checks that every triangle occurs once, inside every box above it, and that no path is too deep.
 fn check(tree: &CompressedTree, (positions, triangles): &Mesh) -> Result<(), String> {
     let mut seen = vec![0; triangles.len()];
     let mut open = vec![(0_u32, 1_u32, vec![])];
     while let Some((index, depth, around)) = open.pop() {
         if depth > CompressedTree::MAX_DEPTH {
-            return Err(format!("node {index} is {depth} deep"));
+            return Err(format!("node {index} has depth {depth}"));
         }
         let node: &CompressedNode = &tree.nodes[index as usize];
         for slot in 0..8 {

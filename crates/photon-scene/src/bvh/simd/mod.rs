@@ -1,8 +1,8 @@
-//! The ray caster: a tree of eight-wide nodes over watertight packets of triangles.
+//! The CPU ray caster: a BVH of eight-wide nodes over packets of triangles, with a watertight test.
 //!
-//! obvhs builds a binary tree over padded boxes; traversal and the triangle test are ours. No test
-//! has an absolute epsilon: boxes are entered unless they are surely missed, and a ray that meets an
-//! edge or a vertex hits one of the triangles there.
+//! obvhs builds a binary tree over padded boxes; traversal and the triangle test are our own. No test
+//! has an absolute epsilon: boxes are entered unless they are certainly missed, and a ray that hits an
+//! edge or a vertex hits one of the adjacent triangles.
 
 mod node;
 mod traverse;
@@ -14,7 +14,7 @@ use super::{AccelError, binary, check};
 use node::Node;
 use triangle::Packet;
 
-/// The ray caster of scenes in normalised space.
+/// Ray caster for scenes in normalised space.
 #[derive(Debug)]
 pub struct Accel {
     nodes: Vec<Node>,
@@ -22,10 +22,10 @@ pub struct Accel {
 }
 
 impl Accel {
-    /// Builds the tree. The same triangles give the same tree, on any number of threads.
+    /// Builds the tree. The result is deterministic, on any number of threads.
     ///
     /// # Errors
-    /// [`AccelError`] names the triangle or the vertex.
+    /// [`AccelError`], which names the triangle or the vertex.
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, AccelError> {
         let boxes = binary::padded(positions, triangles)?;
         let corners = |id: u32| triangles[id as usize].map(|vertex| positions[vertex as usize]);
@@ -37,7 +37,7 @@ impl Accel {
         if depth <= traverse::MAX_DEPTH {
             return Ok(Self { nodes, packets });
         }
-        // A tree too deep for the stack of a traversal; a median split never is.
+        // The tree is too deep for the traversal stack; median splits never are.
         let (tree, order) = binary::balanced(&boxes, triangle::LANES);
         let (nodes, packets, _) = node::widen(&tree, &order, &corners);
         Ok(Self { nodes, packets })
@@ -58,14 +58,14 @@ impl RayCaster for Accel {
     }
 }
 
-/// Every triangle against every ray, by the same test: what [`Accel`] must agree with.
+/// Tests every triangle against every ray with the same triangle test: the reference for [`Accel`].
 #[derive(Debug)]
 pub struct BruteForce {
     packets: Vec<Packet>,
 }
 
 impl BruteForce {
-    /// Takes the triangles.
+    /// Stores the triangles.
     ///
     /// # Errors
     /// As [`Accel::build`].

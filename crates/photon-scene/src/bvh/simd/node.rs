@@ -1,4 +1,4 @@
-//! Nodes of eight children, made from a binary tree.
+//! Eight-wide nodes, collapsed from a binary tree.
 
 use super::triangle::{LANES, Packet};
 use crate::bvh::Binary;
@@ -6,7 +6,7 @@ use crate::bvh::Binary;
 /// Children per node.
 pub(crate) const WIDTH: usize = 8;
 
-/// Boxes of eight children, side by side for SIMD: lower and upper bound of x, of y, of z.
+/// Bounding boxes of eight children in SIMD layout: lower and upper bound of x, of y, of z.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
@@ -14,17 +14,17 @@ pub(crate) struct Node {
     pub(crate) children: [Child; WIDTH],
 }
 
-/// Either a node, by index, or packets, by first index and count.
+/// Either an inner node, by index, or a leaf: packets, by first index and count.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub(crate) struct Child {
     pub(crate) first: u32,
-    /// Packets; 0 for a node.
+    /// Number of packets; 0 for an inner node.
     pub(crate) packets: u32,
 }
 
 impl Node {
-    /// No ray enters a box whose lower bound is above its upper one.
+    /// An empty slot: no ray enters a box whose lower bound is above its upper one.
     const EMPTY: Self = Self {
         bounds: [
             [f32::INFINITY; WIDTH],
@@ -38,7 +38,7 @@ impl Node {
     };
 }
 
-/// The wide tree: nodes, packets, and how deep it is. The root is node 0.
+/// The wide tree: nodes, packets, and its depth. The root is node 0.
 pub(crate) fn widen(
     tree: &[Binary],
     order: &[u32],
@@ -47,7 +47,7 @@ pub(crate) fn widen(
     let mut nodes = vec![Node::EMPTY];
     let mut packets = Vec::new();
     let mut deepest = 0;
-    // A list instead of recursion: binary node, wide node to fill, depth.
+    // A work list instead of recursion: binary node, wide node to fill, depth.
     let mut open = vec![(0_u32, 0_usize, 1_usize)];
     while let Some((root, place, depth)) = open.pop() {
         deepest = deepest.max(depth);
@@ -73,7 +73,7 @@ pub(crate) fn widen(
     (nodes, packets, deepest)
 }
 
-/// Up to eight nodes that together cover `root`, by opening the largest box again and again.
+/// Up to eight nodes that together cover `root`, found by repeatedly opening the largest box.
 fn children(tree: &[Binary], root: u32) -> Vec<u32> {
     let mut list = vec![root];
     loop {

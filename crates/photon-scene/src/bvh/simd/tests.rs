@@ -1,4 +1,4 @@
-//! The tree against every triangle, and watertightness where rays meet edges and vertices.
+//! Compares the tree with brute force, and checks watertightness where rays hit edges and vertices.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
@@ -28,7 +28,7 @@ fn direction(next: &mut impl FnMut() -> f32) -> Vec3 {
     photon_core::sampling::uniform_sphere(next(), next())
 }
 
-/// A sphere of radius 0.4, closed: `rings` rings of twice as many segments.
+/// A closed sphere of radius 0.4: `rings` rings of twice as many segments.
 fn sphere(rings: u32) -> Mesh {
     let mut positions = vec![[0.0, 0.0, 0.4]];
     let segments = 2 * rings;
@@ -82,7 +82,7 @@ fn the_tree_agrees_with_every_triangle_to_the_bit() {
         for i in 0..20_000 {
             let origin = Vec3::new(next(), next(), next()) - 0.5;
             let mut along = direction(&mut next);
-            // Some rays run along the axes, some start on a vertex's coordinates.
+            // Some rays are axis-parallel, some start at coordinates of a vertex.
             match i % 5 {
                 0 => along = [Vec3::X, -Vec3::Y, Vec3::Z][i / 5 % 3],
                 1 => along = Vec3::from(positions[i % positions.len()]) - origin,
@@ -100,7 +100,7 @@ fn the_tree_agrees_with_every_triangle_to_the_bit() {
     }
 }
 
-/// S2: no ray from inside a closed surface escapes, wherever it is aimed.
+/// S2: no ray from inside a closed surface escapes, whatever its direction.
 #[test]
 fn no_cracks_at_edges_and_vertices() {
     let (positions, triangles) = sphere(48);
@@ -136,7 +136,7 @@ fn rays_along_the_axes_hit_faces_of_boxes_up_to_their_edges() {
     assert!(accel.nearest(&beside).is_none());
 }
 
-/// S8: what makes obvhs a list instead of a tree.
+/// S8: identical boxes, for which obvhs builds a list instead of a tree.
 #[test]
 fn ten_thousand_identical_triangles() {
     let positions = vec![[-0.1, -0.1, 0.0], [0.1, -0.1, 0.0], [0.0, 0.1, 0.0]];
@@ -145,8 +145,8 @@ fn ten_thousand_identical_triangles() {
     assert_eq!(accel.nearest(&ray).map(|hit| hit.primitive), Some(0));
 }
 
-/// S5: triangles of one or two points are never hit; those on a line, which rounding may open by a
-/// hair, and slivers are hit consistently and without nonsense.
+/// S5: triangles degenerated to one or two points are never hit; collinear ones, which rounding may give a
+/// tiny area, and slivers are hit consistently and with valid results.
 #[test]
 fn degenerate_triangles_and_slivers() {
     let positions = vec![[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1e-6, 0.0]];
@@ -187,7 +187,7 @@ fn limits_and_nonsense() {
     ] {
         assert!(accel.nearest(&nonsense).is_none() && !accel.occluded(&nonsense));
     }
-    // A hit at exactly t_max counts, and one at 0 does.
+    // Hits at exactly t_max and at 0 count.
     let hit = accel.nearest(&ray(Vec3::ZERO, Vec3::X, f32::INFINITY)).unwrap();
     assert!(accel.nearest(&ray(Vec3::ZERO, Vec3::X, hit.t)).is_some());
     assert_eq!(
@@ -200,9 +200,9 @@ fn limits_and_nonsense() {
     }
 }
 
-/// Another formula (Möller and Trumbore 1997) in f64, for one triangle: `t`, `u`, `v`, and how far single
-/// precision may be off. Edge functions err by some ULPs of the longest edge times the scene's size,
-/// 1, and are divided by the determinant, the triangle's doubled area as the ray sees it.
+/// An independent formula (Möller and Trumbore 1997) in f64, for one triangle: `t`, `u`, `v`, and the error bound
+/// of single precision. Edge functions err by some ULPs of the longest edge times the scene's size,
+/// 1, and are divided by the determinant, twice the triangle's area as projected along the ray.
 fn reference(corners: [[f32; 3]; 3], ray: &Ray) -> Option<([f64; 3], f64)> {
     let [a, b, c] = corners.map(|corner| Vec3::from(corner).as_dvec3());
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
@@ -219,7 +219,7 @@ fn reference(corners: [[f32; 3]; 3], ray: &Ray) -> Option<([f64; 3], f64)> {
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= 0.0).then_some(([t, u, v], bound))
 }
 
-/// Where the two formulas differ in whether a ray hits, it passes within rounding of an edge.
+/// Where the two formulas disagree on whether a ray hits, it passes within rounding error of an edge.
 #[test]
 fn the_triangle_test_agrees_with_another_in_double_precision() {
     let (positions, triangles) = soup(400);
@@ -229,7 +229,7 @@ fn the_triangle_test_agrees_with_another_in_double_precision() {
         let corners = triangle.map(|vertex| positions[vertex as usize]);
         let mesh = BruteForce::build(&corners, &[[0, 1, 2]]).unwrap();
         for _ in 0..200 {
-            // Towards a point about the triangle, from anywhere.
+            // Towards a point on or near the triangle, from a random origin.
             let weights = [next() * 1.4 - 0.2, next() * 1.4 - 0.2];
             let [a, b, c] = corners.map(Vec3::from);
             let target = a + (b - a) * weights[0] + (c - a) * weights[1];

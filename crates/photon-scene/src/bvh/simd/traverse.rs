@@ -1,5 +1,5 @@
-//! Traversal, compiled once for the baseline and once for AVX2; both give the same bits, since
-//! neither contracts a product and a sum.
+//! Traversal, compiled once for the baseline and once for AVX2; both give identical bits, since
+//! neither fuses a product and a sum.
 
 use std::mem::MaybeUninit;
 
@@ -8,13 +8,13 @@ use photon_core::{Hit, Ray};
 use super::node::{Child, Node, WIDTH};
 use super::triangle::{LANES, Packet, Sheared, intersect};
 
-/// Deepest tree that the stack serves.
+/// Deepest tree that the traversal stack supports.
 pub(crate) const MAX_DEPTH: usize = 40;
-/// Each level leaves at most seven children waiting.
+/// Each level leaves at most seven children on the stack.
 const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 
-/// Slab distances are widened by this factor on either side, so that rounding never closes a box
-/// before a triangle on its face (after Ize 2013).
+/// Slab distances are widened by this factor on either side, so that rounding never makes a ray miss a box
+/// that contains a triangle on its face (after Ize 2013).
 const WIDER: f32 = 1.0 + 8.0 * f32::EPSILON;
 const NARROWER: f32 = 1.0 - 8.0 * f32::EPSILON;
 
@@ -22,7 +22,7 @@ pub(crate) fn nearest(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<H
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
-        // SAFETY: the processor has AVX2, as has just been asked.
+        // SAFETY: the check above found that the processor has AVX2.
         return unsafe { avx2::nearest(nodes, packets, ray) };
     }
     walk::<false>(nodes, packets, ray)
@@ -32,7 +32,7 @@ pub(crate) fn occluded(nodes: &[Node], packets: &[Packet], ray: &Ray) -> bool {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
-        // SAFETY: the processor has AVX2, as has just been asked.
+        // SAFETY: the check above found that the processor has AVX2.
         return unsafe { avx2::occluded(nodes, packets, ray) };
     }
     walk::<true>(nodes, packets, ray).is_some()
@@ -53,7 +53,7 @@ mod avx2 {
     }
 }
 
-/// The baseline, for tests of the other.
+/// The baseline version, for tests of the AVX2 version.
 #[cfg(test)]
 pub(crate) fn portable(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
     walk::<false>(nodes, packets, ray)
@@ -68,7 +68,7 @@ pub(crate) fn brute_force(packets: &[Packet], ray: &Ray) -> Option<Hit> {
     best.hit()
 }
 
-/// The nearest hit so far; of equals, the lowest index.
+/// The nearest hit so far; of hits at equal distance, the one with the lowest index.
 struct Best {
     t: f32,
     id: u32,
@@ -104,7 +104,7 @@ impl Best {
     }
 }
 
-/// Asks for the lines of what will be visited soon.
+/// Prefetches the cache lines of data that will be visited soon.
 #[inline(always)]
 fn fetch<T>(soon: &T) {
     #[cfg(target_arch = "x86_64")]
@@ -113,7 +113,7 @@ fn fetch<T>(soon: &T) {
         let start = std::ptr::from_ref(soon).cast::<i8>();
         for line in 0..size_of::<T>().div_ceil(64) {
             #[allow(unsafe_code, reason = "the hint has no other form")]
-            // SAFETY: a hint about memory that is there, which reads nothing.
+            // SAFETY: a prefetch of a valid reference, which reads nothing.
             unsafe {
                 _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line));
             }
@@ -131,9 +131,9 @@ fn walk<const ANY: bool>(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Optio
         return None;
     }
     let origin = ray.origin.to_array();
-    // True infinities where the direction is 0: such a slab is entered always or never.
+    // Infinite where the direction is 0: such a slab is either always or never entered.
     let inverse = ray.direction.to_array().map(|d| 1.0 / d);
-    // Which bound of each axis is met first.
+    // Index of the nearer bound of each axis.
     let near: [usize; 3] = std::array::from_fn(|axis| 2 * axis + usize::from(inverse[axis].is_sign_negative()));
     let mut stack = [const { MaybeUninit::<(Child, f32)>::uninit() }; STACK];
     stack[0].write((Child::default(), 0.0));
@@ -141,7 +141,7 @@ fn walk<const ANY: bool>(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Optio
     while top > 0 {
         top -= 1;
         #[allow(unsafe_code, reason = "to clear the stack takes a sixth of a ray's time")]
-        // SAFETY: every place below `top` has been written.
+        // SAFETY: every entry below `top` has been written.
         let (child, entry) = unsafe { stack[top].assume_init() };
         if entry > best.t {
             continue;
@@ -177,7 +177,7 @@ fn walk<const ANY: bool>(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Optio
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
-            // The nearest goes on top.
+            // Insertion sort: the nearest child goes on top.
             let mut place = top;
             while place > bottom {
                 #[allow(unsafe_code, reason = "as above")]

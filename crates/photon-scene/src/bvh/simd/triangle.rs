@@ -16,8 +16,8 @@ pub(crate) struct Packet {
 }
 
 impl Packet {
-    /// Up to four triangles. Lanes to spare repeat the first, under no index, so that they take the
-    /// same way through the test and never count.
+    /// A packet of up to four triangles. Spare lanes repeat the first triangle under the empty index, so that they
+    /// take the same path through the test and never count.
     pub(crate) fn of(ids: &[u32], corners: &dyn Fn(u32) -> [[f32; 3]; 3]) -> Self {
         let mut packet = Self { vertices: [[[0.0; LANES]; 3]; 3], ids: [u32::MAX; LANES] };
         for lane in 0..LANES {
@@ -39,7 +39,7 @@ impl Packet {
     }
 }
 
-/// A ray in the test's own frame: sheared so that it runs along its largest axis.
+/// A ray in the coordinate frame of the test: sheared so that it runs along its largest axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sheared {
     axes: [usize; 3],
@@ -48,7 +48,7 @@ pub(crate) struct Sheared {
 }
 
 impl Sheared {
-    /// `None` for a ray without a direction or with numbers that are not finite.
+    /// `None` for a ray with zero direction or with components that are not finite.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Option<Self> {
         let d = ray.direction.to_array();
@@ -60,7 +60,7 @@ impl Sheared {
         } else {
             2
         };
-        // NaN and infinity fail here, and so does no direction at all.
+        // NaN, infinity and a zero direction fail here.
         if !(ray.direction.is_finite() && ray.origin.is_finite() && d[kz] != 0.0) {
             return None;
         }
@@ -69,7 +69,7 @@ impl Sheared {
             1 => (2, 0),
             _ => (0, 1),
         };
-        // Swapping keeps the winding, and with it the sign of the edge functions.
+        // Swapping preserves the winding, and with it the sign of the edge functions.
         let (kx, ky) = if d[kz] < 0.0 { (ky, kx) } else { (kx, ky) };
         Some(Self {
             axes: [kx, ky, kz],
@@ -79,19 +79,19 @@ impl Sheared {
     }
 }
 
-/// What four tests found.
+/// Result of testing one packet of four triangles.
 pub(crate) struct Found {
-    /// Lanes that the ray meets, as bits; the others' numbers mean nothing.
+    /// Bit mask of the lanes that are hit; the numbers of other lanes are meaningless.
     pub(crate) hits: u32,
     /// Distance.
     pub(crate) t: [f32; LANES],
-    /// Edge functions, each the weight of the vertex across times their sum.
+    /// Edge functions: each is the weight of the opposite vertex times their sum.
     edges: [Vec4; 3],
     determinant: Vec4,
 }
 
 impl Found {
-    /// Weights of the second and of the third vertex. Only of hits that win: two divisions saved.
+    /// Barycentric weights of the second and third vertex. Computed only for the closest hits: saves two divisions.
     #[inline(always)]
     pub(crate) fn weights(&self, lane: usize) -> [f32; 2] {
         let of = |v: Vec4| v.to_array()[lane % LANES];
@@ -100,11 +100,11 @@ impl Found {
 }
 
 /// Tests a packet, for hits at `0 ≤ t ≤ far`. Both sides count; edges and vertices belong to every
-/// triangle that has them, so that no ray slips between two.
+/// adjacent triangle, so that no ray passes between two.
 ///
 /// Two triangles that share an edge compute the same two products for it, and their difference with
-/// opposite sign: rounding cannot put the ray outside of both. Where a difference vanishes it is
-/// computed anew in f64, whose products of f32 are exact. A twin without f64 may take the sign from
+/// opposite sign: rounding cannot put the ray outside of both. Where a difference is zero it is
+/// recomputed in f64, in which products of f32 are exact. A port without f64 may take the sign from
 /// the products' rounding errors instead.
 #[inline(always)]
 pub(crate) fn intersect(packet: &Packet, ray: &Sheared, far: f32) -> Found {
@@ -133,9 +133,9 @@ pub(crate) fn intersect(packet: &Packet, ray: &Sheared, far: f32) -> Found {
     let mut t = scaled / determinant;
     let left = u.cmpge(zero) & v.cmpge(zero) & w.cmpge(zero);
     let right = u.cmple(zero) & v.cmple(zero) & w.cmple(zero);
-    // A determinant of 0 makes infinity or NaN, which are no distances.
+    // A determinant of 0 gives infinity or NaN, which are not valid distances.
     let met = (left | right) & determinant.cmpne(zero);
-    // A mean of numbers of one sign has that sign.
+    // A weighted mean of numbers of one sign has that sign.
     let straddles =
         z[0].min(z[1]).min(z[2]).cmple(Vec4::splat(BESIDE)) & z[0].max(z[1]).max(z[2]).cmpge(Vec4::splat(-BESIDE));
     let unsure = met & straddles;
@@ -146,13 +146,13 @@ pub(crate) fn intersect(packet: &Packet, ray: &Sheared, far: f32) -> Found {
     Found { hits: there.bitmask(), t: t.to_array(), edges: e, determinant }
 }
 
-/// Vertices so near to the plane through the origin, across the ray's axis, are on either side of it: 16 roundings
-/// of a distance in a unit box.
+/// Vertices this close to the plane through the origin, perpendicular to the ray's axis, may be on either side of it:
+/// 16 rounding errors of a distance in a unit box.
 const BESIDE: f32 = 1.0 / 2_097_152.0;
 
-/// The distances of triangles about the origin, in f64 and from their planes: as means of the vertices' distances,
-/// those of slivers are off by more than rays step off surfaces, so that a ray met the triangle that it had just left
-/// and ended behind it. In a drum of 512 sides that happened to 7 of 10⁴ diffuse bounces.
+/// Recomputes the distances of triangles around the origin, in f64 and from their planes. As means of the vertices'
+/// distances, those of slivers are off by more than the offset of rays from surfaces, so that a ray hit the triangle
+/// that it had just left and ended behind it. In a drum of 512 sides that happened to 7 of 10⁴ diffuse bounces.
 #[inline(never)]
 fn side(packet: &Packet, ray: &Sheared, lanes: BVec4A, t: &mut Vec4) {
     let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
@@ -169,7 +169,7 @@ fn side(packet: &Packet, ray: &Sheared, lanes: BVec4A, t: &mut Vec4) {
     }
 }
 
-/// The lanes in which an edge function vanished, in f64.
+/// Recomputes in f64 the lanes in which an edge function was zero.
 #[cold]
 #[inline(never)]
 fn again(x: &[Vec4; 3], y: &[Vec4; 3], e: &mut [Vec4; 3]) {

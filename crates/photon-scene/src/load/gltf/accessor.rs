@@ -1,4 +1,4 @@
-//! Numbers out of buffers: every read is checked against what is there.
+//! Reads numbers from buffers; every read is bounds-checked.
 
 use gltf::json::Root;
 use gltf::json::accessor::{Accessor, ComponentType, Type};
@@ -7,8 +7,8 @@ use gltf::json::validation::Checked;
 use super::buffers::Buffers;
 use super::fault::{AGAIN, Fault, label};
 
-/// An accessor without data of its own stands for zeros; beyond this many it is taken for damage,
-/// since a few bytes of JSON could otherwise ask for all the memory there is.
+/// An accessor without data stands for zeros; more elements than this are treated as damage,
+/// since a few bytes of JSON could otherwise request all available memory.
 const MAX_ZEROS: u64 = 1 << 22;
 
 /// Reads the accessors of a file.
@@ -17,7 +17,7 @@ pub(super) struct Accessors<'a> {
     buffers: &'a Buffers<'a>,
 }
 
-/// How the elements of an accessor lie in its bytes.
+/// Layout of the elements of an accessor in its bytes.
 struct Elements<'a> {
     bytes: &'a [u8],
     stride: usize,
@@ -30,23 +30,23 @@ impl<'a> Accessors<'a> {
         Self { root, buffers }
     }
 
-    /// How many elements it has, without reading them.
+    /// Number of elements, without reading them.
     pub(super) fn count(&self, index: usize, user: &str) -> Result<u64, Fault> {
         Ok(self.find(index, user)?.count.0)
     }
 
-    /// Vectors of three numbers, of any component type, on behalf of `user`.
+    /// Reads vectors of three numbers, of any component type; `user` is named in errors.
     pub(super) fn vectors(&self, index: usize, user: &str) -> Result<Vec<[f64; 3]>, Fault> {
         self.read(index, user, Type::Vec3, &[], |elements, at| std::array::from_fn(|axis| elements.number(at, axis)))
     }
 
-    /// Vertex indices, of any unsigned type, on behalf of `user`.
+    /// Reads vertex indices, of any unsigned type; `user` is named in errors.
     pub(super) fn indices(&self, index: usize, user: &str) -> Result<Vec<u32>, Fault> {
         let unsigned = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
         self.read(index, user, Type::Scalar, &unsigned, |elements, at| elements.unsigned(at))
     }
 
-    /// All of a buffer view as vectors of three 64-bit floats, which accessors of glTF cannot describe.
+    /// Reads a whole buffer view as vectors of three 64-bit floats, which glTF accessors cannot describe.
     pub(super) fn doubles(&self, view: usize, user: &str) -> Result<Vec<[f64; 3]>, Fault> {
         let number = |bytes: &[u8], axis: usize| f64::from_le_bytes(std::array::from_fn(|byte| bytes[8 * axis + byte]));
         let bytes = self.buffers.view(view, user)?;
@@ -122,7 +122,7 @@ impl<'a> Accessors<'a> {
         Ok(values)
     }
 
-    /// Distance in bytes between elements of `size` bytes in a view.
+    /// Stride in bytes of elements of `size` bytes in a view.
     fn stride(&self, view: usize, size: usize, part: &str) -> Result<usize, Fault> {
         match self.root.buffer_views.get(view).and_then(|view| view.byte_stride) {
             Some(stride) if stride.0 < size => Err(Fault::new(
@@ -135,7 +135,7 @@ impl<'a> Accessors<'a> {
         }
     }
 
-    /// The bytes from the first element on; all `count` of them are there.
+    /// The bytes from the first element on, checked to hold all `count` elements.
     fn span(
         &self,
         view: usize,
@@ -173,7 +173,7 @@ impl Elements<'_> {
         std::array::from_fn(|byte| self.bytes[start + byte])
     }
 
-    /// One component; normalised integers as the glTF 2.0 specification says in section 3.11.
+    /// One component; normalised integers follow section 3.11 of the glTF 2.0 specification.
     fn number(&self, at: usize, axis: usize) -> f64 {
         let (value, full) = match self.component {
             ComponentType::I8 => (f64::from(i8::from_le_bytes(self.component(at, axis))), 127.0),

@@ -1,4 +1,4 @@
-//! The binary data of a file: buffers, read when first asked for, and views into them.
+//! The binary data of a file: buffers, read on first use, and views into them.
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -18,18 +18,18 @@ pub(super) struct Buffers<'a> {
 }
 
 impl<'a> Buffers<'a> {
-    /// Those of `root`, whose files lie in `folder` and whose GLB chunk is `bin`.
+    /// The buffers of `root`, whose files are in `folder` and whose GLB chunk is `bin`.
     pub(super) fn new(root: &'a Root, folder: &'a Path, bin: Option<&'a [u8]>) -> Self {
         let loaded = root.buffers.iter().map(|_| OnceCell::new()).collect();
         Self { root, folder, bin, loaded }
     }
 
-    /// Where the files of the scene lie.
+    /// The folder of the scene's files.
     pub(super) fn folder(&self) -> &'a Path {
         self.folder
     }
 
-    /// The bytes of a buffer view, on behalf of `user`.
+    /// The bytes of a buffer view; `user` is named in errors.
     pub(super) fn view(&self, index: usize, user: &str) -> Result<&[u8], Fault> {
         let views = &self.root.buffer_views;
         let view = views.get(index).ok_or_else(|| Fault::dangling(user, "buffer view", index, views.len()))?;

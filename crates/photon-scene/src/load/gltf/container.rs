@@ -1,4 +1,4 @@
-//! The outer layers of a file: the chunks of a GLB, the JSON, and the version.
+//! The container of a file: the chunks of a GLB, the JSON, and the version.
 
 use gltf::json::{Root, Value, deserialize, serialize};
 
@@ -8,7 +8,7 @@ const MAGIC: &[u8] = b"glTF";
 const JSON_CHUNK: &[u8] = b"JSON";
 const BIN_CHUNK: &[u8] = b"BIN\0";
 
-/// Takes the layers off: the document, and the binary chunk if there is one.
+/// Returns the document, and the binary chunk if there is one.
 pub(super) fn open(bytes: &[u8]) -> Result<(Root, Option<&[u8]>), Fault> {
     if bytes.is_empty() {
         return Err(Fault::new("the file", "is empty", COPY_AGAIN));
@@ -21,8 +21,8 @@ pub(super) fn open(bytes: &[u8]) -> Result<(Root, Option<&[u8]>), Fault> {
 
 /// Splits a GLB into its JSON and its binary chunk (glTF 2.0 specification, section 4.4).
 ///
-/// Not the parser's own splitter: that one subtracts before it compares, so that a length below 12
-/// overflows, and it refuses the trailing chunks that the specification tells readers to skip.
+/// Not the parser's own splitter: that subtracts before it compares, so that a length below 12
+/// overflows, and it rejects the trailing chunks that the specification requires readers to skip.
 fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     let header = |why: String, hint| Fault::new("the GLB header", why, hint);
     let (Some(version), Some(length)) = (read_u32(bytes, 4), read_u32(bytes, 8)) else {
@@ -33,7 +33,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
         return Err(header(format!("says version {version}"), "export the file as glTF 2.0"));
     }
     let Some(body) = bytes.get(..length as usize) else {
-        let why = format!("promises {length} bytes, but the file has {}", bytes.len());
+        let why = format!("declares {length} bytes, but the file has {}", bytes.len());
         return Err(header(why, COPY_AGAIN));
     };
     let (kind, json, mut rest) = split_chunk(body.get(12..).unwrap_or_default())?;
@@ -50,7 +50,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     Ok((json, None))
 }
 
-/// The type, the contents and what follows of a chunk.
+/// The type of a chunk, its contents, and the bytes after it.
 type Chunk<'a> = (&'a [u8], &'a [u8], &'a [u8]);
 
 /// Splits off the chunk at the front of `bytes`.
@@ -61,7 +61,7 @@ fn split_chunk(bytes: &[u8]) -> Result<Chunk<'_>, Fault> {
     };
     match contents.split_at_checked(length as usize) {
         Some((data, rest)) => Ok((kind, data, rest)),
-        None => Err(broken(format!("promises {length} bytes, but {} are left", contents.len()))),
+        None => Err(broken(format!("declares {length} bytes, but {} are left", contents.len()))),
     }
 }
 
@@ -70,23 +70,23 @@ fn read_u32(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(four.try_into().ok()?))
 }
 
-/// The document that the JSON text describes.
+/// Parses the JSON text to a document.
 fn parse(json: &[u8]) -> Result<Root, Fault> {
     const HINT: &str = "the file is damaged, or it is not a glTF file";
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut value: Value = deserialize::from_slice(json)
         .map_err(|error| Fault::new("the JSON", error.to_string(), HINT).at_line(error.line()))?;
     if let Some(place) = find_oversized_index(&value, "") {
-        return Err(Fault::new(place.trim_start_matches('/'), "is above 4294967295, which no index can be", AGAIN));
+        return Err(Fault::new(place.trim_start_matches('/'), "is above 4294967295, the largest index", AGAIN));
     }
     Root::from_slice(json).or_else(|error| {
-        // The parser asks for some things that the specification leaves out freely.
+        // The parser requires some things that the specification makes optional.
         fill_in_optional(&mut value);
         let text = serialize::to_vec(&value).unwrap_or_default();
         Root::from_slice(&text).map_err(|remaining| {
             let message =
                 |error: &gltf::json::Error| error.to_string().split(" at line ").next().unwrap_or_default().to_owned();
-            // Line numbers are the user's only if the original text fails for the same reason.
+            // Line numbers refer to the user's text only if that text fails for the same reason.
             let is_same = message(&error) == message(&remaining);
             let fault = Fault::new(blame(&value), message(&remaining), HINT);
             if is_same { fault.at_line(error.line()) } else { fault }
@@ -94,7 +94,7 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
     })
 }
 
-/// Which top-level part of a document cannot be read, since the parser only says at which column
+/// Finds the top-level part of a document that cannot be parsed, since the parser only reports a column
 /// of a line that is often the only one.
 fn blame(document: &Value) -> String {
     let is_readable = |key: &str, part: &Value| {
@@ -116,8 +116,8 @@ fn blame(document: &Value) -> String {
     "the JSON".to_owned()
 }
 
-/// Where an index stands that the parser would cut down to 32 bits, and so turn into another one;
-/// `key` is the name that `value` goes by.
+/// Finds an index that the parser would truncate to 32 bits, which would change it to another one;
+/// `key` is the name of `value`.
 fn find_oversized_index(value: &Value, key: &str) -> Option<String> {
     const HOLD_INDICES: &[&str] = &[
         "scene",
@@ -157,7 +157,7 @@ fn find_oversized_index(value: &Value, key: &str) -> Option<String> {
     }
 }
 
-/// Adds what the parser insists on though glTF does not, and takes away what is not read here.
+/// Adds what the parser requires although glTF does not, and removes what is not read here.
 fn fill_in_optional(value: &mut Value) {
     if let Some(animations) = value.get_mut("animations").and_then(Value::as_array_mut) {
         for animation in animations {
@@ -170,7 +170,7 @@ fn fill_in_optional(value: &mut Value) {
     }
 }
 
-/// An animation without channels: it still counts in the report.
+/// An animation without channels, so that it is still counted in the report.
 fn empty_animation() -> Value {
     let nothing = || Value::Array(Vec::new());
     Value::Object([("channels".to_owned(), nothing()), ("samplers".to_owned(), nothing())].into_iter().collect())
@@ -178,7 +178,7 @@ fn empty_animation() -> Value {
 
 fn check_version(root: &Root) -> Result<(), Fault> {
     let version = root.asset.min_version.as_deref().unwrap_or(&root.asset.version);
-    // Later 2.x files are made to be readable by readers of 2.0, unless `minVersion` says otherwise.
+    // Later 2.x files are readable by readers of 2.0, unless `minVersion` says otherwise.
     let readable = match root.asset.min_version.as_deref() {
         Some(minimum) => minimum == "2.0",
         None => version.starts_with("2."),

@@ -1,11 +1,11 @@
-//! Which extensions of glTF are understood, and which cannot be done without.
+//! Which glTF extensions are supported, and which are rejected if required.
 
 use gltf::json::Root;
 
 use super::fault::Fault;
 use crate::report::LoadReport;
 
-/// Extensions that are taken over, or whose absence the report tells of material by material.
+/// Extensions that are supported, or whose loss is reported for each material.
 const KNOWN: &[&str] = &[
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -13,19 +13,19 @@ const KNOWN: &[&str] = &[
     "KHR_materials_transmission",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
-    // The mean of a picture is the same wherever its corners are put.
+    // The mean of a texture does not depend on its transform.
     "KHR_texture_transform",
-    // Pictures that cannot be decoded are reported where they are used.
+    // Images that cannot be decoded are reported where they are used.
     "KHR_texture_basisu",
     "EXT_texture_webp",
     "EXT_texture_avif",
     "MSFT_texture_dds",
 ];
 
-/// Extensions that only say something about the file.
+/// Extensions that only carry metadata.
 const HARMLESS: &[&str] = &["KHR_xmp", "KHR_xmp_json_ld"];
 
-/// What to do about an extension that data cannot be read without.
+/// What the user can do about an unsupported extension that the data depend on.
 fn hint(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" => "export the file without Draco mesh compression",
@@ -35,10 +35,10 @@ fn hint(extension: &str) -> &'static str {
     }
 }
 
-/// Refuses a file that requires what is not understood, and reports the rest.
+/// Rejects a file that requires an unsupported extension, and reports the other ones.
 ///
-/// Extensions of materials are never refused: they change how a surface looks, which the report
-/// says, and a picture without them is still one of the scene.
+/// Material extensions are never rejected: they change how a surface looks, which the report
+/// says, and a picture without them still shows the scene.
 pub(super) fn check(root: &Root, report: &mut LoadReport) -> Result<(), Fault> {
     let is_of_material = |name: &str| name.contains("_materials_");
     for name in root.extensions_required.iter().map(String::as_str) {

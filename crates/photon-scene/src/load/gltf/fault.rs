@@ -1,23 +1,23 @@
-//! What is wrong with a file, before the file's own name is put in front of it.
+//! Errors of a glTF file, before the path of the file is added.
 
 use std::fmt;
 use std::path::Path;
 
 use crate::error::SceneError;
 
-/// The mend of most damage: nothing in the file itself can be trusted to be what was meant.
+/// Hint for most damage, which the user cannot repair in the file itself.
 pub(super) const AGAIN: &str = "export the file again";
-/// The mend of what has been cut off.
+/// Hint for truncated data.
 pub(super) const COPY_AGAIN: &str = "it is truncated; copy or export it again";
 
 /// A defect of a glTF file.
 #[derive(Debug)]
 pub(super) struct Fault {
-    /// The culprit and what is wrong with it: "accessor 7: has 3 elements, but …".
+    /// The object at fault and what is wrong with it: "accessor 7: has 3 elements, but …".
     what: String,
-    /// What would be right.
+    /// What would be valid.
     hint: String,
-    /// Where in the JSON text, from 1, where that is known.
+    /// Line of the JSON text, from 1, if known.
     line: Option<u64>,
 }
 
@@ -27,7 +27,7 @@ impl Fault {
         Self { what, hint: hint.into(), line: None }
     }
 
-    /// A reference to something that the file does not have.
+    /// A reference to an object that the file does not have.
     pub(super) fn dangling(part: &str, kind: &str, index: usize, len: usize) -> Self {
         let there = match len {
             0 => format!("the file has no {kind}"),
@@ -37,12 +37,12 @@ impl Fault {
         Self::new(part, format!("refers to {kind} {index}, but {there}"), AGAIN)
     }
 
-    /// The same, known to be at a line of the JSON text.
+    /// The same error with a line number of the JSON text.
     pub(super) fn at_line(self, line: usize) -> Self {
         Self { line: (line > 0).then_some(line as u64), ..self }
     }
 
-    /// With the name of the file.
+    /// Adds the path of the file.
     pub(super) fn in_file(self, path: &Path) -> SceneError {
         let Self { what, hint, line } = self;
         SceneError::Content { path: path.to_owned(), line, what, hint }
@@ -55,7 +55,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// How a thing of the file is called in messages: its number, and its name if it has one.
+/// Name of an object in messages: its kind and number, and its name if it has one.
 pub(super) fn label(kind: &str, index: usize, name: Option<&str>) -> String {
     match name {
         Some(name) if !name.is_empty() => format!("{kind} {index} '{name}'"),
@@ -63,7 +63,7 @@ pub(super) fn label(kind: &str, index: usize, name: Option<&str>) -> String {
     }
 }
 
-/// Its name, or its kind and number where it has none.
+/// The name, or kind and number of an object without a name.
 pub(super) fn name_or_number(kind: &str, index: usize, name: Option<&str>) -> String {
     match name {
         Some(name) if !name.is_empty() => name.to_owned(),

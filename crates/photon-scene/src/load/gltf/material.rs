@@ -1,4 +1,4 @@
-//! From the metallic-roughness model to the surfaces that are rendered.
+//! Converts the metallic-roughness model to the supported surfaces.
 
 use gltf::json::Root;
 use gltf::json::material::Material;
@@ -10,20 +10,20 @@ use crate::describe::{MaterialDesc, Surface};
 use crate::extras::{self, Agrees, CHANGED, MaterialExtras};
 use crate::report::LoadReport;
 
-/// Up to this roughness a metal is a mirror. A file's 0.1 is read as f32, which is a little more.
+/// Up to this roughness a metal becomes a mirror. A file's 0.1 is read as f32, which is slightly more.
 const SMOOTH: f64 = 0.1_f32 as f64;
-/// Up to this roughness the reflection of a surface that is not a metal shows.
+/// Up to this roughness the specular reflection of a non-metal is visible.
 const GLOSSY: f64 = 0.5;
-/// Below this share a surface is not called a metal: means of textures are hardly ever exactly 0.
+/// Below this fraction a surface is not reported as a metal: means of textures are rarely exactly 0.
 const SOME_METAL: f64 = 0.01;
-/// The darkest attenuation colour, since black would need infinite absorption: after the
-/// attenuation distance a millionth of the light is left.
+/// The darkest attenuation colour, since black would need infinite absorption: a millionth of the light
+/// remains after the attenuation distance.
 const DARKEST: f64 = 1e-6;
 
-/// Extensions of materials that are taken over, or reported in a way of their own.
+/// Extensions of materials that are supported, or reported by separate code.
 const KNOWN: &[&str] = &["KHR_materials_specular", "KHR_materials_unlit", "KHR_materials_pbrSpecularGlossiness"];
 
-/// Describes one material; what is not taken over goes into the report.
+/// Converts one material; what is lost is reported.
 pub(super) fn describe(
     root: &Root,
     index: usize,
@@ -47,7 +47,7 @@ pub(super) fn describe(
         Ok(Some(extras)) => {
             let exact = extras.desc(desc.name.clone());
             if desc.agrees(&exact) {
-                // The lines are about what glTF cannot say, and the extras do.
+                // The lines are about what glTF cannot express, and the extras can.
                 return Ok(exact);
             }
             lines.note(&subject, CHANGED);
@@ -58,7 +58,7 @@ pub(super) fn describe(
     Ok(desc)
 }
 
-/// Which surface comes nearest.
+/// The nearest supported surface.
 fn surface(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.is_unlit {
         report.approximated(subject, "is unlit; it is rendered as a diffuse surface");
@@ -125,7 +125,7 @@ fn metal(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     Surface::Mirror { reflectance: of.base }
 }
 
-/// Something that transmits: a solid if it has a volume, else a sheet.
+/// A transmissive material: a solid if it has a volume, otherwise a thin sheet.
 fn glass(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.ior == 0.0 {
         report
@@ -159,7 +159,7 @@ fn glass(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     Surface::Dielectric { ior: of.ior, absorption: absorption(of, subject, report), tint: of.base }
 }
 
-/// Beer–Lambert: what is left after the distance d is exp(−σ d), so that σ = −ln(colour) / d
+/// Beer–Lambert: the transmittance of a distance d is exp(−σ d), so that σ = −ln(colour) / d
 /// (`KHR_materials_volume`).
 fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 3] {
     let distance = of.attenuation_distance;
@@ -175,7 +175,7 @@ fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 
     of.attenuation_color.map(|color| (-libm::log(color.max(DARKEST)) / distance).max(0.0))
 }
 
-/// A surface of which less than half is there: a sheet that colours what passes.
+/// A surface with alpha below one half: a thin sheet that colours transmitted light.
 fn see_through(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.coverage <= 0.0 {
         report.note(subject, "is invisible: its alpha is 0");
@@ -188,12 +188,12 @@ fn see_through(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surfa
     Surface::Thin { ior, tint: of.base.map(|color| 1.0 - of.coverage + of.coverage * color) }
 }
 
-/// What has no counterpart at all.
+/// Reports properties that have no counterpart.
 fn report_rest(material: &Material, subject: &str, report: &mut LoadReport) {
     if material.normal_texture.is_some() {
         report.left_out(subject, "its normal map; the surface is as flat as its triangles");
     }
-    // Occlusion maps stand in for the very light transport that is computed here.
+    // Occlusion maps approximate the light transport that is computed here.
     if material.occlusion_texture.is_some() {
         report.note(subject, "its occlusion map is not needed");
     }

@@ -1,4 +1,4 @@
-//! Meshes: each node that holds one adds it once more, where the node is.
+//! Meshes: each node that refers to one adds an instance, transformed by the node.
 
 use glam::{DMat4, DVec3};
 use gltf::json::Root;
@@ -11,11 +11,11 @@ use crate::builder::{MaterialId, SceneBuilder};
 use crate::load::default_material;
 use crate::report::LoadReport;
 
-/// More vertex positions and indices than this, over all instances, are taken for damage: a few
-/// nodes that share a mesh could otherwise ask for all the memory there is.
+/// More vertex positions and indices than this, over all instances, are treated as damage: a few
+/// nodes that share a mesh could otherwise request all available memory.
 const MAX_ELEMENTS: u64 = 1 << 28;
 
-/// What is said once for all meshes.
+/// Counts for the report on all meshes together.
 #[derive(Default)]
 pub(super) struct Census {
     elements: u64,
@@ -25,7 +25,7 @@ pub(super) struct Census {
     without_material: u64,
 }
 
-/// Adds the mesh that a node holds, one mesh of the builder for each primitive.
+/// Adds the mesh of a node, one mesh of the builder for each primitive.
 pub(super) struct Meshes<'a> {
     pub(super) root: &'a Root,
     pub(super) accessors: Accessors<'a>,
@@ -53,9 +53,9 @@ impl Meshes<'_> {
             Some(name) => name.to_owned(),
             None => name_or_number("mesh", mesh, None),
         };
-        // Nodes are scaled to nothing in order to hide them.
+        // Some programs hide nodes by scaling them to zero.
         if [transform.x_axis, transform.y_axis, transform.z_axis].iter().all(|x| x.truncate() == DVec3::ZERO) {
-            report.note(format!("mesh '{name}'"), "is scaled to nothing, and so not there");
+            report.note(format!("mesh '{name}'"), "is scaled to zero, and so not rendered");
             return Ok(());
         }
         for (number, source) in found.primitives.iter().enumerate() {
@@ -91,7 +91,7 @@ impl Meshes<'_> {
 
             let mut triangles = read.triangles;
             if is_mirrored(transform) {
-                // A mirrored mesh keeps its front (glTF 2.0 specification, section 3.7.4).
+                // A mirrored mesh keeps its front side (glTF 2.0 specification, section 3.7.4).
                 triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
             }
             let mut positions = read.positions;
@@ -107,15 +107,15 @@ impl Meshes<'_> {
         Ok(())
     }
 
-    /// The grey that surfaces without a material are given, as by the other loaders.
+    /// The grey default material of surfaces without one, the same as in the other loaders.
     fn default_material(&mut self, builder: &mut SceneBuilder) -> MaterialId {
         self.census.without_material += 1;
         *self.default_material.get_or_insert_with(|| builder.material(default_material()))
     }
 }
 
-/// Whether left and right are exchanged. Of the axes' directions alone, since the determinant of
-/// tiny or huge scales leaves the range.
+/// Whether the transform is a reflection. Computed from the axes' directions only, since the determinant of
+/// very small or large scales could underflow or overflow.
 fn is_mirrored(transform: &DMat4) -> bool {
     let axis = |axis: glam::DVec4| axis.truncate().normalize_or_zero();
     let [x, y, z] = [transform.x_axis, transform.y_axis, transform.z_axis].map(axis);
@@ -123,7 +123,7 @@ fn is_mirrored(transform: &DMat4) -> bool {
 }
 
 impl Census {
-    /// Says it.
+    /// Adds the counts to the report.
     pub(super) fn report(&self, report: &mut LoadReport) {
         let Self { smooth_triangles, colored, morphed, without_material, .. } = self;
         if *smooth_triangles > 0 {
@@ -131,7 +131,7 @@ impl Census {
                 "the file",
                 format!(
                     "{smooth_triangles} triangles are smoothed by vertex normals and rendered \
-                     flat; use finer meshes where facets show"
+                     flat; use finer meshes if that is visible"
                 ),
             );
         }

@@ -1,20 +1,20 @@
-//! The tree of nodes: which belong to the scene, and where each of them is.
+//! The node hierarchy: which nodes belong to the scene, and their transforms.
 
 use glam::{DMat4, DQuat, DVec3, DVec4};
 use gltf::json::{Node, Root};
 
 use super::fault::{AGAIN, Fault, label};
 
-/// A node of the scene and where it is.
+/// A node of the scene and its transform.
 #[derive(Debug)]
 pub(super) struct Placed {
     /// Index of the node.
     pub(super) node: usize,
-    /// From its own space to that of the scene; affine and finite.
+    /// From the node's space to that of the scene; affine and finite.
     pub(super) transform: DMat4,
 }
 
-/// What messages call a node.
+/// Name of a node in messages.
 pub(super) fn node_label(root: &Root, index: usize) -> String {
     label("node", index, root.nodes.get(index).and_then(|node| node.name.as_deref()))
 }
@@ -50,7 +50,7 @@ pub(super) fn place(root: &Root) -> Result<Vec<Placed>, Fault> {
     Ok(placed)
 }
 
-/// What the scene is rooted in: that of the default scene, else of the first, else every node
+/// The root nodes: those of the default scene, else of the first scene, else every node
 /// without a parent.
 fn roots(root: &Root, parents: &[Option<usize>]) -> Result<Vec<usize>, Fault> {
     if root.scenes.is_empty() && root.scene.is_none() {
@@ -77,7 +77,7 @@ fn children(node: &Node) -> impl DoubleEndedIterator<Item = usize> {
     node.children.iter().flatten().map(|child| child.value())
 }
 
-/// The parent of each node; glTF asks that there be one at most.
+/// The parent of each node; glTF requires at most one.
 fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
     let mut parents: Vec<Option<usize>> = vec![None; root.nodes.len()];
     for (index, node) in root.nodes.iter().enumerate() {
@@ -99,7 +99,7 @@ fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
     Ok(parents)
 }
 
-/// With one parent each, a node that no orphan leads to hangs below a cycle or is in it.
+/// Given one parent each, a node that is not reachable from a root is in or below a cycle.
 fn refuse_cycles(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
     let mut reached = vec![false; parents.len()];
     let mut pending: Vec<usize> = (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
@@ -117,7 +117,7 @@ fn refuse_cycles(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
     }
 }
 
-/// The transform of a node within its parent.
+/// The transform of a node relative to its parent.
 fn local(node: &Node, part: &str) -> Result<DMat4, Fault> {
     if let Some(matrix) = node.matrix {
         let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
@@ -134,7 +134,7 @@ fn local(node: &Node, part: &str) -> Result<DMat4, Fault> {
             if rotation.length() == 0.0 || !rotation.is_finite() {
                 return Err(Fault::new(
                     part,
-                    format!("has the rotation {:?}, which is no quaternion", rotation.to_array()),
+                    format!("has the rotation {:?}, a quaternion that is zero or not finite", rotation.to_array()),
                     AGAIN,
                 ));
             }

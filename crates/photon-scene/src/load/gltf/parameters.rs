@@ -1,4 +1,4 @@
-//! The numbers of a material: its factors, times the means of its textures.
+//! The parameters of a material: its factors, times the means of its textures.
 
 use gltf::json::extensions::material as extension;
 use gltf::json::material::AlphaMode;
@@ -10,32 +10,32 @@ use super::fault::{AGAIN, Fault, label};
 use super::texture::{Mean, Textures};
 use crate::report::LoadReport;
 
-/// What decides how a material is rendered.
+/// The parameters that determine how a material is rendered.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Parameters {
     /// Base colour, linear RGB.
     pub(super) base: [f64; 3],
-    /// How much of the surface is there, in `[0, 1]`.
+    /// Fraction of the surface that is opaque (alpha), in `[0, 1]`.
     pub(super) coverage: f64,
     pub(super) metallic: f64,
     pub(super) roughness: f64,
     pub(super) transmission: f64,
-    /// 0 stands for a surface that reflects all light (`KHR_materials_ior`).
+    /// 0 means a surface that reflects all light (`KHR_materials_ior`).
     pub(super) ior: f64,
-    /// Scale and colour of the reflection of a surface that is not a metal.
+    /// Scale and colour of the specular reflection of a non-metal.
     pub(super) specular: [f64; 3],
-    /// Whether it bounds a volume rather than being a sheet.
+    /// Whether it bounds a volume rather than being a thin sheet.
     pub(super) is_solid: bool,
-    /// What is left of white light after `attenuation_distance`.
+    /// Transmittance of `attenuation_distance`.
     pub(super) attenuation_color: [f64; 3],
-    /// User length; infinite where nothing is absorbed.
+    /// User length; infinite without absorption.
     pub(super) attenuation_distance: f64,
     /// Radiance.
     pub(super) emission: [f64; 3],
     pub(super) is_unlit: bool,
 }
 
-/// Reads the material; what its textures lose goes into the report under `subject`.
+/// Reads the material; the losses of its textures are reported under `subject`.
 pub(super) fn read(
     root: &Root,
     index: usize,
@@ -56,7 +56,7 @@ pub(super) fn read(
     let mut roughness = f64::from(pbr.roughness_factor.0);
     let mut base_texture = pbr.base_color_texture.as_ref().map(used);
     if let Some(old) = extensions.others.get("KHR_materials_pbrSpecularGlossiness") {
-        // Of this retired extension only the diffuse part has a counterpart.
+        // Only the diffuse part of this deprecated extension has a counterpart.
         factor = numbers(old, "diffuseFactor").unwrap_or([1.0; 4]);
         let index = old.get("diffuseTexture").and_then(|info| info.get("index")?.as_u64());
         base_texture = index.map(|index| index as usize);
@@ -105,7 +105,7 @@ pub(super) fn read(
             Checked::Valid(AlphaMode::Blend) => alpha,
             Checked::Valid(AlphaMode::Mask) => {
                 let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-                // A texture puts some of the surface there in any case.
+                // A textured surface is always partly visible.
                 if base.is_some() || alpha >= f64::from(cutoff) { 1.0 } else { 0.0 }
             }
             Checked::Invalid => return Err(Fault::new(part, "has an unknown alphaMode", AGAIN)),
@@ -132,7 +132,7 @@ struct Means<'a, 'b> {
 }
 
 impl Means<'_, '_> {
-    /// The mean of a texture, if there is one and it can be read; `shown` is what the report says.
+    /// The mean of a texture, if there is one and it can be read; `shown` formats it for the report.
     fn get(
         &mut self,
         texture: Option<usize>,
@@ -168,7 +168,7 @@ fn times(factor: [f64; 3], mean: Option<[f64; 3]>) -> [f64; 3] {
     std::array::from_fn(|channel| factor[channel] * mean[channel])
 }
 
-/// A number, or an array of `N` numbers, out of an extension that the parser leaves as it is.
+/// A number, or an array of `N` numbers, from an extension that the parser leaves as JSON.
 fn numbers<const N: usize>(extension: &Value, field: &str) -> Option<[f64; N]> {
     let value = extension.get(field)?;
     let numbers: Vec<f64> = match value {

@@ -1,4 +1,4 @@
-//! From the primitives of a mesh to triangles.
+//! Converts the primitives of a mesh to triangles.
 
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
@@ -14,13 +14,13 @@ pub(super) struct Triangles {
     pub(super) positions: Vec<[f64; 3]>,
     /// Vertex indices, all in range; counter-clockwise seen from the front.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// How many of them have vertex normals that bend away from the facet.
+    /// Number of triangles with vertex normals that differ from the geometric normal.
     pub(super) smooth: u64,
-    /// Vertices at the end of the list that make no whole triangle.
+    /// Number of vertices at the end of the list that do not form a whole triangle.
     pub(super) stray: usize,
 }
 
-/// Whether a primitive is made of triangles, and not of points or lines.
+/// Whether a primitive consists of triangles, not of points or lines.
 pub(super) fn is_surface(primitive: &Primitive, part: &str) -> Result<bool, Fault> {
     match primitive.mode {
         Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => Ok(true),
@@ -34,7 +34,7 @@ pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usi
     primitive.attributes.get(&Checked::Valid(semantic)).map(|accessor| accessor.value())
 }
 
-/// A bound on its vertices and triangles together, without reading them.
+/// Upper bound on the number of vertices and triangles together, without reading them.
 pub(super) fn size(accessors: &Accessors<'_>, primitive: &Primitive, part: &str) -> Result<u64, Fault> {
     let count = |accessor: Option<usize>| match accessor {
         Some(accessor) => accessors.count(accessor, part),
@@ -97,7 +97,7 @@ pub(super) fn read(
     Ok(Triangles { positions, triangles, smooth: smooth as u64, stray })
 }
 
-/// The positions in double precision, if the extras lead to them and they round to those that are there.
+/// The positions in double precision, if the extras refer to them and they round to the f32 positions.
 fn refined(
     accessors: &Accessors<'_>,
     primitive: &Primitive,
@@ -125,11 +125,11 @@ fn refined(
     }
 }
 
-/// Triangles from a list, a strip or a fan (glTF 2.0 specification, section 3.7.2.1), and how many
+/// Triangles of a list, a strip or a fan (glTF 2.0 specification, section 3.7.2.1), and how many
 /// vertices are left over.
 fn assemble(order: &[u32], mode: Checked<Mode>) -> (Vec<[u32; 3]>, usize) {
     let windows = || order.windows(3).enumerate();
-    // Strips repeat vertices to jump from one place to another; those triangles are not meant.
+    // Strips repeat vertices to connect separate parts; the degenerate triangles are not intended.
     let is_meant = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
     match mode {
         Checked::Valid(Mode::TriangleStrip) => {
@@ -150,7 +150,7 @@ fn assemble(order: &[u32], mode: Checked<Mode>) -> (Vec<[u32; 3]>, usize) {
     }
 }
 
-/// Whether a vertex normal is more than a degree off the facet's.
+/// Whether a vertex normal differs by more than a degree from the geometric normal.
 fn is_bent(positions: &[[f64; 3]], normals: &[[f64; 3]], triangle: [u32; 3]) -> bool {
     const COSINE_OF_A_DEGREE: f64 = 0.999_847_695_156_391_2;
     let [a, b, c] = triangle.map(|vertex| glam::DVec3::from(positions[vertex as usize]));

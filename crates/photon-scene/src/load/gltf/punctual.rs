@@ -1,4 +1,4 @@
-//! Lights of `KHR_lights_punctual` and cameras: what a node holds beside a mesh.
+//! Lights of `KHR_lights_punctual` and cameras: what a node may have besides a mesh.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -14,7 +14,7 @@ use crate::describe::{CameraDesc, LightDesc, Projection};
 use crate::extras::{Agrees, CHANGED, CameraExtras, LightExtras};
 use crate::report::LoadReport;
 
-/// Adds the light that `node` holds. It shines along −Z; no scale changes what it gives.
+/// Adds the light of `node`. It shines along −Z; scaling does not change its intensity.
 pub(super) fn add_light(
     root: &Root,
     node: &str,
@@ -56,12 +56,12 @@ pub(super) fn add_light(
     Ok(())
 }
 
-/// π/2 rounded to f32 lies above π/2, and is meant as it.
+/// π/2 rounded to f32 is above π/2; interprets it as π/2.
 fn half_turn(angle: f32) -> f64 {
     if angle == std::f32::consts::FRAC_PI_2 { FRAC_PI_2 } else { f64::from(angle) }
 }
 
-/// Adds the camera that `node` holds. It looks along −Z, up is +Y; no scale changes its picture.
+/// Adds the camera of `node`. It looks along −Z, up is +Y; scaling does not change its picture.
 pub(super) fn add_camera(
     root: &Root,
     node: &str,
@@ -95,7 +95,7 @@ pub(super) fn add_camera(
         projection,
     };
     let desc = refined(desc, exact.and_then(CameraExtras::desc), node, report);
-    // Two nodes may hold the same camera, and two cameras may have the same name.
+    // Two nodes may refer to the same camera, and two cameras may have the same name.
     let name = name_or_number("camera", camera, found.name.as_deref());
     let name = if names.contains(&name) { format!("{name} at {node}") } else { name };
     names.push(name.clone());
@@ -103,7 +103,7 @@ pub(super) fn add_camera(
     Ok(())
 }
 
-/// What the extras say, unless glTF says something else.
+/// The values of the extras, unless they contradict the standard glTF content.
 fn refined<T: Agrees>(desc: T, exact: Option<T>, node: &str, report: &mut LoadReport) -> T {
     match exact {
         Some(exact) if desc.agrees(&exact) => exact,
@@ -115,12 +115,12 @@ fn refined<T: Agrees>(desc: T, exact: Option<T>, node: &str, report: &mut LoadRe
     }
 }
 
-/// A direction of the node's own space in that of the scene.
+/// Transforms a direction of the node's own space to that of the scene.
 fn axis(transform: &DMat4, own: DVec3, node: &str) -> Result<[f64; 3], Fault> {
     transform.transform_vector3(own).try_normalize().map(DVec3::into).ok_or_else(|| {
         Fault::new(
             node,
-            "is scaled to nothing, so that its light or camera points nowhere",
+            "is scaled to zero, so that its light or camera points nowhere",
             "give it and its parents a scale other than 0",
         )
     })

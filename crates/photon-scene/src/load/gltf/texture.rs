@@ -1,4 +1,4 @@
-//! The mean colour of a texture, which stands in for it.
+//! Mean colours of textures, which replace the textures.
 
 use std::cell::OnceCell;
 use std::io::Cursor;
@@ -9,23 +9,23 @@ use super::buffers::Buffers;
 use super::fault::{Fault, label};
 use super::uri;
 
-/// Images of more pixels than this are not read: a few bytes can ask for hours of decoding.
+/// Images of more pixels than this are not read: a few bytes can cause hours of decoding.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// Mean of the values of an image, in `[0, 1]`, in both readings that glTF has for them.
+/// Mean of the values of an image, in `[0, 1]`, in both interpretations that glTF has for them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mean {
-    /// As colours: the sRGB curve undone for each pixel before the mean is taken.
+    /// As colours: each pixel is converted from sRGB to linear before averaging.
     pub(super) color: [f64; 3],
-    /// As plain numbers.
+    /// As linear values.
     pub(super) plain: [f64; 3],
-    /// Of alpha; 1 if there is none.
+    /// Mean alpha; 1 if there is none.
     pub(super) alpha: f64,
-    /// Whether all pixels are the same, so that nothing is lost.
+    /// Whether all pixels are equal, so that nothing is lost.
     pub(super) is_uniform: bool,
 }
 
-/// The textures of a file, decoded when first asked for.
+/// The textures of a file, decoded on first use.
 pub(super) struct Textures<'a> {
     root: &'a Root,
     buffers: &'a Buffers<'a>,
@@ -38,7 +38,7 @@ impl<'a> Textures<'a> {
         Self { root, buffers, means }
     }
 
-    /// What messages call a texture: its own name, or that of its image.
+    /// Name of a texture in messages: its own name, or that of its image.
     pub(super) fn name(&self, texture: usize) -> String {
         let found = self.root.textures.get(texture);
         let image = found.and_then(|texture| self.root.images.get(texture.source.value()));
@@ -49,8 +49,8 @@ impl<'a> Textures<'a> {
         label("texture", texture, name)
     }
 
-    /// The mean of a texture, or why there is none: a picture that cannot be read costs its
-    /// pattern, not the scene.
+    /// The mean of a texture, or the reason why there is none: an image that cannot be read only loses its
+    /// pattern and is no error.
     ///
     /// # Errors
     ///
@@ -59,7 +59,7 @@ impl<'a> Textures<'a> {
         let textures = &self.root.textures;
         let found = textures.get(texture).ok_or_else(|| Fault::dangling(user, "texture", texture, textures.len()))?;
         let image = found.source.value();
-        // The parser's mark for a texture whose image is in an extension.
+        // The parser's marker for a texture whose image is in an extension.
         if image == u32::MAX as usize {
             return Ok(Err("its image is of a kind that cannot be read".to_owned()));
         }
@@ -95,7 +95,7 @@ fn mean_of_png(bytes: &[u8]) -> Result<Mean, String> {
     count_values(bytes).map(|counts| mean(&counts)).map_err(|error| format!("its image cannot be decoded: {error}"))
 }
 
-/// How often each value occurs, for red, green, blue and alpha. Whole numbers, so that the mean
+/// Histogram of the values of red, green, blue and alpha. Integers, so that the mean
 /// does not depend on the order of the pixels.
 type Counts = [[u64; 256]; 4];
 
@@ -108,7 +108,7 @@ fn count_values(bytes: &[u8]) -> Result<Counts, png::DecodingError> {
     if u64::from(info.width) * u64::from(info.height) > MAX_PIXELS {
         return Err(png::DecodingError::LimitsExceeded);
     }
-    // Which channel of a pixel stands for red, green, blue and alpha.
+    // The channel of a pixel that holds red, green, blue and alpha.
     let (width, channels): (usize, [Option<usize>; 4]) = match reader.output_color_type().0 {
         Grayscale | Indexed => (1, [Some(0), Some(0), Some(0), None]),
         GrayscaleAlpha => (2, [Some(0), Some(0), Some(0), Some(1)]),
@@ -141,7 +141,7 @@ fn mean(counts: &Counts) -> Mean {
     }
 }
 
-/// Undoes the sRGB curve (IEC 61966-2-1).
+/// Converts sRGB to linear (IEC 61966-2-1).
 fn srgb_to_linear(value: f64) -> f64 {
     if value <= 0.04045 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }
@@ -163,7 +163,7 @@ mod tests {
     fn the_mean_is_taken_of_linear_colours() {
         let half_black = png(png::ColorType::Rgba, png::BitDepth::Eight, 2, 1, &[255, 0, 188, 255, 0, 0, 188, 0]);
         let mean = mean_of_png(&half_black).unwrap();
-        // 188/255 is the sRGB code next to half the light.
+        // 188/255 is the sRGB code nearest to a linear value of one half.
         assert!((mean.color[0] - 0.5).abs() < 1e-12 && mean.color[1] == 0.0, "{mean:?}");
         assert!((mean.color[2] - 0.5).abs() < 0.005, "{mean:?}");
         assert!((mean.plain[2] - 188.0 / 255.0).abs() < 1e-12 && (mean.alpha - 0.5).abs() < 1e-12);

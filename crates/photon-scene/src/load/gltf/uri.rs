@@ -1,15 +1,15 @@
-//! What a URI in a file stands for: bytes within it, or a file beside it.
+//! Resolves URIs in a file: embedded data, or a file beside it.
 
 use std::fs;
 use std::path::Path;
 
 use super::fault::AGAIN;
 
-/// The bytes that `uri` stands for; relative paths start at `folder`.
+/// The bytes that `uri` refers to; relative paths start at `folder`.
 ///
 /// # Errors
 ///
-/// Why it cannot be read, as the end of a sentence about the thing that has it, and the mend.
+/// Why it cannot be read, as the predicate of a sentence about the object that has it, and the hint.
 pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'static str)> {
     if let Some(data) = uri.strip_prefix("data:") {
         return read_data(data);
@@ -18,7 +18,7 @@ pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'stati
         let why = format!("is at a {scheme} address, and only files beside the scene are read");
         return Err((why, "download it, and name the file instead"));
     }
-    // Exporters that write a name as it is are as common as those that escape it, so that both
+    // Exporters that write a name verbatim are as common as those that percent-encode it, so both
     // are tried.
     let written = folder.join(uri);
     let path = match percent_decode(uri).and_then(|bytes| String::from_utf8(bytes).ok()) {
@@ -26,22 +26,22 @@ pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'stati
         _ => written,
     };
     if !path.is_file() {
-        let why = format!("is in the file {uri}, which is not there");
+        let why = format!("is in the file {uri}, which does not exist");
         return Err((why, "put it where the scene expects it, or export a .glb"));
     }
     fs::read(&path)
-        .map_err(|error| (format!("is in the file {uri}, which cannot be read: {error}"), "check that it may be read"))
+        .map_err(|error| (format!("is in the file {uri}, which cannot be read: {error}"), "check that it is readable"))
 }
 
-/// What comes after `data:` (RFC 2397).
+/// Decodes what follows `data:` (RFC 2397).
 fn read_data(data: &str) -> Result<Vec<u8>, (String, &'static str)> {
-    let damaged = || ("has a data URI that is cut off or damaged".to_owned(), AGAIN);
+    let damaged = || ("has a data URI that is truncated or damaged".to_owned(), AGAIN);
     let (kind, payload) = data.split_once(',').ok_or_else(damaged)?;
     let bytes = if kind.ends_with(";base64") { base64_decode(payload) } else { percent_decode(payload) };
     bytes.ok_or_else(damaged)
 }
 
-/// Undoes base64 in its standard alphabet (RFC 4648, section 4), with or without padding.
+/// Decodes base64 in its standard alphabet (RFC 4648, section 4), with or without padding.
 fn base64_decode(text: &str) -> Option<Vec<u8>> {
     let digits = text.trim_end_matches('=').as_bytes();
     let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
@@ -72,7 +72,7 @@ fn sextet(digit: u8) -> Option<u32> {
     Some(u32::from(value))
 }
 
-/// Undoes `%41`-like escapes (RFC 3986, section 2.1).
+/// Decodes percent escapes such as `%41` (RFC 3986, section 2.1).
 fn percent_decode(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.as_bytes();

@@ -1,10 +1,10 @@
-//! What the renderer makes of an MTL material.
+//! Converts an MTL material to the renderer's model.
 
 use super::Entry;
 use crate::describe::{MaterialDesc, Surface};
 use crate::report::LoadReport;
 
-/// One material on its way.
+/// The conversion of one material.
 pub(super) struct Translation<'a> {
     pub(super) material: &'a Entry,
     pub(super) report: &'a mut LoadReport,
@@ -74,7 +74,7 @@ impl Translation<'_> {
             }
             Surface::Mirror { reflectance: specular }
         } else {
-            // Models 0 and 1 have no highlight whatever Ks says.
+            // Models 0 and 1 have no highlight, whatever Ks is.
             if illumination >= 2 && reflects {
                 let shininess = material.shininess.unwrap_or(0.0);
                 self.approximated(format!(

@@ -1,11 +1,11 @@
-//! What an OBJ file has that is not rendered as it stands, counted.
+//! Counts features of an OBJ file that are not rendered as given.
 
 use crate::load::polygon::{concave, fan_covers};
 use crate::report::LoadReport;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// What is left out, counted.
+/// The counts.
 #[derive(Default)]
 pub(super) struct Census {
     pub(super) colored: usize,
@@ -15,7 +15,7 @@ pub(super) struct Census {
 }
 
 impl Census {
-    /// Notes a polygon that a fan does not cover, and one whose normals pretend that it is curved.
+    /// Counts a polygon that a fan does not cover, and one with normals that simulate curvature.
     pub(super) fn polygon(&mut self, corners: &[u32], positions: &[[f64; 3]], normals: &[DVec3], line: usize) {
         let places: Option<Vec<DVec3>> =
             corners.iter().map(|&index| positions.get(index as usize).map(|&at| DVec3::from_array(at))).collect();
@@ -26,17 +26,17 @@ impl Census {
         let fan = |next: usize| (places[next] - places[0]).cross(places[next + 1] - places[0]);
         let whole: DVec3 = (1..places.len() - 1).map(fan).sum();
         let face_normal = whole.normalize_or_zero();
-        // Less than that, some 2.5 degrees, is what files round their normals to.
+        // Smaller differences, up to some 2.5 degrees, are rounding errors of normals in files.
         self.smoothed += usize::from(normals.iter().any(|normal| normal.dot(face_normal).abs() < 0.999));
     }
 
-    /// Says it.
+    /// Adds the counts to the report.
     pub(super) fn report(&self, report: &mut LoadReport) {
         if self.smoothed > 0 {
             report.approximated(
                 "the file",
                 format!(
-                    "{} polygons are smoothed by vertex normals and rendered flat; use finer meshes where facets show",
+                    "{} polygons are smoothed by vertex normals and rendered flat; use finer meshes if that is visible",
                     self.smoothed
                 ),
             );

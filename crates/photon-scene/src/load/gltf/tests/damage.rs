@@ -1,4 +1,4 @@
-//! Damaged files: each is refused with its culprit named.
+//! Damaged files: each is rejected with an error that names the object at fault.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ const HERE: &str = ".";
 fn check(file: &File, words: &[&str]) {
     let error = file.error();
     assert!(words.iter().all(|word| error.contains(word)), "{words:?} not all in: {error}");
-    assert!(error.contains("; "), "no mend in: {error}");
+    assert!(error.contains("; "), "no hint in: {error}");
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn nodes_must_be_a_tree() {
     check(&nodes(r#"[{"children": [1]}, {}]"#).with("scenes", r#"[{"nodes": [0, 1]}]"#), &["node 1", "twice"]);
     check(&nodes("[{}]").with("scenes", r#"[{"nodes": [3], "name": "s"}]"#), &["scene 0 's'", "node 3"]);
     check(&File::new().with("scene", "5"), &["default scene", "scene 5"]);
-    // A deep chain neither recurses nor takes long.
+    // A deep chain is processed neither recursively nor slowly.
     let chain: Vec<String> = (1..100_000).map(|child| format!(r#"{{"children": [{child}]}}"#)).collect();
     let deep = nodes(&format!("[{}, {{\"mesh\": 0}}]", chain.join(",")));
     assert_eq!(deep.load().0.meshes.len(), 1);

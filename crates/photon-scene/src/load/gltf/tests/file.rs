@@ -1,4 +1,4 @@
-//! Small glTF files, made part by part.
+//! Small glTF files, assembled from parts.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -39,24 +39,24 @@ impl File {
             .with("scenes", r#"[{"nodes": [0]}]"#)
     }
 
-    /// With another part.
+    /// Replaces or adds a part.
     pub(super) fn with(mut self, key: &'static str, json: impl Into<String>) -> Self {
         self.0.insert(key, json.into());
         self
     }
 
-    /// Without a part.
+    /// Removes a part.
     pub(super) fn without(mut self, key: &str) -> Self {
         self.0.remove(key);
         self
     }
 
-    /// With another material, given by what stands between its braces.
+    /// Replaces the material, given by the JSON text between its braces.
     pub(super) fn material(self, json: &str) -> Self {
         self.with("materials", format!(r#"[{{"name": "it", {json}}}]"#))
     }
 
-    /// With other bytes in its only buffer.
+    /// Replaces the bytes of the only buffer.
     pub(super) fn data(self, bytes: &[u8]) -> Self {
         let (length, uri) = (bytes.len(), data_uri("application/octet-stream", bytes));
         self.with("buffers", format!(r#"[{{"byteLength": {length}, "uri": "{uri}"}}]"#))
@@ -76,14 +76,14 @@ impl File {
         self.try_load().unwrap_or_else(|fault| panic!("{fault}"))
     }
 
-    /// Loads it and builds the scene, too: what a user would see of it in the end.
+    /// Loads the file and builds the scene, to see the errors that a user would see.
     #[track_caller]
     pub(super) fn error(&self) -> String {
         match self.try_load() {
             Err(fault) => fault.to_string(),
             Ok((builder, _)) => match builder.build() {
                 Err(error) => error.to_string(),
-                Ok(_) => panic!("nothing is found wrong with {}", self.json()),
+                Ok(_) => panic!("no error is found in {}", self.json()),
             },
         }
     }
@@ -133,7 +133,7 @@ pub(super) fn png(pixels: &[[u8; 4]]) -> Vec<u8> {
     bytes
 }
 
-/// Whether a line of the report has both words.
+/// Whether a line of the report contains both words.
 pub(super) fn says(report: &LoadReport, subject: &str, text: &str) -> bool {
     report.lines.iter().any(|line| line.subject.contains(subject) && line.text.contains(text))
 }

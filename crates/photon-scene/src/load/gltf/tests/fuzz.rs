@@ -1,5 +1,5 @@
-//! What chance can do to a file: cut it, change a byte, change a number. None may bring the program
-//! down.
+//! Random damage to a file: truncation, changed bytes, changed numbers. None may cause a
+//! panic.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::file::{File, data_uri, floats, glb, png};
 
 const HERE: &str = ".";
 
-/// A file that uses everything, for what follows to damage.
+/// A file that uses every feature, to be damaged.
 fn rich() -> (File, Vec<u8>) {
     let mut bin = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
     bin.extend([0, 0, 1, 0, 2, 0, 0, 0]);
@@ -32,7 +32,7 @@ fn rich() -> (File, Vec<u8>) {
     (file, bin)
 }
 
-/// Loads and builds; anything but a panic will do.
+/// Loads and builds; any result but a panic is accepted.
 fn survive(bytes: &[u8]) -> bool {
     assemble(bytes, Path::new(HERE)).is_ok_and(|(builder, _)| builder.build().is_ok())
 }
@@ -63,7 +63,7 @@ fn no_changed_byte_brings_it_down() {
             survivors += usize::from(survive(&damaged));
         }
     }
-    // Many bytes do not matter (coordinates, names), so that both outcomes must have been seen.
+    // Many bytes do not matter (coordinates, names), so that both outcomes must have occurred.
     assert!(survivors > 0 && survivors < 4 * whole.len(), "{survivors}");
 }
 

@@ -42,7 +42,7 @@ fn a_glb_holds_its_buffer() {
 
 #[test]
 fn transforms_are_chained_from_the_root() {
-    // A quarter turn about z, twice the size, then moved; the parent moves it by (0, 0, 10).
+    // A quarter turn about z, scaled by two, then translated; the parent translates by (0, 0, 10).
     let h = std::f64::consts::FRAC_1_SQRT_2;
     let file = File::new().with(
         "nodes",
@@ -74,7 +74,7 @@ fn a_mesh_is_added_once_for_each_node_and_not_where_it_is_scaled_to_nothing() {
     let (builder, report) = file.load();
     let names: Vec<&str> = builder.meshes.iter().map(|mesh| mesh.name.as_str()).collect();
     assert_eq!(names, ["a", "b"]);
-    assert!(says(&report, "'c'", "scaled to nothing"));
+    assert!(says(&report, "'c'", "scaled to zero"));
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn the_default_scene_else_the_first_else_all_roots() {
     assert_eq!(only_mesh(&chosen).name, "b");
     assert!(says(&chosen.load().1, "file", "second"));
     assert_eq!(file.without("scenes").load().0.meshes.len(), 2);
-    // Nothing obliges a scene to have nodes.
+    // A scene need not have nodes.
     assert!(File::new().with("scenes", "[{}]").load().0.meshes.is_empty());
 }
 
@@ -121,7 +121,7 @@ fn views_may_be_interleaved() {
 
 #[test]
 fn sparse_accessors_replace_elements_or_zeros() {
-    // Sparse: element 2 becomes (0, 7, 0). With a base it is the triangle's, without one it is zero.
+    // Sparse: element 2 becomes (0, 7, 0). With base data the others are the triangle's, without they are zero.
     let mut data = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 7., 0.]);
     data.extend([2, 0, 0, 0]);
     for (base, second) in [(r#""bufferView": 0,"#, 1.0), ("", 0.0)] {
@@ -200,7 +200,7 @@ fn what_meshes_lose_is_said_once() {
         assert!(says(&report, subject, text), "{text}: {report}");
     }
     assert!(builder.materials.iter().any(|material| material.name == "default"));
-    // Normals that agree with the facet lose nothing.
+    // Normals that agree with the geometric normal lose nothing.
     let mut data = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 1., 0., 0., 1.]);
     let flat = File::new()
         .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "material": 0}]}]"#)

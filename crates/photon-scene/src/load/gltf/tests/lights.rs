@@ -37,7 +37,7 @@ fn candela_are_watts_per_steradian() {
         [("lamp".into(), LightDesc::Point { position: [1., 2., 3.], intensity: [3., 1.5, 0.] })]
     );
     assert!(report.lines.iter().all(|line| !line.subject.contains("light")), "{report}");
-    // Power in the end: 4π times the mean intensity.
+    // The resulting power: 4π times the mean intensity.
     let scene = builder.build().unwrap();
     assert!((scene.units().power - 4.0 * PI * 1.5).abs() < 1e-12);
 }
@@ -115,7 +115,7 @@ fn bad_lights_and_cameras_are_named() {
         (lit(r#""type": "tube""#, ""), &["light 0", "unknown type"][..]),
         (lit(r#""type": "point", "intensity": -1"#, ""), &["light 0", "intensity"]),
         (lit(r#""type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}"#, ""), &["light 0", "angle"]),
-        (lit(r#""type": "directional""#, r#""name": "n", "scale": [0, 0, 0],"#), &["node 1 'n'", "scaled to nothing"]),
+        (lit(r#""type": "directional""#, r#""name": "n", "scale": [0, 0, 0],"#), &["node 1 'n'", "scaled to zero"]),
         (
             lit(r#""type": "point""#, "").with("extensions", r#"{"KHR_lights_punctual": {"lights": []}}"#),
             &["node 1", "light 0"],

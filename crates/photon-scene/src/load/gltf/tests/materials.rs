@@ -30,7 +30,7 @@ fn a_dull_insulator_is_diffuse() {
         read(r#""pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1], "metallicFactor": 0}"#);
     assert_eq!(material, MaterialDesc::lambert("it", [0.25, 0.5, 0.75]));
     assert!(report.is_exact() && says(&report, "material 'it'", "faint reflection"), "{report}");
-    // A glossy one is not.
+    // A glossy reflection is not exact.
     let (material, report) = read(r#""pbrMetallicRoughness": {"roughnessFactor": 0.2, "metallicFactor": 0}"#);
     assert!(matches!(material.surface, Surface::Lambert { .. }));
     assert!(!report.is_exact() && says(&report, "material 'it'", "roughness 0.20"), "{report}");
@@ -153,7 +153,7 @@ fn alpha_below_one_half_lets_light_through() {
     assert!(report.is_exact() && says(&report, "it", "invisible"));
     let (opaque, report) = blend(0.75, "BLEND");
     assert!(matches!(opaque.surface, Surface::Lambert { .. }) && says(&report, "it", "75 % opaque"));
-    // A mask is all or nothing, and an opaque material has no use for alpha.
+    // A mask is either opaque or transparent, and an opaque material ignores alpha.
     assert!(matches!(blend(0.25, "MASK").0.surface, Surface::Thin { ior: 1.0, .. }));
     assert!(matches!(blend(0.75, "MASK").0.surface, Surface::Lambert { .. }));
     assert!(blend(0.25, "OPAQUE").1.is_exact());
@@ -161,7 +161,7 @@ fn alpha_below_one_half_lets_light_through() {
 
 #[test]
 fn textures_become_their_mean() {
-    // 255 and 0 average to one half of the light, 188 is the code of one half; the factor halves it.
+    // 255 and 0 average to a linear value of one half, whose sRGB code is 188; the factor halves it.
     let json = r#""pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0.5, 0.5, 0.5, 1], "baseColorTexture": {"index": 0}}"#;
     let file = textured(json, &[[255, 0, 0, 255], [0, 0, 255, 255]]);
     let (builder, report) = file.load();
@@ -174,7 +174,7 @@ fn textures_become_their_mean() {
         ),
         "{report}"
     );
-    // One colour all over loses nothing.
+    // A uniform texture loses nothing.
     let (builder, report) = textured(json, &[[255, 0, 255, 255]; 3]).load();
     assert_eq!(builder.materials[0].surface, Surface::Lambert { albedo: [0.5, 0.0, 0.5] });
     assert!(report.is_exact(), "{report}");

@@ -1,4 +1,4 @@
-//! Files made here, and what is read from them.
+//! Tests with generated files.
 
 mod damage;
 mod file;

@@ -72,7 +72,8 @@ fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Job, Box<dyn Err
 }
 
 fn run(job: &Job) -> Result<(), Box<dyn Error>> {
-    let scene = photon_scene::builtin(&job.scene).ok_or(format!("no built-in scene is named {}", job.scene))?.build()?;
+    let scene =
+        photon_scene::builtin(&job.scene).ok_or(format!("no built-in scene is named {}", job.scene))?.build()?;
     let camera = scene.camera(None, job.width, job.height)?;
     let view = View { camera, width: job.width, height: job.height };
     let mut pipeline = Pipeline::new(Vulkan::new()?, &scene.view(), view, job.settings.clone())?;

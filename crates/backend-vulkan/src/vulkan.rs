@@ -182,7 +182,9 @@ impl Vulkan {
             return Ok(());
         }
         if workgroups > 32_768 * 32_768 {
-            return Err(Fault::Other(format!("{}: {workgroups} workgroups exceed the limit of 2^30", kernel.name)).into());
+            return Err(
+                Fault::Other(format!("{}: {workgroups} workgroups exceed the limit of 2^30", kernel.name)).into()
+            );
         }
         let push = bytemuck::bytes_of(push);
         assert!(push.len() <= 128, "{}: {} bytes of push constants", kernel.name, push.len());

@@ -92,7 +92,7 @@ impl Offer {
     fn ask(&mut self, instance: &ash::Instance, handle: vk::PhysicalDevice) {
         let mut twelve = vk::PhysicalDeviceVulkan12Features::default();
         let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut twelve);
-        // SAFETY: the handle comes from this instance, and the chain is of the structures that it names.
+        // SAFETY: the handle comes from this instance, and the chain consists of the structures that it names.
         unsafe { instance.get_physical_device_features2(handle, &mut features) };
         self.int64 = features.features.shader_int64 == vk::TRUE;
         self.address = twelve.buffer_device_address == vk::TRUE;

@@ -263,7 +263,7 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
         .push_next(&mut three)
         .push_next(&mut driver)
         .push_next(&mut floats);
-    // SAFETY: the device comes from the instance, and the chain is of structures of Vulkan 1.2.
+    // SAFETY: the device comes from the instance, and the chain consists of Vulkan 1.2 structures.
     unsafe { instance.get_physical_device_properties2(physical, &mut all) };
     let properties = all.properties;
     // SAFETY: likewise.
@@ -282,7 +282,7 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
         timestamp_period: if stamps { f64::from(properties.limits.timestamp_period) } else { 0.0 },
         // Mesa's LP_MAX_TGSI_LOOP_ITERATIONS.
         loop_turns: if driver.driver_id == vk::DriverId::MESA_LLVMPIPE { 65_535 } else { 0 },
-        // Without independence the request would have to be made for floats of all sizes.
+        // Without independence, denormals of all float sizes would have to be preserved.
         keeps_denormals: floats.shader_denorm_preserve_float32 == vk::TRUE
             && floats.denorm_behavior_independence != vk::ShaderFloatControlsIndependence::NONE,
         cache_key: properties.pipeline_cache_uuid,
@@ -291,8 +291,8 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: the last owner is going; after the wait nothing is in use. Order: what was made
-        // from the device, the device; the instance is let go of after it.
+        // SAFETY: the last owner is being dropped; after the wait nothing is in use. Objects made from the device are
+        // destroyed first, then the device; the reference to the instance is dropped after it.
         unsafe {
             // A lost device has nothing left to wait for.
             let _ = self.raw.device_wait_idle();
@@ -305,9 +305,9 @@ impl Drop for Device {
             unsafe { self.raw.destroy_device(None) };
         }
         if self.strict.load(Ordering::Relaxed) && !std::thread::panicking() {
-            // Of what was destroyed, or left over.
+            // Messages about destroyed or leaked objects.
             let messages = self.take_messages();
-            assert!(messages.is_empty(), "the validation layer said at the end:\n{}", messages.join("\n"));
+            assert!(messages.is_empty(), "messages of the validation layer at the end:\n{}", messages.join("\n"));
         }
     }
 }

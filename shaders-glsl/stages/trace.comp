@@ -23,7 +23,7 @@ layout(constant_id = 4) const bool DYNAMIC = true;
 // When fewer rays of a subgroup than this are being traced, the finished ones are processed first: shaded, or
 // replaced by the next path's.
 layout(constant_id = 5) const uint BUSY = 0;
-// Whether paths are aimed: they end at the first diffuse surface, and store no photon on a path directly from a
+// Whether paths are aimed: they end at the first diffuse surface, and store no photon that comes directly from a
 // light.
 layout(constant_id = 6) const bool AIMED = false;
 layout(constant_id = 7) const uint MEDIA = 1;

@@ -34,11 +34,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
             "--small" => (count, rounds, sizes) = (20_000, 1, vec![2_000, 50_000]),
             "--rays" => count = value()?.parse()?,
             "--triangles" => sizes.push(value()?.parse()?),
-            other => {
-                return Err(
-                    format!("unknown option {other}; usage: ray_bench [--small] [--rays N] [--triangles N]...").into()
-                );
-            }
+            other => return Err(format!("{other}? ray_bench [--small] [--rays N] [--triangles N]...").into()),
         }
     }
     if sizes.is_empty() {

@@ -34,12 +34,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
             "--bounces" => settings.max_bounces = value()?.parse()?,
             "--small" => (paths, rounds) = (20_000, 1),
             other if !other.starts_with('-') => other.clone_into(&mut name),
-            other => {
-                return Err(format!(
-                    "unknown option {other}; usage: trace_bench [SCENE] [--paths N] [--bounces N] [--small]"
-                )
-                .into());
-            }
+            other => return Err(format!("{other}? trace_bench [SCENE] [--paths N] [--bounces N] [--small]").into()),
         }
     }
     let scene = photon_scene::builtin(&name).ok_or_else(|| format!("no built-in scene is named {name:?}"))?.build()?;

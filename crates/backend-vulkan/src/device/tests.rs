@@ -219,7 +219,7 @@ fn pipelines_are_compiled_once() {
     assert_eq!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 64]));
     assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 32]));
     assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[1, 64]));
-    assert_ne!(first, pipeline(&mut on, &shaders::INDEX_GATHER, &[0, 64]));
+    assert_ne!(first, pipeline(&mut on, &shaders::INDEX_PERMUTE, &[0, 64]));
 }
 
 /// A driver is not unloaded between one device and the next: all devices share an instance, and those with

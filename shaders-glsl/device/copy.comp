@@ -1,4 +1,4 @@
-// Copies words: what the device layer is tested with.
+// Copies words; used by tests of the device layer.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

@@ -1,11 +1,11 @@
-// A number that all invocations count up together.
+// A counter shared by all invocations.
 #ifndef COUNTER_GLSL
 #define COUNTER_GLSL
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counter { uint next; };
 
-// A number for this invocation that no other gets. Drivers make one operation of those of a subgroup;
-// to do so by hand would take subgroups that stay whole in diverging code, and some fall apart.
+// Returns a number that no other invocation gets. Drivers combine the atomics of a subgroup into one; doing so
+// by hand would require subgroups to stay converged in divergent code, which some drivers do not guarantee.
 uint counter_take(Counter counter) {
     return atomicAdd(counter.next, 1u);
 }

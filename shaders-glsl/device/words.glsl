@@ -1,4 +1,4 @@
-// Words in a buffer.
+// A buffer of words.
 #ifndef WORDS_GLSL
 #define WORDS_GLSL
 

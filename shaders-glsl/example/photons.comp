@@ -1,5 +1,5 @@
-// A host's own kernel (see the program `host_device`): photons strewn evenly over a square, and a grid of
-// queries on it, in the records of photon_core, written where the host keeps them.
+// A host's own kernel (see the program `host_device`): photons distributed uniformly over a square and a grid
+// of queries on it, in the record formats of photon_core, written to the host's buffers.
 #version 460
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference2 : require
@@ -36,7 +36,7 @@ layout(push_constant, scalar) uniform Push {
     float radius;
 } push;
 
-// Straight up, packed: the middle of the unfolded octahedron.
+// The packed up direction: the centre of the unfolded octahedron.
 const uint UP = 0u;
 
 // A permutation of 32 bits with good avalanche (O'Neill 2014, PCG-RXS-M-XS).
@@ -62,7 +62,7 @@ void main() {
         photon.direction = UP;
     }
     if (i < push.query_side * push.query_side) {
-        // A border as wide as the radius stays free, so that no disc reaches over the edge.
+        // The queries keep a distance of one radius from the border, so that no disc extends beyond the edge.
         vec2 cell = (vec2(i % push.query_side, i / push.query_side) + 0.5) / float(push.query_side) - 0.5;
         Queries query = push.queries[i];
         query.position = vec3(cell * (push.side - 2.0 * push.radius), 0.0);

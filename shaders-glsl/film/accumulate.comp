@@ -1,5 +1,5 @@
-// Adds what was found at each query, times the query's weight, to the present pass of its pixel.
-// The queries of a pixel stand together; the invocation of the first adds them all, in their order.
+// Adds the estimate or value of each query, times the query's weight, to the current pass of its pixel. The
+// queries of a pixel are consecutive; the invocation of the first one adds them all, in order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -7,7 +7,7 @@
 #extension GL_EXT_scalar_block_layout : require
 layout(local_size_x_id = 1) in;
 
-// What is read: 0 estimates of photon maps, 1 vectors.
+// Source: 0 estimates of photon maps, 1 vectors.
 layout(constant_id = 2) const uint FROM = 0;
 
 #include "film/film.glsl"
@@ -20,13 +20,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Co
 layout(push_constant, scalar) uniform Push {
     Queries queries;
     Count query_count;
-    // One of the two.
+    // One of the two is used.
     Estimates estimates;
     Values values;
     Count found_count;
     Planes pass;
     uint pixels;
-    // 1 over π times the paths, for estimates.
+    // For estimates: 1 / (π times the number of paths).
     float scale;
 } push;
 

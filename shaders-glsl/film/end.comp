@@ -1,4 +1,4 @@
-// The present pass is added to the sums, and begins anew. One invocation per pixel.
+// Adds the current pass to the sums and clears it. One invocation per pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -6,7 +6,7 @@
 #extension GL_EXT_scalar_block_layout : require
 layout(local_size_x_id = 1) in;
 
-// Bit by bit, the layers that there are.
+// Bit mask of the layers that exist.
 layout(constant_id = 2) const uint LAYERS = 15;
 
 #include "film/film.glsl"
@@ -24,7 +24,7 @@ void add(Planes sums, uint plane, uint low, uint pixel, float x) {
     film_add(sums, plane, low, push.pixels, pixel, x);
 }
 
-// Adds one layer, and its radiance to that of the pixel. Nothing is moved where it is black.
+// Adds one layer to its sums, and its radiance to the pixel's. Black pixels cause no memory traffic.
 void end_layer(uint layer, uint pixel, inout float high, inout float low) {
     vec3 radiance;
     for (uint c = 0; c < 3; c++) radiance[c] = film_place(push.passes[layer], c, push.pixels, pixel).at;
@@ -46,7 +46,8 @@ void main() {
     if ((LAYERS & 4) != 0) end_layer(2, pixel, high, low);
     if ((LAYERS & 8) != 0) end_layer(3, pixel, high, low);
     if (high != 0.0) {
-        // The mean of the channels would be a third of it; its square, a ninth, is left to the reader.
+        // The square of the sum of the channels; the mean of the channels is a third of the sum, so that the
+        // reader divides by 9.
         float square;
         float rest;
         two_square(high, low, square, rest);

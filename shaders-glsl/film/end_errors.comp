@@ -1,4 +1,4 @@
-// What the present pass told of errors is added to the sums, and begins anew. One invocation per pixel.
+// Adds the error statistics of the current pass to the sums and clears them. One invocation per pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -7,7 +7,7 @@
 #extension GL_EXT_control_flow_attributes : require
 layout(local_size_x_id = 1) in;
 
-// Bit by bit, the maps that there are.
+// Bit mask of the maps that exist.
 layout(constant_id = 2) const uint MAPS = 7;
 
 #include "shading/constants.glsl"
@@ -22,7 +22,7 @@ layout(push_constant, scalar) uniform Push {
     uint pixels;
 } push;
 
-// Takes a number of the present pass away.
+// Returns a number of the current pass and clears it.
 float take(Planes planes, uint plane, uint pixel) {
     Planes place = film_place(planes, plane, push.pixels, pixel);
     float x = place.at;

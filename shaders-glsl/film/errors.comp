@@ -1,6 +1,6 @@
-// Adds what the photons at each query say about the error to the present pass of its pixel. Twin of
-// photon-core's `ErrorPixel::deposit`. The queries of a pixel stand together; the invocation of the
-// first adds them all, in their order.
+// Adds the error moments of the photons at each query to the current pass of its pixel. Twin of photon-core's
+// `ErrorPixel::deposit`. The queries of a pixel are consecutive; the invocation of the first one adds them all,
+// in order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -8,7 +8,7 @@
 #extension GL_EXT_scalar_block_layout : require
 layout(local_size_x_id = 1) in;
 
-// What is read: 0 estimates and their spreads, 1 what gathered.comp added up.
+// Source: 0 estimates and their error moments, 1 the sums of final_gather_sum.comp.
 layout(constant_id = 2) const uint FROM = 0;
 
 #include "film/film.glsl"
@@ -23,11 +23,11 @@ layout(push_constant, scalar) uniform Push {
     Estimates estimates;
     ErrorMomentsBuffer error_moments;
     Count found_count;
-    // Planes of bias and narrow; planes of the map's shape.
+    // Planes of bias and narrow; planes of the map's photon moments.
     Planes pass;
     Planes map_moments;
     uint pixels;
-    // 1 over 3π times the paths; or 1/3.
+    // 1 / (3π times the number of paths); or 1/3.
     float scale;
 } push;
 

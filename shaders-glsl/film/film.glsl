@@ -1,17 +1,17 @@
-// The picture in progress: what the present pass has given, and sums over passes. Numbers of one kind
-// stand together, pixel by pixel, in planes: neighbours read and write neighbouring words.
+// The film: the current pass, and sums over passes. Values of one kind are stored pixel by pixel in planes, so
+// that neighbouring invocations access neighbouring words.
 #ifndef FILM_GLSL
 #define FILM_GLSL
 
 #include "shading/two_float.glsl"
 
-// A layer's present pass: planes of red, green and blue radiance. Its sum over finished passes: three
-// planes likewise, then three of what they leave over.
+// The current pass of a layer: planes of red, green and blue radiance. Its sum over finished passes: three
+// planes of high parts, then three of low parts.
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Planes { float at; };
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Hits { uint at; };
 
-// The first surface that the present pass saw; no hits if it saw none.
+// The first surface that the current pass saw; no hits if it saw none.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer FirstPass {
     vec3 normal;
     float depth;
@@ -19,8 +19,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer FirstPass {
     uint hits;
 };
 
-// The same, summed over finished passes, with the squares of their radiance: planes of the numbers
-// below, then as many of what they leave over, then one of hits, which are words.
+// The same, summed over finished passes, with the squares of their radiance: high parts in the planes below,
+// then as many planes of low parts, then one of hits, which are words.
 const uint FIRST_NORMAL = 0;
 const uint FIRST_ALBEDO = 3;
 const uint FIRST_DEPTH = 6;
@@ -28,9 +28,9 @@ const uint FIRST_SQUARE = 7;
 const uint FIRST_LOW = 8;
 const uint FIRST_HITS = 16;
 
-// What tells the error of a pixel, summed over passes: planes of the numbers below, then as many of
-// what they leave over. The present pass: bias and narrow. How the photons of one map lie about the
-// pixel, in planes of its own: the members of `ErrorMoments` from `power` on.
+// Error statistics of a pixel, summed over passes: high parts in the planes below, then as many planes of low
+// parts. The current pass: bias and narrow. The photon moments of one map around the pixel are stored in planes
+// of their own: the members of `ErrorMoments` from `power` on.
 const uint ERROR_BIAS = 0;
 const uint ERROR_BIAS_SQUARE = 1;
 const uint ERROR_NARROW = 2;
@@ -43,13 +43,13 @@ const uint MOMENTS_QUADRUPOLE = 4;
 const uint MOMENTS_STRAY = 6;
 const uint MOMENTS_LOW = 7;
 
-// A pixel's place in a plane. Step by step, since planes times pixels may be more than a word.
+// Address of a pixel in a plane. Computed in steps, since planes times pixels may exceed a word.
 Planes film_place(Planes planes, uint plane, uint pixels, uint pixel) {
     for (uint i = 0; i < plane; i++) planes = planes + pixels;
     return planes + pixel;
 }
 
-// Adds to one number's sum, which leaves over what is `low` planes on.
+// Adds to one number's sum, whose low part is in the plane `low` planes further on.
 void film_add(Planes sums, uint plane, uint low, uint pixels, uint pixel, float x) {
     Planes high_place = film_place(sums, plane, pixels, pixel);
     Planes low_place = film_place(sums, plane + low, pixels, pixel);

@@ -1,4 +1,4 @@
-// Brings photons into the order of their slots, and makes the leaves: sixteen slots each.
+// Copies photons into slot order and builds the leaves, of sixteen slots each.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -13,20 +13,20 @@ layout(local_size_x_id = 1) in;
 
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
-    // Slot to photon.
+    // Photon index by slot.
     Words order;
     Rows positions;
     Fluxes power;
     Words ids;
-    // Where the leaves begin.
+    // Address of the first leaf.
     BoxNodes nodes;
     Words totals;
     uint count;
-    // Photons that fit.
+    // Capacity of the photon buffer.
     uint capacity;
 } push;
 
-// Coordinates as ordered integers; a word between leaves, so that they lie in different banks.
+// Coordinates as ordered integers; padded by a word per leaf to avoid bank conflicts.
 shared uint keys[3][gl_WorkGroupSize.x / 16 * 17];
 
 void main() {

@@ -1,4 +1,4 @@
-// The box around all photons, and the first of them that is not finite.
+// The bounding box of all photons, and the first photon that is not finite.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -16,7 +16,7 @@ layout(push_constant, scalar) uniform Push {
     MapState state;
     PhotonCount photon_count;
     uint count;
-    // Invocations of the dispatch.
+    // Number of invocations in the dispatch.
     uint stride;
 } push;
 

@@ -1,4 +1,4 @@
-// The Morton code of every photon: its lower words, twice, and its higher words.
+// The Morton code of every photon: its lower word, twice, and its higher word.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -15,7 +15,7 @@ layout(local_size_x_id = 1) in;
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
     MapState state;
-    // What is sorted first.
+    // The keys that are sorted first.
     Words keys;
     Words low;
     Words high;

@@ -1,4 +1,4 @@
-// The box around what the invocations of a workgroup have seen, as ordered integers.
+// Bounding box over the invocations of a workgroup, as ordered integers.
 #ifndef GROUP_BOX_GLSL
 #define GROUP_BOX_GLSL
 
@@ -8,7 +8,7 @@
 shared uint group_box_low[3];
 shared uint group_box_high[3];
 
-// Called by the whole workgroup.
+// Must be called by the whole workgroup.
 void group_box(inout uvec3 low, inout uvec3 high) {
     barrier();
     if (gl_LocalInvocationIndex < 3) {

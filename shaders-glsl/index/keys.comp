@@ -1,4 +1,4 @@
-// One coordinate of every photon, as an ordered integer; or its number.
+// One coordinate of every photon as an ordered integer; or its index.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -15,7 +15,7 @@ layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
     Words keys;
     uint count;
-    // 3 for the number.
+    // 3 for the index.
     uint axis;
 } push;
 

@@ -1,4 +1,4 @@
-// Finds, among sorted Morton codes, the runs of one code that are longer than a leaf.
+// Finds, among sorted Morton codes, the runs of equal codes that are longer than a leaf.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -12,17 +12,17 @@
 layout(local_size_x_id = 1) in;
 
 layout(push_constant, scalar) uniform Push {
-    // Slot to photon, and the higher words of the codes in that order.
+    // Photon index by slot, and the higher words of the codes in that order.
     Words order;
     Words sorted_high;
-    // The lower words by photon.
+    // The lower words by photon index.
     Words low;
     Round round;
     Runs runs;
     uint count;
 } push;
 
-// Whether two slots have one code.
+// Whether two slots have the same code.
 bool same_code(uint a, uint b) {
     return push.sorted_high[a].word == push.sorted_high[b].word
         && push.low[push.order[a].word].word == push.low[push.order[b].word].word;
@@ -32,7 +32,7 @@ void main() {
     uint i = thread();
     if (i >= push.count || push.count - i <= 16) return;
     if (!same_code(i, i + 16) || (i > 0 && same_code(i, i - 1))) return;
-    // The first place with another code, by doubling, then by halving.
+    // The first slot with another code, by exponential and then binary search.
     uint inside = i + 16;
     uint step = 16;
     while (push.count - inside > step && same_code(i, inside + step)) {

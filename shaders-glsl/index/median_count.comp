@@ -1,5 +1,5 @@
-// One level of the median tree, second of three: notes in every list who goes right, and counts in
-// every tile of it who goes left.
+// One level of the median tree, second of three kernels: marks in every list the photons that go right, and
+// counts in every tile those that go left.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -14,7 +14,7 @@ layout(local_size_x_id = 1) in;
 
 layout(push_constant, scalar) uniform Push {
     Words lists;
-    // A bit per photon.
+    // One bit per photon.
     Words right;
     // By list, then by tile.
     Words counts;

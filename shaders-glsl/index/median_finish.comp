@@ -1,5 +1,5 @@
-// Splits the segments of up to LIST_SHORT photons of the median tree, one to a workgroup, until they are
-// leaves, in order of their photons' numbers.
+// Splits the segments of up to LIST_SHORT photons of the median tree, one per workgroup, down to leaves in
+// order of their photon indices.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -13,13 +13,13 @@
 
 layout(local_size_x_id = 1) in;
 
-// Invocations of a workgroup write what others of it read.
+// Coherent, since invocations of a workgroup read what others of it write.
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Places { uint place; };
 
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
     Words lists;
-    // By photon: its place in its segment's first list.
+    // By photon index: its position in its segment's first list.
     Places places;
     Words order;
     uint count;
@@ -29,14 +29,14 @@ const uint MASKS = LIST_SHORT / 32;
 // The workgroup has 256 invocations.
 const uint ITEMS = LIST_SHORT / 256;
 
-// By place in the first list at the start: the photon.
+// Photon index, by position in the initial first list.
 shared uint photons[LIST_SHORT];
-// The three lists, of such places.
+// The three lists, of such positions.
 shared uint lists[3][LIST_SHORT];
 shared uint axes[LIST_SHORT / 32];
-// By place: who goes right.
+// By position: which photons go right.
 shared uint right[MASKS];
-// By list: who goes left, and how many before each word.
+// By list: which photons go left, and how many before each word.
 shared uint left_masks[3][MASKS];
 shared uint left_before[3][MASKS];
 

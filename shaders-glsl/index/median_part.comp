@@ -1,4 +1,4 @@
-// One level of the median tree, third of three: parts every segment of every list.
+// One level of the median tree, third of three kernels: partitions every segment of every list.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -13,7 +13,7 @@ layout(local_size_x_id = 1) in;
 layout(push_constant, scalar) uniform Push {
     Words lists;
     Words parted;
-    // Who goes left, by list, then by tile.
+    // Number of photons that go left, by list, then by tile.
     Words counts;
     uint count;
     uint tiles;
@@ -29,7 +29,7 @@ void main() {
     uint skipped = workgroup() - (base - first) / LIST_TILE;
     uint before = list_before(push.counts, skipped, workgroup());
     uint end = min(base + LIST_TILE, push.count);
-    // Where nothing is split, nobody goes right.
+    // In segments that are not split, no photon goes right.
     uint next_right = first + push.size / 2 + (base - first) - before;
     list_part(push.lists + offset, push.parted + offset, base, end, first + before, next_right);
 }

@@ -1,4 +1,4 @@
-// One level of the median tree, first of three: marks the photons that go right. All segments begin at
+// One level of the median tree, first of three kernels: marks the photons that go right. All segments begin at
 // multiples of one size; those longer than half of it are split there.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -14,7 +14,7 @@ layout(local_size_x_id = 1) in;
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
     Words lists;
-    // A bit per photon, all zero.
+    // One bit per photon, initially zero.
     Words right;
     uint count;
     uint size;

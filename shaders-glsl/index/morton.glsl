@@ -1,5 +1,5 @@
-// Morton codes (Morton 1966), three times 21 bits, interleaved, x highest: the twin of
-// backend-cpu's `Grid`, on integers throughout.
+// Morton codes (Morton 1966) of three times 21 bits, interleaved, x highest: the twin of backend-cpu's `Grid`,
+// in integer arithmetic throughout.
 #ifndef MORTON_GLSL
 #define MORTON_GLSL
 
@@ -9,13 +9,13 @@ const int MORTON_BITS = 21;
 
 struct Grid {
     uvec3 low;
-    // The box is so long that its length overflows: everything is halved first.
+    // Whether the box is so large that its extent overflows: then everything is halved first.
     bool halved;
     // Cells per unit of length, as a power of two.
     int exponent;
 };
 
-// The grid over a box, of whose sides the longest is cut into at most 2^21 cells.
+// The grid over a box: its longest side is divided into at most 2^21 cells.
 Grid grid_over(uvec3 low, uvec3 high) {
     Grid grid;
     uint extent;
@@ -27,7 +27,7 @@ Grid grid_over(uvec3 low, uvec3 high) {
         longest_axis(low, high, extent);
     }
     grid.low = low;
-    // The least e with extent ≤ 2^e.
+    // The smallest e with extent ≤ 2^e.
     int above = 0;
     if (extent >= 0x00800000u) {
         above = int(extent >> 23) - 127 + int((extent & 0x007fffffu) != 0);
@@ -39,7 +39,7 @@ Grid grid_over(uvec3 low, uvec3 high) {
     return grid;
 }
 
-// ⌊(coordinate − low)·2^exponent⌋, within the grid.
+// ⌊(coordinate − low)·2^exponent⌋, clamped to the grid.
 uint grid_cell(uint coordinate, uint low, bool halved, int exponent) {
     if (halved) coordinate = half_bits(coordinate);
     uint bits = difference_bits(coordinate, low);
@@ -48,11 +48,11 @@ uint grid_cell(uint coordinate, uint low, bool halved, int exponent) {
     int shift = max(int(size), 1) - 150 + exponent;
     uint last = (1u << MORTON_BITS) - 1;
     if (shift < 0) return min(shift > -32 ? mantissa >> -shift : 0, last);
-    // Only numbers that are not finite come near this.
+    // Only non-finite numbers come near this.
     return shift > 7 && mantissa != 0 && findMSB(mantissa) + shift > MORTON_BITS ? last : min(mantissa << shift, last);
 }
 
-// Two zeros between any two of the lowest 11 bits.
+// Inserts two zeros between any two of the lowest 11 bits.
 uint spread_bits(uint v) {
     v &= 0x7ffu;
     v = (v | v << 16) & 0x070000ffu;
@@ -61,7 +61,7 @@ uint spread_bits(uint v) {
     return (v | v << 2) & 0x49249249u;
 }
 
-// The code of a point, its lower word first.
+// The Morton code of a point, lower word first.
 uvec2 morton_code(Grid grid, uvec3 position) {
     uint x = grid_cell(position.x, grid.low.x, grid.halved, grid.exponent);
     uint y = grid_cell(position.y, grid.low.y, grid.halved, grid.exponent);

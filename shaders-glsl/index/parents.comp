@@ -1,4 +1,4 @@
-// One level of a regular tree: sixteen consecutive nodes of the level below to each.
+// One level of a regular tree: each node has sixteen consecutive children on the level below.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -14,7 +14,7 @@ layout(local_size_x_id = 1) in;
 layout(push_constant, scalar) uniform Push {
     BoxNodes nodes;
     Words totals;
-    // The level, and the one below.
+    // First node of this level, and of the one below.
     uint first;
     uint count;
     uint first_below;

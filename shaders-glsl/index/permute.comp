@@ -1,4 +1,4 @@
-// Words of photons in the order of their numbers.
+// Gathers words of photons by photon index.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

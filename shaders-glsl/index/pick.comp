@@ -1,4 +1,4 @@
-// Photons by their numbers, as a set of their own, of whole records.
+// Gathers photons by index into a buffer of full records.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -14,10 +14,10 @@ layout(local_size_x_id = 1) in;
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
     Words ids;
-    // Two rows for each.
+    // Two rows per photon.
     Rows picked;
     uint count;
-    // Photons that fit where they come from.
+    // Capacity of the source buffer.
     uint capacity;
 } push;
 

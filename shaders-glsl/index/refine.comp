@@ -1,6 +1,6 @@
-// Arranges the runs of photons that share a Morton code by a finer grid, over the box of each run, and
-// notes those that still share one. One workgroup goes through a run by itself: short ones are ranked
-// by comparison, long ones sorted by digits, tile after tile.
+// Sorts runs of photons that share a Morton code by a finer grid over the bounding box of each run, and lists
+// the runs that still share a code. One workgroup per run: short runs are ranked by comparison, long ones are
+// radix sorted, tile by tile.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -15,13 +15,13 @@ layout(local_size_x_id = 1) in;
 #include "index/runs.glsl"
 #include "sort/sort_tile.glsl"
 
-// Invocations of a workgroup write what others of it read.
+// Coherent, since invocations of a workgroup read what others of it write.
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Codes { uvec2 code; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Ids { uint id; };
 
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
-    // Slot to photon; what was sorted by the codes before.
+    // Photon index by slot; what was sorted by the previous codes.
     Ids ids;
     Ids other_ids;
     Codes codes;
@@ -32,7 +32,7 @@ layout(push_constant, scalar) uniform Push {
     Runs next_runs;
 } push;
 
-// Ranked by comparison up to this length.
+// Runs up to this length are ranked by comparison.
 const uint SHORT = 512;
 shared uint short_low[SHORT];
 shared uint short_high[SHORT];
@@ -68,7 +68,7 @@ void refine_short(Grid grid, uint first, uint length) {
     }
 }
 
-// How often the digits at `shift` occur, to the first row of counts; whether all are one.
+// Counts the digits at `shift` in the first row of counts; returns whether all are equal.
 bool count_digits(Codes codes, uint first, uint length, uint shift) {
     for (uint at = group_rank(); at < SORT_SUBGROUPS * SORT_DIGITS; at += gl_WorkGroupSize.x) sort_counts[at] = 0;
     barrier();
@@ -84,11 +84,11 @@ bool count_digits(Codes codes, uint first, uint length, uint shift) {
         sort_counts[digit] = sum;
         whole += uint(sum == length);
     }
-    // Has a barrier.
+    // Contains a barrier.
     return group_sum(whole) != 0;
 }
 
-// Turns the counts in the first row into starts, which stay in `short_low`.
+// Converts the counts in the first row into start positions, which stay in `short_low`.
 void digit_starts() {
     uint share = max(SORT_DIGITS / gl_WorkGroupSize.x, 1);
     uint first = group_rank() * share;
@@ -107,7 +107,7 @@ void digit_starts() {
     barrier();
 }
 
-// One digit of a long run, from one pair of buffers to the other.
+// Sorts a long run by one digit, from one pair of buffers to the other.
 void sort_digit(Codes codes, Ids ids, Codes to_codes, Ids to_ids, uint first, uint length, uint shift) {
     digit_starts();
     for (uint base = 0; base < length; base += SORT_TILE) {
@@ -131,7 +131,7 @@ void sort_digit(Codes codes, Ids ids, Codes to_codes, Ids to_ids, uint first, ui
             }
         }
         barrier();
-        // The next tile's keys follow: a digit's count is the next digit's place less its own.
+        // Advances to the next tile: a digit's count is the next digit's position minus its own.
         for (uint digit = group_rank(); digit < SORT_DIGITS; digit += gl_WorkGroupSize.x) {
             uint next = digit + 1 < SORT_DIGITS ? 0 - sort_offset[digit + 1] : size;
             short_low[digit] += next + sort_offset[digit];
@@ -197,7 +197,7 @@ void main() {
             high = max(high, key);
         }
         group_box(low, high);
-        // Photons at one point stay in order of their ids.
+        // Coincident photons stay in index order.
         if (low == high) continue;
         Grid grid = grid_over(from_ordered3(low), from_ordered3(high));
         if (run.y <= SHORT) {

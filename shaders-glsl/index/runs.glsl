@@ -1,8 +1,8 @@
-// Runs of more than a leaf's worth of photons with one Morton code, round by round.
+// Runs of photons with equal Morton codes that are longer than a leaf, round by round.
 #ifndef RUNS_GLSL
 #define RUNS_GLSL
 
-// How many there are, and how many workgroups go through them.
+// Number of runs, and number of workgroups that process them.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Round {
     uint groups[3];
     uint count;
@@ -11,7 +11,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Round {
 // First slot and length.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Runs { uvec2 run; };
 
-// More workgroups than this keep no device busier.
+// Maximum number of workgroups: more do not use a device any better.
 const uint RUN_GROUPS = 8192;
 
 void add_run(Round round, Runs runs, uint first, uint length) {

@@ -1,12 +1,12 @@
 // The Voxel Volume Heuristic (Wald, Günther, Slusallek 2004): the twin of backend-cpu's `plane`, which
-// documents it, with the same splits bit for bit. Whoever includes this says in VVH_ROWS how many
-// segments it counts at a time.
+// documents it, with the same splits bit for bit. The including file defines VVH_ROWS, the number of segments
+// counted at a time.
 #ifndef VVH_GLSL
 #define VVH_GLSL
 
 #include "search/lists.glsl"
 
-// Slabs across a segment; photons counted, at most; depth below which segments are halved.
+// Slabs per segment; maximum number of photons counted; depth below which segments are halved.
 const uint SLABS = 32;
 const uint VVH_SAMPLE = 64;
 const uint HEURISTIC_DEPTH = 24;
@@ -19,15 +19,15 @@ uint left_size(uint length) {
     return MAP_WIDTH << findMSB(blocks - 1);
 }
 
-// One photon in so many is counted.
+// One photon in this many is counted.
 uint vvh_stride(uint length) {
     return (length - 1) / VVH_SAMPLE + 1;
 }
 
-// 32 / extent rounded to the nearest, which division does not promise: by long division of the
-// mantissas. 0 where there are no slabs to speak of.
+// 32 / extent rounded to nearest, which floating-point division does not guarantee: by long division of the
+// mantissas. 0 where the segment cannot be divided into slabs.
 float slab_scale(uint length, uint depth, uint extent) {
-    // Up to 2^-123 the quotient is infinite, of infinity it is zero.
+    // Up to 2^-123 the quotient is infinite; for an infinite extent it is zero.
     if (depth >= HEURISTIC_DEPTH || length <= 2 * MAP_WIDTH || extent <= 0x02000000u || extent >= FLOAT_INFINITY) return 0.0;
     uint mantissa = extent & 0x007fffffu | 0x00800000u;
     uint exponent = 258 - (extent >> 23);
@@ -45,19 +45,19 @@ float slab_scale(uint length, uint depth, uint extent) {
                 quotient++;
             }
         }
-        // Never a tie, as the divisor is no power of two.
+        // Never a tie, since the divisor is not a power of two.
         quotient += uint(2 * rest > mantissa);
     }
-    // A carry out of the mantissa goes to the exponent.
+    // A carry out of the mantissa increments the exponent.
     return uintBitsToFloat((exponent << 23) + (quotient - 0x00800000u));
 }
 
-// Where a coordinate lies in slabs that begin at `low`.
+// The slab of a coordinate; slabs begin at `low`.
 uint slab_of(uint coordinate, uint low, float scale) {
     uint distance = difference_bits(coordinate, low);
     precise float slabs;
     if (distance < 0x00800000u) {
-        // Subnormal, which a device may take for zero: 2^64 times as much, by 2^-64 times as many.
+        // The difference may be subnormal, which a device may flush: scale it by 2^64, and `scale` by 2^-64.
         if (scale < 1.0) return 0;
         slabs = float(distance) * SMALLEST_UP * (scale * 5.421010862427522e-20);
     } else {
@@ -66,7 +66,7 @@ uint slab_of(uint coordinate, uint low, float scale) {
     return min(uint(slabs), SLABS - 1);
 }
 
-// Photons left of the best plane through a segment whose slabs are counted in `row`.
+// Number of photons left of the best plane through a segment whose slabs are counted in `row`.
 uint best_plane(uint row, uint length) {
     uint stride = vvh_stride(length);
     uint sampled = (length - 1) / stride + 1;

@@ -1,4 +1,4 @@
-// The boxes of one level of nodes of the VVH tree, from those of their children.
+// Bounding boxes of one level of nodes of the VVH tree, from those of their children.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -24,7 +24,7 @@ void main() {
         uint number = push.pending[push.depth.first + at].number;
         uint first = push.nodes[number].low.w;
         uint count = push.nodes[number].high.w;
-        // A tree of one leaf.
+        // A tree that consists of one leaf.
         if ((count & MAP_LEAF) != 0) return;
         uvec3 low = uvec3(0xffffffffu);
         uvec3 high = uvec3(0);

@@ -1,4 +1,4 @@
-// One level of nodes of the VVH tree: gathers the binary tree's splits into nodes of up to sixteen
+// One level of nodes of the VVH tree: collapses the splits of the binary tree into nodes of up to sixteen
 // children, by opening the largest child until there are sixteen.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -17,7 +17,7 @@ layout(push_constant, scalar) uniform Push {
     VvhDepth next_depth;
     VvhNodes pending;
     Words splits;
-    // By block: its box and size.
+    // By block: its box and number of photons.
     BoxNodes leaves;
     BoxNodes nodes;
     Words totals;
@@ -57,7 +57,7 @@ void main() {
             children[largest + 1] = uvec3(parent.x + left, parent.y - left, parent.z + left);
             count++;
         }
-        // The boxes follow from below.
+        // The boxes are computed later, bottom-up.
         push.nodes[number].low.w = below;
         push.nodes[number].high.w = count;
         uint further = below + count;

@@ -1,5 +1,5 @@
-// One level of the VVH tree, third of four: notes in every list who goes right, and counts in every
-// tile of it who goes left.
+// One level of the VVH tree, third of four kernels: marks in every list the photons that go right, and counts
+// in every tile those that go left.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -17,12 +17,12 @@ layout(push_constant, scalar) uniform Push {
     VvhSegments segments;
     VvhJobs jobs;
     VvhTiles tiles;
-    // A bit per photon.
+    // One bit per photon.
     Words right;
     // By list, then by tile.
     Words counts;
     uint count;
-    // Tiles that there is room for.
+    // Maximum number of tiles.
     uint room;
 } push;
 

@@ -1,5 +1,4 @@
-// Splits the segments of up to LIST_SHORT photons of the VVH tree, one to a workgroup, until they are
-// leaves.
+// Splits the segments of up to LIST_SHORT photons of the VVH tree, one per workgroup, down to leaves.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -10,22 +9,22 @@
 
 layout(local_size_x_id = 1) in;
 
-// Segments of two blocks or more, in 64 blocks.
+// Maximum number of segments of two or more blocks in 64 blocks.
 #define VVH_ROWS 32
 #include "index/vvh.glsl"
 #include "index/vvh_records.glsl"
 
-// Invocations of a workgroup write what others of it read.
+// Coherent, since invocations of a workgroup read what others of it write.
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Places { uint place; };
 
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
-    // Either may hold a segment.
+    // A segment may be in either buffer.
     Words lists;
     Words other_lists;
     VvhLevel level;
     VvhShorts shorts;
-    // By photon: its place in its segment's first list.
+    // By photon index: its position in its segment's first list.
     Places places;
     Words splits;
     Words order;
@@ -38,19 +37,19 @@ const uint BLOCKS = LIST_SHORT / MAP_WIDTH;
 const uint ITEMS = LIST_SHORT / 256;
 const uint LISTS = 4;
 
-// By place in the first list at the start: the photon.
+// Photon index, by position in the initial first list.
 shared uint photons[LIST_SHORT];
-// The lists, of such places.
+// The lists, of such positions.
 shared uint lists[LISTS][LIST_SHORT];
-// By place: who goes right.
+// By position: which photons go right.
 shared uint right[MASKS];
-// By list: who goes left, and how many before each word.
+// By list: which photons go left, and how many before each word.
 shared uint left_masks[LISTS][MASKS];
 shared uint left_before[LISTS][MASKS];
 // By block: the first block of its segment.
 shared uint owner[BLOCKS];
-// By first block: photons, where the split is noted, depth; photons left of the split, or 0 for a leaf;
-// axis, lower corner, and slabs per unit of length, or 0.
+// By first block: number of photons, index of the split, depth; number of photons left of the split, or 0 for a
+// leaf; axis, lower corner, and slabs per unit of length, or 0.
 shared uint lengths[BLOCKS];
 shared uint split_at[BLOCKS];
 shared uint depths[BLOCKS];
@@ -64,7 +63,7 @@ uvec3 position_at(uint list, uint at) {
     return photon_position(push.photons, photons[lists[list][at]]);
 }
 
-// Decides how every segment is split; whether any is.
+// Decides how every segment is split; returns whether any is.
 bool plan(uint length) {
     uint local = gl_LocalInvocationIndex;
     if (local == 0) busy = false;
@@ -109,12 +108,12 @@ bool plan(uint length) {
     return true;
 }
 
-// Photons of a list that go left, before a place.
+// Number of photons of a list that go left, before a position.
 uint before(uint list, uint at) {
     return left_before[list][at / 32] + bitCount(left_masks[list][at / 32] & ((1u << at % 32) - 1));
 }
 
-// Parts the lists.
+// Partitions the lists.
 void part(uint length) {
     uint local = gl_LocalInvocationIndex;
     for (uint at = local; at < length; at += gl_WorkGroupSize.x) {
@@ -161,7 +160,7 @@ void part(uint length) {
     barrier();
 }
 
-// Makes segments of the parts.
+// Makes the partitions the new segments.
 void descend() {
     uint local = gl_LocalInvocationIndex;
     uint segment = local < BLOCKS ? owner[local] : 0;
@@ -216,7 +215,7 @@ void finish(uint number) {
         part(length);
         descend();
     }
-    // The last list is in order of the photons' numbers, as leaves are.
+    // The last list is in order of photon indices, as leaves are.
     for (uint at = local; at < length; at += gl_WorkGroupSize.x) push.order[first + at].word = photons[lists[3][at]];
     barrier();
 }

@@ -1,8 +1,8 @@
-// Nodes of the VVH tree that are to be made, level by level.
+// Nodes of the VVH tree to be built, level by level.
 #ifndef VVH_NODES_GLSL
 #define VVH_NODES_GLSL
 
-// A level: workgroups that go through it, how many nodes it has, and its first in the list of all.
+// A level: number of workgroups that process it, number of nodes, and index of its first node.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhDepth {
     uint groups[3];
     uint count;
@@ -10,9 +10,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhDepth {
     uint unused[3];
 };
 
-// A node: its number, its first block, how many, where its splits begin, and where the nodes below it
-// may be. A node with m blocks has 2m − 2 below it at most: so much of the numbers is its own, and
-// numbers do not depend on who comes first.
+// A node: its index, its first block, the number of blocks, its first split, and the first index for its
+// descendants. A node with m blocks has at most 2m − 2 descendants: that range of indices is reserved for it,
+// so that indices do not depend on the order of execution.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhNodes {
     uint number;
     uint first;

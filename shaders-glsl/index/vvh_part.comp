@@ -1,4 +1,4 @@
-// One level of the VVH tree, fourth of four: parts every segment of every list.
+// One level of the VVH tree, fourth of four kernels: partitions every segment of every list.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -16,7 +16,7 @@ layout(push_constant, scalar) uniform Push {
     VvhSegments segments;
     VvhJobs jobs;
     VvhTiles tiles;
-    // Who goes left, by list, then by tile.
+    // Number of photons that go left, by list, then by tile.
     Words counts;
     uint count;
     uint room;

@@ -1,5 +1,5 @@
-// One level of the VVH tree, first of four: decides where each segment is split, one workgroup to each,
-// and lists its tiles and what becomes of its parts.
+// One level of the VVH tree, first of four kernels: decides where each segment is split, one workgroup per
+// segment, and lists its tiles and the segments of the next level.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -14,7 +14,7 @@ layout(local_size_x_id = 1) in;
 
 layout(push_constant, scalar) uniform Push {
     PhotonRows photons;
-    // Of x, y, z, and numbers.
+    // Sorted by x, y, z, and index.
     Words lists;
     VvhLevel level;
     VvhSegments segments;
@@ -24,10 +24,10 @@ layout(push_constant, scalar) uniform Push {
     VvhTiles tiles;
     VvhLevel short_level;
     VvhShorts shorts;
-    // Blocks in the left part of every split, by the split's place in preorder.
+    // Number of blocks in the left part of every split, by the split's index in preorder.
     Words splits;
     uint count;
-    // Bit 31: in which of the two buffers the parts will be.
+    // Bit 31: which of the two buffers the parts will be in.
     uint parity;
 } push;
 

@@ -1,15 +1,15 @@
-// What the builder of the VVH tree keeps between its kernels.
+// Intermediate records of the VVH builder's kernels.
 #ifndef VVH_RECORDS_GLSL
 #define VVH_RECORDS_GLSL
 
-// A level: workgroups that go through its segments, and how many there are.
+// A level: number of workgroups that process its segments, and number of segments.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhLevel {
     uint groups[3];
     uint count;
 };
 
-// The tiles of a level's segments: workgroups that go through one list of them, how many tiles there
-// are, and workgroups that go through all four lists.
+// The tiles of a level's segments: number of workgroups that process one list of them, number of tiles, and
+// number of workgroups that process all four lists.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhJobs {
     uint groups[3];
     uint count;
@@ -17,8 +17,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhJobs {
     uint unused;
 };
 
-// A segment that all workgroups split: where it is, where its own split is noted, how deep it is; how it
-// is split; its first tile.
+// A segment that many workgroups split: its photons, the index of its split, and its depth; how it is split;
+// its first tile.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhSegments {
     uint first;
     uint size;
@@ -30,7 +30,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhSegments
     uint unused;
 };
 
-// A segment that one workgroup splits to the end; the depth's bit 31 tells in which of the lists.
+// A segment that one workgroup splits completely; bit 31 of the depth selects the buffer of lists.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhShorts {
     uint first;
     uint size;
@@ -38,13 +38,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer VvhShorts {
     uint depth;
 };
 
-// A tile: which segment, which tile of it.
+// A tile: index of the segment, and of the tile within it.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer VvhTiles {
     uint segment;
     uint tile;
 };
 
-// More workgroups than this keep no device busier.
+// Maximum number of workgroups: more do not use a device any better.
 const uint VVH_GROUPS = 8192;
 
 #endif

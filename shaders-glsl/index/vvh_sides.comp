@@ -1,4 +1,4 @@
-// One level of the VVH tree, second of four: marks the photons that go right.
+// One level of the VVH tree, second of four kernels: marks the photons that go right.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -15,7 +15,7 @@ layout(push_constant, scalar) uniform Push {
     VvhSegments segments;
     VvhJobs jobs;
     VvhTiles tiles;
-    // A bit per photon, all zero.
+    // One bit per photon, initially zero.
     Words right;
     uint count;
 } push;

@@ -1,4 +1,4 @@
-// Calls what is in kernel.glsl.
+// Evaluates the functions of kernel.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

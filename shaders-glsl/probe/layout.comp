@@ -1,4 +1,4 @@
-// Copies an array of one kind of record, as wholes: its offsets and its stride are those of the type.
+// Copies an array of records of one type by assignment, with the offsets and stride of the type.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

@@ -1,4 +1,4 @@
-// Calls what is in math.glsl.
+// Evaluates the functions of math.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

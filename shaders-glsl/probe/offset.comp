@@ -1,4 +1,4 @@
-// Calls what is in offset.glsl.
+// Evaluates the functions of offset.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

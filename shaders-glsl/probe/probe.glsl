@@ -1,10 +1,10 @@
-// What probes share: a table of inputs in, a table of outputs out, `probe` between them.
+// Common part of probes: reads a table of inputs, calls `probe`, writes a table of outputs.
 #ifndef PROBE_GLSL
 #define PROBE_GLSL
 
 #include "device/grid.glsl"
 
-// Which function of the kernel's library: see the table in the backend's probe tests.
+// Index of the function to evaluate: see the table in the backend's probe tests.
 layout(constant_id = 2) const uint FUNCTION = 0u;
 
 struct Input {

@@ -1,4 +1,4 @@
-// Calls what is in solid_angle.glsl.
+// Evaluates the functions of solid_angle.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -11,7 +11,7 @@ layout(local_size_x_id = 1) in;
 #include "shading/random.glsl"
 #include "shading/solid_angle.glsl"
 
-// Corners; in the last numbers of their rows the height, the area, and two words of 16 bits in one.
+// Rows are corners; their last components are the height, the area, and two 16-bit numbers in one word.
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 0u) {
         return Output(uvec4(uint(solid_angle_is_near(a.xyz, b.xyz, c.xyz)), 0u, 0u, 0u), uvec4(0u));

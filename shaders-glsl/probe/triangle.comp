@@ -1,4 +1,4 @@
-// Calls the test of one triangle in intersect.glsl.
+// Evaluates the ray-triangle test of intersect.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -11,7 +11,7 @@ layout(local_size_x_id = 1) in;
 #include "probe/probe.glsl"
 #include "shading/scene.glsl"
 
-// Origin and farthest distance; direction; which triangle, and the address of the scene.
+// Origin and `t_max`; direction; index of the triangle, and address of the scene.
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     SceneRef scene = SceneRef(words.c.zw);
     Ray ray = Ray(a.xyz, b.xyz, a.w);

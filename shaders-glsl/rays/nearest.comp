@@ -1,5 +1,5 @@
-// The nearest hit of each ray of a list, or whether there is one: for tests, and to measure how fast
-// rays go by themselves.
+// The nearest hit of each ray of a list, or whether there is one: for tests, and to benchmark ray traversal in
+// isolation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -14,10 +14,10 @@ layout(local_size_x_id = 1) in;
 #include "device/grid.glsl"
 #include "shading/scene.glsl"
 
-// Whether any hit will do.
+// Whether any hit suffices (shadow rays).
 layout(constant_id = 2) const bool SHADOW = false;
-// 0: a ray for each invocation. Otherwise invocations whose rays have ended get new ones as soon as
-// fewer than so many of a subgroup are under way.
+// 0: one ray per invocation. Otherwise invocations whose rays have ended fetch new ones as soon as fewer than
+// this many of a subgroup are tracing.
 layout(constant_id = 3) const uint BUSY = 0u;
 
 struct Line {
@@ -36,8 +36,8 @@ layout(push_constant, scalar) uniform Push {
     Hits hits;
     Counter counter;
     uint count;
-    // The most rays that an invocation takes. On a processor, where few invocations run at a time, the
-    // first ones would take all.
+    // Maximum number of rays per invocation. On a CPU, where few invocations run at a time, the first ones
+    // would otherwise take all rays.
     uint quota;
 } push;
 

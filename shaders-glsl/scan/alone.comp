@@ -1,4 +1,4 @@
-// Prefix sums by one workgroup: all of a short input, or the sums of the tiles of a long one.
+// Prefix sums by one workgroup: of a short input, or of the sums of the tiles of a long one.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

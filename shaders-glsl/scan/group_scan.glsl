@@ -1,7 +1,7 @@
-// Sums over the invocations of a workgroup, for any size of its subgroups.
+// Sums over the invocations of a workgroup, for any subgroup size.
 //
-// Invocations are numbered subgroup by subgroup, which is how every kernel that includes this
-// assigns its elements: the numbering that Vulkan leaves open does not matter.
+// Invocations are numbered subgroup by subgroup, and every kernel that includes this file assigns its elements
+// by that number: the assignment of invocations to subgroups, which Vulkan leaves open, does not matter.
 #ifndef GROUP_SCAN_GLSL
 #define GROUP_SCAN_GLSL
 
@@ -11,13 +11,13 @@
 // 1024 invocations in subgroups of at least 4.
 shared uint group_scan_sums[256];
 
-// Number of the invocation, subgroup by subgroup.
+// Index of the invocation, subgroup by subgroup.
 uint group_rank() {
     return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
 }
 
-// Sum of `value` over the subgroups before this one, `value` being the same in all of a subgroup;
-// `total` is that of all. Called by the whole workgroup.
+// Sum of `value` over the subgroups before this one; `value` must be uniform in a subgroup. `total` is the sum
+// over all subgroups. Must be called by the whole workgroup.
 uint group_before(uint value, out uint total) {
     barrier();
     if (subgroupElect()) group_scan_sums[gl_SubgroupID] = value;
@@ -33,9 +33,9 @@ uint group_before(uint value, out uint total) {
     return before;
 }
 
-// Sum of `value` over the invocations of lower rank.
+// Exclusive sum: `value` summed over the invocations of lower rank.
 uint group_exclusive(uint value, out uint total) {
-    // Invocations come from loops of different lengths; the subgroup is to be whole again.
+    // Invocations may come from loops of different lengths; this makes the subgroup converge again.
     subgroupBarrier();
     uint within = subgroupExclusiveAdd(value);
     return within + group_before(subgroupAdd(value), total);

@@ -1,4 +1,4 @@
-// A tile of a prefix sum: 16 words to an invocation.
+// A tile of a prefix sum: 16 words per invocation.
 #ifndef SCAN_TILE_GLSL
 #define SCAN_TILE_GLSL
 
@@ -9,18 +9,18 @@
 
 const uint SCAN_ITEMS = 16;
 
-// First word of this subgroup's share of the tile at `base`, and the one for this invocation.
+// First word of this subgroup's share of the tile at `base`, and of this invocation.
 uint scan_first(uint base) {
     return base + gl_SubgroupID * gl_SubgroupSize * SCAN_ITEMS + gl_SubgroupInvocationID;
 }
 
-// Writes the exclusive sums of `input[base ..]`, `carry` added, and returns the sum of the tile.
+// Writes the exclusive sums of `input[base ..]`, plus `carry`, and returns the sum of the tile.
 uint scan_tile(Words from, Words to, uint base, uint count, uint carry) {
     uint sums[SCAN_ITEMS];
     uint first = scan_first(base);
     uint sum = 0;
-    // No branch before the sums of a subgroup, and no demand to unroll them: where either was, one
-    // driver's subgroups fell apart, and each part summed for itself.
+    // No branch before the subgroup sums, and no unroll attribute: with either, one driver's subgroups
+    // diverged, and each part computed its own sum.
     for (uint i = 0; i < SCAN_ITEMS; i++) {
         uint at = first + i * gl_SubgroupSize;
         uint value = from[min(at, count - 1)].word;

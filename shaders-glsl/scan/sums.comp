@@ -1,4 +1,4 @@
-// Prefix sums, first of three: the sum of every tile.
+// Prefix sums, first of three kernels: the sum of every tile.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Push {
 
 void main() {
     uint base = workgroup() * gl_WorkGroupSize.x * SCAN_ITEMS;
-    // Rows of workgroups fill a rectangle, which may hold more of them than there are tiles.
+    // Rows of workgroups fill a rectangle, which may have more workgroups than there are tiles.
     if (workgroup() >= (push.count - 1) / (gl_WorkGroupSize.x * SCAN_ITEMS) + 1) return;
     uint first = scan_first(base);
     uint sum = 0;

@@ -1,4 +1,4 @@
-// Prefix sums, third of three: within every tile, upon the sum of the tiles before it.
+// Prefix sums, third of three kernels: within every tile, starting at the sum of the tiles before it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

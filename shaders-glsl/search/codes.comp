@@ -1,5 +1,5 @@
-// A Morton code of 24 bits for every query, in the box around a map: queries near each other ask for
-// the same photons.
+// A 24-bit Morton code for every query, within the bounding box of a map: queries close to each other read the
+// same photons.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -23,11 +23,11 @@ layout(push_constant, scalar) uniform Push {
     Queries queries;
     Words query_count;
     Words codes;
-    // Codes to write: queries, and after them what goes last.
+    // Number of codes to write: those of queries, then padding that sorts last.
     uint count;
 } push;
 
-// Two zeros after each of eight bits.
+// Inserts two zeros after each of eight bits.
 uint spread_bits(uint bits) {
     bits = (bits | bits << 8) & 0x00F00Fu;
     bits = (bits | bits << 4) & 0x0C30C3u;
@@ -43,7 +43,7 @@ void main() {
         vec3 size = push.nodes.high - low;
         vec3 scale = 255.99 / max(size, vec3(1.0e-30));
         vec3 cell = (push.queries[i].at.position - low) * scale;
-        // Whatever is no number ends at a bound.
+        // Non-finite positions are clamped to a bound.
         cell = clamp(cell, vec3(0.0), vec3(255.0));
         code = spread_bits(uint(cell.x)) | spread_bits(uint(cell.y)) << 1 | spread_bits(uint(cell.z)) << 2;
     }

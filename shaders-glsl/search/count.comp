@@ -1,4 +1,4 @@
-// How many photons lie within a radius of each query.
+// Counts the photons within a radius of each query.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

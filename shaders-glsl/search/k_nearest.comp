@@ -1,8 +1,8 @@
-// The k nearest photons, exactly, ties by lower id: estimates from them, or their ids. Twin of
-// backend-cpu's estimate.rs, `Search::KNearest` and `Search::Paper`, and of its index/nearest.rs.
+// Exact k nearest photons, ties by lower id: estimates from them, or their ids. Twin of backend-cpu's
+// estimate.rs, `Search::KNearest` and `Search::Paper`, and of its index/nearest.rs.
 //
-// No list of k is kept: bins tell between which distances the k-th lies, and a second walk adds up what
-// is nearer and holds the few points in between one by one.
+// No list of k photons is stored: a histogram determines a range of distances that contains the k-th, and a
+// second traversal sums the nearer photons and stores the few photons within the range individually.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -17,11 +17,11 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 layout(local_size_x_id = 1) in;
 
-// What to make of them: estimates, estimates as in the paper, or rows of (bits of d², id).
+// Result: estimates, estimates as in the paper, or rows of (bits of d², id).
 layout(constant_id = 6) const uint MODE = 0;
 const uint DENSITY = 0, PAPER = 1, ROWS = 2;
 layout(constant_id = 4) const uint KERNEL = 0;
-// Whether a normal, or in the paper's mode a direction, decides what counts.
+// Whether photons are filtered by normal or, in the paper's mode, by direction.
 layout(constant_id = 5) const uint FILTER = 1;
 
 #include "shading/kernel.glsl"
@@ -30,7 +30,7 @@ layout(constant_id = 5) const uint FILTER = 1;
 #include "search/search_distance.glsl"
 #include "search/search_sum.glsl"
 
-// The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.
+// Minimum squared radius that an estimate divides by: (2^-20 of the scene) squared.
 const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
 
 // Positions; then normals or directions, and powers or ids.
@@ -70,7 +70,7 @@ bool accepts(uint place) {
     return MODE == PAPER ? cosine > 0.0 : cosine >= push.min_cosine;
 }
 
-// The bits of the squared distance to a staged point; all ones if it is not to be looked at.
+// The bits of the squared distance to a staged point; all ones if it is rejected.
 uint look(uint place) {
     uint bits = floatBitsToUint(point_distance(at, uintBitsToFloat(staged[place].xyz)));
     return bits < limit && accepts(place) ? bits : 0xFFFFFFFFu;
@@ -97,7 +97,7 @@ void take(uint place, uint slots) {
 void visit(uint mode, uvec2 firsts) {
     uint begin = gl_SubgroupID * TILE_POINTS;
     for (uint part = 0; part < TILE_POINTS; part += 8) {
-        // What is added to a place to make it a slot.
+        // Offset to convert a staging position into a slot.
         uint slots = part < WIDTH ? firsts.x - begin : firsts.y - begin - WIDTH;
         if (mode == WIDEN) {
             EIGHT(widen, begin + part);
@@ -114,7 +114,7 @@ void visit(uint mode, uvec2 firsts) {
 const uint VISIT_TURNS = TILE_POINTS / 8 * 2 + 1;
 #include "search/search_walk.glsl"
 
-// Turns of a round besides those of its walk, a first guess included.
+// Loop iterations of a round besides those of its traversal, including an initial guess.
 const uint ROUND_TURNS = COLUMN + BINS + LEVELS;
 
 void query_keep(inout uint round) {
@@ -127,7 +127,7 @@ void query_keep(inout uint round) {
     bins_keep();
 }
 
-// What is known about this query before the tree is looked at.
+// Initializes a query before the traversal.
 void ask(uint index) {
     at = push.queries[index].at.position;
     normal = push.queries[index].at.normal;
@@ -146,7 +146,7 @@ void ask(uint index) {
     phase = WIDEN;
 }
 
-// A first radius for all of the tile.
+// An initial search radius for all queries of the tile.
 void guess() {
     bool wanted = phase == WIDEN;
     uvec4 all = subgroupBallot(wanted);
@@ -162,7 +162,7 @@ void guess() {
     if (floatBitsToUint(squared_radius) > highest) squared_radius = uintBitsToFloat(highest);
 }
 
-// Walks until all queries of the tile are answered, or a walk pauses.
+// Traverses the tree until all queries of the tile are answered, or the traversal pauses.
 void search(uint place) {
     uint round = 0;
     if (resumed) query_keep(round);

@@ -1,4 +1,4 @@
-// Parts a tile of a list in two. To be included after the workgroup's size is declared.
+// Partitions a tile of a list in two. To be included after the workgroup size is declared.
 #ifndef LIST_PART_GLSL
 #define LIST_PART_GLSL
 
@@ -7,21 +7,21 @@
 #include "scan/group_scan.glsl"
 #include "search/lists.glsl"
 
-// Sum of `counts[first .. end]`. Called by the whole workgroup.
+// Sum of `counts[first .. end]`. Must be called by the whole workgroup.
 uint list_before(Words counts, uint first, uint end) {
     uint sum = 0;
     for (uint at = first + group_rank(); at < end; at += gl_WorkGroupSize.x) sum += counts[at].word;
     return group_sum(sum);
 }
 
-// Writes the photons in [base, end) of `from`, at most LIST_TILE of them, to `to`: those that go left
-// from `next_left` on, the others from `next_right` on.
+// Copies the photons in [base, end) of `from`, at most LIST_TILE of them, to `to`: those that go left to
+// `next_left` onwards, the others to `next_right` onwards.
 void list_part(Words from, Words to, uint base, uint end, uint next_left, uint next_right) {
     uint share = LIST_TILE / gl_NumSubgroups;
     uint first = base + gl_SubgroupID * share;
     uint left = 0;
     for (uint i = gl_SubgroupInvocationID; i < share; i += gl_SubgroupSize) {
-        // Branches before a ballot could tear the subgroup apart.
+        // A branch before a ballot could make the subgroup diverge.
         uint photon = from[min(first + i, end - 1)].word;
         bool inside = first + i < end;
         bool low = photon < GOES_RIGHT;

@@ -1,20 +1,21 @@
-// What builders of photon maps read and write.
+// Records that builders of photon maps read and write.
 #ifndef MAP_RECORDS_GLSL
 #define MAP_RECORDS_GLSL
 
 #include "shading/float_bits.glsl"
 #include "shading/photon_format.glsl"
 
-// Points to a leaf, and children of a node, at most.
+// Maximum number of points per leaf, and of children per node.
 const uint MAP_WIDTH = 16;
-// Set in the count of a node that is a leaf.
+// Flag in the count of a node that is a leaf.
 const uint MAP_LEAF = 0x80000000u;
 
-// How much is kept of the photons that a map is built from.
+// Format of the photons that a map is built from.
 layout(constant_id = 2) const uint FORMAT = FORMAT_FULL;
 
-// Photons as they are stored. Of whole ones each is two rows, as in `Photon`: position and normal, power and
-// direction. Otherwise all places come first, as many as fit the buffer, then what is kept besides.
+// Photons as stored. In the full format each one is two rows, as in `Photon`: position and normal, power and
+// direction. Otherwise the rows of position and normal of all photons come first, as many as the capacity,
+// followed by the rest.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer PhotonRows { uvec4 place; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer FullPhotons {
     uvec4 place;
@@ -23,20 +24,20 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Fu
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Rows { uvec4 row; };
 
-// Lower corner and first child or slot, upper corner and count.
+// Lower corner and first child or slot; upper corner and count.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer BoxNodes {
     uvec4 low;
     uvec4 high;
 };
 
-// The box of all photons as ordered integers.
+// The bounding box of all photons as ordered integers.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MapState {
     uint low[3];
     uint high[3];
 };
 
-// How many photons there are and fit; of the first whose power or position is not finite, the
-// complement of the number, else 0.
+// Number of photons and capacity; the complement of the index of the first photon with non-finite power, and
+// with non-finite position, else 0.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PhotonCount {
     uint needed;
     uint capacity;
@@ -50,13 +51,13 @@ uvec4 photon_place(PhotonRows photons, uint id) {
     return photons[id].place;
 }
 
-// Power and direction of a photon in a buffer that has room for so many.
+// Power and direction of a photon in a buffer of the given capacity.
 uvec4 photon_flux(PhotonRows photons, uint capacity, uint id) {
     if (FORMAT == FORMAT_FULL) return FullPhotons(photons)[id].flux;
     return flux_at(FORMAT, Fluxes(photons + capacity), id);
 }
 
-// Position of a photon, −0 as 0.
+// Position of a photon, with −0 as 0.
 uvec3 photon_position(PhotonRows photons, uint id) {
     uvec3 bits = photon_place(photons, id).xyz;
     return uvec3(positive_zero(bits.x), positive_zero(bits.y), positive_zero(bits.z));

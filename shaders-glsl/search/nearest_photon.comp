@@ -1,6 +1,6 @@
-// What the nearest photon of each query says: twin of backend-cpu's estimate.rs, `Search::NearestPhoton`. One
-// invocation per query, and little to be shared: a few leaves are all that is read. Where a device ends
-// long loops it looks at some 60 000 photons that face another way before it gives up.
+// Estimates from the nearest photon of each query: twin of backend-cpu's estimate.rs, `Search::NearestPhoton`.
+// One invocation per query, since only a few leaves are read and there is little to share. On devices that end
+// long loops it gives up after examining some 60 000 photons that face another way.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -8,9 +8,9 @@
 #extension GL_EXT_scalar_block_layout : require
 layout(local_size_x_id = 1) in;
 
-// Whether queries are taken in the order of `push.order`.
+// Whether queries are processed in the order of `push.order`.
 layout(constant_id = 2) const uint ORDERED = 0;
-// How much the map keeps of a photon.
+// Which parts of a photon the map stores.
 layout(constant_id = 3) const uint FORMAT = 2;
 
 #include "shading/constants.glsl"
@@ -32,9 +32,9 @@ layout(push_constant, scalar) uniform Push {
     Estimates results;
     Words result_count;
     Words order;
-    // Points in the map.
+    // Number of points in the map.
     uint points;
-    // The first query of this dispatch.
+    // Index of the first query of this dispatch.
     uint first;
     uint capacity;
     float radius;
@@ -44,7 +44,7 @@ layout(push_constant, scalar) uniform Push {
 const uint NONE = 0xFFFFFFFFu;
 
 vec3 at, normal;
-// The nearest so far: bits of its squared distance, or of the squared radius; its slot.
+// The nearest photon so far: bits of its squared distance, initially of the squared radius; its slot.
 uint best;
 uint nearest_slot;
 
@@ -65,7 +65,7 @@ uint bits_to(uint node) {
     return floatBitsToUint(box_distance(at, low, high));
 }
 
-// Groups of children that wait: the first child, and which are to be entered.
+// Traversal stack of groups of children: the first child, and a mask of those to be visited.
 uvec2 groups[LEVELS];
 
 void walk() {
@@ -78,7 +78,7 @@ void walk() {
         if ((count & LEAF) != 0) {
             look(first, count & ~LEAF);
         } else {
-            // The nearest child at once, the others later.
+            // Visits the nearest child first, the others later.
             uint mask = 0, nearest = 0, least = NONE;
             for (uint child = 0; child < count; child++) {
                 uint bits = bits_to(first + child);
@@ -122,7 +122,7 @@ void main() {
     if (push.points > 0 && sound) {
         walk();
     }
-    // The least squared radius that an estimate divides by is (2^-20 of the scene) squared.
+    // Minimum squared radius that an estimate divides by: (2^-20 of the scene) squared.
     const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
     float reach = uintBitsToFloat(best);
     vec3 flux = vec3(0.0);

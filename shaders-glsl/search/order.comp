@@ -1,5 +1,6 @@
-// Sorts rows of keys (bits of d², id), nearest first, and writes their ids, by Batcher's bitonic network
-// (1968): in shared memory as many rows as fit to a workgroup, or one, where it lies, if it does not fit.
+// Sorts rows of keys (bits of d², id), nearest first, and writes their ids, with Batcher's bitonic network
+// (1968): in shared memory, as many rows per workgroup as fit; or one row per workgroup in global memory, if a
+// row does not fit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -9,9 +10,9 @@ layout(local_size_x_id = 1) in;
 
 #include "device/grid.glsl"
 
-// Keys that fit in shared memory: a power of two.
+// Number of keys that fit in shared memory: a power of two.
 layout(constant_id = 2) const uint ROOM = 512;
-// Whether queries were taken in the order of `push.order`.
+// Whether queries were processed in the order of `push.order`.
 layout(constant_id = 3) const uint ORDERED = 0;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Rows { uvec2 key; };
@@ -21,11 +22,11 @@ layout(push_constant, scalar) uniform Push {
     Rows rows;
     Words ids;
     Words order;
-    // Queries before the first row's.
+    // Number of queries before that of the first row.
     uint first;
     uint count;
     uint k;
-    // The power of two that k fits in.
+    // The smallest power of two not below k.
     uint room;
 } push;
 
@@ -40,7 +41,7 @@ void main() {
     bool in_shared = push.room <= ROOM;
     uint own = in_shared ? ROOM / push.room : 1;
     uint row = workgroup() * own;
-    // The same for the whole workgroup.
+    // Uniform in the workgroup.
     if (row >= push.count) return;
     own = min(own, push.count - row);
     uint all = own * push.room;
@@ -56,8 +57,8 @@ void main() {
         for (uint stride = size >> 1; stride > 0; stride >>= 1) {
             for (uint pair = local; pair < all / 2; pair += gl_WorkGroupSize.x) {
                 uint low = 2 * pair - (pair & (stride - 1));
-                // The first step of a size meets mirrored, so that all go upwards, and whatever is past
-                // the end of a row may be thought of as greater than all.
+                // The first step of each size compares mirrored elements, so that all comparisons are
+                // ascending, and elements past the end of a row can be treated as greater than all others.
                 uint base = low & ~(size - 1);
                 bool mirror = stride == size >> 1;
                 uint high = mirror ? base + size - 1 - (low - base) : low + stride;

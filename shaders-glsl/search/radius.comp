@@ -18,18 +18,18 @@ layout(local_size_x_id = 1) in;
 #include "search/search_distance.glsl"
 #include "search/search_sum.glsl"
 
-// Whether photons off the query's plane are turned away.
+// Whether photons off the query's plane are rejected.
 layout(constant_id = 7) const uint FLAT = 0;
 
 #include "search/search_error_moments.glsl"
 
 layout(constant_id = 4) const uint KERNEL = 0;
-// Whether normals are compared.
+// Whether photons are filtered by normal.
 layout(constant_id = 5) const uint FILTER = 1;
-// Whether an `ErrorMoments` is told with each estimate, to where `push.ids` points.
+// Whether `ErrorMoments` are written with each estimate, to the address `push.ids`.
 layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 
-// The squared radius that an estimate divides by is at least (2^-20 of the scene) squared.
+// Minimum squared radius that an estimate divides by: (2^-20 of the scene) squared.
 const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
 
 // Positions with packed normals, normals, powers.
@@ -40,7 +40,7 @@ shared vec3 powers[TILES * TILE_POINTS];
 vec3 at, normal;
 uint limit;
 float scale;
-// How far from the query's plane a photon may lie, if `FLAT`.
+// Maximum distance of a photon from the query's plane, if `FLAT`.
 float flat_most;
 Sum flux;
 uint photons;
@@ -118,7 +118,7 @@ void main() {
         if (push.points > 0 && !is_nan(squared_radius) && !is_nan(at.x) && !is_nan(at.y) && !is_nan(at.z)) {
             precise float reach = ERROR_MOMENTS != 0 ? 2.0 * squared_radius : squared_radius;
             limit = floatBitsToUint(reach) + 1;
-            // Too far from all of them.
+            // The map is too far from all queries of the tile.
             vec3 low = uintBitsToFloat(push.nodes[0].low.xyz), high = uintBitsToFloat(push.nodes[0].high.xyz);
             if (floatBitsToUint(box_distance(at, low, high)) >= limit) limit = 0;
         }

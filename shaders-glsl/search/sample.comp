@@ -1,4 +1,4 @@
-// Queries at a sample of the photons, evenly spread over the order in which they were stored.
+// Queries at a sample of the photons, evenly spaced in the order in which they were stored.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

@@ -1,8 +1,8 @@
-// Squared distances, operation by operation as backend-cpu's lanes.rs: rounding is monotonic, so that
-// a box is never nearer than its nearest point, and pruning needs no tolerance.
+// Squared distances, with the same operations as backend-cpu's lanes.rs: rounding is monotonic, so that a box
+// is never nearer than its nearest point, and pruning needs no tolerance.
 //
-// They are compared as bits: of numbers that are not negative these are in the same order, NaN comes
-// last, and no driver can flush them.
+// Distances are compared as bits: non-negative floats and their bits have the same order, NaN comes last, and
+// no driver can flush them.
 #ifndef SEARCH_DISTANCE_GLSL
 #define SEARCH_DISTANCE_GLSL
 
@@ -19,14 +19,14 @@ float point_distance(vec3 from, vec3 to) {
     return squared(d);
 }
 
-// To the nearest point of a box, 0 inside.
+// Squared distance to the nearest point of a box, 0 inside.
 float box_distance(vec3 from, vec3 low, vec3 high) {
     precise vec3 below = low - from;
     precise vec3 above = from - high;
     return squared(max(max(below, above), vec3(0.0)));
 }
 
-// To the farthest corner of a box.
+// Squared distance to the farthest corner of a box.
 float corner_distance(vec3 from, vec3 low, vec3 high) {
     precise vec3 below = from - low;
     precise vec3 above = high - from;

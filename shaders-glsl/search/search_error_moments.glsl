@@ -1,5 +1,5 @@
-// What the photons of an estimate say about its error: twin of backend-cpu's spread.rs. Sums over the
-// photons within √2 of the radius, in `ErrorMoments`'s terms.
+// Error moments of an estimate: twin of backend-cpu's error_moments.rs. Sums over the photons within √2 of the
+// radius, with the members of `ErrorMoments`.
 #ifndef SEARCH_ERROR_MOMENTS_GLSL
 #define SEARCH_ERROR_MOMENTS_GLSL
 
@@ -8,17 +8,17 @@
 #include "shading/sampling.glsl"
 #include "search/search_sum.glsl"
 
-// A photon farther from the query's plane than this share of the wide radius is on another surface.
+// A photon farther from the query's plane than this fraction of the wide radius counts as on another surface.
 const float OFF_PLANE = 0.25;
 
-// Of a query: one more than the bits of its squared radius; one over √2 of it; directions in its plane.
+// Of a query: one more than the bits of its squared radius; 1 / (√2 · radius); tangent vectors of its plane.
 uint error_moments_inner;
 float error_moments_reach;
 vec3 error_moments_tangent, error_moments_bitangent;
 // Sums: wide, narrow, (power, its square, stray), (slope, first of stretch), second of stretch.
 Sum error_moments_wide, error_moments_narrow, error_moments_power, error_moments_slope, error_moments_rest;
 uint error_moments_photons;
-// The same of eight photons.
+// The same sums over eight photons.
 vec3 eight_wide, eight_narrow, eight_power, eight_slope, eight_rest;
 
 void error_moments_begin(vec3 normal, float squared_radius, float divisor) {
@@ -49,9 +49,10 @@ void error_moments_eight_end() {
     sum_add(error_moments_rest, eight_rest);
 }
 
-// A photon of `u` squared distances over squared radii, at `offset` from the query; whether it counts as
-// on the query's surface, and near enough to its plane for the estimate and for the narrow one. Adds to `sum` and
-// `photons` what the estimate itself has of it. No early end: on some devices a subgroup would not come together again.
+// Adds a photon at `offset` from the query, with `u` the squared distance over the squared radius; flags say
+// whether it counts as on the query's surface, and whether it is near enough to its plane for the estimate and
+// for the narrow one. Adds the photon's contribution to the estimate itself to `sum` and `photons`. No early
+// return: on some devices the subgroup would not reconverge.
 void error_moments_add(
     uint kernel, float slope, vec3 offset, vec3 normal, vec3 power, float d2, float u, bool same, bvec2 flat_enough,
     inout vec3 sum, inout uint photons) {
@@ -82,7 +83,7 @@ ErrorMoments error_moments_found() {
         vec2(slope.z, error_moments_rest.total.x - error_moments_rest.excess.x), power.z, error_moments_photons, uint[2](0u, 0u));
 }
 
-// Writes the sums down, or reads them again.
+// Saves the sums, or restores them.
 void error_moments_keep() {
     sum_keep(error_moments_wide);
     sum_keep(error_moments_narrow);

@@ -1,5 +1,5 @@
-// Counts by rank, one set of bins for each invocation: column by column in shared memory, so that
-// nobody meets anybody else's, and packed in pairs unless k is too large for 16 bits.
+// Histograms of squared distances, one set of bins for each invocation: in columns of shared memory, without
+// bank conflicts, and packed in pairs unless k is too large for 16 bits.
 #ifndef SEARCH_HISTOGRAM_GLSL
 #define SEARCH_HISTOGRAM_GLSL
 
@@ -8,18 +8,18 @@
 // Whether a bin has 32 bits.
 layout(constant_id = 7) const uint WIDE = 0;
 
-// Words of shared memory for each invocation.
+// Words of shared memory per invocation.
 const uint COLUMN = 32;
 const uint BINS = WIDE != 0 ? 32 : 64;
-// Log2 of that.
+// Log2 of the number of bins.
 const uint BINS_LOG2 = WIDE != 0 ? 5 : 6;
-// A bin of 16 bits counts no further.
+// A bin of 16 bits saturates here.
 const uint FULL = 0xFFFFu;
 
 shared uint columns[COLUMN * gl_WorkGroupSize.x];
 
-// Where this invocation's column begins, and how far apart its words lie. PhotonFormat, since asking for the
-// number of an invocation may cost as much as all the rest of counting a point.
+// Start of this invocation's column, and stride between its words. Stored, since reading the index of an
+// invocation may cost as much as the rest of counting a point.
 uint column_begin, column_stride;
 
 void column_find() {
@@ -40,7 +40,7 @@ uint bin_count(uint bin) {
     return columns[column_at(bin >> 1)] >> ((bin & 1u) * 16u) & 0xFFFFu;
 }
 
-// One more, but beyond FULL.
+// Increments a bin, up to FULL.
 void bin_add(uint bin) {
     if (WIDE != 0) {
         columns[column_at(bin)]++;
@@ -51,13 +51,13 @@ void bin_add(uint bin) {
     columns[place] = word + ((word >> shift & 0xFFFFu) == FULL ? 0u : 1u << shift);
 }
 
-// By how much the numbers of a range are shifted for its bins to hold it.
+// Shift by which the numbers of a range are reduced to bin indices.
 uint bins_shift(uint range) {
     int top = findMSB(range);
     return top < int(BINS_LOG2) ? 0u : uint(top) + 1u - BINS_LOG2;
 }
 
-// Writes the bins down, or what stands in their place, or reads it again.
+// Saves the bins, or the data stored in their place, or restores them.
 void bins_keep() {
     for (uint row = 0; row < COLUMN; row++) keep(columns[column_at(row)]);
 }

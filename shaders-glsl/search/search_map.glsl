@@ -1,8 +1,8 @@
-// A photon map as searches see it, what they are asked, and how queries are shared out.
+// A photon map for searches, the parameters of searches, and the assignment of queries to invocations.
 //
-// A tile is as many queries as a subgroup has invocations, one to each; the subgroup walks the tree
-// once for all of them, and is done: several tiles in sequence could learn from each other, but where
-// photons lie densely the last subgroups then kept everybody waiting.
+// A tile has as many queries as a subgroup has invocations, one for each; the subgroup traverses the tree once
+// for all of them. It processes only one tile: several tiles in sequence could reuse information, but where
+// photons are dense, all others waited for the last subgroups.
 #ifndef SEARCH_MAP_GLSL
 #define SEARCH_MAP_GLSL
 
@@ -11,13 +11,14 @@
 #include "shading/layout.glsl"
 #include "search/map_nodes.glsl"
 
-// Subgroups of a workgroup that have shared memory; any more stand idle.
+// Subgroups per workgroup for which shared memory is allocated; any more are idle.
 layout(constant_id = 2) const uint TILES = 4;
 
 // Points of two leaves.
 const uint TILE_POINTS = 32;
 
-// Calls f(p) for eight places from `place` on. Written out, since a loop's turn costs as much as a point.
+// Calls f(p) for eight positions from `place` on. Unrolled by hand, since a loop iteration costs as much as a
+// point.
 #define EIGHT(f, place) \
     f((place)); f((place) + 1); f((place) + 2); f((place) + 3); \
     f((place) + 4); f((place) + 5); f((place) + 6); f((place) + 7)
@@ -30,43 +31,43 @@ layout(push_constant, scalar) uniform Push {
     Words ids;
     Queries queries;
     Words query_count;
-    // Estimates, rows of keys, or words: as the kernel says.
+    // Estimates, rows of keys, or words, depending on the kernel.
     uvec2 results;
     Words result_count;
-    // Number of each query in the order in which they are taken.
+    // Query indices in processing order.
     Words order;
-    // Where walks that pause are written down: search_pause.glsl.
+    // Saved state of paused traversals: search_pause.glsl.
     Words pauses;
-    // Points in the map.
+    // Number of points in the map.
     uint points;
-    // Queries of this dispatch begin here and end there.
+    // Range of queries of this dispatch.
     uint first;
     uint end;
     uint k;
-    // Of k-NN rows and counts: the radius; otherwise a factor on each query's.
+    // For k-NN rows and counts: the radius; otherwise a factor on each query's radius.
     float radius;
     float min_cosine;
-    // The cone's slope, or the paper's factor.
+    // The cone's slope, or the factor of the paper's filter.
     float parameter;
     uint threshold;
-    // Results that fit.
+    // Capacity of the results.
     uint capacity;
-    // Of photons from a query's plane, in radii.
+    // Maximum distance of photons from a query's plane, in radii.
     float max_plane_distance;
 } push;
 
-// How much the map keeps of a photon.
+// Which parts of a photon the map stores.
 layout(constant_id = 9) const uint FORMAT = FORMAT_FULL;
 
-// Whether queries are taken in the order of `push.order`.
+// Whether queries are processed in the order of `push.order`.
 layout(constant_id = 3) const uint ORDERED = 0;
 
-// The subgroup's number among those of the dispatch.
+// Index of the subgroup within the dispatch.
 uint tile_number() {
     return workgroup() * min(gl_NumSubgroups, TILES) + gl_SubgroupID;
 }
 
-// Whether this subgroup has queries: its own are those from x on, before y.
+// Whether this subgroup has queries: those in [x, y).
 bool own_queries(out uvec2 own) {
     uint end = min(min(push.end, push.query_count[0].at), push.query_count[1].at);
     uint begin = push.first + tile_number() * gl_SubgroupSize;

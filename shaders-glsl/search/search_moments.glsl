@@ -1,17 +1,18 @@
-// Sums over the k nearest, for weights that depend on how far the k-th lies, which is known last.
+// Sums over the k nearest photons, for weights that depend on the distance of the k-th, which is known last.
 //
-// Every kernel is a polynomial in the distance: powers are summed times 1, u and u², or the root of
-// u for the cone, with u = d² over the end of the range that the k-th lies in.
+// Every kernel is a polynomial in the distance: powers are summed times 1, u and u² (or √u for the cone), with
+// u = d² over the upper end of the range that contains the k-th.
 #ifndef SEARCH_MOMENTS_GLSL
 #define SEARCH_MOMENTS_GLSL
 
-// Points nearer than the range, and in it: these are kept as (bits of d², slot) where the bins were.
+// Number of points nearer than the range, and in it: the latter are stored as (bits of d², slot) in place of
+// the bins.
 uint sure, open;
-// Of a few points, and of all.
+// Sums over a few points, and over all.
 vec3 part0, part1, part2;
 Sum sum0, sum1, sum2;
 float per_high;
-// The row that ids go to: rows stand in the order in which queries are taken.
+// Index of the row for ids: rows are in processing order.
 uint row;
 
 void moments_begin(uint place) {
@@ -24,7 +25,7 @@ void moments_begin(uint place) {
     row = place - push.first;
 }
 
-// Writes the sums down, or reads them again.
+// Saves the sums, or restores them.
 void moments_keep() {
     keep(sure);
     keep(open);
@@ -49,14 +50,14 @@ void moments_part_end() {
     part0 = part1 = part2 = vec3(0.0);
 }
 
-// Row by row; what is beyond k is a misplaced edge's, and collected again.
+// Rows beyond k occur only if an edge was misplaced by rounding, and are collected again.
 void row_add(uint number, uint bits, uint id) {
     if (number < push.k) Rows(push.results)[row * push.k + number].key = uvec2(bits, id);
 }
 
 #define ROW_NONE(number) row_add(number, 0xFFFFFFFFu, 0xFFFFFFFFu)
 
-// Takes a point within the limit.
+// Processes a point within the limit.
 void collect(uint place, uint bits, uint slot) {
     accepted++;
     bool near = bits < low_bits, after = false;
@@ -83,7 +84,8 @@ void collect(uint place, uint bits, uint slot) {
     }
 }
 
-// Adds those of the open points that count; the squared distance of the k-th if there is one.
+// Adds those of the points in the range that are among the k nearest; returns the squared distance of the k-th
+// if there is one.
 float finish(bool full) {
     uint reach = highest;
     uint kept = MODE == DENSITY ? push.k - 1 : push.k;
@@ -142,7 +144,7 @@ Estimate estimate(bool full, float reach) {
             vec3 second = sum2.total - sum2.excess;
             flux = 3.0 * (flux - 2.0 * ratio * first + ratio * ratio * second);
         }
-        // Weights are not negative; what is left of nearly nothing may be.
+        // Weights are not negative, but differences of nearly equal sums may be.
         flux = max(flux, vec3(0.0));
     }
     return Estimate(flux, divisor, photons, reach < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));

@@ -1,34 +1,33 @@
-// Searches that stop before a device ends their loops, and go on in the next dispatch.
+// Searches that stop before a device ends their loops, and continue in the next dispatch.
 //
-// Mesa's llvmpipe ends every loop of an invocation, in silence, that has made 65 535 turns in all of
-// its loops together. On such a device turns are counted: a walk that has made TURNS of them writes
-// down where it stands, and the host dispatches again until no walk is left. Elsewhere TURNS is 0, and
-// none of this is compiled.
+// Mesa's llvmpipe silently ends every loop of an invocation whose loops have made 65 535 iterations in total.
+// On such a device iterations are counted: a traversal that has made TURNS of them saves its state, and the
+// host dispatches again until no traversal is paused. Elsewhere TURNS is 0, and none of this is compiled.
 #ifndef SEARCH_PAUSE_GLSL
 #define SEARCH_PAUSE_GLSL
 
 layout(constant_id = 8) const uint TURNS = 0;
 
-// Subgroups of a dispatch, and words that each invocation writes down, at most (estimate/pause.rs):
-// the walk's first, then the kernel's.
+// Maximum number of subgroups per dispatch, and of words of saved state per invocation (estimate/pause.rs): the
+// traversal's first, then the kernel's.
 const uint PAUSE_SUBGROUPS = 4096;
 const uint PAUSE_WORDS = 160, PAUSE_KERNEL = 64;
-// The first word of `push.pauses` counts walks that paused in this dispatch; one word for each subgroup
-// follows, of which these are the values. A new search finds zeros.
+// The first word of `push.pauses` counts traversals that paused in this dispatch; it is followed by one word
+// for each subgroup with one of these values. Initially all are 0.
 const uint PAUSE_NEW = 0, PAUSE_PAUSED = 1, PAUSE_DONE = 2;
 
-// Turns made so far, the same in a subgroup; whether this walk goes on with what was written down,
-// and whether it has paused.
+// Iterations so far, uniform in a subgroup; whether this traversal continues from saved state, and whether it
+// has paused.
 uint turns = 0;
 bool resumed = false, paused = false;
 uint pause_next;
 
-// Puts the pen before this invocation's words, from `part` on.
+// Sets the save position to this invocation's words, from `part` on.
 void pause_begin(uint part) {
     pause_next = 1 + PAUSE_SUBGROUPS + part + (tile_number() * gl_SubgroupSize + gl_SubgroupInvocationID) * PAUSE_WORDS;
 }
 
-// Writes a word down, or reads it again: in the same order.
+// Saves a word, or restores it; must be called in the same order for both.
 void keep(inout uint word) {
     if (resumed) word = push.pauses[pause_next].at;
     else push.pauses[pause_next].at = word;
@@ -52,14 +51,14 @@ void keep(inout vec3 numbers) {
     keep(numbers.z);
 }
 
-// Whether this subgroup has anything to do in this dispatch.
+// Whether this subgroup has work in this dispatch.
 bool pause_open() {
     uint state = push.pauses[1 + tile_number()].at;
     resumed = state == PAUSE_PAUSED;
     return state != PAUSE_DONE;
 }
 
-// The last that a subgroup does.
+// Must be the last call of a subgroup.
 void pause_close() {
     if (gl_SubgroupInvocationID == 0) {
         push.pauses[1 + tile_number()].at = paused ? PAUSE_PAUSED : PAUSE_DONE;

@@ -1,38 +1,38 @@
-// Where the k-th nearest of a query lies: ranges of squared distance (as bits), and of ids among
-// equal distances, narrowed down until few enough points lie in one to be held one by one.
+// Locates the k-th nearest point of a query: narrows down a range of squared distances (as bits), and of ids
+// among equal distances, until it contains few enough points to store them individually.
 //
-// First come bins of equal width over a guessed radius, whose upper end falls as points are found.
-// Whatever these leave open is settled by bins over bits, which are integers: exact, and at most six
-// rounds even for the whole range of numbers, six more for ids.
+// The first rounds use bins of equal width over a guessed radius, whose upper end shrinks as points are found.
+// The rest is resolved by bins over the bits, which are integers: exact, and at most six rounds even for the
+// whole range of floats, and six more for ids.
 #ifndef SEARCH_RANK_GLSL
 #define SEARCH_RANK_GLSL
 
-// What is to be done next for a query, in this order.
+// The next phase of a query; phases are in this order.
 const uint WIDEN = 0;
 const uint NARROW = 1;
 const uint SETTLE = 2;
 const uint COLLECT = 3;
 const uint DONE = 4;
 
-// Points that may be left in the last range: as many as fit where the bins were.
+// Maximum number of points in the last range: as many as fit in place of the bins.
 const uint STASH = COLUMN / 2;
 
-// Rounds of guessing, before it is given up for what always works.
+// Maximum number of rounds with guessed radii, before the method that always terminates is used.
 const uint GUESSES = 6;
 
 uint phase;
-// WIDEN: the squared radius, the least distance of any point, width of a bin and its reciprocal (0: one
-// bin), the highest bin that still matters.
+// WIDEN: the squared radius, the minimum distance of any point, bin width and its reciprocal (0: one bin), the
+// highest bin that still matters.
 float squared_radius, base, width, per_width;
 uint top;
-// The bits of the largest squared radius allowed.
+// The bits of the largest allowed squared radius.
 uint highest;
-// Points before the bins, or before `top`.
+// Number of points before the bins, or before `top`.
 uint below;
-// The range: bits, and ids at the one distance if it is one.
+// The range: bits; and ids, if the range is a single distance.
 uint low_bits, high_bits, low_id, high_id;
 
-// The far side of a bin, not below any distance in it; and the near side, not above.
+// The upper edge of a bin, not below any distance in it; and the lower edge, not above any.
 uint far_edge(uint bin) {
     if (per_width == 0.0) return floatBitsToUint(squared_radius);
     precise float edge = (base + float(bin + 1) * width * 1.000002) * 1.0000003;
@@ -53,12 +53,12 @@ void range_set(uint new_phase, uint low, uint high) {
     high_id = 0xFFFFFFFFu;
 }
 
-// All there are: fewer than k.
+// There are fewer than k points: all of them are used.
 void rank_few() {
     range_set(COLLECT, highest + 1, highest);
 }
 
-// So many crowd the first bin that a smaller radius is better.
+// The number of points in the first bin above which a smaller radius is better.
 uint rank_crowd() {
     return 4 * min(push.k, 0x1000000u) + 64;
 }
@@ -77,8 +77,8 @@ void rank_begin() {
     }
 }
 
-// Counts a point within the limit. WIDEN. No decision is taken here: whatever a subgroup's invocations
-// decide differently, they do one after the other.
+// Counts a point within the limit. WIDEN. No decision is made here: branches that diverge within a subgroup are
+// executed one after another.
 void rank_widen(float d2) {
     accepted++;
     uint bin = per_width > 0.0 ? min(uint(max(d2 - base, 0.0) * per_width), BINS - 1) : 0;
@@ -88,7 +88,7 @@ void rank_widen(float d2) {
     }
 }
 
-// Lets the radius fall, after a few points. The whole subgroup comes here.
+// Shrinks the radius, after a few points. Must be called by the whole subgroup.
 void rank_shrink() {
     bool fell = false;
     while (subgroupAny(below >= push.k)) {
@@ -123,13 +123,13 @@ void rank_widened(uint round) {
         squared_radius = uintBitsToFloat(far_edge(0));
         if (round >= 2 * GUESSES) range_set(NARROW, 0, floatBitsToUint(squared_radius));
     } else if (below + inside >= push.k) {
-        // Two more than there are may lie at the edges.
+        // Two additional points may lie at the edges.
         range_set(inside + 2 <= STASH ? COLLECT : NARROW, near_edge(top), far_edge(top));
     } else if (floatBitsToUint(squared_radius) >= highest) {
         rank_few();
     } else {
         float factor = clamp(1.4 * float(push.k) / float(max(below + inside, 1)), 1.5, 8.0);
-        // What surely holds all, if nothing else helps.
+        // A radius that contains all points, as a last resort.
         float all = corner_distance(at, uintBitsToFloat(push.nodes[0].low.xyz), uintBitsToFloat(push.nodes[0].high.xyz));
         float wider = base + (squared_radius - base) * factor;
         if (!(wider > squared_radius) || round >= GUESSES) wider = all * 1.000001;
@@ -149,7 +149,7 @@ void rank_narrowed() {
         before += inside;
     }
     if (before >= push.k || bin == BINS) {
-        // The range was not where it was thought to be: rounding at an edge.
+        // The range does not contain the k-th, because of rounding at an edge.
         if (low_bits == 0 && high_bits == highest) rank_few();
         else range_set(NARROW, 0, highest);
         return;
@@ -169,7 +169,7 @@ void rank_narrowed() {
     }
 }
 
-// What was collected holds the k-th, unless an edge was misplaced by rounding.
+// The collected points contain the k-th, unless an edge was misplaced by rounding.
 void rank_collected(uint sure, uint open) {
     bool enough = sure < push.k && sure + open >= push.k;
     if (low_bits > high_bits || (enough && open <= STASH)) phase = DONE;
@@ -177,7 +177,7 @@ void rank_collected(uint sure, uint open) {
     else range_set(NARROW, 0, floatBitsToUint(squared_radius));
 }
 
-// Writes down what is known of a query, or reads it again.
+// Saves the state of a query, or restores it.
 void rank_keep() {
     keep(phase);
     keep(squared_radius);

@@ -1,5 +1,5 @@
-// Sums over photons that hold where a million of them add up: eight photons are added plainly,
-// eights with what rounding lost carried along (Kahan 1965).
+// Accurate sums over up to a million photons: groups of eight photons are added plainly, the group sums with
+// compensated summation (Kahan 1965).
 #ifndef SEARCH_SUM_GLSL
 #define SEARCH_SUM_GLSL
 
@@ -7,7 +7,7 @@
 
 struct Sum {
     vec3 total;
-    // What `total` has too much.
+    // Excess of `total` by rounding.
     vec3 excess;
 };
 
@@ -21,7 +21,7 @@ void sum_add(inout Sum sum, vec3 part) {
     sum.excess = excess;
 }
 
-// Writes a sum down, or reads it again.
+// Saves a sum, or restores it.
 void sum_keep(inout Sum sum) {
     keep(sum.total);
     keep(sum.excess);

@@ -1,35 +1,35 @@
-// One walk over the tree for all queries of a tile.
+// One tree traversal for all queries of a tile.
 //
-// A child is entered if the box around all of the tile's balls meets it, and then any ball by itself.
-// Points of leaves that are entered are staged in shared memory, two leaves at a time, and every
-// invocation holds each of them against its own query: no divergence, and one load for the tile.
+// A child is visited if the box around all balls of the tile overlaps it, and then any individual ball does.
+// Points of visited leaves are staged in shared memory, two leaves at a time, and every invocation tests each
+// of them against its own query: no divergence, and one load per tile.
 //
-// The kernel defines, before it includes this,
-//   vec3 at, uint limit        the query, and one more than the bits of the squared radius; 0 for none,
-//   shared uvec4 staged[]      points, TILE_POINTS to a tile,
-//   stage(mode, place, slot)   which puts the point of a slot at a place of `staged`,
-//   visit(mode, firsts)        which looks at the staged points, two leaves whose first slots these are,
-//   uint VISIT_TURNS           turns of loops that a visit makes at most;
-// and may #define SEARCH_NEAREST, for searches that need no more than k of many equal points (they
-// count what they accept in `accepted`), or SEARCH_COUNT, which takes whole nodes at once (in `found`).
+// The kernel defines, before it includes this file,
+// - vec3 at, uint limit: the query, and one more than the bits of the squared radius; 0 for none,
+// - shared uvec4 staged[]: points, TILE_POINTS per tile,
+// - stage(mode, place, slot): stores the point of a slot at position `place` of `staged`,
+// - visit(mode, firsts): processes the staged points, two leaves whose first slots these are,
+// - uint VISIT_TURNS: maximum number of loop iterations of a visit;
+// and may #define SEARCH_NEAREST, for searches that need no more than k of many equal points (they count
+// accepted points in `accepted`), or SEARCH_COUNT, which counts whole nodes at once (in `found`).
 //
-// A walk that has to pause sets `paused` and returns; what it knows is then written down, and read again
-// by the walk that goes on. What the kernel knows of its queries is for the kernel to keep.
+// A traversal that has to pause sets `paused` and returns; its state is then saved, and restored when the
+// traversal continues. The kernel saves the state of its queries itself.
 #ifndef SEARCH_WALK_GLSL
 #define SEARCH_WALK_GLSL
 
 #include "search/search_pause.glsl"
 
-// First child and a mask of the children still to be entered, level by level.
+// First child and a mask of the children still to be visited, level by level.
 shared uvec2 walk_stack[TILES * LEVELS];
 
-// Between writing shared memory and reading what others wrote: of no concern to buffers, whose loads may
-// be moved across.
+// Barrier between writing shared memory and reading what others wrote; it does not affect buffers, whose loads
+// may be moved across.
 void tile_barrier() {
     controlBarrier(gl_ScopeSubgroup, gl_ScopeSubgroup, gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);
 }
 
-// Whether anybody's ball meets a box.
+// Whether any ball overlaps a box.
 bool meets(vec3 low, vec3 high) {
     return subgroupAny(floatBitsToUint(box_distance(at, low, high)) < limit);
 }
@@ -37,7 +37,7 @@ bool meets(vec3 low, vec3 high) {
 void walk(uint mode) {
     uint lane = gl_SubgroupInvocationID;
     uint levels = gl_SubgroupID * LEVELS;
-    // The box around all balls, larger than rounding and underflow can matter.
+    // The box around all balls, enlarged enough to make rounding and underflow irrelevant.
     vec3 low = vec3(INFINITE), high = vec3(-INFINITE);
     if (limit > 0) {
         float reach = limit > INFINITE_BITS ? INFINITE : sqrt(uintBitsToFloat(limit - 1)) * 1.00001 + 4.0e-19;
@@ -49,15 +49,15 @@ void walk(uint mode) {
     high = subgroupMax(high);
     vec3 middle = 0.5 * low + 0.5 * high;
 
-    // The root as the only child of nothing.
+    // The root as the only child of a virtual node.
     uint first = 0, mask = 1, depth = 0;
     uint next = WIDTH;
     uvec2 firsts = uvec2(0), counts = uvec2(0);
     uint pending = 0;
 #ifdef SEARCH_NEAREST
-    // Equal points that are being taken one leaf's worth at a time.
+    // A run of equal points, processed one leaf's worth at a time.
     uint same_first = 0, same_left = 0, same_start = 0, limit_then = 0;
-    // Where, from which slot on, and how many of them were accepted in nodes before that one.
+    // Its position, first slot, and the number of points accepted in earlier nodes of the run.
     vec3 same_at = vec3(0.0);
     uint same_last = 0xFFFFFFFFu, same_taken = 0;
 #endif
@@ -95,7 +95,7 @@ void walk(uint mode) {
         uvec2 leaf = uvec2(0);
 #ifdef SEARCH_NEAREST
         if (same_left > 0) {
-            // Equal points stand in order of id: after k of them no other can be among the nearest.
+            // Equal points are in id order: after k of them no other can be among the nearest.
             if (same_taken + accepted - same_start >= push.k && limit > 0) {
                 limit_then = limit;
                 limit = 0;
@@ -107,7 +107,7 @@ void walk(uint mode) {
             } else {
                 same_left = 0;
             }
-            // The last of them are looked at before anything else adds to what was accepted.
+            // Processes the last of them before anything else adds to the accepted points.
             same_ends = same_left == 0;
             flush = same_ends;
         } else
@@ -131,7 +131,7 @@ void walk(uint mode) {
             bool take = true;
 #ifdef SEARCH_NEAREST
             bool same = enter && !is_leaf && box_low == box_high;
-            // What is pending is looked at first, as its points are other points.
+            // Processes pending points first, since they belong to other positions.
             if (same && pending > 0) {
                 next = child;
                 flush = true;
@@ -163,7 +163,7 @@ void walk(uint mode) {
                         turns += TURNS != 0 ? 1 : 0;
                     }
                     same_first = push.nodes[below].low.w;
-                    // Those of nodes before, at the same place, are before these.
+                    // Earlier nodes at the same position come before these.
                     if (!(same_at == box_low && same_first > same_last)) same_taken = 0;
                     same_at = box_low;
                     same_last = same_first;
@@ -193,9 +193,9 @@ void walk(uint mode) {
                         mask |= subgroupBallot(met).x << from;
                         nearest = min(nearest, subgroupMin(key));
                     }
-                    // The nearest child first, as what it holds may save the others.
+                    // The nearest child first, as its points may make visiting the others unnecessary.
                     next = nearest & 15u;
-                    // Of infinite balls, nothing is the middle.
+                    // For infinite balls there is no centre.
                     if ((mask >> next & 1u) == 0) next = WIDTH;
                 }
             }
@@ -217,7 +217,7 @@ void walk(uint mode) {
                 if (j < (i < WIDTH ? counts.x : counts.y)) {
                     stage(mode, place, (i < WIDTH ? firsts.x : firsts.y) + j);
                 } else {
-                    // NaN: nobody's neighbour.
+                    // NaN: never accepted.
                     staged[place] = uvec4(0x7FC00000u);
                 }
             }

@@ -1,4 +1,4 @@
-// Twin of photon-core's area.rs: where probes of an estimate's disc stand.
+// Twin of photon-core's area.rs: positions of the area probes of an estimate's disc.
 #ifndef AREA_GLSL
 #define AREA_GLSL
 
@@ -25,16 +25,16 @@ vec2 area_probe(uint kernel, float slope, uint spoke, uint ring, float random) {
     return vec2(sqrt(share), kernel_weight(kernel, slope, share));
 }
 
-// The squared distance from which on the outer probes stand, in squared radii, up to 2.
+// Minimum squared distance of the outer probes, in squared radii; the maximum is 2.
 const float AREA_OUTER = 0.75;
 
-// The probe of a spoke that is for the second radius alone, in radii.
+// Distance of the probe of a spoke that is only for the second radius, in radii.
 float area_outer_distance(uint spoke, float random) {
     float shift = fract(random + float(spoke) * 0.618034);
     return sqrt(AREA_OUTER + (2.0 - AREA_OUTER) * shift);
 }
 
-// What a probe counts for within √2 of the radius, and within 1/√2 of it.
+// Weights of a probe for √2 of the radius, and for 1/√2 of it.
 vec2 area_second_weights(uint kernel, float slope, float away) {
     float square = away * away;
     bool falls = kernel == KERNEL_EPANECHNIKOV || kernel == KERNEL_BIWEIGHT;

@@ -1,4 +1,4 @@
-// How surfaces scatter light: one rule for photons, camera paths and gather rays. Twin of photon-core's bsdf.rs.
+// BSDFs, shared by photons, camera paths and gather rays. Twin of photon-core's bsdf.rs.
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
@@ -8,7 +8,7 @@
 #include "shading/media.glsl"
 #include "shading/sampling.glsl"
 
-// The kernel declares FEATURES, a specialization constant: bits of Features.
+// The including kernel declares FEATURES, a specialization constant: the bits of Features.
 const bool MIRRORS = (FEATURES & FEATURE_MIRROR) != 0u;
 const bool GLASS = (FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0u;
 
@@ -16,7 +16,7 @@ const uint LOBE_DIFFUSE = 0u;
 const uint LOBE_SPECULAR_REFLECTION = 1u;
 const uint LOBE_SPECULAR_TRANSMISSION = 2u;
 
-// A surface as one path meets it.
+// A surface as hit by one path.
 struct Bsdf {
     uint kind;
     vec3 albedo;
@@ -26,7 +26,7 @@ struct Bsdf {
     bool is_active;
 };
 
-// Whether some light passes through a material of this kind.
+// Whether a material of this kind transmits light.
 bool kind_transmits(uint kind) { return GLASS && (kind == MATERIAL_DIELECTRIC || kind == MATERIAL_THIN); }
 
 Bsdf bsdf_new(Material material, float cosine, Interface sides) {
@@ -44,7 +44,7 @@ Bsdf bsdf_new(Material material, float cosine, Interface sides) {
     return bsdf;
 }
 
-// Whether light is both reflected, by the share `reflectance`, and transmitted.
+// Whether light is both reflected, with probability `reflectance`, and transmitted.
 bool bsdf_splits(Bsdf bsdf) { return kind_transmits(bsdf.kind); }
 
 uint bsdf_choose(Bsdf bsdf, float u) {
@@ -57,7 +57,7 @@ vec3 bsdf_weight(Bsdf bsdf, uint lobe) {
     return bsdf.albedo;
 }
 
-// `u` and `v` are looked at for LOBE_DIFFUSE alone.
+// `u` and `v` are used only for LOBE_DIFFUSE.
 vec3 bsdf_direction(Bsdf bsdf, uint lobe, vec3 incoming, vec3 normal, float u, float v) {
     if (lobe == LOBE_DIFFUSE) return cosine_hemisphere(normal, u, v);
     if (lobe == LOBE_SPECULAR_REFLECTION) return bsdf_reflect(incoming, normal);

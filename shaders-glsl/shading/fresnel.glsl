@@ -1,4 +1,4 @@
-// What smooth boundaries do to light. Twin of photon-core's fresnel.rs.
+// Reflection and refraction at smooth dielectric boundaries. Twin of photon-core's fresnel.rs.
 #ifndef FRESNEL_GLSL
 #define FRESNEL_GLSL
 
@@ -9,7 +9,7 @@ struct Fresnel {
     float cos_transmitted;
 };
 
-// `eta` is the index beyond the boundary over the one before it.
+// `eta` is the index of refraction beyond the boundary divided by the one before it.
 Fresnel fresnel(float cos_incident, float eta) {
     float c = clamp(cos_incident, 0.0, 1.0);
     if (eta == 1.0) return Fresnel(0.0, c);
@@ -25,19 +25,19 @@ Fresnel fresnel(float cos_incident, float eta) {
     return Fresnel(clamp(reflectance, 0.0, 1.0), min(cos_t, 1.0));
 }
 
-// Reflectance of a thin sheet with all reflections between its two faces.
+// Reflectance of a thin sheet, including all interreflections between its two faces.
 float sheet_reflectance(float single) {
     precise float both = 2.0 * single / (1.0 + single);
     return both;
 }
 
-// The mirror direction of `direction` at `normal`; both unit.
+// The mirror direction of `direction` about `normal`; both unit vectors.
 vec3 bsdf_reflect(vec3 direction, vec3 normal) {
     precise vec3 mirrored = direction - normal * (2.0 * dot3(direction, normal));
     return normalize_or(mirrored, normal);
 }
 
-// The refracted direction; `normal` faces where the ray comes from.
+// The refracted direction; `normal` faces the side the ray comes from.
 vec3 bsdf_refract(vec3 direction, vec3 normal, float eta, float cos_transmitted) {
     if (eta == 1.0) return direction;
     float c = -dot3(direction, normal);

@@ -1,56 +1,57 @@
-// Twin of photon-scene's `wide`: the nearest triangle along a ray, and whether there is one.
+// Twin of photon-scene's `bvh::compressed`: the nearest triangle along a ray, and occlusion.
 //
-// Nodes of eight children as Ylitie, Karras and Laine 2017 lay them out, 80 bytes each; the
-// watertight test of Woop, Benthin and Wald 2013. Included by scene.glsl, which has the records.
+// Nodes with eight children in the layout of Ylitie, Karras and Laine 2017, 80 bytes each; the watertight
+// triangle test of Woop, Benthin and Wald 2013. Included by scene.glsl, which defines the records.
 #ifndef INTERSECT_GLSL
 #define INTERSECT_GLSL
 
 #extension GL_EXT_control_flow_attributes : enable
 
-// Where a ray meets a triangle: point (1 - u - v) a + u b + v c of it.
+// A ray-triangle hit, at the point (1 - u - v) a + u b + v c.
 struct Hit {
     float t;
     uint primitive;
     float u;
     float v;
-    // Where the tree has the triangle: the index of its corners.
+    // Index of the triangle in the BVH's corner table.
     uint slot;
 };
 
-// Deepest tree that the host gives us; each level leaves at most one group of nodes waiting.
+// Maximum depth of the BVH that the host builds; each level leaves at most one group of nodes on the stack.
 const uint TREE_DEPTH = 32u;
 
 const uint NO_PRIMITIVE = 0xFFFFFFFFu;
 
-// Smallest component of a direction whose inverse is taken: no infinity comes up, and within a
-// scene of unit size the ray is off by less than can be seen. Boxes are padded by more than that.
+// Minimum magnitude of a direction component before its inverse is taken: avoids infinities, and in a scene of
+// unit size displaces the ray by a negligible distance. Boxes are padded by more than that.
 const float MIN_COMPONENT = 5.4210109e-20;
 
-// Far sides of boxes are moved by this factor, so that rounding never closes a box before a triangle
-// on its face (after Ize 2013).
+// Far sides of boxes are moved by this factor, so that rounding never culls a triangle on the face of its box
+// (after Ize 2013).
 const float WIDER = 1.0000019;
 
 // 2^-22, and 255 steps times 2^-23.
 const float START_SLACK = 2.3841858e-7;
 const float STEPS_SLACK = 3.0398369e-5;
 
-// Vertices so near to the plane through the origin, across the ray's axis, are on either side of it.
+// Vertices this close to the plane through the origin, perpendicular to the ray's axis, count as on either side
+// of it.
 const float BESIDE = 1.0 / 2097152.0;
 
-// A ray in the test's own frame: sheared so that it runs along its largest axis.
+// A ray in the frame of the test: sheared so that it runs along its largest axis.
 struct Sheared {
     vec3 origin;
     vec3 shear;
     uint axis;
 };
 
-// Brings the largest axis of the direction to the last place. Unlike on the CPU the other two are
-// never swapped: that changes the sign of all edge functions, and nothing else.
+// Moves the largest axis of the direction to the last component. Unlike on the CPU the other two are never
+// swapped: that only changes the sign of all edge functions.
 vec3 turned(uint axis, vec3 v) {
     return axis == 2u ? v : axis == 1u ? v.zxy : v.yzx;
 }
 
-// False for a ray without a direction or with numbers that are not finite.
+// Returns false for a ray with a zero direction or with numbers that are not finite.
 bool sheared(Ray ray, out Sheared s) {
     vec3 size = abs(ray.direction);
     uint axis = size.x > size.y ? (size.x > size.z ? 0u : 2u) : (size.y > size.z ? 1u : 2u);
@@ -58,7 +59,7 @@ bool sheared(Ray ray, out Sheared s) {
     s.origin = ray.origin;
     s.axis = axis;
     s.shear = vec3(0.0);
-    // By the bits, since infinite and NaN are what is looked for.
+    // Tested by the bits, since infinity and NaN are to be detected.
     bool sane = is_finite(ray.origin.x) && is_finite(ray.origin.y) && is_finite(ray.origin.z)
         && is_finite(ray.direction.x) && is_finite(ray.direction.y) && is_finite(ray.direction.z) && d.z != 0.0
         && !is_nan(ray.t_max) && ray.t_max >= 0.0;
@@ -68,7 +69,7 @@ bool sheared(Ray ray, out Sheared s) {
     return true;
 }
 
-// What rounding took from a product (Dekker 1971), by halves of 12 bits.
+// Rounding error of a product (Dekker 1971), by splitting into halves of 12 bits.
 float product_error(float a, float b, float product) {
     precise float ca = 4097.0 * a;
     precise float a_high = ca - (ca - a);
@@ -80,8 +81,8 @@ float product_error(float a, float b, float product) {
     return error;
 }
 
-// The edge function of two corners. Triangles that share an edge get the same two products, and
-// their difference with opposite sign: rounding cannot put a ray outside of both. Hence `precise`.
+// The edge function of two corners. Triangles that share an edge compute the same two products, and their
+// differences have opposite signs: rounding cannot put a ray outside of both. Hence `precise`.
 float edge(vec2 from, vec2 to) {
     precise float left = to.x * from.y;
     precise float right = to.y * from.x;
@@ -89,7 +90,7 @@ float edge(vec2 from, vec2 to) {
     return difference;
 }
 
-// An edge function that vanished, from what rounding took from its products.
+// Re-evaluates an edge function that is zero, using the rounding errors of its products.
 float edge_again(vec2 from, vec2 to) {
     precise float left = to.x * from.y;
     precise float right = to.y * from.x;
@@ -97,7 +98,7 @@ float edge_again(vec2 from, vec2 to) {
     return difference;
 }
 
-// ab − cd, but for one rounding of it.
+// ab − cd, with only one rounding error of that difference.
 float difference(float a, float b, float c, float d) {
     precise float left = a * b;
     precise float right = c * d;
@@ -105,8 +106,8 @@ float difference(float a, float b, float c, float d) {
     return result;
 }
 
-// The distance of the plane through these points, or `other` if the ray runs along it. By a normal that has all its
-// digits however thin the triangle is.
+// Distance to the plane through these points, or `other` if the ray is parallel to it. Uses a normal that has
+// full precision however thin the triangle is.
 float plane_distance(vec3 a, vec3 b, vec3 c, vec3 shear, float other) {
     precise vec3 p = b - a;
     precise vec3 q = c - a;
@@ -118,11 +119,12 @@ float plane_distance(vec3 a, vec3 b, vec3 c, vec3 shear, float other) {
     return along != 0.0 ? away / along : other;
 }
 
-// Replaces `best` if the triangle is nearer, or as near and of lower index. Both sides count; edges
-// and vertices belong to every triangle that has them.
+// Replaces `best` if the triangle is nearer, or at the same distance with a lower index. Both sides are hit;
+// edges and vertices belong to every triangle that has them.
 //
-// The distances of triangles about the origin come from their planes: as means of the vertices' distances, those of
-// slivers are off by more than rays step off surfaces, so that a ray met the triangle that it had just left.
+// Distances to triangles around the origin are computed from their planes: as weighted means of the vertices'
+// distances, those of slivers would have errors larger than the offset of rays from surfaces, so that a ray
+// would hit the triangle that it just left.
 void test_triangle(Corners table, uint slot, Sheared s, inout Hit best) {
     Corners corners = table[slot];
     vec4 first = corners.a;
@@ -148,7 +150,7 @@ void test_triangle(Corners table, uint slot, Sheared s, inout Hit best) {
     precise vec3 z = s.shear.z * vec3(a.z, b.z, c.z);
     precise float scaled = u * z.x + v * z.y + w * z.z;
     precise float t = scaled / determinant;
-    // A mean of numbers of one sign has that sign.
+    // A weighted mean of numbers of the same sign has that sign.
     if (min(min(z.x, z.y), z.z) <= BESIDE && max(max(z.x, z.y), z.z) >= -BESIDE) {
         t = plane_distance(a, b, c, s.shear, t);
     }
@@ -159,12 +161,13 @@ void test_triangle(Corners table, uint slot, Sheared s, inout Hit best) {
     }
 }
 
-// Of four children, those whose boxes the ray enters before `t_max`: for each, the bits that `meta`
-// gives it at the place that `meta` says. A byte of each word belongs to one child.
+// Tests four children: for those whose boxes the ray enters before `t_max`, sets the bits that `meta` encodes,
+// at the positions that `meta` encodes. Each byte of a word belongs to one child.
 uint test_boxes(
     uint meta4, uint octant4, uvec3 near4, uvec3 far4, vec3 stride, vec3 near_start, vec3 far_start, float t_max
 ) {
-    // A node's byte is 001 11sss, a leaf's a unary count above the number of its first triangle.
+    // The byte of an internal node is 001 11sss; that of a leaf is a unary count above the index of its first
+    // triangle.
     uint nodes4 = meta4 & (meta4 << 1) & 0x10101010u;
     uint mask4 = (nodes4 >> 4) * 0xFFu;
     uint place4 = (meta4 ^ (octant4 & mask4)) & 0x1F1F1F1Fu;
@@ -181,24 +184,24 @@ uint test_boxes(
     return hits;
 }
 
-// A ray on its way through the tree.
+// State of a ray's traversal of the BVH.
 struct Walk {
-    // The tables, so that their addresses are not read again at every node.
+    // The table addresses, so that they are not read again at every node.
     WideNodes nodes;
     Corners corners;
     Sheared sheared;
     vec3 inverse;
-    // Children stand in the slots of octants: counted from the ray's own, the nearest come first.
+    // Children are assigned to slots by octant: relative to the ray's octant, the nearest come first.
     uint octant;
-    // Index of a node's first child; which children are to be visited, in the upper 8 bits in order of
-    // nearness; which are nodes, in the lower 8 by slot.
+    // Index of a node's first child; mask of the children to be visited, in the upper 8 bits in order of
+    // distance; mask of those that are nodes, in the lower 8 bits by slot.
     uvec2 group;
-    // Groups that wait, the last first.
+    // Number of groups on the stack.
     uint waiting;
     Hit best;
 };
 
-// The first groups that wait stand in shared memory, the rest where the compiler puts them.
+// The first groups of the stack are in shared memory, the others wherever the compiler puts them.
 layout(constant_id = 10) const uint SHARED_GROUPS = 0u;
 shared uvec2 shared_groups[SHARED_GROUPS * gl_WorkGroupSize.x + 1u];
 uvec2 groups[TREE_DEPTH];
@@ -221,7 +224,7 @@ void pop_group(inout Walk walk) {
     }
 }
 
-// Puts a ray before the root. False if there is nothing that it can hit.
+// Initializes the traversal at the root. Returns false if there is nothing that the ray can hit.
 bool walk_begin(SceneRef scene, Ray ray, out Walk walk) {
     walk.nodes = scene.nodes;
     walk.corners = scene.corners;
@@ -236,8 +239,8 @@ bool walk_begin(SceneRef scene, Ray ray, out Walk walk) {
     return sheared(ray, walk.sheared) && scene.triangles != 0u;
 }
 
-// Visits a node and its triangles. False if that was the last; if `shadow` lets any hit do, the first
-// that is found ends it.
+// Visits a node and its triangles. Returns false if that was the last one; with `shadow`, any hit suffices, and
+// the first one found ends the traversal.
 bool walk_step(inout Walk walk, const bool shadow) {
     uint bit = uint(findMSB(walk.group.y));
     walk.group.y &= ~(1u << bit);
@@ -256,8 +259,8 @@ bool walk_step(inout Walk walk, const bool shadow) {
     vec3 scale = uintBitsToFloat(uvec3(head.w & 0xFFu, head.w >> 8 & 0xFFu, head.w >> 16 & 0xFFu) << 23);
     vec3 stride = scale * walk.inverse;
     vec3 start = (uintBitsToFloat(head.xyz) - walk.sheared.origin) * walk.inverse;
-    // What rounding may take from a side counted in steps, which can be all of its distance: two roundings
-    // of the start, one of the steps, and twice that to be safe.
+    // Bound on the rounding error of a side computed in steps, which can be as large as its distance: two
+    // rounding errors of the start, one of the steps, and a safety factor of two.
     vec3 slack = abs(start) * START_SLACK + abs(stride) * STEPS_SLACK;
     vec3 near_start = start - slack;
     vec3 far_start = start + slack;
@@ -286,8 +289,8 @@ bool walk_step(inout Walk walk, const bool shadow) {
     return true;
 }
 
-// The nearest hit up to `ray.t_max`, whichever side of the triangle it is on; of several at the same
-// distance, the one of lowest index.
+// The nearest hit up to `ray.t_max`, on either side of a triangle; of several at the same distance, the one
+// with the lowest index.
 bool nearest(SceneRef scene, Ray ray, out Hit hit) {
     Walk walk;
     bool under_way = walk_begin(scene, ray, walk);

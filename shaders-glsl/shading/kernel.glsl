@@ -1,10 +1,10 @@
-// Twin of photon-core's kernel.rs: how much a photon counts by its distance.
+// Twin of photon-core's kernel.rs: the weight of a photon by its distance.
 #ifndef KERNEL_GLSL
 #define KERNEL_GLSL
 
 #include "shading/constants.glsl"
 
-// The weight at `u`, squared distance over squared radius. `slope` is the cone's.
+// The weight at `u`, squared distance over squared radius. `slope` is that of the cone kernel.
 float kernel_weight(uint kernel, float slope, float u) {
     switch (kernel) {
         case KERNEL_EPANECHNIKOV: {

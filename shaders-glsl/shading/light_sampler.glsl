@@ -1,4 +1,4 @@
-// Which light a shadow ray goes to. Twin of backend-cpu's light_sampler.rs, in f32.
+// Selects the light that a shadow ray samples. Twin of backend-cpu's light_sampler.rs, in f32.
 #ifndef LIGHT_SAMPLER_GLSL
 #define LIGHT_SAMPLER_GLSL
 
@@ -7,20 +7,20 @@
 #include "shading/scene.glsl"
 #include "shading/solid_angle.glsl"
 
-// Up to so many lights are weighed for each query; more are chosen by power alone.
+// Up to this many lights, each query weights the lights individually; more are chosen by power alone.
 const uint MAX_LIGHTS = 16;
 
-// What is shared out evenly whatever the weights say.
+// Fraction of the probability that is distributed uniformly, regardless of the weights.
 const float DEFENSIVE_SHARE = 0.1;
 
-// Running sums of the probabilities at one query; power alone decides where the count is 0.
+// Cumulative probabilities of the lights at one query; if the count is 0, lights are chosen by power alone.
 struct LightSampler {
     float cdf[MAX_LIGHTS];
     uint count;
 };
 
-// Roughly the unoccluded irradiance from a light, mean of RGB; 0 only where it is 0 or the light is in the plane but
-// for roundings.
+// Approximate unoccluded irradiance from a light, mean of RGB; 0 only where it is 0, or where the query lies in
+// the plane of the light up to rounding.
 float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
     Light light = scene.lights[index].at;
     float power = (light.power.x + light.power.y + light.power.z) / 3.0;
@@ -36,7 +36,7 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
             power = 0.5 * power;
         }
         if (!(height > SOLID_ANGLE_MIN_HEIGHT)) return 0.0;
-        // The radiance times the solid angle: its cosine here varies within a lamp near by, and is left out.
+        // Radiance times solid angle: the cosine here varies over a nearby area light, and is omitted.
         if (solid_angle_is_near(a, b, c)) {
             return power * solid_angle_of(a, b, c, height, light.area) / (3.14159265 * light.area);
         }
@@ -57,7 +57,7 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
     return intensity * cosine / square;
 }
 
-// `lights` is 0 where there is nothing to weigh: one light, or more than a few.
+// `lights` is 0 if there is nothing to weight: one light, or more than a few.
 LightSampler light_sampler_at(SceneRef scene, uint lights, vec3 position, vec3 normal) {
     LightSampler light_sampler;
     light_sampler.count = 0;
@@ -76,14 +76,14 @@ LightSampler light_sampler_at(SceneRef scene, uint lights, vec3 position, vec3 n
     return light_sampler;
 }
 
-// A light, and its probability in `share`.
+// Returns a light, and its probability in `share`.
 uint light_sampler_pick(SceneRef scene, LightSampler light_sampler, uint random, out float share) {
     if (light_sampler.count == 0) {
         uint index = pick_light(scene, random);
         share = scene.emissions[index].at.probability;
         return index;
     }
-    // The sums end at 1 but for rounding, hence in proportion to the last.
+    // The sums end at 1 only up to rounding, so the random number is scaled by the last one.
     float whole = light_sampler.cdf[light_sampler.count - 1];
     float at = float(random) * (1.0 / 4294967296.0) * whole;
     float before = 0.0;

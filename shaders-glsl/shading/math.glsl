@@ -1,16 +1,16 @@
-// Twin of photon-core's math.rs, and the arithmetic that the other twins share.
+// Twin of photon-core's math.rs, and the arithmetic shared by the other twins.
 //
-// `precise` keeps a multiplication and an addition two roundings, as in Rust; `dot` and `cross` of the
-// language may be fused whatever is said, hence ours.
+// `precise` prevents the contraction of a multiplication and an addition, as in Rust; the built-in `dot` and
+// `cross` may be fused regardless, so they are replaced.
 #ifndef MATH_GLSL
 #define MATH_GLSL
 
-// The magnitude of `magnitude` with the sign of `sign`, that of -0 included.
+// The magnitude of `magnitude` with the sign of `sign`, including that of -0.
 float copysign(float magnitude, float sign) {
     return uintBitsToFloat((floatBitsToUint(magnitude) & 0x7FFFFFFFu) | (floatBitsToUint(sign) & 0x80000000u));
 }
 
-// By the bits: a driver may take it that no number is infinite or NaN.
+// By the bits: a driver may assume that no number is infinite or NaN.
 bool is_finite(float x) {
     return (floatBitsToUint(x) & 0x7F800000u) != 0x7F800000u;
 }
@@ -34,7 +34,7 @@ vec3 cross3(vec3 a, vec3 b) {
     return product;
 }
 
-// glam's: the fallback for what has no direction.
+// As glam's: `fallback` for vectors that cannot be normalized.
 vec3 normalize_or(vec3 v, vec3 fallback) {
     float square = dot3(v, v);
     if (!is_positive_finite(square)) return fallback;
@@ -90,7 +90,7 @@ float math_ln(float x) {
     return sum;
 }
 
-// The angle of (x, y), y >= 0, from the first axis, in turns; 0 for a vector without length.
+// The angle of (x, y), y >= 0, from the first axis, in turns; 0 for the zero vector.
 float turns_of(float y, float x) {
     float along = abs(x);
     bool steep = y > along;

@@ -1,4 +1,4 @@
-// Which media a point lies in, and which of them is there. Twin of photon-core's media.rs.
+// Nested media: the stack of media at a point, and the one that has priority. Twin of photon-core's media.rs.
 #ifndef MEDIA_GLSL
 #define MEDIA_GLSL
 
@@ -6,10 +6,10 @@
 #include "shading/layout.glsl"
 #include "shading/scene.glsl"
 
-// The kernel declares MEDIA, a specialization constant: bits of MediaFeatures.
+// The including kernel declares MEDIA, a specialization constant: the bits of MediaFeatures.
 const bool NESTED = (MEDIA & MEDIA_NESTED) != 0u;
 
-// A stack of media: a byte each, the last one entered lowest. 0: in none.
+// A stack of media: one byte each, the most recently entered one lowest. 0: in no medium.
 const uint VACUUM = 0u;
 
 bool media_is_full(uint stack) { return stack >> 24 != 0u; }
@@ -27,14 +27,14 @@ uint media_leave(uint stack, uint medium) {
     for (uint shift = 0u; shift < 32u && stack >> shift != 0u; shift += 8u) {
         if ((stack >> shift & 0xFFu) == medium) {
             uint below = stack & ((1u << shift) - 1u);
-            // In two steps, as a shift by 32 is none.
+            // In two steps, since a shift by 32 is undefined.
             return (stack >> shift >> 8) << shift | below;
         }
     }
     return stack;
 }
 
-// Index of the medium that is there: the highest priority, of equals the last entered.
+// Index of the current medium: the one with the highest priority; of equals, the last one entered.
 uint media_current(SceneRef scene, uint stack) {
     uint found = stack & 0xFFu;
     if (!NESTED) return found;
@@ -45,7 +45,7 @@ uint media_current(SceneRef scene, uint stack) {
     return found;
 }
 
-// By functions, since a `precise` variable of members of a record keeps the compiler busy for ever.
+// In functions, since a `precise` variable computed from members of a record makes the compiler hang.
 float index_quotient(float transmitted, float before) {
     precise float eta = transmitted / before;
     return eta;
@@ -57,7 +57,7 @@ float index_quotient_squared(float transmitted, float before) {
     return squared;
 }
 
-// What a boundary separates, as the path that arrives there meets it.
+// A boundary between media, as the path that arrives there sees it.
 struct Interface {
     float eta;
     uint before;
@@ -82,14 +82,14 @@ Interface media_interface(SceneRef scene, Material material, bool front, uint he
     return Interface(eta, front ? here : solid, front ? solid : VACUUM, true, false);
 }
 
-// What radiance in the medium of `at` is multiplied by when it is seen from that of `from`.
+// Factor on radiance in the medium of `at` when it is observed in that of `from`.
 float radiance_scale(SceneRef scene, uint from, uint at) {
     if (from == at) return 1.0;
     return index_quotient_squared(
         scene.media[media_current(scene, from)].at.ior, scene.media[media_current(scene, at)].at.ior);
 }
 
-// Share of each channel that is left after `far` in a stack of media: Beer and Lambert's law.
+// Transmittance per channel over the distance `far` in a stack of media: Beer and Lambert's law.
 vec3 transmittance(SceneRef scene, uint stack, float far) {
     vec3 depth = scene.media[media_current(scene, stack)].at.absorption * far;
     return vec3(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));

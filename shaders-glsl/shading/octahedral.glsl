@@ -1,4 +1,4 @@
-// Twin of photon-core's octahedral.rs: unit vectors in 32 bits.
+// Twin of photon-core's octahedral.rs: octahedral encoding of unit vectors in 32 bits.
 #ifndef OCTAHEDRAL_GLSL
 #define OCTAHEDRAL_GLSL
 
@@ -9,7 +9,7 @@ uint octahedral_quantise(float f) {
     return uint(int(scaled)) & 0xFFFFu;
 }
 
-// Anything without a direction becomes +z.
+// Vectors that cannot be normalized become +z.
 uint octahedral_pack(vec3 v) {
     precise float sum = abs(v.x) + abs(v.y) + abs(v.z);
     if (!is_positive_finite(sum)) return 0u;

@@ -1,4 +1,4 @@
-// Twin of photon-core's offset.rs: points on triangles, and rays that leave them.
+// Twin of photon-core's offset.rs: points on triangles, and offsets of ray origins.
 #ifndef OFFSET_GLSL
 #define OFFSET_GLSL
 
@@ -18,7 +18,8 @@ vec3 off_surface(vec3 point, vec3 normal) {
     return moved;
 }
 
-// The weight of a corner that keeps a point off the edge below it, and where along that edge its foot is.
+// The barycentric weight that keeps a point away from the edge opposite a corner, and the position of the
+// corner's foot on that edge.
 vec2 above_edge(vec3 corner, vec3 from, vec3 to) {
     precise vec3 side = corner - from;
     precise vec3 edge = to - from;
@@ -30,7 +31,7 @@ vec2 above_edge(vec3 corner, vec3 from, vec3 to) {
     return vec2(OFFSET_MARGIN / tallest, clamp(along, 0.0, 1.0));
 }
 
-// The weights of a corner and the two after it, moved so that the first is what it should be.
+// The weights of a corner and the two after it, adjusted so that the first has its minimum value.
 vec3 raised(vec3 weights, vec2 above, float least, float next_least) {
     precise float lack = above.x - weights.x;
     if (!(lack > 0.0)) return weights;
@@ -43,7 +44,7 @@ vec3 raised(vec3 weights, vec2 above, float least, float next_least) {
     return result;
 }
 
-// The way from a point to where it is two steps from every edge.
+// The displacement from a point to where it is two steps away from every edge.
 vec3 inward(vec3 a, vec3 b, vec3 c, float u, float v) {
     vec2 at = above_edge(a, b, c), bt = above_edge(b, c, a), ct = above_edge(c, a, b);
     precise vec3 weights = vec3(1.0 - u - v, u, v);
@@ -57,7 +58,8 @@ vec3 inward(vec3 a, vec3 b, vec3 c, float u, float v) {
     return limited;
 }
 
-// The point of a triangle that a ray begins at, two steps at least from its edges. The host has the margin.
+// The origin for a ray that starts on a triangle, at least two steps away from its edges. The host computes the
+// margin.
 vec3 within(vec3 a, vec3 b, vec3 c, float margin, float u, float v) {
     precise vec3 point = barycentric(a, b, c, u, v);
     precise float w = 1.0 - u - v;

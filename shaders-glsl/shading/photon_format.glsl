@@ -1,5 +1,5 @@
-// How much is kept of a photon: twin of photon-core's photon_format.rs. Places are rows of their own, of position and
-// normal; what else is kept stands in a second array.
+// Photon formats: twin of photon-core's photon_format.rs. Rows of position and normal are stored in one array;
+// the remaining data in a second one.
 #ifndef PHOTON_FORMAT_GLSL
 #define PHOTON_FORMAT_GLSL
 
@@ -10,7 +10,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Fluxes { uv
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Powers { uvec3 row; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MonoPowers { uint row; };
 
-// Power and direction of a photon; a direction that is not kept is 0.
+// Power and direction of a photon; a direction that is not stored is 0.
 uvec4 flux_at(uint format, Fluxes fluxes, uint number) {
     if (format == FORMAT_MONO) return uvec4(uvec3(MonoPowers(fluxes)[number].row), 0u);
     if (format == FORMAT_NO_DIRECTION) return uvec4(Powers(fluxes)[number].row, 0u);

@@ -1,4 +1,4 @@
-// Twin of photon-core's projection.rs: how a photon leaves that is aimed at mirrors and glass.
+// Twin of photon-core's projection map: emission of photons aimed at mirrors and glass.
 #ifndef PROJECTION_GLSL
 #define PROJECTION_GLSL
 
@@ -14,7 +14,7 @@ struct ProjectionTarget {
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ProjectionTargets { ProjectionTarget at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AimWords { uint at; };
 
-// The tables of an aim, and how many targets there are.
+// The tables of a projection map, and the number of targets.
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ProjectionRef {
     ProjectionTargets targets;
     AimWords starts;
@@ -22,7 +22,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pro
     uint count;
 };
 
-// Random words in the places of those that the photon was drawn by.
+// Random words to be used in place of those that selected the cell.
 struct ProjectionSample {
     uint light;
     vec3 carried;
@@ -31,7 +31,7 @@ struct ProjectionSample {
     uint side;
 };
 
-// The word whose upper `bits` are `cell` and whose others are the upper ones of `random`.
+// The word whose upper `bits` are `cell` and whose other bits are the upper ones of `random`.
 uint aim_within(uint cell, uint bits, uint random) {
     return bits == 0u ? random : cell << (32u - bits) | random >> bits;
 }

@@ -22,12 +22,12 @@ uint lcg(uint state) {
     return (state * 1103515245u + 12345u) & 0x7FFFFFFFu;
 }
 
-// In [0, 1): the upper 24 bits, exactly.
+// A float in [0, 1) from the upper 24 bits, exactly.
 float unit_f32(uint word) {
     return float(word >> 8) * (1.0 / 16777216.0);
 }
 
-// Modulo 1 the same, in [-1/2, 1/2] and by all bits. Both parts are exact: one rounding.
+// The same number modulo 1, in [-1/2, 1/2] and from all bits. Both parts are exact: one rounding.
 float centred_f32(uint word) {
     precise float sum = float(int(word) >> 8) * (1.0 / 16777216.0) + float(word & 0xFFu) * (1.0 / 4294967296.0);
     return sum;
@@ -43,14 +43,14 @@ struct Sampler {
     uint state;
 };
 
-// `seed` is the low word, then the high one. Only photons obey `kind`.
+// `seed` is the low word, then the high one. `kind` applies only to photons.
 Sampler sampler_new(uint kind, uvec2 seed, uint pass, uint domain, uint path) {
     uint state = (path + pass * 0x9E3779B9u + seed.x) & 0x7FFFFFFFu;
     bool photon = domain == DOMAIN_PHOTON || domain == DOMAIN_AIMED;
     return Sampler(photon ? kind : RANDOM_COUNTER, seed, path, pass, domain, state);
 }
 
-// Four words: those of block `block`, or the next four of the LCG.
+// Four random words: those of block `block`, or the next four of the LCG.
 uvec4 sampler_words(inout Sampler s, uint block) {
     uvec4 words;
     if (s.kind != RANDOM_LCG) {

@@ -1,4 +1,4 @@
-// Twin of photon-core's sampling.rs: from uniform numbers to points and directions.
+// Twin of photon-core's sampling.rs: points and directions from uniform random numbers.
 #ifndef SAMPLING_GLSL
 #define SAMPLING_GLSL
 
@@ -23,7 +23,7 @@ vec3 sampling_around(vec3 axis, float sin_theta, float cos_theta, float turns) {
     return normalize_or(sum, axis);
 }
 
-// The direction that lies `versine` = 1 - cos θ off `axis` and `turns` around it.
+// The direction at the angle θ from `axis`, with `versine` = 1 - cos θ, rotated by `turns` around it.
 vec3 sampling_about(vec3 axis, float versine, float turns) {
     precise float square = versine * (2.0 - versine);
     precise float cos_theta = 1.0 - versine;
@@ -37,13 +37,13 @@ float sampling_versine(vec3 a, vec3 b) {
     return half_square;
 }
 
-// A direction about `n` with density cos θ/π; never in the plane itself.
+// A direction about `n` with density cos θ/π; never exactly in the tangent plane.
 vec3 cosine_hemisphere(vec3 n, float u, float v) {
     precise float square = 1.0 - u;
     return sampling_around(n, sqrt(u), sqrt(square), v);
 }
 
-// A direction with density 1/4π; `u` counts modulo 1.
+// A direction with density 1/4π; `u` is used modulo 1.
 vec3 uniform_sphere(float u, float v) {
     float h = abs(u);
     precise float square = h * (1.0 - h);
@@ -51,21 +51,21 @@ vec3 uniform_sphere(float u, float v) {
     return sampling_around(vec3(0.0, 0.0, 1.0), 2.0 * sqrt(square), u < 0.0 ? -cos_theta : cos_theta, v);
 }
 
-// Weights of the second and third vertex for a uniform point of a triangle.
+// Barycentric weights of the second and third vertex for a uniformly distributed point of a triangle.
 vec2 sampling_triangle(float u, float v) {
     float root = sqrt(u);
     precise vec2 weights = vec2(root * (1.0 - v), root * v);
     return weights;
 }
 
-// A uniform point of the unit disc.
+// A uniformly distributed point of the unit disc.
 vec2 sampling_disc(float u, float v) {
     vec2 sin_cos = sin_cos_turns(v);
     precise vec2 point = sqrt(u) * sin_cos.yx;
     return point;
 }
 
-// A spot's intensity relative to that on its axis; all angles as 1 - cos.
+// A spot light's intensity relative to that on its axis; all angles as 1 - cos.
 float spot_falloff(float versine, float inner, float outer) {
     if (versine <= inner) return 1.0;
     if (versine >= outer) return 0.0;
@@ -74,13 +74,13 @@ float spot_falloff(float versine, float inner, float outer) {
     return square;
 }
 
-// Solid angle that the falloff integrates to, in single precision.
+// Integral of the falloff over solid angle, in single precision.
 float spot_solid_angle(float inner, float outer) {
     precise float angle = 6.2831853 * (inner + (outer - inner) * 0.33333333);
     return angle;
 }
 
-// 1 - cos of the angle from the axis of a spot, with density in proportion to its intensity.
+// 1 - cos of the angle from the axis of a spot light, with density proportional to its intensity.
 float spot_versine(float inner, float outer, float u) {
     precise float rim = (outer - inner) * 0.33333333;
     precise float depth = u * (inner + rim);

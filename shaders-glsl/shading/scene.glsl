@@ -1,7 +1,7 @@
-// Twin of backend-cpu's scene.rs: the tables of a scene, and what shading needs of a hit.
+// Twin of backend-cpu's scene.rs: the tables of a scene, and the surface data for shading a hit.
 //
-// A kernel gets one address, that of a SceneRef; all else is found from there. Corners and facets are
-// in the order of the tree (Hit::slot); Hit::primitive is the index that the user gave.
+// A kernel gets one address, that of a SceneRef; all tables are found through it. Corners and triangle records
+// are in BVH order (Hit::slot); Hit::primitive is the index that the user supplied.
 #ifndef SCENE_GLSL
 #define SCENE_GLSL
 
@@ -13,27 +13,26 @@
 struct Ray {
     vec3 origin;
     vec3 direction;
-    // Hits farther than this do not count.
+    // Maximum distance of hits.
     float t_max;
 };
 
 const float NO_LIMIT = 3.4028235e38;
 
-// Eight children, their boxes in steps of a power of two from a corner; see intersect.glsl.
+// Eight children, with boxes quantized in steps of a power of two from a corner; see intersect.glsl.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WideNodes {
     uvec4 words[5];
 };
 
-// A triangle, as the tree orders them: three vertices; in the last word of the first its index, of the second its
-// margin.
+// A triangle, in BVH order: three vertices; `w` of the first is its index, of the second its margin.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Corners {
     vec4 a;
     vec4 b;
     vec4 c;
 };
 
-// What a light's record leaves out: its power over the probability that it is picked, that
-// probability, and the corners of its triangle with its margin.
+// Data beyond a light's record: its power divided by its selection probability, that probability, and the
+// corners of its triangle with its margin.
 struct Emission {
     vec3 carried;
     float probability;
@@ -42,7 +41,7 @@ struct Emission {
     vec3 c;
     vec3 normal;
     float margin;
-    // Media that paths start in, on the front and on the back.
+    // Media that paths start in, on the front and on the back side.
     uvec2 media;
     uint reserved;
 };
@@ -66,26 +65,26 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
 
 #include "shading/intersect.glsl"
 
-// Where a ray meets the scene.
+// A surface point hit by a ray.
 struct Surface {
     float t;
     vec3 point;
-    // Where rays go on from, but for the step off the surface.
+    // Origin for continuing rays, except for the offset from the surface.
     vec3 start;
-    // On the side that the ray came from.
+    // Facing the side that the ray came from.
     vec3 normal;
-    // Between that normal and the way back, at least 0.
+    // Cosine between that normal and the reversed ray direction, at least 0.
     float cosine;
-    // Whether that is the front.
+    // Whether that side is the front.
     bool front;
     uint material;
 };
 
-// All that shading needs of a hit of a ray in this direction.
+// All data that shading needs of a hit of a ray in this direction.
 Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     Primitive primitive = scene.primitives[hit.slot].at;
-    // Each as a whole: llvmpipe of Mesa 22.3 reads the third component of a vector for the fourth, if that alone is
-    // asked for where the first three are too.
+    // Whole vectors are read: llvmpipe of Mesa 22.3 returns the third component of a vector for the fourth if
+    // the fourth alone is read in addition to the first three.
     Corners corners = scene.corners[hit.slot];
     vec4 a = corners.a;
     vec4 b = corners.b;
@@ -103,7 +102,7 @@ Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     return found;
 }
 
-// The nearest surface.
+// The nearest surface along a ray.
 bool surface(SceneRef scene, Ray ray, out Surface found) {
     Hit hit;
     if (!nearest(scene, ray, hit)) return false;
@@ -111,21 +110,21 @@ bool surface(SceneRef scene, Ray ray, out Surface found) {
     return true;
 }
 
-// A ray that goes on from here on the side that it came from.
+// A ray that continues on the side that the incoming ray came from.
 Ray surface_leave(Surface at, vec3 direction) {
     return Ray(off_surface(at.start, at.normal), direction, NO_LIMIT);
 }
 
-// A ray that goes on beyond.
+// A ray that continues on the other side.
 Ray surface_pass(Surface at, vec3 direction) {
     return Ray(off_surface(at.start, -at.normal), direction, NO_LIMIT);
 }
 
-// The light whose share of the range of a random word holds `random`.
+// The light whose interval of the range of random words contains `random`.
 uint pick_light(SceneRef scene, uint random) {
     uint low = 0u;
     uint high = scene.light_count;
-    // The first start is 0, so that `low` is right all along.
+    // The first interval starts at 0, so that the invariant for `low` always holds.
     while (high - low > 1u) {
         uint middle = low + (high - low) / 2u;
         if (scene.light_cdf[middle].at <= random) low = middle;

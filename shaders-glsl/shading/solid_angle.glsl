@@ -1,13 +1,14 @@
-// Twin of photon-core's solid_angle.rs: triangles as seen from a point near by. All corners are relative to the eye.
+// Twin of photon-core's solid_angle.rs: triangles as seen from a nearby point. All corners are relative to the
+// eye.
 #ifndef SOLID_ANGLE_GLSL
 #define SOLID_ANGLE_GLSL
 
 #include "shading/math.glsl"
 
-// How often the spread of its corners a triangle must be away, in squares, not to be near.
+// Squared distance, in units of the squared spread of its corners, beyond which a triangle is not near.
 const float SOLID_ANGLE_NEAR = 32.0;
 
-// Nearer than this to its plane a triangle is not seen.
+// A triangle whose plane is closer than this is not visible.
 const float SOLID_ANGLE_MIN_HEIGHT = 1.0 / 2097152.0;
 
 // Whether a triangle is nearer than four times its radius.
@@ -30,14 +31,14 @@ float solid_angle_of(vec3 a, vec3 b, vec3 c, float height, float area) {
     return angle;
 }
 
-// The first of two lengths over both, 0 where there are none.
+// The first of two lengths divided by their sum, 0 if both are 0.
 float solid_angle_share(float first, float second) {
     precise float both = first + second;
     return both > 0.0 ? min(first / both, 1.0) : 0.0;
 }
 
-// Weights of the second and the third corner for a direction uniform in the solid angle, and that angle; false where
-// the triangle is too thin for it.
+// Barycentric weights of the second and the third corner for a direction uniform in the solid angle, and that
+// angle; returns false if the triangle is too thin for it.
 bool solid_angle_sample(
     vec3 a, vec3 b, vec3 c, float height, float area, float u, float v, out vec2 weights, out float solid_angle
 ) {
@@ -56,7 +57,7 @@ bool solid_angle_sample(
     precise float volume = (height / x) * (2.0 * area / (y * z));
     precise float rest = 1.0 + xy + yz + zx;
     float half_turns = turns_of(volume, rest);
-    // The pole stands opposite the widest side.
+    // The pole is the corner opposite the widest side.
     uint first = zx <= min(xy, yz) ? 0u : (xy <= yz ? 1u : 2u);
     vec3 start = a, finish = c;
     float start_length = x, pole_length = y, finish_length = z;

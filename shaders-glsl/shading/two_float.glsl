@@ -1,9 +1,9 @@
-// Sums that lose nothing to speak of: two floats that do not overlap, 48 bits between them.
+// Nearly lossless sums: two non-overlapping floats with 48 bits between them.
 #ifndef TWO_FLOAT_GLSL
 #define TWO_FLOAT_GLSL
 
-// Adds `x` to the sum (Knuth 1969, theorem B of section 4.2.2; then Dekker 1971, who puts the parts
-// in order again). No contraction: the errors are what it is about.
+// Adds `x` to the sum (Knuth 1969, theorem B of section 4.2.2; then Dekker 1971, who renormalizes the parts).
+// No contraction, since that would destroy the error terms.
 void two_add(inout float high, inout float low, float x) {
     precise float sum = high + x;
     precise float part = sum - high;
@@ -26,8 +26,8 @@ void two_add(inout vec3 high, inout vec3 low, vec3 x) {
     low = left;
 }
 
-// The square of `high + low`, as such a sum (Dekker 1971, by Veltkamp's halves of 12 bits). Beyond
-// 2^60 the parts would overflow; the product alone is then all there is.
+// The square of `high + low` as a two-float sum (Dekker 1971, with Veltkamp's split into halves of 12 bits).
+// Beyond 2^60 the parts would overflow; then only the rounded product is returned.
 void two_square(float high, float low, out float square, out float rest) {
     precise float product = high * high;
     if (abs(high) > 1.0e18) {

@@ -1,4 +1,4 @@
-// Radix sort, first of three kernels a digit: how often every tile has every digit.
+// Radix sort, first of three kernels per digit: counts every digit in every tile.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -6,7 +6,7 @@
 #extension GL_EXT_scalar_block_layout : require
 
 layout(local_size_x_id = 1) in;
-// Words to a key.
+// Words per key.
 layout(constant_id = 2) const uint KEY_WORDS = 1;
 
 #include "device/grid.glsl"
@@ -28,7 +28,7 @@ void main() {
     if (tile >= push.tiles) return;
     for (uint at = group_rank(); at < SORT_SUBGROUPS * SORT_DIGITS; at += gl_WorkGroupSize.x) sort_counts[at] = 0;
     barrier();
-    // A row of counters to a subgroup: fewer invocations wait for each other than at one row.
+    // One row of counters per subgroup: less contention than with a single row.
     uint own = gl_SubgroupID * SORT_DIGITS;
     [[unroll]] for (uint i = 0; i < SORT_ITEMS; i++) {
         uint at = tile * SORT_TILE + i * gl_WorkGroupSize.x + group_rank();

@@ -1,5 +1,5 @@
-// Radix sort, second of three kernels a digit: one workgroup to each digit sums its counts in the
-// tiles before each.
+// Radix sort, second of three kernels per digit: prefix sums over tiles of each digit's counts, one workgroup
+// per digit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

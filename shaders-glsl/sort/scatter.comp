@@ -1,4 +1,4 @@
-// Radix sort, third of three kernels a digit: brings every tile into order and writes it where it goes.
+// Radix sort, third of three kernels per digit: sorts every tile and writes it to its destination.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -6,7 +6,7 @@
 #extension GL_EXT_scalar_block_layout : require
 
 layout(local_size_x_id = 1) in;
-// Words to a key.
+// Words per key.
 layout(constant_id = 2) const uint KEY_WORDS = 1;
 
 #include "device/grid.glsl"
@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Push {
     Words values;
     Words sorted_keys;
     Words sorted_values;
-    // By digit, then by tile: in tiles before.
+    // By digit, then by tile: count in earlier tiles.
     Words counts;
     // By digit.
     Words totals;
@@ -26,12 +26,11 @@ layout(push_constant, scalar) uniform Push {
     uint tiles;
     // The digit's lowest bit.
     uint shift;
-    // Bit 0: values are the numbers of the elements, there is nothing to read. Bit 1: nobody wants the
-    // keys any more.
+    // Bit 0: values are the indices of the elements and are not read. Bit 1: the sorted keys are not needed.
     uint flags;
 } push;
 
-// Where the keys of every digit begin: adds that to `sort_offset`.
+// Adds the position of the first key of every digit to `sort_offset`.
 void add_starts(uint tile) {
     uint share = max(SORT_DIGITS / gl_WorkGroupSize.x, 1);
     uint first = group_rank() * share;
@@ -78,7 +77,7 @@ void main() {
             }
         }
     }
-    // Has barriers.
+    // Contains barriers.
     add_starts(tile);
 
     // From here on an invocation has every gl_WorkGroupSize.x-th element of the sorted tile.

@@ -1,11 +1,11 @@
-// A tile of a stable radix sort: up to eight subgroups, 16 keys to an invocation, digits of eight bits.
+// A tile of a stable radix sort: up to eight subgroups, 16 keys per invocation, digits of eight bits.
 //
-// Every subgroup owns a contiguous share of the tile and goes through it in order, a row of one key
-// to an invocation at a time. Those with equal digits in a row find each other by ballots, digit bit
-// by digit bit; so ranks are stable whatever the size of the subgroups (Merrill and Grimshaw 2011,
-// "High performance and scalable radix sorting", rank digits in shared memory instead).
+// Every subgroup owns a contiguous part of the tile and processes it in order, in rows of one key per
+// invocation. Invocations with equal digits in a row find each other by ballots, one per bit of the digit; so
+// ranks are stable for any subgroup size (Merrill and Grimshaw 2011, "High performance and scalable radix
+// sorting", rank digits in shared memory instead).
 //
-// To be included after the workgroup's size is declared.
+// To be included after the workgroup size is declared.
 #ifndef SORT_TILE_GLSL
 #define SORT_TILE_GLSL
 
@@ -21,25 +21,25 @@ const uint SORT_DIGITS = 256;
 
 #define SORT_TILE (gl_WorkGroupSize.x * SORT_ITEMS)
 
-// How often each subgroup has seen each digit; then the place in the tile of its first.
+// Count of each digit in each subgroup; then the position in the tile of its first key.
 shared uint sort_counts[SORT_SUBGROUPS * SORT_DIGITS];
-// What is on its way to its place.
+// Elements being permuted.
 shared uint sort_staged[gl_WorkGroupSize.x * SORT_ITEMS];
-// Where the keys of a digit go, less their place in the tile.
+// Destination of the keys of a digit, minus their position in the tile.
 shared uint sort_offset[SORT_DIGITS];
 
-// Place in the tile of this invocation's first element; the next ones are a subgroup apart.
+// Position in the tile of this invocation's first element; the following ones are a subgroup size apart.
 uint sort_first() {
     return gl_SubgroupID * gl_SubgroupSize * SORT_ITEMS + gl_SubgroupInvocationID;
 }
 
-// The ranks of this invocation's elements among those of its subgroup with the same digit.
-// `digits` are below 256, or 256 for none. Leaves the counts in `sort_counts`.
+// Ranks of this invocation's elements among those of its subgroup with the same digit. `digits` are below 256,
+// or 256 for none. Leaves the counts in `sort_counts`.
 void sort_rank(uint digits[SORT_ITEMS], out uint ranks[SORT_ITEMS]) {
     for (uint at = group_rank(); at < SORT_SUBGROUPS * SORT_DIGITS; at += gl_WorkGroupSize.x) sort_counts[at] = 0;
     barrier();
     uint own = gl_SubgroupID * SORT_DIGITS;
-    // Not to be unrolled on demand: see scan_tile.glsl.
+    // Without unroll attribute: see scan_tile.glsl.
     for (uint i = 0; i < SORT_ITEMS; i++) {
         uint digit = digits[i];
         uvec4 peers = subgroupBallot(digit < SORT_DIGITS);
@@ -55,16 +55,16 @@ void sort_rank(uint digits[SORT_ITEMS], out uint ranks[SORT_ITEMS]) {
             before = atomicAdd(sort_counts[own + digit], subgroupBallotBitCount(peers));
         }
         ranks[i] = subgroupShuffle(before, leader) + subgroupBallotExclusiveBitCount(peers);
-        // The next row's atomics come after this row's.
+        // Orders the next row's atomics after this row's.
         subgroupMemoryBarrierShared();
     }
     barrier();
 }
 
-// Turns the counts into places in the tile, and sets `sort_offset` to the negative place of the first
+// Converts the counts into positions in the tile, and sets `sort_offset` to the negative position of the first
 // key of every digit.
 void sort_places() {
-    // Consecutive digits to an invocation.
+    // Consecutive digits per invocation.
     uint share = max(SORT_DIGITS / gl_WorkGroupSize.x, 1);
     uint first = group_rank() * share;
     uint sum = 0;

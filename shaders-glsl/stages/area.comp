@@ -1,4 +1,4 @@
-// Divides estimates by the part of their disc that lies on the surface. Twin of backend-cpu's area.rs:
+// Divides estimates by the fraction of their disc that lies on the surface. Twin of backend-cpu's area.rs, with
 // the same random numbers. One invocation per query.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -9,9 +9,10 @@ layout(local_size_x_id = 1) in;
 
 layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint KERNEL = 0;
-// Whether photons off the query's plane are turned away, and surfaces with them.
+// Whether photons off the query's plane are rejected, and surfaces likewise.
 layout(constant_id = 3) const uint FLAT = 0;
-// Whether errors are told: shares of the second radii are found too, and divided out.
+// Whether error moments are computed: then the fractions for the second radii are estimated too, and divided
+// out.
 layout(constant_id = 4) const uint SECOND = 0;
 
 #include "shading/area.glsl"
@@ -36,13 +37,13 @@ layout(push_constant, scalar) uniform Push {
     uint pass;
     uint start;
     float min_cosine;
-    // The cone's slope.
+    // The cone kernel's slope.
     float slope;
-    // Of photons from a query's plane, in radii.
+    // Maximum distance of photons from a query's plane, in radii.
     float max_plane_distance;
 } push;
 
-// The nearest surface that is not glass; its `t` from where the ray began.
+// The nearest surface that is not glass; its `t` is relative to the ray's origin.
 bool opaque(Ray ray, out Surface found) {
     float passed = 0.0;
     for (uint sheet = 0; sheet <= AREA_SHEETS; sheet++) {
@@ -74,18 +75,19 @@ void main() {
     float turn = unit_f32(words.x), shift = unit_f32(words.y);
     vec3 from = off_surface(push.queries[i].at.position, normal);
     Surface at;
-    // Under a ceiling, from half its height.
+    // Below a ceiling, probes start at half its height.
     float height = AREA_HEIGHT * radius;
     if (opaque(Ray(from, normal, height), at)) height = 0.5 * at.t;
     vec3 apex = from + normal * height;
     float far = SECOND != 0 ? 1.41421356 * radius : radius;
-    // By the first radius, √2 of it and 1/√2 of it.
+    // For the first radius, √2 of it and 1/√2 of it.
     vec3 found = vec3(0.0), all = vec3(0.0);
     for (uint spoke = 0; spoke < AREA_SPOKES; spoke++) {
         vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
         vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
         float free = opaque(Ray(apex, direction, far), at) ? at.t : far;
-        // From the outermost on: where that lies on the surface and nothing is in the way, so do all within.
+        // From the outermost probe inwards: if it lies on the surface and nothing is in the way, so do all
+        // inner ones.
         bool whole = false;
         for (uint left = AREA_RINGS + SECOND; left > 0; left--) {
             uint ring = left - 1;
@@ -109,10 +111,10 @@ void main() {
                 weights *= vec3(lessThanEqual(vec3(off), most));
                 if (weights == vec3(0.0)) continue;
             }
-            // Behind something, it may lie within a solid, where no photon lands.
+            // Behind an occluder, the point may be inside a solid, where no photon is stored.
             if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
             found += weights;
-            // The outer probe is not asked where no errors are told, and the picture is to be the same.
+            // The outer probe is skipped if no error moments are computed, and the image must not depend on it.
             whole = ring < AREA_RINGS && FLAT == 0 && away <= free;
         }
     }

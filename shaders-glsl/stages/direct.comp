@@ -1,5 +1,5 @@
 // Direct light by next-event estimation: mean irradiance over the shadow rays of each query. Twin of
-// backend-cpu's direct.rs: the same random numbers.
+// backend-cpu's direct.rs, with the same random numbers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -8,7 +8,7 @@
 layout(local_size_x_id = 1) in;
 
 layout(constant_id = 0) const uint FEATURES = 511;
-// Lights that are weighed for each query; 0 if power alone decides.
+// Number of lights that are weighted at each query; 0 if lights are chosen by power alone.
 layout(constant_id = 2) const uint WEIGHED = 0;
 layout(constant_id = 3) const uint MEDIA = 1;
 
@@ -36,13 +36,13 @@ layout(push_constant, scalar) uniform Push {
     uvec2 seed;
     uint pass;
     uint rays;
-    // The first query of this dispatch, and which rays of each.
+    // First query of this dispatch, and range of rays of each query.
     uint start;
     uint start_ray;
     uint end_ray;
 } push;
 
-// The whole part of (ray · 2³² + random) / rays, for ray < rays: one stratum of the lights each.
+// ⌊(ray · 2³² + random) / rays⌋, for ray < rays: stratified selection of lights.
 uint stratum(uint ray, uint rays, uint random) {
     if (rays == 1) return random;
     if (rays < 65536) {
@@ -51,7 +51,7 @@ uint stratum(uint ray, uint rays, uint random) {
         uint rest = 0xFFFFFFFFu % rays + 1;
         return ray * whole + random / rays + (ray * rest + random % rays) / rays;
     }
-    // Bit by bit; what is carried stays below rays.
+    // Bit by bit; the remainder stays below `rays`.
     uint quotient = 0;
     uint carried = ray;
     for (int bit = 31; bit >= 0; bit--) {
@@ -65,22 +65,22 @@ uint stratum(uint ray, uint rays, uint random) {
     return quotient;
 }
 
-// A point that a shadow ray goes to.
+// A sampled point on a light.
 struct Target {
     vec3 to;
-    // The normal of a lamp on the side that the ray arrives at.
+    // The normal of an area light on the side that the ray arrives at.
     vec3 front;
-    // Of the whole lamp, where the point is uniform in that; 0 where it is uniform in area.
+    // Solid angle of the whole area light, if the point is uniform in solid angle; 0 if it is uniform in area.
     float solid_angle;
 };
 
-// A point of a triangle, on the side that faces the query; false if none does.
+// Samples a point of a triangle, on the side that faces the query; returns false if none does.
 bool at_area_light(Emission area_light, Light light, vec3 from, float u, float v, out Target target) {
     target.front = area_light.normal;
     target.solid_angle = 0.0;
     target.to = area_light.a;
     if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(area_light.normal, from - area_light.a) < 0.0) target.front = -area_light.normal;
-    // As seen from as far behind as rays end above the lamp.
+    // As seen from as far behind the query as shadow rays end above the light.
     vec3 eye = off_surface(from, -target.front);
     vec3 a = area_light.a - eye, b = area_light.b - eye, c = area_light.c - eye;
     float height = -dot3(target.front, a);
@@ -95,8 +95,8 @@ bool at_area_light(Emission area_light, Light light, vec3 from, float u, float v
     return true;
 }
 
-// Unoccluded irradiance from one point of a light over the density of that point, and the ray that
-// must be free. False if the light is on the other side.
+// Unoccluded irradiance from one point of a light divided by its pdf, and the shadow ray. Returns false if the
+// light faces the other way.
 bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 value, out Ray ray) {
     Light light = push.scene.lights[index].at;
     vec3 from = off_surface(position, normal);
@@ -120,10 +120,10 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
     float cosine = dot3(normal, direction);
     ray = Ray(from, direction, far);
     if (!(cosine > 0.0)) return false;
-    // Both sides share the power; it is the one that faces the query.
+    // A two-sided light splits its power between its sides; only the one facing the query contributes.
     float sides = (light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0;
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && target.solid_angle > 0.0) {
-        // The radiance is the power over π and the area.
+        // The radiance is the power divided by π and the area.
         value = light.power * sides * (target.solid_angle * 0.318309886 / light.area * cosine);
         return true;
     }
@@ -136,7 +136,7 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
         float falloff = spot_falloff(off, light.versine_inner, light.versine_outer);
         intensity = light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
     } else {
-        // All its power, as if it left this point with the cosine of Lambert.
+        // All its power, as if it left from this point with a Lambertian cosine.
         intensity = light.power * sides * max(-dot3(direction, target.front) * 0.318309886, 0.0);
     }
     value = intensity * (cosine / square);
@@ -160,7 +160,7 @@ void main() {
         Ray ray;
         if (sample_light(index, position, normal, words, value, ray)
             && !occluded(push.scene, ray)) {
-            // Nothing is in between, so that all of the way is in the query's medium.
+            // The shadow ray is unoccluded, so that it lies entirely in the query's medium.
             if ((FEATURES & FEATURE_ABSORPTION) != 0 && push.queries[i].at.media != VACUUM) {
                 value *= transmittance(push.scene, push.queries[i].at.media, ray.t_max);
             }

@@ -1,4 +1,4 @@
-// Photons leave the lights, one invocation a path: twin of backend-cpu's emit.rs.
+// Photon emission, one invocation per path: twin of backend-cpu's emit.rs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -9,7 +9,7 @@
 layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint RANDOM = 0;
-// Whether photons are aimed at mirrors and glass.
+// Whether photons are aimed at mirrors and glass by a projection map.
 layout(constant_id = 3) const bool AIMED = false;
 
 #include "shading/projection.glsl"
@@ -29,7 +29,7 @@ layout(push_constant, scalar) uniform Push {
     ProjectionRef projection;
 } push;
 
-// Apart from `main`, since the compiler does not bear `precise` on what was just loaded.
+// In a function of its own, since the compiler does not support `precise` on values just loaded.
 vec3 behind_disc(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, float radius) {
     precise vec3 behind = (tangent * at.x + bitangent * at.y - along) * radius;
     return behind;

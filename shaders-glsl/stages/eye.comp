@@ -1,5 +1,5 @@
-// Follows the camera path of each pixel through mirrors and glass to diffuse surfaces. Twin of
-// backend-cpu's eye.rs: the same random numbers, the same order of a pixel's queries.
+// Traces the camera path of each pixel through mirrors and glass to diffuse surfaces. Twin of backend-cpu's
+// eye.rs: the same random numbers, the same order of a pixel's queries.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -8,11 +8,11 @@
 layout(local_size_x_id = 1) in;
 
 layout(constant_id = 0) const uint FEATURES = 511;
-// How often a path splits at glass; it may then end in 2 to that power of queries.
+// Maximum number of splits of a path at glass; it then ends in up to 2 to this power of queries.
 layout(constant_id = 2) const uint MAX_SPLITS = 2;
-// Numbers of random numbers that a pixel has to itself, in powers of two.
+// Log2 of the number of random-number path indices reserved for a pixel.
 layout(constant_id = 3) const uint PATHS_LOG2 = 2;
-// Neighbouring invocations look at tiles of 32 pixels, that is 2 to this power of rows.
+// Neighbouring invocations process tiles of 32 pixels; log2 of the number of rows of a tile.
 layout(constant_id = 4) const uint TILE_ROWS_LOG2 = 2;
 layout(constant_id = 5) const uint MEDIA = 1;
 
@@ -32,28 +32,28 @@ layout(push_constant, scalar) uniform Push {
     Cameras camera;
     FirstPass first;
     Planes emission;
-    // 2 to the power of MAX_SPLITS places for each pixel, and how many of them are taken.
+    // 2 to the power of MAX_SPLITS slots for each pixel, and the number of them that are filled.
     Queries found;
     Words counts;
     uvec2 seed;
     uint pass;
     uint width;
     uint height;
-    // The rows of this dispatch.
+    // Range of rows of this dispatch.
     uint start_row;
     uint end_row;
     uint max_bounces;
 } push;
 
-// A camera path under way.
+// An active camera path.
 struct Path {
     Ray ray;
-    // Of radiance over n^2, which refraction leaves as it is.
+    // In terms of radiance / n^2, which refraction does not change.
     vec3 throughput;
     uint media;
     uint surfaces;
     uint splits;
-    // Which of the pixel's paths this is; a key of random numbers.
+    // Index of this path among the pixel's paths; a key of random numbers.
     uint branch;
 };
 
@@ -61,7 +61,7 @@ uvec4 words(uint pixel, uint branch, uint block) {
     return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, DOMAIN_EYE), push.seed);
 }
 
-// The ray through a point of the picture, both coordinates in [-1, 1].
+// The camera ray through a point of the image, both coordinates in [-1, 1].
 Ray camera_ray(float x, float y) {
     Camera camera = push.camera.at;
     precise vec3 offset = camera.right * x + camera.up * y;
@@ -73,7 +73,7 @@ Ray camera_ray(float x, float y) {
     return Ray(camera.origin, normalize_or(towards, camera.forward), NO_LIMIT);
 }
 
-// Where the path goes on from `at`, and the other path in `other` if it splits there.
+// Continues the path from `at`; if it splits there, the other path is returned in `other`.
 bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, uint transmitted) {
     bool split = false;
     uint lobe = bsdf_choose(bsdf, 0.0);
@@ -124,7 +124,7 @@ void main() {
     precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
     Path path = Path(camera_ray(across, -down), vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0);
 
-    // No path splits more than twice, so that no more than two wait.
+    // No path splits more than twice, so that at most two wait.
     Path waiting[2];
     uint waits = 0;
     uint found = 0;
@@ -159,7 +159,8 @@ void main() {
                 throughput = throughput * bsdf.albedo * 0.318309886;
                 if (throughput != vec3(0.0)) {
                     uint key = (pixel << PATHS_LOG2) + path.branch;
-                    // Off edges, beside which rounding may put it behind the next wall, out of its shadow.
+                    // Moved away from edges, next to which rounding might put it behind the adjacent wall, out
+                    // of its shadow.
                     push.found[(pixel << MAX_SPLITS) + found].at = Query(
                         at.start, 1.0, at.normal, pixel, throughput, sides.before,
                         octahedral_pack(-path.ray.direction), key, uint[2](0u, 0u));

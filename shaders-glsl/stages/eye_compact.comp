@@ -1,5 +1,5 @@
-// Queries close ranks: from a fixed number of places for each pixel to one after another, in order of
-// pixel, then as they were found. One invocation per place.
+// Compacts queries: from a fixed number of slots per pixel to consecutive elements, in pixel order, then in the
+// order in which they were found. One invocation per slot.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -7,7 +7,7 @@
 #extension GL_EXT_scalar_block_layout : require
 layout(local_size_x_id = 1) in;
 
-// Places of a pixel, in powers of two.
+// Log2 of the number of slots per pixel.
 layout(constant_id = 2) const uint PLACES_LOG2 = 2;
 
 #include "device/grid.glsl"
@@ -16,12 +16,12 @@ layout(constant_id = 2) const uint PLACES_LOG2 = 2;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint at; };
 
 layout(push_constant, scalar) uniform Push {
-    // As the camera left them.
+    // As the camera pass stored them.
     Queries found;
     Words counts;
-    // How many stand before each pixel.
+    // Number of queries before each pixel.
     Words offsets;
-    // Where the first query of pixel `start` goes.
+    // Destination of the first query of pixel `start`.
     Queries to;
     uint capacity;
     uint start;

@@ -1,4 +1,4 @@
-// Queries that have closed ranks elsewhere come back to where they belong.
+// Copies compacted queries from scratch memory to their final positions.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -14,10 +14,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Wor
 layout(push_constant, scalar) uniform Push {
     Queries from;
     Queries queries;
-    // How many stand before each pixel, and altogether.
+    // Number of queries before each pixel, and in total.
     Words offsets;
     Words total;
-    // The pixels whose queries these are, and all.
+    // Range of pixels whose queries these are, and number of all pixels.
     uint start;
     uint end;
     uint pixels;

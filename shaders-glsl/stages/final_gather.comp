@@ -1,6 +1,6 @@
-// Follows final-gather rays from queries to the diffuse surfaces where photon maps are read. Twin of
-// backend-cpu's gather.rs: the same random numbers. One invocation per ray, all rays of a query one
-// after another; what lands is a query in its turn.
+// Traces final-gather rays from queries to the diffuse surfaces where photon maps are read. Twin of
+// backend-cpu's final_gather.rs, with the same random numbers. One invocation per ray, the rays of a query
+// consecutive; each hit becomes a query.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -27,7 +27,7 @@ layout(push_constant, scalar) uniform Push {
     Queries landings;
     uvec2 seed;
     uint pass;
-    // Rays of a query, altogether and in this dispatch.
+    // Rays per query, in total and in this dispatch.
     uint rays;
     uint start_ray;
     uint count_rays;
@@ -36,7 +36,7 @@ layout(push_constant, scalar) uniform Push {
     uint max_bounces;
 } push;
 
-// Where no photon is: what has not landed asks there, and is told nothing.
+// A position without photons: the query of a ray that hit nothing, whose estimate is 0.
 const float NOWHERE = 1.0e6;
 
 void main() {
@@ -49,11 +49,11 @@ void main() {
     uint key = push.queries[from].at.path;
     uint block = index * (push.max_bounces + 1);
     uvec4 words = philox4x32(uvec4(key, block, push.pass, DOMAIN_GATHER), push.seed);
-    // One stratum of the height for each ray.
+    // Height stratified over the rays.
     precise float height = (float(index) + unit_f32(words.x)) / float(push.rays);
     vec3 direction = cosine_hemisphere(normal, min(height, 1.0 - 1.1920929e-7), unit_f32(words.y));
     Ray ray = Ray(off_surface(push.queries[from].at.position, normal), direction, NO_LIMIT);
-    // Of radiance over n^2, which refraction leaves as it is.
+    // In terms of radiance / n^2, which refraction does not change.
     vec3 throughput = vec3(1.0);
     uint start = GLASS ? push.queries[from].at.media : VACUUM;
     uint media = start;

@@ -1,4 +1,4 @@
-// Adds up what the rays of each query found in one photon map. One invocation per query.
+// Sums the estimates of the gather rays of each query for one photon map. One invocation per query.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -6,9 +6,9 @@
 #extension GL_EXT_scalar_block_layout : require
 layout(local_size_x_id = 1) in;
 
-// Whether what estimates tell of their errors is added up too.
+// Whether the error moments of the estimates are summed as well.
 layout(constant_id = 2) const uint ERROR_MOMENTS = 0;
-// Whether what was found is irradiance itself, not flux within a disc.
+// Whether the estimates are irradiance rather than flux within a disc.
 layout(constant_id = 3) const uint IRRADIANCE = 0;
 
 #include "device/grid.glsl"
@@ -22,15 +22,15 @@ layout(push_constant, scalar) uniform Push {
     Estimates estimates;
     Values values;
     ErrorMomentsBuffer error_moments;
-    // For each query: irradiance by twice the area less that of the picture, that less the one by half the
-    // area, and powers; in the places of `wide`, `narrow` and the powers.
+    // For each query: irradiance from twice the area minus that of the image, the latter minus that from half
+    // the area, and powers; stored in `wide`, `narrow` and the powers.
     ErrorMomentsBuffer errors;
     uint count_rays;
     uint start_query;
     uint count_queries;
-    // 1 over π times the paths times the rays of a query.
+    // 1 / (π times the number of paths times the number of rays of a query).
     float scale;
-    // 1 over the rays.
+    // 1 / number of rays.
     float share;
     uint padding;
 } push;

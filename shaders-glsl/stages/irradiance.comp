@@ -1,5 +1,5 @@
-// Adds what one map's estimates say to the irradiance at points, which are photons with irradiance for
-// their power. Twin of backend-cpu's irradiance.rs.
+// Adds one map's estimates to the irradiance at points, which are photons whose power is the irradiance. Twin
+// of backend-cpu's irradiance.rs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -16,9 +16,9 @@ layout(push_constant, scalar) uniform Push {
     Estimates estimates;
     Photons points;
     uint count;
-    // Whether it is the first map, and the points are not there yet.
+    // Whether this is the first map, so that the points are not yet initialized.
     uint first;
-    // 1 over π times the paths.
+    // 1 / (π times the number of paths).
     float scale;
 } push;
 

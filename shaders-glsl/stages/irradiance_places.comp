@@ -1,4 +1,4 @@
-// Queries at every so-manieth photon, in the order of the map. Twin of backend-cpu's irradiance.rs.
+// Queries at every n-th photon, in map order. Twin of backend-cpu's irradiance.rs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -14,7 +14,7 @@ layout(local_size_x_id = 1) in;
 layout(push_constant, scalar) uniform Push {
     Slots positions;
     Queries queries;
-    // Queries that are there already; those to come.
+    // Number of queries already written; number of queries to write.
     uint first;
     uint count;
     uint every;

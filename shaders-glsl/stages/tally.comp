@@ -1,4 +1,4 @@
-// Sums how paths ended, in integers, so that the order does not show.
+// Sums path statistics in integers, so that the result does not depend on the order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -9,7 +9,7 @@
 
 layout(local_size_x_id = 1) in;
 layout(constant_id = 3) const uint WANTED = 7;
-// Ways in which paths end: one more if they are aimed.
+// Number of fates: one more if paths are aimed.
 layout(constant_id = 4) const uint FATES = 4;
 
 #include "shading/constants.glsl"
@@ -30,15 +30,15 @@ layout(push_constant, scalar) uniform Push {
     uint count;
 } push;
 
-// Two words each: paths by fate, surfaces, photons by map, paths in too many solids. Then three words for each channel of the
-// flux emitted, and by fate.
+// Two words each: paths by fate, surfaces, photons by map, paths nested in too many solids. Then three words
+// for each channel of the emitted flux, and of the flux by fate.
 const uint COUNTERS = FATES + 2u + MAP_COUNT;
 const uint FLUXES = 3u + 3u * FATES;
 const uint WORDS = 2u * COUNTERS + 3u * FLUXES;
 
 shared uint total[WORDS];
 
-// Units of 2^-40, rounded towards zero; saturates; NaN is 0.
+// Fixed point in units of 2^-40, rounded towards zero; saturates; NaN becomes 0.
 int64_t fixed_flux(float flux) {
     if (is_nan(flux)) return 0l;
     float scaled = flux * 1099511627776.0;
@@ -92,7 +92,7 @@ void main() {
             low[c] += uint64_t(uint(uint64_t(emitted)));
             high[c] += emitted >> 32;
             [[unroll]] for (uint f = 0u; f < FATES; ++f) {
-                // What a path no longer carries at its end was absorbed on the way.
+                // The power that a path lost before its end was absorbed on the way.
                 int64_t part = (fate == f ? left : 0l) + (f == FATE_ABSORBED ? emitted - left : 0l);
                 low[3u + 3u * f + c] += uint64_t(uint(uint64_t(part)));
                 high[3u + 3u * f + c] += part >> 32;
@@ -108,14 +108,14 @@ void main() {
     [[unroll]] for (uint i = 0u; i < COUNTERS; ++i) add2(2u * i, counters[i]);
     [[unroll]] for (uint i = 0u; i < FLUXES; ++i) add3(2u * COUNTERS + 3u * i, low[i], high[i]);
     barrier();
-    // From here on word by word to what all workgroups share.
+    // The rest adds word by word to the totals shared by all workgroups.
     if (gl_LocalInvocationID.x < COUNTERS + FLUXES) {
         uint i = gl_LocalInvocationID.x;
         uint length = i < COUNTERS ? 2u : 3u;
         uint at = i < COUNTERS ? 2u * i : 2u * COUNTERS + 3u * (i - COUNTERS);
         for (uint w = 0u; w < length; ++w) {
             uint value = total[at + w];
-            // The carry may run on.
+            // The carry may propagate further.
             for (uint up = w; up < length && value != 0u; ++up) {
                 uint before = atomicAdd(push.sums[at + up].at, value);
                 value = before + value < before ? 1u : 0u;

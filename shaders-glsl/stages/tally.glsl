@@ -1,4 +1,4 @@
-// How paths ended. Twin of photon-core's tally.rs, in which the host sums.
+// How a path ended. Twin of photon-core's tally.rs, where the host sums.
 #ifndef TALLY_GLSL
 #define TALLY_GLSL
 
@@ -9,14 +9,14 @@ const uint FATE_DROPPED = 3u;
 const uint FATE_TERMINATED = 4u;
 const uint FATE_NONE = 5u;
 
-// Beside the fate: the path entered more solids at once than can be kept.
+// Flag beside the fate: the path entered more nested solids than can be stored.
 const uint TOO_DEEP = 1u << 27;
 const uint SURFACES_MASK = 0x07FFFFFFu;
 
 struct Ending {
-    // What the path carried at its end.
+    // Power of the path at its end.
     vec3 power;
-    // Fate in the upper four bits, TOO_DEEP, surfaces met in the others.
+    // Fate in the upper four bits, then TOO_DEEP; the other bits are the number of surfaces hit.
     uint fate_surfaces;
 };
 

@@ -1,10 +1,10 @@
-// Photons are followed through the scene: twin of backend-cpu's trace.rs.
+// Photon tracing: twin of backend-cpu's trace.rs.
 //
-// One dispatch follows paths for so many surfaces; what is under way then is kept, and the next one
-// goes on with it, closed up. Nothing runs for long, however long paths may be. An invocation takes
-// paths by its quota, or one after the other from a counter that all share. What it stores goes to
-// the next free place, with the path and how many the path had stored before, by which it is put in
-// order afterwards.
+// One dispatch traces paths for a limited number of surfaces; the state of active paths is saved, compacted,
+// and continued by the next dispatch, so that no dispatch runs for long, however long the paths are. An
+// invocation takes paths by its quota, or one after another from a shared counter. It appends photons to a
+// shared buffer, each with the path's index and the number of photons that the path stored before, by which
+// they are put in order afterwards.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -17,13 +17,14 @@
 layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint RANDOM = 0;
-// Bits: which maps are kept.
+// Bit mask of the maps that are stored.
 layout(constant_id = 3) const uint WANTED = 7;
 layout(constant_id = 4) const bool DYNAMIC = true;
-// When fewer than so many rays of a subgroup are under way, the others are seen to first: shaded, or
+// When fewer rays of a subgroup than this are being traced, the finished ones are processed first: shaded, or
 // replaced by the next path's.
 layout(constant_id = 5) const uint BUSY = 0;
-// Whether paths are aimed: they end at the first diffuse surface, and keep nothing straight from a light.
+// Whether paths are aimed: they end at the first diffuse surface, and store no photon that comes directly from a
+// light.
 layout(constant_id = 6) const bool AIMED = false;
 layout(constant_id = 7) const uint MEDIA = 1;
 
@@ -35,25 +36,25 @@ layout(constant_id = 7) const uint MEDIA = 1;
 #include "shading/scene.glsl"
 #include "stages/tally.glsl"
 
-// Path, and ordinal << MAP_BITS | map.
+// Path index, and ordinal << MAP_BITS | map.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Owners { uvec2 at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counts { uint at; };
-// Next path to be taken in a dispatch, and paths that it was given: two counters.
+// Next path to be taken in a dispatch, and number of paths given to it: two counters.
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Round {
     uint taken;
     uint given;
 };
 
-// A path under way, between two dispatches.
+// An active path, saved between two dispatches.
 struct State {
     vec3 origin;
     uint bounce;
     vec3 direction;
     uint media;
     vec3 power;
-    // Bits: only specular surfaces so far; a fifth solid was ignored.
+    // Flags: only specular surfaces so far; a fifth nested solid was ignored.
     uint flags;
-    // Photons stored in each map so far.
+    // Number of photons stored in each map so far.
     uint stored[MAP_COUNT];
     uint numbers;
 };
@@ -61,33 +62,33 @@ struct State {
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer States { State at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Waiting { uint at; };
 
-// What one stretch of paths works on, the same for all its dispatches.
+// Parameters of one chunk of paths, the same for all its dispatches.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Chunk {
-    // An array of `count` words for each map: photons that each path stored in it.
+    // An array of `count` words for each map: number of photons that each path stored in it.
     Counts stored;
     Endings endings;
     States states;
     uvec2 seed;
     uint pass;
-    // Index of the first ray of this stretch.
+    // Index of the first ray of this chunk.
     uint first;
     uint count;
 };
 
 layout(push_constant, scalar) uniform Push {
     Chunk chunk;
-    // What is needed at every surface.
+    // Parameters needed at every surface.
     SceneRef scene;
     PhotonRays rays;
     Photons photons;
     Owners owners;
     Counter place;
-    // This dispatch's and the next one's.
+    // Counters of this dispatch and of the next one.
     Round now;
     Round then;
     Waiting waiting;
     Waiting left;
-    // Paths that one invocation takes at most, and surfaces that it follows each for.
+    // Maximum number of paths per invocation, and of surfaces that each is traced for.
     uint quota;
     uint surfaces;
     uint begins;
@@ -95,7 +96,7 @@ layout(push_constant, scalar) uniform Push {
     uint max_bounces;
 } push;
 
-// More power than this on one path is a sign of broken numbers.
+// A path power above this indicates invalid numbers.
 const float TOO_MUCH = 1048576.0;
 
 const bool ABSORPTION = (FEATURES & FEATURE_ABSORPTION) != 0u;
@@ -109,19 +110,18 @@ vec3 tinted(vec3 power, vec3 by) {
     return left;
 }
 
-// Russian roulette that keeps the brightest channel; false if the photon is absorbed.
+// Russian roulette by the brightest channel; returns false if the photon is absorbed.
 bool russian_roulette(inout vec3 power, vec3 weight, float choice) {
     precise vec3 next = power * weight;
     precise float chance = greatest(next) / greatest(power);
-    // 0/0 is not below anything.
+    // Comparisons with NaN (0/0) are false.
     if (!(choice < chance) || is_nan(chance)) return false;
     precise vec3 left = next / chance;
     power = left;
     return true;
 }
 
-// The next path that this invocation follows, as a number among those given; `given` when there is
-// none left for it.
+// The next path for this invocation, as an index among the given ones; `given` if there is none left.
 uint next_path(inout uint turn, uint given) {
     if (turn >= push.quota) return given;
     uint threads = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
@@ -131,7 +131,7 @@ uint next_path(inout uint turn, uint given) {
     return min(number, given);
 }
 
-// A path under way.
+// An active path.
 struct Path {
     uint index;
     uint left;
@@ -153,7 +153,7 @@ Path begin(uint number) {
     path.numbers = sampler_new(RANDOM, push.chunk.seed, push.chunk.pass, AIMED ? DOMAIN_AIMED : DOMAIN_PHOTON, start.path);
     if (push.begins != 0u) {
         if (RANDOM == RANDOM_LCG) {
-            // The sequence goes on where emission left it.
+            // The random sequence continues where emission left it.
             sampler_words(path.numbers, 0u);
             sampler_words(path.numbers, 0u);
         }
@@ -192,7 +192,7 @@ void keep(Path path) {
     push.left[counter_take(Counter(push.then) + 1)].at = path.index;
 }
 
-// How many photons a path has stored in a map.
+// Number of photons that a path has stored in a map.
 uint stored_in(uint stored[MAP_COUNT], uint map) {
     uint count = stored[0];
     [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) count = map == m ? stored[m] : count;
@@ -216,13 +216,13 @@ void store(inout Path path, Surface at) {
     [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? 1u : 0u;
 }
 
-// Whether the path's numbers can be gone on with.
+// Whether the path's numbers are valid for continuing.
 bool is_sane(Path path) {
     return is_finite3(path.ray.origin) && is_finite3(path.ray.direction) && is_finite3(path.power)
         && greatest(abs(path.power)) <= TOO_MUCH;
 }
 
-// One surface; how the path ended there, or FATE_NONE.
+// Processes one surface; returns how the path ended there, or FATE_NONE.
 uint step_path(inout Path path, Hit hit) {
     if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
     Surface at = surface_of(push.scene, path.ray.direction, hit);
@@ -249,7 +249,7 @@ uint step_path(inout Path path, Hit hit) {
     bool absorbed = false;
     vec3 weight = bsdf_weight(bsdf, lobe);
     if (bsdf_splits(bsdf)) {
-        // The word went into the choice of the lobe.
+        // The lobe was selected with the random word.
         path.power = tinted(path.power, weight);
     } else {
         absorbed = !russian_roulette(path.power, weight, choice);
@@ -273,7 +273,7 @@ void finish(Path path, uint fate) {
     push.chunk.endings[path.index].at = ending;
 }
 
-// The end of a path, or of what this dispatch does for it; the next path. False if there is none.
+// Finishes a path, or this dispatch's part of it, and starts the next one. Returns false if there is none.
 bool follow_next(inout Path path, uint fate, inout uint turn, uint given) {
     if (fate == FATE_NONE) keep(path);
     else finish(path, fate);
@@ -283,7 +283,7 @@ bool follow_next(inout Path path, uint fate, inout uint turn, uint given) {
     return true;
 }
 
-// What an invocation is about.
+// State of an invocation.
 const uint READY = 0u;
 const uint UNDER_WAY = 1u;
 const uint ARRIVED = 2u;
@@ -299,8 +299,8 @@ void main() {
     if (any) path = begin(number);
     Walk walk;
     if (BUSY == 0u) {
-        // One loop for surfaces and paths: an invocation whose path has ended goes on with the next one
-        // while its neighbours are still under way.
+        // A single loop over surfaces and paths: an invocation whose path has ended continues with the next one
+        // while its neighbours are still active.
         while (any) {
             uint fate = FATE_DROPPED;
             if (is_sane(path)) {
@@ -313,8 +313,8 @@ void main() {
         }
         return;
     }
-    // One loop for nodes too. All of a subgroup come to its head together and do there what most of
-    // them need: nobody leaves before all are done, so that they stay together.
+    // A single loop over nodes too. All invocations of a subgroup reach its head together and do there what
+    // most of them need: none leaves before all are finished, so that they stay converged.
     uint state = any ? READY : IDLE;
     while (true) {
         uint under_way = subgroupBallotBitCount(subgroupBallot(state == UNDER_WAY));

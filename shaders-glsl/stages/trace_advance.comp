@@ -1,4 +1,4 @@
-// After photons were appended: how many there are now.
+// Updates the number of photons after they were appended.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -21,7 +21,7 @@ layout(push_constant, scalar) uniform Push {
 void main() {
     uint map = gl_LocalInvocationID.x;
     if (map >= MAP_COUNT || (WANTED >> map & 1u) == 0u) return;
-    // By constant numbers, since not every driver takes another for what is pushed.
+    // With constant indices, since some drivers do not support others for push constants.
     Word needed = push.needed[0];
     [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) {
         if (map == m) needed = push.needed[m];

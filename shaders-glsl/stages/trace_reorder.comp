@@ -1,4 +1,4 @@
-// Brings photons, stored in whatever order, into that of their paths and bounces, as much of each as its map keeps.
+// Copies photons, stored in any order, into the order of their paths and bounces, in the format of their map.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -7,7 +7,7 @@
 #extension GL_EXT_control_flow_attributes : require
 
 layout(local_size_x_id = 1) in;
-// What each map keeps of a photon, two bits each.
+// Photon format of each map, two bits each.
 layout(constant_id = 2) const uint FORMAT = 42;
 
 #include "shading/constants.glsl"
@@ -27,7 +27,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Fi
 layout(push_constant, scalar) uniform Push {
     Photons photons;
     Owners owners;
-    // An array of `count` words for each map: its photons before those of each path.
+    // An array of `count` words for each map: number of photons before those of each path.
     Offsets offsets;
     Cursors cursors;
     Photons to[MAP_COUNT];
@@ -42,7 +42,7 @@ void main() {
     for (uint i = thread(); i < stored; i += threads) {
         uvec2 owner = push.owners[i].at;
         uint map = owner.y & (1u << MAP_BITS) - 1u;
-        // By constant numbers, since not every driver takes another for what is pushed.
+        // With constant indices, since some drivers do not support others for push constants.
         Fill fill = push.fills[0];
         Photons to = push.to[0];
         [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) {
@@ -52,7 +52,7 @@ void main() {
             }
         }
         uint place = fill.needed + push.offsets[map * push.count + owner.x].at + (owner.y >> MAP_BITS);
-        // What does not fit is counted all the same, and the pass done again.
+        // Photons beyond the capacity are counted but not stored; the pass is then repeated.
         if (place >= fill.capacity) continue;
         Photon photon = push.photons[i].at;
         uint format = FORMAT >> 2u * map & 3u;

@@ -1,4 +1,4 @@
-//! Lists the devices that Vulkan offers here, and what each lacks. Exit code 1 if none is suitable.
+//! Lists the Vulkan devices of this machine, and what each one lacks. Exit code 1 if none is suitable.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program's output")]
 
 use std::error::Error;

@@ -1,10 +1,10 @@
-//! Queries a second of k-NN and radius searches, by the device's clock: medians of five runs, with the
-//! least and the greatest milliseconds. `--small` for a software device; or numbers of photons; and
-//! `--only WORDS` for the lines alone whose description holds the words, as in `--only "Median, rows"`.
+//! Queries per second of k-NN and radius searches, by device timestamps: medians of five runs, with minimum and
+//! maximum in milliseconds. `--small` for a software device; or numbers of photons; `--only WORDS` runs only
+//! the benchmarks whose description contains the words, as in `--only "Median, rows"`.
 //!
-//! Photons lie evenly on five walls of a box ("walls"), or nine tenths of them in a disc of radius 0.05
-//! on the floor, with density 1/r ("caustic"). Queries lie on the floor and the back wall, one for each
-//! pixel of a picture: row by row, or shuffled.
+//! Photons are distributed uniformly over five walls of a box ("walls"), or nine tenths of them in a disc of
+//! radius 0.05 on the floor, with density 1/r ("caustic"). Queries are on the floor and the back wall, one per
+//! pixel of an image, in row order or shuffled.
 #![expect(clippy::print_stdout, reason = "a program's output")]
 
 #[path = "bench/points.rs"]
@@ -60,7 +60,7 @@ fn run(
     let rows = rows(width, height, radius);
     let nearest = |k: u32, kernel: Kernel, min_normal_cosine: f32| EstimateParams {
         kernel,
-        // Everything is within reach.
+        // The radius does not limit the search.
         radius_scale: 10.0 / radius,
         min_normal_cosine,
         ..EstimateParams::new(Search::KNearest { k })
@@ -103,7 +103,7 @@ fn run(
     Ok(())
 }
 
-/// Times estimates, and says how many photons they found on average.
+/// Times estimates, and prints the mean number of photons found.
 fn estimates(
     on: &mut Vulkan,
     stages: &mut MapStages<Vulkan>,
@@ -148,7 +148,7 @@ fn time(
     Ok(())
 }
 
-/// The same in a random order.
+/// The same queries in random order.
 fn shuffled(rows: &[Query]) -> Vec<Query> {
     let mut random = SplitMix64(3);
     let mut all = rows.to_vec();

@@ -1,5 +1,5 @@
-//! Device milliseconds of prefix sums, sorts and photon maps: medians of ten runs, with the least and
-//! the greatest. `--small` for a software device; or sizes, as numbers.
+//! Device milliseconds of prefix sums, sorts and photon-map builds: medians of ten runs, with minimum and
+//! maximum. `--small` for a software device; or sizes, as numbers.
 #![expect(clippy::print_stdout, reason = "a program")]
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,5 +1,4 @@
-//! Times whole passes by stage: milliseconds of the device, medians, and passes per second by the
-//! clock on the wall.
+//! Times whole passes by stage: median device milliseconds, and passes per second of wall-clock time.
 //!
 //! `pass_bench [SCENE] [--size WxH] [--photons N] [--passes N] [--gather RAYS] [--knn K] [--small]`;
 //! without arguments `cornell-glass` at 1920x1080 with 1 M photon paths a pass.
@@ -66,20 +65,21 @@ fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Job, Box<dyn Err
                 job.settings.photons = 20_000;
             }
             name if !name.starts_with('-') => name.clone_into(&mut job.scene),
-            other => return Err(format!("no option is named {other}").into()),
+            other => return Err(format!("unknown option {other}").into()),
         }
     }
     Ok(job)
 }
 
 fn run(job: &Job) -> Result<(), Box<dyn Error>> {
-    let scene = photon_scene::builtin(&job.scene).ok_or(format!("no scene is named {}", job.scene))?.build()?;
+    let scene =
+        photon_scene::builtin(&job.scene).ok_or(format!("no built-in scene is named {}", job.scene))?.build()?;
     let camera = scene.camera(None, job.width, job.height)?;
     let view = View { camera, width: job.width, height: job.height };
     let mut pipeline = Pipeline::new(Vulkan::new()?, &scene.view(), view, job.settings.clone())?;
     println!("{}", pipeline.facts().device);
     println!("{} {}x{}, {} paths a pass", job.scene, job.width, job.height, job.settings.photons);
-    // The first pass grows buffers and compiles kernels.
+    // The first pass allocates buffers and compiles kernels.
     pipeline.pass(0, &mut ())?;
     let mut reports: Vec<PassReport> = Vec::new();
     let start = Instant::now();

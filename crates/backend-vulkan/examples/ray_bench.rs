@@ -1,8 +1,8 @@
-//! Times closest hits on the device: rays in random directions, half from the walls of a room and
-//! half from a bumpy sphere inside it, 8 M of them, in scenes of 0.1, 1 and 10 M triangles.
+//! Times closest hits on the device: rays in random directions, half from the walls of a room and half from a
+//! bumpy sphere inside it, 8 M of them, in scenes of 0.1, 1 and 10 M triangles.
 //!
-//! `ray_bench [--small] [--rays N] [--triangles N]...`: medians of the device's time, for each way of
-//! sharing rays out among invocations.
+//! `ray_bench [--small] [--rays N] [--triangles N]...`: median device time for each way of distributing rays
+//! over invocations.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program's output")]
 
 #[path = "bench/room.rs"]
@@ -53,7 +53,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
         let triangles = &mesh.1;
         let bytes: u64 = on.memory(&scene).iter().map(|(_, bytes)| bytes).sum();
         println!(
-            "{} triangles: prepared in {:.2?}, of which the tree {:.2} s; {} MB",
+            "{} triangles: prepared in {:.2?}, BVH build {:.2} s; {} MB",
             triangles.len(),
             start.elapsed(),
             scene.build_seconds,
@@ -64,11 +64,11 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
         for &plan in &plans[1..] {
             let apart = on.cast_rays_by(&scene, sample, plan)?.iter().zip(&first).filter(|(a, b)| a != b).count();
             if apart > 0 {
-                return Err(format!("{plan:?}: {apart} of {} rays hit something else", sample.len()).into());
+                return Err(format!("{plan:?}: {apart} of {} rays have different hits", sample.len()).into());
             }
         }
         let hits = first.iter().flatten().count();
-        println!("{hits} of {} rays hit, the same by all plans", sample.len());
+        println!("{hits} of {} rays hit, identical for all plans", sample.len());
         for (plan, mut seconds) in plans.iter().zip(on.time_rays(&scene, &rays, &plans, rounds)?) {
             seconds.sort_by(f64::total_cmp);
             let rate = f64::from(count) / seconds[seconds.len() / 2] / 1e6;
@@ -79,7 +79,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
     Ok(())
 }
 
-/// One invocation a ray, and persistent ones.
+/// One ray per invocation, and persistent invocations.
 fn plans() -> Vec<RayPlan> {
     let plain = RayPlan { group: 128, shared_groups: 0, busy: 0, workgroups: 0 };
     let mut plans = vec![plain, RayPlan { group: 64, ..plain }, RayPlan { group: 64, shared_groups: 4, ..plain }];

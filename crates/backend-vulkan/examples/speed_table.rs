@@ -1,8 +1,8 @@
-//! The figures that this backend is to reach on a large GPU, in one table: by the device's clock,
-//! medians, each beside what is asked of it and what the fastest rival known does.
+//! Performance targets of this backend on a large GPU, in one table: medians of device time, each beside the
+//! target and the fastest known competitor.
 //!
-//! `speed_table [--small] [--no-cpu]`: `--small` for a device in software; without `--no-cpu` whole
-//! passes are also made by the processor, which takes a minute on 16 cores.
+//! `speed_table [--small] [--no-cpu]`: `--small` for a software device; without `--no-cpu`, whole passes are
+//! also rendered on the CPU, which takes a minute on 16 cores.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program's output")]
 
 #[path = "bench/points.rs"]
@@ -23,7 +23,7 @@ use photon_core::{
 };
 
 const KINDS: [IndexKind; 3] = [IndexKind::Morton, IndexKind::Median, IndexKind::Vvh];
-/// Runs that count, and others before them: while the host works, the device's clocks go down.
+/// Measured runs, and warm-up runs before them: while the host works, the device lowers its clocks.
 const RUNS: usize = 9;
 const WARM: usize = 4;
 
@@ -44,7 +44,7 @@ fn run(small: bool, cpu: bool) -> Outcome<()> {
     let mut on = Vulkan::new()?;
     println!("{}, {}", on.limits().name, on.limits().driver);
     println!("\n| work | asked | rival | Morton | median | VVH |\n|---|--:|--:|--:|--:|--:|");
-    // What is asked, and what rivals do (docs/studies/performance.md says which): at 1 M, at 10 M.
+    // Targets, and figures of competitors (named in docs/studies/performance.md): at 1 M, at 10 M.
     let sizes = if small { [2_000, 10_000] } else { [1_000_000, 10_000_000] };
     for (at, count) in sizes.into_iter().enumerate() {
         maps(&mut on, count, at, if small { (64, 36) } else { (1920, 1080) })?;
@@ -57,11 +57,11 @@ fn run(small: bool, cpu: bool) -> Outcome<()> {
     passes(on, small, cpu)
 }
 
-/// Builds, k-NN and radius searches at one number of photons.
+/// Builds, k-NN and radius searches for one number of photons.
 fn maps(on: &mut Vulkan, count: usize, at: usize, picture: (usize, usize)) -> Outcome<()> {
     let asked = |both: [&'static str; 2]| both[at];
     for (set, photons) in [("walls", points::walls(count)), ("caustic", points::caustic(count))] {
-        // The radius would hold thousands on the caustic.
+        // On the caustic set, the radius would hold thousands of photons.
         let searches = if set == "walls" { 3 } else { 2 };
         let (mut build, mut fifty, mut many, mut radius) = (vec![], vec![], vec![], vec![]);
         for kind in KINDS {
@@ -86,7 +86,7 @@ fn maps(on: &mut Vulkan, count: usize, at: usize, picture: (usize, usize)) -> Ou
     Ok(())
 }
 
-/// On the caustic set, not under half of what is asked on walls.
+/// The target; on the caustic set, half of the target on walls.
 fn ask(set: &str, all: [u32; 2], at: usize) -> &'static str {
     match (set == "walls", all[at]) {
         (true, 260) => "260 M/s",
@@ -100,7 +100,8 @@ fn ask(set: &str, all: [u32; 2], at: usize) -> &'static str {
     }
 }
 
-/// Milliseconds of a build, then millions of queries a second of so many searches: k = 50, k = 200, radius.
+/// Milliseconds of a build, then millions of queries per second for the first `searches` of: k = 50, k = 200,
+/// radius.
 fn map(
     on: &mut Vulkan,
     photons: &[Photon],
@@ -112,7 +113,7 @@ fn map(
     let mut build = Vec::new();
     let mut map: Option<VulkanMap> = None;
     for _ in 0..WARM + RUNS {
-        // The one before makes room.
+        // Dropping the previous map frees its memory.
         drop(map.take());
         let uploaded = on.upload("photons: global", photons)?;
         let _ = on.timings()?;
@@ -149,7 +150,7 @@ fn rays(on: &mut Vulkan, count: usize, (asked, rival): (&str, &str), rays: u32) 
     let mesh = room::scene(count);
     let scene = room::with_view(&mesh, |view| on.prepare(view, &Requirements::everything(&Settings::default())))?;
     let plan = RayPlan::for_subgroups(on.limits().subgroup_size);
-    // A third of a second, since the tree was built by the host.
+    // Runs for a third of a second, so that clocks recover after the BVH build on the host.
     let rounds = if rays < 1_000_000 { 3 } else { 200 };
     let mut seconds = on.time_rays(&scene, &room::rays(rays), &[plan], rounds)?.swap_remove(0);
     let seen = f64::from(rays) / median(&mut seconds[rounds as usize / 2..]) / 1e6;
@@ -160,7 +161,7 @@ fn rays(on: &mut Vulkan, count: usize, (asked, rival): (&str, &str), rays: u32) 
 /// Whole passes on both backends.
 fn passes(on: Vulkan, small: bool, cpu: bool) -> Outcome<()> {
     let (width, height) = if small { (96, 54) } else { (1920, 1080) };
-    let scene = photon_scene::builtin("cornell-glass").ok_or("no such scene")?.build()?;
+    let scene = photon_scene::builtin("cornell-glass").ok_or("no built-in scene is named cornell-glass")?.build()?;
     let view = View { camera: scene.camera(None, width, height)?, width, height };
     let settings = Settings { photons: if small { 10_000 } else { 1_000_000 }, ..Settings::default() };
     let mut there = Pipeline::new(on, &scene.view(), view, settings.clone())?;
@@ -178,7 +179,7 @@ fn passes(on: Vulkan, small: bool, cpu: bool) -> Outcome<()> {
     Ok(())
 }
 
-/// Median seconds of all stages, and seconds by the clock on the wall, of a pass, after as many that do not count.
+/// Median seconds of all stages, and wall-clock seconds, per pass, after as many warm-up passes.
 fn timed<B: TransportBackend>(pipeline: &mut Pipeline<B>, passes: u32) -> Outcome<(f64, f64)> {
     for index in 0..passes {
         pipeline.pass(index, &mut ())?;

@@ -1,5 +1,5 @@
-//! Times emission and tracing of photons on the device, for each way of sharing paths out among
-//! invocations: medians of the device's time.
+//! Times photon emission and tracing on the device, for each way of distributing paths over invocations:
+//! medians of device time.
 //!
 //! `trace_bench [SCENE] [--paths N] [--bounces N] [--small]`; without arguments `cornell-glass` with
 //! 1 M paths.
@@ -37,7 +37,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
             other => return Err(format!("{other}? trace_bench [SCENE] [--paths N] [--bounces N] [--small]").into()),
         }
     }
-    let scene = photon_scene::builtin(&name).ok_or_else(|| format!("no scene {name:?} is built in"))?.build()?;
+    let scene = photon_scene::builtin(&name).ok_or_else(|| format!("no built-in scene is named {name:?}"))?.build()?;
     let view = scene.view();
     let required = Requirements::of(&view, &settings);
     let mut on = Vulkan::new()?;
@@ -74,7 +74,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
             on.mark(None);
             let took = on.timings()?;
             let tally = stages.tracer.take_tally(&mut on)?;
-            // The first round warms up and does not count.
+            // The first round is a warm-up and is not counted.
             if round > 0 {
                 times[0].push(took.get(Stage::Emit));
                 times[1].push(took.get(Stage::Trace));
@@ -98,7 +98,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
     Ok(())
 }
 
-/// The usual one both ways, and others.
+/// The default plan with both schedulings, and other plans.
 fn plans(usual: TracePlan) -> Vec<(Scheduling, TracePlan)> {
     let mut plans = vec![(Scheduling::Static, usual), (Scheduling::Dynamic, usual)];
     plans.push((Scheduling::Dynamic, TracePlan { surfaces: 16, ..usual }));

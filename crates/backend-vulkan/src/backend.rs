@@ -1,4 +1,4 @@
-//! What every backend can do.
+//! `Backend` for Vulkan: buffers, map stages and timings.
 
 use photon_core::{
     Backend, Element, Error, Fill, IndexKind, KdTreeBuilder, MapStages, Photon, PhotonFormat, Result, Stage,
@@ -86,8 +86,8 @@ impl Backend for Vulkan {
     }
 }
 
-/// Builds maps, and looks at what the caller brought: that costs a wait, which photons of our own
-/// tracer, finite all of them, are spared.
+/// Builds maps and validates photons supplied by the caller. That costs a wait, which photons of the backend's
+/// own tracer, always finite, do not need.
 struct CheckedBuilder(VulkanBuilder);
 
 impl KdTreeBuilder<Vulkan> for CheckedBuilder {
@@ -110,7 +110,7 @@ impl KdTreeBuilder<Vulkan> for CheckedBuilder {
 }
 
 impl Vulkan {
-    /// An error that was found where none could be returned.
+    /// Returns the error that a method without a `Result` deferred, if any.
     fn surface(&mut self) -> Result<()> {
         self.fault.take().map_or(Ok(()), Err)
     }

@@ -1,8 +1,8 @@
-//! The picture in progress, on the device.
+//! The film on the device.
 //!
-//! The present pass is kept in f32 apart from the sums over finished passes, which are in two floats
-//! each: f64 and float atomics are not asked of a device. A layer is allocated when something is
-//! first added to it.
+//! The current pass is stored in f32, separately from the sums over finished passes, which are sums of two
+//! floats each: a device need not support f64 or float atomics. A layer is allocated when something is first
+//! added to it.
 
 use std::ops::Range;
 
@@ -21,10 +21,10 @@ mod tests;
 
 /// Invocations per workgroup; the work is bound by memory.
 const GROUP: u32 = 128;
-/// Pixels that are brought home at a time.
+/// Pixels read back at a time.
 const BLOCK: usize = 1 << 16;
 
-/// Sums over finished passes, and the pass in progress apart from them.
+/// Sums over finished passes, and the current pass.
 #[derive(Debug)]
 pub struct VulkanFilm {
     width: u32,
@@ -34,22 +34,22 @@ pub struct VulkanFilm {
     layers: [Option<Plane>; Layer::ALL.len()],
     first_pass: Memory,
     first_sum: Memory,
-    /// Scratch: one vector per query, for stages that find their values one by one.
+    /// Scratch buffer: one vector per query, for stages that compute values per query.
     values: Option<Memory>,
     errors: Option<errors::Errors>,
 }
 
-/// One layer.
+/// One layer of the film.
 #[derive(Debug)]
 struct Plane {
-    /// Radiance of the present pass: three planes of floats.
+    /// Radiance of the current pass: three planes of floats.
     pass: Memory,
-    /// Sums over finished passes: three planes, and three of what they leave over.
+    /// Sums over finished passes: three planes of high parts and three of low parts.
     sum: Memory,
 }
 
-/// Planes of what the film remembers of the first surfaces seen, as in film.glsl: eight sums, what each
-/// of them leaves over, and a count.
+/// Planes of the first-surface sums, as in film.glsl: the high parts of eight sums, their low parts, and a
+/// count.
 const FIRST_LOW: usize = 8;
 const FIRST_PLANES: usize = 2 * FIRST_LOW + 1;
 
@@ -84,12 +84,12 @@ struct EndPush {
 
 pushed!(end_push_layout: EndPush => FILM_END, passes sums first_pass first_sum pixels padding);
 
-/// What a fold reads, constant 2 of its kernel.
+/// Source of an accumulation, specialization constant 2 of its kernel.
 const FROM_ESTIMATES: u32 = 0;
 const FROM_VALUES: u32 = 1;
 
 impl VulkanFilm {
-    /// An empty one.
+    /// Allocates an empty film.
     pub(crate) fn new(on: &mut Vulkan, width: u32, height: u32, units: Units) -> Result<Self> {
         check_size(width, height)?;
         let pixels = u64::from(width) * u64::from(height);
@@ -101,12 +101,12 @@ impl VulkanFilm {
         Ok(film)
     }
 
-    /// How many there are.
+    /// Number of pixels.
     pub(crate) fn pixels(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
 
-    /// Checks that a picture of this size is what the film is for.
+    /// Checks that an image of this size matches the film.
     pub(crate) fn check_size(&self, width: u32, height: u32) -> Result<()> {
         if (width, height) == (self.width, self.height) {
             return Ok(());
@@ -114,21 +114,21 @@ impl VulkanFilm {
         Err(Error::InvalidSetting {
             name: "size",
             value: format!("{width}x{height}"),
-            hint: "must be the size of the film that the picture goes to",
+            hint: "must be the size of the film",
         })
     }
 
-    /// Whether it keeps what tells errors.
+    /// Whether the film stores error statistics.
     pub(crate) fn keeps_errors(&self) -> bool {
         self.errors.is_some()
     }
 
-    /// Where the camera notes the first surface of each pixel.
+    /// Address of the first surfaces of the current pass, one per pixel.
     pub(crate) fn first_address(&self) -> u64 {
         self.first_pass.address()
     }
 
-    /// Where the present pass of a layer is, three planes of floats, allocated if need be.
+    /// Address of the current pass of a layer, three planes of floats; allocates the layer if necessary.
     pub(crate) fn layer_address(&mut self, on: &mut Vulkan, layer: Layer) -> Result<u64> {
         if let Some(plane) = &self.layers[layer as usize] {
             return Ok(plane.pass.address());
@@ -140,7 +140,7 @@ impl VulkanFilm {
         Ok(address)
     }
 
-    /// Scratch of three floats for each of `count` queries.
+    /// Address of a scratch buffer of three floats for each of `count` queries.
     pub(crate) fn values_address(&mut self, on: &mut Vulkan, count: u64) -> Result<u64> {
         if let Some(values) = self.values.as_ref().filter(|values| values.bytes() >= count * 12) {
             return Ok(values.address());
@@ -153,7 +153,7 @@ impl VulkanFilm {
         Ok(address)
     }
 
-    /// Sets the scratch of the first `count` queries to 0.
+    /// Clears the scratch values of the first `count` queries.
     pub(crate) fn clear_values(&mut self, on: &mut Vulkan, count: u64) -> Result<()> {
         self.values_address(on, count)?;
         match &self.values {
@@ -172,8 +172,8 @@ impl VulkanFilm {
     }
 }
 
-/// Adds `weight × irradiance` of each estimate to `layer` of its query's pixel. The queries of a
-/// pixel stand together; they are added in their order.
+/// Adds `weight × irradiance` of each estimate to `layer` of its query's pixel. The queries of a pixel are
+/// consecutive; they are added in order.
 pub(crate) fn accumulate(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
@@ -199,7 +199,7 @@ pub(crate) fn accumulate(
     dispatch(on, FROM_ESTIMATES, &push, length)
 }
 
-/// Adds `weight × value` of each query to `layer` of its pixel; the values are the film's scratch.
+/// Adds `weight × value` of each query to `layer` of its pixel; the values are in the film's scratch buffer.
 pub(crate) fn accumulate_values(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
@@ -216,7 +216,7 @@ pub(crate) fn accumulate_values(
         pixels: film.pixels() as u32,
         scale: 1.0,
     };
-    // How many there are need not be known here yet.
+    // The number of queries is not needed on the host: dispatch for the full capacity.
     dispatch(on, FROM_VALUES, &push, queries.capacity())
 }
 
@@ -225,7 +225,7 @@ fn dispatch(on: &mut Vulkan, from: u32, push: &AccumulatePush, queries: u64) -> 
     on.dispatch(&kernel, push, queries.div_ceil(u64::from(GROUP)))
 }
 
-/// Adds the present pass to the sums and begins the next.
+/// Adds the current pass to the sums and starts the next one.
 pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
     let address = |memory: fn(&Plane) -> &Memory| {
         std::array::from_fn(|i| film.layers[i].as_ref().map_or(0, |plane| memory(plane).address()))
@@ -246,7 +246,7 @@ pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
     Ok(())
 }
 
-/// Forgets the present pass.
+/// Discards the current pass.
 pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
     for plane in film.layers.iter().flatten() {
         on.fill(&plane.pass, 0, plane.pass.bytes(), 0)?;
@@ -255,7 +255,7 @@ pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()>
     on.fill(&film.first_pass, 0, film.first_pass.bytes(), 0)
 }
 
-/// Brings the sums home.
+/// Reads back the sums.
 pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     let mut picture = Film::new(film.width, film.height, film.units)?;
     picture.passes = film.passes;
@@ -282,27 +282,27 @@ pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     Ok(picture)
 }
 
-/// What several planes have for some of the pixels.
+/// Words of several planes for a range of pixels.
 struct PixelChunk<'a> {
     pixels: Range<usize>,
-    /// Plane after plane.
+    /// The words, plane after plane.
     words: &'a [u32],
 }
 
 impl PixelChunk<'_> {
-    /// What a plane has for the `i`th pixel of the stretch.
+    /// The word of a plane for the `i`th pixel of the range.
     fn word(&self, plane: usize, i: usize) -> u32 {
         self.words[plane * self.pixels.len() + i]
     }
 
-    /// A sum in two floats: that of a plane, and what it leaves over, `low` planes further on.
+    /// A sum of two floats: the high part in plane `plane`, the low part `low` planes further on.
     fn sum(&self, plane: usize, low: usize, i: usize) -> f64 {
         let float = |plane: usize| f64::from(f32::from_bits(self.word(plane, i)));
         float(plane) + float(plane + low)
     }
 }
 
-/// Brings planes home, each of a number in a memory, a stretch of pixels at a time with all of them together.
+/// Reads back planes, given as memory and plane index, one range of pixels of all planes at a time.
 fn home(
     on: &mut Vulkan,
     planes: &[(&Memory, usize)],

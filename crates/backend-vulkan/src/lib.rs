@@ -1,12 +1,13 @@
-//! The pipeline on a GPU: Vulkan 1.2 compute shaders, from photon emission to the finished film.
+//! GPU backend: the photon-mapping pipeline in Vulkan 1.2 compute shaders, from photon emission to the finished
+//! film.
 //!
-//! No rasterisation, no ray-tracing extension, no float atomics. See [`Vulkan`] for where to start,
-//! and `docs/studies/shaders.md` for the kernels.
+//! It uses no rasterisation, no ray-tracing extension and no float atomics. Start with [`Vulkan`];
+//! `docs/studies/shaders.md` describes the kernels.
 //!
-//! Another renderer brings its own device ([`Vulkan::from_raw`]) and its own photons
-//! ([`VulkanBuffer::from_raw`]), which then never leave the card.
+//! Another renderer can supply its own device ([`Vulkan::from_raw`]) and its own photons
+//! ([`VulkanBuffer::from_raw`]), which then never leave the GPU.
 
-// First, since its macro is used below.
+// First, since its macro is used in the modules below.
 #[macro_use]
 mod push;
 

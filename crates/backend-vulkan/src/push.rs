@@ -1,7 +1,9 @@
-//! Push constants lie in Rust as in the compiled kernels: one line beside each struct makes the test of it.
+//! Checks that push constants have the same layout in Rust as in the compiled kernels: one line beside each
+//! struct generates the test.
 
-/// `pushed!(count_push_layout: CountPush => SORT_COUNT, keys counts)`: the test `count_push_layout` compares the
-/// members, by their names in the shader, with the push constants in the SPIR-V of those modules.
+/// `pushed!(count_push_layout: CountPush => SORT_COUNT, keys counts)` defines the test `count_push_layout`,
+/// which compares the members, by their names in the shader, with the push constants in the SPIR-V of those
+/// modules.
 macro_rules! pushed {
     ($test:ident: $record:ident => $($module:ident)+, $($member:ident)+) => {
         #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Rays of a caller's own.
+//! Ray queries for rays supplied by the caller: nearest hits and occlusion.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Hit, Ray, Result, Stage};
@@ -8,25 +8,24 @@ use crate::scene::VulkanScene;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// How a kernel goes about it. The answers are the same.
+/// How the ray kernel distributes rays over invocations. The results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RayPlan {
     /// Invocations per workgroup, a power of two.
     pub group: u32,
-    /// Groups of nodes of each ray that wait in shared memory; the others wait wherever the compiler
-    /// puts them.
+    /// Entries of each ray's traversal stack (groups of nodes) that are held in shared memory; the others are
+    /// stored wherever the compiler puts them.
     pub shared_groups: u32,
-    /// 0: each invocation has one ray. Otherwise invocations take ray after ray, new ones when fewer
-    /// than so many of a subgroup are under way.
+    /// 0: one ray per invocation. Otherwise persistent invocations: each traces one ray after another and
+    /// fetches a new one when fewer than this many of a subgroup are still tracing.
     pub busy: u32,
-    /// Workgroups, if `busy` is not 0.
+    /// Number of workgroups, used if `busy` is not 0.
     pub workgroups: u32,
 }
 
 impl RayPlan {
-    /// For subgroups of so many invocations. On an NVIDIA H200 rays go 2.2 to 2.5 times as fast when
-    /// invocations whose rays have ended get new ones, the more the earlier they get them, and nothing
-    /// is gained by shared memory.
+    /// A plan for the given subgroup size. On an NVIDIA H200, replacing finished rays makes tracing 2.2 to 2.5
+    /// times as fast, the more the earlier they are replaced; shared memory gains nothing.
     #[must_use]
     pub fn for_subgroups(size: u32) -> Self {
         let busy = if size >= 16 { size / 4 * 3 } else { 0 };
@@ -34,7 +33,7 @@ impl RayPlan {
     }
 }
 
-/// So many times the mean may an invocation take for itself.
+/// An invocation may take at most this multiple of the mean number of rays.
 const MARGIN: u32 = 4;
 
 /// `Line` of nearest.comp.
@@ -60,7 +59,7 @@ struct Push {
 
 pushed!(push_layout: Push => RAYS_NEAREST, scene lines hits counter count quota);
 
-/// Rays on the device, and room for what they hit.
+/// Rays on the device, and memory for their hits.
 struct Cast {
     lines: Memory,
     hits: Memory,
@@ -73,7 +72,7 @@ impl Cast {
         let count = u32::try_from(rays.len()).map_err(|_| photon_core::Error::InvalidInput {
             what: "ray",
             index: rays.len() as u64,
-            why: "more than 2^32 - 1 of them: cast them in parts".to_owned(),
+            why: "more than 2^32 - 1 rays: cast them in several calls".to_owned(),
         })?;
         let lines = on.memory("rays", 32 * u64::from(count))?;
         const PART: usize = 1 << 20;
@@ -102,7 +101,8 @@ impl Cast {
         on.dispatch(kernel, &push, workgroups)
     }
 
-    /// Four words for each ray: distance, triangle, weights; all ones in the second for none.
+    /// Four words per ray: distance, triangle and two barycentric weights; the second word is all ones for a
+    /// miss.
     fn read(&self, on: &mut Vulkan) -> Result<Vec<[u32; 4]>> {
         let mut words = vec![[0_u32; 4]; self.count as usize];
         on.read(&self.hits, 0, bytemuck::cast_slice_mut(&mut words))?;
@@ -124,11 +124,11 @@ fn kernel(on: &mut Vulkan, shadow: bool, plan: RayPlan) -> Result<Kernel> {
 }
 
 impl Vulkan {
-    /// The nearest hit of each ray, whichever side of the triangle it is on; of several at the same
-    /// distance, the one with the lowest index. As [`photon_core::RayCaster::nearest`], but that a ray within
-    /// rounding of the silhouette of a mesh, such as any edge of a triangle that is alone, may hit it or pass, as the
-    /// device's divisions have it: see "Rays at edges" in `docs/studies/shaders.md`. No ray passes between triangles that share
-    /// an edge.
+    /// Returns the nearest hit of each ray, on either side of a triangle; of several hits at the same distance,
+    /// the one with the lowest triangle index. As [`photon_core::RayCaster::nearest`], except that a ray within
+    /// rounding error of the silhouette of a mesh (such as any edge of an isolated triangle) may hit or miss,
+    /// depending on the precision of the device's division: see "Rays at edges" in `docs/studies/shaders.md`.
+    /// No ray passes between triangles that share an edge.
     ///
     /// # Errors
     /// [`photon_core::Error::OutOfMemory`], [`photon_core::Error::InvalidInput`] for more rays than
@@ -138,10 +138,10 @@ impl Vulkan {
         self.cast_rays_by(scene, rays, plan)
     }
 
-    /// The same in another way.
+    /// As [`Vulkan::cast_rays`], with an explicit plan.
     ///
     /// # Errors
-    /// Likewise.
+    /// As [`Vulkan::cast_rays`].
     #[doc(hidden)]
     pub fn cast_rays_by(&mut self, scene: &VulkanScene, rays: &[Ray], plan: RayPlan) -> Result<Vec<Option<Hit>>> {
         let cast = Cast::new(self, rays)?;
@@ -154,7 +154,7 @@ impl Vulkan {
         Ok(cast.read(self)?.into_iter().map(hit).collect())
     }
 
-    /// Whether each ray hits anything. As [`photon_core::RayCaster::occluded`].
+    /// Returns whether each ray hits anything. As [`photon_core::RayCaster::occluded`].
     ///
     /// # Errors
     /// As [`Vulkan::cast_rays`].
@@ -166,7 +166,7 @@ impl Vulkan {
         Ok(cast.read(self)?.into_iter().map(|[_, primitive, ..]| primitive != u32::MAX).collect())
     }
 
-    /// Seconds of the device for nearest hits of all rays, as often as there are rounds, by each plan.
+    /// Device time in seconds for the nearest hits of all rays, for each plan, `rounds` measurements each.
     ///
     /// # Errors
     /// As [`Vulkan::cast_rays`].
@@ -181,7 +181,7 @@ impl Vulkan {
         let cast = Cast::new(self, rays)?;
         let mut seconds = vec![Vec::new(); plans.len()];
         let kernels = plans.iter().map(|&plan| kernel(self, false, plan)).collect::<Result<Vec<_>>>()?;
-        // One round more, which warms up and does not count.
+        // One extra round, a warm-up that is not counted.
         for round in 0..=rounds {
             for ((&plan, kernel), seconds) in plans.iter().zip(&kernels).zip(&mut seconds) {
                 self.timings()?;

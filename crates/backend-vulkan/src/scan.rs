@@ -1,5 +1,6 @@
-//! Exclusive prefix sums of words: sums of tiles, their prefix sums, then those within the tiles. No
-//! workgroup waits for another, which not every device could promise to end.
+//! Exclusive prefix sums of words, in three steps: the sum of each tile, the prefix sums of these, then the
+//! prefix sums within each tile. No workgroup waits for another, since Vulkan does not guarantee forward
+//! progress.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
@@ -10,20 +11,20 @@ use crate::vulkan::Vulkan;
 
 /// Words per invocation, as `SCAN_ITEMS` in the shaders.
 const ITEMS: u64 = 16;
-/// Invocations of the workgroups of which there are many, and of the one that is alone.
+/// Invocations per workgroup, of the kernels with many workgroups and of the one with a single workgroup.
 const MANY: u32 = 256;
 const ALONE: u32 = 512;
-/// Up to so many tiles one workgroup goes through all, sooner than three kernels are started.
+/// Up to this many tiles, a single workgroup is faster than three dispatches.
 const MAX_TILES_ALONE: u64 = 2;
 
-/// Sums words.
+/// Computes prefix sums.
 #[derive(Debug)]
 pub(crate) struct Scan {
     sums: Kernel,
     alone: Kernel,
     tiles: Kernel,
     alone_tile: u64,
-    /// Of the tiles; grows.
+    /// Sums of the tiles; grows on demand.
     scratch: Memory,
 }
 
@@ -64,7 +65,7 @@ pushed!(tiles_push_layout: TilesPush => SCAN_TILES, from to sums count pad);
 
 impl Scan {
     /// # Errors
-    /// What the device raises.
+    /// Errors of the device.
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let alone = ALONE.min(on.limits().max_workgroup);
         Ok(Self {
@@ -76,19 +77,20 @@ impl Scan {
         })
     }
 
-    /// Writes to the `n` words at address `output` the sums of the words before each at `input`, modulo
-    /// 2³², and the sum of all to the word at `total`, unless that is 0. `output` may be `input`.
+    /// Computes the exclusive prefix sums of the `n` words at address `input`, modulo 2³², and stores them at
+    /// address `output`; stores the sum of all words at address `total` unless that is 0. `output` may equal
+    /// `input`.
     ///
     /// # Errors
-    /// [`Error::InvalidInput`] for more than 2³¹ words; what the device raises.
+    /// [`Error::InvalidInput`] for more than 2³¹ words; errors of the device.
     pub(crate) fn exclusive(&mut self, on: &mut Vulkan, input: u64, output: u64, n: u64, total: u64) -> Result<()> {
         if n > 1 << 31 {
-            let why = "prefix sums go up to 2^31 words: do with fewer at a time".to_owned();
+            let why = "prefix sums are limited to 2^31 words: process fewer at a time".to_owned();
             return Err(Error::InvalidInput { what: "length", index: n, why });
         }
         let count = n as u32;
         let alone = |from: u64, to: u64, count: u32, total: u64| {
-            // The address of a word that is not wanted is never read, but must not be null either.
+            // An unused address is never dereferenced, but must not be null.
             let has_total = u32::from(total != 0);
             AlonePush { from, to, total: if total == 0 { to } else { total }, count, has_total }
         };
@@ -113,7 +115,7 @@ impl Scan {
 mod tests {
     use super::*;
 
-    /// The sums at `at` are those of `words`.
+    /// Checks that `sums` and `total` are the exclusive prefix sums of `words`.
     fn check(words: &[u32], sums: &[u32], total: u32) -> std::result::Result<(), String> {
         let mut sum = 0_u32;
         for (at, (&word, &found)) in words.iter().zip(sums).enumerate() {
@@ -143,7 +145,7 @@ mod tests {
                 on.read(to, 0, bytemuck::cast_slice_mut(&mut sums)).unwrap();
                 on.read(&total, 0, bytemuck::cast_slice_mut(&mut sum)).unwrap();
                 check(&words, &sums, sum[0]).unwrap();
-                assert_eq!(sum[1], 77, "a word beside the total");
+                assert_eq!(sum[1], 77, "the word after the total was overwritten");
                 scan.exclusive(&mut on, from.address(), to.address(), n as u64, 0).unwrap();
             }
         }

@@ -1,4 +1,4 @@
-//! A scene on the device: its tables, and the tree that rays are sent through.
+//! A scene on the device: its tables and its BVH.
 
 use std::time::Instant;
 
@@ -12,22 +12,22 @@ use photon_scene::CompressedTree;
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
 
-/// Triangles that are brought to the device at a time.
+/// Triangles uploaded at a time.
 const BLOCK: usize = 1 << 20;
 
-/// A scene, ready to be traced.
+/// A scene on the device, ready for tracing.
 #[derive(Debug)]
 pub struct VulkanScene {
-    /// One `Record`, the way to all else.
+    /// One `Record`, which holds the addresses of all tables.
     record: Memory,
-    /// What it points to.
+    /// The tables that `record` points to.
     _tables: Vec<Memory>,
     features: Features,
     media: MediaFeatures,
     light_count: u32,
-    /// Labels and bytes of the tables.
+    /// Labels and sizes in bytes of the tables.
     bytes: Vec<(&'static str, u64)>,
-    /// Seconds that the tree took to build, on the processor.
+    /// Time to build the BVH on the CPU, in seconds.
     pub build_seconds: f64,
 }
 
@@ -57,16 +57,16 @@ struct Emission {
     corners: [[f32; 3]; 3],
     normal: [f32; 3],
     margin: f32,
-    /// Media that paths start in, on the front and on the back.
+    /// Media that paths start in, on the front and on the back side.
     media: [u32; 2],
-    // Records behind an address are multiples of its alignment apart, 16 bytes.
+    // Arrays of records behind an address have a stride that is a multiple of their alignment, 16 bytes.
     reserved: u32,
 }
 
 impl VulkanScene {
     /// # Errors
-    /// As [`SceneView::validate`]; [`Error::MissingFeatures`], [`Error::Backend`] what kept the tree from being
-    /// built, [`Error::OutOfMemory`].
+    /// As [`SceneView::validate`]; [`Error::MissingFeatures`]; [`Error::Backend`] if building the BVH fails;
+    /// [`Error::OutOfMemory`].
     pub(crate) fn new(on: &mut Vulkan, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
         view.validate()?;
         required.check(Features::of(view))?;
@@ -105,33 +105,33 @@ impl VulkanScene {
         Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
     }
 
-    /// The address of the record that kernels take.
+    /// Address of the record that is passed to kernels.
     pub(crate) fn address(&self) -> u64 {
         self.record.address()
     }
 
-    /// What kernels must model.
+    /// Features that kernels must support.
     pub(crate) fn features(&self) -> Features {
         self.features
     }
 
-    /// What kernels must model of media.
+    /// Media features that kernels must support.
     pub(crate) fn media(&self) -> MediaFeatures {
         self.media
     }
 
-    /// How many lights there are.
+    /// Number of lights.
     pub(crate) fn light_count(&self) -> u32 {
         self.light_count
     }
 
-    /// Labels and bytes of all that it holds on the device.
+    /// Labels and sizes in bytes of everything the scene holds on the device.
     pub(crate) fn bytes(&self) -> &[(&'static str, u64)] {
         &self.bytes
     }
 }
 
-/// Three vertices; beside the first the index of the triangle, beside the second its margin.
+/// Three vertices; `w` of the first holds the index of the triangle, of the second its margin.
 fn corners(view: &SceneView<'_>, id: u32) -> [[f32; 4]; 3] {
     let [a, b, c] = view.triangles[id as usize].map(|vertex| view.positions[vertex as usize]);
     let with = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
@@ -142,7 +142,7 @@ fn margin(corners: [[f32; 3]; 3]) -> f32 {
     offset::margin(corners.map(Vec3::from))
 }
 
-/// What a path from a light carries, and where it starts if the light is a triangle.
+/// The power that a path from this light carries and, for area lights, the triangle it starts from.
 fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -> Emission {
     let light = &view.lights[index];
     let share = light_probability(view.light_cdf, index);
@@ -159,7 +159,7 @@ fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -
     Emission { carried, probability: share as f32, corners, normal, margin, media, reserved: 0 }
 }
 
-/// Tables on their way to the device.
+/// Tables being uploaded.
 struct Upload<'a> {
     on: &'a mut Vulkan,
     tables: Vec<Memory>,
@@ -167,7 +167,7 @@ struct Upload<'a> {
 }
 
 impl Upload<'_> {
-    /// The address of a table of `length` elements, to be written.
+    /// Allocates a table of `length` elements, to be written later, and returns its address.
     fn room<T>(&mut self, label: &'static str, length: usize) -> Result<u64> {
         let bytes = (length * size_of::<T>()) as u64;
         let memory = self.on.memory(label, bytes).map_err(|error| match error {
@@ -193,7 +193,7 @@ impl Upload<'_> {
         Ok(address)
     }
 
-    /// A table with an entry for each triangle, in the order of the tree.
+    /// A table with one entry per triangle, in BVH order.
     fn by_triangle<T: Pod>(&mut self, label: &'static str, order: &[u32], entry: impl Fn(u32) -> T) -> Result<u64> {
         let address = self.room::<T>(label, order.len())?;
         for (block, ids) in order.chunks(BLOCK).enumerate() {

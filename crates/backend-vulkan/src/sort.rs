@@ -1,7 +1,7 @@
-//! Stable radix sort of pairs, from the lowest digit to the highest, eight bits at a time: counts per
-//! tile, their prefix sums, then every tile is brought into order and written where it goes (Satish,
-//! Harris, Garland 2009, *Designing Efficient Sorting Algorithms for Manycore GPUs*). No workgroup
-//! waits for another.
+//! Stable least-significant-digit radix sort of key-value pairs, eight bits per pass: count the digits of each
+//! tile, compute the prefix sums of the counts, then sort each tile and scatter it to its destination (Satish,
+//! Harris, Garland 2009, *Designing Efficient Sorting Algorithms for Manycore GPUs*). No workgroup waits for
+//! another.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
@@ -10,39 +10,39 @@ use crate::device::{Fault, Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// As in the shaders.
+/// Keys per invocation, as `SORT_ITEMS` in the shaders.
 const ITEMS: u64 = 16;
 const DIGITS: u64 = 256;
 const SUBGROUPS: u32 = 8;
 
-/// Sorts pairs of a key of one or two words, the lower word first, and a value of one.
+/// Sorts pairs of a key of one or two words, the lower word first, and a value of one word.
 #[derive(Debug)]
 pub(crate) struct Sort {
-    /// For keys of one word, and of two.
+    /// For keys of one and of two words.
     count: [Kernel; 2],
     offsets: Kernel,
     scatter: [Kernel; 2],
     tile: u64,
-    /// Totals by digit, then counts by digit and tile; grows.
+    /// Totals by digit, then counts by digit and tile; grows on demand.
     scratch: Memory,
 }
 
-/// What is sorted: where it is, and where there is room for as much.
+/// The pairs to sort, in double buffers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pairs {
-    /// Addresses of the keys, and of as much room.
+    /// Addresses of the keys, and of a buffer of the same size.
     pub(crate) keys: [u64; 2],
-    /// Addresses of the values, and of as much room.
+    /// Addresses of the values, and of a buffer of the same size.
     pub(crate) values: [u64; 2],
-    /// How many.
+    /// Number of pairs.
     pub(crate) count: u64,
-    /// Words to a key, 1 or 2.
+    /// Words per key, 1 or 2.
     pub(crate) words: u32,
-    /// Only so many of the lowest bits of the keys count, rounded up to whole digits of eight.
+    /// Number of low bits of the keys to sort by, rounded up to whole digits of eight bits.
     pub(crate) bits: u32,
-    /// Values are the numbers of the elements: there is nothing to read.
+    /// Whether the values are the indices of the elements, which are then not read.
     pub(crate) numbered: bool,
-    /// Nobody wants the sorted keys.
+    /// Whether the sorted keys are not needed.
     pub(crate) forget_keys: bool,
 }
 
@@ -90,16 +90,15 @@ pushed!(
     keys values sorted_keys sorted_values counts totals count tiles shift flags
 );
 
-/// The workgroup that sorts tiles: at most eight subgroups and 256 invocations, for the sake of shared
-/// memory.
+/// Size of the workgroups that sort tiles: at most eight subgroups and 256 invocations, to limit shared memory.
 ///
 /// # Errors
-/// The device's workgroups are smaller.
+/// The device does not support workgroups of that size.
 pub(crate) fn workgroup(on: &Vulkan) -> Result<u32> {
     let limits = on.limits();
     let size = (SUBGROUPS * limits.subgroup_size).min(256);
     if size > limits.max_workgroup {
-        let why = format!("{}: workgroups of {size} invocations, which sorting needs, are not to be had", limits.name);
+        let why = format!("{}: sorting needs workgroups of {size} invocations, which are not supported", limits.name);
         return Err(Fault::Other(why).into());
     }
     Ok(size)
@@ -107,7 +106,7 @@ pub(crate) fn workgroup(on: &Vulkan) -> Result<u32> {
 
 impl Sort {
     /// # Errors
-    /// What the device raises.
+    /// Errors of the device.
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = workgroup(on)?;
         let both = |on: &mut Vulkan, module| -> Result<[Kernel; 2]> {
@@ -122,15 +121,15 @@ impl Sort {
         })
     }
 
-    /// Sorts, equal keys in the order in which they stand. Returns 0 or 1: which of the two addresses
-    /// the result is at. Nothing to sort by leaves everything at 0, numbers of elements not written.
+    /// Sorts the pairs stably. Returns 0 or 1: which of the two buffers holds the result. With no bits to sort
+    /// by, the pairs stay in buffer 0, and indices as values are not written.
     ///
     /// # Errors
-    /// [`Error::InvalidInput`] for more than 2³¹ pairs; what the device raises.
+    /// [`Error::InvalidInput`] for more than 2³¹ pairs; errors of the device.
     pub(crate) fn pairs(&mut self, on: &mut Vulkan, pairs: &Pairs) -> Result<usize> {
         debug_assert!(matches!(pairs.words, 1 | 2) && pairs.bits <= 32 * pairs.words, "keys have one word or two");
         if pairs.count > 1 << 31 {
-            let why = "sorting goes up to 2^31 pairs: do with fewer at a time".to_owned();
+            let why = "sorting is limited to 2^31 pairs: sort fewer at a time".to_owned();
             return Err(Error::InvalidInput { what: "length", index: pairs.count, why });
         }
         let tiles = pairs.count.div_ceil(self.tile);
@@ -207,7 +206,8 @@ mod tests {
         (keys, values)
     }
 
-    /// Whether `values` number `keys` in stable order of their lowest `bits`, in whole digits.
+    /// Checks that `found` holds the indices of `keys` in stable order of their lowest `bits`, in whole digits,
+    /// and the keys in that order.
     fn check(keys: &[u64], bits: u32, found: &(Vec<u64>, Vec<u32>)) -> std::result::Result<(), String> {
         let mask = u64::MAX >> (64 - bits.next_multiple_of(8));
         let mut expected: Vec<u32> = (0..keys.len() as u32).collect();

@@ -1,4 +1,4 @@
-//! Every stage of a pass.
+//! `TransportBackend` for Vulkan: all stages of a pass.
 
 use photon_core::{
     AimedStages, Area, Backend, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stages,
@@ -21,7 +21,8 @@ impl TransportBackend for Vulkan {
     type Scene = VulkanScene;
 
     fn batch(&self) -> u32 {
-        // A batch takes as long as its longest path, however few there are: a GPU wants many at a time.
+        // A batch takes as long as its longest path, however few paths it has: a GPU needs many paths at a
+        // time.
         if self.limits().subgroup_size >= 16 { 1 << 22 } else { 1 << 18 }
     }
 
@@ -69,7 +70,7 @@ impl TransportBackend for Vulkan {
     fn reset(&mut self) -> Result<()> {
         self.timings()?;
         self.finish()?;
-        // What the last render freed and the next may not want; pipelines stay.
+        // Frees buffers of the previous render that the next one may not need; pipelines are kept.
         self.device.free_spares();
         self.memory.clear();
         Ok(())

@@ -1,4 +1,4 @@
-//! The backend: a device, and what is being recorded for it.
+//! The Vulkan backend: a device and its command recorder.
 
 use std::sync::Arc;
 
@@ -15,11 +15,11 @@ use crate::stages::TracePlan;
 
 /// Renders on a GPU.
 ///
-/// Calls record work and return; [`photon_core::Backend::download`], `fill` and `timings` submit it
-/// and wait.
+/// Calls record commands and return; [`photon_core::Backend::download`], `fill` and `timings` submit them and
+/// wait.
 #[derive(Debug)]
 pub struct Vulkan {
-    // Dropped in this order: what is in flight ends before pipelines go, the device goes last.
+    // Drop order: pending commands finish before pipelines are destroyed; the device is destroyed last.
     pub(crate) recorder: Recorder,
     pub(crate) profile: Profile,
     pipelines: Pipelines,
@@ -32,34 +32,34 @@ pub struct Vulkan {
 }
 
 impl Vulkan {
-    /// On the most capable device, or the one that `PHOTON_VK_DEVICE` names by its number or a part
-    /// of its name.
+    /// Opens the most capable device, or the one that the environment variable `PHOTON_VK_DEVICE` selects by
+    /// index or by a part of its name.
     ///
     /// # Errors
-    /// [`Error::Backend`] if there is no loader or no driver; [`Error::NoDevice`] if no device
-    /// suits, with what each lacks.
+    /// [`Error::Backend`] if there is no Vulkan loader or no driver; [`Error::NoDevice`] if no device is
+    /// suitable, with what each one lacks.
     pub fn new() -> Result<Self> {
         Self::with_options(&Options { disk_cache: true, ..Options::default() })
     }
 
-    /// As the options say.
+    /// Opens a device with the given options.
     ///
     /// # Errors
-    /// As [`Vulkan::new`], and [`Error::Backend`] if validation is asked for and not installed.
+    /// As [`Vulkan::new`], and [`Error::Backend`] if validation is requested but the layer is not installed.
     pub fn with_options(options: &Options) -> Result<Self> {
         Self::over(Device::open(options)?, options.disk_cache)
     }
 
-    /// On a device that a host opened; the host keeps it, and waits for it or for this to be
-    /// dropped before it destroys it.
+    /// Uses a device that the host application opened. The host keeps ownership; before it destroys the device
+    /// it waits for it to be idle, or drops this backend.
     ///
     /// # Errors
     /// [`Error::Backend`].
     ///
     /// # Safety
-    /// The handles are valid, belong together, outlive this and every buffer made from it, and the
-    /// device was created with the features that [`RawDevice`] names. Nobody else uses the queue
-    /// while a method of this runs.
+    /// The handles are valid, belong together, outlive this backend and every buffer made from it, and the
+    /// device was created with the features that [`RawDevice::features`] lists. No other code uses the queue
+    /// while a method of this backend runs.
     pub unsafe fn from_raw(raw: RawDevice) -> Result<Self> {
         // SAFETY: as the caller promises.
         Self::over(unsafe { Device::borrow(raw) }?, false)
@@ -80,9 +80,10 @@ impl Vulkan {
         })
     }
 
-    /// For tests: with validation on, so that dropping it panics if the layer has said anything.
-    /// `None`, said on standard error, where there is no Vulkan, unless `PHOTON_REQUIRE_VULKAN` is
-    /// set. `PHOTON_VALIDATION=0` goes without the layer, for a machine that has a GPU and not it.
+    /// For tests: opens a device with validation enabled; dropping it panics if the layer has reported
+    /// anything. Returns `None`, with a message on standard error, where there is no Vulkan, unless
+    /// `PHOTON_REQUIRE_VULKAN` is set. `PHOTON_VALIDATION=0` disables the layer, for machines that have a GPU
+    /// but not the layer.
     #[doc(hidden)]
     #[must_use]
     #[expect(clippy::panic, reason = "a test that needs Vulkan fails where Vulkan is required")]
@@ -105,13 +106,13 @@ impl Vulkan {
         }
     }
 
-    /// What the device can do.
+    /// Name, driver and limits of the device.
     #[must_use]
     pub fn limits(&self) -> &Limits {
         &self.device.limits
     }
 
-    /// How photons are traced, for measuring one way against another: the photons are the same.
+    /// Sets how photons are traced, for benchmarks; the photons do not depend on it.
     #[doc(hidden)]
     pub fn set_trace_plan(&mut self, plan: TracePlan) {
         self.trace_plan = plan;
@@ -124,15 +125,15 @@ impl Vulkan {
         self.trace_plan
     }
 
-    /// How much a dispatch takes on, for tests that the picture does not show it.
+    /// Sets how much work a dispatch does, for tests that the image does not depend on it.
     #[doc(hidden)]
     pub fn set_dispatch_limits(&mut self, dispatch_limits: DispatchLimits) {
         self.dispatch_limits = dispatch_limits;
     }
 
-    /// Makes every allocation of memory from that number on, and every submission from that number on,
-    /// fail as if there were no memory and no device any more. Both count from the opening of the device:
-    /// [`Vulkan::work_so_far`].
+    /// Fault injection: makes every memory allocation from number `no_memory_at` on, and every submission from
+    /// number `lost_at` on, fail as if memory were exhausted and the device lost. Both are counted from when
+    /// the device was opened: see [`Vulkan::work_so_far`].
     #[doc(hidden)]
     pub fn inject_faults(&self, no_memory_at: Option<u64>, lost_at: Option<u64>) {
         self.device.injection.set(no_memory_at.unwrap_or(u64::MAX), lost_at.unwrap_or(u64::MAX));
@@ -145,50 +146,52 @@ impl Vulkan {
         self.device.injection.counts()
     }
 
-    /// What the validation layer has said about this device, if it was asked to look on. Devices share an instance:
-    /// a message counts for the device whose objects it names, and for every device if it names none.
+    /// Messages of the validation layer about this device, if validation was enabled. Devices share an
+    /// instance: a message belongs to the device whose objects it names, and to every device if it names none.
     #[must_use]
     pub fn validation_messages(&self) -> Vec<String> {
         self.device.messages()
     }
 
-    /// Whether the validation layer looks on.
+    /// Whether validation is enabled.
     #[cfg(test)]
     pub(crate) fn is_watched(&self) -> bool {
         self.watched
     }
 
-    /// What has been compiled: modules and their constants.
+    /// Compiled pipelines: modules and their specialization constants.
     #[cfg(test)]
     pub(crate) fn compiled(&self) -> Vec<(&'static str, Vec<u32>)> {
         self.pipelines.compiled().cloned().collect()
     }
 
-    /// A buffer in the device's memory, its content undefined.
+    /// Allocates a device-local buffer with undefined content.
     pub(crate) fn memory(&mut self, label: &str, bytes: u64) -> Result<Memory> {
         Memory::new(&self.device, label, bytes, MemoryLocation::GpuOnly)
     }
 
-    /// The kernel of a module: `constants[i]` is specialization constant i, 0 the features, 1 the
-    /// workgroup size.
+    /// The kernel of a module, compiled if necessary: `constants[i]` is specialization constant i; 0 is the
+    /// features, 1 the workgroup size.
     pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<Kernel> {
         self.pipelines.kernel(module, constants)
     }
 
-    /// Runs so many workgroups of a kernel.
+    /// Dispatches the given number of workgroups of a kernel.
     pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &Kernel, push: &P, workgroups: u64) -> Result<()> {
         if workgroups == 0 {
             return Ok(());
         }
         if workgroups > 32_768 * 32_768 {
-            return Err(Fault::Other(format!("{}: {workgroups} workgroups are too many", kernel.name)).into());
+            return Err(
+                Fault::Other(format!("{}: {workgroups} workgroups exceed the limit of 2^30", kernel.name)).into()
+            );
         }
         let push = bytemuck::bytes_of(push);
         assert!(push.len() <= 128, "{}: {} bytes of push constants", kernel.name, push.len());
         self.recorder.dispatch(self.pipelines.layout, kernel, push, Groups::Flat(workgroups))
     }
 
-    /// Runs as many as three words of `args` at `offset` say.
+    /// Indirect dispatch: the three words of `args` at `offset` are the numbers of workgroups.
     pub(crate) fn dispatch_indirect<P: Pod>(
         &mut self,
         kernel: &Kernel,
@@ -202,13 +205,13 @@ impl Vulkan {
         self.recorder.dispatch(self.pipelines.layout, kernel, push, Groups::Indirect(args, offset))
     }
 
-    /// Sets every word of a stretch; offset and length are multiples of 4.
+    /// Sets every word of a range; offset and length are multiples of 4.
     pub(crate) fn fill(&mut self, to: &Memory, offset: u64, bytes: u64, word: u32) -> Result<()> {
         check(to, offset, bytes);
         self.recorder.fill(to, offset, bytes, word)
     }
 
-    /// Copies a stretch.
+    /// Copies a range.
     pub(crate) fn copy(
         &mut self,
         from: &Memory,
@@ -222,19 +225,19 @@ impl Vulkan {
         self.recorder.copy((from, from_offset), (to, to_offset), bytes)
     }
 
-    /// Writes data, in order with everything else that is recorded.
+    /// Writes data, in order with all other recorded commands.
     pub(crate) fn write(&mut self, to: &Memory, offset: u64, data: &[u8]) -> Result<()> {
         check(to, offset, data.len() as u64);
         self.recorder.write(to, offset, data)
     }
 
-    /// Reads data back: submits everything and waits.
+    /// Reads data back: submits all commands and waits.
     pub(crate) fn read(&mut self, from: &Memory, offset: u64, to: &mut [u8]) -> Result<()> {
         check(from, offset, to.len() as u64);
         self.recorder.read(from, offset, to)
     }
 
-    /// What `f` records does not wait for each other: it touches memory that the others do not.
+    /// Records the commands of `f` without barriers between them: they must access disjoint memory.
     pub(crate) fn unordered(&mut self, f: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.recorder.set_ordered(false)?;
         let result = f(self);
@@ -242,12 +245,12 @@ impl Vulkan {
         result
     }
 
-    /// Submits everything and waits.
+    /// Submits all commands and waits.
     pub(crate) fn finish(&mut self) -> Result<()> {
         self.recorder.wait()
     }
 
-    /// Notes what is allocated, for reports.
+    /// Records the size of an allocation, for reports.
     pub(crate) fn note_memory(&mut self, label: &str, bytes: u64) {
         match self.memory.iter_mut().find(|(known, _)| known == label) {
             Some((_, known)) => *known = bytes,
@@ -256,18 +259,18 @@ impl Vulkan {
     }
 }
 
-/// Only our own code passes offsets; one that is wrong would be the device's memory overwritten.
+/// Offsets come from our own code only; a wrong one would overwrite other device memory.
 fn check(memory: &Memory, offset: u64, bytes: u64) {
     let end = offset.checked_add(bytes);
     assert!(end.is_some_and(|end| end <= memory.bytes()), "{offset} + {bytes} in a buffer of {}", memory.bytes());
 }
 
-/// Whether tests ask for the validation layer, by what `PHOTON_VALIDATION` says.
+/// Whether tests use the validation layer, given the value of `PHOTON_VALIDATION`.
 fn wants_validation(value: Option<&std::ffi::OsStr>) -> bool {
     value.is_none_or(|value| value != "0")
 }
 
-/// An error and what caused it, in one line.
+/// An error and its causes, in one line.
 fn chain(error: &dyn std::error::Error) -> String {
     let causes = std::iter::successors(Some(error), |error| error.source());
     causes.map(ToString::to_string).collect::<Vec<_>>().join(": ")
@@ -280,7 +283,7 @@ impl Drop for Vulkan {
         }
         if self.watched && !std::thread::panicking() {
             let messages = self.device.take_messages();
-            assert!(messages.is_empty(), "the validation layer said:\n{}", messages.join("\n"));
+            assert!(messages.is_empty(), "messages of the validation layer:\n{}", messages.join("\n"));
         }
     }
 }

@@ -1,5 +1,5 @@
-//! What the camera sees, direct light and final gathering, against the CPU with the same random
-//! numbers: nearly every path is the same path, and the picture that they give the same picture.
+//! Camera paths, direct light and final gathering, compared with the CPU backend for the same random numbers:
+//! nearly all paths are identical, and so are the images up to rounding.
 
 #![expect(clippy::unwrap_used, reason = "test code")]
 
@@ -31,7 +31,7 @@ fn view(scene: &Scene, width: u32, height: u32) -> View {
     View { camera: scene.camera(None, width, height).unwrap(), width, height }
 }
 
-/// Queries of the passes, and the film with what the camera alone puts there.
+/// Queries of the given passes, and the film with only what the camera pass adds.
 fn look<B: TransportBackend>(on: &mut B, scene: &Scene, passes: &[u32]) -> (Vec<Query>, Film) {
     look_with(on, scene, [SIZE; 2], passes, Requirements::of(&scene.view(), &settings()))
 }
@@ -63,7 +63,7 @@ fn near(a: [f32; 3], b: [f32; 3], bound: f32) -> bool {
     Vec3::from(a).distance(Vec3::from(b)) <= bound
 }
 
-/// The same query but for rounding.
+/// Whether two queries are equal up to rounding.
 fn same(a: &Query, b: &Query) -> bool {
     (a.pixel, a.path, a.media, a.radius) == (b.pixel, b.path, b.media, b.radius)
         && near(a.position, b.position, 1e-4)
@@ -71,7 +71,7 @@ fn same(a: &Query, b: &Query) -> bool {
         && near(a.throughput, b.throughput, 1e-3 * Vec3::from(a.throughput).length())
 }
 
-/// Share of queries that both have. Both lists are in order of path within a pass.
+/// Fraction of queries that occur in both lists. Both lists are in path order within a pass.
 fn share(a: &[Query], b: &[Query]) -> f64 {
     let mut b = b.iter().map(|query| (query.path, query)).collect::<Vec<_>>();
     b.sort_by_key(|&(path, _)| path);
@@ -82,8 +82,8 @@ fn share(a: &[Query], b: &[Query]) -> f64 {
     matched.count() as f64 / a.len().max(b.len()).max(1) as f64
 }
 
-/// Largest relative difference of the pixels of one layer's channels but for a share of them, and
-/// that of the totals.
+/// Largest relative difference of the pixels of one layer's channels, ignoring the fraction `but_for` of them,
+/// and that of the totals.
 fn apart(a: &Film, b: &Film, layer: Layer, but_for: f64) -> (f64, f64) {
     let values =
         |film: &Film| -> Vec<f64> { film.pixels.iter().flat_map(|pixel| pixel.layers[layer as usize]).collect() };
@@ -95,7 +95,7 @@ fn apart(a: &Film, b: &Film, layer: Layer, but_for: f64) -> (f64, f64) {
     (differences[kept - 1], relative(a.iter().sum(), b.iter().sum()))
 }
 
-/// Queries in order of pixel, and nearly all the same; the lights and first surfaces seen too.
+/// Queries are in pixel order and nearly all the same, as are directly visible lights and first surfaces.
 #[test]
 fn camera_paths_are_the_same_paths() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
@@ -124,13 +124,14 @@ fn camera_paths_are_the_same_paths() {
         });
         let matched = matched.count() as f64 / depth_a.len() as f64;
         assert!(matched >= 0.999, "{name}: {matched}");
-        // Another pass has other paths.
+        // Another pass traces other paths.
         let (other, _) = look(&mut gpu, &scene, &[4]);
         assert!(share(&a, &other) < 0.05, "{name}");
     }
 }
 
-/// The same bits twice, and for a buffer that is too small all that fits, with the number needed.
+/// Results are reproducible bit for bit; a buffer that is too small holds as many queries as fit, and reports
+/// the number needed.
 #[test]
 fn queries_are_the_same_twice_and_overflow_is_counted() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
@@ -139,7 +140,7 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
     let again = look(&mut gpu, &scene, &[0, 1]);
     assert!(again == (first, film));
     let (once, seen) = look(&mut gpu, &scene, &[0]);
-    // More than is called for changes no bit.
+    // Features that the scene does not require do not change a bit.
     assert!(
         look_with(&mut gpu, &scene, [SIZE; 2], &[0], Requirements::everything(&settings())) == (once.clone(), seen)
     );
@@ -154,7 +155,7 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
     assert_eq!((fill.length, fill.needed, fill.capacity), (100, once.len() as u64, 100));
 }
 
-/// More queries than close ranks in one go, and more pixels than come home at a time.
+/// More queries than are compacted at a time, and more pixels than are read back at a time.
 #[test]
 fn large_pictures_come_in_stretches() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
@@ -169,7 +170,7 @@ fn large_pictures_come_in_stretches() {
     assert!(b.is_sorted_by_key(|query| query.pixel));
 }
 
-/// Direct light at given queries: a film for each number of rays and of pass.
+/// Direct light at the given queries: one film for each number of rays and pass.
 fn light<B: TransportBackend, const N: usize>(
     on: &mut B,
     scene: &Scene,
@@ -190,8 +191,8 @@ fn light<B: TransportBackend, const N: usize>(
     })
 }
 
-/// The same points of the same lights: pixels agree to rounding but where a shadow's edge or a light
-/// was missed by as little.
+/// Both backends sample the same points of the same lights: pixels agree up to rounding, except where rounding
+/// decides whether a shadow edge or a light is hit.
 #[test]
 fn direct_light_is_the_same_light() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
@@ -201,7 +202,7 @@ fn direct_light_is_the_same_light() {
         let (queries, _) = look(&mut cpu, &scene, &[1]);
         let all_a = light(&mut cpu, &scene, &queries, [(1, 1), (3, 1)]);
         let [b1, b3, again, other] = light(&mut gpu, &scene, &queries, [(1, 1), (3, 1), (3, 1), (3, 2)]);
-        // The same bits twice. Other random numbers are seen, where there is anything to choose.
+        // Reproducible bit for bit. Other random numbers make a difference wherever there is a choice.
         assert_eq!(b3, again);
         let shadows = ["cornell", "cornell-glass"].contains(&name);
         assert!(!shadows || apart(&all_a[1], &other, Layer::Direct, 0.005).0 > 0.01, "{name}");
@@ -213,8 +214,8 @@ fn direct_light_is_the_same_light() {
     }
 }
 
-/// A floor and a pane of glass over it, under so many lights: by turns a point, a spot with and
-/// without a soft edge, a lamp that shines from both sides, and, once, the sun.
+/// A floor with a pane of glass above it, under the given number of lights: in turn a point light, spot lights
+/// with and without a soft edge, a two-sided area light, and one sun.
 fn lights(count: usize) -> Scene {
     let mut scene = SceneBuilder::new();
     let floor = scene.material(MaterialDesc::lambert("floor", [0.8, 0.7, 0.6]));
@@ -250,7 +251,7 @@ fn lights(count: usize) -> Scene {
     scene.build().unwrap()
 }
 
-/// Few lights are weighed at each query, many are chosen by power; the same ones by both.
+/// A few lights are weighted at each query, many are chosen by power; both backends choose the same ones.
 #[test]
 fn every_kind_of_light_is_chosen_alike() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
@@ -267,7 +268,7 @@ fn every_kind_of_light_is_chosen_alike() {
     }
 }
 
-/// So many rays that their strata, and their sums, go beyond the first few bits.
+/// So many rays that their strata and their sums need more than the first few bits.
 #[test]
 fn many_shadow_rays_keep_to_their_strata() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
@@ -284,7 +285,7 @@ fn many_shadow_rays_keep_to_their_strata() {
     }
 }
 
-/// Photons of the CPU, for both to gather from.
+/// Photons traced on the CPU, for both backends to gather from.
 fn photons(scene: &Scene, paths: u32) -> PerMap<Vec<Photon>> {
     let mut on = Cpu::with_threads(2).unwrap();
     let scene_view = scene.view();
@@ -302,8 +303,8 @@ fn photons(scene: &Scene, paths: u32) -> PerMap<Vec<Photon>> {
 
 const PATHS: u32 = 5000;
 
-/// What final gathering finds at given queries in maps of given photons: a film for each rule and
-/// number of rays.
+/// Final gathering at the given queries from maps of the given photons: one film for each search and number of
+/// rays.
 fn gather<B: TransportBackend, const N: usize>(
     on: &mut B,
     scene: &Scene,
@@ -344,7 +345,7 @@ fn gather<B: TransportBackend, const N: usize>(
     })
 }
 
-/// The same rays into the same maps.
+/// Both backends trace the same rays and read the same maps.
 #[test]
 fn final_gathering_finds_the_same() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };
@@ -357,7 +358,7 @@ fn final_gathering_finds_the_same() {
         let films_a = gather(&mut cpu, &scene, &photons, &queries, [(Search::Radius, 5), (knn, 3)]);
         let asked = [(Search::Radius, 5), (knn, 3), (Search::Radius, 5), (Search::Radius, 6)];
         let [b, near, again, other] = gather(&mut gpu, &scene, &photons, &queries, asked);
-        // The same bits twice; other rays are seen.
+        // Reproducible bit for bit; different rays make a difference.
         assert_eq!(b, again);
         assert!(apart(&films_a[0], &other, Layer::Indirect, 0.02).0 > 0.02, "{name}");
         for ((search, rays), (a, b)) in asked.into_iter().zip(films_a.iter().zip([&b, &near])) {

@@ -1,4 +1,4 @@
-//! Work is done in portions, so that no dispatch runs for seconds; pictures do not show it.
+//! Work is divided into several dispatches, so that none runs for seconds; the image does not depend on it.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use backend_cpu::Cpu;
@@ -26,15 +26,16 @@ fn film(dispatch_limits: DispatchLimits, width: u32, height: u32) -> Film {
     renderer.film().unwrap()
 }
 
-/// Largest relative difference of two pictures.
+/// Largest relative difference of two images.
 fn apart(a: &Film, b: &Film) -> f64 {
     let values = |film: &Film| -> Vec<f64> { film.pixels.iter().flat_map(|p| p.layers).flatten().collect() };
     let relative = |(a, b): (f64, f64)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
     values(a).into_iter().zip(values(b)).map(relative).fold(0.0, f64::max)
 }
 
-/// Rows and queries are cut anywhere: the same bits. The rays of one query are cut too: then sums of a
-/// dozen terms are rounded elsewhere, and so are those over photons, as other queries share a tile.
+/// Rows and queries may be divided anywhere without changing a bit. If the rays of one query are divided too,
+/// sums of a dozen terms are rounded differently, and so are sums over photons, since other queries share a
+/// tile.
 #[test]
 fn pictures_do_not_depend_on_portions() {
     if Vulkan::for_tests().is_none() {
@@ -46,11 +47,11 @@ fn pictures_do_not_depend_on_portions() {
     assert!(film(rows, 17, 13).pixels == whole.pixels);
     let rays = DispatchLimits { shadow_rays_of_query: 3, gather_rays: 999, gather_rays_of_query: 2, ..rows };
     assert!(apart(&film(rays, 17, 13), &whole) < 1e-5);
-    // The least that there can be of each.
+    // The smallest possible limits.
     let tiny = film(default, 6, 5);
     let least = DispatchLimits { pixels: 1, places: 1, shadow_rays: 1, ..default };
     assert!(film(least, 6, 5).pixels == tiny.pixels);
-    // What differs is seen.
+    // A difference is detected.
     let mut other = tiny.clone();
     for pixel in &mut other.pixels {
         pixel.layers[1][0] *= 1.0001;
@@ -71,7 +72,7 @@ fn ask<B: Backend>(on: &mut B, photons: &[Photon], queries: &[Query]) -> Vec<Est
     found
 }
 
-/// More queries than one dispatch answers, in order and not.
+/// More queries than one dispatch processes, sorted and unsorted.
 #[test]
 fn more_queries_than_a_dispatch_takes() {
     let Some(mut on) = Vulkan::for_tests() else { return };

@@ -1,5 +1,5 @@
-//! Memory that runs out and a device that is lost, at each step of a render: a typed error, no word from the
-//! validation layer, and what earlier passes gave.
+//! Out of memory and device lost at each step of a render: the result is a typed error, no message of the
+//! validation layer, and the image of the completed passes.
 
 #![expect(clippy::unwrap_used, reason = "test code")]
 
@@ -23,7 +23,7 @@ fn start(on: Vulkan, scene: &Scene) -> Result<Pipeline<Vulkan>> {
     Pipeline::new(on, &scene.view(), view, settings())
 }
 
-/// Two passes; what went wrong, and the film that there is then.
+/// Renders two passes; returns the number of completed passes, the error, and the film.
 fn render(on: Vulkan, scene: &Scene) -> (u32, Option<Error>, Option<Film>) {
     let mut renderer = match start(on, scene) {
         Ok(renderer) => renderer,
@@ -39,7 +39,7 @@ fn render(on: Vulkan, scene: &Scene) -> (u32, Option<Error>, Option<Film>) {
     (2, None, renderer.film().ok())
 }
 
-/// What a render without faults does: allocations and submissions, and its film after one pass and two.
+/// A render without faults: its allocations and submissions, and its film after one pass and after two.
 struct Whole {
     work: (u64, u64),
     films: [Film; 2],
@@ -51,7 +51,7 @@ fn whole(scene: &Scene) -> Option<Whole> {
     renderer.pass(0, &mut ()).unwrap();
     renderer.pass(1, &mut ()).unwrap();
     let work = renderer.backend().work_so_far();
-    // Again, and looked at in between.
+    // Once more, reading the film after the first pass.
     let mut renderer = start(Vulkan::for_tests()?, scene).unwrap();
     let films = [0, 1].map(|pass| {
         renderer.pass(pass, &mut ()).unwrap();
@@ -60,13 +60,13 @@ fn whole(scene: &Scene) -> Option<Whole> {
     Some(Whole { work, films })
 }
 
-/// Numbers from 0 to below `count`, few at random places in between if there are many.
+/// Numbers from 0 to below `count`: all of them, or a few pseudo-random ones if there are many.
 fn steps(count: u64) -> Vec<u64> {
     let most = std::env::var("PHOTON_FAULTS").ok().and_then(|most| most.parse().ok()).unwrap_or(4_u64);
     if count <= most {
         return (0..count).collect();
     }
-    // The last, the first, and what a golden section puts between.
+    // The last, the first, and pseudo-random ones in between.
     (0..most).map(|i| if i == 0 { count - 1 } else { (i * i * 40_503 + i) % count }).collect()
 }
 
@@ -76,9 +76,9 @@ fn check(scene: &Scene, whole: &Whole, fault: impl Fn(&Vulkan), expected: impl F
     let (passes, error, film) = render(on, scene);
     let error = error.unwrap();
     assert!(expected(&error), "{error:?}");
-    // Where memory for reading is there still, the first pass is.
+    // If there is memory left to read the film, it holds the first pass.
     if let (1, Some(film)) = (passes, film) {
-        assert!(film.pixels == whole.films[0].pixels, "the first pass is kept");
+        assert!(film.pixels == whole.films[0].pixels, "the film differs from the first pass");
     }
 }
 
@@ -104,7 +104,7 @@ fn a_device_that_is_lost_at_any_step_is_an_error() {
     }
 }
 
-/// No memory in the second pass: the film is that of the first.
+/// Out of memory in the second pass: the film is that of the first.
 #[test]
 fn what_earlier_passes_gave_is_kept() {
     let scene = builtin("cornell-glass").unwrap().build().unwrap();
@@ -117,12 +117,12 @@ fn what_earlier_passes_gave_is_kept() {
     assert!(matches!(error, Error::OutOfMemory { .. }), "{error:?}");
     renderer.backend().inject_faults(None, None);
     assert!(renderer.film().unwrap().pixels == whole.films[0].pixels);
-    // And it can go on.
+    // Rendering can continue.
     renderer.pass(1, &mut ()).unwrap();
     assert!(renderer.film().unwrap().pixels == whole.films[1].pixels);
 }
 
-/// The checks can fail: without a fault there is none.
+/// The checks can fail: without an injected fault there is no error.
 #[test]
 fn without_faults_there_is_no_error() {
     let scene = builtin("cornell").unwrap().build().unwrap();

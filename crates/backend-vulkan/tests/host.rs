@@ -1,4 +1,4 @@
-//! A host's device whose driver is listened to, and fails when it is told to: what becomes of it here.
+//! A host's device whose driver functions are intercepted and fail on demand: how the backend reacts.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -8,13 +8,13 @@ use backend_vulkan::ash::{self, vk};
 use backend_vulkan::{RawDevice, Vulkan};
 use photon_core::{Backend, Error, Indirect, PassEnd, Photon, Pipeline, Render, Settings, View};
 
-/// From here on every submission finds the device lost.
+/// If set, every submission reports that the device is lost.
 static LOST: AtomicBool = AtomicBool::new(false);
-/// From here on there is no memory left.
+/// If set, every allocation reports that memory is exhausted.
 static FULL: AtomicBool = AtomicBool::new(false);
-/// Bytes that copies have moved from buffer to buffer, which is how everything comes home.
+/// Bytes copied from buffer to buffer, which is how all data are read back.
 static COPIED: AtomicU64 = AtomicU64::new(0);
-/// One test at a time: all of this is there once.
+/// Serializes the tests, since the state above is global.
 static ALONE: Mutex<()> = Mutex::new(());
 /// The driver's own functions.
 static SUBMIT: OnceLock<vk::PFN_vkQueueSubmit> = OnceLock::new();
@@ -31,7 +31,7 @@ unsafe extern "system" fn submit(
     if LOST.load(Ordering::SeqCst) {
         return vk::Result::ERROR_DEVICE_LOST;
     }
-    // SAFETY: as the caller promises the driver.
+    // SAFETY: as the caller guarantees to the driver.
     unsafe { SUBMIT.get().unwrap()(queue, count, what, fence) }
 }
 
@@ -63,7 +63,7 @@ unsafe extern "system" fn copy(
     count: u32,
     regions: *const vk::BufferCopy,
 ) {
-    // SAFETY: as the caller promises the driver.
+    // SAFETY: as the caller guarantees to the driver.
     unsafe {
         let bytes = std::slice::from_raw_parts(regions, count as usize).iter().map(|region| region.size).sum();
         COPIED.fetch_add(bytes, Ordering::SeqCst);
@@ -71,20 +71,19 @@ unsafe extern "system" fn copy(
     }
 }
 
-/// A host: the loader, its instance and its device.
+/// A host application: the loader, its instance and its device.
 struct Host {
     _entry: ash::Entry,
     raw: RawDevice,
 }
 
 impl Host {
-    /// On the first suitable device, if there is one.
+    /// Opens the first suitable device, if there is one.
     fn new() -> Option<Self> {
         drop(Vulkan::for_tests()?);
         let chosen = backend_vulkan::devices().unwrap().into_iter().find(|device| device.lacks.is_empty())?;
-        // SAFETY: each handle is made from the one before it, and the structures live until after the
-        // calls; the tables of functions are those of the device, but for four that pass on what they
-        // are called with.
+        // SAFETY: each handle is made from the one before it, and the structures live until after the calls;
+        // the function tables are those of the device, except for four functions that forward their arguments.
         unsafe {
             let entry = ash::Entry::load().unwrap();
             let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_2);
@@ -123,7 +122,7 @@ impl Host {
 
 impl Drop for Host {
     fn drop(&mut self) {
-        // SAFETY: the library's part was dropped before.
+        // SAFETY: the backend was dropped before.
         unsafe {
             self.raw.device.destroy_device(None);
             self.raw.instance.destroy_instance(None);
@@ -131,8 +130,9 @@ impl Drop for Host {
     }
 }
 
-/// Every call after it says so, by an error of its own kind; nothing waits for ever, and all of it can
-/// still be dropped. Then the same of memory: one test, since what the driver does is one for all.
+/// After the device is lost, every call returns the corresponding error, nothing waits for ever, and everything
+/// can still be dropped. Then the same for exhausted memory, in the same test, since the intercepted functions
+/// are global.
 #[test]
 fn a_driver_that_fails_is_reported_by_kind() {
     let _alone = ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -140,8 +140,8 @@ fn a_driver_that_fails_is_reported_by_kind() {
     let scene = photon_scene::builtin("cornell").unwrap().build().unwrap();
     let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
     let settings = Settings { photons: 2000, ..Settings::default() };
-    // SAFETY: the handles belong together and outlive what is made of them, the features are on, and
-    // nobody else uses the queue.
+    // SAFETY: the handles belong together and outlive everything made from them, the features are enabled, and
+    // no other code uses the queue.
     let open = || unsafe { Vulkan::from_raw(host.raw.clone()) }.unwrap();
     let mut renderer = Pipeline::new(open(), &scene.view(), view, settings.clone()).unwrap();
     renderer.pass(0, &mut ()).unwrap();
@@ -159,18 +159,18 @@ fn a_driver_that_fails_is_reported_by_kind() {
     let bytes = 512 << 20;
     let full = on.alloc::<Photon>("photons: caustic", bytes / 32).map(drop);
     assert!(matches!(full, Err(Error::OutOfMemory { label: "photons: caustic", bytes: b }) if b == bytes), "{full:?}");
-    // And from within a render: a picture of 16 million pixels.
+    // And within a render: an image of 16 million pixels.
     let view = View { camera: scene.camera(None, 4096, 4096).unwrap(), width: 4096, height: 4096 };
     let full = Pipeline::new(on, &scene.view(), view, settings).map(drop);
     assert!(matches!(full, Err(Error::OutOfMemory { .. })), "{full:?}");
     FULL.store(false, Ordering::SeqCst);
-    // It goes on where there is memory again.
+    // Works again once there is memory.
     let mut on = open();
     on.alloc::<Photon>("photons: caustic", 1000).unwrap();
 }
 
-/// Between emission and film nothing but counts comes home: a pass with half a megabyte of photons, or more,
-/// copies less than 4 KiB. The picture does when it is asked for.
+/// Between emission and film only counts are read back: a pass that stores half a megabyte of photons or more
+/// copies less than 4 KiB. The image is copied only when it is requested.
 #[test]
 fn a_pass_stays_on_the_device() {
     let _alone = ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -187,7 +187,7 @@ fn a_pass_stays_on_the_device() {
             work();
             COPIED.load(Ordering::SeqCst) - before
         };
-        // The first may have to make room.
+        // The first pass may have to allocate.
         renderer.pass(0, &mut ()).unwrap();
         let mut stored = 0;
         let in_pass = copied(&mut || {
@@ -197,8 +197,8 @@ fn a_pass_stays_on_the_device() {
             }
         });
         let in_film = copied(&mut || drop(renderer.film().unwrap()));
-        assert!(stored * 32 > 1 << 19, "{indirect:?}: {stored} photons");
-        assert!((1..4096).contains(&in_pass), "{indirect:?}: {in_pass} bytes in a pass");
-        assert!(in_film >= 64 * 64 * 24, "{indirect:?}: {in_film} bytes for the picture");
+        assert!(stored * 32 > 1 << 19, "{indirect:?}: only {stored} photons stored");
+        assert!((1..4096).contains(&in_pass), "{indirect:?}: {in_pass} bytes copied in a pass");
+        assert!(in_film >= 64 * 64 * 24, "{indirect:?}: {in_film} bytes copied for the image");
     }
 }

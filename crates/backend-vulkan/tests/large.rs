@@ -1,4 +1,4 @@
-//! Photon maps of more than the 128 MiB that some devices bind at once.
+//! Photon maps larger than the 128 MiB that some devices can bind at once.
 
 use backend_cpu::Cpu;
 use backend_vulkan::Vulkan;
@@ -6,7 +6,7 @@ use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Photon, Query, R
 
 const BINDING: u64 = 128 << 20;
 
-/// A lattice on the unit square, every photon with a power of its own that sums exactly in `f32`.
+/// A lattice on the unit square; the photons have different powers, which sum exactly in `f32`.
 fn photons(side: u32) -> Vec<Photon> {
     let at = |i: u32| (i as f32 + 0.5) / side as f32;
     let photon = |i: u32| Photon {
@@ -18,7 +18,7 @@ fn photons(side: u32) -> Vec<Photon> {
     (0..side * side).map(photon).collect()
 }
 
-/// Near both ends and in between; radii of some ten photons.
+/// Near both ends and in between; each radius holds about ten photons.
 fn queries(side: u32) -> Vec<Query> {
     let places = [0.0, 0.001, 0.3, 0.5, 0.77, 0.999, 1.0];
     let query = |i: usize| Query {
@@ -53,14 +53,14 @@ fn maps_larger_than_a_binding_are_whole() {
     let mut cpu = Cpu::with_threads(2).expect("threads start");
     let (side, kind) = (2900, IndexKind::Morton);
     let (photons, queries) = (photons(side), queries(side));
-    // The slots' positions alone, and the photons themselves.
+    // Both the slot positions alone and the photons themselves exceed the limit.
     assert!(photons.len() as u64 * 16 > BINDING);
-    let expected = ask(&mut cpu, kind, &photons, &queries).expect("the processor's answers");
-    let found = ask(&mut on, kind, &photons, &queries).expect("the device's answers");
+    let expected = ask(&mut cpu, kind, &photons, &queries).expect("the CPU's estimates");
+    let found = ask(&mut on, kind, &photons, &queries).expect("the device's estimates");
     assert!(expected[..49].iter().all(|estimate| estimate.photons > 2));
     for (number, (a, b)) in expected.iter().zip(&found).enumerate() {
         assert_eq!((a.photons, a.radius_squared.to_bits()), (b.photons, b.radius_squared.to_bits()), "query {number}");
-        // Sums of small whole numbers have no rounding.
+        // Sums of small integers are exact.
         assert_eq!(a.flux, b.flux, "query {number}");
     }
     assert_eq!(expected.len(), found.len());

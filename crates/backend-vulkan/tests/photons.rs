@@ -1,5 +1,5 @@
-//! Photons, against the CPU with the same random numbers, and against themselves: however paths are
-//! shared out, the same photons stand in the same order.
+//! Photon tracing, compared with the CPU backend for the same random numbers, and with itself: however paths
+//! are distributed, the same photons are stored in the same order.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use backend_cpu::Cpu;
@@ -22,21 +22,21 @@ fn settings() -> Settings {
     Settings { max_bounces: 40, ..Settings::default() }
 }
 
-/// What comes of some paths.
+/// Photons and statistics of some paths.
 #[derive(Debug, PartialEq)]
 struct TraceOutput {
     rays: Vec<PhotonRay>,
     photons: PerMap<Vec<Photon>>,
     tally: Tally,
-    /// How many photons there were to be stored in each map.
+    /// Number of photons to be stored in each map, whether or not they fit.
     needed: PerMap<u64>,
 }
 
-/// How to go about it.
+/// Parameters of a trace.
 #[derive(Clone)]
 struct How {
     settings: Settings,
-    /// Where each batch after the first begins.
+    /// Index of the first path of each batch after the first.
     cuts: Vec<u32>,
     capacity: u64,
     random: RandomKind,
@@ -86,7 +86,7 @@ fn near(a: [f32; 3], b: [f32; 3], bound: f32) -> bool {
     Vec3::from(a).distance(Vec3::from(b)) <= bound
 }
 
-/// Both start on the same way, but for rounding.
+/// Whether two emitted rays are equal up to rounding.
 fn same_ray(a: &PhotonRay, b: &PhotonRay) -> bool {
     a.path == b.path
         && a.light == b.light
@@ -95,13 +95,13 @@ fn same_ray(a: &PhotonRay, b: &PhotonRay) -> bool {
         && near(a.direction, b.direction, 1e-5)
 }
 
-/// Within 1e-4 of the scene's size, with the same power but for rounding.
+/// Positions within 1e-4 of the scene's size, and equal power up to rounding.
 fn same_photon(a: &Photon, b: &Photon) -> bool {
     near(a.position, b.position, 1e-4) && near(a.power, b.power, 1e-4)
 }
 
-/// Share of the photons of `a` that find their like in `b`, both in order of paths: a photon that is
-/// there in one alone puts the others off by as much, hence the window.
+/// Fraction of the photons of `a` with a match in `b`, both in path order. A photon that exists in only one of
+/// them shifts the following ones, hence the search window.
 fn share(a: &[Photon], b: &[Photon]) -> f64 {
     const WINDOW: usize = 64;
     let mut at = 0;
@@ -136,8 +136,8 @@ fn photons_are_those_of_the_processor() {
             let share = share(ours, theirs);
             let bits = ours.iter().zip(theirs).filter(|(a, b)| a == b).count();
             println!("{name}, {random:?}, {map} map: {} photons, {share:.5} near, {bits} the same", theirs.len());
-            // A path that once goes another way stays away: some in ten thousand where surfaces are
-            // curved, since a mirrored or refracted ray spreads what rounding began.
+            // A path that diverges once stays different: about one path in ten thousand where surfaces are
+            // curved, since reflection and refraction amplify rounding errors.
             assert!(share > 0.99 || ours.is_empty(), "{name}: {map} map: {share}");
         }
     }
@@ -177,13 +177,13 @@ fn the_way_of_sharing_does_not_show() {
                 Scheduling::Dynamic,
                 TracePlan { group: 64, threads: 3000, quota: 16, busy: 1000, shared_groups: 2, ..plain },
             ),
-            // Stretches that store too much are made shorter, and in the end given more room.
+            // Chunks that store too many photons are shortened, and finally get a larger buffer.
             (Scheduling::Dynamic, TracePlan { places: 5000, ..plain }),
         ] {
             gpu.set_trace_plan(plan);
             assert!(trace(&mut gpu, &scene, &how(scheduling)) == first, "{name}: {scheduling:?}, {plan:?}");
         }
-        // So do batches, all of one stretch or not.
+        // Batches give the same result, whether or not they coincide with chunks.
         let cuts = vec![1, 77, 9000, 19_999];
         let parts = trace(&mut gpu, &scene, &How { cuts, ..how(Scheduling::Dynamic) });
         assert!(parts == first, "{name}: in batches");
@@ -200,8 +200,8 @@ fn overflow_counts_what_there_was() {
     assert_eq!(few.tally, all.tally);
 }
 
-/// Most paths end at the bound on bounces, whatever rounding does to where they go: what is under way between
-/// dispatches is kept.
+/// Most paths end at the limit on bounces, whatever rounding does to their directions: the state of active
+/// paths survives between dispatches.
 #[test]
 fn long_paths_are_followed_to_their_end() {
     let Some(mut gpu) = Vulkan::for_tests() else { return };

@@ -1,4 +1,4 @@
-//! Photons and queries that searches are timed on.
+//! Photons and queries for search benchmarks.
 
 use std::f32::consts::TAU;
 
@@ -22,7 +22,7 @@ fn on_a_wall(random: &mut SplitMix64) -> Photon {
     }
 }
 
-/// Photons evenly on five walls of a box.
+/// Photons distributed uniformly over five walls of a box.
 pub(crate) fn walls(count: usize) -> Vec<Photon> {
     let mut random = SplitMix64(1);
     (0..count).map(|_| on_a_wall(&mut random)).collect()
@@ -42,7 +42,7 @@ pub(crate) fn caustic(count: usize) -> Vec<Photon> {
         .collect()
 }
 
-/// The back wall in the upper half of a picture, the floor in the lower.
+/// One query per pixel: the back wall in the upper half of an image, the floor in the lower.
 pub(crate) fn rows(width: usize, height: usize, radius: f32) -> Vec<Query> {
     let half = height / 2;
     (0..width * height)

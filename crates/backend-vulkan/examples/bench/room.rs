@@ -1,4 +1,4 @@
-//! A scene and rays that closest hits are timed on, here and in the benchmarks of the CPU.
+//! A scene and rays for closest-hit benchmarks, here and in the CPU backend's benchmarks.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
@@ -7,7 +7,7 @@ use photon_core::{Material, Medium, Primitive, RandomKind, Ray, SceneView, Units
 /// Positions and triangles.
 pub(crate) type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
-/// Calls `with` with a mesh as a scene of one material and no light.
+/// Calls `with` with a mesh as a scene of one material without lights.
 pub(crate) fn with_view<R>((positions, triangles): &Mesh, with: impl FnOnce(&SceneView<'_>) -> R) -> R {
     let primitives = vec![Primitive { normal: [0.0, 0.0, 1.0], material: 0 }; triangles.len()];
     with(&SceneView {
@@ -23,7 +23,7 @@ pub(crate) fn with_view<R>((positions, triangles): &Mesh, with: impl FnOnce(&Sce
     })
 }
 
-/// A room of 12 triangles with a bumpy sphere of about `count` in it.
+/// A room of 12 triangles that contains a bumpy sphere of about `count` triangles.
 pub(crate) fn scene(count: usize) -> Mesh {
     let rings = ((count as f64) / 4.0).sqrt() as u32;
     let segments = 2 * rings;
@@ -56,7 +56,7 @@ pub(crate) fn scene(count: usize) -> Mesh {
     (positions, triangles)
 }
 
-/// Half from the walls, half from the sphere, in random directions.
+/// Rays in random directions, half from the walls and half from the sphere.
 pub(crate) fn rays(count: u32) -> Vec<Ray> {
     (0..count)
         .map(|path| {

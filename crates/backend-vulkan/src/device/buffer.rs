@@ -1,4 +1,4 @@
-//! Elements of one kind, on the device.
+//! Typed device buffers.
 
 use std::cell::Cell;
 use std::marker::PhantomData;
@@ -9,8 +9,8 @@ use photon_core::{Element, Photon, PhotonFormat, Result};
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
 
-/// Elements of one kind, of fixed capacity. How many there are is kept beside them on the device:
-/// two words, how many were to be appended and how many fit.
+/// A device buffer of elements of one type, of fixed capacity. The number of elements is stored on the device
+/// in two words: how many were to be appended, and how many fit.
 #[derive(Debug)]
 pub struct VulkanBuffer<T> {
     pub(crate) data: Memory,
@@ -18,68 +18,69 @@ pub struct VulkanBuffer<T> {
     pub(crate) count: Memory,
     capacity: u64,
     label: &'static str,
-    /// `needed`, while the host knows it.
+    /// `needed`, if the host knows it.
     known: Cell<Option<u64>>,
-    /// Whether its content came from the caller, and may be anything.
+    /// Whether the content was supplied by the caller and must be validated.
     pub(crate) foreign: bool,
     photon_format: PhotonFormat,
     kind: PhantomData<fn() -> T>,
 }
 
 impl<T> VulkanBuffer<T> {
-    /// Where kernels find the elements; if they are photons that are cut short, see
+    /// Address of the elements on the device; for photons in a reduced format see
     /// [`VulkanBuffer::photon_format`].
     #[must_use]
     pub fn data_address(&self) -> u64 {
         self.data.address()
     }
 
-    /// Where kernels find the two words.
+    /// Address of the two words that hold the number of elements.
     #[must_use]
     pub fn count_address(&self) -> u64 {
         self.count.address()
     }
 
-    /// How many elements fit.
+    /// Maximum number of elements.
     #[must_use]
     pub fn capacity(&self) -> u64 {
         self.capacity
     }
 
-    /// How much it holds of a photon. Of whole ones each is a record; otherwise the places of all, rows of
-    /// position and normal, come first, as many as fit, then what is kept of their powers.
+    /// Which parts of a photon the buffer stores. With the full format each photon is one record; otherwise the
+    /// buffer holds an array of rows of position and normal, `capacity` long, followed by an array of the
+    /// reduced powers.
     #[must_use]
     pub fn photon_format(&self) -> PhotonFormat {
         self.photon_format
     }
 
-    /// What it is for.
+    /// The label of the buffer, used in error messages and reports.
     #[must_use]
     pub fn label(&self) -> &'static str {
         self.label
     }
 
-    /// A kernel changes how many there are: what the host knew is out of date.
+    /// A kernel changes the number of elements: discards the number known to the host.
     pub(crate) fn touch(&mut self) {
         self.known.set(None);
     }
 
-    /// The device has been told how many there are.
+    /// The number of elements was written on the device: the host knows it as well.
     pub(crate) fn is_now(&mut self, length: u64) {
         self.known.set(Some(length));
     }
 }
 
 impl<T: Element> VulkanBuffer<T> {
-    /// An empty one.
+    /// Allocates an empty buffer.
     pub(crate) fn new(on: &mut Vulkan, label: &'static str, capacity: u64) -> Result<Self> {
         Self::of(on, label, capacity, size_of::<T>() as u64)
     }
 
-    /// The same, with so many bytes to an element.
+    /// As `new`, with `each` bytes per element.
     fn of(on: &mut Vulkan, label: &'static str, capacity: u64, each: u64) -> Result<Self> {
         let bytes = capacity.saturating_mul(each);
-        // Numbers of elements are words on the device.
+        // Element counts are 32-bit words on the device.
         if capacity > u64::from(u32::MAX) {
             return Err(photon_core::Error::OutOfMemory { label, bytes });
         }
@@ -109,17 +110,17 @@ impl<T: Element> VulkanBuffer<T> {
         Ok(buffer)
     }
 
-    /// A host's elements, `length` of them from byte `offset` on, where they lie.
+    /// Wraps a host's buffer of `length` elements from byte `offset` on, without copying.
     ///
     /// # Errors
-    /// [`photon_core::Error::OutOfMemory`], [`photon_core::Error::InvalidInput`] if the offset is not
-    /// a multiple of 16.
+    /// [`photon_core::Error::OutOfMemory`], [`photon_core::Error::InvalidInput`] if the offset is not a
+    /// multiple of 16.
     ///
     /// # Safety
-    /// `buffer` was made on the device that `on` works on, with the usages `SHADER_DEVICE_ADDRESS`,
-    /// `TRANSFER_SRC` and `TRANSFER_DST`; its memory with the flag `DEVICE_ADDRESS`; it holds what is
-    /// said, outlives this, and what wrote it has been submitted, with a barrier to all commands, on
-    /// the same queue before.
+    /// `buffer` was created on the device that `on` uses, with the usages `SHADER_DEVICE_ADDRESS`,
+    /// `TRANSFER_SRC` and `TRANSFER_DST`, and its memory was allocated with the flag `DEVICE_ADDRESS`. It holds
+    /// `length` elements at `offset`, outlives this buffer, and the commands that wrote it were submitted
+    /// earlier to the same queue, with a barrier to all commands.
     pub unsafe fn from_raw(on: &mut Vulkan, buffer: vk::Buffer, offset: u64, length: u64) -> Result<Self> {
         if !offset.is_multiple_of(16) || length > u64::from(u32::MAX) {
             return Err(photon_core::Error::InvalidInput {
@@ -128,7 +129,7 @@ impl<T: Element> VulkanBuffer<T> {
                 why: format!("{length} elements; the offset must be a multiple of 16, the length below 2^32"),
             });
         }
-        // SAFETY: as the caller promises.
+        // SAFETY: as the caller guarantees.
         let data = unsafe { Memory::foreign(&on.device, buffer, offset, length * size_of::<T>() as u64) };
         let mut buffer = Self::around(on, data, "a host's", length, length)?;
         buffer.foreign = true;
@@ -137,7 +138,7 @@ impl<T: Element> VulkanBuffer<T> {
 }
 
 impl VulkanBuffer<Photon> {
-    /// An empty one for so much of each photon.
+    /// Allocates an empty photon buffer for the given photon format.
     pub(crate) fn photons(
         on: &mut Vulkan,
         label: &'static str,
@@ -147,7 +148,7 @@ impl VulkanBuffer<Photon> {
         Ok(Self { photon_format, ..Self::of(on, label, capacity, photon_format.bytes())? })
     }
 
-    /// Where position and power of a photon stand, in bytes.
+    /// Byte offsets of a photon's position and power.
     pub(crate) fn offsets(&self, index: u64) -> [u64; 2] {
         let (place, flux) = (PhotonFormat::POSITION_NORMAL_BYTES, self.photon_format.flux_bytes());
         match self.photon_format {
@@ -158,12 +159,12 @@ impl VulkanBuffer<Photon> {
 }
 
 impl Vulkan {
-    /// How many elements a buffer holds: known, or read back.
+    /// The number of elements in a buffer: known on the host, or read back.
     pub(crate) fn length<T>(&mut self, buffer: &VulkanBuffer<T>) -> Result<u64> {
         Ok(self.needed(buffer)?.min(buffer.capacity))
     }
 
-    /// How many were to be appended.
+    /// The number of elements that were to be appended, whether or not they fit.
     pub(crate) fn needed<T>(&mut self, buffer: &VulkanBuffer<T>) -> Result<u64> {
         if let Some(known) = buffer.known.get() {
             return Ok(known);
@@ -175,7 +176,7 @@ impl Vulkan {
         Ok(needed)
     }
 
-    /// Says how many elements a buffer holds.
+    /// Sets the number of elements in a buffer.
     pub(crate) fn set_length<T>(&mut self, buffer: &mut VulkanBuffer<T>, length: u64) -> Result<()> {
         let words = [length as u32, buffer.capacity.min(u64::from(u32::MAX)) as u32, 0, 0];
         self.write(&buffer.count, 0, bytemuck::bytes_of(&words))?;

@@ -1,6 +1,6 @@
-//! Compiled pipelines on disk, from one start to the next.
+//! Pipeline cache on disk, kept between runs of the program.
 //!
-//! Whatever is wrong with the file, nothing more is lost than the time that it would have saved.
+//! A damaged file costs no more than the compile time it would have saved.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -8,26 +8,26 @@ use std::path::{Path, PathBuf};
 use super::logical::Limits;
 use super::module::Module;
 
-/// What such a file begins with; the number is that of the format.
+/// Magic bytes of the file; the last one is the version of the format.
 const MARK: [u8; 8] = *b"photon\x00\x01";
-/// The mark, and a hash of what follows. Drivers check the header of what they are given and trust the
-/// rest of it.
+/// Length of the header: the magic bytes and a hash of the data. Drivers validate only the header of their own
+/// data.
 const HEAD: usize = 16;
 
-/// The file of one device, driver and set of shaders.
+/// The cache file of one device, driver and set of shaders.
 #[derive(Clone, Debug)]
 pub(crate) struct DiskCache {
     file: PathBuf,
 }
 
 impl DiskCache {
-    /// In the user's folder for such things; `None` if there is no such folder.
+    /// A file in the user's cache folder; `None` if there is no such folder.
     pub(crate) fn of_user(limits: &Limits, modules: &[&Module]) -> Option<Self> {
         Some(Self::within(&folder(&|name| std::env::var_os(name))?, limits, modules))
     }
 
-    /// In a folder, which need not be there yet. The name follows from the driver's key for its compiled
-    /// code, the device, the driver and all SPIR-V: a change of any of them is another file.
+    /// A file in `folder`, which need not exist yet. The file name is a hash of the driver's pipeline-cache
+    /// key, the device, the driver and all SPIR-V: if any of them changes, another file is used.
     pub(crate) fn within(folder: &Path, limits: &Limits, modules: &[&Module]) -> Self {
         let mut hash = Fnv::default();
         hash.add(&limits.cache_key);
@@ -41,19 +41,19 @@ impl DiskCache {
         Self { file: folder.join(format!("{:016x}.pipelines", hash.0)) }
     }
 
-    /// What was kept; nothing if there is no file, or not the whole of one.
+    /// The cached data; empty if there is no file or it is damaged.
     pub(crate) fn read(&self) -> Vec<u8> {
         let Ok(bytes) = std::fs::read(&self.file) else { return Vec::new() };
         let Some((head, data)) = bytes.split_at_checked(HEAD) else { return Vec::new() };
         if head == self::head(data) {
             return data.to_vec();
         }
-        log::warn!("{}: not what was written there; it will be written anew", self.file.display());
+        log::warn!("{}: the pipeline cache is damaged and will be replaced", self.file.display());
         Vec::new()
     }
 
-    /// Keeps `data`: written beside the old file and then put in its place, so that nobody finds half of
-    /// it.
+    /// Stores `data`: writes a new file beside the old one and renames it, so that no reader sees a partial
+    /// file.
     pub(crate) fn write(&self, data: &[u8]) {
         let written = || {
             std::fs::create_dir_all(self.file.parent().unwrap_or(Path::new(".")))?;
@@ -61,9 +61,9 @@ impl DiskCache {
             std::fs::write(&beside, [&head(data), data].concat())?;
             std::fs::rename(&beside, &self.file)
         };
-        // A cache that cannot be kept harms nothing.
+        // Failure to store the cache is harmless.
         if let Err(error) = written() {
-            log::warn!("{}: compiled pipelines were not kept: {error}", self.file.display());
+            log::warn!("{}: the pipeline cache was not stored: {error}", self.file.display());
         }
     }
 }
@@ -77,14 +77,14 @@ fn head(data: &[u8]) -> [u8; HEAD] {
     head
 }
 
-/// Where a user's programs keep what they can make again.
+/// The user's cache folder.
 fn folder(variable: &dyn Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
     let set = |name| variable(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     let base = set("XDG_CACHE_HOME").or_else(|| set("LOCALAPPDATA")).or_else(|| Some(set("HOME")?.join(".cache")))?;
     Some(base.join("photon-mapping"))
 }
 
-/// The hash of Fowler, Noll and Vo, variant 1a, 64 bits.
+/// 64-bit FNV-1a hash (Fowler, Noll, Vo).
 struct Fnv(u64);
 
 impl Default for Fnv {
@@ -107,7 +107,7 @@ mod tests {
     use crate::device::Pipelines;
     use crate::{Vulkan, shaders};
 
-    /// A folder of this test's own, removed at the end.
+    /// A temporary folder for one test, removed at the end.
     struct Folder(PathBuf);
 
     impl Folder {
@@ -124,7 +124,7 @@ mod tests {
         }
     }
 
-    /// Published: the hashes of nothing and of "a".
+    /// Published values: the hashes of the empty string and of "a".
     #[test]
     fn the_hash_is_fnv_1a() {
         let mut hash = Fnv::default();
@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(with(&[]), None);
     }
 
-    /// Device, driver, the driver's own key and each module: whichever changes, the file is another.
+    /// If the device, the driver, the driver's own key or any module changes, the file name changes.
     #[test]
     fn the_file_is_of_device_driver_and_shaders() {
         let Some(on) = Vulkan::for_tests() else { return };
@@ -181,10 +181,10 @@ mod tests {
             std::fs::write(&cache.file, flipped).unwrap();
             assert!(cache.read().is_empty(), "{at}");
         }
-        assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 1, "nothing is left beside it");
+        assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 1, "temporary files are left");
     }
 
-    /// Pipelines are made whatever the file holds, and what is there at the end is whole.
+    /// Pipelines are created whatever the file contains, and the file is complete afterwards.
     #[test]
     fn pipelines_survive_a_corrupt_file() {
         let Some(mut on) = Vulkan::for_tests() else { return };
@@ -199,11 +199,11 @@ mod tests {
         assert_eq!(make(&mut on), 0);
         let kept = cache.read();
         assert!(!kept.is_empty());
-        assert_eq!(make(&mut on), kept.len(), "the second start goes on from the first");
+        assert_eq!(make(&mut on), kept.len(), "the second run uses the cache of the first");
         std::fs::write(&cache.file, b"scribble").unwrap();
         assert_eq!(make(&mut on), 0);
         assert_eq!(make(&mut on), cache.read().len());
-        // A folder in its place can be neither read nor written.
+        // A folder in place of the file can be neither read nor written.
         std::fs::remove_file(&cache.file).unwrap();
         std::fs::create_dir_all(cache.file.join("in the way")).unwrap();
         assert_eq!(make(&mut on), 0);

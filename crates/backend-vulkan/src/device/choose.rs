@@ -1,28 +1,28 @@
-//! Which physical device: by name or number if asked, else the most capable one.
+//! Selects the physical device: by name or index if requested, otherwise the most capable one.
 
 use std::ffi::CStr;
 
 use ash::vk;
 
-/// A physical device, and whether it will do.
+/// A physical device, and whether it is suitable.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// Its number, in the order in which Vulkan lists it.
+    /// Its index, in the order in which Vulkan enumerates devices.
     pub index: usize,
-    /// The driver's name for it.
+    /// Name of the device, from the driver.
     pub name: String,
-    /// Discrete, integrated, virtual, software or other.
+    /// Device type: discrete, integrated, virtual, software or other.
     pub kind: &'static str,
-    /// The Vulkan version that it offers.
+    /// The Vulkan version it supports.
     pub version: (u32, u32),
-    /// What it lacks, in words; empty if it is suitable.
+    /// Required features that it lacks, in words; empty if it is suitable.
     pub lacks: Vec<String>,
     pub(crate) handle: vk::PhysicalDevice,
     pub(crate) family: u32,
     rank: u32,
 }
 
-/// All devices that Vulkan lists here, suitable or not.
+/// All Vulkan devices of this machine, suitable or not.
 ///
 /// # Errors
 /// [`photon_core::Error::Backend`] if there is no loader or no driver.
@@ -61,17 +61,17 @@ fn candidate(instance: &ash::Instance, index: usize, handle: vk::PhysicalDevice)
     Candidate { index, name: name.to_owned(), kind, version, lacks, handle, family: family.unwrap_or(0) as u32, rank }
 }
 
-/// What a device has of what the baseline asks for.
+/// The features and limits of a device that the baseline requires.
 #[derive(Clone, Copy, Default)]
 struct Offer {
     version: (u32, u32),
-    /// Address arithmetic of buffer references.
+    /// 64-bit integers, for address arithmetic of buffer references.
     int64: bool,
     address: bool,
     scalar: bool,
     timeline: bool,
     reset: bool,
-    /// In compute shaders.
+    /// Subgroup operations supported in compute shaders.
     subgroup: vk::SubgroupFeatureFlags,
     subgroup_size: u32,
     limits: vk::PhysicalDeviceLimits,
@@ -88,11 +88,11 @@ impl Offer {
             | vk::SubgroupFeatureFlags::SHUFFLE_RELATIVE.as_raw(),
     );
 
-    /// Asks a device of Vulkan 1.2 or later for its features.
+    /// Queries the features of a device with Vulkan 1.2 or later.
     fn ask(&mut self, instance: &ash::Instance, handle: vk::PhysicalDevice) {
         let mut twelve = vk::PhysicalDeviceVulkan12Features::default();
         let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut twelve);
-        // SAFETY: the handle comes from this instance, and the chain is of the structures that it names.
+        // SAFETY: the handle comes from this instance, and the chain consists of the structures that it names.
         unsafe { instance.get_physical_device_features2(handle, &mut features) };
         self.int64 = features.features.shader_int64 == vk::TRUE;
         self.address = twelve.buffer_device_address == vk::TRUE;
@@ -109,7 +109,8 @@ impl Offer {
         }
     }
 
-    /// What of the baseline is not there. Of an older device nothing but its version and limits is known.
+    /// The baseline requirements that are missing. For devices with an older version only the version and the
+    /// limits are known.
     fn lacks(&self) -> Vec<String> {
         let mut lacks = Vec::new();
         if self.version < (1, 2) {
@@ -131,18 +132,18 @@ impl Offer {
             ("push constants of 128 bytes", limits.max_push_constants_size >= 128),
             ("32 KiB of shared memory", limits.max_compute_shared_memory_size >= 32 * 1024),
             ("workgroups of 256", limits.max_compute_work_group_invocations >= 256),
-            ("a queue that computes", self.computes),
+            ("a compute queue", self.computes),
         ];
         lacks.extend(floors.iter().filter(|(_, there)| !there).map(|(what, _)| (*what).to_owned()));
         lacks
     }
 }
 
-/// The device that `wanted` names by number or part of its name; without it, the most capable of
-/// the suitable ones, discrete before integrated before virtual before software.
+/// The device that `wanted` selects by index or part of its name; without it, the most capable suitable one:
+/// discrete before integrated before virtual before software.
 ///
 /// # Errors
-/// [`photon_core::Error::NoDevice`] says of each device what it lacks.
+/// [`photon_core::Error::NoDevice`] states what each device lacks.
 pub(crate) fn choose(found: Vec<Candidate>, wanted: Option<&str>) -> photon_core::Result<Candidate> {
     let named = |candidate: &Candidate| match wanted {
         None => true,
@@ -168,7 +169,7 @@ pub(crate) fn choose(found: Vec<Candidate>, wanted: Option<&str>) -> photon_core
     Err(photon_core::Error::NoDevice { rejected: found.iter().map(|c| (c.name.clone(), why(c))).collect() })
 }
 
-/// Whether a list of extensions or layers has one.
+/// Whether a list of extensions or layers contains `wanted`.
 pub(crate) fn has(names: impl IntoIterator<Item = [std::ffi::c_char; 256]>, wanted: &CStr) -> bool {
     names.into_iter().any(|name| {
         let bytes: Vec<u8> = name.iter().take_while(|&&c| c != 0).map(|&c| c as u8).collect();
@@ -220,7 +221,7 @@ mod tests {
         assert!(rejected[0].1.contains("old"));
     }
 
-    /// A device that has just enough.
+    /// A device that just meets the baseline.
     fn enough() -> Offer {
         let limits = vk::PhysicalDeviceLimits {
             max_push_constants_size: 128,
@@ -242,10 +243,10 @@ mod tests {
         }
     }
 
-    /// What is lacking, and how it comes to be.
+    /// A missing requirement as reported, and a change that causes it.
     type Harm = (&'static str, fn(&mut Offer));
 
-    /// Of the baseline nothing can be missing without being named.
+    /// Every missing baseline requirement is named.
     #[test]
     fn whatever_is_missing_is_named() {
         assert_eq!(enough().lacks(), Vec::<String>::new());
@@ -262,7 +263,7 @@ mod tests {
             ("push constants of 128 bytes", |offer| offer.limits.max_push_constants_size = 127),
             ("32 KiB of shared memory", |offer| offer.limits.max_compute_shared_memory_size = 16 * 1024),
             ("workgroups of 256", |offer| offer.limits.max_compute_work_group_invocations = 128),
-            ("a queue that computes", |offer| offer.computes = false),
+            ("a compute queue", |offer| offer.computes = false),
         ];
         for (what, harm) in harms {
             let mut offer = enough();

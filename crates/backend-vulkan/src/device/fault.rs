@@ -1,15 +1,15 @@
-//! What Vulkan says when it fails, as errors of this library.
+//! Vulkan failures as errors of this library.
 
 use ash::vk;
 use photon_core::Error;
 
-/// Why there is no device to work on, or why a call of Vulkan's failed: the source of
-/// [`Error::Backend`], for `downcast_ref`. That no device suits is [`Error::NoDevice`], that one stopped
-/// answering [`Error::DeviceLost`].
+/// Why Vulkan is not available, or which Vulkan call failed: the source of [`Error::Backend`], for
+/// `downcast_ref`. If no device is suitable the error is [`Error::NoDevice`]; if the device stopped responding
+/// it is [`Error::DeviceLost`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// The library that finds drivers is not installed.
+    /// The Vulkan loader library is not installed.
     #[error(
         "no Vulkan loader ({0}): install it (Debian: libvulkan1; Windows: the graphics driver; macOS: MoltenVK), or use the CPU backend"
     )]
@@ -19,20 +19,20 @@ pub enum Fault {
         "a Vulkan loader, but no driver ({0}): install the driver of your GPU, or a software one (Debian: mesa-vulkan-drivers), or use the CPU backend"
     )]
     NoDriver(String),
-    /// A call failed.
+    /// A Vulkan call failed.
     #[error("{what}: {result}")]
     Call {
-        /// What was called for.
+        /// The operation that failed.
         what: &'static str,
-        /// What it returned.
+        /// The result code.
         result: vk::Result,
     },
-    /// Validation was asked for.
+    /// Validation was requested, but the layer is not installed.
     #[error(
         "validation was asked for, but the layer VK_LAYER_KHRONOS_validation is not installed (Debian: vulkan-validationlayers)"
     )]
     NoValidation,
-    /// Something else, in words.
+    /// Another failure, in words.
     #[error("{0}")]
     Other(String),
 }
@@ -46,7 +46,7 @@ impl From<Fault> for Error {
     }
 }
 
-/// Names the call that failed.
+/// Converts a result code into an error that names the failed operation.
 pub(crate) fn during(what: &'static str) -> impl Fn(vk::Result) -> Error {
     move |result| Fault::Call { what, result }.into()
 }
@@ -60,7 +60,7 @@ mod tests {
         *source.downcast::<Fault>().expect("one of ours")
     }
 
-    /// Whoever catches them can tell them apart, and each says what to install.
+    /// The errors can be told apart by their types, and each one says what to install.
     #[test]
     fn three_reasons_for_no_device_are_three_errors() {
         let loader = fault(Fault::NoLoader("not found".to_owned()).into());

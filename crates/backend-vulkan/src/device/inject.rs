@@ -1,10 +1,10 @@
-//! Faults on demand, for tests: memory that is not there, a device that is lost.
+//! Fault injection for tests: exhausted memory, a lost device.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use photon_core::{Error, Result};
 
-/// How many allocations and submissions there have been, and the first of each that fails.
+/// Counts of allocations and submissions, and the first of each that fails.
 #[derive(Debug)]
 pub(crate) struct Injection {
     allocations: AtomicU64,
@@ -22,29 +22,29 @@ impl Default for Injection {
 }
 
 impl Injection {
-    /// From that allocation and that submission on, counted from the first of the device's, all fail.
+    /// All allocations and submissions from these numbers on fail, counted since the device was opened.
     pub(crate) fn set(&self, no_memory_at: u64, lost_at: u64) {
         self.no_memory_at.store(no_memory_at, Ordering::Relaxed);
         self.lost_at.store(lost_at, Ordering::Relaxed);
     }
 
-    /// Allocations and submissions so far.
+    /// Number of allocations and submissions so far.
     pub(crate) fn counts(&self) -> (u64, u64) {
         (self.allocations.load(Ordering::Relaxed), self.submissions.load(Ordering::Relaxed))
     }
 
-    /// Counts an allocation, and says whether there is memory for it.
+    /// Counts an allocation; false if it must fail.
     pub(crate) fn allocate(&self) -> bool {
         self.allocations.fetch_add(1, Ordering::Relaxed) < self.no_memory_at.load(Ordering::Relaxed)
     }
 
-    /// Counts a submission.
+    /// Counts a submission; an error if it must fail.
     pub(crate) fn submit(&self) -> Result<()> {
         let count = self.submissions.fetch_add(1, Ordering::Relaxed);
         if count < self.lost_at.load(Ordering::Relaxed) { Ok(()) } else { Err(Error::DeviceLost) }
     }
 
-    /// Whether the device is still there: a lost one is not waited for either.
+    /// An error if the device counts as lost: a lost device is not waited for either.
     pub(crate) fn alive(&self) -> Result<()> {
         let (_, submissions) = self.counts();
         if submissions <= self.lost_at.load(Ordering::Relaxed) { Ok(()) } else { Err(Error::DeviceLost) }

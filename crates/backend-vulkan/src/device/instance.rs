@@ -1,4 +1,4 @@
-//! The instance: one for all devices of a process, and one for all that the validation layer checks.
+//! Vulkan instances: one for all devices of a process, and one for all devices with validation.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,26 +9,26 @@ use super::choose::has;
 use super::fault::{Fault, during};
 use super::listen::{Listeners, Object};
 
-/// An instance, and who hears its layers.
+/// An instance, and the receivers of its validation messages.
 pub(crate) struct Instance {
-    /// Keeps the loader in memory, and goes after the instance.
+    /// Keeps the loader in memory; dropped after the instance.
     _entry: ash::Entry,
     pub(crate) raw: ash::Instance,
-    /// Whether objects can be given names.
+    /// Whether the debug-utils extension for naming objects is enabled.
     pub(crate) names: bool,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
-    /// Where the messenger's callback finds it.
+    /// User data of the messenger's callback.
     pub(crate) listeners: Box<Listeners>,
 }
 
-/// The one without layers and the one with the validation layer, each from the first that asked for it on.
+/// The instance without layers and the one with the validation layer, each created on first use.
 static SHARED: [Mutex<Option<Arc<Instance>>>; 2] = [const { Mutex::new(None) }; 2];
 
 impl Instance {
-    /// The process's own, with or without the validation layer. It is never destroyed: the loader unloads a driver
-    /// with its last instance, and NVIDIA's 580 cannot be loaded again after 30 times (static TLS that is not given
-    /// back), and leaves a destructor of thread-specific data in unloaded code, which ends threads with a
-    /// segmentation fault. With the layer and without: see `docs/testing.md`.
+    /// The process-wide instance, with or without the validation layer. It is never destroyed: the loader
+    /// unloads a driver with its last instance, and NVIDIA's driver 580 cannot be loaded again after 30 times
+    /// (it leaks static TLS), and leaves a destructor of thread-specific data in unloaded code, which makes
+    /// exiting threads crash with a segmentation fault. Both with the layer and without: see `docs/testing.md`.
     pub(crate) fn shared(validation: bool) -> Result<Arc<Self>> {
         let mut shared = SHARED[usize::from(validation)].lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(instance) = &*shared {
@@ -77,7 +77,7 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        // SAFETY: whoever made something from it held on to it for as long.
+        // SAFETY: everything made from the instance holds a reference to it.
         unsafe {
             if let Some((functions, messenger)) = &self.messenger {
                 functions.destroy_debug_utils_messenger(*messenger, None);
@@ -88,7 +88,7 @@ impl Drop for Instance {
 }
 
 fn load() -> Result<ash::Entry> {
-    // SAFETY: the loader is the system's; what it does when it is loaded is in its own hands.
+    // SAFETY: the loader is the system's; what its initialization does is beyond our control.
     unsafe { ash::Entry::load() }.map_err(|error| Fault::NoLoader(error.to_string()).into())
 }
 
@@ -130,26 +130,26 @@ fn create_instance(
     })
 }
 
-/// Passes on what the layers say to whom it concerns.
+/// Callback of the messenger: forwards messages to the devices they concern.
 unsafe extern "system" fn hear(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _: vk::DebugUtilsMessageTypeFlagsEXT,
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     user: *mut std::ffi::c_void,
 ) -> vk::Bool32 {
-    // SAFETY: Vulkan passes a valid structure, and `user` is what the instance owns until after the
+    // SAFETY: Vulkan passes a valid structure, and `user` points to data that the instance owns until after the
     // messenger is destroyed.
     let (data, listeners) = unsafe { (&*data, &*user.cast::<Listeners>()) };
-    // SAFETY: a message that is there is a string that ends.
+    // SAFETY: a non-null message is a null-terminated string.
     let text = unsafe { data.message_as_c_str() }.map_or_else(String::new, |text| text.to_string_lossy().into_owned());
-    // None may be no pointer at all.
+    // If there are none, the pointer may be null.
     let labels = match data.cmd_buf_label_count {
         0 => &[],
-        // SAFETY: the layer's array of so many.
+        // SAFETY: the layer's array has this length.
         count => unsafe { std::slice::from_raw_parts(data.p_cmd_buf_labels, count as usize) },
     };
     let label = |label: &vk::DebugUtilsLabelEXT<'_>| {
-        // SAFETY: a name that is there is a string that ends.
+        // SAFETY: a non-null name is a null-terminated string.
         unsafe { label.label_name_as_c_str() }.map(|name| format!(" [in {}]", name.to_string_lossy()))
     };
     let text = labels.iter().filter_map(label).fold(text, |text, label| text + &label);

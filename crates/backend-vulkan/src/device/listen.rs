@@ -1,5 +1,5 @@
-//! Who hears what the validation layer says: devices share an instance, and each message counts for the
-//! device that it is about.
+//! Routes validation messages to devices: devices share an instance, and each message is counted for the device
+//! that it concerns.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,10 +8,10 @@ use ash::vk;
 
 use super::instance::Instance;
 
-/// A Vulkan object: the number of its type, and its handle.
+/// A Vulkan object: its type number and its handle.
 pub(crate) type Object = (i32, u64);
 
-/// The devices of an instance, and what the layer has said about each.
+/// The devices of an instance, and the messages about each.
 #[derive(Debug, Default)]
 pub(crate) struct Listeners {
     state: Mutex<State>,
@@ -21,11 +21,11 @@ pub(crate) struct Listeners {
 struct State {
     opened: u64,
     live: BTreeMap<u64, Ledger>,
-    /// Said while there was no device: counts for the next one.
+    /// Messages received while there was no device: counted for the next one.
     unclaimed: Vec<String>,
 }
 
-/// What belongs to a device, and what was said about it.
+/// The objects of a device, and the messages about it.
 #[derive(Debug, Default)]
 struct Ledger {
     objects: BTreeSet<Object>,
@@ -33,7 +33,7 @@ struct Ledger {
 }
 
 impl Listeners {
-    /// A device that is about to be opened.
+    /// Registers a device that is about to be opened.
     fn open(&self) -> u64 {
         let mut state = self.state();
         state.opened += 1;
@@ -42,11 +42,11 @@ impl Listeners {
         id
     }
 
-    /// An object of that device.
+    /// Registers an object of the given device.
     fn own(&self, id: u64, object: Object) {
         let mut state = self.state();
-        // Handles of these types are addresses: one that is used again belongs to the later device alone. Of the
-        // other types, two devices may have the same handle.
+        // Handles of these types are addresses: a reused one belongs to the newer device only. Of the other
+        // types, two devices may have equal handles.
         let address =
             [vk::ObjectType::DEVICE, vk::ObjectType::QUEUE, vk::ObjectType::COMMAND_BUFFER].map(vk::ObjectType::as_raw);
         if address.contains(&object.0) {
@@ -59,8 +59,8 @@ impl Listeners {
         }
     }
 
-    /// Counts a message for each device that owns one of its objects. One that names no object of any device
-    /// counts for all devices, so that none is lost.
+    /// Counts a message for each device that owns one of its objects. A message that names no object of any
+    /// device is counted for all devices, so that none is lost.
     pub(crate) fn hear(&self, objects: &[Object], text: &str) {
         let mut state = self.state();
         if state.live.is_empty() {
@@ -91,8 +91,8 @@ impl Listeners {
     }
 }
 
-/// One device's place among the listeners of its instance, from before the device is opened until after it is
-/// destroyed.
+/// Registration of one device with the listeners of its instance, from before the device is opened until after
+/// it is destroyed.
 pub(crate) struct Listener {
     instance: Arc<Instance>,
     id: u64,
@@ -103,17 +103,17 @@ impl Listener {
         Self { instance: Arc::clone(instance), id: instance.listeners.open() }
     }
 
-    /// From here on messages about the object count for this device.
+    /// From now on, messages about this object are counted for this device.
     pub(crate) fn own<T: vk::Handle>(&self, handle: T) {
         self.instance.listeners.own(self.id, (T::TYPE.as_raw(), handle.as_raw()));
     }
 
-    /// What has been said about this device.
+    /// The messages about this device so far.
     pub(crate) fn messages(&self) -> Vec<String> {
         self.instance.listeners.messages(self.id)
     }
 
-    /// The same, and forgets it.
+    /// Returns and clears the messages about this device.
     pub(crate) fn take(&self) -> Vec<String> {
         self.instance.listeners.take(self.id)
     }
@@ -157,7 +157,7 @@ mod tests {
         let b = all.open();
         all.hear(&[(INSTANCE, 9)], "of the instance");
         all.close(b);
-        // An object of a device that is gone.
+        // An object of a destroyed device.
         all.own(b, (BUFFER, 1));
         all.hear(&[(BUFFER, 1)], "of nobody");
         assert_eq!(all.messages(a), ["before any", "of the instance", "of nobody"]);
@@ -167,7 +167,7 @@ mod tests {
         assert_eq!(all.messages(all.open()), ["after all"]);
     }
 
-    /// Freed command buffers make room for others at the same address; numbers of buffers are the driver's.
+    /// Freed command buffers are reused at the same address; handles of buffers are numbered by the driver.
     #[test]
     fn a_handle_that_is_used_again_is_the_later_devices() {
         let all = Listeners::default();

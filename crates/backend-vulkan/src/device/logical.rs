@@ -1,4 +1,4 @@
-//! Logical device and queue: our own, or a host's.
+//! The logical device and its queue: opened by the backend, or supplied by a host.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,20 +14,20 @@ use super::instance::Instance;
 use super::listen::Listener;
 use super::spare::{Spare, Spares};
 
-/// How to open a device.
+/// Options for opening a device.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// A device by its number or a part of its name; `None`: what `PHOTON_VK_DEVICE` says, else the
-    /// most capable one.
+    /// Selects a device by index or by a part of its name; `None`: by the environment variable
+    /// `PHOTON_VK_DEVICE`, otherwise the most capable one.
     pub device: Option<String>,
-    /// Whether the validation layer looks on, synchronization included. What it says is in
-    /// [`crate::Vulkan::validation_messages`].
+    /// Whether to enable the validation layer, including synchronization validation. Its messages are returned
+    /// by [`crate::Vulkan::validation_messages`].
     pub validation: bool,
-    /// Whether compiled pipelines are kept on disk, in the user's cache folder, for the next start.
+    /// Whether to keep compiled pipelines on disk, in the user's cache folder, for later runs.
     pub disk_cache: bool,
 }
 
-/// What a device can do.
+/// Properties and limits of a device.
 #[derive(Clone, Debug)]
 pub struct Limits {
     /// Name of the device.
@@ -44,39 +44,39 @@ pub struct Limits {
     pub max_allocation: u64,
     /// Nanoseconds per tick of a timestamp; 0 if the queue has none.
     pub timestamp_period: f64,
-    /// Turns that all loops of an invocation may make together before the driver ends them in silence;
-    /// 0 if it never does.
+    /// Maximum number of iterations of all loops of an invocation together before the driver silently ends
+    /// them; 0 if unlimited.
     pub loop_turns: u32,
-    /// Whether 32-bit floats below 2⁻¹²⁶ are kept: every kernel asks for it where the device offers that
-    /// (`shaderDenormPreserveFloat32`). Elsewhere the device may take them for 0.
+    /// Whether 32-bit floats below 2⁻¹²⁶ are preserved: every kernel requests that if the device supports it
+    /// (`shaderDenormPreserveFloat32`). Otherwise the device may flush them to 0.
     pub keeps_denormals: bool,
-    /// What tells this driver's compiled pipelines from others.
+    /// Identifies this driver's compiled pipelines.
     pub(crate) cache_key: [u8; 16],
 }
 
-/// A logical device and what belongs to it; lives until the last buffer is gone.
+/// A logical device and everything that belongs to it; lives until the last buffer is dropped.
 pub(crate) struct Device {
     pub(crate) raw: ash::Device,
     pub(crate) queue: vk::Queue,
     pub(crate) family: u32,
     pub(crate) limits: Limits,
-    /// Names objects and groups of commands, where the extension is on.
+    /// For naming objects and groups of commands, if the extension is enabled.
     pub(crate) debug: Option<ext::debug_utils::Device>,
     pub(crate) allocator: Mutex<Option<Allocator>>,
-    /// Buffers that were dropped, until the device is done with them.
+    /// Dropped buffers that the device may still use.
     pub(crate) graveyard: Mutex<Vec<Spare>>,
-    /// Those that it is done with.
+    /// Dropped buffers that the device no longer uses.
     pub(crate) spares: Mutex<Spares>,
-    /// Faults that tests ask for.
+    /// Injected faults, for tests.
     pub(crate) injection: Injection,
-    /// What has been named.
+    /// Objects that have been named.
     #[cfg(test)]
     named: Mutex<Vec<(vk::ObjectType, String)>>,
-    /// Hears what the validation layer says about it, if that was asked for.
+    /// Receives validation messages about this device, if validation is enabled.
     listener: Option<Listener>,
-    /// Whether a message that nobody has asked for ends the test.
+    /// Whether messages that have not been taken make the test panic.
     strict: AtomicBool,
-    /// What it was made from, which goes after it; `None` for a host's device.
+    /// The instance it was created from, dropped after it; `None` for a host's device.
     owned: Option<Arc<Instance>>,
 }
 
@@ -86,7 +86,7 @@ impl std::fmt::Debug for Device {
     }
 }
 
-/// A device that a host opened: what [`crate::Vulkan::from_raw`] works on.
+/// A device that a host opened, for [`crate::Vulkan::from_raw`].
 #[derive(Clone)]
 #[expect(missing_debug_implementations, reason = "tables of functions")]
 pub struct RawDevice {
@@ -96,15 +96,15 @@ pub struct RawDevice {
     pub physical: vk::PhysicalDevice,
     /// The logical device, with [`RawDevice::features`] enabled.
     pub device: ash::Device,
-    /// A queue that computes; not used by anyone else while a call of the backend runs.
+    /// A compute queue; no other code uses it while a call of the backend runs.
     pub queue: vk::Queue,
-    /// Its family.
+    /// The queue family index of the queue.
     pub family: u32,
 }
 
 impl RawDevice {
-    /// What must be enabled on a device: shaderInt64; bufferDeviceAddress, scalarBlockLayout, timelineSemaphore
-    /// and hostQueryReset. A host adds what it needs itself.
+    /// Features that must be enabled on the device: shaderInt64; bufferDeviceAddress, scalarBlockLayout,
+    /// timelineSemaphore and hostQueryReset. A host adds the features that it needs itself.
     pub fn features() -> (vk::PhysicalDeviceFeatures, vk::PhysicalDeviceVulkan12Features<'static>) {
         let twelve = vk::PhysicalDeviceVulkan12Features::default()
             .buffer_device_address(true)
@@ -116,7 +116,7 @@ impl RawDevice {
 }
 
 impl Device {
-    /// Opens a device of our own.
+    /// Opens a device.
     pub(crate) fn open(options: &Options) -> Result<Arc<Self>> {
         let instance = Instance::shared(options.validation)?;
         let listener = options.validation.then(|| Listener::new(&instance));
@@ -131,10 +131,10 @@ impl Device {
             .queue_create_infos(&queues)
             .enabled_features(&features)
             .push_next(&mut twelve);
-        // SAFETY: the features were found to be there, and what is pointed to lives until after it.
+        // SAFETY: the features are supported, and everything pointed to outlives the call.
         let raw =
             unsafe { instance.raw.create_device(chosen.handle, &info, None) }.map_err(during("opening the device"))?;
-        // SAFETY: the queue was asked for above.
+        // SAFETY: the queue was requested above.
         let queue = unsafe { raw.get_device_queue(chosen.family, 0) };
         let parts = RawDevice {
             instance: instance.raw.clone(),
@@ -146,7 +146,7 @@ impl Device {
         Self::assemble(parts, Some(instance), listener)
     }
 
-    /// Works on a host's device.
+    /// Wraps a host's device.
     ///
     /// # Safety
     /// As [`crate::Vulkan::from_raw`].
@@ -189,29 +189,29 @@ impl Device {
         Ok(Arc::new(device))
     }
 
-    /// What has been named so far, and of what type it is.
+    /// Names and types of the objects named so far.
     #[cfg(test)]
     pub(crate) fn named(&self) -> Vec<(vk::ObjectType, String)> {
         self.named.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What the validation layer has said about this device so far.
+    /// Validation messages about this device so far.
     pub(crate) fn messages(&self) -> Vec<String> {
         self.listener.as_ref().map(Listener::messages).unwrap_or_default()
     }
 
-    /// The same, and forgets it.
+    /// Returns and clears the validation messages about this device.
     pub(crate) fn take_messages(&self) -> Vec<String> {
         self.listener.as_ref().map(Listener::take).unwrap_or_default()
     }
 
-    /// From here on the device panics if it is destroyed with messages that were not taken.
+    /// From now on, dropping the device panics if there are messages that were not taken.
     pub(crate) fn set_strict(&self) {
         self.strict.store(true, Ordering::Relaxed);
     }
 
-    /// Names an object, for debuggers and messages. Each object must have a name: by it the validation layer's
-    /// messages find their device.
+    /// Names an object, for debuggers and validation messages. Every object must be named: the naming also
+    /// registers the object for routing validation messages to this device.
     pub(crate) fn name<T: vk::Handle + Copy>(&self, handle: T, name: &str) {
         if let Some(listener) = &self.listener {
             listener.own(handle);
@@ -221,20 +221,21 @@ impl Device {
         if let Some(debug) = &self.debug {
             let name = std::ffi::CString::new(name.replace('\0', " ")).unwrap_or_default();
             let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
-            // SAFETY: the handle is alive and the name ends; a name that fails to stick harms nothing.
+            // SAFETY: the handle is alive and the name is null-terminated; a failure to set the name is
+            // harmless.
             let _ = unsafe { debug.set_debug_utils_object_name(&info) };
         }
     }
 
-    /// Keeps what was dropped for those who want as much, and frees what nobody wanted for long. Only when
-    /// the device has finished everything that was recorded.
+    /// Moves dropped buffers to the spare list for reuse, and frees those that have been unused for long. To be
+    /// called only when the device has finished all recorded commands.
     pub(crate) fn bury(&self) {
         let dropped = std::mem::take(&mut *self.graveyard.lock().unwrap_or_else(PoisonError::into_inner));
         let old = self.spares.lock().unwrap_or_else(PoisonError::into_inner).exchange(dropped);
         self.free(old);
     }
 
-    /// Frees what is kept and not in use.
+    /// Frees all spare buffers.
     pub(crate) fn free_spares(&self) {
         let all = self.spares.lock().unwrap_or_else(PoisonError::into_inner).drain();
         self.free(all);
@@ -243,7 +244,7 @@ impl Device {
     fn free(&self, spares: Vec<Spare>) {
         let mut allocator = self.allocator.lock().unwrap_or_else(PoisonError::into_inner);
         for spare in spares {
-            // SAFETY: the device was done with it when it became a spare one.
+            // SAFETY: spare buffers are no longer used by the device.
             unsafe { self.raw.destroy_buffer(spare.buffer, None) };
             if let Some(Err(error)) = allocator.as_mut().map(|allocator| allocator.free(spare.allocation)) {
                 log::error!("freeing memory: {error}");
@@ -262,7 +263,7 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
         .push_next(&mut three)
         .push_next(&mut driver)
         .push_next(&mut floats);
-    // SAFETY: the device comes from the instance, and the chain is of structures of Vulkan 1.2.
+    // SAFETY: the device comes from the instance, and the chain consists of Vulkan 1.2 structures.
     unsafe { instance.get_physical_device_properties2(physical, &mut all) };
     let properties = all.properties;
     // SAFETY: likewise.
@@ -281,7 +282,7 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
         timestamp_period: if stamps { f64::from(properties.limits.timestamp_period) } else { 0.0 },
         // Mesa's LP_MAX_TGSI_LOOP_ITERATIONS.
         loop_turns: if driver.driver_id == vk::DriverId::MESA_LLVMPIPE { 65_535 } else { 0 },
-        // Without independence the request would have to be made for floats of all sizes.
+        // Without independence, denormals of all float sizes would have to be preserved.
         keeps_denormals: floats.shader_denorm_preserve_float32 == vk::TRUE
             && floats.denorm_behavior_independence != vk::ShaderFloatControlsIndependence::NONE,
         cache_key: properties.pipeline_cache_uuid,
@@ -290,8 +291,8 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: the last owner is going; after the wait nothing is in use. Order: what was made
-        // from the device, the device; the instance is let go of after it.
+        // SAFETY: the last owner is being dropped; after the wait nothing is in use. Objects made from the device are
+        // destroyed first, then the device; the reference to the instance is dropped after it.
         unsafe {
             // A lost device has nothing left to wait for.
             let _ = self.raw.device_wait_idle();
@@ -304,9 +305,9 @@ impl Drop for Device {
             unsafe { self.raw.destroy_device(None) };
         }
         if self.strict.load(Ordering::Relaxed) && !std::thread::panicking() {
-            // Of what was destroyed, or left over.
+            // Messages about destroyed or leaked objects.
             let messages = self.take_messages();
-            assert!(messages.is_empty(), "the validation layer said at the end:\n{}", messages.join("\n"));
+            assert!(messages.is_empty(), "messages of the validation layer at the end:\n{}", messages.join("\n"));
         }
     }
 }

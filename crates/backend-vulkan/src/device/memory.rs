@@ -1,4 +1,4 @@
-//! Buffers, reached by address, freed when nothing uses them any more.
+//! Device buffers, accessed by address and freed when the device no longer uses them.
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,16 +12,16 @@ use super::fault::during;
 use super::logical::Device;
 use super::spare::Spare;
 
-/// A buffer.
+/// A device buffer.
 #[derive(Debug)]
 pub(crate) struct Memory {
     device: Arc<Device>,
     buffer: vk::Buffer,
-    /// `None` if it is a host's.
+    /// `None` for a host's buffer.
     allocation: Option<Allocation>,
     offset: u64,
     bytes: u64,
-    /// Bytes that the buffer was made with; 0 if nobody else can use it.
+    /// Size the buffer was created with; 0 if it cannot be reused.
     whole: u64,
     address: u64,
 }
@@ -35,9 +35,9 @@ const USES: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
 );
 
 impl Memory {
-    /// A new one of at least 4 bytes.
+    /// Allocates a buffer of at least 4 bytes.
     pub(crate) fn new(device: &Arc<Device>, label: &str, bytes: u64, location: MemoryLocation) -> Result<Self> {
-        // A length that no device has would wrap in the driver.
+        // A length beyond what any device has would overflow in the driver.
         let limit = device.limits.max_allocation;
         if bytes > limit {
             return Err(Error::AllocationTooLarge { label: interned(label), bytes, limit });
@@ -64,7 +64,7 @@ impl Memory {
         }
         match Self::allocate(device, label, size, location) {
             Err(Error::OutOfMemory { .. }) => {
-                // What is kept for others may be what is missing.
+                // Spare buffers may occupy the memory that is missing.
                 device.free_spares();
                 Self::allocate(device, label, size, location)
             }
@@ -77,7 +77,7 @@ impl Memory {
         let info = vk::BufferCreateInfo::default().size(size).usage(USES).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: the device is alive.
         let buffer = unsafe { device.raw.create_buffer(&info, None) }.map_err(|_| out())?;
-        // SAFETY: the buffer was just made.
+        // SAFETY: the buffer was just created.
         let requirements = unsafe { device.raw.get_buffer_memory_requirements(buffer) };
         let allocation =
             device.allocator.lock().unwrap_or_else(PoisonError::into_inner).as_mut().ok_or(Error::DeviceLost).and_then(
@@ -95,7 +95,7 @@ impl Memory {
         let allocation = match allocation {
             Ok(allocation) => allocation,
             Err(error) => {
-                // SAFETY: nothing has used it.
+                // SAFETY: the buffer has not been used.
                 unsafe { device.raw.destroy_buffer(buffer, None) };
                 return Err(error);
             }
@@ -108,7 +108,7 @@ impl Memory {
             return Err(during("binding memory")(result));
         }
         device.name(buffer, label);
-        // SAFETY: only named; a block of many buffers has no label of its own.
+        // SAFETY: the handle is only named; a memory block shared by many buffers has no label of its own.
         device
             .name(unsafe { allocation.memory() }, if allocation.is_dedicated() { label } else { "a block of buffers" });
         let address = address(device, buffer);
@@ -124,7 +124,7 @@ impl Memory {
         })
     }
 
-    /// A stretch of a host's buffer.
+    /// Wraps a range of a host's buffer.
     ///
     /// # Safety
     /// The buffer belongs to the same device, has the usages `SHADER_DEVICE_ADDRESS`, `TRANSFER_SRC`
@@ -134,12 +134,12 @@ impl Memory {
         Self { device: device.clone(), buffer, allocation: None, offset, bytes, whole: 0, address }
     }
 
-    /// Where kernels find it.
+    /// Its device address.
     pub(crate) fn address(&self) -> u64 {
         self.address
     }
 
-    /// How large it is.
+    /// Its size in bytes.
     pub(crate) fn bytes(&self) -> u64 {
         self.bytes
     }
@@ -148,12 +148,12 @@ impl Memory {
         self.buffer
     }
 
-    /// Where it begins in its buffer.
+    /// Byte offset within its Vulkan buffer.
     pub(crate) fn offset(&self) -> u64 {
         self.offset
     }
 
-    /// What the host sees of it, if it does.
+    /// The content, if the memory is mapped by the host.
     pub(crate) fn mapped(&mut self) -> Option<&mut [u8]> {
         self.allocation.as_mut().and_then(Allocation::mapped_slice_mut)
     }
@@ -161,11 +161,11 @@ impl Memory {
 
 fn address(device: &Device, buffer: vk::Buffer) -> u64 {
     let info = vk::BufferDeviceAddressInfo::default().buffer(buffer);
-    // SAFETY: the buffer is bound and was made for this use.
+    // SAFETY: the buffer is bound and was created with this usage.
     unsafe { device.raw.get_buffer_device_address(&info) }
 }
 
-/// The labels of errors are static. Those of buffers are few: each that an error names is kept once.
+/// Labels in errors are `'static`. Distinct buffer labels are few: each one that an error names is leaked once.
 fn interned(label: &str) -> &'static str {
     static INTERNED: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
     let mut all = INTERNED.lock().unwrap_or_else(PoisonError::into_inner);

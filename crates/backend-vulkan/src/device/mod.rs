@@ -1,4 +1,4 @@
-//! Vulkan itself: instance and device, memory, pipelines, and the one recorder of commands.
+//! The Vulkan layer: instance and device, memory, pipelines, and the command recorder.
 
 pub(crate) mod buffer;
 

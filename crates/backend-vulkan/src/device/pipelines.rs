@@ -1,4 +1,4 @@
-//! Pipelines: one for each module and set of constants, kept on disk from one start to the next.
+//! Compute pipelines: one for each module and set of specialization constants, cached on disk between runs.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub(crate) struct Kernel {
     pub(crate) workgroup: u32,
 }
 
-/// All compiled so far.
+/// All pipelines compiled so far.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     device: Arc<Device>,
@@ -35,7 +35,7 @@ pub(crate) struct Pipelines {
 }
 
 impl Pipelines {
-    /// None yet, but for what `disk` remembers of how to compile them.
+    /// Starts without pipelines; `disk` provides cached compilation results.
     pub(crate) fn new(device: &Arc<Device>, disk: Option<DiskCache>) -> Result<Self> {
         let range = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(128)];
         let info = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&range);
@@ -43,7 +43,7 @@ impl Pipelines {
         let layout = unsafe { device.raw.create_pipeline_layout(&info, None) }.map_err(during("a pipeline layout"))?;
         let old = disk.as_ref().map(DiskCache::read).unwrap_or_default();
         let info = vk::PipelineCacheCreateInfo::default().initial_data(&old);
-        // SAFETY: as above; the driver checks the header of what it is given.
+        // SAFETY: as above; the driver validates the header of the data.
         let cache = unsafe { device.raw.create_pipeline_cache(&info, None) }.map_err(during("a pipeline cache"))?;
         device.name(layout, "every kernel's layout");
         device.name(cache, "pipelines");
@@ -59,7 +59,7 @@ impl Pipelines {
         })
     }
 
-    /// The kernel of a module; `constants[i]` is specialization constant i.
+    /// The kernel of a module, compiled if necessary; `constants[i]` is specialization constant i.
     pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<Kernel> {
         let key = (module.name, constants.to_vec());
         if let Some(kernel) = self.compiled.get(&key) {
@@ -68,7 +68,7 @@ impl Pipelines {
         let keep = self.device.limits.keeps_denormals;
         let words = if keep { module.words_that_keep_denormals() } else { module.words() };
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
-        // SAFETY: our own SPIR-V, validated when it was committed.
+        // SAFETY: the backend's own SPIR-V, validated when it was committed.
         let shader = unsafe { self.device.raw.create_shader_module(&info, None) }.map_err(during(module.name))?;
         self.device.name(shader, module.name);
         let entries: Vec<_> = (0..constants.len() as u32)
@@ -81,9 +81,9 @@ impl Pipelines {
             .name(c"main")
             .specialization_info(&special);
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
-        // SAFETY: all that the structures point to lives until after the call.
+        // SAFETY: everything the structures point to outlives the call.
         let made = unsafe { self.device.raw.create_compute_pipelines(self.cache, &info, None) };
-        // SAFETY: a pipeline does not need its module once it is made.
+        // SAFETY: a pipeline does not need its module once it is created.
         unsafe { self.device.raw.destroy_shader_module(shader, None) };
         let pipeline = made.map_err(|(_, result)| during(module.name)(result))?[0];
         self.device.name(pipeline, module.name);
@@ -93,13 +93,13 @@ impl Pipelines {
         Ok(kernel)
     }
 
-    /// Bytes that were there from an earlier start.
+    /// Size of the cache data read from disk.
     #[cfg(test)]
     pub(crate) fn begun_with(&self) -> usize {
         self.begun_with
     }
 
-    /// What has been compiled: modules and their constants.
+    /// Compiled pipelines: modules and their constants.
     #[cfg(test)]
     pub(crate) fn compiled(&self) -> impl Iterator<Item = &(&'static str, Vec<u32>)> {
         self.compiled.keys()

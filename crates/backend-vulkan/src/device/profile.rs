@@ -1,4 +1,4 @@
-//! Seconds per stage, by the device's own clock.
+//! Seconds per stage, by device timestamps.
 
 use std::sync::Arc;
 
@@ -9,16 +9,16 @@ use super::fault::during;
 use super::logical::Device;
 use super::recorder::Recorder;
 
-/// Marks between two readings; more of them make a reading of their own.
+/// Maximum number of marks between two readings; if there are more, a reading is taken in between.
 const MARKS: u32 = 512;
 
-/// Timestamps where stages begin and end.
+/// Timestamps at the beginning and end of stages.
 #[derive(Debug)]
 pub(crate) struct Profile {
     device: Arc<Device>,
-    /// None on a queue without a clock.
+    /// `None` if the queue does not support timestamps.
     pool: Option<vk::QueryPool>,
-    /// What begins at each timestamp.
+    /// The stage that begins at each timestamp.
     marks: Vec<Option<Stage>>,
     current: Option<Stage>,
     sums: StageTimings,
@@ -40,7 +40,7 @@ impl Profile {
         Ok(Self { device: device.clone(), pool, marks: Vec::new(), current: None, sums: StageTimings::default() })
     }
 
-    /// From here on it is `stage`.
+    /// Commands recorded from now on belong to `stage`.
     pub(crate) fn mark(&mut self, recorder: &mut Recorder, stage: Option<Stage>) -> Result<()> {
         let Some(pool) = self.pool else { return Ok(()) };
         if stage == self.current {
@@ -56,7 +56,7 @@ impl Profile {
         Ok(())
     }
 
-    /// What was spent since the last call.
+    /// Seconds per stage since the last call.
     pub(crate) fn take(&mut self, recorder: &mut Recorder) -> Result<StageTimings> {
         self.mark(recorder, None)?;
         self.collect(recorder)?;
@@ -70,7 +70,7 @@ impl Profile {
         if ticks.is_empty() {
             return Ok(());
         }
-        // SAFETY: all of these were written by commands that are done.
+        // SAFETY: all these queries were written by completed commands.
         unsafe {
             self.device
                 .raw
@@ -96,7 +96,7 @@ impl Profile {
 impl Drop for Profile {
     fn drop(&mut self) {
         if let Some(pool) = self.pool {
-            // SAFETY: the wait ends every use of it; a lost device uses nothing.
+            // SAFETY: after the wait the pool is not in use; a lost device uses nothing.
             unsafe {
                 let _ = self.device.raw.device_wait_idle();
                 self.device.raw.destroy_query_pool(pool, None);

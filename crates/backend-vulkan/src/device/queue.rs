@@ -9,16 +9,16 @@ use photon_core::Result;
 use super::fault::during;
 use super::logical::Device;
 
-/// Submissions that may be under way at a time.
+/// Maximum number of submissions in flight.
 const FLYING: usize = 4;
 
-/// Command buffers and the semaphore that counts those that are done.
+/// Command buffers, and the timeline semaphore that counts completed ones.
 #[derive(Debug)]
 pub(crate) struct Queue {
     device: Arc<Device>,
     pool: vk::CommandPool,
     done: vk::Semaphore,
-    /// Value that the last submission will set.
+    /// Semaphore value that the last submission will signal.
     submitted: u64,
     idle: Vec<vk::CommandBuffer>,
     flying: VecDeque<(u64, vk::CommandBuffer)>,
@@ -40,7 +40,7 @@ impl Queue {
         Ok(Self { device: device.clone(), pool, done, submitted: 0, idle: Vec::new(), flying: VecDeque::new() })
     }
 
-    /// A command buffer, open.
+    /// Returns a command buffer in the recording state.
     pub(crate) fn open(&mut self) -> Result<vk::CommandBuffer> {
         while self.flying.len() >= FLYING {
             let value = self.flying[0].0;
@@ -63,7 +63,7 @@ impl Queue {
         Ok(commands)
     }
 
-    /// Sends it off.
+    /// Ends and submits a command buffer.
     pub(crate) fn submit(&mut self, commands: vk::CommandBuffer) -> Result<()> {
         // SAFETY: it is open.
         unsafe { self.device.raw.end_command_buffer(commands) }.map_err(during("recording"))?;
@@ -75,7 +75,7 @@ impl Queue {
             .command_buffers(&buffers)
             .signal_semaphores(&semaphores)
             .push_next(&mut timeline)];
-        // SAFETY: one thread submits: whoever holds the backend.
+        // SAFETY: only one thread submits: the one that holds the backend.
         unsafe { self.device.raw.queue_submit(self.device.queue, &info, vk::Fence::null()) }
             .map_err(during("submitting"))?;
         self.submitted = value;
@@ -83,7 +83,7 @@ impl Queue {
         Ok(())
     }
 
-    /// Waits until all that was submitted is done.
+    /// Waits until everything submitted is complete.
     pub(crate) fn wait(&mut self) -> Result<()> {
         self.wait_for(self.submitted)
     }

@@ -1,8 +1,8 @@
-//! The one place where commands are recorded, and where barriers are placed.
+//! Records all commands and places all barriers.
 //!
-//! Every command waits for those before it, by one barrier over all memory: kernels follow each
-//! other within microseconds, and nobody has to remember who wrote what. Commands that do not touch
-//! each other's memory are grouped by [`Recorder::ordered`].
+//! Every command waits for those before it, by one barrier over all memory: a barrier between kernels costs
+//! only microseconds, and no code has to track which buffers were written. Commands that do not access each
+//! other's memory can be grouped by [`Recorder::set_ordered`].
 
 use std::sync::Arc;
 
@@ -15,11 +15,11 @@ use super::memory::Memory;
 use super::pipelines::Kernel;
 use super::queue::Queue;
 
-/// Commands after which they are sent off, so that the device starts while the host goes on.
+/// Commands after which a submission is made, so that the device starts while the host goes on recording.
 const PILE: u32 = 256;
-/// Bytes of the host's memory that downloads go through at a time.
+/// Size in bytes of the staging buffer for downloads.
 const READ_BACK: u64 = 32 << 20;
-/// Up to here, data travel in the command buffer itself.
+/// Up to this size, uploads are embedded in the command buffer.
 const INLINE: usize = 32 << 10;
 
 /// Records commands, submits them, and waits for them.
@@ -39,7 +39,7 @@ impl Recorder {
         Ok(Self { device: device.clone(), queue, open: None, recorded: 0, ordered: true, read_back: None })
     }
 
-    /// The open command buffer, with a barrier against all that came before.
+    /// The open command buffer, with a barrier against all earlier commands.
     pub(crate) fn commands(&mut self) -> Result<vk::CommandBuffer> {
         if self.recorded >= PILE && self.ordered {
             self.submit()?;
@@ -76,10 +76,10 @@ impl Recorder {
         }
     }
 
-    /// Whether commands wait for each other from here on; the next one does in any case.
+    /// Whether commands wait for each other from now on; the next one waits in any case.
     pub(crate) fn set_ordered(&mut self, ordered: bool) -> Result<()> {
         if self.ordered && !ordered {
-            // The first of the group waits for what came before it.
+            // The first command of the group waits for all earlier ones.
             let commands = self.commands()?;
             debug_assert_eq!(self.open, Some(commands));
         }
@@ -119,7 +119,7 @@ impl Recorder {
             return Ok(());
         }
         let commands = self.commands()?;
-        // SAFETY: the stretch lies within the buffer, which `Vulkan::fill` checks.
+        // SAFETY: the range lies within the buffer, which `Vulkan::fill` checks.
         unsafe { self.device.raw.cmd_fill_buffer(commands, to.buffer(), to.offset() + offset, bytes, word) };
         Ok(())
     }
@@ -131,12 +131,12 @@ impl Recorder {
         let region =
             [vk::BufferCopy { src_offset: from.0.offset() + from.1, dst_offset: to.0.offset() + to.1, size: bytes }];
         let commands = self.commands()?;
-        // SAFETY: both stretches lie within their buffers, which `Vulkan::copy` checks.
+        // SAFETY: both ranges lie within their buffers, which `Vulkan::copy` checks.
         unsafe { self.device.raw.cmd_copy_buffer(commands, from.0.buffer(), to.0.buffer(), &region) };
         Ok(())
     }
 
-    /// In order with the rest, by way of a copy of the data.
+    /// Writes in order with all other commands; the data are copied.
     pub(crate) fn write(&mut self, to: &Memory, offset: u64, data: &[u8]) -> Result<()> {
         if data.is_empty() {
             return Ok(());
@@ -150,13 +150,13 @@ impl Recorder {
         let mut staging = Memory::new(&self.device, "upload", data.len() as u64, MemoryLocation::CpuToGpu)?;
         match staging.mapped() {
             Some(mapped) => mapped[..data.len()].copy_from_slice(data),
-            None => return Err(super::Fault::Other("memory for uploads is not visible".to_owned()).into()),
+            None => return Err(super::Fault::Other("memory for uploads is not host-visible".to_owned()).into()),
         }
-        // Dropped here, freed when the device is done with it.
+        // The staging buffer is dropped here, and freed when the device no longer uses it.
         self.copy((&staging, 0), (to, offset), data.len() as u64)
     }
 
-    /// Sends all off, waits, and copies.
+    /// Submits everything, waits, and copies the data.
     pub(crate) fn read(&mut self, from: &Memory, offset: u64, to: &mut [u8]) -> Result<()> {
         for (part, to) in to.chunks_mut(READ_BACK as usize).enumerate() {
             let bytes = to.len() as u64;
@@ -173,14 +173,14 @@ impl Recorder {
             self.wait()?;
             match through.mapped() {
                 Some(mapped) => to.copy_from_slice(&mapped[..to.len()]),
-                None => return Err(super::Fault::Other("memory for downloads is not visible".to_owned()).into()),
+                None => return Err(super::Fault::Other("memory for downloads is not host-visible".to_owned()).into()),
             }
             self.read_back = Some(through);
         }
         Ok(())
     }
 
-    /// Sends off what was recorded.
+    /// Submits the recorded commands.
     pub(crate) fn submit(&mut self) -> Result<()> {
         self.recorded = 0;
         match self.open.take() {
@@ -189,7 +189,7 @@ impl Recorder {
         }
     }
 
-    /// Sends off what was recorded and waits until all is done.
+    /// Submits the recorded commands and waits until everything is complete.
     pub(crate) fn wait(&mut self) -> Result<()> {
         self.submit()?;
         self.queue.wait()?;
@@ -197,13 +197,13 @@ impl Recorder {
         Ok(())
     }
 
-    /// Throws away what was recorded and not submitted.
+    /// Discards recorded commands that were not submitted.
     #[cfg(test)]
     pub(crate) fn forget(&mut self) {
         self.open = None;
     }
 
-    /// A timestamp when everything before it is done.
+    /// Writes a timestamp when all earlier commands are complete.
     pub(crate) fn stamp(&mut self, pool: vk::QueryPool, index: u32) -> Result<()> {
         let commands = self.commands()?;
         // SAFETY: the query was reset by the host and the pool is alive.
@@ -223,25 +223,25 @@ impl Recorder {
             let name = name.map(|name| std::ffi::CString::new(name).unwrap_or_default());
             let name = name.unwrap_or_else(|| c"-".to_owned());
             let info = vk::DebugUtilsLabelEXT::default().label_name(&name);
-            // SAFETY: the command buffer is open and the name ends.
+            // SAFETY: the command buffer is open and the name is null-terminated.
             unsafe { debug.cmd_insert_debug_utils_label(commands, &info) };
         }
         Ok(())
     }
 }
 
-/// How many workgroups.
+/// Number of workgroups of a dispatch.
 pub(crate) enum Groups<'a> {
-    /// So many, laid out in rows of at most 32 768.
+    /// A flat number, laid out in rows of at most 32 768.
     Flat(u64),
-    /// What three words at an offset say.
+    /// Indirect: three words at an offset.
     Indirect(&'a Memory, u64),
 }
 
 impl Drop for Recorder {
     fn drop(&mut self) {
-        // What was recorded and not submitted was for nobody; buffers it names are freed with the
-        // device, which waits first.
+        // Commands recorded but not submitted are discarded; buffers they refer to are freed with the device,
+        // which waits first.
         self.open = None;
         if let Err(error) = self.queue.wait() {
             log::error!("{error}");

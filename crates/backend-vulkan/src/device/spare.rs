@@ -1,48 +1,48 @@
-//! Buffers that were dropped, kept for a while for whoever wants one as large: a pass allocates what the
-//! pass before it freed, and a driver takes a millisecond for that.
+//! Dropped buffers, kept for a while for reuse: a pass allocates the buffer sizes that the previous pass freed,
+//! and an allocation by the driver takes a millisecond.
 
 use ash::vk;
 use gpu_allocator::vulkan::Allocation;
 
-/// Waits for the device that a buffer is kept unused: those of a few passes, of which each has dozens.
+/// Number of device waits that an unused buffer is kept for: those of a few passes, each of which has dozens.
 const PATIENCE: u32 = 256;
 
-/// A buffer that nobody uses.
+/// A buffer that is not in use.
 #[derive(Debug)]
 pub(crate) struct Spare {
     pub(crate) buffer: vk::Buffer,
     pub(crate) allocation: Allocation,
     pub(crate) address: u64,
-    /// Bytes that it was made with.
+    /// Size in bytes it was created with.
     pub(crate) size: u64,
-    /// Waits since it was dropped.
+    /// Number of device waits since it was dropped.
     idle: u32,
 }
 
 impl Spare {
-    /// One that others may have, or that is to be freed as soon as the device is done with it.
+    /// A dropped buffer, to be kept for reuse (`keep`) or freed as soon as the device no longer uses it.
     pub(crate) fn new(buffer: vk::Buffer, allocation: Allocation, address: u64, size: u64, keep: bool) -> Self {
         Self { buffer, allocation, address, size, idle: if keep { 0 } else { PATIENCE } }
     }
 }
 
-/// All of them.
+/// All spare buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Spares {
     all: Vec<Spare>,
 }
 
 impl Spares {
-    /// The one that fits best and wastes at most an eighth.
+    /// Returns the smallest buffer that fits and wastes at most an eighth.
     pub(crate) fn take(&mut self, size: u64) -> Option<Spare> {
         let fits = |spare: &&Spare| spare.size >= size && spare.size - size <= size / 8;
         let best = self.all.iter().filter(fits).map(|spare| spare.size).min()?;
-        // The one dropped last is the likeliest to be in a cache.
+        // The most recently dropped one is the most likely to be cached.
         let at = self.all.iter().rposition(|spare| spare.size == best)?;
         Some(self.all.remove(at))
     }
 
-    /// Takes those in that the device is done with; returns those that waited for too long.
+    /// Adds buffers that the device no longer uses; returns those that have been unused for too long.
     pub(crate) fn exchange(&mut self, dropped: Vec<Spare>) -> Vec<Spare> {
         self.all.extend(dropped);
         for spare in &mut self.all {
@@ -51,7 +51,7 @@ impl Spares {
         self.all.extract_if(.., |spare| spare.idle > PATIENCE).collect()
     }
 
-    /// Gives all of them up.
+    /// Removes and returns all of them.
     pub(crate) fn drain(&mut self) -> Vec<Spare> {
         std::mem::take(&mut self.all)
     }

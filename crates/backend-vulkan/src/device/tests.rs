@@ -1,4 +1,4 @@
-//! The device layer by itself.
+//! Tests of the Vulkan layer in isolation.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ struct CopyPush {
 
 pushed!(copy_push_layout: CopyPush => DEVICE_COPY, from to count plus);
 
-/// Long chains of commands, every one of which needs the one before it.
+/// Long chains of commands, each of which depends on the previous one.
 #[test]
 fn commands_wait_for_each_other() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -39,7 +39,7 @@ fn commands_wait_for_each_other() {
     assert!(words.iter().all(|&word| word == 607));
 }
 
-/// More than one transfer's worth, to an odd number of bytes.
+/// Transfers larger than the staging buffer, of an odd number of bytes.
 #[test]
 fn what_is_uploaded_comes_back() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -66,13 +66,13 @@ fn a_buffer_larger_than_any_allocation_is_an_error() {
         Err(Error::OutOfMemory { label: "photons: global", .. })
     ));
     let largest = on.limits().max_allocation;
-    // Where that is more photons than can be numbered, it is the number that does not fit.
+    // Where that exceeds the maximum number of photons, the error is about the number.
     if largest / 32 < u64::from(u32::MAX) {
         let found = on.alloc::<Photon>("photons: global", largest / 32 + 1).unwrap_err();
         let Error::AllocationTooLarge { label: "photons: global", bytes, limit } = found else { panic!("{found:?}") };
         assert_eq!((bytes, limit), ((largest / 32 + 1) * 32, largest));
     }
-    // A label that no error has had before, and again.
+    // A label that no error has named before, and the same again.
     for _ in 0..2 {
         let label = format!("scratch {}", 7);
         let Err(Error::AllocationTooLarge { label, .. }) = on.memory(&label, u64::MAX) else { panic!("a buffer") };
@@ -80,7 +80,7 @@ fn a_buffer_larger_than_any_allocation_is_an_error() {
     }
 }
 
-/// Buffers dropped while commands that use them wait.
+/// Buffers may be dropped while pending commands use them.
 #[test]
 fn dropped_memory_lives_until_it_is_done_with() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -115,7 +115,7 @@ fn stages_are_timed() {
     assert!(on.timings().unwrap().get(Stage::Estimate) <= 0.0);
 }
 
-/// The layer is awake: it objects to what is wrong, and a watched device does not forgive it.
+/// The validation layer is active: it reports misuse, and a device with validation panics when dropped.
 #[test]
 fn validation_sees_what_is_wrong() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -123,7 +123,7 @@ fn validation_sees_what_is_wrong() {
         return;
     }
     let memory = on.memory("some buffer", 64).unwrap();
-    // Past the end of the buffer, by way of the recorder, which does not check.
+    // Past the end of the buffer, through the recorder, which does not check.
     on.recorder.fill(&memory, 0, 1 << 20, 0).unwrap();
     on.recorder.forget();
     let said = on.validation_messages().join("\n");
@@ -131,19 +131,19 @@ fn validation_sees_what_is_wrong() {
     assert_fails(on);
 }
 
-/// Commands stand under the name of their stage.
+/// Commands are labelled with the name of their stage.
 #[test]
 fn messages_about_commands_name_their_stage() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    // The layer tells the stage for what it objects to in a command buffer, and real drivers do not survive the
-    // recording of any of that.
+    // The layer names the stage only for misuse within a command buffer, and real drivers crash when such
+    // commands are recorded.
     if !on.is_watched() || on.limits().loop_turns == 0 {
-        eprintln!("skipped: for lavapipe under the validation layer");
+        eprintln!("skipped: needs lavapipe with the validation layer");
         return;
     }
     on.mark(Some(Stage::Gather));
     let commands = on.recorder.commands().unwrap();
-    // SAFETY: recorded without a pipeline, hence the message, and thrown away.
+    // SAFETY: recorded without a pipeline, which causes the message, and discarded.
     unsafe { on.device.raw.cmd_dispatch(commands, 1, 1, 1) };
     on.recorder.forget();
     let said = on.validation_messages().join("\n");
@@ -151,13 +151,13 @@ fn messages_about_commands_name_their_stage() {
     assert_fails(on);
 }
 
-/// A watched device does not forgive what the layer has objected to.
+/// Dropping a device with validation messages panics.
 fn assert_fails(on: Vulkan) {
     let dropped = std::panic::catch_unwind(std::panic::AssertUnwindSafe(move || drop(on)));
     assert!(dropped.is_err());
 }
 
-/// Synchronization is validated as well: of two writes to one place that nothing orders.
+/// Synchronization is validated as well: two unordered writes to one place are reported.
 #[test]
 fn validation_sees_a_missing_barrier() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -178,7 +178,7 @@ fn validation_sees_a_missing_barrier() {
     assert_fails(on);
 }
 
-/// Of every kind that a device makes, by the names that debuggers and messages show.
+/// Every kind of object that a device creates has the name that debuggers and messages show.
 #[test]
 fn every_object_has_a_name() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -210,7 +210,7 @@ fn every_object_has_a_name() {
     assert!(has(vk::ObjectType::BUFFER, "a label") && has(vk::ObjectType::PIPELINE, "device_copy"));
 }
 
-/// One pipeline for each module and set of constants, compiled once.
+/// One pipeline per module and set of constants, compiled once.
 #[test]
 fn pipelines_are_compiled_once() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -219,11 +219,11 @@ fn pipelines_are_compiled_once() {
     assert_eq!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 64]));
     assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 32]));
     assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[1, 64]));
-    assert_ne!(first, pipeline(&mut on, &shaders::INDEX_GATHER, &[0, 64]));
+    assert_ne!(first, pipeline(&mut on, &shaders::INDEX_PERMUTE, &[0, 64]));
 }
 
-/// A driver is not unloaded between one device and the next: all share an instance, and those that the validation
-/// layer looks at share another.
+/// A driver is not unloaded between one device and the next: all devices share an instance, and those with
+/// validation share another.
 #[test]
 fn devices_opened_one_after_another_share_an_instance() {
     let Some(first) = Vulkan::for_tests() else { return };
@@ -242,7 +242,8 @@ fn devices_opened_one_after_another_share_an_instance() {
     }
 }
 
-/// Each of many, as the layer must not tire of the same one: nobody would hear of what another device does.
+/// Each of many identical messages is reported: if the layer suppressed duplicates, those of another device
+/// would be lost.
 #[test]
 fn a_message_counts_for_its_own_device_alone() {
     const TIMES: usize = 24;
@@ -253,14 +254,14 @@ fn a_message_counts_for_its_own_device_alone() {
     let mut wrong = Vulkan::for_tests().unwrap();
     let mut after = Vulkan::for_tests().unwrap();
     let memory = wrong.memory("some buffer", 64).unwrap();
-    // Past the end, by way of the recorder, which does not check.
+    // Past the end, through the recorder, which does not check.
     for _ in 0..TIMES {
         wrong.recorder.fill(&memory, 0, 1 << 20, 0).unwrap();
     }
     wrong.recorder.forget();
     let said = wrong.validation_messages();
     assert_eq!(said.iter().filter(|message| message.contains("some buffer")).count(), TIMES, "{said:?}");
-    // What is made and done later is heard as well, and is not mistaken for the other's.
+    // Later objects and commands are tracked as well, and not attributed to the other device.
     let fine = after.memory("another", 64).unwrap();
     after.fill(&fine, 0, 64, 1).unwrap();
     after.finish().unwrap();
@@ -269,16 +270,16 @@ fn a_message_counts_for_its_own_device_alone() {
     drop((before, after));
 }
 
-/// Of a buffer that is there when its device goes.
+/// A buffer that is still alive when its device is destroyed is reported.
 #[test]
 fn what_is_left_over_is_a_message_too() {
     let Some(on) = Vulkan::for_tests() else { return };
     if !on.is_watched() || on.limits().loop_turns == 0 {
-        eprintln!("skipped: for lavapipe under the validation layer");
+        eprintln!("skipped: needs lavapipe with the validation layer");
         return;
     }
     let info = vk::BufferCreateInfo::default().size(64).usage(vk::BufferUsageFlags::TRANSFER_DST);
-    // SAFETY: the device is alive; that the buffer is never destroyed is what is tested.
+    // SAFETY: the device is alive; the test is about the buffer never being destroyed.
     let left = unsafe { on.device.raw.create_buffer(&info, None) }.unwrap();
     on.device.name(left, "left over");
     assert_eq!(on.validation_messages(), Vec::<String>::new());

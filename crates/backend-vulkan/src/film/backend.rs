@@ -1,4 +1,4 @@
-//! The film as a backend's trait asks for it.
+//! The film methods that the backend trait requires.
 
 use photon_core::{ErrorMoments, Estimate, Film, FilmBackend, Layer, MapKind, Query, Result, SceneView};
 

@@ -1,5 +1,5 @@
-//! What tells errors, on the device: twin of photon-core's `ErrorPixel`. The present pass in f32, sums
-//! over passes in two floats each; what is known of a map is allocated when it is first read.
+//! Error statistics on the device: twin of photon-core's `ErrorPixel`. The current pass is stored in f32, sums
+//! over passes as sums of two floats; statistics of a map are allocated when the map is first read.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
@@ -10,20 +10,20 @@ use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Planes of sums, each of which has another for what it leaves over, as in film.glsl.
+/// Number of sums, each with a high and a low plane, as in film.glsl.
 const SUMS: usize = 4;
 const MOMENTS: usize = 7;
 
-/// What a fold reads, constant 2 of its kernel.
+/// Source of an accumulation, specialization constant 2 of its kernel.
 const FROM_MOMENTS: u32 = 0;
 const FROM_GATHERED: u32 = 1;
 
 #[derive(Debug)]
 pub(super) struct Errors {
-    /// Planes of bias and narrow.
+    /// Planes of the bias and narrow estimates.
     pass: Memory,
     sum: Memory,
-    /// Of each map that was read: the present pass, and the sums.
+    /// For each map that was read: the current pass, and the sums.
     photon_moments: PerMap<Option<(Memory, Memory)>>,
 }
 
@@ -70,20 +70,20 @@ impl Errors {
         self.pass.bytes() + self.sum.bytes() + photon_moments.sum::<u64>()
     }
 
-    /// What is kept of the present pass.
+    /// Buffers of the current pass.
     fn passes(&self) -> impl Iterator<Item = &Memory> {
         std::iter::once(&self.pass).chain(self.photon_moments.values().flatten().map(|(pass, _)| pass))
     }
 }
 
-/// From here on the film keeps what tells errors.
+/// From now on the film stores error statistics.
 pub(crate) fn keep(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
     film.errors = Some(Errors::new(on, film.pixels())?);
     film.note(on);
     Ok(())
 }
 
-/// Adds what `error_moments` tell of `estimates` to each query's pixel.
+/// Adds the `error_moments` of `estimates` to each query's pixel.
 pub(crate) fn accumulate(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
@@ -107,7 +107,7 @@ pub(crate) fn accumulate(
     dispatch(on, film, kind, queries, FROM_MOMENTS, push)
 }
 
-/// Adds what final-gather rays were told, one record for each query.
+/// Adds the error moments of final-gather rays, one record per query.
 pub(crate) fn accumulate_gathered(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
@@ -151,7 +151,7 @@ fn dispatch(
     on.dispatch(&kernel, &push, length.div_ceil(u64::from(GROUP)))
 }
 
-/// Adds the present pass to the sums and begins the next.
+/// Adds the current pass to the sums and starts the next one.
 pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
     let Some(errors) = &film.errors else { return Ok(()) };
     let address = |of: fn(&(Memory, Memory)) -> &Memory| {
@@ -174,12 +174,12 @@ pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
     on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))
 }
 
-/// Forgets the present pass.
+/// Discards the current pass.
 pub(super) fn abandon_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
     film.errors.iter().flat_map(Errors::passes).try_for_each(|memory| on.fill(memory, 0, memory.bytes(), 0))
 }
 
-/// Brings the sums home into the picture.
+/// Reads the sums back into `picture`.
 pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Result<()> {
     let Some(errors) = &film.errors else { return Ok(()) };
     let mut all = vec![ErrorPixel::default(); picture.pixels.len()];

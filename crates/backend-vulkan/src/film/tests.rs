@@ -1,4 +1,4 @@
-//! The film against sums in f64.
+//! The film compared with sums in f64.
 
 use photon_core::random::{philox4x32, unit_f32};
 use photon_core::{Backend, Estimate, Film, Layer, Query, Units};
@@ -9,7 +9,7 @@ use crate::Vulkan;
 const WIDTH: u32 = 19;
 const HEIGHT: u32 = 7;
 
-/// Up to three queries a pixel, none for some, in order of pixels; weights are 1.
+/// Up to three queries per pixel, none for some, in pixel order; weights are 1.
 fn queries() -> Vec<Query> {
     let pixels = (0..WIDTH * HEIGHT).flat_map(|pixel| std::iter::repeat_n(pixel, (pixel % 4) as usize));
     pixels.map(|pixel| Query { pixel, throughput: [1.0; 3], radius: 1.0, ..Query::default() }).collect()
@@ -21,7 +21,7 @@ fn number(counter: [u32; 4]) -> [f32; 3] {
     [a, b, c].map(|word| (unit_f32(word) + 0.1) * 10.0_f32.powi((exponent % 7) as i32 - 3))
 }
 
-/// Of the largest error, in units of the sum.
+/// Largest error relative to the sum.
 fn worst(film: &Film, layer: Layer, expected: &[[f64; 3]]) -> f64 {
     let mut worst = 0.0_f64;
     for (pixel, expected) in film.pixels.iter().zip(expected) {
@@ -33,8 +33,8 @@ fn worst(film: &Film, layer: Layer, expected: &[[f64; 3]]) -> f64 {
     worst
 }
 
-/// Thousands of passes of known numbers. An addition loses up to 2⁻⁴⁸ of the sum; 3000 that err at
-/// random lose some 55 times as much, which is 2⁻⁴². Sums in f32 are not as good.
+/// Thousands of passes of known values. An addition loses up to 2⁻⁴⁸ of the sum; 3000 random rounding errors
+/// add up to some 55 times as much, which is 2⁻⁴². Sums in f32 are less precise.
 #[test]
 fn sums_over_passes_lose_nothing() {
     const PASSES: u32 = 3000;
@@ -73,14 +73,14 @@ fn sums_over_passes_lose_nothing() {
     for (pixel, &square) in picture.pixels.iter().zip(&squares) {
         assert!((pixel.square - square).abs() <= square * 2.0_f64.powi(-40), "{} {square}", pixel.square);
     }
-    // What is not as good as that is seen.
+    // Lower precision is detected.
     let coarse: Vec<[f64; 3]> = coarse.iter().map(|sum| sum.map(f64::from)).collect();
     assert!(worst(&picture, Layer::Direct, &coarse) > 2.0_f64.powi(-30));
-    // A layer that nobody touched takes no room.
+    // A layer that was never written is not allocated.
     assert!(film.layers[Layer::Caustic as usize].is_none());
 }
 
-/// Estimates fold to irradiance times weight, and a pass that is given up leaves no trace.
+/// Estimates are accumulated as irradiance times weight, and an abandoned pass leaves no trace.
 #[test]
 fn estimates_fold_and_abandoned_passes_vanish() {
     const PATHS: u64 = 12_345;
@@ -97,7 +97,7 @@ fn estimates_fold_and_abandoned_passes_vanish() {
             ..Estimate::default()
         })
         .collect();
-    // Nothing found: no photons, whatever else the record says.
+    // An estimate without photons counts as 0, whatever else the record contains.
     estimates[3].photons = 0;
     let (there, found) = (on.upload("queries", &queries).unwrap(), on.upload("estimates", &estimates).unwrap());
     let mut film = VulkanFilm::new(&mut on, WIDTH, HEIGHT, Units::default()).unwrap();
@@ -114,7 +114,7 @@ fn estimates_fold_and_abandoned_passes_vanish() {
     let error = worst(&once, Layer::Caustic, &expected);
     // Two divisions of 2.5 ulp, four products, two sums.
     assert!(error < 1e-6, "{error:e}");
-    // A wrong number of paths would be seen.
+    // A wrong number of paths would be detected.
     let off: Vec<[f64; 3]> = expected.iter().map(|sum| sum.map(|x| x * (1.0 + 1.0 / PATHS as f64))).collect();
     assert!(worst(&once, Layer::Caustic, &off) > 1e-5);
 

@@ -1,4 +1,4 @@
-//! What building costs: seconds by the device's clock.
+//! Benchmark of map building: device times.
 
 use std::cell::RefCell;
 
@@ -10,26 +10,26 @@ use crate::scan::Scan;
 use crate::sort::{Pairs, Sort};
 use crate::vulkan::Vulkan;
 
-/// Runs counted, after [`WARM`] that are not.
+/// Measured runs, after [`WARM`] warm-up runs.
 const RUNS: usize = 10;
 const WARM: usize = 2;
 
-/// One line of the table.
+/// One row of the table.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// What was done.
+    /// The operation.
     pub work: String,
-    /// To how many.
+    /// The number of elements.
     pub count: u64,
-    /// Median, least and greatest of the runs, milliseconds.
+    /// Median, minimum and maximum of the runs, in milliseconds.
     pub milliseconds: [f64; 3],
 }
 
-/// Times prefix sums, sorts and the three builders, at every one of `sizes`, over photons as they are
-/// found in scenes and as they are worst, and hands each line to `tell` when it is known.
+/// Times prefix sums, sorts and the three map builders for each of `sizes`, on photons as found in scenes and
+/// in worst cases, and calls `tell` with each row as it is completed.
 ///
 /// # Errors
-/// What the device raises.
+/// Errors of the device.
 pub fn run(on: &mut Vulkan, sizes: &[u64], tell: &mut dyn FnMut(&Row)) -> Result<()> {
     for &count in sizes {
         primitives(on, count, tell)?;
@@ -48,7 +48,7 @@ pub fn run(on: &mut Vulkan, sizes: &[u64], tell: &mut dyn FnMut(&Row)) -> Result
     Ok(())
 }
 
-/// Milliseconds of `work` by the device's clock: median, least and greatest.
+/// Device milliseconds of `work`: median, minimum and maximum.
 fn timed(
     on: &mut Vulkan,
     mut prepare: impl FnMut(&mut Vulkan) -> Result<()>,
@@ -105,7 +105,7 @@ fn primitives(on: &mut Vulkan, count: u64, tell: &mut dyn FnMut(&Row)) -> Result
 fn build(on: &mut Vulkan, points: &[Photon], kind: IndexKind) -> Result<[f64; 3]> {
     let mut builder = VulkanBuilder::new(on, kind)?;
     let photons = RefCell::new(Some(on.upload("photons: global", points)?));
-    // The photons are still there: only their number is forgotten when a map is given back.
+    // The photons are still in the buffer: only their count is cleared when a map is reclaimed.
     let again = |on: &mut Vulkan| match photons.borrow_mut().as_mut() {
         Some(buffer) => on.set_length(buffer, points.len() as u64),
         None => Ok(()),
@@ -138,12 +138,12 @@ fn walls(count: u64) -> Vec<Photon> {
     (0..count).map(on_wall).collect()
 }
 
-/// All of them in one place.
+/// All photons at one point.
 fn place(count: u64) -> Vec<Photon> {
     (0..count).map(|_| photon([0.5, 0.25, 0.125])).collect()
 }
 
-/// On the walls, but for one that is so far away that all others have one Morton code.
+/// On the walls, except one that is so far away that all others share one Morton code.
 fn cell(count: u64) -> Vec<Photon> {
     let mut all = walls(count);
     if let Some(last) = all.last_mut() {
@@ -152,7 +152,7 @@ fn cell(count: u64) -> Vec<Photon> {
     all
 }
 
-/// Nine tenths within a disc of radius 0.05 on the floor, with density 1/r.
+/// Nine tenths in a disc of radius 0.05 on the floor, with density 1/r.
 fn disc(count: u64) -> Vec<Photon> {
     let mut random = SplitMix64(2);
     let mut all = walls(count);

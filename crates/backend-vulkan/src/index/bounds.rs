@@ -1,4 +1,4 @@
-//! The box around all photons, and whether they are finite.
+//! The bounding box of all photons, and whether they are finite.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
@@ -8,11 +8,11 @@ use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Workgroups that go through all photons together.
+/// Workgroups that share all photons.
 const GROUPS: u64 = 1024;
 const WORKGROUP: u32 = 256;
 
-/// Finds the box.
+/// Computes the bounding box.
 #[derive(Debug)]
 pub(crate) struct BoundsOf {
     workgroup: u32,
@@ -38,7 +38,7 @@ impl BoundsOf {
         Ok(Self { workgroup, state: on.memory("map: box", 32)? })
     }
 
-    /// Leaves the box in `state`, and tells in the photons' count which are not finite.
+    /// Stores the bounding box in `state`, and marks non-finite photons in the photons' count.
     pub(crate) fn find(&self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<()> {
         let none = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0, 0];
         on.write(&self.state, 0, bytemuck::cast_slice(&none))?;

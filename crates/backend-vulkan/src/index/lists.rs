@@ -1,4 +1,4 @@
-//! Photons' numbers in order of x, of y and of z: what kd-trees are built from.
+//! Photon indices sorted by x, by y and by z: the input of kd-tree construction.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
@@ -10,20 +10,20 @@ use crate::shaders;
 use crate::sort::{Pairs, Sort};
 use crate::vulkan::Vulkan;
 
-/// As in the shaders: photons to a tile of a list, and to a segment that one workgroup splits to the end.
+/// As in the shaders: photons per tile of a list, and per segment that a single workgroup splits completely.
 pub(super) const TILE: u64 = 2048;
 pub(super) const SHORT: u64 = 1024;
-/// Invocations that the kernels over lists have.
+/// Workgroup size of the kernels over lists.
 pub(super) const WORKGROUP: u32 = 256;
 
-/// The lists, twice.
+/// The lists, double-buffered.
 #[derive(Debug)]
 pub(crate) struct Lists {
     sort: Sort,
-    /// Of one axis; then places of photons.
+    /// Sort keys of one axis; later positions of photons in lists.
     pub(super) keys: [Memory; 2],
     pub(super) lists: [Memory; 2],
-    /// Which of the two is the one.
+    /// Which of the two buffers is current.
     pub(super) at: usize,
 }
 
@@ -48,7 +48,7 @@ impl Lists {
         })
     }
 
-    /// Sorts the photons along each axis. Of four lists the last is in order of their numbers.
+    /// Sorts the photons along each axis. If there are four lists, the last one is in index order.
     pub(super) fn fill(
         &mut self,
         on: &mut Vulkan,
@@ -80,12 +80,12 @@ impl Lists {
         Ok(())
     }
 
-    /// The lists.
+    /// Address of the current lists.
     pub(super) fn address(&self) -> u64 {
         self.lists[self.at].address()
     }
 
-    /// Room for as many.
+    /// Address of the other buffer.
     pub(super) fn other(&self) -> u64 {
         self.lists[1 - self.at].address()
     }

@@ -1,11 +1,11 @@
-//! Where maps lie, and memory that grows.
+//! Memory of maps, and growing buffers.
 
 use photon_core::{PhotonFormat, Result};
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
 
-/// The memory of a map; see [`crate::VulkanMap`].
+/// The buffers of a map; see [`crate::VulkanMap`].
 #[derive(Debug)]
 pub(crate) struct MapStorage {
     pub(crate) positions: Memory,
@@ -16,7 +16,7 @@ pub(crate) struct MapStorage {
 }
 
 impl MapStorage {
-    /// For no photons.
+    /// Buffers for no photons.
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         Ok(Self {
             positions: on.memory("map: positions", 16)?,
@@ -27,7 +27,7 @@ impl MapStorage {
         })
     }
 
-    /// Makes room for so many photons, of each of which so much is kept, and nodes.
+    /// Grows the buffers for the given numbers of photons (in the given format) and nodes.
     pub(crate) fn grow(
         &mut self,
         on: &mut Vulkan,
@@ -42,14 +42,14 @@ impl MapStorage {
         grow(on, &mut self.totals, "map: totals", 4 * nodes)
     }
 
-    /// All of it.
+    /// Total size in bytes.
     pub(crate) fn bytes(&self) -> u64 {
         [&self.positions, &self.power, &self.ids, &self.nodes, &self.totals].iter().map(|memory| memory.bytes()).sum()
     }
 }
 
-/// Makes a buffer large enough; what was in it is lost. An eighth more than asked for, as photons
-/// differ in number from pass to pass.
+/// Makes a buffer large enough; its content is lost. Allocates an eighth more than requested, since the number
+/// of photons varies from pass to pass.
 pub(crate) fn grow(on: &mut Vulkan, memory: &mut Memory, label: &str, bytes: u64) -> Result<()> {
     if memory.bytes() < bytes {
         *memory = match on.memory(label, bytes + bytes / 8) {

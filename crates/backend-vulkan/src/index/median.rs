@@ -1,6 +1,6 @@
-//! The left-balanced kd-tree; `backend-cpu` documents the order. Level by level, all segments at once,
-//! from lists of the photons that are sorted along every axis; segments of 1024 photons are split to
-//! the end by one workgroup each.
+//! The left-balanced kd-tree; `backend-cpu` documents the order. Built level by level, all segments at once,
+//! from lists of the photons sorted along every axis; segments of 1024 photons are split completely by one
+//! workgroup each.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
@@ -14,14 +14,14 @@ use crate::device::{Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Finds the order.
+/// Computes the order.
 #[derive(Debug)]
 pub(crate) struct Median {
     bounds: BoundsOf,
     lists: Lists,
     count: Kernel,
     part: Kernel,
-    /// A bit per photon.
+    /// One bit per photon: whether it goes to the right part.
     right: Memory,
     counts: Memory,
 }
@@ -90,7 +90,7 @@ impl Median {
         })
     }
 
-    /// The address of the photons' numbers in the order of their slots.
+    /// Address of the photon indices in slot order.
     pub(crate) fn order(&mut self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<u64> {
         let tiles = length.div_ceil(TILE);
         let sides_bytes = 4 * length.div_ceil(32);
@@ -103,7 +103,8 @@ impl Median {
         let finish = super::reading(on, &shaders::INDEX_MEDIAN_FINISH, WORKGROUP, photons)?;
         let (data, count) = (photons.data_address(), length as u32);
         let (right, counts, tiles_word) = (self.right.address(), self.counts.address(), tiles as u32);
-        // Of a segment of more than 16·2^j photons, so many are its left part: the size of a level.
+        // A segment of more than 16·2^j photons has a left part of exactly this size, which is constant per
+        // level.
         let mut size = length.next_power_of_two().max(WIDTH);
         while size > SHORT {
             let lists = self.lists.address();

@@ -1,5 +1,5 @@
-//! Photon maps, built on the device: the same slots in the same order as those of the CPU's index of
-//! the same kind, bit for bit.
+//! Photon maps built on the device: the same slots in the same order as those of the CPU's index of the same
+//! kind, bit for bit.
 
 #[doc(hidden)]
 pub mod bench;
@@ -28,10 +28,10 @@ use regular::{Ordered, Regular};
 use vvh::Vvh;
 use vvh_nodes::VvhNodes;
 
-/// Points to a leaf, children of a node.
+/// Points per leaf, and children per node.
 const WIDTH: u64 = 16;
 
-/// The kernel of a module that reads photons, for those of a buffer.
+/// The kernel of a module that reads photons, specialized to the photon format of a buffer.
 fn reading(on: &mut Vulkan, module: &'static Module, workgroup: u32, photons: &VulkanBuffer<Photon>) -> Result<Kernel> {
     on.kernel(module, &[0, workgroup, photons.photon_format().number()])
 }
@@ -42,7 +42,7 @@ pub(crate) struct VulkanBuilder {
     kind: IndexKind,
     arrange: Arrange,
     regular: Regular,
-    /// Of maps that came back.
+    /// Storage of reclaimed maps.
     spare: Vec<MapStorage>,
 }
 
@@ -55,7 +55,7 @@ enum Arrange {
 
 impl VulkanBuilder {
     /// # Errors
-    /// What the device raises.
+    /// Errors of the device.
     pub(crate) fn new(on: &mut Vulkan, kind: IndexKind) -> Result<Self> {
         let arrange = match kind {
             IndexKind::Median => Arrange::Median(Box::new(Median::new(on)?)),
@@ -73,7 +73,8 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
             IndexKind::Vvh => VvhNodes::nodes(length),
             IndexKind::Median | IndexKind::Morton => Regular::nodes(length),
         };
-        // Emptied as soon as the length is known, since whoever gives the map back cannot tell the device.
+        // The buffer is cleared as soon as its length is known, since reclaiming the map has no access to the
+        // device.
         let words = [0, photons.capacity().min(u64::from(u32::MAX)) as u32, 0, 0];
         on.write(&photons.count, 0, bytemuck::cast_slice(&words))?;
         let mut storage = self.spare.pop().map_or_else(|| MapStorage::new(on), Ok)?;
@@ -91,7 +92,7 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
                 nodes.arrange(on, &self.regular, ordered, vvh.splits.address())?;
             }
         }
-        // The photons as they were stored have a line of their own.
+        // The original photon buffer is reported separately.
         on.note_memory(&format!("map of {}", photons.label()), storage.bytes());
         let MapStorage { positions, power, ids, nodes: of_nodes, totals } = storage;
         Ok(VulkanMap {
@@ -110,7 +111,7 @@ impl KdTreeBuilder<Vulkan> for VulkanBuilder {
     fn reclaim(&mut self, map: VulkanMap) -> VulkanBuffer<Photon> {
         let VulkanMap { mut photons, positions, power, ids, nodes, totals, .. } = map;
         self.spare.push(MapStorage { positions, power, ids, nodes, totals });
-        // As `build` has told the device.
+        // `build` has already cleared it on the device.
         photons.is_now(0);
         photons
     }

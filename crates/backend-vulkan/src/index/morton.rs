@@ -1,7 +1,7 @@
-//! The order of Morton codes; `backend-cpu` documents it. Codes of 63 bits are sorted by their lower
-//! words, then by their higher ones, which until then stay where they are.
-//! Photons that share a code, more than a leaf of them, are arranged by finer grids, round by round:
-//! where there are none, as nearly always, the rounds are dispatches of nothing.
+//! Morton-code order; `backend-cpu` documents it. Codes of 63 bits are sorted by their lower words, then by
+//! their higher ones, which are not moved until then. Runs of more photons than fit in a leaf that share a code
+//! are sorted by finer grids, round by round: where there are none, as is nearly always the case, the rounds
+//! are empty dispatches.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
@@ -17,21 +17,21 @@ use crate::sort::{self, Pairs, Sort};
 use crate::vulkan::Vulkan;
 
 const WORKGROUP: u32 = 256;
-/// The extent of what is left shrinks at least 2²⁰-fold a round, and `f32` spans 2²⁷⁷.
+/// The remaining extent shrinks at least 2²⁰-fold per round, and `f32` spans 2²⁷⁷.
 pub(super) const ROUNDS: u64 = 14;
 /// Bytes of a `Round`.
 const ROUND: u64 = 16;
 
-/// Finds the order.
+/// Computes the order.
 #[derive(Debug)]
 pub(crate) struct Morton {
     pub(super) bounds: BoundsOf,
     pub(super) gather: Kernel,
     long_runs: Kernel,
-    /// Invocations that arrange a run.
+    /// Workgroup size of the kernel that sorts a run.
     tile: u32,
     sort: Sort,
-    /// Room for two words to a photon, each: what is sorted, and both words of the codes.
+    /// Two words per photon each: the keys being sorted, and both words of the codes.
     keys: Memory,
     words: Memory,
     ids: [Memory; 2],
@@ -118,12 +118,12 @@ impl Morton {
         })
     }
 
-    /// The address of the photons' numbers in the order of their slots.
+    /// Address of the photon indices in slot order.
     pub(crate) fn order(&mut self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<u64> {
         self.order_at(on, photons, length, 0)
     }
 
-    /// The same for a run of photons within runs, so many deep.
+    /// The same for an oversized run of photons, at the given nesting depth.
     pub(super) fn order_at(
         &mut self,
         on: &mut Vulkan,

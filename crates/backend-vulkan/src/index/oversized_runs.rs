@@ -1,9 +1,9 @@
-//! Runs of one Morton code that are too long for one workgroup: each is a set of its own, as the
-//! canonical order has it, and is arranged like one by the whole device.
+//! Runs of one Morton code that are too long for one workgroup: each is treated as a point set of its own, as
+//! the canonical order defines, and is sorted by the whole device.
 //!
-//! Only the host can start that, so it has to wait for the runs. It does so where they could be long:
-//! a million photons in a cell of 2⁻²¹ of the scene would keep one workgroup busy for tens of
-//! milliseconds, and a device in software would end its loops in silence.
+//! Only the host can start that, so it has to wait for the runs to be known. It waits only where they could be
+//! long: a million photons in a cell of 2⁻²¹ of the scene would keep one workgroup busy for tens of
+//! milliseconds, and a software device would silently end its loops.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
@@ -14,12 +14,12 @@ use crate::device::{Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Longer runs are giants. A workgroup of a device in software comes to the end of its loops with runs
-/// of about twice as many.
+/// Longer runs are oversized. A workgroup of a software device reaches its limit on loop iterations with runs
+/// of about twice this length.
 pub(super) const OVERSIZED: u32 = 1 << 16;
-/// From so many photons on, a wait does not count.
+/// From this number of photons on, the cost of a wait is negligible.
 const WORTH_WAITING: u64 = 1 << 20;
-/// Devices with smaller subgroups are software.
+/// Devices with smaller subgroups are software devices.
 const SOFTWARE: u32 = 16;
 
 #[repr(C)]
@@ -34,15 +34,14 @@ struct PickPush {
 
 pushed!(pick_push_layout: PickPush => INDEX_PICK, photons ids picked count capacity);
 
-/// Whether so many photons are worth a look for giants.
+/// Whether it is worthwhile to check this number of photons for oversized runs.
 pub(super) fn worth_a_look(on: &Vulkan, length: u64, depth: u64) -> bool {
     let large = length >= WORTH_WAITING || on.limits().subgroup_size < SOFTWARE;
     large && length > u64::from(OVERSIZED) && depth < ROUNDS
 }
 
 impl Morton {
-    /// Arranges the giants among the runs of round 0, and takes them off its list; `order` is what the
-    /// runs lie in.
+    /// Sorts the oversized runs of round 0 and removes them from its list; `order` contains the runs.
     pub(super) fn oversized_runs(
         &self,
         on: &mut Vulkan,
@@ -86,7 +85,7 @@ impl Morton {
         finer.bounds.find(on, &picked, length)?;
         let mut sides = [[0_u32; 3]; 2];
         on.read(&finer.bounds.state, 0, bytemuck::cast_slice_mut(&mut sides))?;
-        // Photons at one point stay in order of their ids.
+        // Coincident photons stay in index order.
         if sides[0] == sides[1] {
             return Ok(());
         }

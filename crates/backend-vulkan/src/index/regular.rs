@@ -1,5 +1,5 @@
-//! Slots and regular trees: sixteen consecutive slots to a leaf, sixteen consecutive nodes to a node,
-//! level upon level, each level contiguous, the root first.
+//! Slots and regular trees: sixteen consecutive slots per leaf, sixteen consecutive nodes per parent, level by
+//! level, each level contiguous, the root first.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
@@ -13,10 +13,10 @@ use crate::vulkan::Vulkan;
 
 const WORKGROUP: u32 = 256;
 
-/// Brings photons into their slots and puts boxes around them.
+/// Copies photons into their slots and computes the bounding boxes of nodes.
 #[derive(Debug)]
 pub(crate) struct Regular {
-    /// Invocations that fill slots.
+    /// Workgroup size of the kernel that fills slots.
     workgroup: u32,
     parents: Kernel,
 }
@@ -53,13 +53,13 @@ struct ParentsPush {
 
 pushed!(parents_push_layout: ParentsPush => INDEX_PARENTS, nodes totals first count first_below count_below);
 
-/// What is brought into order, and where to.
+/// Photons, their order, and the storage to fill.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ordered<'a> {
     pub(crate) photons: &'a VulkanBuffer<Photon>,
-    /// Of them.
+    /// Number of photons.
     pub(crate) length: u64,
-    /// The address of their numbers in the order of the slots.
+    /// Address of the photon indices in slot order.
     pub(crate) order: u64,
     pub(crate) storage: &'a MapStorage,
 }
@@ -70,7 +70,7 @@ impl Regular {
         Ok(Self { workgroup: size, parents: on.kernel(&shaders::INDEX_PARENTS, &[0, size])? })
     }
 
-    /// Nodes per level, leaves first.
+    /// Number of nodes per level, leaves first.
     fn levels(photons: u64) -> Vec<u64> {
         let mut levels = vec![photons.div_ceil(WIDTH)];
         while let Some(&below) = levels.last().filter(|&&below| below > 1) {
@@ -79,12 +79,12 @@ impl Regular {
         levels
     }
 
-    /// Nodes over so many photons.
+    /// Total number of nodes for the given number of photons.
     pub(crate) fn nodes(photons: u64) -> u64 {
         Self::levels(photons).iter().sum()
     }
 
-    /// Fills the slots, and the leaves and their totals, at the two addresses `leaves`.
+    /// Fills the slots, and the leaves and their photon counts, at the two addresses `leaves`.
     pub(crate) fn slots(&self, on: &mut Vulkan, ordered: Ordered<'_>, leaves: [u64; 2]) -> Result<()> {
         let Ordered { photons, length, order, storage } = ordered;
         let push = ArrangePush {
@@ -106,7 +106,7 @@ impl Regular {
     pub(crate) fn arrange(&self, on: &mut Vulkan, ordered: Ordered<'_>) -> Result<()> {
         let Ordered { length, storage, .. } = ordered;
         let levels = Self::levels(length);
-        // Where a level begins: the levels above it come first.
+        // First node of a level: the levels above it come first.
         let first = |level: usize| levels[level + 1..].iter().sum::<u64>() as u32;
         let leaves = u64::from(first(0));
         let leaves = [storage.nodes.address() + 32 * leaves, storage.totals.address() + 4 * leaves];

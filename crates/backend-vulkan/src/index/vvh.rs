@@ -1,7 +1,7 @@
-//! The kd-tree of the Voxel Volume Heuristic; `backend-cpu` documents where it splits. Level by level,
-//! from lists of the photons that are sorted along every axis, and one in order of their numbers, of
-//! which a sample is counted. How many segments a level has, the device alone knows: as many levels
-//! are recorded as there can be, most of them dispatches of nothing.
+//! The kd-tree of the Voxel Volume Heuristic; `backend-cpu` documents where it splits. Built level by level,
+//! from lists of the photons sorted along every axis and one in index order, a sample of which is counted. The
+//! number of segments per level is known only on the device: the maximum number of levels is recorded, most of
+//! them empty dispatches.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
@@ -17,14 +17,14 @@ use crate::vulkan::Vulkan;
 
 /// Below this depth segments are halved; as in the shaders.
 const HEURISTIC_DEPTH: u64 = 24;
-/// A sample of 64 photons to a segment.
+/// A sample of 64 photons per segment.
 const PLAN_WORKGROUP: u32 = 64;
 /// Bytes of a `VvhLevel`, a `VvhJobs`, a `VvhSegments`.
 const LEVEL: u64 = 16;
 const JOBS: u64 = 32;
 const SEGMENT: u64 = 32;
 
-/// Finds the order and the splits.
+/// Computes the order and the splits.
 #[derive(Debug)]
 pub(crate) struct Vvh {
     bounds: BoundsOf,
@@ -32,16 +32,16 @@ pub(crate) struct Vvh {
     sides: Kernel,
     count: Kernel,
     part: Kernel,
-    /// A level after the other; the last is that of short segments.
+    /// Records of the levels; the last one is for short segments.
     levels: Memory,
     jobs: Memory,
     segments: [Memory; 2],
     shorts: Memory,
     tiles: Memory,
-    /// A bit per photon.
+    /// One bit per photon: whether it goes to the right part.
     right: Memory,
     counts: Memory,
-    /// Blocks in the left part of every split, in preorder.
+    /// Number of blocks in the left part of every split, in preorder.
     pub(super) splits: Memory,
 }
 
@@ -132,7 +132,7 @@ pushed!(
     photons lists other_lists level shorts places splits order count pad
 );
 
-/// Levels that have segments longer than `SHORT`, at most.
+/// Maximum number of levels that have segments longer than `SHORT`.
 fn levels(length: u64) -> u64 {
     let halvings = length.div_ceil(SHORT).next_power_of_two().ilog2();
     if length > SHORT { HEURISTIC_DEPTH + u64::from(halvings) } else { 0 }
@@ -163,7 +163,7 @@ impl Vvh {
         })
     }
 
-    /// Makes room, for so many tiles at once.
+    /// Grows the buffers; `room` is the maximum number of tiles at a time.
     fn grow(&mut self, on: &mut Vulkan, length: u64, room: u64) -> Result<()> {
         let levels = levels(length);
         let segments = length.div_ceil(SHORT + 1);
@@ -179,9 +179,9 @@ impl Vvh {
         grow(on, &mut self.splits, "map: splits", 4 * length.div_ceil(WIDTH))
     }
 
-    /// The address of the photons' numbers in the order of their slots; notes the splits.
+    /// Address of the photon indices in slot order; also stores the splits.
     pub(crate) fn order(&mut self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<u64> {
-        // Of every segment its last tile may be nearly empty.
+        // The last tile of each segment may be nearly empty.
         let room = length / TILE + length.div_ceil(SHORT + 1) + 1;
         self.grow(on, length, room)?;
         self.bounds.find(on, photons, length)?;

@@ -1,4 +1,4 @@
-//! The nodes of the VVH tree, from its splits: level by level down, and for the boxes up again.
+//! The nodes of the VVH tree, built from its splits: top-down level by level, then boxes bottom-up.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::Result;
@@ -11,20 +11,20 @@ use crate::shaders;
 use crate::vulkan::Vulkan;
 
 const WORKGROUP: u32 = 64;
-/// Splits on top of each other: 24 by the heuristic, then halvings.
+/// Maximum depth of splits: 24 by the heuristic, then halvings.
 const HEURISTIC_DEPTH: u64 = 24;
 /// Bytes of a `VvhDepth`, of a `VvhNodes`.
 const DEPTH: u64 = 32;
 const PENDING: u64 = 32;
 
-/// Makes nodes.
+/// Builds nodes.
 #[derive(Debug)]
 pub(crate) struct VvhNodes {
     collapse: Kernel,
     boxes: Kernel,
     depths: Memory,
     pending: Memory,
-    /// Leaves by block, and their totals.
+    /// Leaves by block, and their photon counts.
     leaves: Memory,
     totals: Memory,
 }
@@ -70,7 +70,8 @@ impl VvhNodes {
         })
     }
 
-    /// Nodes over so many photons, at most: a leaf to each block, and two children at least to each node.
+    /// Maximum number of nodes for the given number of photons: one leaf per block, and at least two children
+    /// per node.
     pub(crate) fn nodes(photons: u64) -> u64 {
         (2 * photons.div_ceil(WIDTH)).saturating_sub(1)
     }
@@ -98,7 +99,7 @@ impl VvhNodes {
         let mut depths = vec![[0_u32, 1, 1, 0, 0, 0, 0, 0]; levels as usize + 1];
         depths[0] = [1, 1, 1, 1, 0, 0, 0, 0];
         on.write(&self.depths, 0, bytemuck::cast_slice(&depths))?;
-        // Number, first block, blocks, splits, nodes below from.
+        // Index, first block, number of blocks, first split, first descendant.
         let root = [0, 0, blocks as u32, 0, 1, 0, 0, 0];
         on.write(&self.pending, 0, bytemuck::bytes_of(&root))?;
         let (nodes, totals, pending) = (storage.nodes.address(), storage.totals.address(), self.pending.address());

@@ -1,4 +1,4 @@
-//! Photons arranged for search, on the device.
+//! Photon maps on the device.
 
 pub(crate) mod estimate;
 
@@ -12,47 +12,49 @@ use crate::vulkan::Vulkan;
 #[derive(Debug)]
 pub struct VulkanMap {
     pub(crate) kind: IndexKind,
-    /// In the order in which they were stored. Where its count stands, words 2 and 3 are the
-    /// complements of the numbers of the first photon whose power, and position, is not finite, or 0.
+    /// In the order in which they were stored. Words 2 and 3 of the buffer's count are the bitwise complements
+    /// of the index of the first photon with non-finite power and with non-finite position, or 0 if there is
+    /// none.
     pub(crate) photons: VulkanBuffer<Photon>,
-    /// Photons in the map.
+    /// Number of photons in the map.
     pub(crate) length: u32,
     /// A `vec4` per slot: position, and the bits of the packed normal.
     pub(crate) positions: Memory,
-    /// Per slot what is kept besides: power, and the bits of the packed direction; power; or a `float`.
+    /// The rest of the photon per slot, depending on the format: power, and the bits of the packed direction;
+    /// or power; or a `float`.
     pub(crate) power: Memory,
-    /// A word per slot: index into `photons`.
+    /// A word per slot: the index into `photons`.
     pub(crate) ids: Memory,
-    /// `BoxNode`s: lower corner, first child or slot, upper corner, count; bit 31 of the count marks a
-    /// leaf. The root is node 0.
+    /// `BoxNode`s: lower corner, first child or slot, upper corner, count; bit 31 of the count marks a leaf.
+    /// The root is node 0.
     pub(crate) nodes: Memory,
-    /// A word per node: photons below it.
+    /// A word per node: the number of photons in its subtree.
     pub(crate) totals: Memory,
-    /// Nodes; of a [`IndexKind::Vvh`] map as many as there may be at most.
+    /// Number of nodes; for an [`IndexKind::Vvh`] map an upper bound.
     pub(crate) node_count: u32,
 }
 
 impl VulkanMap {
-    /// How the photons are arranged.
+    /// The index structure of the map.
     #[must_use]
     pub fn kind(&self) -> IndexKind {
         self.kind
     }
 
-    /// How much it keeps of a photon.
+    /// Which parts of a photon the map stores.
     #[must_use]
     pub fn photon_format(&self) -> PhotonFormat {
         self.photons.photon_format()
     }
 
-    /// Photons in the map.
+    /// Number of photons in the map.
     #[must_use]
     pub fn length(&self) -> u32 {
         self.length
     }
 
-    /// Whether the map was built from finite photons: submits everything and waits. Building does not
-    /// wait to find that out; a map of others is as safe to ask, but its answers mean nothing.
+    /// Checks that the map was built from finite photons: submits everything and waits. Building does not wait
+    /// to find that out; searching a map with non-finite photons is safe, but the results are meaningless.
     ///
     /// # Errors
     /// [`Error::InvalidInput`] names the first photon that is not finite.

@@ -1,4 +1,4 @@
-//! How far outputs are apart, and how far they may be.
+//! Distances between outputs, and their bounds.
 
 use std::fmt;
 
@@ -7,22 +7,22 @@ use super::table::Row;
 use super::{Input, Output, run};
 use crate::{Vulkan, shaders};
 
-/// How far a function may be from its twin, word by word.
+/// How far each output word may be from the twin's.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Bound {
-    /// Integers: the same.
+    /// Integers: equal.
     Words,
-    /// Floats: the same bits, but 0 has no sign. See [`Denormals`].
+    /// Floats: equal bits, except that the sign of 0 is ignored. See [`Denormals`].
     Bits,
-    /// The same of a function that magnifies what it is given, so many times for an input.
+    /// As `Bits`, for a function that amplifies flushed inputs, by this factor for an input.
     BitsMagnified(fn(&Input) -> f64),
-    /// Floats: so far apart.
+    /// Floats: maximum absolute difference.
     Within(f64),
-    /// Floats: so far apart, as a share of the twin's.
+    /// Floats: maximum difference relative to the twin's value.
     Relative(f64),
-    /// Floats: so far apart, times a condition number of the input, which has a name.
+    /// Floats: maximum difference, times a named condition number of the input.
     Conditioned(f64, &'static str, fn(&Input) -> f64),
-    /// Two packed 16-bit numbers: one step apart.
+    /// Two packed 16-bit numbers: at most one step apart.
     Step,
 }
 
@@ -39,18 +39,19 @@ impl fmt::Display for Bound {
     }
 }
 
-/// What a device does with floats below 2⁻¹²⁶, f32's smallest normal number.
+/// How a device handles floats below 2⁻¹²⁶, f32's smallest normal number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Denormals {
-    /// It computes with them as with others. Bounds hold as they stand.
-    PhotonFormat,
-    /// It may take any of them for 0: inputs, results, and what is between. Bounds hold of the twin's value for
-    /// the inputs or for the inputs with 0 for each of them, and [`FLUSHED`] is added to bounds of floats.
+    /// They are preserved. Bounds hold as stated.
+    Kept,
+    /// The device may flush any of them to 0: inputs, results, and intermediate values. Bounds hold relative to
+    /// the twin's value for the inputs or for the inputs with denormals flushed, and [`FLUSHED`] is added to
+    /// bounds of floats.
     Flushed,
 }
 
 impl Denormals {
-    /// As the device says; of one that promises nothing, as a product of it shows.
+    /// As the device reports; if it guarantees nothing, as a test product shows.
     pub(super) fn of(on: &mut Vulkan) -> photon_core::Result<Self> {
         if on.limits().keeps_denormals {
             return Ok(Self::PhotonFormat);
@@ -62,21 +63,22 @@ impl Denormals {
     }
 }
 
-/// What numbers that are taken for 0 may take from a result: a scalar product is three products and two sums, and
-/// no function that is compared by bits has more. One that magnifies them says how much.
+/// Largest change of a result by flushing: a scalar product has three products and two sums, and no function
+/// that is compared by bits has more operations. A function that amplifies denormals states its factor.
 const FLUSHED: f64 = 5.0 * f32::MIN_POSITIVE as f64;
 
-/// The input with 0 for each float below the normal range; `None` if it has none. Small whole numbers stay.
+/// The input with 0 for each float below the normal range; `None` if it has none. Small integers are not
+/// changed.
 fn flushed(input: &Input) -> Option<Input> {
     let below = |word: u32| (0x1_0000..0x80_0000).contains(&(word & 0x7FFF_FFFF));
     let other = Input(input.0.map(|word| if below(word) { word & 0x8000_0000 } else { word }));
     (other.0 != input.0).then_some(other)
 }
 
-/// The worst distance as a share of the bound; integers and bits give 0.
+/// The largest difference as a fraction of the bound; 0 for integers and bits.
 ///
 /// # Errors
-/// The function, and the input that is farthest beyond the bound.
+/// Names the function, and the input that exceeds the bound the most.
 pub(super) fn worst(row: &Row, inputs: &[Input], outputs: &[Output], denormals: Denormals) -> Result<f64, String> {
     let mut worst = 0.0;
     let mut culprit = None;
@@ -110,14 +112,14 @@ pub(super) fn worst(row: &Row, inputs: &[Input], outputs: &[Output], denormals: 
     }
 }
 
-/// The distance of two words as a share of the bound: above 1 is beyond it.
+/// The difference of two words as a fraction of the bound; above 1 the bound is exceeded.
 fn share(bound: Bound, denormals: Denormals, input: &Input, ours: u32, theirs: u32) -> f64 {
     let verdict = |good: bool| if good { 0.0 } else { f64::INFINITY };
     if ours == theirs {
         return 0.0;
     }
     let (a, b) = (f64::from(f32::from_bits(ours)), f64::from(f32::from_bits(theirs)));
-    // Neither infinity nor NaN is near anything but itself; the two zeros are.
+    // Infinity and NaN are equal only to themselves; the two zeros are equal.
     let lost = if denormals == Denormals::Flushed { FLUSHED } else { 0.0 };
     let apart = |most: f64| match (a - b).abs() {
         distance if distance > 0.0 && b.is_finite() => distance / (most + lost),
@@ -144,7 +146,7 @@ mod tests {
     #[test]
     fn each_bound_can_be_exceeded() {
         let at =
-            |bound, a: f32, b: f32| share(bound, Denormals::PhotonFormat, &Input::default(), a.to_bits(), b.to_bits());
+            |bound, a: f32, b: f32| share(bound, Denormals::Kept, &Input::default(), a.to_bits(), b.to_bits());
         let next = f32::from_bits(1.0_f32.to_bits() + 1);
         assert!(at(Bound::Words, 0.0, -0.0) > 1.0 && at(Bound::Words, 2.0, 2.0) <= 0.0);
         assert!(at(Bound::Bits, 1.0, next) > 1.0 && at(Bound::BitsMagnified(|_| 1e30), 1.0, next) > 1.0);
@@ -156,7 +158,7 @@ mod tests {
             assert!(at(bound, f32::INFINITY, 1.0) > 1.0 && at(bound, 1.0, f32::NAN) > 1.0);
         }
         assert!(at(Bound::Relative(1e-6), 1e-20, 0.0) > 1.0);
-        let step = |a, b| share(Bound::Step, Denormals::PhotonFormat, &Input::default(), a, b);
+        let step = |a, b| share(Bound::Step, Denormals::Kept, &Input::default(), a, b);
         assert!(step(0x0001_FFFF, 0x0002_0000) <= 1.0);
         assert!(step(0, 2) > 1.0 && step(0x0002_0000, 0) > 1.0);
     }
@@ -172,7 +174,7 @@ mod tests {
         }
         let ten = Bound::BitsMagnified(|_| 10.0);
         assert!(at(ten, 45.0 * least, 0.0) <= 1.0 && at(ten, 55.0 * least, 0.0) > 1.0);
-        assert!(at(Bound::Words, 1e-40, 0.0) > 1.0, "integers have no such range");
+        assert!(at(Bound::Words, 1e-40, 0.0) > 1.0, "integers are never flushed");
         let some = input([1e-40, -1e-40, least, 1.0], [0.0; 4], [0.0; 4]);
         assert_eq!(flushed(&some).map(|input| input.0), Some(input([0.0, -0.0, least, 1.0], [0.0; 4], [0.0; 4]).0));
         assert!(flushed(&Input([3; 12])).is_none());

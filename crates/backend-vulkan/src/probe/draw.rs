@@ -1,4 +1,4 @@
-//! Inputs of probes: extremes, and everything between.
+//! Inputs of probes: special values and random ones.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{philox4x32, unit_f32};
@@ -11,7 +11,7 @@ const COUNT: u32 = 20_000;
 /// Half a step of a 24-bit number.
 pub(super) const LAST: f32 = 1.0 / 16_777_216.0;
 
-/// Draws the numbers of one input.
+/// Generates the values of one input.
 #[derive(Debug)]
 pub(super) struct Draw {
     index: u32,
@@ -25,12 +25,12 @@ pub(super) fn inputs(draw: fn(&mut Draw) -> Input) -> Vec<Input> {
 }
 
 impl Draw {
-    /// The numbers of one of several streams.
+    /// Random numbers of one of several streams.
     pub(super) fn of(index: u32, stream: u32) -> Self {
         Self { index, stream, next: 0 }
     }
 
-    /// Which input this is.
+    /// Index of the input.
     pub(super) fn index(&self) -> u32 {
         self.index
     }
@@ -40,17 +40,17 @@ impl Draw {
         philox4x32([self.index, self.next, self.stream, 0], [0x5EED, 0])[0]
     }
 
-    /// One of a few.
+    /// One of a few values.
     pub(super) fn pick<T: Copy>(&mut self, of: &[T]) -> T {
         of[self.word() as usize % of.len()]
     }
 
-    /// Now and then, so that extremes meet each other and also the ordinary.
+    /// True occasionally, so that special values are combined with each other and with ordinary ones.
     pub(super) fn now_and_then(&mut self) -> bool {
         self.word().is_multiple_of(4)
     }
 
-    /// As random numbers come, in `[0, 1)`; quarter and eighth turns among them.
+    /// A random number in `[0, 1)`, as the generators return it; includes multiples of an eighth.
     pub(super) fn unit(&mut self) -> f32 {
         if self.now_and_then() {
             let edge = self.pick(&[0.0, LAST, 2.0 * LAST, 1.0 - LAST]);
@@ -66,13 +66,13 @@ impl Draw {
         from + unit_f32(self.word()) * (to - from)
     }
 
-    /// Positive, over many powers of two.
+    /// A positive number, over many powers of two.
     pub(super) fn magnitude(&mut self, least: i32, most: i32) -> f32 {
         let exponent = least + (self.word() % (most - least) as u32) as i32;
         self.between(1.0, 2.0) * 2.0_f32.powi(exponent)
     }
 
-    /// A unit vector; axes, their neighbours, diagonals and the z = 0 circle among them.
+    /// A unit vector; includes axes, their neighbourhoods, diagonals and the circle z = 0.
     pub(super) fn direction(&mut self) -> Vec3 {
         if self.now_and_then() {
             let small = [0.0, -0.0, 1e-30, -1e-30, 1e-7, -1e-7, 1e-4, -1e-4];
@@ -84,7 +84,7 @@ impl Draw {
         photon_core::sampling::uniform_sphere(unit_f32(self.word()), unit_f32(self.word()))
     }
 
-    /// A point of a unit box; the origin, its neighbourhood and the offset's threshold among them.
+    /// A point of the unit box; includes the origin, its neighbourhood and the threshold of the ray offset.
     pub(super) fn point(&mut self) -> Vec3 {
         let near = 1.0 / 32.0_f32;
         let special = [
@@ -104,7 +104,7 @@ impl Draw {
         Vec3::new(axis(), axis(), axis())
     }
 
-    /// Any bits at all, the famous ones among them.
+    /// Any bit pattern, including special values.
     pub(super) fn any(&mut self) -> f32 {
         let famous = [
             0.0,
@@ -124,7 +124,7 @@ impl Draw {
     }
 }
 
-/// Puts numbers in their places.
+/// Assembles an input from three vectors.
 pub(super) fn input(a: [f32; 4], b: [f32; 4], c: [f32; 4]) -> Input {
     let mut words = [0; 12];
     for (word, float) in words.iter_mut().zip(a.iter().chain(&b).chain(&c)) {

@@ -1,4 +1,4 @@
-//! A device that takes numbers below the normal range for 0, imitated: what the comparison lets pass and what not.
+//! Simulation of a device that flushes denormals to 0: which differences the comparison accepts.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -7,7 +7,7 @@ use super::draw::inputs;
 use super::table::{Row, output, rows};
 use super::{Input, Output};
 
-/// Takes what is below 2 to the power of `EXPONENT` for 0, before and after each operation.
+/// Flushes values below 2 to the power of `EXPONENT` to 0, before and after each operation.
 #[derive(Clone, Copy)]
 struct Flushing<const EXPONENT: i32>(f32);
 
@@ -73,8 +73,8 @@ fn turns_of<const E: i32>(row: &Row, i: &Input) -> Output {
     output([(t * Flushing::of(0.159_154_94)).0])
 }
 
-/// The functions that the rule is for. Each is off by the standard of devices that keep such numbers, passes by
-/// that of devices that do not, and fails by it if larger numbers are taken for 0.
+/// The functions whose results flushing affects. Each one fails the bound for devices that preserve denormals,
+/// passes the one for devices that flush, and fails the latter if larger numbers are flushed as well.
 #[test]
 fn numbers_below_the_normal_range_may_be_0_and_no_others() {
     type Flushed = fn(&Row, &Input) -> Output;
@@ -86,13 +86,16 @@ fn numbers_below_the_normal_range_may_be_0_and_no_others() {
     ];
     for (name, flushes, flushes_more) in functions {
         let row = rows().into_iter().find(|row| row.name == name).unwrap();
-        // The comparison is about the smallest; the polynomial of `turns_of` is left out above.
+        // Restricted to small values, since the polynomial of `turns_of` is not simulated above.
         let inputs: Vec<Input> =
             inputs(row.draw).into_iter().filter(|i| name != "turns_of" || i.float(0) < 1e-4 * i.float(1)).collect();
         let by = |function: Flushed| inputs.iter().map(|input| function(&row, input)).collect::<Vec<_>>();
         let (flushed, more) = (by(flushes), by(flushes_more));
         assert!(worst(&row, &inputs, &flushed, Denormals::PhotonFormat).is_err(), "{name}: nothing was flushed");
         worst(&row, &inputs, &flushed, Denormals::Flushed).unwrap();
-        assert!(worst(&row, &inputs, &more, Denormals::Flushed).is_err(), "{name}: larger numbers may be 0");
+        assert!(
+            worst(&row, &inputs, &more, Denormals::Flushed).is_err(),
+            "{name}: flushing larger numbers was accepted"
+        );
     }
 }

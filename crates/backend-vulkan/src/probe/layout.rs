@@ -1,4 +1,4 @@
-//! The records in the committed SPIR-V against those of Rust.
+//! The layout of the records in the committed SPIR-V compared with Rust's.
 
 use std::mem::offset_of;
 
@@ -10,10 +10,10 @@ use photon_core::{
 use super::spirv::{Member, Shape, structs};
 use crate::{Vulkan, shaders};
 
-/// What Rust says of a record: name, size, members.
+/// The layout of a record in Rust: name, size, members.
 type Record = (&'static str, usize, Vec<Member>);
 
-/// The shape of a member's type, asked by way of how to get at it.
+/// The shape of a member's type, inferred from an accessor.
 trait Shaped {
     const SHAPE: Shape;
 }
@@ -56,25 +56,25 @@ fn records() -> Vec<Record> {
     ]
 }
 
-/// How many of the records a module has, each of which lies as in Rust.
+/// Checks the layout of all records that a module contains, and returns their number.
 fn check(words: &[u32], records: &[Record]) -> Result<usize, String> {
     let mut seen = 0;
     for (name, members) in structs(words)? {
         let Some((_, _, expected)) = records.iter().find(|(known, ..)| *known == name) else { continue };
         if members != *expected {
-            return Err(format!("{name} lies otherwise in SPIR-V:\n{members:?}\nthan in Rust:\n{expected:?}"));
+            return Err(format!("{name} is laid out differently in SPIR-V:\n{members:?}\nthan in Rust:\n{expected:?}"));
         }
         seen += 1;
     }
     Ok(seen)
 }
 
-/// Every struct that has a record's name, in every module.
+/// Checks every struct with a record's name, in every module.
 #[test]
 fn records_lie_in_spirv_as_in_rust() {
     let records = records();
     for (name, size, members) in &records {
-        // Nothing is left out above: records have no padding.
+        // No member was omitted above: records have no padding.
         let sum: u32 = members.iter().map(|member| member.shape.1).sum();
         assert_eq!(sum as usize, *size, "{name}");
     }
@@ -84,17 +84,17 @@ fn records_lie_in_spirv_as_in_rust() {
     assert_eq!(check(&shaders::PROBE_LAYOUT.words(), &records).unwrap(), records.len());
 }
 
-/// One offset, one name or one type changed in the module is found.
+/// A changed offset, name or type in the module is detected.
 #[test]
 fn a_doctored_module_fails() {
     let words = shaders::PROBE_LAYOUT.words();
     let records = records();
     let offset_16 = |window: &[u32]| window[0] == (5 << 16 | 72) && window[3] == 35 && window[4] == 16;
-    // The last one: the first is that of the push constants.
+    // The last one: the first belongs to the push constants.
     let at = words.windows(5).rposition(offset_16).unwrap();
     let mut doctored = words.clone();
     doctored[at + 4] = 20;
-    assert!(check(&doctored, &records).unwrap_err().contains("otherwise"));
+    assert!(check(&doctored, &records).unwrap_err().contains("differently"));
 
     let text = u32::from_le_bytes(*b"powe");
     let at = words.iter().position(|&word| word == text).unwrap();
@@ -123,13 +123,13 @@ struct Push {
 
 pushed!(push_layout: Push => PROBE_LAYOUT, from to count padding);
 
-/// Arrays of each record, copied whole by the device: every byte arrives, at the right stride.
+/// The device copies arrays of each record: every byte is preserved, at the right stride.
 #[test]
 fn arrays_of_records_are_copied_whole() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     const COUNT: u32 = 100;
     for (number, (name, size, _)) in records().into_iter().enumerate() {
-        // Words that are ordinary floats, so that none may be taken for a NaN.
+        // Words that are ordinary floats, since NaN bits might be changed.
         let sent: Vec<u32> = (0..COUNT * size as u32 / 4).map(|i| 0x3F00_0000 + i).collect();
         let from = on.memory("from", sent.len() as u64 * 4).unwrap();
         let to = on.memory("to", from.bytes()).unwrap();

@@ -1,6 +1,6 @@
-//! Each function of the GLSL library, over a table of inputs, against its Rust twin.
+//! Every function of the GLSL library is compared with its Rust twin over a table of inputs.
 //!
-//! The bounds stand in [`table`], once for each function, and in `docs/studies/shaders.md`.
+//! The bounds are stated in [`table`], once for each function, and in `docs/studies/shaders.md`.
 
 mod compare;
 mod draw;
@@ -25,7 +25,7 @@ use crate::device::Module;
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 struct Input([u32; 12]);
 
-/// The outputs of one call; zeros after the last.
+/// The outputs of one call; unused words are 0.
 type Output = [u32; 8];
 
 #[repr(C)]
@@ -42,7 +42,7 @@ pushed!(
     inputs outputs count padding
 );
 
-/// What function number `function` of a probe makes of the inputs.
+/// Evaluates function number `function` of a probe for the inputs.
 fn run(on: &mut Vulkan, module: &'static Module, function: u32, inputs: &[Input]) -> Result<Vec<Output>> {
     let from = on.memory("inputs", size_of_val(inputs) as u64)?;
     let to = on.memory("outputs", (inputs.len() * size_of::<Output>()) as u64)?;
@@ -57,7 +57,7 @@ fn run(on: &mut Vulkan, module: &'static Module, function: u32, inputs: &[Input]
     Ok(outputs)
 }
 
-/// Every row of the table; all that fail are named.
+/// Checks every row of the table and reports all that fail.
 #[test]
 fn every_function_is_within_its_bound_of_its_twin() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -75,19 +75,19 @@ fn every_function_is_within_its_bound_of_its_twin() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// The table in the documentation is this one.
+/// The table in the documentation matches this one.
 #[test]
 fn the_documentation_states_the_bounds() {
-    // Asked at run time: a target folder that was moved must not point back at the old checkout.
+    // Read at run time: a moved target folder must not refer to the old checkout.
     let folder = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| "crates/backend-vulkan".into());
     let text = std::fs::read_to_string(std::path::Path::new(&folder).join("../../docs/studies/shaders.md")).unwrap();
     for row in table::rows().into_iter().chain([triangle::row()]) {
         let line = format!("| {} | {} |", row.name, row.bound);
-        assert!(text.lines().any(|known| known == line), "docs/studies/shaders.md lacks: {line}");
+        assert!(text.lines().any(|known| known == line), "docs/studies/shaders.md does not contain: {line}");
     }
 }
 
-/// A twin that fuses one multiplication and addition is found out.
+/// A twin with one fused multiply-add is detected.
 #[test]
 fn a_function_that_rounds_otherwise_fails() {
     let Some(mut on) = Vulkan::for_tests() else { return };

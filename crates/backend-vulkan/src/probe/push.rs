@@ -1,4 +1,4 @@
-//! The push constants in the committed SPIR-V against those of Rust: what the tests of `pushed!` call.
+//! The layout of push constants in the committed SPIR-V compared with Rust's: called by the tests of `pushed!`.
 
 use std::fs;
 use std::path::Path;
@@ -6,27 +6,30 @@ use std::path::Path;
 use super::spirv::push_members;
 use crate::shaders;
 
-/// Whether a module's push constants are these members, each with its offset and its bytes, of a struct of so many
-/// bytes. Rust may end in words that no kernel reads, which make the size a multiple of 8.
+/// Checks that a module's push constants are these members, each given by name, offset and size in bytes, of a
+/// struct of `size` bytes. The Rust struct may end in padding that no kernel reads, which makes the size a
+/// multiple of 8.
 ///
 /// # Errors
-/// What lies otherwise.
+/// Describes the difference.
 pub(crate) fn check(words: &[u32], size: usize, members: &[(&str, u32, u32)]) -> Result<(), String> {
     let sum: u32 = members.iter().map(|(.., bytes)| bytes).sum();
     if sum as usize != size {
-        return Err(format!("members of {sum} bytes are listed, of a struct of {size}"));
+        return Err(format!("the listed members have {sum} bytes, but the struct has {size}"));
     }
     let pushed = push_members(words)?.ok_or("the module has no push constants")?;
     let (read, unread) = members.split_at_checked(pushed.len()).ok_or("the kernel reads more than is pushed")?;
     let same = read.iter().zip(&pushed).all(|(ours, (name, offset, bytes))| *ours == (name.as_str(), *offset, *bytes));
     let fills = |name: &str| name.starts_with("pad") || name == "reserved";
     if !same || !unread.iter().all(|(name, ..)| fills(name)) {
-        return Err(format!("push constants lie otherwise in SPIR-V:\n{pushed:?}\nthan in Rust:\n{members:?}"));
+        return Err(format!(
+            "push constants are laid out differently in SPIR-V:\n{pushed:?}\nthan in Rust:\n{members:?}"
+        ));
     }
     Ok(())
 }
 
-/// The names of modules that the sources below a folder list after `pushed!`.
+/// Collects the names of modules listed after `pushed!` in the sources below a folder.
 fn listed(folder: &Path, names: &mut Vec<String>) {
     for entry in fs::read_dir(folder).unwrap().flatten() {
         let path = entry.path();
@@ -42,21 +45,21 @@ fn listed(folder: &Path, names: &mut Vec<String>) {
     }
 }
 
-/// No kernel's push constants are left out.
+/// Every kernel with push constants is checked.
 #[test]
 fn every_kernel_is_listed() {
-    // Asked at run time: a target folder that was moved must not point back at the old checkout.
+    // Read at run time: a moved target folder must not refer to the old checkout.
     let folder = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| "crates/backend-vulkan".into());
     let mut names = Vec::new();
     listed(&Path::new(&folder).join("src"), &mut names);
-    // The example's kernel is a host's, which runs it without us.
+    // The example's kernel belongs to a host, which runs it without this backend.
     for module in shaders::ALL.iter().filter(|module| !module.name.starts_with("example_")) {
         let pushes = push_members(&module.words()).unwrap().is_some();
         assert!(!pushes || names.iter().any(|name| name == module.name), "{} is in no pushed!", module.name);
     }
 }
 
-/// A member of another name, place or size, one too few and one too many are found.
+/// A member with another name, offset or size, a missing one and an extra one are detected.
 #[test]
 fn structs_that_lie_otherwise_fail() {
     let words = shaders::DEVICE_COPY.words();
@@ -68,17 +71,17 @@ fn structs_that_lie_otherwise_fail() {
     let last = good.len() - 1;
     let mut other = good.clone();
     other[last].0 = "other";
-    assert!(fails(&other).contains("otherwise"));
+    assert!(fails(&other).contains("differently"));
     other.clone_from(&good);
     other[last].1 += 4;
-    assert!(fails(&other).contains("otherwise"));
+    assert!(fails(&other).contains("differently"));
     other.clone_from(&good);
     other[last].2 += 4;
-    assert!(fails(&other).contains("otherwise"));
+    assert!(fails(&other).contains("differently"));
     assert!(fails(&good[..last]).contains("more than is pushed"));
     other.clone_from(&good);
     other.push(("more", 64, 4));
-    assert!(fails(&other).contains("otherwise"));
+    assert!(fails(&other).contains("differently"));
     other[last + 1].0 = "padding";
     check(&words, size(&other), &other).unwrap();
     assert!(check(&words, size(&good) + 4, &good).unwrap_err().contains("listed"));

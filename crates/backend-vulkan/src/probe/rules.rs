@@ -1,4 +1,4 @@
-//! What every committed module keeps to, so that it runs wherever the baseline is met.
+//! Rules for every committed module, so that it runs on every device that meets the baseline.
 
 use super::spirv::instructions;
 use crate::shaders;
@@ -7,7 +7,7 @@ const OP_CAPABILITY: u32 = 17;
 const OP_DECORATE: u32 = 71;
 const DECORATION_SPEC_ID: u32 = 1;
 
-/// What a module may ask of a device; `device/choose.rs` refuses one that has less.
+/// Capabilities that a module may declare; `device/choose.rs` rejects devices without them.
 const CAPABILITIES: [(u32, &str); 9] = [
     (1, "Shader"),
     (11, "Int64"),
@@ -20,26 +20,26 @@ const CAPABILITIES: [(u32, &str); 9] = [
     (5347, "PhysicalStorageBufferAddresses"),
 ];
 
-/// The first rule that a module breaks.
+/// Returns the first rule that a module violates.
 fn check(words: &[u32]) -> Result<(), String> {
     let instructions = instructions(words)?;
     for (operation, operands) in &instructions {
         if *operation == OP_CAPABILITY && !CAPABILITIES.iter().any(|(number, _)| operands == &[*number]) {
-            return Err(format!("asks for capability {operands:?}, which the baseline does not have"));
+            return Err(format!("declares capability {operands:?}, which is not in the baseline"));
         }
     }
     let sized = |(operation, operands): &(u32, &[u32])| {
         *operation == OP_DECORATE && operands.get(1..) == Some(&[DECORATION_SPEC_ID, 1])
     };
     if !instructions.iter().any(sized) {
-        return Err("its workgroup's size is not specialization constant 1".to_owned());
+        return Err("its workgroup size is not specialization constant 1".to_owned());
     }
     Ok(())
 }
 
 #[test]
 fn every_module_keeps_the_rules() {
-    // The example's kernel is a host's, which runs it without us.
+    // The example's kernel belongs to a host, which runs it without this backend.
     for module in shaders::ALL.iter().filter(|module| !module.name.starts_with("example_")) {
         check(&module.words()).unwrap_or_else(|message| panic!("{}: {message}", module.name));
     }
@@ -48,7 +48,7 @@ fn every_module_keeps_the_rules() {
 #[test]
 fn modules_that_break_them_are_found() {
     let good = shaders::DEVICE_COPY.words();
-    // Float64, between the header and the rest.
+    // Insert Float64 between the header and the rest.
     let mut doubles = good.clone();
     doubles.splice(5..5, [2 << 16 | OP_CAPABILITY, 10]);
     assert!(check(&doubles).unwrap_err().contains("[10]"));

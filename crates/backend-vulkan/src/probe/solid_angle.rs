@@ -1,4 +1,4 @@
-//! Triangles as seen from near by against photon-core's.
+//! Solid angles of nearby triangles compared with photon-core's.
 
 use photon_core::glam::{DVec3, Vec3};
 use photon_core::random::unit_f32;
@@ -29,7 +29,8 @@ fn corners(i: &Input) -> [Vec3; 3] {
     [i.vector(0), i.vector(4), i.vector(8)]
 }
 
-/// A triangle, thin ones among them, and an eye before its inside, its edges and corners, or beyond them.
+/// A random triangle, sometimes thin, and an eye in front of its interior, its edges and corners, or beyond
+/// them.
 fn view(d: &mut Draw) -> Input {
     let [a, b, mut c] = [d.point(), d.point(), d.point()];
     if d.now_and_then() {
@@ -61,7 +62,8 @@ fn sampled(corners: [Vec3; 3], i: &Input) -> Output {
     }
 }
 
-/// What changes of 1e-6 of the corners change, over that; infinite where they make another corner the pole.
+/// Condition number: the change of the result for corners changed by 1e-6, divided by 1e-6; infinite if the
+/// change selects another corner as the pole.
 fn condition(i: &Input, function: fn([Vec3; 3], &Input) -> Output) -> f64 {
     const CHANGE: f32 = 1e-6;
     let before = function(corners(i), i);
@@ -76,21 +78,23 @@ fn condition(i: &Input, function: fn([Vec3; 3], &Input) -> Output) -> f64 {
             condition = condition.max(apart.abs() / f64::from(CHANGE));
         }
     }
-    // Another pole is another point altogether.
+    // Another pole gives an entirely different point.
     if condition > 1e4 { f64::INFINITY } else { condition }
 }
 
-/// The same of a sample, whose unit vectors are off in length too: of each a square root and a division may take 5.4e-7
-/// and 3e-7, so that a cosine is off by as much as 2e-6. That is over 1e-6
-/// - the tangent of half the solid angle, if its numerator and denominator are small: an eye all but on an edge;
-/// - how far the arc from the pole over the point is from half a turn: an eye all but on the triangle;
-/// - infinite where it chooses the pole, the corner opposite the smallest of three cosines.
+/// Condition number of a sample, whose unit vectors have errors in length too: for each, a square root and a
+/// division may contribute 5.4e-7 and 3e-7, so that a cosine is off by as much as 2e-6. In units of 1e-6, that
+/// error is divided by
+/// - the tangent of half the solid angle, if its numerator and denominator are small: an eye close to an edge;
+/// - the distance of the arc from the pole through the point from half a turn: an eye close to the triangle;
+/// - and the condition is infinite where rounding selects the pole, the corner opposite the smallest of three
+///   cosines.
 fn condition_of_sample(i: &Input) -> f64 {
     const OFF: f64 = 2.0;
     let corners = corners(i).map(|corner| corner.as_dvec3());
     let units = corners.map(DVec3::normalize_or_zero);
     let [a, b, c] = units;
-    // By the corner opposite.
+    // By the opposite corner.
     let cosines = [b.dot(c), c.dot(a), a.dot(b)];
     let mut sorted = cosines;
     sorted.sort_by(f64::total_cmp);
@@ -108,7 +112,7 @@ fn condition_of_sample(i: &Input) -> f64 {
     if condition > 1e4 { f64::INFINITY } else { condition }
 }
 
-/// The bounds ask something: most views are decided, and most are seen under a solid angle.
+/// The bounds are meaningful: most views are well-conditioned, and most have a positive solid angle.
 #[test]
 fn most_views_are_decided() {
     let inputs = inputs(view);

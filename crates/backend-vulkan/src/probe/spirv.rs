@@ -1,8 +1,8 @@
-//! As much of SPIR-V as it takes to see how a struct lies in memory.
+//! A minimal SPIR-V parser for the memory layout of structs.
 
 use std::collections::BTreeMap;
 
-/// What a member is made of: `true` for floats, and its size in bytes.
+/// Scalar type and size of a member: `true` for floats, and its size in bytes.
 pub(super) type Shape = (bool, u32);
 
 /// A member of a struct in memory.
@@ -30,10 +30,10 @@ const DECORATION_OFFSET: u32 = 35;
 const STORAGE_PUSH_CONSTANT: u32 = 9;
 const STORAGE_PHYSICAL: u32 = 5349;
 
-/// The instructions of a module: number of the operation, and its operands.
+/// The instructions of a module: opcode and operands.
 ///
 /// # Errors
-/// What is not SPIR-V.
+/// If the words are not valid SPIR-V.
 pub(super) fn instructions(words: &[u32]) -> Result<Vec<(u32, &[u32])>, String> {
     if words.len() < HEADER || words[0] != 0x0723_0203 {
         return Err("not a SPIR-V module".to_owned());
@@ -51,10 +51,10 @@ pub(super) fn instructions(words: &[u32]) -> Result<Vec<(u32, &[u32])>, String> 
     Ok(found)
 }
 
-/// The structs of a module that lie in memory, by their names; one name may stand for several.
+/// The structs of a module with a memory layout, by name; one name may occur several times.
 ///
 /// # Errors
-/// What is not SPIR-V.
+/// If the words are not valid SPIR-V.
 pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, String> {
     let mut names = BTreeMap::new();
     let mut member_names = BTreeMap::new();
@@ -63,7 +63,7 @@ pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, Strin
     let mut constants = BTreeMap::new();
     let mut found = Vec::new();
     for (operation, operands) in instructions(words)? {
-        // Names and decorations stand before types, types before their users.
+        // Names and decorations come before types, types before their uses.
         match (operation, operands) {
             (OP_NAME, [id, text @ ..]) => _ = names.insert(*id, string(text)),
             (OP_MEMBER_NAME, [id, member, text @ ..]) => _ = member_names.insert((*id, *member), string(text)),
@@ -84,7 +84,7 @@ pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, Strin
                 }
             }
             (OP_TYPE_STRUCT, [id, types @ ..]) => {
-                // A member that is itself a struct has no shape: of no concern here.
+                // A member that is itself a struct has no shape; it is not needed here.
                 let members = types.iter().zip(0..).map(|(of, member)| {
                     Some(Member {
                         name: member_names.get(&(*id, member))?.clone(),
@@ -102,10 +102,10 @@ pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, Strin
     Ok(found)
 }
 
-/// The push constants of a module: name, offset and bytes of each member; `None` if it has none.
+/// The push constants of a module: name, offset and size in bytes of each member; `None` if it has none.
 ///
 /// # Errors
-/// What is not SPIR-V, and members of types that are not pushed.
+/// If the words are not valid SPIR-V, or a member has an unsupported type.
 pub(super) fn push_members(words: &[u32]) -> Result<Option<Vec<(String, u32, u32)>>, String> {
     let mut names = BTreeMap::new();
     let mut offsets = BTreeMap::new();
@@ -130,7 +130,7 @@ pub(super) fn push_members(words: &[u32]) -> Result<Option<Vec<(String, u32, u32
                     bytes.insert(*id, of * count);
                 }
             }
-            // An address, which may be declared before what it points to.
+            // A buffer address, which may be declared before the type it points to.
             (OP_TYPE_FORWARD_POINTER, [id, STORAGE_PHYSICAL]) | (OP_TYPE_POINTER, [id, STORAGE_PHYSICAL, _]) => {
                 bytes.insert(*id, 8);
             }
@@ -147,10 +147,10 @@ pub(super) fn push_members(words: &[u32]) -> Result<Option<Vec<(String, u32, u32
         Some((name?, *offsets.get(&(block, number))?, *bytes.get(&of)?))
     };
     let all: Option<Vec<_>> = types.into_iter().zip(0..).map(member).collect();
-    all.map(Some).ok_or_else(|| "a push constant of a type that is not known".to_owned())
+    all.map(Some).ok_or_else(|| "a push constant of an unknown type".to_owned())
 }
 
-/// Text as it lies in words, up to its zero.
+/// A null-terminated string packed in words.
 fn string(words: &[u32]) -> String {
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|&byte| byte != 0).collect();
     String::from_utf8_lossy(&bytes).into_owned()

@@ -1,7 +1,7 @@
-//! The functions, their twins, and the bound of each: the one place where it is stated.
+//! The functions, their twins, and the bound of each: the only place where bounds are stated.
 //!
-//! Vulkan allows a division 2.5 units in the last place, a relative 3e-7, and a square root the two and
-//! a half of a division more than the two of its inverse, 5.4e-7; the bounds are what comes of these.
+//! Vulkan allows division an error of 2.5 units in the last place, a relative 3e-7, and a square root the 2.5
+//! of a division plus the 2 of an inverse square root, 5.4e-7; the bounds follow from these.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, centred_f32, lcg, philox4x32, unit_f32};
@@ -25,7 +25,7 @@ pub(super) struct Row {
     pub(super) twin: fn(&Input) -> Output,
 }
 
-/// Everything in `shaders-glsl` that photon-core has a twin of.
+/// All functions in `shaders-glsl` with a twin in photon-core.
 pub(super) fn rows() -> Vec<Row> {
     let row = |name, module, function, bound, draw, twin| Row { name, module, function, bound, draw, twin };
     [math_rows(row), random_rows(row), direction_rows(row), surface_rows(row), solid_angle::rows()].concat()
@@ -99,7 +99,8 @@ fn math_rows(row: Make) -> Vec<Row> {
         ),
         // A division of the smaller by the larger.
         row("turns_of", module, 7, Bound::Relative(7e-7), angle, |i| output([math::turns_of(i.float(0), i.float(1))])),
-        // The last step, which takes back roundings, is of what is left of the cube: 2⁻²³ of it, and less.
+        // The last step, which corrects rounding errors, is relative to the residual of the cube: 2⁻²³ of it,
+        // and less.
         row("cube_root", module, 8, Bound::BitsMagnified(slope_of_root), root, |i| {
             output([math::cube_root(i.float(0))])
         }),
@@ -143,7 +144,7 @@ fn direction_rows(row: Make) -> Vec<Row> {
         input([d.unit(), inner, outer, 0.0], Z, Z)
     };
     vec![
-        // A division: the nearest step of 2⁻¹⁵ is another one at most.
+        // A division: the nearest step of 2⁻¹⁵ may be a neighbouring one.
         row(
             "octahedral_pack",
             packing,
@@ -166,7 +167,7 @@ fn direction_rows(row: Make) -> Vec<Row> {
                 output([t.x, t.y, t.z, 0.0, b.x, b.y, b.z])
             },
         ),
-        // Near the pole a cosine says little about the sine, but both sides get the same one.
+        // Near the pole a cosine determines the sine poorly, but both sides get the same one.
         row("sampling_about", module, 1, Bound::Within(2e-6), about, |i| {
             vector_output(sampling::about(i.vector(0), i.float(4), i.float(5)))
         }),
@@ -215,7 +216,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
         row("bsdf_reflect", module, 2, Bound::Within(1e-6), meeting, |i| {
             vector_output(fresnel::reflect(i.vector(0), i.vector(4)))
         }),
-        // Into a thin medium two vectors of length 1/eta nearly cancel.
+        // When entering a medium of lower index, two vectors of length 1/eta nearly cancel.
         row(
             "bsdf_refract",
             module,
@@ -228,7 +229,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
             let vertices = [i.vector(0), i.vector(4), i.vector(8)];
             vector_output(offset::barycentric(vertices, i.float(3), i.float(7)))
         }),
-        // A division where a weight is raised, of what is no more than two steps of the offset.
+        // A division where a weight is raised, of a quantity that is at most two steps of the offset.
         row("within", points, 2, Bound::Within(2e-7), near_edges, |i| {
             let vertices = [i.vector(0), i.vector(4), i.vector(8)];
             vector_output(offset::within(vertices, i.float(11), i.float(3), i.float(7)))
@@ -241,13 +242,13 @@ fn surface_rows(row: Make) -> Vec<Row> {
             |d| input(four(d.point()), four(d.direction()), Z),
             |i| vector_output(offset::off_surface(i.vector(0), i.vector(4))),
         ),
-        // Bits but for the cone, which has a root and a division, and may be 0 at its foot.
+        // Equal bits except for the cone, which has a square root and a division, and may be 0 at its edge.
         row("kernel_weight", kernels, 0, Bound::Bits, |d| kernel(d, &[0, 1, 3]), weight),
         row("kernel_weight, cone", kernels, 0, Bound::Within(3e-6), |d| kernel(d, &[2]), weight),
     ]
 }
 
-/// Corners, and weights of the second and the third, many of them on any of the three edges or beside it.
+/// Corners, and barycentric weights of the second and the third; many of them on or near an edge.
 fn near_edges(d: &mut Draw) -> Input {
     let ends = [0.0, 1e-8, 1e-6, 1e-3, 1.0, 1.0 - LAST, 0.999_999, 0.999];
     let weight = |d: &mut Draw| if d.now_and_then() { d.pick(&ends) } else { d.unit() };
@@ -257,7 +258,7 @@ fn near_edges(d: &mut Draw) -> Input {
     input([a.x, a.y, a.z, u], [b.x, b.y, b.z, v], [c.x, c.y, c.z, offset::margin([a, b, c])])
 }
 
-/// What [`offset::barycentric`] would be with one rounding less.
+/// [`offset::barycentric`] with one rounding fewer.
 pub(super) fn fused_barycentric(i: &Input) -> Output {
     let [a, b, c] = [i.vector(0), i.vector(4), i.vector(8)];
     let (u, v) = (i.float(3), i.float(7));
@@ -271,7 +272,7 @@ fn four(v: Vec3) -> [f32; 4] {
     [v.x, v.y, v.z, 0.0]
 }
 
-/// Any length, none and too much of it among them.
+/// A vector of any length, including zero and overflowing ones.
 fn vector(d: &mut Draw) -> Vec3 {
     if d.now_and_then() {
         let scale = d.pick(&[0.0, -0.0, 1e-10, 1e10, f32::INFINITY, f32::NAN]);
@@ -281,7 +282,7 @@ fn vector(d: &mut Draw) -> Vec3 {
     d.direction() * scale
 }
 
-/// Not NaN, whose bits are nobody's business.
+/// A vector without NaN, whose bits are unspecified.
 fn finite(d: &mut Draw) -> Vec3 {
     let scale = d.pick(&[1.0, 1e-3, 1e-10, 1e10]);
     d.direction() * scale
@@ -297,13 +298,14 @@ fn root(d: &mut Draw) -> Input {
     input([x, 0.0, 0.0, 0.0], Z, Z)
 }
 
-/// What a change of a number adds to its cube root, over that.
+/// Condition number of the cube root: its change for a change of the input, divided by the change.
 fn slope_of_root(i: &Input) -> f64 {
     let root = f64::from(i.float(0)).cbrt();
     (3.0 * root * root).recip()
 }
 
-/// A vector whose second coordinate, which comes first, is not negative; eighths of a turn and their neighbours among them.
+/// A vector whose second coordinate, which comes first, is not negative; includes multiples of an eighth of a
+/// turn and their neighbourhoods.
 fn angle(d: &mut Draw) -> Input {
     let special = [0.0, -0.0, 1e-20, 0.414_213_56, 0.414_213_6, 1.0 - LAST, 1.0, 1.000_000_1, 2.414_213_7, 1e20];
     let mut length = || if d.now_and_then() { d.pick(&special) } else { d.magnitude(-20, 20) };
@@ -326,7 +328,7 @@ fn sampler(d: &mut Draw) -> Input {
     let mut input = any_words(d);
     input.0[0] = d.pick(&[0, 1, 2]);
     input.0[4] = d.pick(&[0, 1, 2, 3, 4]);
-    // Blocks that Sobol's sequence is for, and others.
+    // Blocks that use Sobol's sequence, and others.
     if d.now_and_then() {
         input.0[6] = d.pick(&[0, 1, 2]);
         input.0[7] = d.pick(&[0, 1, 2]);
@@ -334,7 +336,7 @@ fn sampler(d: &mut Draw) -> Input {
     input
 }
 
-/// Words that unit vectors are packed to, and those that none is.
+/// Words that are packed unit vectors, and arbitrary ones.
 fn packed(d: &mut Draw) -> Input {
     let word = if d.now_and_then() { d.word() } else { octahedral::pack(d.direction()) };
     Input([word, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0])
@@ -351,13 +353,13 @@ fn eta(d: &mut Draw) -> f32 {
 
 fn fresnel(d: &mut Draw) -> Input {
     let eta = eta(d);
-    // The critical angle, and grazing.
+    // The critical angle, and grazing incidence.
     let critical = (1.0 - eta * eta).max(0.0).sqrt();
     let cosine = if d.now_and_then() { d.pick(&[0.0, 1e-30, 1e-4, critical, 1.0, 1.000_000_1]) } else { d.unit() };
     input([cosine, eta, 0.0, 0.0], Z, Z)
 }
 
-/// A direction, a normal that faces it, an index, and the cosine that goes with them.
+/// A direction, a normal facing it, a relative index of refraction, and the corresponding cosine.
 fn meeting(d: &mut Draw) -> Input {
     let (direction, normal) = (d.direction(), d.direction());
     let normal = if direction.dot(normal) > 0.0 { -normal } else { normal };

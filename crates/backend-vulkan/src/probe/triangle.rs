@@ -1,4 +1,4 @@
-//! The test of one triangle against photon-scene's.
+//! The ray-triangle test compared with photon-scene's.
 
 use photon_core::glam::{DVec3, Vec3};
 use photon_core::{Ray, RayCaster};
@@ -22,7 +22,7 @@ pub(super) fn row() -> Row {
     }
 }
 
-/// A triangle for each input: everywhere, in planes of two axes, thin.
+/// A triangle for each input: general, axis-aligned and thin ones.
 fn corners(slot: u32) -> [Vec3; 3] {
     let mut d = Draw::of(slot, 1);
     let [a, mut b, mut c] = [d.point(), d.point(), d.point()];
@@ -34,7 +34,7 @@ fn corners(slot: u32) -> [Vec3; 3] {
     [a, b, c]
 }
 
-/// At the triangle or past it: its corners and edges among the aims, axes among the directions.
+/// A ray towards the triangle or past it; targets include its corners and edges, directions include axes.
 fn ray(d: &mut Draw) -> Input {
     let slot = d.index();
     let [a, b, c] = corners(slot);
@@ -61,8 +61,8 @@ fn brute_force(input: &Input) -> Output {
     caster.nearest(&ray).map_or([0; 8], |hit| output([hit.t, hit.u, hit.v, 1.0]))
 }
 
-/// How much of a rounding arrives in the answer: the more, the more edge-on the triangle is seen and
-/// the thinner it is. Infinite where a rounding decides whether there is a hit.
+/// Condition number: the amplification of rounding errors, which is larger the more edge-on and the thinner the
+/// triangle is. Infinite where rounding decides whether there is a hit.
 fn condition(input: &Input) -> f64 {
     let [a, b, c] = corners(input.0[8]).map(|corner| corner.as_dvec3());
     let (origin, direction) = (input.vector(0).as_dvec3(), input.vector(4).as_dvec3());
@@ -88,7 +88,7 @@ fn one_triangle_is_met_where_rust_meets_it() {
     }
     let triangles = on.memory("corners", table.len() as u64 * 4).unwrap();
     on.write(&triangles, 0, bytemuck::cast_slice(&table)).unwrap();
-    // Of a scene, the test asks for the second address only.
+    // The test reads only the second address of a scene.
     let scene = on.memory("scene", 128).unwrap();
     on.fill(&scene, 0, 128, 0).unwrap();
     on.write(&scene, 8, bytemuck::bytes_of(&triangles.address())).unwrap();
@@ -102,10 +102,10 @@ fn one_triangle_is_met_where_rust_meets_it() {
     let hits = outputs.iter().filter(|output| output[3] != 0).count();
     let decided = inputs.iter().filter(|input| condition(input).is_finite()).count();
     eprintln!("{:<24} {share:>9.3e} of {}; {hits} hits, {decided} decided", row.name, row.bound);
-    // The table asks something: there are hits and misses, and few of them hang on a rounding.
+    // The table is meaningful: there are hits and misses, and few of them depend on rounding.
     assert!(hits > inputs.len() / 8 && hits < inputs.len() * 3 / 4 && decided > inputs.len() / 2);
 
-    // The comparator: weights that are swapped are found.
+    // The comparison can fail: swapped weights are detected.
     let swapped: Vec<Output> = outputs.iter().map(|&[t, u, v, hit, ..]| [t, v, u, hit, 0, 0, 0, 0]).collect();
     assert!(worst(&row, &inputs, &swapped, denormals).is_err());
 }

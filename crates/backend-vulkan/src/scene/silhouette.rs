@@ -1,55 +1,56 @@
-//! Which answers a ray may get where rounding decides.
+//! The set of valid results for a ray whose hit or miss depends on rounding.
 //!
-//! Vulkan allows a division 2.5 units in the last place, so the test of a triangle sees a ray a little displaced. A
-//! ray that passes well inside a triangle hits it, one that passes well outside does not. A ray nearer than
-//! [`NEAR`] to an edge may be on either side of it: where triangles on both sides share the edge it hits one of
-//! them, but at the silhouette of the mesh it may also pass. An edge belongs to the silhouette if it is of one
-//! triangle alone, or if its triangles are on the same side of it as seen along the ray.
+//! Vulkan allows division an error of 2.5 units in the last place, so the triangle test effectively sees a
+//! slightly displaced ray. A ray that passes well inside a triangle hits it, one that passes well outside does
+//! not. A ray closer than [`NEAR`] to an edge may fall on either side of it: where triangles on both sides
+//! share the edge it hits one of them, but at the silhouette of the mesh it may also miss. An edge belongs to
+//! the silhouette if only one triangle has it, or if its triangles are on the same side of it as seen along the
+//! ray.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use photon_core::glam::{DVec2, DVec3, Vec3};
 use photon_core::{Hit, Ray};
 
-/// Units in the last place of the distance between the ray's origin and the triangle's farthest corner: by so much
-/// the test may displace a ray, as seen in the plane across the ray's largest axis. Of a corner's coordinates, the
-/// differences from the origin are off by half a unit each, the quotient of the shear by 2.5, its product and the
-/// last difference by a half each: 4.5. Products of edge functions are off by as much as half a unit of a
-/// corner moved, at each end of the edge.
+/// Bound on the displacement of a ray by the test, as seen in the plane perpendicular to the ray's largest
+/// axis, in units in the last place of the distance between the ray's origin and the triangle's farthest
+/// corner. Of a corner's coordinates, the differences from the origin are off by half a unit each, the quotient
+/// of the shear by 2.5, its product and the last difference by a half each: 4.5. Products of edge functions are
+/// off by as much as moving a corner by half a unit, at each end of the edge.
 const NEAR: f64 = 6.0 * f32::EPSILON as f64;
 
-/// Distances of hits are within so much of the true one, as a share of it and of 0.1 at least: a mean of three
-/// corners' distances with weights that are off by a few units.
+/// Tolerance of hit distances, relative to the true distance but to 0.1 at least: the distance is a weighted
+/// mean of those of three corners, with weights that are off by a few units.
 pub(super) const TOLERANCE: f64 = 1e-5;
 
 /// A triangle that a ray hits or may hit.
 #[derive(Clone, Debug)]
 struct Met {
     triangle: u32,
-    /// Between these the distance may be.
+    /// Lower and upper bound of the hit distance.
     from: f64,
     to: f64,
-    /// Its edges that the ray is near to.
+    /// Its edges that are within [`NEAR`] of the ray.
     near: Vec<[u32; 2]>,
-    /// Whether the distance is certain to be within the ray.
+    /// Whether the distance certainly lies within the ray's interval.
     in_reach: bool,
 }
 
-/// What a ray may answer.
+/// The valid results for one ray.
 #[derive(Debug)]
 pub(super) struct Verdict {
     met: Vec<Met>,
-    /// There is a hit at that distance or nearer; infinite if there may be none.
+    /// Upper bound of the distance of the nearest hit; infinite if a miss is valid.
     at_most: f64,
 }
 
 impl Verdict {
-    /// Whether both a hit and a miss are right.
+    /// Whether both a hit and a miss are valid.
     pub(super) fn is_open(&self) -> bool {
         self.at_most == f64::INFINITY && !self.met.is_empty()
     }
 
-    /// Whether the answer is one of those that the ray may get.
+    /// Whether `answer` is a valid result for the ray.
     pub(super) fn allows(&self, answer: Option<Hit>) -> bool {
         let Some(hit) = answer else { return self.at_most == f64::INFINITY };
         let t = f64::from(hit.t);
@@ -58,12 +59,12 @@ impl Verdict {
     }
 }
 
-/// A mesh, and who shares its edges.
+/// A mesh and its edge adjacency.
 #[derive(Debug)]
 pub(super) struct Judge<'a> {
     positions: &'a [[f32; 3]],
     triangles: &'a [[u32; 3]],
-    /// Triangles of each edge.
+    /// Triangles that share each edge.
     edges: BTreeMap<[u32; 2], Vec<u32>>,
 }
 
@@ -78,7 +79,7 @@ impl<'a> Judge<'a> {
         Self { positions, triangles, edges }
     }
 
-    /// By double precision, in which the ray is where it is.
+    /// Computes the valid results in double precision, where the ray is not displaced.
     pub(super) fn verdict(&self, ray: &Ray) -> Verdict {
         let seen = Seen::new(ray);
         let all = (0..).zip(self.triangles);
@@ -89,7 +90,7 @@ impl<'a> Judge<'a> {
             if done.contains(&first) {
                 continue;
             }
-            // All that the ray may slip to from this triangle, from edge to edge.
+            // All triangles that the ray may hit instead of this one, reached across shared edges.
             let mut group = vec![first];
             let mut next = 0;
             while let Some(&one) = group.get(next) {
@@ -109,7 +110,7 @@ impl<'a> Judge<'a> {
         Verdict { met, at_most }
     }
 
-    /// `None` if the ray passes well outside of it.
+    /// Returns `None` if the ray passes well outside of the triangle.
     fn meet(&self, seen: &Seen, triangle: u32, corners: [u32; 3]) -> Option<Met> {
         let at = corners.map(|corner| self.positions[corner as usize]);
         let [a, b, c] = at.map(|corner| seen.across(corner));
@@ -127,7 +128,7 @@ impl<'a> Judge<'a> {
         }
         let z = at.map(|corner| seen.along(corner));
         let (least, most) = z.iter().fold((f64::INFINITY, -f64::INFINITY), |(l, m), z| (l.min(*z), m.max(*z)));
-        // The plane's distance where the ray is, and how fast it changes beside that.
+        // Distance of the triangle's plane along the ray, and its gradient across the ray.
         let (p, q) = (b - a, c - a);
         let area = p.perp_dot(q);
         let slope = DVec2::new(
@@ -164,19 +165,19 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The edges of a triangle: from the first corner to the second, and so on, the lower number first.
+/// The edges of a triangle in order, starting at the first corner; each with the lower vertex index first.
 fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]].map(|[x, y]| [x.min(y), x.max(y)])
 }
 
-/// From the origin to a segment.
+/// Distance of the origin to a segment.
 fn from_segment([from, to]: [DVec2; 2]) -> f64 {
     let along = to - from;
     let share = if along.length_squared() > 0.0 { -from.dot(along) / along.length_squared() } else { 0.0 };
     (from + along * share.clamp(0.0, 1.0)).length()
 }
 
-/// Points as a ray sees them.
+/// Points relative to a ray.
 struct Seen {
     origin: DVec3,
     direction: DVec3,
@@ -200,7 +201,7 @@ impl Seen {
         self.relative(point).length()
     }
 
-    /// Where it is from the ray, in the plane across the largest axis.
+    /// Position relative to the ray, projected onto the plane perpendicular to its largest axis.
     fn across(&self, point: [f32; 3]) -> DVec2 {
         let p = self.relative(point);
         let [x, y, z] = self.axes;
@@ -208,7 +209,7 @@ impl Seen {
         DVec2::new(p[x] - along * self.direction[x], p[y] - along * self.direction[y])
     }
 
-    /// How far along the ray.
+    /// Distance along the ray.
     fn along(&self, point: [f32; 3]) -> f64 {
         self.relative(point)[self.axes[2]] / self.direction[self.axes[2]]
     }
@@ -260,7 +261,7 @@ mod tests {
         }
     }
 
-    /// On the diagonal of the square either triangle may be hit, and nothing behind it.
+    /// On the square's diagonal either triangle may be hit, but nothing behind them.
     #[test]
     fn nothing_passes_between_two_triangles() {
         let mesh = square();
@@ -268,7 +269,7 @@ mod tests {
         let verdict = judge.verdict(&ray([0.4, 0.4, 0.0], [0.4, 0.4, 1.0]));
         assert!(verdict.allows(hit(1.0, 0)) && verdict.allows(hit(1.0, 1)));
         assert!(!verdict.allows(None) && !verdict.allows(hit(2.0, 2)) && !verdict.is_open());
-        // At the square's border the ray may go on to what is behind, but not to nowhere.
+        // At the square's border the ray may hit what is behind the square, but must not miss everything.
         let border = judge.verdict(&ray([0.4, 0.0, 0.0], [0.4, 0.0, 1.0]));
         assert!(border.allows(hit(1.0, 0)) && border.allows(hit(2.0, 2)));
         assert!(!border.allows(None) && !border.allows(hit(1.0, 1)));
@@ -281,14 +282,14 @@ mod tests {
         for (number, &vertex) in mesh.0.iter().enumerate() {
             let inside = judge.verdict(&ray([0.01, 0.02, 0.03], vertex));
             assert!(!inside.allows(None), "vertex {number} from inside");
-            // From a distance along x: the ring at x = 0 is the silhouette.
+            // Seen from far away along x, the ring at x = 0 is the silhouette.
             let origin = [-50.0, vertex[1], vertex[2]];
             let outside = judge.verdict(&ray(origin, vertex));
             assert_eq!(outside.allows(None), vertex[0].abs() < 1e-6, "vertex {number} from outside");
         }
     }
 
-    /// Ends of the ray near a triangle: it may be reached or not.
+    /// If the ray's end is near a triangle, both a hit and a miss are valid.
     #[test]
     fn the_end_of_a_ray_is_open() {
         let mesh = square();

@@ -1,4 +1,4 @@
-//! Hits on the device against those of photon-scene's caster.
+//! Hits on the device compared with those of photon-scene's ray caster.
 
 use photon_core::glam::Vec3;
 use photon_core::random::{philox4x32, unit_f32};
@@ -13,12 +13,12 @@ use crate::{RayPlan, Vulkan};
 
 type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
-/// Numbers in [0, 1), four at a time.
+/// Four random numbers in [0, 1).
 fn numbers(index: u32, block: u32) -> [f32; 4] {
     philox4x32([index, block, 0, 0], [5, 7]).map(unit_f32)
 }
 
-/// Brings triangles to the device, all of one material.
+/// Uploads triangles, all of one material.
 fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
     let primitives = vec![Primitive { normal: [0.0, 0.0, 1.0], material: 0 }; triangles.len()];
     let materials = [Material { albedo: [0.5; 3], ..Material::default() }];
@@ -36,19 +36,18 @@ fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
     VulkanScene::new(on, &view, &Requirements::everything(&Settings::default())).unwrap()
 }
 
-/// What the device finds: the nearest hits, and whether anything is hit. However rays are shared out,
-/// the answers are the same.
+/// Nearest hits and occlusion computed by the device; checks that all ray plans give the same results.
 fn cast(on: &mut Vulkan, scene: &VulkanScene, rays: &[Ray]) -> (Vec<Option<Hit>>, Vec<bool>) {
     let hits = on.cast_rays(scene, rays).unwrap();
     for (group, shared_groups, busy) in [(64, 4, 0), (32, 0, 5), (64, 32, 1000)] {
-        // Few, so that each has many rays; but lavapipe gives an invocation 65 535 turns of loops, and the
-        // first invocations would take all rays if they could.
+        // Few workgroups, so that each invocation traces many rays; but lavapipe limits an invocation to 65 535
+        // loop iterations in total, and the first invocations would take all rays if they could.
         let workgroups = 1 + rays.len() as u32 / 1000;
         let plan = RayPlan { group, shared_groups, busy, workgroups };
         let others = on.cast_rays_by(scene, rays, plan).unwrap();
         let mut apart = rays.iter().zip(&hits).zip(&others).enumerate().filter(|(_, ((_, a), b))| a != b);
         if let Some(one) = apart.next() {
-            panic!("{plan:?}: {} of {} rays apart, as {one:?}", apart.count() + 1, rays.len());
+            panic!("{plan:?}: {} of {} rays differ, for example {one:?}", apart.count() + 1, rays.len());
         }
     }
     (hits, on.cast_shadow_rays(scene, rays).unwrap())
@@ -66,7 +65,7 @@ fn soup(count: u32) -> Mesh {
     (positions, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
-/// A sphere of radius 0.4, closed, of `rings` rings of twice as many segments.
+/// A closed sphere of radius 0.4 with `rings` rings of twice as many segments.
 pub(crate) fn sphere(rings: u32) -> Mesh {
     let segments = 2 * rings;
     let mut positions = vec![[0.0, 0.0, 0.4]];
@@ -94,7 +93,7 @@ pub(crate) fn sphere(rings: u32) -> Mesh {
     (positions, triangles)
 }
 
-/// Some run along the axes, some aim at vertices, some have an end.
+/// Random rays; some run along axes, some aim at vertices, some have a finite `t_max`.
 fn rays_through((positions, _): &Mesh, count: u32) -> Vec<Ray> {
     (0..count)
         .map(|i| {
@@ -125,27 +124,28 @@ fn hits_agree_with_those_of_the_processor() {
         let (mut apart, mut open, mut count) = (0, 0, 0);
         for (number, ((ray, &hit), &shadow)) in rays.iter().zip(&hits).zip(&shadows).enumerate() {
             let expected = caster.nearest(ray);
-            assert_eq!(shadow, hit.is_some(), "{ray:?}: {hit:?}, and shadow {shadow}");
+            assert_eq!(shadow, hit.is_some(), "{ray:?}: {hit:?}, but occlusion {shadow}");
             count += u32::from(hit.is_some());
             apart += u32::from(hit.map(|hit| hit.primitive) != expected.map(|hit| hit.primitive));
-            // Every ray is judged, but where that takes too long those that the two do not agree about.
+            // Every ray is checked against the valid results; for large meshes, where that takes too long, only
+            // those on which device and CPU disagree.
             if mesh.1.len() > 1000 && agree(hit, expected) {
                 continue;
             }
             let verdict = judge.verdict(ray);
             for answer in [hit, expected] {
-                assert!(verdict.allows(answer), "{ray:?}: {hit:?}, on the processor {expected:?}; {verdict:?}");
+                assert!(verdict.allows(answer), "{ray:?}: {hit:?}, on the CPU {expected:?}; {verdict:?}");
             }
-            // Rounding decides nothing but about rays that are aimed at vertices, and a few by chance.
+            // Rounding matters only for rays aimed at vertices, and for a few others by chance.
             open += u32::from(verdict.is_open() && number % 5 != 1);
         }
-        println!("{} triangles: {count} hits, {apart} of another triangle or none, {open} open", mesh.1.len());
+        println!("{} triangles: {count} hits, {apart} differ in triangle or hit, {open} ambiguous", mesh.1.len());
         assert!(count > 10, "{} triangles: {count} hits", mesh.1.len());
-        assert!(open <= 20, "{} triangles: {open} rays by no vertex are open", mesh.1.len());
+        assert!(open <= 20, "{} triangles: {open} rays not aimed at a vertex are ambiguous", mesh.1.len());
     }
 }
 
-/// Whether two answers are the same but for rounding.
+/// Whether two results agree up to rounding.
 fn agree(found: Option<Hit>, expected: Option<Hit>) -> bool {
     match (found, expected) {
         (None, None) => true,
@@ -162,7 +162,7 @@ fn what_differs_is_noticed() {
     assert!(!agree(None, hit(0.5, 1)) && !agree(hit(0.5, 1), None));
 }
 
-/// No ray from inside a closed surface escapes, wherever it is aimed.
+/// No ray from inside a closed surface escapes, not even one aimed at an edge or a vertex.
 #[test]
 fn no_cracks_at_edges_and_vertices() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -183,7 +183,7 @@ fn no_cracks_at_edges_and_vertices() {
         .collect();
     let (hits, shadows) = cast(&mut on, &scene, &rays);
     let lost: Vec<_> = rays.iter().zip(&hits).filter(|(_, hit)| hit.is_none()).collect();
-    assert!(lost.is_empty(), "{} lost, as {:?}", lost.len(), lost[0]);
+    assert!(lost.is_empty(), "{} rays escaped, for example {:?}", lost.len(), lost[0]);
     assert!(shadows.iter().all(|&shadow| shadow));
 }
 
@@ -210,7 +210,7 @@ fn rays_along_the_axes_hit_faces_up_to_their_edges() {
 fn limits_twins_and_nonsense() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let ray = |origin, direction, t_max| Ray { origin, direction, t_max };
-    // No triangle at all; and as many as one likes in one place, of which the first wins.
+    // A scene without triangles; and many coincident triangles, of which the lowest index wins.
     let empty = prepare(&mut on, &(vec![], vec![]));
     assert_eq!(cast(&mut on, &empty, &[ray(Vec3::ZERO, Vec3::X, 1.0)]).0, [None]);
     let positions = vec![[-0.1, -0.1, 0.0], [0.1, -0.1, 0.0], [0.0, 0.1, 0.0]];

@@ -1,4 +1,4 @@
-//! How much of each estimate's disc lies on the surface.
+//! Fraction of each estimate's disc that lies on the surface.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{AreaProbe, EstimateBuffers, EstimateParams, Pass, Query, Result};
@@ -10,10 +10,10 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Rays of a query at most, rounded up.
+/// Maximum number of rays per query, rounded up.
 const RAYS: u64 = 64;
 
-/// Short rays about each query.
+/// Traces short rays around each query.
 #[derive(Debug)]
 pub(crate) struct VulkanArea;
 
@@ -53,7 +53,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
         let [flat, second] = [gather.is_flat(), error_moments.is_some()].map(u32::from);
         let constants = [scene.features().bits(), GROUP, gather.kernel.number(), flat, second];
         let kernel = on.kernel(&shaders::STAGES_AREA, &constants)?;
-        // How many there are need not be known here: as many as fit.
+        // The number of queries is not needed on the host: dispatch for the full capacity.
         let capacity = queries.capacity().min(estimates.capacity());
         let capacity = error_moments.as_ref().map_or(capacity, |error_moments| capacity.min(error_moments.capacity()));
         let chunk = (on.dispatch_limits.shadow_rays / RAYS).max(1).next_multiple_of(u64::from(GROUP));

@@ -11,7 +11,7 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Up to so many lights are weighed for each query.
+/// Up to this many lights, each query weights the lights individually.
 const MAX_LIGHTS: u32 = 16;
 
 /// Shadow rays to points on the lights.
@@ -56,7 +56,7 @@ impl DirectLight<Vulkan> for VulkanDirect {
         let weighed = if (2..=MAX_LIGHTS).contains(&lights) { lights } else { 0 };
         let kernel =
             on.kernel(&shaders::STAGES_DIRECT, &[scene.features().bits(), GROUP, weighed, scene.media().bits()])?;
-        // How many there are need not be known here yet: as many as fit.
+        // The number of queries is not needed on the host: dispatch for the full capacity.
         let capacity = queries.capacity();
         let rounds = shadow_rays.min(on.dispatch_limits.shadow_rays_of_query);
         let chunk = (on.dispatch_limits.shadow_rays / u64::from(rounds)).max(1).next_multiple_of(u64::from(GROUP));

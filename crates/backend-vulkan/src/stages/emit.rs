@@ -1,4 +1,4 @@
-//! Photons leave the lights.
+//! Photon emission from the lights.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Batch, Emitter, PhotonRay, ProjectionMap, Result};
@@ -11,7 +11,7 @@ use crate::vulkan::Vulkan;
 
 const GROUP: u32 = 128;
 
-/// Sends photons out in proportion to the power of the lights.
+/// Emits photons in proportion to the power of the lights.
 #[derive(Debug)]
 pub(crate) struct VulkanEmitter;
 
@@ -25,7 +25,7 @@ struct Push {
     first: u32,
     count: u32,
     pad: u32,
-    /// `ProjectionRef` of projection.glsl; 0 if photons are not aimed.
+    /// `ProjectionRef` of projection.glsl; 0 without a projection map.
     projection: u64,
 }
 
@@ -43,10 +43,10 @@ impl Emitter<Vulkan> for VulkanEmitter {
     }
 }
 
-/// Sends photons out where something specular could be met.
+/// Emits photons towards specular surfaces, by a projection map.
 #[derive(Debug)]
 pub(crate) struct VulkanAimedEmitter {
-    /// One `Record`, the way to the tables.
+    /// One `Record`, which holds the addresses of the tables.
     record: Memory,
     _tables: [Memory; 3],
 }
@@ -63,7 +63,7 @@ struct Record {
 }
 
 impl VulkanAimedEmitter {
-    /// Brings the tables to the device.
+    /// Uploads the tables of the projection map.
     ///
     /// # Errors
     /// [`photon_core::Error::OutOfMemory`].
@@ -103,7 +103,7 @@ impl Emitter<Vulkan> for VulkanAimedEmitter {
     }
 }
 
-/// Sends out the paths of a batch, aimed if there is an address of what to aim at.
+/// Emits the paths of a batch, by the projection map at address `projection` unless that is 0.
 fn emit(
     on: &mut Vulkan,
     scene: &VulkanScene,

@@ -1,4 +1,4 @@
-//! Camera paths, to the first diffuse surface.
+//! Camera paths, traced to the first diffuse surface.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Camera, EyeTracer, Features, Layer, Pass, QUERIES_PER_PIXEL, Query, Result, View};
@@ -13,15 +13,15 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Splits of a path where there is glass.
+/// Maximum number of splits of a camera path in scenes with glass.
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 
-/// Follows camera paths through mirrors and glass.
+/// Traces camera paths through mirrors and glass.
 ///
-/// Each pixel has as many places as it can have queries, and fills some of them; a prefix sum then
-/// says where they go, so that queries stand in order of pixels whatever ran when. The places are
-/// those of the buffer of queries itself, if it has as many: a stretch of them at a time closes ranks
-/// elsewhere and comes back, never beyond where it came from.
+/// Each pixel has slots for the maximum number of queries and fills some of them; a prefix sum then computes
+/// the compacted positions, so that queries are in pixel order regardless of the order of execution. The slots
+/// are in the query buffer itself if it is large enough: a chunk of slots at a time is compacted into scratch
+/// memory and copied back, never beyond where it came from.
 #[derive(Debug)]
 pub(crate) struct VulkanEye {
     max_bounces: u32,
@@ -30,12 +30,12 @@ pub(crate) struct VulkanEye {
     scratch: Option<EyeScratch>,
 }
 
-/// Scratch for pictures of one size.
+/// Scratch buffers for one image size.
 #[derive(Debug)]
 struct EyeScratch {
     counts: Memory,
     offsets: Memory,
-    /// A stretch of queries or, if they have no places of their own, all of them.
+    /// One chunk of queries or, if the query buffer is too small for all slots, all of them.
     queries: Memory,
 }
 
@@ -93,7 +93,7 @@ struct SettlePush {
 pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offsets total start end pixels padding);
 
 impl VulkanEye {
-    /// For paths of so many surfaces at most.
+    /// Constructs a tracer for paths of at most `max_bounces` surfaces.
     pub(crate) fn new(on: &mut Vulkan, max_bounces: u32) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
         Ok(Self { max_bounces, scan: Scan::new(on)?, camera, scratch: None })
@@ -128,7 +128,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
         let lit = features.contains(Features::AREA_LIGHTS);
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
-        // Tiles of 32 pixels, as square as may be.
+        // Tiles of 32 pixels, as square as possible.
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
         let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows, scene.media().bits()];
         let look = on.kernel(&shaders::STAGES_EYE, &constants)?;
@@ -161,7 +161,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
     }
 }
 
-/// Brings queries from their pixels' places to where `scratch.offsets` says.
+/// Compacts queries from the slots of their pixels to the positions in `scratch.offsets`.
 fn close_ranks(
     on: &mut Vulkan,
     scratch: &EyeScratch,

@@ -14,8 +14,8 @@ use crate::vulkan::Vulkan;
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
 
-/// Rays from the queries to where the maps are read. Where they land they are queries like any
-/// other, which the estimator answers.
+/// Traces gather rays from the queries to the surfaces where the maps are read. The hits of the rays are
+/// queries of their own, evaluated by the estimator.
 pub(crate) struct VulkanGather {
     max_bounces: u32,
     estimator: Box<dyn RadianceEstimator<Vulkan>>,
@@ -23,7 +23,7 @@ pub(crate) struct VulkanGather {
     errors: Option<ErrorBuffers>,
 }
 
-/// What tells errors: of each landing, and of all landings of each query.
+/// Error moments of each gather ray's hit, and their sums for each query.
 struct ErrorBuffers {
     error_moments: VulkanBuffer<ErrorMoments>,
     queries: VulkanBuffer<ErrorMoments>,
@@ -73,14 +73,14 @@ pushed!(
 );
 
 impl VulkanGather {
-    /// For paths of so many surfaces at most; `estimator` reads the maps.
+    /// Constructs a gatherer for paths of at most `max_bounces` surfaces; `estimator` reads the maps.
     pub(crate) fn new(max_bounces: u32, estimator: Box<dyn RadianceEstimator<Vulkan>>) -> Self {
         Self { max_bounces, estimator, landed: None, errors: None }
     }
 }
 
 impl VulkanGather {
-    /// Where errors are told, cleared for a pass, if the film keeps them.
+    /// Buffers for error moments, cleared for a pass; `None` if the film does not store errors.
     fn error_buffers(
         &mut self,
         on: &mut Vulkan,
@@ -134,7 +134,7 @@ impl FinalGather<Vulkan> for VulkanGather {
         let mut errors = self.error_buffers(on, film, room, queries.capacity())?;
         let (moments, found) = (u32::from(errors.is_some()), u32::from(maps.irradiance.is_some()));
         let add = on.kernel(&shaders::STAGES_FINAL_GATHER_SUM, &[0, GROUP, moments, found])?;
-        // What is known of irradiance is no sum over paths.
+        // Precomputed irradiance is not a sum over photon paths.
         let asked: Vec<_> = match maps.irradiance {
             Some(irradiance) => vec![(irradiance, 1)],
             None => {
@@ -142,7 +142,7 @@ impl FinalGather<Vulkan> for VulkanGather {
                 each.filter_map(|(kind, map)| map.map(|map| (map, maps.paths[kind]))).collect()
             }
         };
-        // Whole queries at a time, unless one alone has too many rays.
+        // Process whole queries at a time, unless a single query has too many rays.
         let per_query = rays.min(dispatch_limits.gather_rays_of_query);
         let per_chunk = u64::from(dispatch_limits.gather_rays / per_query);
         for start_query in (0..length).step_by(per_chunk as usize) {

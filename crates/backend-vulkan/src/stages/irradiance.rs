@@ -1,4 +1,4 @@
-//! Irradiance at the places of photons.
+//! Precomputed irradiance at photon positions.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Estimate, IrradiancePoints, Photon, PhotonFormat, Query, Result};
@@ -11,7 +11,7 @@ use crate::vulkan::Vulkan;
 /// Invocations per workgroup; the work is bound by memory.
 const GROUP: u32 = 128;
 
-/// Every so-manieth photon.
+/// Precomputes irradiance at every n-th photon.
 #[derive(Debug)]
 pub(crate) struct VulkanIrradiance;
 

@@ -1,24 +1,24 @@
-//! How paths ended, summed on the device.
+//! Path statistics by fate, summed on the device.
 
 use photon_core::{FluxSum, MapKind, PerMap, Tally};
 
-/// Ways in which paths end, and in which aimed ones do.
+/// Number of fates of ordinary paths; aimed paths have one more.
 pub(crate) const FATES: usize = 4;
 pub(crate) const AIMED_FATES: usize = 5;
 
-/// Counters that the device sums into: one for each fate, for surfaces met, for each map, and for paths in too many
-/// solids.
+/// Counters summed on the device: one for each fate, one for surfaces hit, one for each map, and one for paths
+/// nested in too many solids.
 const fn counters(fates: usize) -> usize {
     fates + 2 + MapKind::COUNT
 }
 
-/// Words that the device sums into: two for each counter; for each fate, and for what was emitted, a flux of
-/// three channels of three.
+/// Words summed on the device: two for each counter; then fluxes of three channels of three words each, one for
+/// each fate and one for the emitted flux.
 pub(crate) const fn words(fates: usize) -> usize {
     2 * counters(fates) + 9 * (fates + 1)
 }
 
-/// A tally of `emitted` paths from those words.
+/// Converts these words into the tally of `emitted` paths.
 pub(crate) fn tally(words: &[u32], fates: usize, emitted: u64) -> Tally {
     let counter = |i: usize| u64::from(words[2 * i]) | u64::from(words[2 * i + 1]) << 32;
     let flux = |i: usize| {
@@ -57,7 +57,7 @@ mod tests {
         let mut words = [0; words(FATES)];
         words[0] = 5;
         words[1] = 1;
-        // Minus one, in the first channel of the flux emitted.
+        // Minus one, in the first channel of the emitted flux.
         let flux = 2 * counters(FATES);
         words[flux..flux + 3].fill(u32::MAX);
         let tally = tally(&words, FATES, 9);

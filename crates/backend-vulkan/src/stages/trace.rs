@@ -1,10 +1,10 @@
-//! Photons are followed through the scene, and stored in order.
+//! Photon tracing: paths are followed through the scene, and photons stored in path order.
 //!
-//! A stretch of paths at a time, in rounds of so many surfaces: invocations store what they have to
-//! wherever there is room, and count for every path; prefix sums of the counts then say where each
-//! photon goes. Rounds bound how long a dispatch runs. Some drivers end loops silently that are too
-//! long: lavapipe (of Mesa 22) after 65 535 turns in all, which is what
-//! [`TracePlan::surfaces`] and [`TracePlan::quota`] mind.
+//! Paths are traced in chunks, each in rounds of a limited number of surfaces: invocations append photons to a
+//! shared buffer in any order and count them per path; prefix sums of the counts then give the final position
+//! of each photon. Rounds bound how long a dispatch runs. Some drivers silently end long loops: lavapipe (of
+//! Mesa 22) after 65 535 iterations in total, which is why [`TracePlan::surfaces`] and [`TracePlan::quota`] are
+//! bounded.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{
@@ -20,33 +20,34 @@ use crate::scene::VulkanScene;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Rounds between two looks at whether anything is still under way.
+/// Rounds between two checks whether any path is still active.
 const LOOK: u32 = 4;
-/// Invocations per workgroup of all kernels but the tracing one.
+/// Invocations per workgroup of all kernels except the tracing kernel.
 const GROUP: u32 = 128;
-/// Most paths of a stretch: what a GPU needs to be busy; it bounds how long one dispatch runs. If they
-/// store more photons than there are places, it is traced again, shorter; but not shorter than this.
+/// Maximum number of paths in a chunk: enough to keep a GPU busy; it bounds the duration of a dispatch. If a
+/// chunk stores more photons than fit in the scratch buffer, it is traced again with fewer paths; but not with
+/// fewer than `SHORTEST`.
 const LONGEST: u64 = 1 << 22;
 const SHORTEST: u64 = 1 << 13;
 
-/// Follows photons.
+/// Traces photons.
 #[derive(Debug)]
 pub(crate) struct VulkanTracer {
     scheduling: Scheduling,
     max_bounces: u32,
     required: Requirements,
-    /// Ways in which paths end: those of aimed ones, or of others.
+    /// Number of fates, of aimed paths or of others.
     fates: usize,
     scan: Scan,
-    /// Most paths of a stretch, as seen so far.
+    /// Current maximum number of paths in a chunk, adapted to the photons stored so far.
     longest: u64,
     scratch: Option<TraceScratch>,
-    /// Words of the tally, and how many paths they are about.
+    /// Words of the tally, and the number of paths they cover.
     sums: Memory,
     emitted: u64,
 }
 
-/// Memory for one stretch.
+/// Scratch buffers for one chunk.
 #[derive(Debug)]
 struct TraceScratch {
     paths: u64,
@@ -56,14 +57,14 @@ struct TraceScratch {
     stored: Memory,
     endings: Memory,
     states: Memory,
-    /// Numbers of paths under way, twice.
+    /// Indices of active paths, double-buffered.
     waiting: Memory,
-    /// Next free place; a word of photons for each map; then two words for each of two rounds.
+    /// Next free photon slot; a word for each map's number of photons; then two words for each of two rounds.
     cursors: Memory,
     chunk: Memory,
 }
 
-/// Bytes within `TraceScratch::cursors`.
+/// Byte offsets within `TraceScratch::cursors`.
 const PLACE: u64 = 0;
 const TOTALS: u64 = 4;
 const ROUNDS: u64 = (TOTALS + 4 * MAPS as u64).next_multiple_of(8);
@@ -74,7 +75,7 @@ const MAPS: usize = MapKind::COUNT;
 /// Bytes of `State` of trace.comp.
 const STATE: u64 = (4 * (13 + MAPS as u64)).next_multiple_of(16);
 
-/// The buffer of each map that is called for.
+/// The buffer of each map that is required.
 type Targets<'a> = PerMap<Option<&'a VulkanBuffer<Photon>>>;
 
 /// `Chunk` of trace.comp.
@@ -159,7 +160,7 @@ impl VulkanTracer {
         Self::with_fates(on, settings, required, FATES)
     }
 
-    /// For aimed paths, which end at the first diffuse surface.
+    /// Constructs a tracer for aimed paths, which end at the first diffuse surface.
     pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
         Self::with_fates(on, settings, required, AIMED_FATES)
     }
@@ -181,7 +182,7 @@ impl VulkanTracer {
         })
     }
 
-    /// Memory for stretches of `paths` paths and `places` photons.
+    /// Allocates scratch buffers for chunks of `paths` paths and `places` photons.
     fn scratch(&mut self, on: &mut Vulkan, paths: u64, places: u64) -> Result<()> {
         if self.scratch.as_ref().is_some_and(|scratch| scratch.paths >= paths && scratch.places >= places) {
             return Ok(());
@@ -249,7 +250,8 @@ impl Tracer<Vulkan> for VulkanTracer {
 }
 
 impl VulkanTracer {
-    /// False if there were too few places: nothing has come of it, and the next one is to be shorter.
+    /// Returns false if the photons did not fit in the scratch buffer: the chunk is discarded and must be
+    /// repeated with fewer paths.
     #[expect(clippy::too_many_arguments, reason = "a part of `trace`, with what it was called with")]
     fn chunk(
         &mut self,
@@ -297,7 +299,7 @@ impl VulkanTracer {
             if self.most(&targets, count) <= scratch.places {
                 break;
             }
-            // Only here can photons be missing, and only then is it asked.
+            // Photons can be missing only here, so only here is their number read back.
             let mut stored = [0_u32];
             on.read(&scratch.cursors, PLACE, bytemuck::bytes_of_mut(&mut stored))?;
             let stored = u64::from(stored[0]);
@@ -314,16 +316,16 @@ impl VulkanTracer {
         Ok(true)
     }
 
-    /// Photons of `count` paths that need a place: if there are more than all maps hold, one of them
-    /// has overflowed, and it does not matter which ones it holds.
+    /// Upper bound on the photons of `count` paths that must be stored. Photons beyond the capacity of all maps
+    /// together are not needed: then one map has overflowed, and its content does not matter.
     fn most(&self, targets: &Targets<'_>, count: u64) -> u64 {
         let held = targets.values().flatten().map(|target| target.capacity()).sum::<u64>();
-        // An aimed path ends where it leaves one.
+        // An aimed path stores at most one photon, at its end.
         let each = if self.fates == AIMED_FATES { 1 } else { u64::from(self.max_bounces) };
         held.min(count * each)
     }
 
-    /// Follows the paths of a stretch to their ends, so many surfaces at a time.
+    /// Traces the paths of a chunk to their ends, a limited number of surfaces per round.
     fn rounds(
         &self,
         on: &mut Vulkan,
@@ -334,16 +336,17 @@ impl VulkanTracer {
     ) -> Result<()> {
         let plan = on.trace_plan;
         let group = u64::from(plan.group);
-        // As many as fit the device, but enough for every path.
+        // As many invocations as fit the device, but enough for all paths.
         let threads = plan.threads.max(count.div_ceil(plan.quota)).min(count).next_multiple_of(group);
-        // A counter leaves it open who takes how many; twice the quota is never short.
+        // With dynamic scheduling, how many paths an invocation takes is not fixed; twice the quota is always
+        // enough.
         let quota = count.div_ceil(threads) as u32 * if self.scheduling == Scheduling::Dynamic { 2 } else { 1 };
         let round = |number: u32| scratch.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
         let list = |number: u32| scratch.waiting.address() + u64::from(number % 2) * scratch.paths * 4;
         let rounds = self.max_bounces.div_ceil(plan.surfaces);
         for number in 0..rounds {
             if number > 0 {
-                // What the next round will count is what the last one counted.
+                // The counters that the next round will use are those of the previous one.
                 on.fill(&scratch.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
             }
             let push = TracePush {
@@ -377,7 +380,7 @@ impl VulkanTracer {
         Ok(())
     }
 
-    /// Sums how paths ended, and brings what they stored to where it belongs.
+    /// Sums the path statistics and copies the stored photons to their final positions.
     fn arrange(
         &mut self,
         on: &mut Vulkan,

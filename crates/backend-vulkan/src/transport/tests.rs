@@ -1,4 +1,4 @@
-//! What a scene lacks is in no kernel, and what a render had is not in memory after it.
+//! Kernels are specialized to the features of the scene, and a render's memory is released after it.
 
 use photon_core::{
     Backend, Bandwidth, Batch, Deposits, Direct, EstimateParams, Features, FilmBackend, Indirect, MapKind, Maps, Pass,
@@ -9,7 +9,7 @@ use photon_scene::{Scene, builtin};
 
 use crate::Vulkan;
 
-/// Kernels that are built for the features of a scene, all stages having run once, and their first
+/// Runs all stages once and returns the kernels that are specialized to scene features, with their first
 /// constants.
 fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec<(&'static str, Features)> {
     let mut on = Vulkan::for_tests().unwrap();
@@ -40,7 +40,7 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
             assert_eq!(Features::from_bits(first).bits(), first, "{name}");
             found.push((name, Features::from_bits(first)));
         } else {
-            assert_eq!(first, 0, "{name} knows the scene's features");
+            assert_eq!(first, 0, "{name} is specialized to the scene's features");
         }
     }
     assert_eq!(found.len(), names.len(), "{found:?}");
@@ -63,7 +63,7 @@ fn kernels_are_built_for_what_the_scene_requires() {
         }
         seen.push(required.features);
     }
-    // The scenes differ, so that the same kernels for all of them would have been noticed.
+    // The scenes differ, so that identical kernels for all of them would be detected.
     assert!(!seen[0].intersects(Features::SPECULAR) && seen[0] != seen[1] && seen[1] != seen[2]);
     let scene = builtin("cornell").unwrap().build().unwrap();
     let everything = Requirements::everything(&settings);
@@ -72,7 +72,7 @@ fn kernels_are_built_for_what_the_scene_requires() {
     }
 }
 
-/// Whatever a pipeline held for longer than a pass: places of irradiance, radii of pixels.
+/// Buffers that a pipeline holds for longer than a pass: irradiance points, radii of pixels.
 #[test]
 fn a_backend_that_is_given_back_holds_no_buffer_of_the_render() {
     let scene = builtin("cornell").unwrap().build().unwrap();

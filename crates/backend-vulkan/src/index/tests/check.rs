@@ -1,4 +1,4 @@
-//! What a map must be, given what it was built from.
+//! Checks a map against the photons it was built from.
 
 use photon_core::Photon;
 
@@ -6,7 +6,7 @@ use super::super::WIDTH;
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
 
-/// A map, on the host.
+/// A map, downloaded to the host.
 #[derive(Clone, Debug)]
 pub(super) struct Seen {
     pub(super) ids: Vec<u32>,
@@ -36,12 +36,12 @@ impl Seen {
     }
 }
 
-/// The bits of a coordinate, −0 as 0.
+/// The bits of a coordinate, with −0 as 0.
 fn bits(c: f32) -> u32 {
     if c == 0.0 { 0 } else { c.to_bits() }
 }
 
-/// Holds a map against the photons and the order in which they ought to be.
+/// Checks a map against the photons and their expected order.
 pub(super) fn check(seen: &Seen, photons: &[Photon], order: &[u32]) -> Result<(), String> {
     if let Some(slot) = (0..order.len()).find(|&slot| seen.ids[slot] != order[slot]) {
         return Err(format!("photon {} instead of {} in slot {slot}", seen.ids[slot], order[slot]));
@@ -51,7 +51,7 @@ pub(super) fn check(seen: &Seen, photons: &[Photon], order: &[u32]) -> Result<()
         let [x, y, z] = photon.position.map(bits);
         let [r, g, b] = photon.power.map(f32::to_bits);
         if seen.positions[slot] != [x, y, z, photon.normal] || seen.power[slot] != [r, g, b, photon.direction] {
-            return Err(format!("slot {slot} is not that of photon {id}"));
+            return Err(format!("slot {slot} does not hold photon {id}"));
         }
     }
     if order.is_empty() {
@@ -65,7 +65,7 @@ pub(super) fn check(seen: &Seen, photons: &[Photon], order: &[u32]) -> Result<()
     Ok(())
 }
 
-/// The box and the number of points below a node; its leaves begin at slot `covered`.
+/// The box and the number of points of a subtree; its leaves begin at slot `covered`.
 fn node(seen: &Seen, number: usize, covered: &mut usize, depth: u32) -> Result<([f32; 3], [f32; 3], u32), String> {
     let fault = |what: &str| Err(format!("node {number}: {what}: {:?}", seen.nodes[number]));
     if depth > 64 {
@@ -95,7 +95,7 @@ fn node(seen: &Seen, number: usize, covered: &mut usize, depth: u32) -> Result<(
         total = count as u32;
     } else {
         if first as usize <= number || first as usize + count > seen.nodes.len() {
-            return fault("place of children");
+            return fault("index of children");
         }
         for child in 0..count {
             let (l, h, t) = node(seen, first as usize + child, covered, depth + 1)?;
@@ -105,7 +105,7 @@ fn node(seen: &Seen, number: usize, covered: &mut usize, depth: u32) -> Result<(
     }
     let tight = [lx, ly, lz] == low.map(bits) && [hx, hy, hz] == high.map(bits);
     if !tight || seen.totals[number] != total {
-        return fault("box or total");
+        return fault("box or photon count");
     }
     Ok((low, high, total))
 }

@@ -1,4 +1,4 @@
-//! Maps from the device, against those of the CPU.
+//! Maps built on the device, compared with those of the CPU.
 
 mod check;
 mod oversized_runs;
@@ -12,7 +12,7 @@ use sets::point_sets;
 use super::VulkanBuilder;
 use crate::vulkan::Vulkan;
 
-/// Photons at `points`, each different in everything.
+/// Photons at `points`, with different values in every field.
 fn photons(points: &[[f32; 3]]) -> Vec<Photon> {
     let photon = |(i, &position): (usize, &[f32; 3])| {
         let i = i as u32;
@@ -36,7 +36,7 @@ fn like_the_cpu(kind: IndexKind) {
         if let Err(why) = check(&seen, &photons, index.order()) {
             failed.push(format!("{kind:?}, {name}: {why}"));
         }
-        // Given back, it is empty.
+        // A reclaimed buffer is empty.
         let back = builder.reclaim(map);
         let mut photons = photons;
         on.download(&back, &mut photons).unwrap();
@@ -83,7 +83,7 @@ fn photons_that_are_not_finite_are_named() {
                 let Err(Error::InvalidInput { index, why, .. }) = map.check(&mut on) else { panic!("{kind:?} {at}") };
                 assert_eq!(index, at as u64);
                 assert!(why.contains(if of_power { "power" } else { "position" }), "{why}");
-                // The next map knows nothing of it.
+                // The next map is not affected.
                 let _ = builder.reclaim(map);
                 let buffer = on.upload("photons", &good).unwrap();
                 let map = builder.build(&mut on, buffer).unwrap();

@@ -1,4 +1,4 @@
-//! Sets in which very many photons share a Morton code, a place, or a plane's side.
+//! Sets in which very many photons share a Morton code, a position, or one side of a splitting plane.
 
 use backend_cpu::index::PointIndex;
 use photon_core::random::SplitMix64;
@@ -10,7 +10,7 @@ use super::check::{Seen, check};
 use super::{KINDS, photons};
 use crate::vulkan::Vulkan;
 
-/// What differs from the CPU's map of the points, if anything.
+/// Describes the difference from the CPU's map of the points, if any.
 fn compare(on: &mut Vulkan, kind: IndexKind, points: &[[f32; 3]]) -> Result<(), String> {
     let photons = photons(points);
     let mut builder = VulkanBuilder::new(on, kind).unwrap();
@@ -20,7 +20,7 @@ fn compare(on: &mut Vulkan, kind: IndexKind, points: &[[f32; 3]]) -> Result<(), 
     check(&seen, &photons, PointIndex::build(points, kind).unwrap().order())
 }
 
-/// One code for all, and no plane that would part them: as quick as any other million.
+/// One code for all photons, and no plane that separates them: as fast as any other million.
 #[test]
 fn a_million_photons_in_one_place() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -28,13 +28,13 @@ fn a_million_photons_in_one_place() {
     for kind in KINDS {
         compare(&mut on, kind, &points).unwrap_or_else(|why| panic!("{kind:?}: {why}"));
     }
-    // One elsewhere, and the box is no longer a point.
+    // With one point elsewhere, the bounding box is no longer a point.
     points[123_456] = [0.5, 0.25, 1.0];
     compare(&mut on, IndexKind::Morton, &points).unwrap();
 }
 
-/// Giants within giants: one photon is so far away that all others share a cell of the grid; two thirds
-/// of these share one of the next, and half of those one place.
+/// Nested oversized runs: one photon is so far away that all others share a cell of the grid; two thirds of
+/// these share a cell of the next grid, and half of those one position.
 #[test]
 fn cells_that_hold_too_many_for_a_workgroup() {
     let Some(mut on) = Vulkan::for_tests() else { return };

@@ -1,4 +1,4 @@
-//! Point sets that break builders.
+//! Degenerate point sets for builders.
 
 use photon_core::random::SplitMix64;
 

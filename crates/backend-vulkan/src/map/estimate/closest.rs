@@ -1,4 +1,4 @@
-//! What the nearest photon of each query says.
+//! Estimates from the nearest photon of each query.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Estimate, EstimateParams, Query, Result};
@@ -10,7 +10,7 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 64;
-/// Queries of a dispatch at most.
+/// Maximum number of queries per dispatch.
 const PORTION: u64 = 1 << 20;
 
 /// The push constants of `search/nearest_photon.comp`.
@@ -40,7 +40,7 @@ pushed!(
     padding
 );
 
-/// Asks at all queries; `order` is the one to take them in, or 0.
+/// Evaluates all queries; `order` is the address of the order to process them in, or 0.
 pub(super) fn ask(
     on: &mut Vulkan,
     map: &VulkanMap,
@@ -61,7 +61,7 @@ pub(super) fn ask(
         results: estimates.data_address(),
         result_count: estimates.count_address(),
         order,
-        // An empty map has nothing that could be asked.
+        // An empty map must not be traversed.
         points: if map.node_count == 0 { 0 } else { map.length },
         first: 0,
         capacity: estimates.capacity().min(u64::from(u32::MAX)) as u32,
@@ -69,7 +69,7 @@ pub(super) fn ask(
         min_cosine: gather.min_normal_cosine,
         padding: 0,
     };
-    // Without any query there is still a count to be written.
+    // Even without queries, a count must be written.
     let capacity = queries.capacity().max(1);
     on.unordered(|on| {
         (0..capacity).step_by(PORTION as usize).try_for_each(|first| {

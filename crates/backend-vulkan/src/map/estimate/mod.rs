@@ -1,8 +1,7 @@
-//! Irradiance from the photons near a point, on the device. Twin of backend-cpu's estimate.rs.
+//! Irradiance estimates from the photons near a point, on the device. Twin of backend-cpu's estimate.rs.
 //!
-//! A subgroup answers as many queries at a time as it has invocations, and walks the tree once for all
-//! of them: `shaders-glsl/search/search_walk.glsl`. Queries that lie near each other share what they
-//! read.
+//! A subgroup processes as many queries at a time as it has invocations, and traverses the tree once for all of
+//! them: `shaders-glsl/search/search_walk.glsl`. Queries that are close to each other share memory reads.
 
 mod closest;
 mod neighbours;
@@ -22,15 +21,15 @@ use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
 use search::{MapSearch, Mode, Question};
 
-/// Asks photon maps.
+/// Estimates radiance from photon maps.
 #[derive(Debug, Default)]
 pub(crate) struct VulkanEstimator {
     search: MapSearch,
 }
 
 impl Vulkan {
-    /// An estimator that takes queries in the order in which they stand, however many there are: what
-    /// sorting them gains is measured against it.
+    /// An estimator that never sorts queries, however many there are: the baseline for measuring the gain of
+    /// sorting.
     #[doc(hidden)]
     #[must_use]
     pub fn estimator_without_sorting() -> Box<dyn RadianceEstimator<Self>> {
@@ -113,7 +112,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         search::sample(on, map, &queries, count, neighbour_radius::MAX_RADIUS)?;
         on.set_length(&mut queries, u64::from(count))?;
         let mut estimates = VulkanBuffer::<Estimate>::new(on, "estimates", u64::from(count))?;
-        // The photon itself is the nearest.
+        // The nearest photon is the query's own.
         let k = neighbours + 1;
         let gather = EstimateParams { min_normal_cosine, ..EstimateParams::new(Search::KNearest { k }) };
         self.estimate(on, map, &queries, &gather, &mut estimates)?;
@@ -128,7 +127,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
     }
 }
 
-/// All within the radius.
+/// A search for all photons within the radius.
 fn radius_question(gather: &EstimateParams) -> Question {
     Question {
         mode: Mode::Radius,
@@ -145,7 +144,7 @@ fn radius_question(gather: &EstimateParams) -> Question {
     }
 }
 
-/// A number that a caller passes and that is compared with distances.
+/// Checks a radius supplied by a caller.
 fn check_radius(name: &'static str, radius: f32) -> Result<()> {
     if radius >= 0.0 {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Searches for those who have photon maps and nothing else of the pipeline.
+//! Neighbour searches, usable without the rest of the pipeline.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Kernel, Query, Result};
@@ -10,13 +10,13 @@ use crate::map::VulkanMap;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Bytes of rows that are sorted at a time.
+/// Size in bytes of the rows sorted at a time.
 const ROWS: u64 = 256 << 20;
 
-/// Keys that are sorted in shared memory at most: 16 KiB.
+/// Maximum number of keys sorted in shared memory: 16 KiB.
 const ROOM: u32 = 2048;
 
-/// And at least: short rows share a workgroup.
+/// Minimum number of keys in shared memory: short rows share a workgroup.
 const MIN_ROOM: u32 = 512;
 
 /// The push constants of `search/order.comp`.
@@ -35,16 +35,17 @@ struct OrderPush {
 pushed!(order_push_layout: OrderPush => SEARCH_ORDER, rows ids order first count k room);
 
 impl Vulkan {
-    /// The `k` nearest photons of every query within `max_radius`, which may be infinite, whatever their
-    /// normals: row by row their numbers in the order in which they were stored, nearest first, ties by
-    /// lower number, then `u32::MAX` where there are fewer. Only positions of the queries are looked at.
+    /// Finds the `k` nearest photons of every query within `max_radius`, which may be infinite, regardless of
+    /// normals. Returns one row per query: photon indices in the order in which the photons were stored,
+    /// nearest first, ties by lower index, padded with `u32::MAX` if there are fewer. Only the positions of the
+    /// queries are used.
     ///
-    /// Distances are compared as `(dx·dx + dy·dy) + dz·dz` and `max_radius·max_radius` in `f32`: rows are
-    /// those of `backend_cpu::index::PointIndex::nearest_many`.
+    /// Distances are compared as `(dx·dx + dy·dy) + dz·dz` and `max_radius·max_radius` in `f32`: rows are equal
+    /// to those of `backend_cpu::index::PointIndex::nearest_many`.
     ///
     /// # Errors
-    /// [`photon_core::Error::InvalidSetting`] for a radius below 0 or NaN,
-    /// [`photon_core::Error::OutOfMemory`], what [`photon_core::Backend::fill`] raises.
+    /// [`photon_core::Error::InvalidSetting`] for a radius below 0 or NaN, [`photon_core::Error::OutOfMemory`],
+    /// errors of [`photon_core::Backend::fill`].
     pub fn nearest(
         &mut self,
         map: &VulkanMap,
@@ -55,7 +56,7 @@ impl Vulkan {
         self.nearest_sorted(map, queries, k, max_radius, MapSearch::default())
     }
 
-    /// The same by a search of the caller's.
+    /// The same with a given search.
     pub(super) fn nearest_sorted(
         &mut self,
         map: &VulkanMap,
@@ -68,7 +69,7 @@ impl Vulkan {
         let count = self.fill_of(queries)?;
         let mut ids = VulkanBuffer::<u32>::new(self, "neighbours", count.saturating_mul(u64::from(k)))?;
         if count > 0 && k > 0 {
-            // The number of a key within a portion is a word.
+            // The index of a key within a portion is a 32-bit word.
             let portion = (ROWS / (8 * u64::from(k))).clamp(1, count);
             let rows = self.memory("rows", portion * u64::from(k) * 8)?;
             let room = k.checked_next_power_of_two().unwrap_or(1 << 31).max(32);
@@ -99,7 +100,7 @@ impl Vulkan {
         Ok(ids)
     }
 
-    /// How many photons lie within `radius` of each query, rim included, whatever their normals.
+    /// Counts the photons within `radius` of each query, boundary included, regardless of normals.
     ///
     /// # Errors
     /// As [`Vulkan::nearest`].
@@ -112,7 +113,7 @@ impl Vulkan {
         self.count_paused(map, queries, radius, MapSearch::default())
     }
 
-    /// The same by a search of the caller's.
+    /// The same with a given search.
     pub(super) fn count_paused(
         &mut self,
         map: &VulkanMap,
@@ -131,7 +132,7 @@ impl Vulkan {
         Ok(counts)
     }
 
-    /// Queries at points, for [`Vulkan::nearest`] and [`Vulkan::count_within`].
+    /// Uploads queries at the given points, for [`Vulkan::nearest`] and [`Vulkan::count_within`].
     ///
     /// # Errors
     /// [`photon_core::Error::OutOfMemory`].

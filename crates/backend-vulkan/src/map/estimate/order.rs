@@ -1,4 +1,5 @@
-//! The order in which queries are taken: neighbours together, as tiles of them share what they read.
+//! The order in which queries are processed: neighbours together, since the queries of a tile share memory
+//! reads.
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Query, Result};
@@ -24,7 +25,7 @@ struct CodesPush {
 
 pushed!(codes_push_layout: CodesPush => SEARCH_CODES, nodes queries query_count codes count reserved);
 
-/// Puts queries into Morton order, without moving them.
+/// Computes the Morton order of queries, without moving them.
 #[derive(Debug)]
 pub(super) struct Order {
     sort: Sort,
@@ -35,7 +36,7 @@ pub(super) struct Order {
 
 impl Order {
     /// # Errors
-    /// What the device raises.
+    /// Errors of the device.
     pub(super) fn new(on: &mut Vulkan) -> Result<Self> {
         Ok(Self {
             sort: Sort::new(on)?,
@@ -45,11 +46,11 @@ impl Order {
         })
     }
 
-    /// The address of the queries' numbers, neighbours in `map` together; as many as `queries` has room
-    /// for, of which those that it does not hold come last.
+    /// Address of the query indices, sorted so that neighbours in `map` are together. There are as many as the
+    /// capacity of `queries`; indices of unused elements come last.
     ///
     /// # Errors
-    /// What the device raises.
+    /// Errors of the device.
     pub(super) fn of(&mut self, on: &mut Vulkan, map: &VulkanMap, queries: &VulkanBuffer<Query>) -> Result<u64> {
         let count = queries.capacity();
         if count > self.room {

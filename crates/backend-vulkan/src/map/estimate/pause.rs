@@ -1,25 +1,25 @@
-//! Searches in several dispatches, on devices that end long loops: `search_pause.glsl`.
+//! Searches split into several dispatches, on devices that end long loops: `search_pause.glsl`.
 
 use photon_core::Result;
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
 
-/// Subgroups of a dispatch at most: the shader's `PAUSE_SUBGROUPS`.
+/// Maximum number of subgroups per dispatch: the shader's `PAUSE_SUBGROUPS`.
 pub(super) const SUBGROUPS: u64 = 4096;
-/// Words that an invocation writes down: the shader's `PAUSE_WORDS`.
+/// Words of saved state per invocation: the shader's `PAUSE_WORDS`.
 const WORDS: u64 = 160;
-/// The count of walks that paused, and a word for each subgroup.
+/// Size of the header: the count of paused traversals, and one word for each subgroup.
 const HEAD: u64 = (1 + SUBGROUPS) * 4;
 
-/// Where walks that pause are written down.
+/// Storage for the state of paused traversals.
 #[derive(Debug, Default)]
 pub(super) struct PausedSearches {
     memory: Option<Memory>,
 }
 
 impl PausedSearches {
-    /// Room for new walks of so many invocations; its address.
+    /// Allocates and clears storage for the given number of invocations; returns its address.
     pub(super) fn room(&mut self, on: &mut Vulkan, invocations: u64) -> Result<u64> {
         let bytes = HEAD + invocations * WORDS * 4;
         let memory = match self.memory.take().filter(|memory| memory.bytes() >= bytes) {
@@ -30,7 +30,7 @@ impl PausedSearches {
         Ok(self.memory.insert(memory).address())
     }
 
-    /// Calls `dispatch` until no walk pauses any more.
+    /// Calls `dispatch` until no traversal is paused.
     pub(super) fn all(&self, on: &mut Vulkan, dispatch: impl Fn(&mut Vulkan) -> Result<()>) -> Result<()> {
         let Some(memory) = &self.memory else { return Ok(()) };
         loop {

@@ -1,4 +1,4 @@
-//! Dispatching searches: what the kernels of `shaders-glsl/search` are asked, and in which portions.
+//! Dispatches the search kernels of `shaders-glsl/search`, in portions.
 
 use std::ops::Range;
 
@@ -12,57 +12,58 @@ use crate::map::VulkanMap;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Subgroups of a workgroup: what shared memory is reserved for. More of them wait for the slowest.
+/// Subgroups per workgroup, for which shared memory is allocated. With more of them, all would wait for the
+/// slowest.
 const TILES: u32 = 1;
 
-/// Queries of a dispatch at most, so that none runs for seconds even where every query finds a large
+/// Maximum number of queries per dispatch, so that none runs for seconds even where every query finds a large
 /// part of a million photons.
 const PORTION: u64 = 1 << 19;
 
-/// From so many on, queries are taken in an order of our own: sorting them costs less than what tiles of
-/// neighbours save, a picture's rows included.
+/// From this number on, queries are sorted: sorting costs less than sharing memory reads among neighbours
+/// saves, even for queries in image row order.
 const WORTH_ORDER: u64 = 1 << 15;
 
-/// The largest k on a device that ends long loops: what sorting a row in one workgroup has turns for.
+/// The largest k on a device that ends long loops: the limit at which one workgroup can still sort a row.
 const MAX_PAUSING: u32 = 1 << 17;
 
-/// Bins of 16 bits serve up to here.
+/// Bins of 16 bits are sufficient up to this k.
 const NARROW_BINS: u32 = 60_000;
 
-/// What a kernel makes of the photons found.
+/// What a kernel computes from the photons found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
-    /// An estimate from all within a radius.
+    /// An estimate from all photons within a radius.
     Radius,
-    /// An estimate from the k nearest.
+    /// An estimate from the k nearest photons.
     Nearest,
-    /// The same as in the paper.
+    /// An estimate from the k nearest photons, as in the paper.
     Paper,
-    /// Rows of the k nearest, not in order.
+    /// The ids of the k nearest photons, unsorted.
     Rows,
-    /// How many there are within a radius.
+    /// The number of photons within a radius.
     Count,
 }
 
-/// What is asked.
+/// Parameters of a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Question {
     pub(super) mode: Mode,
     pub(super) kernel: Kernel,
-    /// Whether photons are turned away for their normal or direction.
+    /// Whether photons are rejected by their normal or direction.
     pub(super) filter: bool,
-    /// Whether they are turned away for their distance from the query's plane.
+    /// Whether photons are rejected by their distance from the query's plane.
     pub(super) flat: bool,
     pub(super) k: u32,
-    /// Rows and counts: the radius. Otherwise a factor on every query's.
+    /// Rows and counts: the radius. Otherwise a factor on every query's radius.
     pub(super) radius: f32,
     pub(super) min_cosine: f32,
-    /// In shares of the radius.
+    /// As a fraction of the radius.
     pub(super) max_plane_distance: f32,
-    /// The cone's slope, or the paper's factor.
+    /// The cone's slope, or the factor of the paper's filter.
     pub(super) parameter: f32,
     pub(super) threshold: u32,
-    /// Where each estimate's `ErrorMoments` goes; 0: none is told.
+    /// Address where each estimate's `ErrorMoments` are written; 0: none are computed.
     pub(super) error_moments: u64,
 }
 
@@ -113,14 +114,14 @@ struct SamplePush {
 
 pushed!(sample_push_layout: SamplePush => SEARCH_SAMPLE, photons queries points count radius reserved);
 
-/// Asks maps.
+/// Runs searches on maps.
 #[derive(Debug)]
 pub(super) struct MapSearch {
-    /// Up to which k bins have 16 bits.
+    /// Largest k for which bins have 16 bits.
     pub(super) narrow_bins: u32,
-    /// From how many on queries are sorted.
+    /// Number of queries from which on they are sorted.
     pub(super) worth_order: u64,
-    /// Turns of loops after which a search pauses; 0 for half of what the device allows, if it has a limit.
+    /// Loop iterations after which a search pauses; 0 for half of what the device allows, if it has a limit.
     pub(super) turns: u32,
     pub(super) order: Option<Order>,
     pub(super) paused: PausedSearches,
@@ -139,7 +140,7 @@ impl Default for MapSearch {
 }
 
 impl MapSearch {
-    /// The order in which to take `queries`, for [`MapSearch::ask`].
+    /// Address of the order in which to process `queries`, for [`MapSearch::ask`]; 0 for their own order.
     pub(super) fn order(&mut self, on: &mut Vulkan, map: &VulkanMap, queries: &VulkanBuffer<Query>) -> Result<u64> {
         if map.node_count == 0 || queries.capacity() < self.worth_order {
             return Ok(0);
@@ -151,9 +152,10 @@ impl MapSearch {
         order.of(on, map, queries)
     }
 
-    /// Asks at those of the queries in `range`; `results` are the addresses of what is written and of
-    /// its count, and how many fit. Results stand where their queries do, but rows in the order in which
-    /// queries are taken, from the range's start on: `order`, or 0 to take them as they stand.
+    /// Evaluates the queries in `range`; `results` are the address of the results, the address of their count,
+    /// and the capacity. Results are stored at the index of their query, except rows, which are stored in
+    /// processing order from the range's start on. `order` is the address of the processing order, or 0 for the
+    /// order of the queries.
     pub(super) fn ask(
         &mut self,
         on: &mut Vulkan,
@@ -165,13 +167,13 @@ impl MapSearch {
     ) -> Result<()> {
         let subgroup = u64::from(on.limits().subgroup_size.max(1));
         let workgroup = (TILES * subgroup as u32).min(on.limits().max_workgroup);
-        // An empty map has nothing that could be asked.
+        // An empty map must not be traversed.
         let points = if map.node_count == 0 { 0 } else { map.length };
         let ordered = u32::from(order != 0);
-        // The rest is for what a search does outside of its walks.
+        // The other half is reserved for loops outside of the traversal.
         let turns = if self.turns > 0 { self.turns } else { on.limits().loop_turns / 2 };
         if turns > 0 && on.limits().loop_turns > 0 && question.k > MAX_PAUSING {
-            let hint = "must be at most 131072 on this device, whose driver ends long loops";
+            let hint = "must be at most 131072 on this device, whose driver limits loop iterations";
             return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), hint });
         }
         let format = map.photon_format().number();
@@ -220,7 +222,7 @@ impl MapSearch {
         let portion = if turns > 0 { span * (SUBGROUPS / u64::from(TILES)) } else { PORTION / span * span };
         let paused = &mut self.paused;
         let mut all = |on: &mut Vulkan| {
-            // Without any query there is still a count to be written.
+            // Even without queries, a count must be written.
             for first in (range.start..range.end.max(range.start + 1)).step_by(portion as usize) {
                 let end = range.end.min(first + portion);
                 let groups = (end - first).div_ceil(span).max(1);
@@ -241,7 +243,8 @@ impl MapSearch {
     }
 }
 
-/// Fills `queries` with `count` photons' places, spread evenly over the order in which they were stored.
+/// Fills `queries` with the positions of `count` photons, sampled evenly in the order in which they were
+/// stored.
 pub(super) fn sample(
     on: &mut Vulkan,
     map: &VulkanMap,

@@ -1,4 +1,4 @@
-//! Estimates against backend-cpu's, which sums in f64.
+//! Estimates compared with backend-cpu's, which sums in f64.
 
 use backend_cpu::Cpu;
 use photon_core::random::SplitMix64;
@@ -10,9 +10,8 @@ use crate::Vulkan;
 use crate::map::estimate::VulkanEstimator;
 use crate::map::estimate::search::MapSearch;
 
-/// Relative to the sum of all weights times powers that a kernel can give: rounding of each weight, of
-/// the sums within a leaf, and of the moments' differences, which weigh up to 12 times as much as what
-/// they leave.
+/// Relative to the largest possible sum of weights times powers for a kernel: rounding of each weight, of the
+/// sums within a leaf, and of the differences of moments, which are up to 12 times as large as the result.
 const TOLERANCE: f64 = 4e-6;
 
 const KERNELS: [Kernel; 4] = [Kernel::Constant, Kernel::Epanechnikov, Kernel::Cone { slope: 1.1 }, Kernel::Biweight];
@@ -44,7 +43,7 @@ fn on_device(
     found
 }
 
-/// What differs, if anything: counts, flags and radii to the bit, fluxes by the tolerance.
+/// Describes the difference, if any: counts, flags and radii must be equal, fluxes within the tolerance.
 fn compare(found: &[Estimate], expected: &[Estimate], largest: f64) -> Result<(), String> {
     if found.len() != expected.len() {
         return Err(format!("{} estimates instead of {}", found.len(), expected.len()));
@@ -57,7 +56,7 @@ fn compare(found: &[Estimate], expected: &[Estimate], largest: f64) -> Result<()
         let scale = largest * f64::from(b.photons);
         let near = |(x, y): (&f32, &f32)| (f64::from(*x) - f64::from(*y)).abs() <= TOLERANCE * scale;
         if !same || !a.flux.iter().zip(&b.flux).all(near) {
-            return Err(format!("estimate {at}: {a:?} instead of {b:?}"));
+            return Err(format!("estimate {at}: {a:?}, expected {b:?}"));
         }
     }
     Ok(())
@@ -77,14 +76,14 @@ fn check(
     for &search in searches {
         for kernel in KERNELS {
             for &min_normal_cosine in cosines {
-                // A share of the radius goes with radii alone.
+                // A `max_plane_distance` below 1 is tested only for radius searches.
                 let shares: &[f32] = if search == Search::Radius { &[1.0, 0.2] } else { &[1.0] };
                 for &max_plane_distance in shares {
                     let gather =
                         EstimateParams { search, kernel, radius_scale: 0.9, min_normal_cosine, max_plane_distance };
                     let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
                     let found = on_device(on, &photons, &queries, &gather, IndexKind::Morton);
-                    // The greatest weight is 3.
+                    // The largest kernel weight is 3.
                     if let Err(difference) = compare(&found, &expected, 3.0) {
                         panic!("{name}, {} points, radius {radius}, {gather:?}: {difference}", points.len());
                     }
@@ -109,7 +108,7 @@ fn estimates_agree_with_the_processor() {
         Search::Paper { max: 30, threshold: 31, factor: 2.0 },
     ];
     let mut places = places(&points);
-    // A row of a picture, which ends within a tile.
+    // A row of an image, which ends within a tile.
     places.extend((0..101).map(|i| [i as f32 / 100.0, 0.0, 0.4]));
     for radius in [0.12, 1e-6, 50.0] {
         check(&mut on, "walls", &points, &places, radius, &searches, &[-1.0, 0.5]);
@@ -121,13 +120,13 @@ fn estimates_of_degenerate_sets() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let searches = [Search::Radius, Search::KNearest { k: 50 }, Search::NearestPhoton];
     for (name, points) in point_sets() {
-        // Sums of squares that overflow are infinite on both sides; NaN radii are nobody's.
+        // Squared distances that overflow are infinite on both backends; NaN radii are not tested.
         let places: Vec<_> = places(&points).into_iter().filter(|p| p.iter().all(|c| c.abs() < 1e30)).collect();
         check(&mut on, name, &points, &places, 0.3, &searches, &[0.5]);
     }
 }
 
-/// A million photons add up.
+/// Sums over a million photons are accurate.
 #[test]
 fn many_photons_add_up() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -154,7 +153,7 @@ fn many_photons_add_up() {
     }
 }
 
-/// Taken in another order, queries get the same answers, and those that a buffer does not hold get none.
+/// Sorting queries does not change the results, and unused elements of a buffer get none.
 #[test]
 fn sorted_queries_find_the_same() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -184,7 +183,7 @@ fn sorted_queries_find_the_same() {
     }
 }
 
-/// Bins of 32 bits, which only a very large k needs.
+/// Bins of 32 bits, which only very large k need.
 #[test]
 fn wide_bins_find_the_same() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -241,7 +240,7 @@ fn typical_radii_agree_with_the_processor() {
     }
 }
 
-/// Estimates from a photon more, of another power, by another kernel: the comparison must notice.
+/// An estimate from one more photon, of another power or with another kernel: the comparison must detect it.
 #[test]
 fn the_comparison_can_fail() {
     let Some(mut on) = Vulkan::for_tests() else { return };

@@ -1,16 +1,16 @@
-//! Photons that break searches, and queries among them.
+//! Degenerate photons and queries for searches.
 
 use photon_core::glam::Vec3;
 use photon_core::random::SplitMix64;
 use photon_core::{Photon, Query, octahedral};
 
-/// One of the six axes' directions, which packing keeps exactly.
+/// One of the six axis directions, which packing preserves exactly.
 pub(super) fn axis(random: &mut SplitMix64) -> Vec3 {
     let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
     axes[(random.word() % 6) as usize]
 }
 
-/// A photon at a point, of any power from any side.
+/// A photon at a point, with random power and direction.
 pub(super) fn photon(random: &mut SplitMix64, position: [f32; 3]) -> Photon {
     let direction = Vec3::from(random.point()) - Vec3::splat(0.5);
     Photon {
@@ -21,13 +21,13 @@ pub(super) fn photon(random: &mut SplitMix64, position: [f32; 3]) -> Photon {
     }
 }
 
-/// Photons at the points.
+/// Photons at the given points.
 pub(super) fn photons(points: &[[f32; 3]]) -> Vec<Photon> {
     let mut random = SplitMix64(11);
     points.iter().map(|&position| photon(&mut random, position)).collect()
 }
 
-/// On the walls of a box, evenly.
+/// Points distributed uniformly over the walls of a box.
 pub(super) fn walls(count: usize) -> Vec<[f32; 3]> {
     let mut random = SplitMix64(3);
     (0..count)
@@ -44,7 +44,7 @@ pub(super) fn walls(count: usize) -> Vec<[f32; 3]> {
         .collect()
 }
 
-/// Nine tenths in a disc on the floor, density 1/r, the others on the walls.
+/// Nine tenths of the points in a disc on the floor, with density 1/r, the others on the walls.
 pub(super) fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
     let mut random = SplitMix64(5);
     let walls = walls(count);
@@ -97,7 +97,7 @@ pub(super) fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
     sets
 }
 
-/// Places on, near and far from a set.
+/// Query positions on, near and far from a point set.
 pub(super) fn places(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut random = SplitMix64(2);
     let mut all = vec![[0.0; 3], [0.5; 3], [1e6, -1e6, 3.0], [f32::MAX; 3], [f32::INFINITY, 0.0, 0.0]];
@@ -111,7 +111,7 @@ pub(super) fn places(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     all
 }
 
-/// Queries at places, on any side.
+/// Queries at the given positions, with random normals.
 pub(super) fn queries(places: &[[f32; 3]], radius: f32) -> Vec<Query> {
     let mut random = SplitMix64(9);
     places

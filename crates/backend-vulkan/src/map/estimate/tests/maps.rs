@@ -1,4 +1,4 @@
-//! Photon maps as the host would build them, in the order of backend-cpu's index.
+//! Photon maps built on the host, in the order of backend-cpu's index.
 
 use backend_cpu::index::PointIndex;
 use bytemuck::{Pod, Zeroable};
@@ -30,7 +30,7 @@ impl BoxNode {
     }
 }
 
-/// A map of the photons, whatever they are.
+/// Builds a map of the photons without validating them.
 pub(super) fn map(on: &mut Vulkan, photons: &[Photon], kind: IndexKind) -> VulkanMap {
     let points: Vec<[f32; 3]> = photons.iter().map(|photon| photon.position).collect();
     let index = PointIndex::build(&points, kind).unwrap();
@@ -64,7 +64,7 @@ pub(super) fn map(on: &mut Vulkan, photons: &[Photon], kind: IndexKind) -> Vulka
     }
 }
 
-/// Leaves of sixteen slots, sixteen nodes to a node, level upon level, the root first.
+/// Leaves of sixteen slots, sixteen nodes per parent, level by level, the root first.
 fn nodes(positions: &[[f32; 4]]) -> (Vec<BoxNode>, Vec<u32>) {
     let mut levels: Vec<(Vec<BoxNode>, Vec<u32>)> = Vec::new();
     let leaf = |(number, points): (usize, &[[f32; 4]])| {

@@ -1,4 +1,4 @@
-//! Searches on the device against backend-cpu's.
+//! Searches on the device compared with backend-cpu's.
 
 mod estimates;
 mod inputs;

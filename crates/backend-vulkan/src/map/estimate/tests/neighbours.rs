@@ -1,4 +1,4 @@
-//! Rows of ids and counts: equal to backend-cpu's to the last word.
+//! Rows of ids and counts are equal to backend-cpu's, word for word.
 
 use backend_cpu::index::PointIndex;
 use photon_core::random::SplitMix64;
@@ -11,7 +11,7 @@ use crate::map::estimate::search::MapSearch;
 
 const KINDS: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
 
-/// What differs, if anything.
+/// Describes the first difference, if any.
 fn compare(what: &str, found: &[u32], expected: &[u32], width: usize) -> Result<(), String> {
     if found.len() != expected.len() {
         return Err(format!("{what}: {} words instead of {}", found.len(), expected.len()));
@@ -20,12 +20,12 @@ fn compare(what: &str, found: &[u32], expected: &[u32], width: usize) -> Result<
         None => Ok(()),
         Some(at) => {
             let (query, rank) = (at / width, at % width);
-            Err(format!("{what}, query {query}, rank {rank}: {} instead of {}", found[at], expected[at]))
+            Err(format!("{what}, query {query}, rank {rank}: {}, expected {}", found[at], expected[at]))
         }
     }
 }
 
-/// Holds the searches around `places` against those of backend-cpu over `expected_points`.
+/// Compares searches around `places` with those of backend-cpu on `expected_points`.
 fn check(
     on: &mut Vulkan,
     points: &[[f32; 3]],
@@ -70,7 +70,7 @@ fn searches_agree_with_the_processor() {
     }
 }
 
-/// All k up to 512 and some beyond, and more queries than a workgroup takes at a time.
+/// All k up to 512 and some larger ones, and more queries than a workgroup processes at a time.
 #[test]
 fn any_k_is_exact() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -85,7 +85,7 @@ fn any_k_is_exact() {
     check(&mut on, &points, &points, &places, IndexKind::Median, &[3, 50], &[f32::INFINITY, 0.01]).unwrap();
 }
 
-/// Taken in another order, rows stand where their queries do.
+/// Sorting the queries does not change the position of the rows.
 #[test]
 fn sorted_queries_find_the_same() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -104,7 +104,7 @@ fn sorted_queries_find_the_same() {
     assert_eq!(compare("20 nearest", &found, &expected, 20), Ok(()));
 }
 
-/// A set on which careless searches take minutes.
+/// A set on which naive searches take minutes.
 #[test]
 fn a_million_equal_points() {
     let Some(mut on) = Vulkan::for_tests() else { return };
@@ -114,7 +114,7 @@ fn a_million_equal_points() {
     check(&mut on, &points, &points, &places, IndexKind::Morton, &[50, 200], &[f32::INFINITY]).unwrap();
 }
 
-/// One point moved, two exchanged, one missing: the comparison must notice.
+/// One point moved, two swapped, one missing: the comparison must detect it.
 #[test]
 fn the_comparison_can_fail() {
     let Some(mut on) = Vulkan::for_tests() else { return };

@@ -1,4 +1,4 @@
-//! Searches that pause find what those find that do not.
+//! Searches that pause give the same results as those that do not.
 
 use photon_core::random::SplitMix64;
 use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Kernel, Query, RadianceEstimator, Search};
@@ -9,7 +9,7 @@ use crate::map::estimate::VulkanEstimator;
 use crate::map::estimate::search::MapSearch;
 use crate::{Vulkan, VulkanBuffer, VulkanMap};
 
-/// At every turn, in the middle of leaves and of runs of equal points, now and then.
+/// At every iteration, within leaves and runs of equal points, and occasionally.
 const TURNS: [u32; 3] = [1, 60, 3000];
 
 fn pausing(turns: u32) -> MapSearch {

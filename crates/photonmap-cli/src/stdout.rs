@@ -6,7 +6,7 @@ use crate::fault::Fault;
 
 /// Writes to standard output. A reader that has closed its end, such as `head`, is not an error.
 ///
-/// [`Fault::Failure`] for any other write error.
+/// # Errors
 /// [`Fault::Failure`] for any other reason why it cannot be written.
 pub fn write(bytes: &[u8]) -> Result<(), Fault> {
     let mut out = std::io::stdout().lock();

@@ -54,12 +54,12 @@ impl Denormals {
     /// As the device reports; if it guarantees nothing, as a test product shows.
     pub(super) fn of(on: &mut Vulkan) -> photon_core::Result<Self> {
         if on.limits().keeps_denormals {
-            return Ok(Self::PhotonFormat);
+            return Ok(Self::Kept);
         }
         // Function 2 ends with the scalar product.
         let tiny = input([1e-30, 1e-40, 0.0, 0.0], [1e-10, 0.0, 0.0, 0.0], [0.0; 4]);
         let outputs = run(on, &shaders::PROBE_MATH, 2, &[tiny])?;
-        Ok(if f32::from_bits(outputs[0][3]) > 0.0 { Self::PhotonFormat } else { Self::Flushed })
+        Ok(if f32::from_bits(outputs[0][3]) > 0.0 { Self::Kept } else { Self::Flushed })
     }
 }
 
@@ -145,8 +145,7 @@ mod tests {
 
     #[test]
     fn each_bound_can_be_exceeded() {
-        let at =
-            |bound, a: f32, b: f32| share(bound, Denormals::Kept, &Input::default(), a.to_bits(), b.to_bits());
+        let at = |bound, a: f32, b: f32| share(bound, Denormals::Kept, &Input::default(), a.to_bits(), b.to_bits());
         let next = f32::from_bits(1.0_f32.to_bits() + 1);
         assert!(at(Bound::Words, 0.0, -0.0) > 1.0 && at(Bound::Words, 2.0, 2.0) <= 0.0);
         assert!(at(Bound::Bits, 1.0, next) > 1.0 && at(Bound::BitsMagnified(|_| 1e30), 1.0, next) > 1.0);

@@ -102,11 +102,14 @@ pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, Strin
     Ok(found)
 }
 
+/// Name, offset and size in bytes.
+pub(super) type PushMember = (String, u32, u32);
+
 /// The push constants of a module: name, offset and size in bytes of each member; `None` if it has none.
 ///
 /// # Errors
 /// If the words are not valid SPIR-V, or a member has an unsupported type.
-pub(super) fn push_members(words: &[u32]) -> Result<Option<Vec<(String, u32, u32)>>, String> {
+pub(super) fn push_members(words: &[u32]) -> Result<Option<Vec<PushMember>>, String> {
     let mut names = BTreeMap::new();
     let mut offsets = BTreeMap::new();
     let mut bytes = BTreeMap::new();

@@ -19,7 +19,7 @@ impl SceneView<'_> {
     /// of materials and lights, and that numbers are finite and within their ranges.
     ///
     /// [`crate::Pipeline`] and every backend's [`crate::TransportBackend::prepare`] call it. Functions that
-    /// take a view and return no error, such as [`crate::requirements::explain`], may panic on a view that
+    /// take a view and return no error, such as [`crate::explain`], may panic on a view that
     /// fails here. Not checked: whether normals are those of their triangles, and whether triangles have an
     /// area above 0.
     ///

@@ -64,6 +64,7 @@ pub fn refract(direction: Vec3, normal: Vec3, eta: f32, cos_transmitted: f32) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use approx::assert_abs_diff_eq;
 
     fn reflectance(degrees: f64, eta: f32) -> f64 {
         f64::from(fresnel(degrees.to_radians().cos() as f32, eta).reflectance)
@@ -73,12 +74,12 @@ mod tests {
     #[test]
     fn closed_forms() {
         for (n, r) in [(1.33, 0.020_059_3), (1.5, 0.04), (2.4, 0.169_550_2), (1000.0, 0.996_008_0), (1.0, 0.0)] {
-            assert!((reflectance(0.0, n) - r).abs() < 1e-6, "{n}");
+            assert_abs_diff_eq!(reflectance(0.0, n), r, epsilon = 1e-6);
         }
         for (angle, r) in [(45.0, 0.050_239_9), (85.0, 0.612_799_6), (56.309_932, 0.073_964_5)] {
-            assert!((reflectance(angle, 1.5) - r).abs() < 2e-6, "{angle}: {}", reflectance(angle, 1.5));
+            assert_abs_diff_eq!(reflectance(angle, 1.5), r, epsilon = 2e-6);
         }
-        assert!((reflectance(89.99, 1.5) - 0.998_986).abs() < 1e-5);
+        assert_abs_diff_eq!(reflectance(89.99, 1.5), 0.998_986, epsilon = 1e-5);
         assert!(reflectance(41.80, 1.0 / 1.5) < 1.0 && reflectance(41.82, 1.0 / 1.5) == 1.0);
         assert_eq!(fresnel(0.0, 1.0).reflectance, 0.0);
     }
@@ -88,7 +89,7 @@ mod tests {
         let d = Vec3::new(1.0, 0.0, -1.0).normalize();
         let f = fresnel(-d.dot(Vec3::Z), 1.5);
         let t = refract(d, Vec3::Z, 1.5, f.cos_transmitted);
-        assert!((f64::from(t.x).asin().to_degrees() - 28.125_506).abs() < 1e-4);
+        assert_abs_diff_eq!(f64::from(t.x).asin().to_degrees(), 28.125_506, epsilon = 1e-4);
         assert_eq!(refract(d, Vec3::Z, 1.0, 0.3), d);
     }
 
@@ -106,6 +107,6 @@ mod tests {
     /// T4, without absorption.
     #[test]
     fn sheet_of_glass() {
-        assert!((sheet_reflectance(0.04) - 0.076_923_1).abs() < 1e-6);
+        assert_abs_diff_eq!(sheet_reflectance(0.04), 0.076_923_1, epsilon = 1e-6);
     }
 }

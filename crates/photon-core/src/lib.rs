@@ -2,6 +2,9 @@
 //!
 //! Data layouts, random numbers, scattering, settings, the traits that a backend implements, and the loop
 //! that drives them. No threads, no input or output, no ray-tracing structure.
+//!
+//! Start with [`Pipeline`] and [`render`], which render a [`SceneView`] by [`Settings`]; a backend implements [`Backend`]
+//! and [`TransportBackend`].
 #![forbid(unsafe_code)]
 
 mod backend;

@@ -97,6 +97,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
             "truncated": tally.truncated,
             "dropped": tally.dropped,
             "surfaces": tally.surfaces,
+            "too_deep": tally.too_deep + outcome.aimed.too_deep,
             "stored": by_name(PerMap::from_fn(|kind| tally.stored[kind] + outcome.aimed.stored[kind])),
             "balance": tally.balances(),
         },

@@ -8,8 +8,8 @@ use std::fmt;
 
 use crate::scene::layout::{Material, MaterialKind, Medium};
 
-/// The solids that contain a point, in the order in which they were entered: one byte each, the last one
-/// lowest.
+/// The solids that contain a point, in the order in which they were entered: one byte each, the most
+/// recently entered in the least significant byte.
 ///
 /// Each byte is an index into the scene's table of media; 0 is the vacuum and means none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -64,8 +64,8 @@ impl MediumStack {
         false
     }
 
-    /// The stack with another solid; unchanged if it is full, so that leaving that solid again does not
-    /// change it either.
+    /// The stack with another solid; unchanged if it is full. Leaving that solid again does not change it either,
+    /// unless another one of the same medium is in the stack, which is then left early.
     #[inline]
     #[must_use]
     pub const fn enter(self, medium: u32) -> Self {
@@ -110,9 +110,9 @@ impl MediumStack {
 pub struct MediaFeatures(u32);
 
 impl MediaFeatures {
-    /// No solids touch.
+    /// The bounding boxes of no two solids overlap.
     pub const NONE: Self = Self(0);
-    /// Solids are nested or overlap.
+    /// Solids may be nested or overlap: the bounding boxes of two of them do.
     pub const NESTED: Self = Self(1);
     /// All features.
     pub const ALL: Self = Self(1);
@@ -139,7 +139,8 @@ impl fmt::Display for MediaFeatures {
 /// The media on both sides of a boundary, as seen by a path that arrives there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
-    /// Refractive index behind the boundary, divided by that before it.
+    /// Refractive index behind the boundary, divided by that before it. For a thin sheet its index against the
+    /// vacuum, whatever surrounds it.
     pub eta: f32,
     /// The media before the boundary.
     pub before: MediumStack,
@@ -155,8 +156,8 @@ pub struct Interface {
 /// The media on both sides of a boundary of `material`, for a path in `media_here` that arrives at its
 /// front or its back.
 ///
-/// At a back face, the path is inside of the solid whatever `media_here` contains. Without `nested` only
-/// the side counts, and every solid is surrounded by vacuum.
+/// A path that arrives at a back face is treated as inside of the solid, even if `media_here` lacks it. Without
+/// `nested` only the side counts, and every solid is surrounded by vacuum.
 #[inline(always)]
 #[must_use]
 pub fn interface(
@@ -195,8 +196,8 @@ fn around(eta: f32, media: MediumStack) -> Interface {
     Interface { eta, before: media, transmitted: media, is_active: true, is_too_deep: false }
 }
 
-/// Factor on radiance in the medium of `at` when it is seen from that of `from`, without reflection or
-/// absorption in between: `(n_from/n_at)²`. Refraction leaves `L/n²` unchanged along a path (Veach 1997,
+/// Factor by which radiance that leaves a point in the media `at` has changed when it reaches a viewer in the media
+/// `from`, without reflection or absorption in between: `(n_from/n_at)²`. Refraction leaves `L/n²` unchanged along a path (Veach 1997,
 /// section 5.2), so this factor is applied once, where the path ends. Exactly 1 for equal stacks.
 #[inline]
 #[must_use]

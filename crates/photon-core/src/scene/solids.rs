@@ -1,4 +1,4 @@
-//! The solids of a scene: whether they touch, and which of them contain a point.
+//! The solids of a scene: whether their bounding boxes overlap, and which of them contain a point.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -24,8 +24,8 @@ pub struct Solids<'a> {
 }
 
 impl<'a> Solids<'a> {
-    /// Groups the dielectric triangles of a scene into closed boundaries; without any, this costs nothing.
-    /// Triangles are connected if they share a vertex position and a medium. In a scene that
+    /// Groups the dielectric triangles of a scene into connected boundaries, in one pass over all triangles if there
+    /// are none. Triangles are connected if they share a vertex and a medium. In a scene that
     /// [`SceneView::validate`] refuses, triangles with indices out of range are skipped.
     #[must_use]
     pub fn of(scene: &SceneView<'a>) -> Self {
@@ -57,7 +57,7 @@ impl<'a> Solids<'a> {
         Locator::new(self)
     }
 
-    /// As [`Locator::at`], of one point: at once where it lies outside of all boxes.
+    /// The same as `locate().at(point)`, without building the locator if the point is outside of all bounding boxes.
     #[must_use]
     pub fn at(&self, point: [f32; 3]) -> MediumStack {
         let at = Vec3::from(point);
@@ -92,7 +92,7 @@ impl<'a> Locator<'a> {
             (low.min(across(solid.low.as_dvec3())), high.max(across(solid.high.as_dvec3())))
         });
         let extent = (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
-        // Enclosed, negative for a bubble, whose boundary faces inwards (the divergence theorem, times 6).
+        // Six times the enclosed volume (divergence theorem); of a bubble, which faces inwards, the sum is negative.
         let volume = |solid: &Solid| -> f64 {
             let part = |&triangle: &u32| {
                 let [a, b, c] = solids.corners(triangle);
@@ -150,8 +150,8 @@ impl<'a> Locator<'a> {
         self.at_but(point.into(), None)
     }
 
-    /// The media at the origins of a light's photons, on its front and on its back. For a triangle those at
-    /// its centre.
+    /// The media in which a light's photons start, on its front and on its back: for a triangle on the two sides of its
+    /// centre, for point and spot lights twice the same, for directional lights vacuum.
     #[must_use]
     pub fn of_light(&self, light: &Light) -> [MediumStack; 2] {
         match light.kind {
@@ -238,7 +238,7 @@ fn side(a: DVec2, b: DVec2, at: DVec2) -> bool {
     if (a.x, a.y) <= (b.x, b.y) { turn(a, b) } else { !turn(b, a) }
 }
 
-/// Whether the boxes about two of them meet.
+/// Whether the bounding boxes of two of them overlap.
 fn boxes_meet(solids: &[Solid]) -> bool {
     let mut by_place: Vec<&Solid> = solids.iter().collect();
     by_place.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
@@ -248,14 +248,14 @@ fn boxes_meet(solids: &[Solid]) -> bool {
     })
 }
 
-/// Connected components by union and find: over the indices of vertices, and where the boxes of what that gives meet, also
-/// over the vertices at the same place.
+/// Joins triangles that share a vertex index. If bounding boxes of the resulting groups overlap, also joins those with
+/// vertices at equal positions.
 fn group(scene: &SceneView<'_>, boundary: &[(u32, u32)]) -> Vec<Solid> {
     let mut media: Vec<u32> = boundary.iter().map(|&(_, medium)| medium).collect();
     media.dedup();
     media.sort_unstable();
     media.dedup();
-    // Of each vertex one above it in its component; of those that no boundary uses, nothing.
+    // Union-find parent of each vertex; `u32::MAX` if no boundary uses it.
     let mut parents = vec![u32::MAX; scene.positions.len()];
     let by_index = components(scene, boundary, &media, &mut parents, false);
     if boxes_meet(&by_index) { components(scene, boundary, &media, &mut parents, true) } else { by_index }

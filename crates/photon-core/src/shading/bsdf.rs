@@ -1,9 +1,9 @@
-//! Scattering at surfaces: one implementation for photons, camera paths and gather rays.
+//! Scattering at surfaces: one implementation for photons, camera paths and gather rays; `bsdf.glsl` is its twin.
 //!
 //! [`Bsdf`] describes a surface at one path vertex. Callers choose a lobe, get its weight, and sample a
 //! direction, in this order, so that a path that ends needs no direction. Weights apply to flux, and are
-//! the same in both directions of travel: the factor of n² by which refraction changes radiance is
-//! [`crate::radiance_scale`].
+//! the same in both directions of travel. Radiance also changes by the squared ratio of indices at refraction: that is not
+//! in the weights; [`crate::radiance_scale`] applies it once, where the path ends.
 
 use glam::Vec3;
 
@@ -16,7 +16,7 @@ use crate::scene::media::Interface;
 /// A component of a [`Bsdf`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
-    /// Lambertian reflection. Photons are stored here, and camera paths end.
+    /// Lambertian reflection. Camera paths end here, and photons are stored unless the surface is black.
     Diffuse,
     /// Reflection in the mirror direction only.
     SpecularReflection,
@@ -37,7 +37,7 @@ pub struct Bsdf {
 
 impl Bsdf {
     /// The lobes of `material` for a path that arrives with `cosine` ≥ 0 to the normal. `interface` is from
-    /// [`crate::interface`]; the material's kind must be in `features`.
+    /// [`crate::interface`]; a kind that is not in `features` is treated as Lambertian.
     #[inline(always)]
     #[must_use]
     pub fn new(features: Features, material: &Material, cosine: f32, interface: &Interface) -> Self {
@@ -99,8 +99,8 @@ impl Bsdf {
         }
     }
 
-    /// Factor on the throughput of a path that samples `lobe` with that lobe's probability, each channel in
-    /// `[0, 1]`.
+    /// Factor on the throughput after [`Self::choose`] returned `lobe`, whose probability is divided out; each channel
+    /// in `[0, 1]`.
     #[inline]
     #[must_use]
     pub fn weight(&self, lobe: Lobe) -> Vec3 {
@@ -141,7 +141,7 @@ impl Bsdf {
         }
     }
 
-    /// Factor from irradiance to the radiance along a path with this throughput: `throughput · ρ/π`.
+    /// What irradiance is multiplied by for its contribution to the pixel: `throughput · albedo / π`.
     #[inline]
     #[must_use]
     pub fn diffuse_throughput(&self, throughput: Vec3) -> Vec3 {

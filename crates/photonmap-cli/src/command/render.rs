@@ -46,6 +46,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let outcome = passes(args, settings.photons, &mut *renderer, begun, &stop)?;
     let film = renderer.film()?;
     let seconds_total = begun.elapsed().as_secs_f64();
+    if let Some(warning) = too_deep(&outcome) {
+        eprintln!("warning: {warning}");
+        warnings.push(warning);
+    }
 
     let details = Details {
         scene: &args.scene.scene,
@@ -116,6 +120,18 @@ fn interrupt() -> Result<Arc<AtomicBool>, Fault> {
     });
     handler.map_err(Fault::failure)?;
     Ok(stop)
+}
+
+/// A warning about paths that were inside more solids at once than a path can keep track of.
+fn too_deep(outcome: &Outcome) -> Option<String> {
+    let paths = outcome.tally.too_deep + outcome.aimed.too_deep;
+    (paths > 0).then(|| {
+        format!(
+            "{paths} photon paths entered more than {} overlapping solids at once; further ones were ignored there: merge \
+             solids, or close meshes that are open",
+            photon_core::MediumStack::DEPTH
+        )
+    })
 }
 
 /// Warnings about lights that get hardly any photons, if photons are traced.

@@ -210,7 +210,7 @@ fn pictures_that_cannot_be_read_leave_the_factor() {
     let jpeg = format!(r#"[{{"uri": "{}"}}]"#, data_uri("image/jpeg", b"\xff\xd8\xff\xe0"));
     for (file, text) in [
         (file.clone().with("images", jpeg), "JPEG"),
-        (file.clone().with("images", r#"[{"uri": "no-such-file.png"}]"#), "not there"),
+        (file.clone().with("images", r#"[{"uri": "no-such-file.png"}]"#), "does not exist"),
         (file.clone().with("images", r#"[{}]"#), "no data"),
         (file.clone().with("images", r#"[{"bufferView": 77}]"#), "buffer view 77"),
         (file.clone().with("textures", r#"[{"extensions": {"EXT_texture_webp": {"source": 0}}}]"#), "cannot be read"),

@@ -137,7 +137,10 @@ fn instances_cannot_ask_for_all_the_memory() {
 #[test]
 fn buffers_must_be_there_whole() {
     let buffer = |json: &str| File::new().with("buffers", format!("[{json}]"));
-    check(&buffer(r#"{"byteLength": 44, "uri": "no such file.bin"}"#), &["buffer 0", "no such file.bin", "does not exist"]);
+    check(
+        &buffer(r#"{"byteLength": 44, "uri": "no such file.bin"}"#),
+        &["buffer 0", "no such file.bin", "does not exist"],
+    );
     check(&buffer(r#"{"byteLength": 44, "uri": "https://example.org/a.bin"}"#), &["buffer 0", "https", "download"]);
     check(&buffer(r#"{"byteLength": 44, "uri": "data:;base64,AAAA"}"#), &["buffer 0", "44 bytes", "has 3"]);
     check(&buffer(r#"{"byteLength": 44, "uri": "data:;base64,A*AA"}"#), &["buffer 0", "damaged"]);

@@ -1,4 +1,4 @@
-// The records of photon-core's layout.rs, member by member: offsets are checked against the SPIR-V.
+// The records of photon-core (layout.rs, material.rs, medium.rs, light.rs, camera.rs), member by member: offsets are checked against the SPIR-V.
 // `Photons p` is the address of an array; its element i is `p[i].at`.
 #ifndef LAYOUT_GLSL
 #define LAYOUT_GLSL

@@ -42,12 +42,14 @@ pub use requirements::features::Features;
 pub use requirements::map_kind::{MapKind, PerMap};
 pub use requirements::photon_format::PhotonFormat;
 pub use requirements::{Requirements, light_features, material_features};
+pub use scene::camera::Camera;
 pub use scene::caster::{Hit, Ray, RayCaster};
-pub use scene::layout::{
-    Camera, Element, ErrorMoments, Estimate, Light, Material, MaterialKind, Medium, Photon, PhotonRay, Primitive, Query,
-};
+pub use scene::layout::{Element, ErrorMoments, Estimate, Photon, PhotonRay, Query};
+pub use scene::light::Light;
 pub use scene::light_shares::{LightShare, light_shares};
+pub use scene::material::{Material, MaterialKind, Primitive};
 pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radiance_scale};
+pub use scene::medium::Medium;
 pub use scene::solids::{Locator, Solids};
 pub use scene::units::Units;
 pub use scene::{SceneView, light_cdf, light_probability, pick_light};

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, Vec3};
 use super::clusters::Sphere;
 use crate::sampling;
 use crate::scene::SceneView;
-use crate::scene::layout::Light;
+use crate::scene::light::Light;
 
 /// Bits of a cell for each number of a light's point and direction, with at most `most` in total.
 pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {

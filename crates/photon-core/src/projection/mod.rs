@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use bytemuck::{Pod, Zeroable};
 
 use crate::requirements::Requirements;
-use crate::scene::layout::Light;
+use crate::scene::light::Light;
 use crate::scene::{SceneView, light_cdf, light_probability, pick_light};
 use crate::settings::{CausticPhotons, Settings};
 

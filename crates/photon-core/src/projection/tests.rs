@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::layout::{Material, MaterialKind, Primitive};
+use crate::scene::material::{Material, MaterialKind, Primitive};
 use crate::scene::units::Units;
 use crate::settings::Indirect;
 
@@ -50,7 +50,7 @@ impl Tables {
             triangles: &[[0, 1, 2], [3, 4, 5]],
             primitives: &PRIMITIVES,
             materials: &self.materials,
-            media: &[crate::scene::layout::Medium::VACUUM],
+            media: &[crate::scene::medium::Medium::VACUUM],
             lights: &self.lights,
             light_cdf: &self.starts,
             radius: 1.0,

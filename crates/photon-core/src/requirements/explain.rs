@@ -7,7 +7,7 @@ use crate::requirements::map_kind::MapKind;
 use crate::requirements::photon_format::PhotonFormat;
 use crate::requirements::{Requirements, light_features, material_features};
 use crate::scene::SceneView;
-use crate::scene::layout::Light;
+use crate::scene::light::Light;
 use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
 
 /// A feature, map or stage that a renderer can model, allocate or build.
@@ -220,7 +220,7 @@ fn counted(count: usize, what: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::layout::{Material, Primitive};
+    use crate::scene::material::{Material, Primitive};
     use crate::scene::units::Units;
 
     #[test]
@@ -233,7 +233,7 @@ mod tests {
             triangles: &[[0, 1, 2]],
             primitives: &[Primitive { normal: [0.0, 1.0, 0.0], material: 0 }],
             materials: &materials,
-            media: &[crate::scene::layout::Medium::VACUUM],
+            media: &[crate::scene::medium::Medium::VACUUM],
             lights: &lights,
             light_cdf: &[0],
             radius: 1.0,

@@ -10,8 +10,10 @@ use crate::requirements::features::Features;
 use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
-use crate::scene::layout::{Light, Material, MaterialKind, Medium};
+use crate::scene::light::Light;
+use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediaFeatures;
+use crate::scene::medium::Medium;
 use crate::scene::solids::Solids;
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 

@@ -3,7 +3,9 @@
 use crate::error::{Error, Result};
 use crate::requirements::features::Features;
 use crate::scene::SceneView;
-use crate::scene::layout::{Light, Material, Photon};
+use crate::scene::layout::Photon;
+use crate::scene::light::Light;
+use crate::scene::material::Material;
 use crate::settings::{Estimator, Settings};
 
 /// A number of leading bytes of [`Photon`], whose fields are ordered by how often they are needed: position

@@ -1,9 +1,15 @@
-//! Data layouts of the elements that backends store in buffers.
+//! Data layouts of the elements that backends store in buffers: photons, queries and estimates; those of a
+//! scene are in files of their own.
 //!
 //! Each has a GLSL counterpart with the same name and offsets. All consist of 16-byte rows of a `vec3` and
 //! a scalar, so that their `repr(C)` layout is also their std430 and scalar layout.
 
 use bytemuck::{Pod, Zeroable};
+
+use crate::scene::camera::Camera;
+use crate::scene::light::Light;
+use crate::scene::material::{Material, Primitive};
+use crate::scene::medium::Medium;
 
 /// An element type of buffers; its GLSL counterpart has the same offsets.
 pub trait Element: Pod + Send + Sync {
@@ -147,208 +153,6 @@ impl ErrorMoments {
         let wide = std::array::from_fn(|c| 0.5 * f64::from(self.wide[c]) - flux[c]);
         (wide, std::array::from_fn(|c| flux[c] - 2.0 * f64::from(self.narrow[c])))
     }
-}
-
-/// Geometric normal and material of a triangle.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Primitive {
-    /// Unit normal; from the front, the vertices are counter-clockwise.
-    pub normal: [f32; 3],
-    /// Index of the material.
-    pub material: u32,
-}
-
-/// The type of scattering at a surface.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum MaterialKind {
-    /// Lambertian reflection on both sides; stores photons unless it is black.
-    Lambert = 0,
-    /// A perfect mirror, on both sides.
-    Mirror = 1,
-    /// A smooth boundary of a solid: reflects and refracts by the Fresnel equations.
-    Dielectric = 2,
-    /// A smooth sheet without thickness: reflects, or transmits without changing the direction.
-    Thin = 3,
-}
-
-impl MaterialKind {
-    /// All kinds, ordered by number.
-    pub const ALL: [Self; 4] = [Self::Lambert, Self::Mirror, Self::Dielectric, Self::Thin];
-
-    /// The kind with this number; `None` if there is none.
-    #[inline]
-    #[must_use]
-    pub const fn from_u32(number: u32) -> Option<Self> {
-        match number {
-            0 => Some(Self::Lambert),
-            1 => Some(Self::Mirror),
-            2 => Some(Self::Dielectric),
-            3 => Some(Self::Thin),
-            _ => None,
-        }
-    }
-
-    /// Whether some light is transmitted.
-    #[inline]
-    #[must_use]
-    pub const fn transmits(self) -> bool {
-        match self {
-            Self::Lambert | Self::Mirror => false,
-            Self::Dielectric | Self::Thin => true,
-        }
-    }
-}
-
-/// Scattering and emission of a surface.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Material {
-    /// Lambert: albedo. Mirror: reflectance. Dielectric: tint of transmitted light. In `[0, 1]`, linear
-    /// RGB.
-    pub albedo: [f32; 3],
-    /// Number of a [`MaterialKind`]; see [`Material::kind`].
-    pub kind: u32,
-    /// Emitted radiance, linear RGB, in units of total power per steradian and squared normalised
-    /// length; from the front only unless [`Material::EMITS_BOTH_SIDES`].
-    pub emission: [f32; 3],
-    /// Bits: [`Material::EMITS_BOTH_SIDES`].
-    pub flags: u32,
-    /// Dielectric: index of the solid's medium in the scene's table, ≥ 1. Otherwise 0.
-    pub medium: u32,
-    /// Refractive index of a dielectric or a thin sheet relative to vacuum, > 0; 1 otherwise.
-    pub ior: f32,
-    /// Zero.
-    pub reserved: [u32; 6],
-}
-
-impl Material {
-    /// Flag: the back emits too.
-    pub const EMITS_BOTH_SIDES: u32 = 1;
-
-    /// The type of scattering. [`crate::SceneView::validate`] refuses unknown numbers; here they count as
-    /// Lambert.
-    #[inline]
-    #[must_use]
-    pub const fn kind(&self) -> MaterialKind {
-        match MaterialKind::from_u32(self.kind) {
-            Some(kind) => kind,
-            None => MaterialKind::Lambert,
-        }
-    }
-
-    /// Whether camera paths end and photons are stored here; black surfaces store none.
-    #[inline]
-    #[must_use]
-    pub const fn is_diffuse(&self) -> bool {
-        match self.kind() {
-            MaterialKind::Lambert => true,
-            MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin => false,
-        }
-    }
-
-    /// Whether it emits light.
-    #[must_use]
-    pub fn is_emissive(&self) -> bool {
-        self.emission != [0.0; 3]
-    }
-}
-
-/// Medium inside a solid. Entry 0 of a scene's table is the vacuum outside of all solids.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Medium {
-    /// Absorption coefficient (Beer–Lambert), per normalised length, ≥ 0, linear RGB.
-    pub absorption: [f32; 3],
-    /// Refractive index relative to vacuum, > 0.
-    pub ior: f32,
-    /// Where solids overlap, the medium with the highest priority applies; with equal priorities, the one
-    /// entered last.
-    pub priority: u32,
-    /// Zero.
-    pub reserved: [u32; 11],
-}
-
-impl Medium {
-    /// Entry 0 of every table.
-    pub const VACUUM: Self = Self { absorption: [0.0; 3], ior: 1.0, priority: 0, reserved: [0; 11] };
-}
-
-impl Default for Medium {
-    fn default() -> Self {
-        Self::VACUUM
-    }
-}
-
-/// A light that emits photons; an area light is one of these per triangle.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Light {
-    /// Point and spot: position, normalised space.
-    pub position: [f32; 3],
-    /// One of the constants of this type.
-    pub kind: u32,
-    /// Spot and directional: unit vector along which the light travels.
-    pub direction: [f32; 3],
-    /// Triangle: its index. Otherwise `u32::MAX`.
-    pub primitive: u32,
-    /// Total emitted flux, linear RGB, in units of the scene's total power.
-    pub power: [f32; 3],
-    /// Spot: 1 − cos of the angle up to which the intensity is full.
-    pub versine_inner: f32,
-    /// Spot: 1 − cos of the angle from which it is zero, ≥ `versine_inner`.
-    pub versine_outer: f32,
-    /// Directional: radius of the disc that photons start from, normalised space.
-    pub radius: f32,
-    /// Triangle: its area, squared normalised length.
-    pub area: f32,
-    /// Bits: [`Light::BOTH_SIDES`].
-    pub flags: u32,
-}
-
-impl Light {
-    /// One emissive triangle, Lambertian.
-    pub const TRIANGLE: u32 = 0;
-    /// The same intensity in all directions.
-    pub const POINT: u32 = 1;
-    /// Intensity within a cone, falling to zero between two angles as glTF defines it.
-    pub const SPOT: u32 = 2;
-    /// Parallel light from infinitely far away.
-    pub const DIRECTIONAL: u32 = 3;
-
-    /// Flag: a triangle that emits from both sides.
-    pub const BOTH_SIDES: u32 = 1;
-}
-
-/// A camera: `origin + x·right + y·up` with x and y in `[-1, 1]`, x to the right, y upwards.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Camera {
-    /// Normalised space.
-    pub origin: [f32; 3],
-    /// One of the constants of this type.
-    pub kind: u32,
-    /// Unit vector.
-    pub forward: [f32; 3],
-    /// The media at the origin: bits of a [`crate::MediumStack`]. Set by [`crate::Pipeline`].
-    pub media: u32,
-    /// Half the width of the picture, to its right edge. Perspective: at distance 1. Orthographic:
-    /// normalised space.
-    pub right: [f32; 3],
-    /// Zero.
-    pub reserved2: u32,
-    /// Half the height of the picture, to its upper edge, likewise.
-    pub up: [f32; 3],
-    /// Zero.
-    pub reserved3: u32,
-}
-
-impl Camera {
-    /// All rays start at one point.
-    pub const PERSPECTIVE: u32 = 0;
-    /// Rays are parallel.
-    pub const ORTHOGRAPHIC: u32 = 1;
 }
 
 macro_rules! elements {

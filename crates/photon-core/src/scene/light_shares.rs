@@ -1,6 +1,6 @@
 //! How photons are distributed over the lights of a scene: a report of lights that get too few.
 
-use crate::scene::layout::Light;
+use crate::scene::light::Light;
 use crate::scene::{SceneView, light_probability};
 
 /// A light; all emissive triangles of one material count as one area light.
@@ -70,8 +70,8 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::layout::{Material, Primitive};
     use crate::scene::light_cdf;
+    use crate::scene::material::{Material, Primitive};
     use crate::scene::units::Units;
 
     #[test]
@@ -86,7 +86,7 @@ mod tests {
             triangles: &[],
             primitives: &primitives,
             materials: &materials,
-            media: &[crate::scene::layout::Medium::VACUUM],
+            media: &[crate::scene::medium::Medium::VACUUM],
             lights: &lights,
             light_cdf: &light_cdf(&[0.25, 1e-20, 0.75]),
             radius: 1.0,

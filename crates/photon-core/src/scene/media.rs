@@ -6,7 +6,8 @@
 
 use std::fmt;
 
-use crate::scene::layout::{Material, MaterialKind, Medium};
+use crate::scene::material::{Material, MaterialKind};
+use crate::scene::medium::Medium;
 
 /// The solids that contain a point, in the order in which they were entered: one byte each, the most
 /// recently entered in the least significant byte.

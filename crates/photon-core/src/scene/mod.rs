@@ -1,13 +1,19 @@
 //! The scene as a backend sees it: borrowed slices.
 
+pub(crate) mod camera;
 pub(crate) mod caster;
 pub(crate) mod layout;
+pub(crate) mod light;
 pub(crate) mod light_shares;
+pub(crate) mod material;
 pub(crate) mod media;
+pub(crate) mod medium;
 pub(crate) mod solids;
 pub(crate) mod units;
 
-use crate::scene::layout::{Light, Material, Medium, Primitive};
+use crate::scene::light::Light;
+use crate::scene::material::{Material, Primitive};
+use crate::scene::medium::Medium;
 use crate::scene::units::Units;
 
 mod validate;

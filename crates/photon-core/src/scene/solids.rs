@@ -4,7 +4,8 @@ use glam::{DVec2, DVec3, Vec3};
 
 use crate::offset;
 use crate::scene::SceneView;
-use crate::scene::layout::{Light, MaterialKind};
+use crate::scene::light::Light;
+use crate::scene::material::MaterialKind;
 use crate::scene::media::{MediaFeatures, MediumStack};
 
 /// A connected set of boundary triangles of one medium.
@@ -334,7 +335,8 @@ fn solid(scene: &SceneView<'_>, medium: u32, triangles: &[(u32, u32)]) -> Solid 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::layout::{Material, Medium, Primitive};
+    use crate::scene::material::{Material, Primitive};
+    use crate::scene::medium::Medium;
     use crate::scene::units::Units;
 
     /// Boxes, each with lower corner, upper corner, material, and whether it faces inwards.

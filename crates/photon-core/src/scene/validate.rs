@@ -2,8 +2,10 @@
 
 use super::SceneView;
 use crate::error::{Error, Result};
-use crate::scene::layout::{Light, Material, MaterialKind, Medium};
+use crate::scene::light::Light;
+use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediumStack;
+use crate::scene::medium::Medium;
 use crate::scene::units::Units;
 
 /// Tolerance of the squared length of unit vectors.

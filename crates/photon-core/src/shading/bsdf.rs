@@ -10,7 +10,7 @@ use glam::Vec3;
 use crate::fresnel::{fresnel, reflect, refract, sheet_reflectance};
 use crate::requirements::features::Features;
 use crate::sampling;
-use crate::scene::layout::{Material, MaterialKind};
+use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::Interface;
 
 /// A component of a [`Bsdf`].

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::offset;
 use crate::scene::caster::{Hit, Ray};
-use crate::scene::layout::Primitive;
+use crate::scene::material::Primitive;
 use crate::shading::bsdf::Lobe;
 
 /// The intersection of a ray and a surface.

@@ -1,6 +1,8 @@
 //! Violates each rule once, and checks that the message names the culprit.
 
-use crate::scene::layout::{Light, Material, MaterialKind, Medium, Primitive};
+use crate::scene::light::Light;
+use crate::scene::material::{Material, MaterialKind, Primitive};
+use crate::scene::medium::Medium;
 use crate::scene::units::Units;
 use crate::scene::{SceneView, light_cdf};
 

@@ -1,0 +1,111 @@
+//! Surfaces of a scene: triangles and their materials.
+//!
+//! Layouts as in [`crate::Element`].
+
+use bytemuck::{Pod, Zeroable};
+
+/// Geometric normal and material of a triangle.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Primitive {
+    /// Unit normal; from the front, the vertices are counter-clockwise.
+    pub normal: [f32; 3],
+    /// Index of the material.
+    pub material: u32,
+}
+
+/// The type of scattering at a surface.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MaterialKind {
+    /// Lambertian reflection on both sides; stores photons unless it is black.
+    Lambert = 0,
+    /// A perfect mirror, on both sides.
+    Mirror = 1,
+    /// A smooth boundary of a solid: reflects and refracts by the Fresnel equations.
+    Dielectric = 2,
+    /// A smooth sheet without thickness: reflects, or transmits without changing the direction.
+    Thin = 3,
+}
+
+impl MaterialKind {
+    /// All kinds, ordered by number.
+    pub const ALL: [Self; 4] = [Self::Lambert, Self::Mirror, Self::Dielectric, Self::Thin];
+
+    /// The kind with this number; `None` if there is none.
+    #[inline]
+    #[must_use]
+    pub const fn from_u32(number: u32) -> Option<Self> {
+        match number {
+            0 => Some(Self::Lambert),
+            1 => Some(Self::Mirror),
+            2 => Some(Self::Dielectric),
+            3 => Some(Self::Thin),
+            _ => None,
+        }
+    }
+
+    /// Whether some light is transmitted.
+    #[inline]
+    #[must_use]
+    pub const fn transmits(self) -> bool {
+        match self {
+            Self::Lambert | Self::Mirror => false,
+            Self::Dielectric | Self::Thin => true,
+        }
+    }
+}
+
+/// Scattering and emission of a surface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Material {
+    /// Lambert: albedo. Mirror: reflectance. Dielectric: tint of transmitted light. In `[0, 1]`, linear
+    /// RGB.
+    pub albedo: [f32; 3],
+    /// Number of a [`MaterialKind`]; see [`Material::kind`].
+    pub kind: u32,
+    /// Emitted radiance, linear RGB, in units of total power per steradian and squared normalised
+    /// length; from the front only unless [`Material::EMITS_BOTH_SIDES`].
+    pub emission: [f32; 3],
+    /// Bits: [`Material::EMITS_BOTH_SIDES`].
+    pub flags: u32,
+    /// Dielectric: index of the solid's medium in the scene's table, ≥ 1. Otherwise 0.
+    pub medium: u32,
+    /// Refractive index of a dielectric or a thin sheet relative to vacuum, > 0; 1 otherwise.
+    pub ior: f32,
+    /// Zero.
+    pub reserved: [u32; 6],
+}
+
+impl Material {
+    /// Flag: the back emits too.
+    pub const EMITS_BOTH_SIDES: u32 = 1;
+
+    /// The type of scattering. [`crate::SceneView::validate`] refuses unknown numbers; here they count as
+    /// Lambert.
+    #[inline]
+    #[must_use]
+    pub const fn kind(&self) -> MaterialKind {
+        match MaterialKind::from_u32(self.kind) {
+            Some(kind) => kind,
+            None => MaterialKind::Lambert,
+        }
+    }
+
+    /// Whether camera paths end and photons are stored here; black surfaces store none.
+    #[inline]
+    #[must_use]
+    pub const fn is_diffuse(&self) -> bool {
+        match self.kind() {
+            MaterialKind::Lambert => true,
+            MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin => false,
+        }
+    }
+
+    /// Whether it emits light.
+    #[must_use]
+    pub fn is_emissive(&self) -> bool {
+        self.emission != [0.0; 3]
+    }
+}

@@ -25,5 +25,5 @@ void main() {
     if (i >= push.count) return;
     uvec4 place = photon_place(push.photons, uint(uint64_t(i) * push.points / push.count));
     push.queries[i].at = Query(uintBitsToFloat(place.xyz), push.radius, octahedral_unpack(place.w), i, vec3(0.0), 0u, 0u,
-        i, uint[2](0u, 0u));
+        i, 0u, 0u);
 }

@@ -28,7 +28,8 @@ struct Query {
     uint media;
     uint wo;
     uint path;
-    uint reserved[2];
+    uint shading_normal;
+    uint reserved;
 };
 
 struct Estimate {
@@ -63,7 +64,8 @@ struct Material {
     uint flags;
     uint medium;
     float ior;
-    uint reserved[6];
+    uint textures;
+    uint reserved[5];
 };
 
 struct Medium {

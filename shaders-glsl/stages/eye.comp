@@ -163,7 +163,7 @@ void main() {
                     // of its shadow.
                     push.found[(pixel << MAX_SPLITS) + found].at = Query(
                         at.start, 1.0, at.normal, pixel, throughput, sides.before,
-                        octahedral_pack(-path.ray.direction), key, uint[2](0u, 0u));
+                        octahedral_pack(-path.ray.direction), key, 0u, 0u);
                     found++;
                 }
                 alive = false;

@@ -58,7 +58,7 @@ void main() {
     uint start = GLASS ? push.queries[from].at.media : VACUUM;
     uint media = start;
     Query landing =
-        Query(vec3(NOWHERE), 1.0, normal, from, vec3(0.0), 0u, 0u, key, uint[2](0u, 0u));
+        Query(vec3(NOWHERE), 1.0, normal, from, vec3(0.0), 0u, 0u, key, 0u, 0u);
     Surface at;
     for (uint bounce = 1; bounce <= push.max_bounces && surface(push.scene, ray, at); bounce++) {
         Material material = push.scene.materials[at.material].at;

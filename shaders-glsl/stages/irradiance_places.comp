@@ -26,5 +26,5 @@ void main() {
     uvec4 point = push.positions[i * push.every].at;
     uint place = push.first + i;
     push.queries[place].at = Query(
-        uintBitsToFloat(point.xyz), 1.0, octahedral_unpack(point.w), 0u, vec3(0.0), 0u, 0u, place, uint[2](0u, 0u));
+        uintBitsToFloat(point.xyz), 1.0, octahedral_unpack(point.w), 0u, vec3(0.0), 0u, 0u, place, 0u, 0u);
 }

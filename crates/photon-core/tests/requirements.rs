@@ -53,6 +53,7 @@ impl Tables {
             light_cdf: &self.starts,
             radius: 0.9,
             units: Units::default(),
+            ..SceneView::default()
         }
     }
 }

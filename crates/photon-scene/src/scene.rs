@@ -42,6 +42,7 @@ impl Scene {
             media: &self.media,
             lights: &self.lights,
             light_cdf: &self.light_cdf,
+            shading: photon_core::ShadingTables::default(),
             radius: self.radius,
             units: self.units,
         }

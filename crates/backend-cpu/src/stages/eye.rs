@@ -154,7 +154,8 @@ impl Eye<'_> {
                     media: interface.before.bits(),
                     wo: octahedral::pack(-path.ray.direction),
                     path: number * QUERIES_PER_PIXEL + path.branch,
-                    reserved: [0; 2],
+                    shading_normal: 0,
+                    reserved: 0,
                 });
             }
             return None;

@@ -20,6 +20,7 @@ pub(crate) fn with_view<R>((positions, triangles): &Mesh, with: impl FnOnce(&Sce
         light_cdf: &[],
         radius: 1.0,
         units: Units::default(),
+        ..SceneView::default()
     })
 }
 

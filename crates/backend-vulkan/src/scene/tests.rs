@@ -32,6 +32,7 @@ fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
         light_cdf: &[],
         radius: 1.0,
         units: Units::default(),
+        ..SceneView::default()
     };
     VulkanScene::new(on, &view, &Requirements::everything(&Settings::default())).unwrap()
 }

@@ -55,6 +55,7 @@ impl Tables {
             light_cdf: &self.starts,
             radius: 1.0,
             units: Units::default(),
+            ..SceneView::default()
         }
     }
 }

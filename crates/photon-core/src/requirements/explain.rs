@@ -34,7 +34,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 .primitives
                 .iter()
                 .filter(|primitive| {
-                    material_features(&scene.materials[primitive.material as usize], scene.media).contains(feature)
+                    material_features(&scene.materials[primitive.material as usize], scene).contains(feature)
                 })
                 .count();
             let lights = scene.lights.iter().filter(|light| light_features(light).contains(feature)).count();
@@ -238,6 +238,7 @@ mod tests {
             light_cdf: &[0],
             radius: 1.0,
             units: Units::default(),
+            ..SceneView::default()
         };
         for direct in [Direct::Nee, Direct::Photons, Direct::None] {
             for indirect in [Indirect::Map, Indirect::Gather, Indirect::None] {

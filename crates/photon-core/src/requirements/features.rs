@@ -30,12 +30,25 @@ impl Features {
     pub const SPOT_LIGHTS: Self = Self(1 << 7);
     /// Directional lights.
     pub const DIRECTIONAL_LIGHTS: Self = Self(1 << 8);
+    /// Textures on colours or on emission.
+    pub const TEXTURES: Self = Self(1 << 9);
+    /// Shading normals that differ from the geometric ones: vertex normals or normal maps.
+    pub const SHADING_NORMALS: Self = Self(1 << 10);
+    /// Normal maps.
+    pub const NORMAL_MAPS: Self = Self(1 << 11);
+    /// Vertex colours.
+    pub const VERTEX_COLORS: Self = Self(1 << 12);
+    /// Area lights whose emission is textured.
+    pub const TEXTURED_LIGHTS: Self = Self(1 << 13);
     /// All features.
-    pub const ALL: Self = Self((1 << 9) - 1);
+    pub const ALL: Self = Self((1 << 14) - 1);
+    /// All that shading reads vertex attributes or textures for.
+    pub const SHADED: Self =
+        Self(Self::TEXTURES.0 | Self::SHADING_NORMALS.0 | Self::NORMAL_MAPS.0 | Self::VERTEX_COLORS.0);
     /// All lobes that are not diffuse.
     pub const SPECULAR: Self = Self(Self::MIRROR.0 | Self::DIELECTRIC.0 | Self::THIN.0);
 
-    const NAMES: [&'static str; 9] = [
+    const NAMES: [&'static str; 14] = [
         "diffuse",
         "mirror",
         "dielectric",
@@ -45,6 +58,11 @@ impl Features {
         "point-lights",
         "spot-lights",
         "directional-lights",
+        "textures",
+        "shading-normals",
+        "normal-maps",
+        "vertex-colors",
+        "textured-lights",
     ];
 
     /// The bits, for a const generic or a specialization constant.

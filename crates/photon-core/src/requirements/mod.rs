@@ -13,8 +13,8 @@ use crate::scene::SceneView;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediaFeatures;
-use crate::scene::medium::Medium;
 use crate::scene::solids::Solids;
+use crate::scene::texture::{MaterialTextures, ShadingTables};
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 
 /// The features, maps and stages that are needed for a scene.
@@ -121,8 +121,10 @@ impl Features {
     /// Indices out of range are skipped.
     #[must_use]
     pub fn of(scene: &SceneView<'_>) -> Self {
-        let materials = scene.materials_in_use().map(|material| material_features(material, scene.media));
-        materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union)
+        let materials = scene.materials_in_use().map(|material| material_features(material, scene));
+        let all = materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union);
+        let lit = if scene.lights.is_empty() { Self::TEXTURED_LIGHTS } else { Self::NONE };
+        all.without(lit)
     }
 }
 
@@ -136,18 +138,33 @@ fn reads(settings: &Settings, kind: MapKind) -> bool {
     }
 }
 
-/// The features that a material needs; `media` is the scene's table.
+/// The features that a material of `scene` needs.
 #[must_use]
-pub fn material_features(material: &Material, media: &[Medium]) -> Features {
-    match material.kind() {
+pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features {
+    let lobes = match material.kind() {
         MaterialKind::Lambert => Features::DIFFUSE,
         MaterialKind::Mirror => Features::MIRROR,
         MaterialKind::Thin => Features::THIN,
         MaterialKind::Dielectric => {
-            let absorbs = media.get(material.medium as usize).is_some_and(|medium| medium.absorption != [0.0; 3]);
+            let absorbs = scene.media.get(material.medium as usize).is_some_and(|medium| medium.absorption != [0.0; 3]);
             if absorbs { Features::DIELECTRIC.union(Features::ABSORPTION) } else { Features::DIELECTRIC }
         }
-    }
+    };
+    lobes.union(shading_features(material, &scene.shading))
+}
+
+/// The features that the vertex attributes and textures of a material need.
+fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features {
+    let when = |holds: bool, features: Features| if holds { features } else { Features::NONE };
+    let attributes = when(!tables.normals.is_empty(), Features::SHADING_NORMALS)
+        .union(when(!tables.colors.is_empty(), Features::VERTEX_COLORS));
+    let index = (material.textures as usize).checked_sub(1);
+    let Some(textures) = index.and_then(|index| tables.material_textures.get(index)) else { return attributes };
+    let used = |index: u32| index != MaterialTextures::NONE;
+    attributes
+        .union(when(used(textures.base_color) || used(textures.emission), Features::TEXTURES))
+        .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
+        .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))
 }
 
 /// The features that a light needs.

@@ -29,11 +29,14 @@ impl PhotonFormat {
 
     /// The smallest format that renders `scene` with `settings` without a difference.
     ///
-    /// Only the paper's estimator needs directions. One power is sufficient if no light and no surface in
+    /// Directions are needed by the paper's estimator, and where shading normals differ from geometric ones. One power is sufficient if no light and no surface in
     /// use treats channels differently, since equal numbers stay equal through the same operations.
     #[must_use]
     pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
         if matches!(settings.estimator, Estimator::Paper(_)) {
+            return Self::Full;
+        }
+        if Features::of(scene).contains(Features::SHADING_NORMALS) {
             return Self::Full;
         }
         if is_grey(scene) { Self::Mono } else { Self::NoDirection }
@@ -94,9 +97,10 @@ impl PhotonFormat {
 fn is_grey(scene: &SceneView<'_>) -> bool {
     let equal = |[r, g, b]: [f32; 3]| r.to_bits() == g.to_bits() && g.to_bits() == b.to_bits();
     let surface = |material: &Material| {
-        let features = crate::requirements::material_features(material, scene.media);
+        let features = crate::requirements::material_features(material, scene);
         let even = scene.media.get(material.medium as usize).is_none_or(|medium| equal(medium.absorption));
-        equal(material.albedo) && (even || !features.contains(Features::ABSORPTION))
+        let colored = Features::TEXTURES.union(Features::VERTEX_COLORS);
+        equal(material.albedo) && !features.intersects(colored) && (even || !features.contains(Features::ABSORPTION))
     };
     let light = |light: &Light| equal(light.power);
     scene.lights.iter().all(light) && scene.materials_in_use().all(surface)

@@ -10,6 +10,7 @@ use crate::scene::camera::Camera;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
+use crate::scene::texture::{MaterialTextures, TextureUse};
 
 /// An element type of buffers; its GLSL counterpart has the same offsets.
 pub trait Element: Pod + Send + Sync {
@@ -75,8 +76,11 @@ pub struct Query {
     pub wo: u32,
     /// Index of the camera path within its pass: the key of the random numbers used here.
     pub path: u32,
+    /// Unit shading normal on the visible side, packed by [`crate::octahedral::pack`]; read only in scenes with
+    /// [`crate::Features::SHADING_NORMALS`].
+    pub shading_normal: u32,
     /// Zero.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
 }
 
 /// Result of a density estimate for one query.
@@ -175,6 +179,8 @@ elements!(
     Medium = 64,
     Light = 64,
     Camera = 64,
+    TextureUse = 32,
+    MaterialTextures = 64,
 );
 
 impl Element for u32 {

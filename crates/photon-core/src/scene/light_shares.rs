@@ -91,6 +91,7 @@ mod tests {
             light_cdf: &light_cdf(&[0.25, 1e-20, 0.75]),
             radius: 1.0,
             units: Units::default(),
+            ..SceneView::default()
         };
         let shares = light_shares(&scene);
         assert_eq!(shares.len(), 2);

@@ -74,8 +74,10 @@ pub struct Material {
     pub medium: u32,
     /// Refractive index of a dielectric or a thin sheet relative to vacuum, > 0; 1 otherwise.
     pub ior: f32,
+    /// Textures that multiply the colours: 1 + index into [`crate::ShadingTables::material_textures`]; 0 without any.
+    pub textures: u32,
     /// Zero.
-    pub reserved: [u32; 6],
+    pub reserved: [u32; 5],
 }
 
 impl Material {

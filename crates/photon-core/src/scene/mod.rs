@@ -9,11 +9,13 @@ pub(crate) mod material;
 pub(crate) mod media;
 pub(crate) mod medium;
 pub(crate) mod solids;
+pub(crate) mod texture;
 pub(crate) mod units;
 
 use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
+use crate::scene::texture::ShadingTables;
 use crate::scene::units::Units;
 
 mod validate;
@@ -39,10 +41,30 @@ pub struct SceneView<'a> {
     /// Where each light's interval in the range of a random `u32` begins; the first is 0, strictly
     /// increasing.
     pub light_cdf: &'a [u32],
+    /// Vertex attributes and textures.
+    pub shading: ShadingTables<'a>,
     /// Radius of a sphere about the origin that contains the scene: vertices, point lights and spot lights.
     pub radius: f32,
     /// Conversion to user space and watts.
     pub units: Units,
+}
+
+/// An empty scene, in vacuum.
+impl Default for SceneView<'_> {
+    fn default() -> Self {
+        Self {
+            positions: &[],
+            triangles: &[],
+            primitives: &[],
+            materials: &[],
+            media: &[Medium::VACUUM],
+            lights: &[],
+            light_cdf: &[],
+            shading: ShadingTables::default(),
+            radius: 1.0,
+            units: Units::default(),
+        }
+    }
 }
 
 impl<'a> SceneView<'a> {

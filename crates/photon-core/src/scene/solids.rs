@@ -397,6 +397,7 @@ mod tests {
                 light_cdf: &[],
                 radius: 1.0,
                 units: Units { center: [0.0; 3], scale: 1.0, power: 1.0 },
+                ..SceneView::default()
             }
         }
     }

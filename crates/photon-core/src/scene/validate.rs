@@ -39,7 +39,8 @@ impl SceneView<'_> {
         each("medium", self.media, check_medium)?;
         each("material", self.materials, |material| check_material(material, self.media))?;
         each("light", self.lights, |light| check_light(light, self.triangles.len(), self.radius))?;
-        check_starts(self.light_cdf)
+        check_starts(self.light_cdf)?;
+        shading::check(self)
     }
 }
 
@@ -199,5 +200,6 @@ fn check_starts(starts: &[u32]) -> Result<()> {
     })
 }
 
+mod shading;
 #[cfg(test)]
 mod tests;

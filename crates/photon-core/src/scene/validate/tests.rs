@@ -67,6 +67,7 @@ impl Tables {
             light_cdf: &self.starts,
             radius: self.radius,
             units: self.units,
+            ..SceneView::default()
         };
         view.validate().map_err(|error| error.to_string())
     }
@@ -215,6 +216,7 @@ fn what_is_out_of_range_needs_no_feature() {
         light_cdf: &[],
         radius: 1.0,
         units: Units::default(),
+        ..SceneView::default()
     };
     let features = crate::Features::of(&view);
     assert!(features.contains(crate::Features::DIFFUSE) && !features.intersects(crate::Features::SPECULAR));

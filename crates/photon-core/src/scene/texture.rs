@@ -1,0 +1,153 @@
+//! Textures: images, and how materials refer to them.
+
+use bytemuck::{Pod, Zeroable};
+
+/// How the words of a [`Texture`] encode its texels.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum TexelFormat {
+    /// One word a texel: red in the lowest byte, then green, blue and alpha; each is its value over 255.
+    #[default]
+    Linear8 = 0,
+    /// As `Linear8`, but red, green and blue are encoded as sRGB (IEC 61966-2-1); alpha is linear.
+    Srgb8 = 1,
+    /// Four words a texel: the bits of red, green, blue and alpha as `f32`, linear.
+    Float32 = 2,
+}
+
+impl TexelFormat {
+    /// All formats, ordered by number.
+    pub const ALL: [Self; 3] = [Self::Linear8, Self::Srgb8, Self::Float32];
+
+    /// Number of words for each texel.
+    #[must_use]
+    pub const fn words(self) -> usize {
+        match self {
+            Self::Linear8 | Self::Srgb8 => 1,
+            Self::Float32 => 4,
+        }
+    }
+}
+
+/// What lies beyond the edges of a texture, in one of its two directions.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The texture again.
+    #[default]
+    Repeat = 0,
+    /// The texture mirrored, then the texture again.
+    Mirror = 1,
+    /// The texel at the edge.
+    Clamp = 2,
+}
+
+/// Which texels a lookup reads.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Filter {
+    /// The four nearest, with bilinear weights.
+    #[default]
+    Linear = 0,
+    /// The nearest one.
+    Nearest = 1,
+}
+
+/// An image, borrowed.
+#[derive(Clone, Copy, Debug)]
+pub struct Texture<'a> {
+    /// Row by row from the top left, [`TexelFormat::words`] words for each texel.
+    pub texels: &'a [u32],
+    /// Texels in a row, in `[1, 65536]`.
+    pub width: u32,
+    /// Rows, in `[1, 65536]`.
+    pub height: u32,
+    /// Encoding of the texels.
+    pub format: TexelFormat,
+    /// Wrap modes along the rows and down the columns.
+    pub wrap: [Wrap; 2],
+    /// Filter.
+    pub filter: Filter,
+}
+
+/// A texture as a material uses it: the coordinates are those of a UV set, transformed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct TextureUse {
+    /// Two rows of three: `u' = m[0] · (u, v, 1)`, `v' = m[1] · (u, v, 1)`. (0, 0) is the corner of the image's first
+    /// texel, (1, 1) that of its last one, as in glTF.
+    pub transform: [[f32; 3]; 2],
+    /// Index of the texture.
+    pub texture: u32,
+    /// Index of the UV set.
+    pub uv_set: u32,
+}
+
+impl TextureUse {
+    /// A texture by the coordinates of UV set 0 as they are.
+    #[must_use]
+    pub const fn new(texture: u32) -> Self {
+        Self { transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], texture, uv_set: 0 }
+    }
+}
+
+/// The textures of a material: indices into [`crate::ShadingTables::uses`], [`MaterialTextures::NONE`] without one.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct MaterialTextures {
+    /// Multiplies [`crate::Material::albedo`]; alpha is not read.
+    pub base_color: u32,
+    /// Multiplies [`crate::Material::emission`].
+    pub emission: u32,
+    /// Tangent-space normals: `2 rgb − 1`, with x and y times [`Self::normal_scale`].
+    pub normal: u32,
+    /// Factor on the x and y of the normal map, finite.
+    pub normal_scale: f32,
+    /// [`Self::NONE`].
+    pub reserved: [u32; 12],
+}
+
+impl MaterialTextures {
+    /// No texture.
+    pub const NONE: u32 = u32::MAX;
+}
+
+impl Default for MaterialTextures {
+    fn default() -> Self {
+        Self {
+            base_color: Self::NONE,
+            emission: Self::NONE,
+            normal: Self::NONE,
+            normal_scale: 1.0,
+            reserved: [Self::NONE; 12],
+        }
+    }
+}
+
+/// What shading reads beyond the geometry: vertex attributes of triangles, and textures. Borrowed; the default is
+/// a scene without any of it. A table that no material needs is empty, and costs nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ShadingTables<'a> {
+    /// Vertex normals of each triangle, on its front side, packed by [`crate::octahedral::pack`]; empty without smooth
+    /// normals. [`Self::FLAT`] at the first vertex: the triangle has none, and its geometric normal is used.
+    pub normals: &'a [[u32; 3]],
+    /// Vertex tangents of each triangle, packed by [`crate::octahedral::pack`], with the sign of the bitangent
+    /// `sign · normal × tangent` in the lowest bit: 1 is negative. Empty without normal maps.
+    pub tangents: &'a [[u32; 3]],
+    /// Vertex colours of each triangle: red and green, blue and alpha, each times 65535 in 16 bits, red and blue in the
+    /// lower ones. Linear; they multiply the albedo. Empty without colours.
+    pub colors: &'a [[[u32; 2]; 3]],
+    /// Texture coordinates of each triangle's vertices; UV set `s` of triangle `t` is at `s · triangles + t`.
+    pub uvs: &'a [[[f32; 2]; 3]],
+    /// Indexed by [`crate::Material::textures`] less 1.
+    pub material_textures: &'a [MaterialTextures],
+    /// Indexed by the members of [`MaterialTextures`].
+    pub uses: &'a [TextureUse],
+    /// Indexed by [`TextureUse::texture`].
+    pub textures: &'a [Texture<'a>],
+}
+
+impl ShadingTables<'_> {
+    /// The first entry of [`Self::normals`] of a triangle without vertex normals.
+    pub const FLAT: u32 = 0x8000_8000;
+}

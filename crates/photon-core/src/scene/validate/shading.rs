@@ -1,0 +1,75 @@
+//! Validation of vertex attributes and textures.
+
+use super::{Check, each, index, require};
+use crate::error::{Error, Result};
+use crate::scene::SceneView;
+use crate::scene::texture::{MaterialTextures, ShadingTables, Texture, TextureUse};
+
+/// Largest number of texels in a row, and of rows: their indices stay exact in `f32`.
+const MAX_TEXELS: u32 = 65_536;
+
+/// Checks [`SceneView::shading`] and the references of materials to it.
+pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
+    let tables = &view.shading;
+    let triangles = view.triangles.len();
+    let whole = |what, length: usize, multiple: bool| {
+        let fits = length == 0 || length == triangles || (multiple && triangles > 0 && length % triangles == 0);
+        if fits {
+            return Ok(());
+        }
+        let value = format!("{length} entries for {triangles} triangles");
+        Err(Error::InvalidScene { what, value, hint: "it must be empty, or have one entry for each triangle" })
+    };
+    whole("shading.normals", tables.normals.len(), false)?;
+    whole("shading.tangents", tables.tangents.len(), false)?;
+    whole("shading.colors", tables.colors.len(), false)?;
+    whole("shading.uvs", tables.uvs.len(), true)?;
+    let sets = if triangles == 0 { 0 } else { tables.uvs.len() / triangles };
+    each("texture coordinate", tables.uvs, |corners| {
+        require(corners.as_flattened().iter().all(|c| c.is_finite()), || format!("{corners:?} must be finite"))
+    })?;
+    each("texture", tables.textures, check_texture)?;
+    each("texture use", tables.uses, |used| check_use(used, tables.textures.len(), sets))?;
+    each("material_textures entry", tables.material_textures, |material| check_material(material, tables))?;
+    each("material", view.materials, |material| {
+        let (textures, count) = (material.textures as usize, tables.material_textures.len());
+        require(textures <= count, || format!("its textures {textures} are out of range, {count} entries exist"))
+    })
+}
+
+fn check_texture(texture: &Texture<'_>) -> Check {
+    let (width, height) = (texture.width, texture.height);
+    require((1..=MAX_TEXELS).contains(&width) && (1..=MAX_TEXELS).contains(&height), || {
+        format!("its size {width} × {height} must lie between 1 × 1 and {MAX_TEXELS} × {MAX_TEXELS}")
+    })?;
+    let words = u64::from(width) * u64::from(height) * texture.format.words() as u64;
+    let found = texture.texels.len();
+    require(found as u64 == words, || format!("it has {found} words of texels; {width} × {height} need {words}"))?;
+    let float = texture.format == crate::scene::texture::TexelFormat::Float32;
+    let sane = |word: &u32| f32::from_bits(*word).is_finite() && f32::from_bits(*word) >= 0.0;
+    require(!float || texture.texels.iter().all(sane), || "a texel is negative or not a finite number".to_owned())
+}
+
+fn check_use(used: &TextureUse, textures: usize, sets: usize) -> Check {
+    index("texture", used.texture, textures)?;
+    index("UV set", used.uv_set, sets)?;
+    require(used.transform.as_flattened().iter().all(|c| c.is_finite()), || {
+        format!("its transform {:?} must be finite", used.transform)
+    })
+}
+
+fn check_material(textures: &MaterialTextures, tables: &ShadingTables<'_>) -> Check {
+    let uses = tables.uses.len();
+    for (name, used) in
+        [("base_color", textures.base_color), ("emission", textures.emission), ("normal", textures.normal)]
+    {
+        require(used == MaterialTextures::NONE || (used as usize) < uses, || {
+            format!("its {name} texture {used} is out of range, {uses} uses exist")
+        })?;
+    }
+    let scale = textures.normal_scale;
+    require(scale.is_finite(), || format!("its normal_scale {scale} must be finite"))?;
+    require(textures.normal == MaterialTextures::NONE || !tables.tangents.is_empty(), || {
+        "it has a normal map, but the scene has no tangents".to_owned()
+    })
+}

@@ -1,5 +1,7 @@
 //! Textures: images, and how materials refer to them.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 
 /// How the words of a [`Texture`] encode its texels.
@@ -53,11 +55,11 @@ pub enum Filter {
     Nearest = 1,
 }
 
-/// An image, borrowed.
-#[derive(Clone, Copy, Debug)]
-pub struct Texture<'a> {
+/// An image. Its texels are shared, so that backends need no copy.
+#[derive(Clone, Debug)]
+pub struct Texture {
     /// Row by row from the top left, [`TexelFormat::words`] words for each texel.
-    pub texels: &'a [u32],
+    pub texels: Arc<[u32]>,
     /// Texels in a row, in `[1, 65536]`.
     pub width: u32,
     /// Rows, in `[1, 65536]`.
@@ -144,10 +146,16 @@ pub struct ShadingTables<'a> {
     /// Indexed by the members of [`MaterialTextures`].
     pub uses: &'a [TextureUse],
     /// Indexed by [`TextureUse::texture`].
-    pub textures: &'a [Texture<'a>],
+    pub textures: &'a [Texture],
 }
 
 impl ShadingTables<'_> {
     /// The first entry of [`Self::normals`] of a triangle without vertex normals.
     pub const FLAT: u32 = 0x8000_8000;
+
+    /// Whether there is nothing to read.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.normals.is_empty() && self.colors.is_empty() && self.material_textures.is_empty()
+    }
 }

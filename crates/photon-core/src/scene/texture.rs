@@ -1,5 +1,7 @@
 //! Textures: images, and how materials refer to them.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 
 /// How the words of a [`Texture`] encode its texels.
@@ -53,11 +55,11 @@ pub enum Filter {
     Nearest = 1,
 }
 
-/// An image, borrowed.
-#[derive(Clone, Copy, Debug)]
-pub struct Texture<'a> {
+/// An image. Cloning it does not copy the texels; several textures can share them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
     /// Row by row from the top left, [`TexelFormat::words`] words for each texel.
-    pub texels: &'a [u32],
+    pub texels: Arc<[u32]>,
     /// Texels in a row, in `[1, 65536]`.
     pub width: u32,
     /// Rows, in `[1, 65536]`.
@@ -144,7 +146,7 @@ pub struct ShadingTables<'a> {
     /// Indexed by the members of [`MaterialTextures`].
     pub uses: &'a [TextureUse],
     /// Indexed by [`TextureUse::texture`].
-    pub textures: &'a [Texture<'a>],
+    pub textures: &'a [Texture],
 }
 
 impl ShadingTables<'_> {

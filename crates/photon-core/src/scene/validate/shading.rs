@@ -37,7 +37,7 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
     })
 }
 
-fn check_texture(texture: &Texture<'_>) -> Check {
+fn check_texture(texture: &Texture) -> Check {
     let (width, height) = (texture.width, texture.height);
     require((1..=MAX_TEXELS).contains(&width) && (1..=MAX_TEXELS).contains(&height), || {
         format!("its size {width} × {height} must lie between 1 × 1 and {MAX_TEXELS} × {MAX_TEXELS}")

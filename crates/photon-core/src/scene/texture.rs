@@ -55,8 +55,8 @@ pub enum Filter {
     Nearest = 1,
 }
 
-/// An image. Its texels are shared, so that backends need no copy.
-#[derive(Clone, Debug)]
+/// An image. Cloning it does not copy the texels; several textures can share them.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// Row by row from the top left, [`TexelFormat::words`] words for each texel.
     pub texels: Arc<[u32]>,

@@ -221,7 +221,7 @@ fn lights(count: usize) -> Scene {
     let floor = scene.material(MaterialDesc::lambert("floor", [0.8, 0.7, 0.6]));
     let sheet = scene.material(MaterialDesc::thin("sheet", 1.5));
     let area_light = MaterialDesc::emissive("lamp", [0.5; 3], [8.0, 9.0, 10.0]);
-    let area_light = scene.material(MaterialDesc { emits_both_sides: true, ..area_light });
+    let area_light = scene.material(area_light.with_both_sides(true));
     scene.quad("floor", [[-2., 0., 2.], [2., 0., 2.], [2., 0., -2.], [-2., 0., -2.]], floor);
     scene.quad("sheet", [[-1., 0.3, 0.], [1., 0.3, 0.], [1., 1.2, -0.4], [-1., 1.2, -0.4]], sheet);
     for i in 0..count {
@@ -247,7 +247,7 @@ fn lights(count: usize) -> Scene {
         }
     }
     let above = CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8);
-    scene.camera("above", CameraDesc { projection: Projection::Orthographic { half_height: 1.4 }, ..above });
+    scene.camera("above", above.with_projection(Projection::Orthographic { half_height: 1.4 }));
     scene.build().unwrap()
 }
 

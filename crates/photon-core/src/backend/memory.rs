@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 
 /// Memory of a backend at the peak of a pass, in bytes: upper bounds, rounded up from its allocations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+// Exhaustive: a backend must state every cost.
 pub struct Costs {
     /// Per photon of a map: as stored, and as arranged for searching, including scratch memory for that.
     pub photon: u64,

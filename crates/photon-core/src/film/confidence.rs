@@ -11,6 +11,7 @@ use crate::scene::layout::{ErrorMoments, Estimate, Query};
 
 /// Error statistics of a pixel, summed over passes. Normalised units, mean of RGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ErrorPixel {
     /// Radiance estimated with twice the area, minus that of the picture: estimates the bias of a pass.
     pub bias: f64,
@@ -27,6 +28,7 @@ pub struct ErrorPixel {
 /// Distribution of the photons of one map around a pixel's queries: sums of [`ErrorMoments`] with the
 /// weights of the queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+// Exhaustive: a backend must fill in every sum.
 pub struct PhotonMoments {
     /// Σ power.
     pub power: f64,
@@ -185,6 +187,7 @@ impl Flags {
 
 /// Confidence interval of one pixel, W/(m²·sr), mean of RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: callers may write their own for `ErrorModel::new`.
 pub struct ConfidenceInterval {
     /// Value of the pixel.
     pub value: f64,

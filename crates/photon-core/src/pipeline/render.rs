@@ -48,6 +48,7 @@ pub trait Render: Send {
 
 /// How a pass ended.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum PassEnd {
     /// The pass is in the film.
     Done(PassReport),
@@ -59,6 +60,7 @@ pub enum PassEnd {
 
 /// Description of a renderer and what it was built for.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Facts {
     /// Short name of the backend.
     pub backend: &'static str,
@@ -79,6 +81,7 @@ pub struct Facts {
 
 /// Results of all passes.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Outcome {
     /// Number of passes rendered.
     pub passes: u32,

@@ -12,6 +12,7 @@ use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
 
 /// A feature, map or stage that a renderer can model, allocate or build.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Need {
     /// Its name.
     pub what: &'static str,

@@ -139,6 +139,7 @@ impl fmt::Display for MediaFeatures {
 
 /// The media on both sides of a boundary, as seen by a path that arrives there.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Interface {
     /// Refractive index behind the boundary, divided by that before it. For a thin sheet its index against the
     /// vacuum, whatever surrounds it.

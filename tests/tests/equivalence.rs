@@ -1,7 +1,7 @@
 //! Equivalence of the CPU and Vulkan backends, in one process.
 
 use backend_cpu::Cpu;
-use backend_vulkan::Vulkan;
+use backend_vulkan::{Vulkan, low_level};
 use photon_tests::equivalence;
 use photon_tests::harness::TestBackend;
 
@@ -19,7 +19,7 @@ struct OnVulkan;
 impl TestBackend for OnVulkan {
     type On = Vulkan;
     fn make(_threads: usize) -> Vulkan {
-        Vulkan::for_tests().expect("available a moment ago")
+        low_level::for_tests().expect("available a moment ago")
     }
 }
 
@@ -27,7 +27,7 @@ macro_rules! both {
     ($($name:ident),+ $(,)?) => {$(
         #[test]
         fn $name() {
-            if Vulkan::for_tests().is_some() {
+            if low_level::for_tests().is_some() {
                 equivalence::$name::<OnCpu, OnVulkan>();
             }
         }

@@ -1,7 +1,7 @@
 //! The quick extent of the extremes, on every backend.
 
 use backend_cpu::Cpu;
-use backend_vulkan::Vulkan;
+use backend_vulkan::{Vulkan, low_level};
 use photon_tests::extremes::{Extent, Group, Sheet, groups};
 use photon_tests::harness::TestBackend;
 
@@ -19,7 +19,7 @@ struct OnVulkan;
 impl TestBackend for OnVulkan {
     type On = Vulkan;
     fn make(_threads: usize) -> Vulkan {
-        Vulkan::for_tests().expect("available a moment ago")
+        low_level::for_tests().expect("available a moment ago")
     }
 }
 
@@ -38,7 +38,7 @@ macro_rules! both {
 
         #[test]
         fn $vulkan() {
-            if Vulkan::for_tests().is_some() {
+            if low_level::for_tests().is_some() {
                 check(&groups::<OnVulkan>(), $name);
             }
         }

@@ -1,6 +1,6 @@
 //! The suite on Vulkan, with the validation layer enabled.
 
-use backend_vulkan::Vulkan;
+use backend_vulkan::{Vulkan, low_level};
 use photon_tests::harness::TestBackend;
 
 struct VulkanUnderTest;
@@ -9,11 +9,11 @@ impl TestBackend for VulkanUnderTest {
     type On = Vulkan;
 
     fn make(_threads: usize) -> Vulkan {
-        Vulkan::for_tests().expect("available a moment ago")
+        low_level::for_tests().expect("available a moment ago")
     }
 
     fn available() -> bool {
-        Vulkan::for_tests().is_some()
+        low_level::for_tests().is_some()
     }
 }
 

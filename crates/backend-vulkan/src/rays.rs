@@ -138,12 +138,13 @@ impl Vulkan {
         self.cast_rays_by(scene, rays, plan)
     }
 
-    /// As [`Vulkan::cast_rays`], with an explicit plan.
-    ///
-    /// # Errors
-    /// As [`Vulkan::cast_rays`].
-    #[doc(hidden)]
-    pub fn cast_rays_by(&mut self, scene: &VulkanScene, rays: &[Ray], plan: RayPlan) -> Result<Vec<Option<Hit>>> {
+    /// [`crate::low_level::cast_rays`].
+    pub(crate) fn cast_rays_by(
+        &mut self,
+        scene: &VulkanScene,
+        rays: &[Ray],
+        plan: RayPlan,
+    ) -> Result<Vec<Option<Hit>>> {
         let cast = Cast::new(self, rays)?;
         let kernel = kernel(self, false, plan)?;
         cast.run(self, &kernel, scene, plan)?;
@@ -166,12 +167,8 @@ impl Vulkan {
         Ok(cast.read(self)?.into_iter().map(|[_, primitive, ..]| primitive != u32::MAX).collect())
     }
 
-    /// Device time in seconds for the nearest hits of all rays, for each plan, `rounds` measurements each.
-    ///
-    /// # Errors
-    /// As [`Vulkan::cast_rays`].
-    #[doc(hidden)]
-    pub fn time_rays(
+    /// [`crate::low_level::time_rays`].
+    pub(crate) fn time_rays(
         &mut self,
         scene: &VulkanScene,
         rays: &[Ray],

@@ -1,7 +1,6 @@
 //! Photon maps built on the device: the same slots in the same order as those of the CPU's index of the same
 //! kind, bit for bit.
 
-#[doc(hidden)]
 pub mod bench;
 mod bounds;
 mod lists;

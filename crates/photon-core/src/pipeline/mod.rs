@@ -122,12 +122,11 @@ impl<B: TransportBackend> Pipeline<B> {
         Self::assemble(on, scene, view, settings, (required, stages), batch)
     }
 
-    /// Like [`Pipeline::new`], with this many paths per batch. The picture is the same, which tests check.
-    /// Not for users: memory and launches are sized for the default.
+    /// Like [`Pipeline::new`], with `batch` paths per batch instead of [`TransportBackend::batch`]. The picture is the
+    /// same; smaller batches need less memory and are slower.
     ///
     /// # Errors
     /// Those of [`Pipeline::new`], and [`Error::InvalidSetting`] for a batch of 0 paths.
-    #[doc(hidden)]
     pub fn in_batches(on: B, scene: &SceneView<'_>, view: View, settings: Settings, batch: u32) -> Result<Self> {
         if batch == 0 {
             return Err(Error::InvalidSetting {

@@ -28,9 +28,8 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     let required = Requirements::of(scene, settings);
     let mut needs: Vec<Need> = Features::ALL
         .names()
-        .enumerate()
-        .map(|(bit, what)| {
-            let feature = Features::from_bits(1 << bit);
+        .zip(Features::ALL)
+        .map(|(what, feature)| {
             let triangles = scene
                 .primitives
                 .iter()

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Hit, Ray, Result, Stage};
 
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::scene::VulkanScene;
 use crate::shaders;
 use crate::vulkan::Vulkan;
@@ -84,7 +84,7 @@ impl Cast {
         Ok(Self { lines, hits, counter, count })
     }
 
-    fn run(&self, on: &mut Vulkan, kernel: &Kernel, scene: &VulkanScene, plan: RayPlan) -> Result<()> {
+    fn run(&self, on: &mut Vulkan, kernel: &ComputePipeline, scene: &VulkanScene, plan: RayPlan) -> Result<()> {
         let all = u64::from(self.count.div_ceil(plan.group));
         let workgroups = if plan.busy == 0 { all } else { all.min(u64::from(plan.workgroups.max(1))) };
         let push = Push {
@@ -114,7 +114,7 @@ fn line(ray: &Ray) -> Line {
     Line { origin: ray.origin.into(), t_max: ray.t_max, direction: ray.direction.into(), reserved: 0 }
 }
 
-fn kernel(on: &mut Vulkan, shadow: bool, plan: RayPlan) -> Result<Kernel> {
+fn kernel(on: &mut Vulkan, shadow: bool, plan: RayPlan) -> Result<ComputePipeline> {
     let mut constants = [0; 11];
     constants[1] = plan.group;
     constants[2] = u32::from(shadow);

@@ -7,7 +7,8 @@ use gpu_allocator::MemoryLocation;
 use photon_core::{Error, Result};
 
 use crate::device::{
-    Device, DiskCache, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
+    ComputePipeline, Device, DiskCache, Fault, Groups, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice,
+    Recorder,
 };
 use crate::dispatch_limits::DispatchLimits;
 use crate::shaders;
@@ -134,12 +135,12 @@ impl Vulkan {
 
     /// The kernel of a module, compiled if necessary: `constants[i]` is specialization constant i; 0 is the
     /// features, 1 the workgroup size.
-    pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<Kernel> {
+    pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<ComputePipeline> {
         self.pipelines.kernel(module, constants)
     }
 
     /// Dispatches the given number of workgroups of a kernel.
-    pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &Kernel, push: &P, workgroups: u64) -> Result<()> {
+    pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &ComputePipeline, push: &P, workgroups: u64) -> Result<()> {
         if workgroups == 0 {
             return Ok(());
         }
@@ -156,7 +157,7 @@ impl Vulkan {
     /// Indirect dispatch: the three words of `args` at `offset` are the numbers of workgroups.
     pub(crate) fn dispatch_indirect<P: Pod>(
         &mut self,
-        kernel: &Kernel,
+        kernel: &ComputePipeline,
         push: &P,
         args: &Memory,
         offset: u64,

@@ -77,6 +77,12 @@ impl Features {
         self.intersects(Self::DIELECTRIC.union(Self::THIN))
     }
 
+    /// The features that are not in `other`.
+    #[must_use]
+    pub const fn without(self, other: Self) -> Self {
+        self.difference(other)
+    }
+
     /// Names of the included features, in fixed order.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
         Self::NAMES.into_iter().zip(Self::ALL).filter(move |&(_, flag)| self.contains(flag)).map(|(name, _)| name)

@@ -82,7 +82,7 @@ impl Requirements {
     /// # Errors
     /// [`Error::MissingFeatures`].
     pub fn check(&self, needed: Features) -> Result<()> {
-        let missing = needed.difference(self.features);
+        let missing = needed.without(self.features);
         if missing == Features::NONE { Ok(()) } else { Err(Error::MissingFeatures { missing }) }
     }
 
@@ -125,7 +125,7 @@ impl Features {
         let materials = scene.materials_in_use().map(|material| material_features(material, scene));
         let all = materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union);
         let lit = if scene.lights.is_empty() { Self::TEXTURED_LIGHTS } else { Self::NONE };
-        all.difference(lit)
+        all.without(lit)
     }
 }
 

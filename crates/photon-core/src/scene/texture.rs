@@ -55,8 +55,8 @@ pub enum Filter {
     Nearest = 1,
 }
 
-/// An image. Its texels are shared, so that backends need no copy.
-#[derive(Clone, Debug)]
+/// An image. Cloning it does not copy the texels; several textures can share them.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// Row by row from the top left, [`TexelFormat::words`] words for each texel.
     pub texels: Arc<[u32]>,
@@ -80,7 +80,7 @@ pub struct TextureUse {
     /// texel, (1, 1) that of its last one, as in glTF.
     pub transform: [[f32; 3]; 2],
     /// Index of the texture.
-    pub texture: u32,
+    pub texture_index: u32,
     /// Index of the UV set.
     pub uv_set: u32,
 }
@@ -89,7 +89,7 @@ impl TextureUse {
     /// A texture by the coordinates of UV set 0 as they are.
     #[must_use]
     pub const fn new(texture: u32) -> Self {
-        Self { transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], texture, uv_set: 0 }
+        Self { transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], texture_index: texture, uv_set: 0 }
     }
 }
 
@@ -145,7 +145,7 @@ pub struct ShadingTables<'a> {
     pub material_textures: &'a [MaterialTextures],
     /// Indexed by the members of [`MaterialTextures`].
     pub uses: &'a [TextureUse],
-    /// Indexed by [`TextureUse::texture`].
+    /// Indexed by [`TextureUse::texture_index`].
     pub textures: &'a [Texture],
 }
 

@@ -81,7 +81,7 @@ impl Shading<'_> {
         let [a, b, c] = corners.weights;
         let uv = std::array::from_fn(|axis| uvs[0][axis] * a + uvs[1][axis] * b + uvs[2][axis] * c);
         let [red, green, blue, _] =
-            lookup(&self.tables.textures[used.texture as usize], self.values, transform(used, uv));
+            lookup(&self.tables.textures[used.texture_index as usize], self.values, transform(used, uv));
         Some(Vec3::new(red, green, blue))
     }
 

@@ -54,6 +54,8 @@ pub(super) struct Question {
     pub(super) filter: bool,
     /// Whether photons are rejected by their distance from the query's plane.
     pub(super) flat: bool,
+    /// Whether photons are weighted by the cosine to the query's shading normal.
+    pub(super) shading: bool,
     pub(super) k: u32,
     /// Rows and counts: the radius. Otherwise a factor on every query's radius.
     pub(super) radius: f32,
@@ -177,21 +179,33 @@ impl MapSearch {
             return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), hint });
         }
         let format = map.photon_format().number();
+        let shading = u32::from(question.shading);
         let kernel = match question.mode {
             Mode::Radius => {
                 let filter = u32::from(question.filter);
                 let moments = u32::from(question.error_moments != 0);
                 let flat = u32::from(question.flat);
                 let kernel = question.kernel.number();
-                let constants = [0, workgroup, TILES, ordered, kernel, filter, moments, flat, turns, format];
+                let constants = [0, workgroup, TILES, ordered, kernel, filter, moments, flat, turns, format, shading];
                 on.kernel(&shaders::SEARCH_RADIUS, &constants)?
             }
             Mode::Count => on.kernel(&shaders::SEARCH_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
             Mode::Nearest | Mode::Paper | Mode::Rows => {
                 let mode = question.mode as u32 - Mode::Nearest as u32;
                 let (filter, wide) = (u32::from(question.filter), u32::from(question.k > self.narrow_bins));
-                let constants =
-                    [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide, turns, format];
+                let constants = [
+                    0,
+                    workgroup,
+                    TILES,
+                    ordered,
+                    question.kernel.number(),
+                    filter,
+                    mode,
+                    wide,
+                    turns,
+                    format,
+                    shading,
+                ];
                 on.kernel(&shaders::SEARCH_K_NEAREST, &constants)?
             }
         };

@@ -7,6 +7,7 @@
 
 pub mod accuracy;
 pub mod aiming;
+pub mod backends;
 pub mod debias;
 pub mod determinism;
 pub mod dielectrics;

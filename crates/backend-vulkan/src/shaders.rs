@@ -77,6 +77,8 @@ pub(crate) static INDEX_VVH_PLAN: Module =
 pub(crate) static INDEX_VVH_SIDES: Module =
     Module { name: "index_vvh_sides", bytes: include_bytes!("../spirv/index_vvh_sides.spv") };
 
+pub(crate) static PROBE_BIAS: Module = Module { name: "probe_bias", bytes: include_bytes!("../spirv/probe_bias.spv") };
+
 pub(crate) static PROBE_BSDF: Module = Module { name: "probe_bsdf", bytes: include_bytes!("../spirv/probe_bsdf.spv") };
 
 pub(crate) static PROBE_KERNEL: Module =
@@ -188,7 +190,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 65] = [
+pub(crate) static ALL: [&Module; 66] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -215,6 +217,7 @@ pub(crate) static ALL: [&Module; 65] = [
     &INDEX_VVH_PART,
     &INDEX_VVH_PLAN,
     &INDEX_VVH_SIDES,
+    &PROBE_BIAS,
     &PROBE_BSDF,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,

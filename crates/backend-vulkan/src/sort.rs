@@ -6,7 +6,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
-use crate::device::{Fault, Kernel, Memory};
+use crate::device::{ComputePipeline, Fault, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -19,9 +19,9 @@ const SUBGROUPS: u32 = 8;
 #[derive(Debug)]
 pub(crate) struct Sort {
     /// For keys of one and of two words.
-    count: [Kernel; 2],
-    offsets: Kernel,
-    scatter: [Kernel; 2],
+    count: [ComputePipeline; 2],
+    offsets: ComputePipeline,
+    scatter: [ComputePipeline; 2],
     tile: u64,
     /// Totals by digit, then counts by digit and tile; grows on demand.
     scratch: Memory,
@@ -109,7 +109,7 @@ impl Sort {
     /// Errors of the device.
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = workgroup(on)?;
-        let both = |on: &mut Vulkan, module| -> Result<[Kernel; 2]> {
+        let both = |on: &mut Vulkan, module| -> Result<[ComputePipeline; 2]> {
             Ok([on.kernel(module, &[0, size, 1])?, on.kernel(module, &[0, size, 2])?])
         };
         Ok(Self {

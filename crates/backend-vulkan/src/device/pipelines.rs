@@ -13,7 +13,7 @@ use super::module::Module;
 
 /// A compiled kernel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Kernel {
+pub(crate) struct ComputePipeline {
     pub(crate) pipeline: vk::Pipeline,
     pub(crate) name: &'static str,
     /// Specialization constant 1.
@@ -30,7 +30,7 @@ pub(crate) struct Pipelines {
     disk: Option<DiskCache>,
     #[cfg(test)]
     begun_with: usize,
-    compiled: BTreeMap<(&'static str, Vec<u32>), Kernel>,
+    compiled: BTreeMap<(&'static str, Vec<u32>), ComputePipeline>,
     fresh: bool,
 }
 
@@ -60,7 +60,7 @@ impl Pipelines {
     }
 
     /// The kernel of a module, compiled if necessary; `constants[i]` is specialization constant i.
-    pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<Kernel> {
+    pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<ComputePipeline> {
         let key = (module.name, constants.to_vec());
         if let Some(kernel) = self.compiled.get(&key) {
             return Ok(*kernel);
@@ -88,7 +88,7 @@ impl Pipelines {
         let pipeline = made.map_err(|(_, result)| during(module.name)(result))?[0];
         self.device.name(pipeline, module.name);
         self.fresh = true;
-        let kernel = Kernel { pipeline, name: module.name, workgroup: constants.get(1).copied().unwrap_or(1) };
+        let kernel = ComputePipeline { pipeline, name: module.name, workgroup: constants.get(1).copied().unwrap_or(1) };
         self.compiled.insert(key, kernel);
         Ok(kernel)
     }

@@ -2,6 +2,7 @@
 //!
 //! The bounds are stated in [`table`], once for each function, and in `docs/studies/shaders.md`.
 
+mod bias;
 mod compare;
 mod draw;
 mod flushed;
@@ -38,7 +39,7 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => PROBE_BSDF PROBE_KERNEL PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_RANDOM PROBE_SAMPLING PROBE_SOLID_ANGLE PROBE_TRIANGLE,
+    push_layout: Push => PROBE_BIAS PROBE_BSDF PROBE_KERNEL PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_RANDOM PROBE_SAMPLING PROBE_SOLID_ANGLE PROBE_TRIANGLE,
     inputs outputs count padding
 );
 

@@ -31,7 +31,7 @@ fn tilted(builder: &mut SceneBuilder, material: MaterialDesc, (half, y): (f64, f
     let image = TextureDesc::float32("bumps", 2, 1, &[texel, [0.5, 0.5, 1.0, 1.0]]).filtered(Filter::Nearest);
     let image = builder.texture(image);
     let textures = TexturesDesc { normal: Some(TextureRef::new(image)), ..TexturesDesc::default() };
-    let material = builder.material(MaterialDesc { textures, ..material });
+    let material = builder.material(material.with_textures(textures));
     let uvs = vec![vec![[0.1, 0.9], [0.4, 0.9], [0.4, 0.1], [0.1, 0.1]]];
     let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
     builder.mesh_with("tilted", positions, triangles, attributes, material);

@@ -44,6 +44,7 @@ pub use requirements::photon_format::PhotonFormat;
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::camera::Camera;
 pub use scene::caster::{Hit, Ray, RayCaster};
+pub use scene::environment::{EnvironmentMap, EnvironmentRow};
 pub use scene::layout::{Element, ErrorMoments, Estimate, Photon, PhotonRay, Query};
 pub use scene::light::Light;
 pub use scene::light_shares::{LightShare, light_shares};
@@ -61,6 +62,7 @@ pub use settings::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Scheduling, Settings,
 };
 pub use shading::bsdf::{Bsdf, Lobe};
+pub use shading::environment::EnvironmentSample;
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{

@@ -3,6 +3,7 @@
 pub mod area;
 mod bias;
 pub(crate) mod bsdf;
+pub(crate) mod environment;
 pub mod fresnel;
 pub(crate) mod interaction;
 pub mod math;

@@ -9,6 +9,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Estimate, Film, Layer, Query, Result, Units, check_size};
 
+use crate::constants;
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
@@ -50,7 +51,7 @@ struct Plane {
 
 /// Planes of the first-surface sums, as in film.glsl: the high parts of eight sums, their low parts, and a
 /// count.
-const FIRST_LOW: usize = 8;
+const FIRST_LOW: usize = constants::FIRST_LOW as usize;
 const FIRST_PLANES: usize = 2 * FIRST_LOW + 1;
 
 /// Bytes per pixel of `FirstPass`.

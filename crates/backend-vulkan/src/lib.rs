@@ -12,6 +12,7 @@
 mod push;
 
 mod backend;
+mod constants;
 mod device;
 mod dispatch_limits;
 mod film;

@@ -5,12 +5,12 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
+use crate::constants::SCAN_ITEMS;
 use crate::device::{Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Words per invocation, as `SCAN_ITEMS` in the shaders.
-const ITEMS: u64 = 16;
+const ITEMS: u64 = SCAN_ITEMS as u64;
 /// Invocations per workgroup, of the kernels with many workgroups and of the one with a single workgroup.
 const MANY: u32 = 256;
 const ALONE: u32 = 512;

@@ -6,14 +6,13 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
+use crate::constants::{SORT_DIGITS, SORT_ITEMS, SORT_SUBGROUPS};
 use crate::device::{Fault, Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Keys per invocation, as `SORT_ITEMS` in the shaders.
-const ITEMS: u64 = 16;
-const DIGITS: u64 = 256;
-const SUBGROUPS: u32 = 8;
+const ITEMS: u64 = SORT_ITEMS as u64;
+const DIGITS: u64 = SORT_DIGITS as u64;
 
 /// Sorts pairs of a key of one or two words, the lower word first, and a value of one word.
 #[derive(Debug)]
@@ -96,7 +95,7 @@ pushed!(
 /// The device does not support workgroups of that size.
 pub(crate) fn workgroup(on: &Vulkan) -> Result<u32> {
     let limits = on.limits();
-    let size = (SUBGROUPS * limits.subgroup_size).min(256);
+    let size = (SORT_SUBGROUPS * limits.subgroup_size).min(256);
     if size > limits.max_workgroup {
         let why = format!("{}: sorting needs workgroups of {size} invocations, which are not supported", limits.name);
         return Err(Fault::Other(why).into());

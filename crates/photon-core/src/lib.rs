@@ -18,6 +18,7 @@ mod scene;
 mod settings;
 mod shading;
 
+pub use backend::kd_tree;
 pub use backend::memory::Costs;
 pub use backend::observer::{Event, Observer, PassReport};
 pub use backend::stages::{
@@ -62,4 +63,4 @@ pub use settings::{
 };
 pub use shading::bsdf::{Bsdf, Lobe};
 pub use shading::interaction::SurfaceInteraction;
-pub use shading::{area, fresnel, math, octahedral, offset, random, sampling, sobol, solid_angle};
+pub use shading::{area, fresnel, light_sampler, math, octahedral, offset, random, sampling, sobol, solid_angle};

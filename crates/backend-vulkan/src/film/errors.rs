@@ -5,14 +5,15 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
 
 use super::{GROUP, VulkanFilm, home, zeroed};
+use crate::constants::{ERROR_LOW, MOMENTS_LOW};
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
 /// Number of sums, each with a high and a low plane, as in film.glsl.
-const SUMS: usize = 4;
-const MOMENTS: usize = 7;
+const SUMS: usize = ERROR_LOW as usize;
+const MOMENTS: usize = MOMENTS_LOW as usize;
 
 /// Source of an accumulation, specialization constant 2 of its kernel.
 const FROM_MOMENTS: u32 = 0;

@@ -15,7 +15,7 @@ mod tests;
 mod vvh;
 mod vvh_nodes;
 
-use photon_core::{IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result};
+use photon_core::{IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result, kd_tree};
 
 use crate::device::buffer::VulkanBuffer;
 use crate::device::{Kernel, Module};
@@ -29,7 +29,7 @@ use vvh::Vvh;
 use vvh_nodes::VvhNodes;
 
 /// Points per leaf, and children per node.
-const WIDTH: u64 = 16;
+const WIDTH: u64 = kd_tree::WIDTH as u64;
 
 /// The kernel of a module that reads photons, specialized to the photon format of a buffer.
 fn reading(on: &mut Vulkan, module: &'static Module, workgroup: u32, photons: &VulkanBuffer<Photon>) -> Result<Kernel> {

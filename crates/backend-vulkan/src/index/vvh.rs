@@ -4,7 +4,7 @@
 //! them empty dispatches.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result};
+use photon_core::{Photon, Result, kd_tree};
 
 use super::WIDTH;
 use super::bounds::BoundsOf;
@@ -15,8 +15,7 @@ use crate::device::{Kernel, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Below this depth segments are halved; as in the shaders.
-const HEURISTIC_DEPTH: u64 = 24;
+const HEURISTIC_DEPTH: u64 = kd_tree::HEURISTIC_DEPTH as u64;
 /// A sample of 64 photons per segment.
 const PLAN_WORKGROUP: u32 = 64;
 /// Bytes of a `VvhLevel`, a `VvhJobs`, a `VvhSegments`.

@@ -1,7 +1,7 @@
 //! Direct light by next-event estimation.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{DirectLight, Layer, Pass, Query, Result};
+use photon_core::{DirectLight, Layer, Pass, Query, Result, light_sampler};
 
 use crate::device::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
@@ -12,7 +12,7 @@ use crate::vulkan::Vulkan;
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
 /// Up to this many lights, each query weights the lights individually.
-const MAX_LIGHTS: u32 = 16;
+const MAX_LIGHTS: u32 = light_sampler::MAX_LIGHTS as u32;
 
 /// Shadow rays to points on the lights.
 #[derive(Debug)]

@@ -4,6 +4,7 @@ pub mod area;
 pub(crate) mod bsdf;
 pub mod fresnel;
 pub(crate) mod interaction;
+pub mod light_sampler;
 pub mod math;
 pub mod octahedral;
 pub mod offset;

@@ -89,6 +89,8 @@ pushed!(
     keys values sorted_keys sorted_values counts totals count tiles shift flags
 );
 
+specialized!(key_constants: KeyConstants => SORT_COUNT SORT_SCATTER, 2 key_words: u32);
+
 /// Size of the workgroups that sort tiles: at most eight subgroups and 256 invocations, to limit shared memory.
 ///
 /// # Errors
@@ -109,11 +111,12 @@ impl Sort {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = workgroup(on)?;
         let both = |on: &mut Vulkan, module| -> Result<[Kernel; 2]> {
-            Ok([on.kernel(module, &[0, size, 1])?, on.kernel(module, &[0, size, 2])?])
+            let mut of = |key_words| on.kernel(module, size, &KeyConstants { key_words });
+            Ok([of(1)?, of(2)?])
         };
         Ok(Self {
             count: both(on, &shaders::SORT_COUNT)?,
-            offsets: on.kernel(&shaders::SORT_OFFSETS, &[0, size])?,
+            offsets: on.kernel(&shaders::SORT_OFFSETS, size, &())?,
             scatter: both(on, &shaders::SORT_SCATTER)?,
             tile: u64::from(size) * ITEMS,
             scratch: on.memory("sort", 4096)?,

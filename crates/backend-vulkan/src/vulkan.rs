@@ -11,6 +11,7 @@ use crate::device::{
 };
 use crate::dispatch_limits::DispatchLimits;
 use crate::shaders;
+use crate::specialization::Constants;
 use crate::stages::TracePlan;
 
 /// Renders on a GPU.
@@ -161,7 +162,7 @@ impl Vulkan {
 
     /// Compiled pipelines: modules and their specialization constants.
     #[cfg(test)]
-    pub(crate) fn compiled(&self) -> Vec<(&'static str, Vec<u32>)> {
+    pub(crate) fn compiled(&self) -> Vec<crate::device::Specialized> {
         self.pipelines.compiled().cloned().collect()
     }
 
@@ -170,10 +171,14 @@ impl Vulkan {
         Memory::new(&self.device, label, bytes, MemoryLocation::GpuOnly)
     }
 
-    /// The kernel of a module, compiled if necessary: `constants[i]` is specialization constant i; 0 is the
-    /// features, 1 the workgroup size.
-    pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<Kernel> {
-        self.pipelines.kernel(module, constants)
+    /// The kernel of a module with this workgroup size, compiled if necessary.
+    pub(crate) fn kernel(
+        &mut self,
+        module: &'static Module,
+        workgroup: u32,
+        constants: &impl Constants,
+    ) -> Result<Kernel> {
+        self.pipelines.kernel(module, workgroup, constants)
     }
 
     /// Dispatches the given number of workgroups of a kernel.

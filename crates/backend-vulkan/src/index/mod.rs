@@ -31,9 +31,15 @@ use vvh_nodes::VvhNodes;
 /// Points per leaf, and children per node.
 const WIDTH: u64 = kd_tree::WIDTH as u64;
 
+specialized!(
+    reading_constants: ReadingConstants => INDEX_ARRANGE INDEX_BOUNDS INDEX_CODES INDEX_KEYS INDEX_MEDIAN_FINISH
+        INDEX_MEDIAN_SIDES INDEX_PICK INDEX_REFINE INDEX_VVH_FINISH INDEX_VVH_PLAN,
+    2 format: PhotonFormat
+);
+
 /// The kernel of a module that reads photons, specialized to the photon format of a buffer.
 fn reading(on: &mut Vulkan, module: &'static Module, workgroup: u32, photons: &VulkanBuffer<Photon>) -> Result<Kernel> {
-    on.kernel(module, &[0, workgroup, photons.photon_format().number()])
+    on.kernel(module, workgroup, &ReadingConstants { format: photons.photon_format() })
 }
 
 /// Builds photon maps.

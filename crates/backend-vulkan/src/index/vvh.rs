@@ -139,7 +139,6 @@ fn levels(length: u64) -> u64 {
 
 impl Vvh {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let constants = [0, WORKGROUP];
         let mut memory = |label| on.memory(label, 32);
         let (levels, jobs, shorts, tiles) =
             (memory("map: levels")?, memory("map: tiles")?, memory("map: segments")?, memory("map: tiles")?);
@@ -148,9 +147,9 @@ impl Vvh {
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             lists: Lists::new(on)?,
-            sides: on.kernel(&shaders::INDEX_VVH_SIDES, &constants)?,
-            count: on.kernel(&shaders::INDEX_VVH_COUNT, &constants)?,
-            part: on.kernel(&shaders::INDEX_VVH_PART, &constants)?,
+            sides: on.kernel(&shaders::INDEX_VVH_SIDES, WORKGROUP, &())?,
+            count: on.kernel(&shaders::INDEX_VVH_COUNT, WORKGROUP, &())?,
+            part: on.kernel(&shaders::INDEX_VVH_PART, WORKGROUP, &())?,
             levels,
             jobs,
             segments,

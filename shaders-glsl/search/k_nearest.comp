@@ -27,16 +27,30 @@ layout(constant_id = 5) const uint FILTER = 1;
 #include "shading/constants.glsl"
 #include "shading/kernel.glsl"
 #include "shading/octahedral.glsl"
+#include "shading/shading_normal.glsl"
 #include "search/search_map.glsl"
 #include "search/search_distance.glsl"
 #include "search/search_sum.glsl"
+
+// Whether photons are weighted by the cosine to the query's shading normal.
+layout(constant_id = 10) const uint SHADING = 0;
 
 // Positions; then normals or directions, and powers or ids.
 shared uvec4 staged[TILES * TILE_POINTS];
 shared vec3 axes[TILES * TILE_POINTS];
 shared uvec3 goods[TILES * TILE_POINTS];
+// Packed directions that photons came from, if `SHADING`.
+shared uint directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 
 vec3 at, normal;
+// The shading normal, if `SHADING`.
+vec3 shading;
+
+// Factor on the power of a photon, whose packed direction and normal these are.
+float shading_factor(uint direction, uint photon_normal) {
+    if (SHADING == 0) return 1.0;
+    return shading_cosine_ratio(octahedral_unpack(direction), octahedral_unpack(photon_normal), shading);
+}
 uint limit, accepted;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Rows { uvec2 key; };
@@ -57,6 +71,7 @@ void stage(uint mode, uint place, uint slot) {
     if (mode == COLLECT || MODE == PAPER) {
         uvec4 power = flux_at(FORMAT, push.power, slot);
         goods[place] = power.xyz;
+        if (SHADING != 0) directions[place] = power.w;
         if (MODE == PAPER) axes[place] = octahedral_unpack(power.w);
     }
     if (MODE == DENSITY && FILTER != 0) axes[place] = octahedral_unpack(point.w);
@@ -129,6 +144,7 @@ void query_keep(inout uint round) {
 void ask(uint index) {
     at = push.queries[index].at.position;
     normal = push.queries[index].at.normal;
+    if (SHADING != 0) shading = octahedral_unpack(push.queries[index].at.shading_normal);
     precise float radius = MODE == ROWS ? push.radius : push.queries[index].at.radius * push.radius;
     precise float most = radius * radius;
     phase = DONE;
@@ -201,6 +217,7 @@ void main() {
     uint index = asked && ORDERED != 0 ? push.order[place].at : place;
     at = vec3(0.0);
     normal = vec3(0.0);
+    shading = vec3(0.0);
     accepted = 0;
     highest = 0;
     moments_begin(place);

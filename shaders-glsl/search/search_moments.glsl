@@ -71,6 +71,7 @@ void collect(uint place, uint bits, uint slot) {
             row_add(sure, bits, goods[place].x);
         } else {
             vec3 power = uintBitsToFloat(goods[place]);
+            if (SHADING != 0) power *= shading_factor(directions[place], staged[place].w);
             if (MODE == PAPER) power *= dot3(axes[place], normal) * push.parameter;
             moments_add(power, uintBitsToFloat(bits));
         }
@@ -111,6 +112,7 @@ float finish(bool full) {
         }
         uvec4 power = flux_at(FORMAT, push.power, slot);
         float weight = MODE == PAPER ? dot3(octahedral_unpack(power.w), normal) * push.parameter : 1.0;
+        if (SHADING != 0) weight *= shading_factor(power.w, push.positions[slot].at.w);
         moments_add(uintBitsToFloat(power.xyz) * weight, uintBitsToFloat(bits));
     }
     if (MODE == ROWS) {

@@ -40,8 +40,27 @@ const uint FEATURE_AREA_LIGHTS = 32u;
 const uint FEATURE_POINT_LIGHTS = 64u;
 const uint FEATURE_SPOT_LIGHTS = 128u;
 const uint FEATURE_DIRECTIONAL_LIGHTS = 256u;
+const uint FEATURE_TEXTURES = 512u;
+const uint FEATURE_SHADING_NORMALS = 1024u;
+const uint FEATURE_NORMAL_MAPS = 2048u;
+const uint FEATURE_VERTEX_COLORS = 4096u;
+const uint FEATURE_TEXTURED_LIGHTS = 8192u;
 const uint FEATURE_SPECULAR = 14u;
 const uint FEATURE_ALL = 16383u;
+
+// TexelFormat, Wrap, Filter.
+const uint TEXEL_LINEAR8 = 0u;
+const uint TEXEL_SRGB8 = 1u;
+const uint TEXEL_FLOAT32 = 2u;
+const uint WRAP_REPEAT = 0u;
+const uint WRAP_MIRROR = 1u;
+const uint WRAP_CLAMP = 2u;
+const uint FILTER_LINEAR = 0u;
+const uint FILTER_NEAREST = 1u;
+
+// MaterialTextures without a texture; a triangle without vertex normals.
+const uint NO_TEXTURE = 4294967295u;
+const uint FLAT_TRIANGLE = 2147516416u;
 
 // RandomKind.
 const uint RANDOM_COUNTER = 0u;
@@ -123,6 +142,10 @@ const float OCTAHEDRAL_STEPS = 32767.0;
 const float OFFSET_STEP = 9.5367431640625e-7;
 const float OFFSET_MARGIN = 1.9073486328125e-6;
 const float OFFSET_MAX_SLOPE = 0.0625;
+
+// shading_normal.
+const float SHADING_MAX_RATIO = 32.0;
+const float SHADING_MIN_COSINE = 0.0010000000474974513;
 
 // solid_angle.
 const float SOLID_ANGLE_NEAR = 32.0;

@@ -17,6 +17,7 @@ layout(constant_id = 3) const bool AIMED = false;
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
+#include "shading/shade.glsl"
 
 layout(push_constant, scalar) uniform Push {
     SceneRef scene;
@@ -74,6 +75,10 @@ void main() {
         origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
     } else if ((FEATURES & FEATURE_AREA_LIGHTS) != 0u) {
         vec2 weights = sampling_triangle(a, b);
+        if (TEXTURED_LIGHTS) {
+            carried = shade_multiply(
+                carried, shade_emission_ratio(push.scene, light, emission.slot, weights.x, weights.y));
+        }
         vec3 point = within(emission.a, emission.b, emission.c, emission.margin, weights.x, weights.y);
         bool back = (light.flags & LIGHT_BOTH_SIDES) != 0u && choice.w >> 31 == 1u;
         vec3 normal = back ? -emission.normal : emission.normal;

@@ -9,8 +9,8 @@ use std::fs;
 
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain};
 use photon_core::{
-    Camera, Estimate, Features, Kernel, Layer, Light, MapKind, Material, MaterialKind, MediaFeatures,
-    QUERIES_PER_PIXEL, RandomKind,
+    Camera, Estimate, Features, Filter, Kernel, Layer, Light, MapKind, Material, MaterialKind, MaterialTextures,
+    MediaFeatures, QUERIES_PER_PIXEL, RandomKind, ShadingTables, TexelFormat, Wrap,
 };
 
 use self::file::{Group, compare, text};
@@ -57,9 +57,31 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_POINT_LIGHTS", Features::POINT_LIGHTS.bits()),
                 ("FEATURE_SPOT_LIGHTS", Features::SPOT_LIGHTS.bits()),
                 ("FEATURE_DIRECTIONAL_LIGHTS", Features::DIRECTIONAL_LIGHTS.bits()),
+                ("FEATURE_TEXTURES", Features::TEXTURES.bits()),
+                ("FEATURE_SHADING_NORMALS", Features::SHADING_NORMALS.bits()),
+                ("FEATURE_NORMAL_MAPS", Features::NORMAL_MAPS.bits()),
+                ("FEATURE_VERTEX_COLORS", Features::VERTEX_COLORS.bits()),
+                ("FEATURE_TEXTURED_LIGHTS", Features::TEXTURED_LIGHTS.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],
+        ),
+        (
+            "TexelFormat, Wrap, Filter.",
+            vec![
+                ("TEXEL_LINEAR8", TexelFormat::Linear8 as u32),
+                ("TEXEL_SRGB8", TexelFormat::Srgb8 as u32),
+                ("TEXEL_FLOAT32", TexelFormat::Float32 as u32),
+                ("WRAP_REPEAT", Wrap::Repeat as u32),
+                ("WRAP_MIRROR", Wrap::Mirror as u32),
+                ("WRAP_CLAMP", Wrap::Clamp as u32),
+                ("FILTER_LINEAR", Filter::Linear as u32),
+                ("FILTER_NEAREST", Filter::Nearest as u32),
+            ],
+        ),
+        (
+            "MaterialTextures without a texture; a triangle without vertex normals.",
+            vec![("NO_TEXTURE", MaterialTextures::NONE), ("FLAT_TRIANGLE", ShadingTables::FLAT)],
         ),
         (
             "RandomKind.",

@@ -63,4 +63,8 @@ pub use settings::{
 };
 pub use shading::bsdf::{Bsdf, Lobe};
 pub use shading::interaction::SurfaceInteraction;
-pub use shading::{area, fresnel, light_sampler, math, octahedral, offset, random, sampling, sobol, solid_angle};
+pub use shading::shade::{Shaded, Shading};
+pub use shading::{
+    area, fresnel, light_sampler, math, octahedral, offset, random, sampling, shading_normal, sobol, solid_angle,
+    texture,
+};

@@ -2,9 +2,10 @@
 
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
 use crate::error::SceneError;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, VertexAttributes};
 use crate::scene::Scene;
-use crate::{camera, lights, normalise, solids, validate};
+use crate::texture::{TextureDesc, TextureId};
+use crate::{camera, lights, normalise, shading, solids, validate};
 use photon_core::{Primitive, Units, light_cdf};
 
 /// Handle of a material of one [`SceneBuilder`].
@@ -31,6 +32,7 @@ pub struct MaterialId(pub(crate) u32);
 #[derive(Clone, Debug, Default)]
 pub struct SceneBuilder {
     pub(crate) materials: Vec<MaterialDesc>,
+    pub(crate) textures: Vec<TextureDesc>,
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) lights: Vec<(String, LightDesc)>,
     pub(crate) cameras: Vec<(String, CameraDesc)>,
@@ -49,6 +51,12 @@ impl SceneBuilder {
         MaterialId(u32::try_from(self.materials.len() - 1).unwrap_or(u32::MAX))
     }
 
+    /// Adds a texture and returns the handle by which materials refer to it.
+    pub fn texture(&mut self, desc: TextureDesc) -> TextureId {
+        self.textures.push(desc);
+        TextureId(u32::try_from(self.textures.len() - 1).unwrap_or(u32::MAX))
+    }
+
     /// Adds triangles: each is three indices into `positions` (user space), counter-clockwise as seen
     /// from the front.
     pub fn mesh(
@@ -58,7 +66,19 @@ impl SceneBuilder {
         triangles: Vec<[u32; 3]>,
         material: MaterialId,
     ) {
-        self.meshes.push(Mesh { name: name.into(), positions, triangles, material });
+        self.mesh_with(name, positions, triangles, VertexAttributes::default(), material);
+    }
+
+    /// Adds triangles whose vertices have normals, colours or texture coordinates.
+    pub fn mesh_with(
+        &mut self,
+        name: impl Into<String>,
+        positions: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+        attributes: VertexAttributes,
+        material: MaterialId,
+    ) {
+        self.meshes.push(Mesh { name: name.into(), positions, triangles, attributes, material });
     }
 
     /// Adds a quadrilateral as two triangles; corners counter-clockwise as seen from the front.
@@ -113,14 +133,19 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// [`SceneError`] for any value out of range; it names the material, mesh, light or camera.
-    pub fn build(self) -> Result<Scene, SceneError> {
+    pub fn build(mut self) -> Result<Scene, SceneError> {
         validate::check(&self)?;
+        shading::fold(&mut self.materials, &self.textures);
         let frame = normalise::Frame::new(&self.meshes, &self.lights)?;
-        let geometry = normalise::geometry(&self.meshes, &self.materials, frame)?;
+        let source =
+            shading::Source { meshes: &self.meshes, materials: &self.materials, textures: &self.textures, frame };
+        let geometry = normalise::geometry(&self.meshes, &self.materials, frame, source.is_shaded())?;
         let mut warnings = Vec::new();
         frame.warn(&mut warnings);
-        let lit = lights::table(&self.lights, &self.materials, &geometry, frame, &mut warnings)?;
-        let (materials, media) = lights::materials(&self.materials, &geometry, &lit, frame)?;
+        let radiances = shading::Radiances::new(source, &geometry);
+        let lit = lights::table(&self.lights, &self.materials, &geometry, frame, radiances, &mut warnings)?;
+        let (mut materials, media) = lights::materials(&self.materials, &geometry, &lit, frame)?;
+        let shading = shading::tables(source, &geometry, &mut materials, &mut warnings);
         let units = Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power };
         warn_of_radiance(units, &mut warnings);
         if geometry.triangles.is_empty() {
@@ -138,6 +163,7 @@ impl SceneBuilder {
         Ok(Scene {
             light_cdf: light_cdf(&lit.means),
             units,
+            shading,
             radius: normalise::round_up(radius),
             primitives: geometry.primitives.iter().map(|&(normal, material)| Primitive { normal, material }).collect(),
             positions: geometry.positions,

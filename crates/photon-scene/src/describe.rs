@@ -3,6 +3,8 @@
 //! Units are radiometric and per channel of linear RGB; the unit of length is the user's choice
 //! (called a metre here).
 
+use crate::texture::TexturesDesc;
+
 /// How a surface scatters light. Colours are linear RGB in `[0, 1]`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
@@ -36,7 +38,7 @@ pub enum Surface {
     },
 }
 
-/// A named material: a surface and its emission.
+/// A named material: a surface, its emission and its textures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDesc {
     /// Name in messages and override files; need not be unique.
@@ -50,13 +52,22 @@ pub struct MaterialDesc {
     /// Where solids overlap, the one of the highest priority applies; among equals, the one that light entered last.
     /// Only for [`Surface::Dielectric`].
     pub priority: u32,
+    /// Textures that multiply the colours above, and a normal map.
+    pub textures: TexturesDesc,
 }
 
 impl MaterialDesc {
     /// A material with the given surface and no emission.
     #[must_use]
     pub fn new(name: impl Into<String>, surface: Surface) -> Self {
-        Self { name: name.into(), surface, emission: [0.0; 3], emits_both_sides: false, priority: 0 }
+        Self {
+            name: name.into(),
+            surface,
+            emission: [0.0; 3],
+            emits_both_sides: false,
+            priority: 0,
+            textures: TexturesDesc::default(),
+        }
     }
 
     /// A diffuse surface.
@@ -104,7 +115,7 @@ impl MaterialDesc {
             Surface::Thin { ior, tint } => ior == 1.0 && tint == [1.0; 3],
             Surface::Lambert { .. } | Surface::Mirror { .. } => false,
         };
-        clear && !self.is_emissive()
+        clear && !self.is_emissive() && self.textures.base_color.is_none()
     }
 }
 

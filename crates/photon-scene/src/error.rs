@@ -42,6 +42,58 @@ pub enum SceneError {
         /// The valid range.
         hint: &'static str,
     },
+    /// A texture has an invalid size or texel.
+    #[error("texture '{texture}': {what}; {hint}")]
+    Texture {
+        /// Name of the texture.
+        texture: String,
+        /// What is wrong.
+        what: String,
+        /// What would be valid.
+        hint: &'static str,
+    },
+    /// A material uses a texture of another builder.
+    #[error(
+        "material '{material}': its {slot} texture, number {texture}, is not one of the {textures} of this builder; use the TextureId that its own texture() returned"
+    )]
+    TextureId {
+        /// Name of the material.
+        material: String,
+        /// The use: `base_color`, `emission` or `normal`.
+        slot: &'static str,
+        /// The texture number.
+        texture: u32,
+        /// Number of textures of this builder.
+        textures: usize,
+    },
+    /// A mesh does not have the texture coordinates that a texture needs.
+    #[error(
+        "mesh '{mesh}': the {slot} texture of its material '{material}' needs UV set {set}, but the mesh has {sets}; give it texture coordinates, or a material without the texture"
+    )]
+    UvSet {
+        /// Name of the mesh.
+        mesh: String,
+        /// Name of its material.
+        material: String,
+        /// The use: `base_color`, `emission` or `normal`.
+        slot: &'static str,
+        /// The UV set.
+        set: u32,
+        /// Number of UV sets of the mesh.
+        sets: usize,
+    },
+    /// A list of vertex attributes is of the wrong length, or has an invalid entry.
+    #[error("mesh '{mesh}': its {attribute}: {what}; {hint}")]
+    Attribute {
+        /// Name of the mesh.
+        mesh: String,
+        /// The list: `normals`, `tangents`, `colors` or `UV set 0`.
+        attribute: String,
+        /// What is wrong.
+        what: String,
+        /// What would be valid.
+        hint: &'static str,
+    },
     /// A vertex with a coordinate that is not finite.
     #[error("mesh '{mesh}': vertex {vertex} is {value}, but every coordinate must be a finite number")]
     Vertex {
@@ -85,6 +137,14 @@ pub enum SceneError {
         mesh: String,
         /// Name of its material.
         material: String,
+    },
+    /// A scene has something that cannot be written to a file.
+    #[error("{what} cannot be written; {hint}")]
+    Export {
+        /// What cannot be written.
+        what: String,
+        /// How to write the rest.
+        hint: &'static str,
     },
     /// A number exceeds the range of floating point.
     #[error("{what} is {value}, beyond the range of floating point; {hint}")]

@@ -85,7 +85,7 @@ pub(crate) enum MaterialExtras {
 
 impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
-        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority } = desc;
+        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority, textures: _ } = desc;
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
             Surface::Lambert { albedo } => Self::Lambert { albedo: exact(albedo), emission, emits_both_sides },
@@ -122,7 +122,7 @@ impl MaterialExtras {
                 (Surface::Thin { ior: ior.0, tint: plain(tint) }, emission, emits_both_sides)
             }
         };
-        MaterialDesc { name, surface, emission: plain(emission), emits_both_sides, priority }
+        MaterialDesc { emission: plain(emission), emits_both_sides, priority, ..MaterialDesc::new(name, surface) }
     }
 }
 

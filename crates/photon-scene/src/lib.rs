@@ -23,8 +23,10 @@ mod report;
 #[cfg(feature = "files")]
 mod save;
 mod scene;
+mod shading;
 pub mod shapes;
 mod solids;
+mod texture;
 mod validate;
 
 pub use builder::{MaterialId, SceneBuilder};
@@ -34,7 +36,9 @@ pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 pub use error::SceneError;
 #[cfg(feature = "files")]
 pub use load::{Overrides, load, load_builder, load_gltf, load_obj, load_ply};
+pub use mesh::VertexAttributes;
 pub use report::{LoadReport, ReportKind, ReportLine};
 #[cfg(feature = "files")]
 pub use save::glb;
 pub use scene::Scene;
+pub use texture::{TextureDesc, TextureId, TextureRef, TexturesDesc};

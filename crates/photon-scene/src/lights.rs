@@ -3,6 +3,7 @@
 use crate::describe::{LightDesc, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::normalise::{Frame, Geometry};
+use crate::shading::Radiances;
 use crate::validate::unit;
 use glam::DVec3;
 use photon_core::sampling::spot_solid_angle;
@@ -24,12 +25,14 @@ pub(crate) struct Lit {
 /// Lists emissive triangles, then the other lights, each with its power.
 ///
 /// Powers are first computed relative to the squared scale, which stays in the range of f64 even for a scene
-/// ten to the thirty times as large, while its watts might not.
+/// ten to the thirty times as large, while its watts might not. A triangle on which an emission texture is black is no
+/// light.
 pub(crate) fn table(
     descs: &[(String, LightDesc)],
     materials: &[MaterialDesc],
     geometry: &Geometry,
     frame: Frame,
+    mut radiances: Radiances<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<Lit, SceneError> {
     let triangles = geometry.emitters.iter().map(|&(primitive, area)| {
@@ -37,6 +40,7 @@ pub(crate) fn table(
         // Flux of a Lambertian emitter: π L A from each side that emits.
         let sides = if material.emits_both_sides { 2.0 } else { 1.0 };
         let power = DVec3::from_array(material.emission) * (sides * PI * area);
+        let power = radiances.factor(primitive).map_or(power, |factor| power * factor);
         let flags = if material.emits_both_sides { Light::BOTH_SIDES } else { 0 };
         (Light { kind: Light::TRIANGLE, primitive, area: area as f32, flags, ..blank() }, power)
     });

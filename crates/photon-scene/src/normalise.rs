@@ -25,6 +25,8 @@ pub(crate) struct Geometry {
     pub(crate) primitives: Vec<([f32; 3], u32)>,
     /// Index of the first triangle of each mesh.
     pub(crate) mesh_starts: Vec<u32>,
+    /// The index that each triangle had in its mesh; empty for a scene without vertex attributes and textures.
+    pub(crate) sources: Vec<u32>,
     /// Emissive triangles, with their areas.
     pub(crate) emitters: Vec<(u32, f64)>,
     /// Number of triangles dropped because they have no area.
@@ -112,8 +114,14 @@ impl Frame {
     }
 }
 
-/// Converts all meshes to normalised space, leaving out the triangles that have no area there.
-pub(crate) fn geometry(meshes: &[Mesh], materials: &[MaterialDesc], frame: Frame) -> Result<Geometry, SceneError> {
+/// Converts all meshes to normalised space, leaving out the triangles that have no area there. `Geometry::sources` is
+/// filled in if `traced`.
+pub(crate) fn geometry(
+    meshes: &[Mesh],
+    materials: &[MaterialDesc],
+    frame: Frame,
+    traced: bool,
+) -> Result<Geometry, SceneError> {
     let mut geometry = Geometry::default();
     let count: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
     let vertices: usize = meshes.iter().map(|mesh| mesh.positions.len()).sum();
@@ -129,11 +137,11 @@ pub(crate) fn geometry(meshes: &[Mesh], materials: &[MaterialDesc], frame: Frame
         let first = geometry.triangles.len();
         geometry.mesh_starts.push(first as u32);
         let desc = &materials[mesh.material.0 as usize];
-        if desc.is_invisible() && !meets_a_solid(mesh, meshes, materials) {
+        if desc.is_invisible() && mesh.attributes.colors.is_empty() && !meets_a_solid(mesh, meshes, materials) {
             geometry.invisible += mesh.triangles.len() as u64;
             continue;
         }
-        geometry.add(mesh, desc.is_emissive(), frame);
+        geometry.add(mesh, desc.is_emissive(), frame, traced);
         if desc.is_emissive() && geometry.triangles.len() == first {
             return Err(SceneError::ZeroAreaLight { mesh: mesh.name.clone(), material: desc.name.clone() });
         }
@@ -160,13 +168,25 @@ fn meets_a_solid(mesh: &Mesh, meshes: &[Mesh], materials: &[MaterialDesc]) -> bo
 }
 
 impl Geometry {
-    fn add(&mut self, mesh: &Mesh, emits: bool, frame: Frame) {
+    /// The triangles of a mesh, by its index.
+    pub(crate) fn range(&self, mesh: usize) -> std::ops::Range<usize> {
+        let end = self.mesh_starts.get(mesh + 1).map_or(self.triangles.len(), |&end| end as usize);
+        self.mesh_starts[mesh] as usize..end
+    }
+
+    /// The mesh that a triangle belongs to.
+    pub(crate) fn mesh_of(&self, primitive: u32) -> usize {
+        // Meshes without remaining triangles start where the next one does, which comes after them.
+        self.mesh_starts.partition_point(|&start| start <= primitive) - 1
+    }
+
+    fn add(&mut self, mesh: &Mesh, emits: bool, frame: Frame, traced: bool) {
         let wide: Vec<DVec3> = mesh.positions.iter().map(|&at| frame.point(at)).collect();
         // Coordinates are known to half a unit in the last place of f64; an area below the error that this
         // causes is noise.
         let noise = (frame.offset() + 1.0) * 2.0 * f64::EPSILON;
         let mut moved = vec![u32::MAX; wide.len()];
-        for &corners in &mesh.triangles {
+        for (index, &corners) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = corners.map(|index| wide[index as usize]);
             let (cross, area) = cross_and_area([a, b, c]);
             let longest = (b - a).length().max((c - a).length()).max((c - b).length());
@@ -187,6 +207,9 @@ impl Geometry {
                 *place
             }));
             self.primitives.push(((cross / (2.0 * area)).as_vec3().to_array(), mesh.material.0));
+            if traced {
+                self.sources.push(index as u32);
+            }
             if emits {
                 self.emitters.push((primitive, area));
             }

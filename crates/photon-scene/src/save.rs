@@ -31,6 +31,7 @@ use crate::extras::{CameraExtras, LightExtras, MaterialExtras, NodeExtras};
 /// beyond 4 GiB.
 pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     scene.clone().build()?;
+    refuse_textures(scene)?;
     let mut file = File::default();
     let materials: Vec<Value> = scene.materials.iter().map(material).collect::<Result<_, _>>()?;
     for mesh in &scene.meshes {
@@ -44,6 +45,16 @@ pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     let cameras: Vec<Value> =
         scene.cameras.iter().map(|(name, desc)| file.camera(name, desc)).collect::<Result<_, _>>()?;
     file.finish(materials, lights, cameras)
+}
+
+/// Textures and vertex attributes are not written yet; they must not be lost silently.
+fn refuse_textures(scene: &SceneBuilder) -> Result<(), SceneError> {
+    let what = match scene.meshes.iter().find(|mesh| !mesh.attributes.is_empty()) {
+        _ if !scene.textures.is_empty() => format!("{} textures", scene.textures.len()),
+        Some(mesh) => format!("the vertex attributes of mesh '{}'", mesh.name),
+        None => return Ok(()),
+    };
+    Err(SceneError::Export { what, hint: "remove them from the scene first" })
 }
 
 #[derive(Default)]

@@ -3,6 +3,7 @@
 use crate::camera;
 use crate::describe::CameraDesc;
 use crate::error::SceneError;
+use crate::shading::Tables;
 use photon_core::{Camera, Light, Material, Medium, Primitive, SceneView, Units};
 
 /// The result of [`crate::SceneBuilder::build`]: the tables that backends read, and the names and units for
@@ -20,6 +21,7 @@ pub struct Scene {
     pub(crate) media: Vec<Medium>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
+    pub(crate) shading: Tables,
     pub(crate) radius: f32,
     pub(crate) units: Units,
     pub(crate) mesh_starts: Vec<u32>,
@@ -42,7 +44,7 @@ impl Scene {
             media: &self.media,
             lights: &self.lights,
             light_cdf: &self.light_cdf,
-            shading: photon_core::ShadingTables::default(),
+            shading: self.shading.view(),
             radius: self.radius,
             units: self.units,
         }

@@ -1,5 +1,7 @@
 //! Validation of scene descriptions before any computation.
 
+mod textures;
+
 use crate::builder::SceneBuilder;
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 use crate::error::SceneError;
@@ -20,8 +22,10 @@ pub(crate) fn check(scene: &SceneBuilder) -> Result<(), SceneError> {
             hint,
         })?;
     }
+    textures::check(scene)?;
     for desc in &scene.meshes {
         mesh(desc, scene.materials.len())?;
+        textures::check_mesh(desc, &scene.materials[desc.material.0 as usize])?;
     }
     for (name, desc) in &scene.lights {
         light(desc).map_err(|(property, value, hint)| SceneError::Light {

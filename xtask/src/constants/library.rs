@@ -2,7 +2,7 @@
 
 use photon_core::{
     Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, area, kd_tree, light_sampler, neighbour_radius, octahedral,
-    offset, solid_angle,
+    offset, shading_normal, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -66,6 +66,13 @@ pub(super) fn groups() -> Vec<Group> {
                 ("OFFSET_STEP", offset::STEP.into()),
                 ("OFFSET_MARGIN", offset::MARGIN.into()),
                 ("OFFSET_MAX_SLOPE", offset::MAX_SLOPE.into()),
+            ],
+        ),
+        (
+            "shading_normal.",
+            vec![
+                ("SHADING_MAX_RATIO", shading_normal::MAX_RATIO.into()),
+                ("SHADING_MIN_COSINE", shading_normal::MIN_COSINE.into()),
             ],
         ),
         (

@@ -15,11 +15,23 @@ pub(crate) fn estimate_with_moments_at(
     point: VisiblePoint,
     gather: &EstimateParams,
 ) -> (Estimate, ErrorMoments) {
-    match (map.powers(), gather.is_flat()) {
-        (Powers::Grey(powers), false) => estimate_with_moments_of::<false, _>(map, powers, point, gather),
-        (Powers::Grey(powers), true) => estimate_with_moments_of::<true, _>(map, powers, point, gather),
-        (Powers::Colour(powers), false) => estimate_with_moments_of::<false, _>(map, powers, point, gather),
-        (Powers::Colour(powers), true) => estimate_with_moments_of::<true, _>(map, powers, point, gather),
+    fn either<P: Power>(
+        map: &CpuMap,
+        power: impl Fn(u32) -> P,
+        point: VisiblePoint,
+        gather: &EstimateParams,
+    ) -> (Estimate, ErrorMoments) {
+        match gather.is_flat() {
+            false => estimate_with_moments_of::<false, _>(map, power, point, gather),
+            true => estimate_with_moments_of::<true, _>(map, power, point, gather),
+        }
+    }
+    match (map.powers(), point.shading) {
+        (Powers::Grey(powers), _) => either(map, |slot| powers[slot as usize], point, gather),
+        (Powers::Colour(powers), None) => either(map, |slot| powers[slot as usize], point, gather),
+        (Powers::Colour(powers), Some(shading)) => {
+            either(map, |slot| powers[slot as usize] * VisiblePoint::ratio(map, shading, slot), point, gather)
+        }
     }
 }
 
@@ -27,7 +39,7 @@ pub(crate) fn estimate_with_moments_at(
 /// the maximum distance from the plane scales with each radius.
 fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     map: &CpuMap,
-    powers: &[P],
+    power: impl Fn(u32) -> P,
     point: VisiblePoint,
     gather: &EstimateParams,
 ) -> (Estimate, ErrorMoments) {
@@ -41,7 +53,7 @@ fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     let (tangent, bitangent) = sampling::basis(normal);
     let state = (sum, Sums::<P::Sum>::default());
     let (sum, sums) = map.index().fold_within(point.position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
-        let carried = powers[slot as usize];
+        let carried = power(slot);
         let power = f64::from(carried.mean());
         let off = if FLAT { point.off_plane(map, slot) } else { 0.0 };
         if map.normal(slot).dot(normal) < gather.min_normal_cosine || (FLAT && off > SQRT_2 * most) {

@@ -70,6 +70,9 @@ pub struct EstimateParams {
     /// A photon counts if its distance from the query's plane is at most this share of the radius, > 0; 1:
     /// all photons in the ball count. Below 1 only with [`Search::Radius`].
     pub max_plane_distance: f32,
+    /// Photons are weighted by [`crate::shading_normal::cosine_ratio`] with [`Query::shading_normal`]; needs
+    /// [`PhotonFormat::Full`]. Only in scenes with [`crate::Features::SHADING_NORMALS`].
+    pub shading_normals: bool,
 }
 
 impl EstimateParams {
@@ -80,7 +83,14 @@ impl EstimateParams {
     /// ..EstimateParams::new(Search::Radius) }`.
     #[must_use]
     pub const fn new(search: Search) -> Self {
-        Self { search, kernel: Kernel::Constant, radius_scale: 1.0, min_normal_cosine: -1.0, max_plane_distance: 1.0 }
+        Self {
+            search,
+            kernel: Kernel::Constant,
+            radius_scale: 1.0,
+            min_normal_cosine: -1.0,
+            max_plane_distance: 1.0,
+            shading_normals: false,
+        }
     }
 
     /// Whether photons are rejected for their distance from the query's plane.
@@ -113,18 +123,19 @@ impl EstimateParams {
         })
     }
 
-    /// [`Self::validate`], for a map with this photon format: [`Search::Paper`] needs the directions of
-    /// photons.
+    /// [`Self::validate`], for a map with this photon format: [`Search::Paper`] and shading normals need the
+    /// directions of photons.
     ///
     /// # Errors
     /// [`Error::InvalidSetting`].
     pub fn validate_for(&self, photon_format: PhotonFormat) -> Result<()> {
         self.validate()?;
-        if !matches!(self.search, Search::Paper { .. }) || photon_format == PhotonFormat::Full {
+        let paper = matches!(self.search, Search::Paper { .. });
+        if !(paper || self.shading_normals) || photon_format == PhotonFormat::Full {
             return Ok(());
         }
         Err(Error::InvalidSetting {
-            name: "the paper's estimator",
+            name: if paper { "the paper's estimator" } else { "an estimate with shading normals" },
             value: format!("used with a map that stores {}", photon_format.name()),
             hint: "it needs the directions of photons: use the full photon format",
         })

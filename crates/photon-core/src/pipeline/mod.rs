@@ -39,6 +39,8 @@ pub struct Pipeline<B: TransportBackend> {
     scene: B::Scene,
     stages: Stages<B>,
     required: Requirements,
+    /// Whether surfaces of the scene have shading normals.
+    shading_normals: bool,
     settings: Settings,
     /// Paths per pass in the settings, even if fewer fit into memory.
     asked: u32,
@@ -162,6 +164,7 @@ impl<B: TransportBackend> Pipeline<B> {
     ) -> Result<Self> {
         settings.validate()?;
         check::check_scene(scene)?;
+        check::check_irradiance(scene, &settings)?;
         required.check(Features::of(scene))?;
         required.check_format(PhotonFormat::of(scene, &settings))?;
         let view = view.within(scene);
@@ -210,6 +213,7 @@ impl<B: TransportBackend> Pipeline<B> {
             on,
             stages,
             required,
+            shading_normals: Features::of(scene).contains(Features::SHADING_NORMALS),
             asked: settings.photons,
             settings,
             view,

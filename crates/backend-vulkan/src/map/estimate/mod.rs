@@ -134,6 +134,7 @@ fn radius_question(gather: &EstimateParams) -> Question {
         kernel: gather.kernel,
         filter: gather.min_normal_cosine > -1.0,
         flat: gather.is_flat(),
+        shading: gather.shading_normals,
         k: 0,
         radius: gather.radius_scale,
         min_cosine: gather.min_normal_cosine,

@@ -155,6 +155,7 @@ fn question(mode: Mode, k: u32, radius: f32) -> Question {
         kernel: Kernel::Constant,
         filter: false,
         flat: false,
+        shading: false,
         k,
         radius,
         min_cosine: -1.0,

@@ -54,6 +54,8 @@ pub(super) struct Question {
     pub(super) filter: bool,
     /// Whether photons are rejected by their distance from the query's plane.
     pub(super) flat: bool,
+    /// Whether photons are weighted by the cosine to the query's shading normal.
+    pub(super) shading: bool,
     pub(super) k: u32,
     /// Rows and counts: the radius. Otherwise a factor on every query's radius.
     pub(super) radius: f32,
@@ -117,13 +119,13 @@ pushed!(sample_push_layout: SamplePush => SEARCH_SAMPLE, photons queries points 
 specialized!(
     radius_constants: RadiusConstants => SEARCH_RADIUS,
     2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 filter: bool, 6 error_moments: bool, 7 flat: bool, 8 turns: u32,
-    9 format: PhotonFormat
+    9 format: PhotonFormat, 10 shading: bool
 );
 
 specialized!(
     nearest_constants: NearestConstants => SEARCH_K_NEAREST,
     2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 filter: bool, 6 mode: u32, 7 wide: bool, 8 turns: u32,
-    9 format: PhotonFormat
+    9 format: PhotonFormat, 10 shading: bool
 );
 
 specialized!(
@@ -206,6 +208,7 @@ impl MapSearch {
                     flat: question.flat,
                     turns,
                     format,
+                    shading: question.shading,
                 };
                 on.kernel(&shaders::SEARCH_RADIUS, workgroup, &constants)?
             }
@@ -222,6 +225,7 @@ impl MapSearch {
                     wide: question.k > self.narrow_bins,
                     turns,
                     format,
+                    shading: question.shading,
                 };
                 on.kernel(&shaders::SEARCH_K_NEAREST, workgroup, &constants)?
             }

@@ -13,7 +13,8 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
     let tables = &view.shading;
     let triangles = view.triangles.len();
     let whole = |what, length: usize, multiple: bool| {
-        let fits = length == 0 || length == triangles || (multiple && triangles > 0 && length % triangles == 0);
+        let fits =
+            length == 0 || length == triangles || (multiple && triangles > 0 && length.is_multiple_of(triangles));
         if fits {
             return Ok(());
         }
@@ -24,7 +25,7 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
     whole("shading.tangents", tables.tangents.len(), false)?;
     whole("shading.colors", tables.colors.len(), false)?;
     whole("shading.uvs", tables.uvs.len(), true)?;
-    let sets = if triangles == 0 { 0 } else { tables.uvs.len() / triangles };
+    let sets = tables.uvs.len().checked_div(triangles).unwrap_or(0);
     each("texture coordinate", tables.uvs, |corners| {
         require(corners.as_flattened().iter().all(|c| c.is_finite()), || format!("{corners:?} must be finite"))
     })?;
@@ -37,7 +38,7 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
     })
 }
 
-fn check_texture(texture: &Texture<'_>) -> Check {
+fn check_texture(texture: &Texture) -> Check {
     let (width, height) = (texture.width, texture.height);
     require((1..=MAX_TEXELS).contains(&width) && (1..=MAX_TEXELS).contains(&height), || {
         format!("its size {width} × {height} must lie between 1 × 1 and {MAX_TEXELS} × {MAX_TEXELS}")
@@ -51,7 +52,7 @@ fn check_texture(texture: &Texture<'_>) -> Check {
 }
 
 fn check_use(used: &TextureUse, textures: usize, sets: usize) -> Check {
-    index("texture", used.texture, textures)?;
+    index("texture", used.texture_index, textures)?;
     index("UV set", used.uv_set, sets)?;
     require(used.transform.as_flattened().iter().all(|c| c.is_finite()), || {
         format!("its transform {:?} must be finite", used.transform)

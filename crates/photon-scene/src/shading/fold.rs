@@ -1,0 +1,70 @@
+//! Textures that a factor can replace: images of one colour, and those whose factor is 0.
+
+use photon_core::{TexelFormat, Texture};
+
+use super::texel::Decoder;
+use crate::describe::{MaterialDesc, Surface};
+use crate::texture::{TextureDesc, TextureRef};
+
+/// Multiplies the factors of each material by its textures of one colour, and removes those textures.
+pub(crate) fn fold(materials: &mut [MaterialDesc], textures: &[TextureDesc]) {
+    if textures.is_empty() {
+        return;
+    }
+    let colors: Vec<Option<[f64; 3]>> = textures.iter().map(|desc| uniform(&desc.image)).collect();
+    let color_of = |used: TextureRef| colors[used.texture.0 as usize];
+    for material in materials {
+        let textures = &mut material.textures;
+        let base = albedo_of(&mut material.surface);
+        if let Some(used) = textures.base_color {
+            if *base == [0.0; 3] {
+                textures.base_color = None;
+            } else if let Some(color) = color_of(used) {
+                *base = times(*base, color);
+                textures.base_color = None;
+            }
+        }
+        if let Some(used) = textures.emission {
+            if material.emission == [0.0; 3] {
+                textures.emission = None;
+            } else if let Some(color) = color_of(used) {
+                material.emission = times(material.emission, color);
+                textures.emission = None;
+            }
+        }
+        let flat = |used: TextureRef| textures.normal_scale == 0.0 || color_of(used).is_some_and(is_flat);
+        if textures.normal.is_some_and(flat) {
+            textures.normal = None;
+        }
+    }
+}
+
+/// The colour that a base colour texture multiplies.
+fn albedo_of(surface: &mut Surface) -> &mut [f64; 3] {
+    match surface {
+        Surface::Lambert { albedo } => albedo,
+        Surface::Mirror { reflectance } => reflectance,
+        Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => tint,
+    }
+}
+
+fn times(factor: [f64; 3], color: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|channel| factor[channel] * color[channel])
+}
+
+/// The colour of an image all of whose texels are equal, apart from alpha.
+pub(crate) fn uniform(image: &Texture) -> Option<[f64; 3]> {
+    const RGB: u32 = 0x00FF_FFFF;
+    let words = &image.texels;
+    let equal = match image.format {
+        TexelFormat::Linear8 | TexelFormat::Srgb8 => words.iter().all(|word| word & RGB == words[0] & RGB),
+        TexelFormat::Float32 => words.chunks_exact(4).all(|texel| texel[..3] == words[..3]),
+    };
+    equal.then(|| Decoder::new(image).color(0, 0))
+}
+
+/// Whether a normal map of this colour leaves normals as they are, up to its rounding to 8 bits.
+fn is_flat([x, y, z]: [f64; 3]) -> bool {
+    let tilt = |part: f64| (part - 0.5).abs() <= 0.5 / 255.0 + 1e-9;
+    tilt(x) && tilt(y) && z > 0.5
+}

@@ -1,0 +1,36 @@
+//! Decoding of texels, in f64.
+
+use photon_core::{TexelFormat, Texture};
+
+/// Reads linear colours from an image.
+pub(super) struct Decoder<'a> {
+    image: &'a Texture,
+    /// Values of the bytes.
+    values: [f64; 256],
+}
+
+impl<'a> Decoder<'a> {
+    pub(super) fn new(image: &'a Texture) -> Self {
+        let curve = if image.format == TexelFormat::Srgb8 { srgb_to_linear } else { |value| value };
+        Self { image, values: std::array::from_fn(|byte| curve(byte as f64 / 255.0)) }
+    }
+
+    /// Red, green and blue of the texel at column `x` of row `y`, which must exist.
+    pub(super) fn color(&self, x: usize, y: usize) -> [f64; 3] {
+        let index = y * self.image.width as usize + x;
+        match self.image.format {
+            TexelFormat::Linear8 | TexelFormat::Srgb8 => {
+                let [r, g, b, _] = self.image.texels[index].to_le_bytes();
+                [r, g, b].map(|byte| self.values[usize::from(byte)])
+            }
+            TexelFormat::Float32 => {
+                std::array::from_fn(|channel| f64::from(f32::from_bits(self.image.texels[4 * index + channel])))
+            }
+        }
+    }
+}
+
+/// Decodes sRGB in `[0, 1]` (IEC 61966-2-1).
+pub(crate) fn srgb_to_linear(value: f64) -> f64 {
+    if value <= 0.040_45 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
+}

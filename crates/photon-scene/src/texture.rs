@@ -1,0 +1,124 @@
+//! Textures of a scene description, and how materials refer to them.
+
+use std::sync::Arc;
+
+use photon_core::{Filter, TexelFormat, Texture, Wrap};
+
+/// Handle of a texture of one [`crate::SceneBuilder`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TextureId(pub(crate) u32);
+
+/// A named image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureDesc {
+    /// Name in messages; need not be unique.
+    pub name: String,
+    /// The image. Texels of [`TexelFormat::Float32`] must be finite and ≥ 0; as base colours and normals, ≤ 1.
+    pub image: Texture,
+}
+
+impl TextureDesc {
+    /// An image of colours encoded as sRGB: red, green, blue and alpha, row by row from the top left. Repeated beyond
+    /// its edges and filtered.
+    #[must_use]
+    pub fn srgb8(name: impl Into<String>, width: u32, height: u32, texels: &[[u8; 4]]) -> Self {
+        let words = texels.iter().map(|texel| u32::from_le_bytes(*texel)).collect();
+        Self::new(name, [width, height], TexelFormat::Srgb8, words)
+    }
+
+    /// As [`Self::srgb8`], but linear: for normal maps.
+    #[must_use]
+    pub fn linear8(name: impl Into<String>, width: u32, height: u32, texels: &[[u8; 4]]) -> Self {
+        let words = texels.iter().map(|texel| u32::from_le_bytes(*texel)).collect();
+        Self::new(name, [width, height], TexelFormat::Linear8, words)
+    }
+
+    /// As [`Self::srgb8`], but linear 32-bit floats, which may exceed 1.
+    #[must_use]
+    pub fn float32(name: impl Into<String>, width: u32, height: u32, texels: &[[f32; 4]]) -> Self {
+        let words = texels.as_flattened().iter().map(|part| part.to_bits()).collect();
+        Self::new(name, [width, height], TexelFormat::Float32, words)
+    }
+
+    /// An image from the words of its texels.
+    pub(crate) fn new(
+        name: impl Into<String>,
+        [width, height]: [u32; 2],
+        format: TexelFormat,
+        texels: Arc<[u32]>,
+    ) -> Self {
+        let (wrap, filter) = ([Wrap::Repeat; 2], Filter::Linear);
+        Self { name: name.into(), image: Texture { texels, width, height, format, wrap, filter } }
+    }
+
+    /// The same with other wrap modes, along the rows and down the columns.
+    #[must_use]
+    pub fn wrapped(mut self, wrap: [Wrap; 2]) -> Self {
+        self.image.wrap = wrap;
+        self
+    }
+
+    /// The same with another filter.
+    #[must_use]
+    pub fn filtered(mut self, filter: Filter) -> Self {
+        self.image.filter = filter;
+        self
+    }
+}
+
+/// A texture as a material uses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// The texture.
+    pub texture: TextureId,
+    /// Index of the UV set: [`crate::VertexAttributes::uvs`] of every mesh with the material must have it.
+    pub uv_set: u32,
+    /// Two rows of three numbers: `u' = m[0] · (u, v, 1)`, `v' = m[1] · (u, v, 1)`; finite in single precision. (0, 0)
+    /// is the outer corner of the image's first texel, (1, 1) that of its last one.
+    pub transform: [[f64; 3]; 2],
+}
+
+impl TextureRef {
+    /// The transform that leaves coordinates as they are.
+    pub const IDENTITY: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+    /// A texture by the coordinates of UV set 0 as they are.
+    #[must_use]
+    pub fn new(texture: TextureId) -> Self {
+        Self { texture, uv_set: 0, transform: Self::IDENTITY }
+    }
+
+    /// The coordinates on the texture, from those of the UV set.
+    pub(crate) fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        self.transform.map(|[a, b, c]| a * u + b * v + c)
+    }
+}
+
+/// The textures of a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TexturesDesc {
+    /// Multiplies the albedo, reflectance or tint; alpha is not read.
+    pub base_color: Option<TextureRef>,
+    /// Multiplies the emission.
+    pub emission: Option<TextureRef>,
+    /// Tangent-space normals, as in glTF: `2 rgb − 1`, with x and y times [`Self::normal_scale`]. Meshes without
+    /// tangents get those of `MikkTSpace`.
+    pub normal: Option<TextureRef>,
+    /// Factor on the x and y of the normal map; finite.
+    pub normal_scale: f64,
+}
+
+impl Default for TexturesDesc {
+    /// No texture.
+    fn default() -> Self {
+        Self { base_color: None, emission: None, normal: None, normal_scale: 1.0 }
+    }
+}
+
+impl TexturesDesc {
+    /// The textures with the names of their uses.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
+        let all = [("base_color", self.base_color), ("emission", self.emission), ("normal", self.normal)];
+        all.into_iter().filter_map(|(name, used)| Some((name, used?)))
+    }
+}

@@ -7,6 +7,7 @@
 
 pub mod accuracy;
 pub mod aiming;
+pub mod backends;
 pub mod debias;
 pub mod determinism;
 pub mod dielectrics;
@@ -116,6 +117,7 @@ macro_rules! whole_suite {
             }
             shading_normals::{
                 g9_parallel_light, g9_light_from_the_sides, g9_even_sky, photons_scattered_by_a_tilted_normal,
+                a_mirror_with_tilted_normals, smooth_balls_in_an_even_shell,
             }
             views::{ v1_hand_filled_views_are_checked }
             determinism::{

@@ -31,7 +31,7 @@ fn tilted(builder: &mut SceneBuilder, material: MaterialDesc, (half, y): (f64, f
     let image = TextureDesc::float32("bumps", 2, 1, &[texel, [0.5, 0.5, 1.0, 1.0]]).filtered(Filter::Nearest);
     let image = builder.texture(image);
     let textures = TexturesDesc { normal: Some(TextureRef::new(image)), ..TexturesDesc::default() };
-    let material = builder.material(MaterialDesc { textures, ..material });
+    let material = builder.material(material.with_textures(textures));
     let uvs = vec![vec![[0.1, 0.9], [0.4, 0.9], [0.4, 0.1], [0.1, 0.1]]];
     let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
     builder.mesh_with("tilted", positions, triangles, attributes, material);
@@ -142,4 +142,64 @@ pub fn photons_scattered_by_a_tilted_normal<T: TestBackend>() {
     let expected = cos * moments(&flat).0;
     assert_agrees("gather", moments(&found).0, expected, error, 1e-3 * expected);
     assert!((expected / truth - 1.0).abs() < 0.1, "{expected} {truth}");
+}
+
+/// A mirror whose normals are tilted by t turns parallel light, straight down, by 2t: a plate across its way gets `E₀`, as
+/// parallel light keeps its radiance, although the beam is `cos 2t` as wide. A camera that looks down sees what is there.
+pub fn a_mirror_with_tilted_normals<T: TestBackend>() {
+    let (degrees, albedo) = (20.0_f64, 0.7);
+    for mapped in [false, true] {
+        let mut builder = SceneBuilder::new();
+        tilted(&mut builder, MaterialDesc::mirror("mirror", [1.0; 3]), (0.5, 0.0), degrees, mapped);
+        let (sin, cos) = (2.0 * degrees).to_radians().sin_cos();
+        let plate = |half: f64, at: f64| {
+            let (center, across) = ([at * sin, at * cos], [half * cos, -half * sin]);
+            let corner = |a: f64, z: f64| [center[0] + a * across[0], center[1] + a * across[1], z];
+            [corner(-1.0, -half), corner(1.0, -half), corner(1.0, half), corner(-1.0, half)]
+        };
+        let mut lit = builder.clone();
+        let grey = lit.material(MaterialDesc::lambert("plate", [albedo; 3]));
+        lit.quad("plate", plate(0.15, 1.0), grey);
+        lit.light("sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [PI; 3] });
+        look_at_point(&mut lit, [sin, cos, 0.0], [-sin, -cos, 0.0], 0.1, 0.03);
+        let s = Settings { direct: Direct::None, ..settings() };
+        agrees::<T>("by photons", lit, &s, albedo, 2e-3);
+
+        let glow = builder.material(MaterialDesc::emissive("glow", [0.5; 3], [1.0; 3]));
+        builder.quad("glow", plate(0.05, 1.0), glow);
+        look_at_point(&mut builder, [0.0; 3], [0.0, 1.0, 0.0], 0.5, 0.03);
+        let s = Settings { direct: Direct::None, indirect: Indirect::None, caustics: false, ..settings() };
+        agrees::<T>("by the camera", builder, &s, 1.0, 1e-6);
+    }
+}
+
+/// A ball of few facets with the normals of a sphere, of glass or of mirror, in a shell that shines evenly: every camera
+/// path ends at the shell, so that the ball is as bright in every pixel; and the shell, which reflects a half of the
+/// photons that reach it past the ball, is `e/(1−ρ)` bright.
+pub fn smooth_balls_in_an_even_shell<T: TestBackend>() {
+    for (name, material) in
+        [("glass", MaterialDesc::glass("ball", 1.5)), ("mirror", MaterialDesc::mirror("ball", [1.0; 3]))]
+    {
+        let mut builder = SceneBuilder::new();
+        let (positions, triangles) = shapes::icosphere(1, [0.0; 3], 0.4);
+        let normals = positions.iter().map(|p: &[f64; 3]| p.map(|c| c / 0.4)).collect();
+        let material = builder.material(material);
+        let attributes = VertexAttributes { normals, ..VertexAttributes::default() };
+        builder.mesh_with("ball", positions, triangles, attributes, material);
+        let shell = builder.material(MaterialDesc::emissive("shell", [0.5; 3], [1.0; 3]));
+        let (positions, triangles) = shapes::flip(shapes::icosphere(5, [0.0; 3], 1.0));
+        builder.mesh("shell", positions, triangles, shell);
+        let mut wall = builder.clone();
+        look_at_point(&mut builder, [0.0; 3], [0.0, 0.0, 1.0], 0.85, 0.3);
+        let s = Settings { direct: Direct::None, indirect: Indirect::None, caustics: false, ..settings() };
+        let film = crate::harness::film::<T>(&builder.build().unwrap(), &Settings { max_bounces: 4096, ..s }, 2, 16);
+        for pixel in film.beauty() {
+            assert!((pixel[0] - 1.0).abs() < 1e-5, "{name}: {pixel:?}");
+        }
+        look_at_point(&mut wall, [0.0, 0.0, -1.0], [0.0, 0.0, 1.0], 0.3, 0.1);
+        let estimator = Estimator::Radius { radius: Some(0.15) };
+        let s = Settings { max_bounces: 4096, photons: 20_000, estimator, ..settings() };
+        // Facets of the shell are up to 2e-3 off a sphere.
+        agrees::<T>(name, wall, &s, 2.0, 3e-3);
+    }
 }

@@ -28,14 +28,14 @@ fn direct_light(direct: Direct) -> Settings {
 /// A square of half side 2 at y = 0, seen from above. Between -1 and 1 texture coordinates run from 0 to 1: to the
 /// right with x, downwards with z. The camera sees a square of half side `half_height` about `x`.
 fn floor(builder: &mut SceneBuilder, textures: TexturesDesc, (x, half_height): (f64, f64)) {
-    let material = builder.material(MaterialDesc { textures, ..MaterialDesc::lambert("floor", [1.0; 3]) });
+    let material = builder.material(MaterialDesc::lambert("floor", [1.0; 3]).with_textures(textures));
     let positions = vec![[-2.0, 0.0, -2.0], [2.0, 0.0, -2.0], [2.0, 0.0, 2.0], [-2.0, 0.0, 2.0]];
     let uvs = positions.iter().map(|p: &[f64; 3]| [0.5 * p[0] + 0.5, 0.5 * p[2] + 0.5]).collect();
     let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
     builder.mesh_with("floor", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
     let projection = Projection::Orthographic { half_height };
     let (position, direction, up) = ([x, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]);
-    builder.camera("above", CameraDesc { position, direction, up, projection });
+    builder.camera("above", CameraDesc::new(position, direction, up, projection));
     builder.light("sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [PI; 3] });
 }
 
@@ -126,7 +126,7 @@ fn ramp() -> SceneBuilder {
     let image = TextureDesc::float32("ramp", 2, 1, &[[0.0, 0.0, 0.0, 1.0], [1.0; 4]]).wrapped([Wrap::Clamp; 2]);
     let image = builder.texture(image);
     let textures = TexturesDesc { emission: Some(TextureRef::new(image)), ..TexturesDesc::default() };
-    let material = builder.material(MaterialDesc { textures, ..MaterialDesc::emissive("light", [0.0; 3], [1.0; 3]) });
+    let material = builder.material(MaterialDesc::emissive("light", [0.0; 3], [1.0; 3]).with_textures(textures));
     let positions = vec![[-0.5, 1.0, -0.5], [0.5, 1.0, -0.5], [0.5, 1.0, 0.5], [-0.5, 1.0, 0.5]];
     // From the centre of one texel to that of the other.
     let uvs = positions.iter().map(|p: &[f64; 3]| [0.25 + 0.5 * (p[0] + 0.5), 0.5]).collect();
@@ -166,7 +166,7 @@ pub fn g13_ramp_light<T: TestBackend>() {
     }
     let projection = Projection::Orthographic { half_height: 0.5 };
     let (position, direction, up) = ([0.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
-    seen_above.camera("below", CameraDesc { position, direction, up, projection });
+    seen_above.camera("below", CameraDesc::new(position, direction, up, projection));
     let passes = 64;
     let seen = red(&film::<T>(&seen_above.build().unwrap(), &settings, passes, 4));
     for (pixel, &found) in seen.iter().enumerate() {
@@ -184,7 +184,7 @@ pub fn two_coloured_light<T: TestBackend>() {
     let image = builder.texture(image);
     let textures = TexturesDesc { emission: Some(TextureRef::new(image)), ..TexturesDesc::default() };
     let emissive = MaterialDesc::emissive("light", [0.0; 3], [1.0, 1.0, 1.0]);
-    let material = builder.material(MaterialDesc { textures, emits_both_sides: true, ..emissive });
+    let material = builder.material(emissive.with_both_sides(true).with_textures(textures));
     let positions = vec![[-0.5, 0.4, -0.5], [0.5, 0.4, -0.5], [0.5, 0.4, 0.5], [-0.5, 0.4, 0.5]];
     let uvs = positions.iter().map(|p: &[f64; 3]| [p[0] + 0.5, 0.5]).collect();
     let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
@@ -212,7 +212,7 @@ pub fn two_coloured_light<T: TestBackend>() {
 /// Colours of vertices are interpolated, and multiply those of textures.
 pub fn vertex_colours<T: TestBackend>() {
     let scene = |textures: TexturesDesc, mut builder: SceneBuilder| -> Scene {
-        let material = builder.material(MaterialDesc { textures, ..MaterialDesc::lambert("floor", [0.5; 3]) });
+        let material = builder.material(MaterialDesc::lambert("floor", [0.5; 3]).with_textures(textures));
         let positions = vec![[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]];
         let colors = positions.iter().map(|p: &[f64; 3]| [0.5 * p[0] + 0.5, 1.0, 0.0, 1.0]).collect();
         let uvs = vec![vec![[0.75, 0.5]; 4]];
@@ -220,7 +220,7 @@ pub fn vertex_colours<T: TestBackend>() {
         builder.mesh_with("floor", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
         let projection = Projection::Orthographic { half_height: 1.0 };
         let (position, direction, up) = ([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]);
-        builder.camera("above", CameraDesc { position, direction, up, projection });
+        builder.camera("above", CameraDesc::new(position, direction, up, projection));
         builder.light("sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [PI; 3] });
         builder.build().unwrap()
     };

@@ -19,6 +19,7 @@ mod device;
 mod dispatch_limits;
 mod film;
 mod index;
+pub mod low_level;
 mod map;
 #[cfg(test)]
 mod probe;
@@ -34,15 +35,7 @@ mod vulkan;
 pub use ash;
 pub use device::buffer::VulkanBuffer;
 pub use device::{Candidate, Fault, Limits, Options, RawDevice, devices};
-#[doc(hidden)]
-pub use dispatch_limits::DispatchLimits;
 pub use film::VulkanFilm;
-#[doc(hidden)]
-pub use index::bench as index_bench;
 pub use map::VulkanMap;
-#[doc(hidden)]
-pub use rays::RayPlan;
 pub use scene::VulkanScene;
-#[doc(hidden)]
-pub use stages::TracePlan;
 pub use vulkan::Vulkan;

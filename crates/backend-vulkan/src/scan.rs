@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
 use crate::constants::SCAN_ITEMS;
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -20,9 +20,9 @@ const MAX_TILES_ALONE: u64 = 2;
 /// Computes prefix sums.
 #[derive(Debug)]
 pub(crate) struct Scan {
-    sums: Kernel,
-    alone: Kernel,
-    tiles: Kernel,
+    sums: ComputePipeline,
+    alone: ComputePipeline,
+    tiles: ComputePipeline,
     alone_tile: u64,
     /// Sums of the tiles; grows on demand.
     scratch: Memory,

@@ -79,6 +79,8 @@ pub(crate) static INDEX_VVH_SIDES: Module =
 
 pub(crate) static PROBE_AREA: Module = Module { name: "probe_area", bytes: include_bytes!("../spirv/probe_area.spv") };
 
+pub(crate) static PROBE_BIAS: Module = Module { name: "probe_bias", bytes: include_bytes!("../spirv/probe_bias.spv") };
+
 pub(crate) static PROBE_BSDF: Module = Module { name: "probe_bsdf", bytes: include_bytes!("../spirv/probe_bsdf.spv") };
 
 pub(crate) static PROBE_KERNEL: Module =
@@ -202,7 +204,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 70] = [
+pub(crate) static ALL: [&Module; 71] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -230,6 +232,7 @@ pub(crate) static ALL: [&Module; 70] = [
     &INDEX_VVH_PLAN,
     &INDEX_VVH_SIDES,
     &PROBE_AREA,
+    &PROBE_BIAS,
     &PROBE_BSDF,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,

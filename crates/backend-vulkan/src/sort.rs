@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
 use crate::constants::{SORT_DIGITS, SORT_ITEMS, SORT_SUBGROUPS};
-use crate::device::{Fault, Kernel, Memory};
+use crate::device::{ComputePipeline, Fault, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -18,9 +18,9 @@ const DIGITS: u64 = SORT_DIGITS as u64;
 #[derive(Debug)]
 pub(crate) struct Sort {
     /// For keys of one and of two words.
-    count: [Kernel; 2],
-    offsets: Kernel,
-    scatter: [Kernel; 2],
+    count: [ComputePipeline; 2],
+    offsets: ComputePipeline,
+    scatter: [ComputePipeline; 2],
     tile: u64,
     /// Totals by digit, then counts by digit and tile; grows on demand.
     scratch: Memory,
@@ -110,7 +110,7 @@ impl Sort {
     /// Errors of the device.
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = workgroup(on)?;
-        let both = |on: &mut Vulkan, module| -> Result<[Kernel; 2]> {
+        let both = |on: &mut Vulkan, module| -> Result<[ComputePipeline; 2]> {
             let mut of = |key_words| on.kernel(module, size, &KeyConstants { key_words });
             Ok([of(1)?, of(2)?])
         };

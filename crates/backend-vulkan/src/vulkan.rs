@@ -7,7 +7,8 @@ use gpu_allocator::MemoryLocation;
 use photon_core::{Error, Result};
 
 use crate::device::{
-    Device, DiskCache, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
+    ComputePipeline, Device, DiskCache, Fault, Groups, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice,
+    Recorder,
 };
 use crate::dispatch_limits::DispatchLimits;
 use crate::shaders;
@@ -81,14 +82,10 @@ impl Vulkan {
         })
     }
 
-    /// For tests: opens a device with validation enabled; dropping it panics if the layer has reported
-    /// anything. Returns `None`, with a message on standard error, where there is no Vulkan, unless
-    /// `PHOTON_REQUIRE_VULKAN` is set. `PHOTON_VALIDATION=0` disables the layer, for machines that have a GPU
-    /// but not the layer.
-    #[doc(hidden)]
+    /// [`crate::low_level::for_tests`].
     #[must_use]
     #[expect(clippy::panic, reason = "a test that needs Vulkan fails where Vulkan is required")]
-    pub fn for_tests() -> Option<Self> {
+    pub(crate) fn for_tests() -> Option<Self> {
         let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
         let validation = wants_validation(std::env::var_os("PHOTON_VALIDATION").as_deref());
         match Self::with_options(&Options { validation, ..Options::default() }) {
@@ -111,40 +108,6 @@ impl Vulkan {
     #[must_use]
     pub fn limits(&self) -> &Limits {
         &self.device.limits
-    }
-
-    /// Sets how photons are traced, for benchmarks; the photons do not depend on it.
-    #[doc(hidden)]
-    pub fn set_trace_plan(&mut self, plan: TracePlan) {
-        self.trace_plan = plan;
-    }
-
-    /// How photons are traced.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn trace_plan(&self) -> TracePlan {
-        self.trace_plan
-    }
-
-    /// Sets how much work a dispatch does, for tests that the image does not depend on it.
-    #[doc(hidden)]
-    pub fn set_dispatch_limits(&mut self, dispatch_limits: DispatchLimits) {
-        self.dispatch_limits = dispatch_limits;
-    }
-
-    /// Fault injection: makes every memory allocation from number `no_memory_at` on, and every submission from
-    /// number `lost_at` on, fail as if memory were exhausted and the device lost. Both are counted from when
-    /// the device was opened: see [`Vulkan::work_so_far`].
-    #[doc(hidden)]
-    pub fn inject_faults(&self, no_memory_at: Option<u64>, lost_at: Option<u64>) {
-        self.device.injection.set(no_memory_at.unwrap_or(u64::MAX), lost_at.unwrap_or(u64::MAX));
-    }
-
-    /// Allocations and submissions since the device was opened.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn work_so_far(&self) -> (u64, u64) {
-        self.device.injection.counts()
     }
 
     /// Messages of the validation layer about this device, if validation was enabled. Devices share an
@@ -177,12 +140,12 @@ impl Vulkan {
         module: &'static Module,
         workgroup: u32,
         constants: &impl Constants,
-    ) -> Result<Kernel> {
+    ) -> Result<ComputePipeline> {
         self.pipelines.kernel(module, workgroup, constants)
     }
 
     /// Dispatches the given number of workgroups of a kernel.
-    pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &Kernel, push: &P, workgroups: u64) -> Result<()> {
+    pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &ComputePipeline, push: &P, workgroups: u64) -> Result<()> {
         if workgroups == 0 {
             return Ok(());
         }
@@ -199,7 +162,7 @@ impl Vulkan {
     /// Indirect dispatch: the three words of `args` at `offset` are the numbers of workgroups.
     pub(crate) fn dispatch_indirect<P: Pod>(
         &mut self,
-        kernel: &Kernel,
+        kernel: &ComputePipeline,
         push: &P,
         args: &Memory,
         offset: u64,

@@ -177,7 +177,7 @@ fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
 
 /// Traces one path to its end. `F` selects the lobes that are compiled in.
 fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput) {
-    let features = Features::from_bits(F);
+    let features = Features::from_bits_truncate(F);
     let scene = walk.scene;
     let shaded = features.intersects(Features::SHADED);
     let (aimed, nested) = (F & AIMED != 0, F & NESTED != 0 && (!shaded || scene.nested));

@@ -28,6 +28,6 @@ pub(crate) use memory::Memory;
 pub(crate) use module::Module;
 #[cfg(test)]
 pub(crate) use pipelines::Specialized;
-pub(crate) use pipelines::{Kernel, Pipelines};
+pub(crate) use pipelines::{ComputePipeline, Pipelines};
 pub(crate) use profile::Profile;
 pub(crate) use recorder::{Groups, Recorder};

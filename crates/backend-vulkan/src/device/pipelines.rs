@@ -14,7 +14,7 @@ use crate::specialization::Constants;
 
 /// A compiled kernel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Kernel {
+pub(crate) struct ComputePipeline {
     pub(crate) pipeline: vk::Pipeline,
     pub(crate) name: &'static str,
     /// Specialization constant 1.
@@ -34,7 +34,7 @@ pub(crate) struct Pipelines {
     disk: Option<DiskCache>,
     #[cfg(test)]
     begun_with: usize,
-    compiled: BTreeMap<Specialized, Kernel>,
+    compiled: BTreeMap<Specialized, ComputePipeline>,
     fresh: bool,
 }
 
@@ -69,7 +69,7 @@ impl Pipelines {
         module: &'static Module,
         workgroup: u32,
         constants: &C,
-    ) -> Result<Kernel> {
+    ) -> Result<ComputePipeline> {
         let constants = constants.words();
         let listed = C::MODULES.iter().any(|known| known.name == module.name);
         debug_assert!(listed || constants.is_empty(), "constants of other modules than {}", module.name);
@@ -102,7 +102,7 @@ impl Pipelines {
         let pipeline = made.map_err(|(_, result)| during(module.name)(result))?[0];
         self.device.name(pipeline, module.name);
         self.fresh = true;
-        let kernel = Kernel { pipeline, name: module.name, workgroup };
+        let kernel = ComputePipeline { pipeline, name: module.name, workgroup };
         self.compiled.insert(key, kernel);
         Ok(kernel)
     }

@@ -12,7 +12,7 @@ use photon_core::Result;
 
 use super::logical::Device;
 use super::memory::Memory;
-use super::pipelines::Kernel;
+use super::pipelines::ComputePipeline;
 use super::queue::Queue;
 
 /// Commands after which a submission is made, so that the device starts while the host goes on recording.
@@ -90,7 +90,7 @@ impl Recorder {
     pub(crate) fn dispatch(
         &mut self,
         layout: vk::PipelineLayout,
-        kernel: &Kernel,
+        kernel: &ComputePipeline,
         push: &[u8],
         groups: Groups<'_>,
     ) -> Result<()> {

@@ -193,8 +193,8 @@ pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Re
     let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(photon_moments).collect();
     home(on, &planes, picture.pixels.len(), |chunk| {
         for (i, pixel) in all[chunk.pixels.clone()].iter_mut().enumerate() {
-            let [bias, bias_square, narrow, narrow_square] = std::array::from_fn(|plane| chunk.sum(plane, SUMS, i));
-            *pixel = ErrorPixel { bias, bias_square, narrow, narrow_square, ..ErrorPixel::default() };
+            [pixel.bias, pixel.bias_square, pixel.narrow, pixel.narrow_square] =
+                std::array::from_fn(|plane| chunk.sum(plane, SUMS, i));
             let mut first = 2 * SUMS;
             for (_, map_moments) in
                 pixel.photon_moments.iter_mut().filter(|(kind, _)| errors.photon_moments[*kind].is_some())

@@ -10,7 +10,7 @@ use super::bounds::BoundsOf;
 use super::lists::{Lists, SHORT, TILE, WORKGROUP};
 use super::map_storage::grow;
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -19,8 +19,8 @@ use crate::vulkan::Vulkan;
 pub(crate) struct Median {
     bounds: BoundsOf,
     lists: Lists,
-    count: Kernel,
-    part: Kernel,
+    count: ComputePipeline,
+    part: ComputePipeline,
     /// One bit per photon: whether it goes to the right part.
     right: Memory,
     counts: Memory,

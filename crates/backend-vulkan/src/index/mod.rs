@@ -1,7 +1,6 @@
 //! Photon maps built on the device: the same slots in the same order as those of the CPU's index of the same
 //! kind, bit for bit.
 
-#[doc(hidden)]
 pub mod bench;
 mod bounds;
 mod lists;
@@ -18,7 +17,7 @@ mod vvh_nodes;
 use photon_core::{IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result, kd_tree};
 
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Module};
+use crate::device::{ComputePipeline, Module};
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
 use map_storage::MapStorage;
@@ -38,7 +37,12 @@ specialized!(
 );
 
 /// The kernel of a module that reads photons, specialized to the photon format of a buffer.
-fn reading(on: &mut Vulkan, module: &'static Module, workgroup: u32, photons: &VulkanBuffer<Photon>) -> Result<Kernel> {
+fn reading(
+    on: &mut Vulkan,
+    module: &'static Module,
+    workgroup: u32,
+    photons: &VulkanBuffer<Photon>,
+) -> Result<ComputePipeline> {
     on.kernel(module, workgroup, &ReadingConstants { format: photons.photon_format() })
 }
 

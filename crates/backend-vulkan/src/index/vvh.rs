@@ -11,7 +11,7 @@ use super::bounds::BoundsOf;
 use super::lists::{Lists, SHORT, TILE, WORKGROUP};
 use super::map_storage::grow;
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -28,9 +28,9 @@ const SEGMENT: u64 = 32;
 pub(crate) struct Vvh {
     bounds: BoundsOf,
     lists: Lists,
-    sides: Kernel,
-    count: Kernel,
-    part: Kernel,
+    sides: ComputePipeline,
+    count: ComputePipeline,
+    part: ComputePipeline,
     /// Records of the levels; the last one is for short segments.
     levels: Memory,
     jobs: Memory,

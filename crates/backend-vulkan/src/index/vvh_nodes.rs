@@ -6,7 +6,7 @@ use photon_core::{Result, kd_tree};
 use super::WIDTH;
 use super::map_storage::grow;
 use super::regular::{Ordered, Regular};
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -18,8 +18,8 @@ const PENDING: u64 = 32;
 /// Builds nodes.
 #[derive(Debug)]
 pub(crate) struct VvhNodes {
-    collapse: Kernel,
-    boxes: Kernel,
+    collapse: ComputePipeline,
+    boxes: ComputePipeline,
     depths: Memory,
     pending: Memory,
     /// Leaves by block, and their photon counts.

@@ -4,6 +4,7 @@
 //! module of their own; and in `docs/studies/shaders.md`.
 
 mod area;
+mod bias;
 mod compare;
 mod draw;
 mod flushed;
@@ -48,13 +49,13 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => PROBE_AREA PROBE_BSDF PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL
+    push_layout: Push => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL
         PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SOLID_ANGLE PROBE_TRIANGLE,
     inputs outputs count padding
 );
 
 specialized!(
-    probe_constants: ProbeConstants => PROBE_AREA PROBE_BSDF PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH
+    probe_constants: ProbeConstants => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH
         PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING
         PROBE_SOLID_ANGLE PROBE_TRIANGLE,
     2 function: u32; default features shared_groups

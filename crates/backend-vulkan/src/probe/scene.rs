@@ -11,7 +11,8 @@ pub(super) static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let mut scene = SceneBuilder::new();
     let floor = scene.material(MaterialDesc::lambert("floor", [0.5; 3]));
     let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [9.0, 5.0, 2.0]));
-    let both = MaterialDesc { emits_both_sides: true, ..MaterialDesc::emissive("both", [0.0; 3], [1.0, 2.0, 4.0]) };
+    let mut both = MaterialDesc::emissive("both", [0.0; 3], [1.0, 2.0, 4.0]);
+    both.emits_both_sides = true;
     let both = scene.material(both);
     let glass = scene.material(MaterialDesc::glass("glass", 1.5));
     scene.quad("floor", [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0]], floor);

@@ -14,7 +14,7 @@ use photon_core::{
 
 use super::tally::{AIMED_FATES, FATES, tally, words};
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::scan::Scan;
 use crate::scene::VulkanScene;
 use crate::shaders;
@@ -340,7 +340,7 @@ impl VulkanTracer {
         on: &mut Vulkan,
         scratch: &TraceScratch,
         (scene, rays): (u64, u64),
-        trace: &Kernel,
+        trace: &ComputePipeline,
         count: u64,
     ) -> Result<()> {
         let plan = on.trace_plan;

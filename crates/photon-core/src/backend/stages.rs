@@ -16,6 +16,7 @@ use crate::settings::kernel::Kernel;
 
 /// A range of paths of one pass.
 #[derive(Clone, Debug, PartialEq)]
+// Exhaustive: written as a literal by callers of stages, which must state every field.
 pub struct Batch {
     /// The pass.
     pub pass: Pass,
@@ -25,6 +26,7 @@ pub struct Batch {
 
 /// The key of a pass's random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+// Exhaustive: as `Batch`.
 pub struct Pass {
     /// Key of all random numbers.
     pub seed: u64,
@@ -36,6 +38,7 @@ pub struct Pass {
 
 /// A camera and the size of its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: as `Batch`.
 pub struct View {
     /// The camera, its right and up vectors scaled to the aspect ratio of the picture.
     pub camera: Camera,
@@ -57,6 +60,7 @@ impl View {
 
 /// How radiance is estimated from the photons near a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: written as a literal with `..EstimateParams::new(search)`.
 pub struct EstimateParams {
     /// Which photons count.
     pub search: Search,
@@ -159,6 +163,7 @@ impl EstimateParams {
 
 /// Which photons near a query count.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: every backend must implement each.
 pub enum Search {
     /// All photons within the radius.
     Radius,
@@ -450,6 +455,7 @@ pub trait FinalGather<B: TransportBackend>: Send {
 
 /// The stages that do not need a scene. Replace a field to use an implementation of your own.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
+// Exhaustive: as `Stages`.
 pub struct MapStages<B: Backend> {
     /// Builds maps from photons.
     pub builder: Box<dyn KdTreeBuilder<B>>,
@@ -474,6 +480,7 @@ pub struct Aimed<B: TransportBackend> {
 /// [`Stages::map`] but reads the maps itself, so that another estimator needs another [`FinalGather`] if
 /// indirect light is gathered.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
+// Exhaustive: a backend must say for each stage whether it has one.
 pub struct Stages<B: TransportBackend> {
     /// Emits photons.
     pub emitter: Box<dyn Emitter<B>>,

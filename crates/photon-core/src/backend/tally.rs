@@ -4,6 +4,7 @@ use crate::requirements::map_kind::PerMap;
 
 /// How a photon path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Fate {
     /// Absorbed by a surface.
     Absorbed,
@@ -85,6 +86,7 @@ impl FluxSum {
 
 /// Counts and flux, of one pass or of many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+// Exhaustive: a backend must fill in every count.
 pub struct Tally {
     /// Paths emitted.
     pub emitted: u64,

@@ -23,6 +23,7 @@ use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 /// and not built. Requirements that lack something are an error; those that include too much do not change
 /// a bit of the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Requirements {
     /// Lobes and lights.
     pub features: Features,

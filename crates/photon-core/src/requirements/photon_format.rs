@@ -13,6 +13,7 @@ use crate::settings::{Estimator, Settings};
 ///
 /// Ordered by size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+// Exhaustive: backends must store each.
 pub enum PhotonFormat {
     /// Position, normal, and one power for all three channels: 20 bytes.
     Mono,

@@ -5,6 +5,7 @@ use crate::scene::{SceneView, light_probability};
 
 /// A light; all emissive triangles of one material count as one area light.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LightShare {
     /// Description: kind and index of the light, or index of the material of an area light.
     pub what: String,

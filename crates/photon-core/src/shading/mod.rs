@@ -1,6 +1,7 @@
 //! Scattering, sampling and the geometry of shading.
 
 pub mod area;
+mod bias;
 pub(crate) mod bsdf;
 pub mod fresnel;
 pub(crate) mod interaction;

@@ -18,6 +18,7 @@ mod scene;
 mod settings;
 mod shading;
 
+pub use backend::kd_tree;
 pub use backend::memory::Costs;
 pub use backend::observer::{Event, Observer, PassReport};
 pub use backend::stages::{
@@ -66,5 +67,6 @@ pub use shading::environment::EnvironmentSample;
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    area, fresnel, math, octahedral, offset, random, sampling, shading_normal, sobol, solid_angle, texture,
+    area, fresnel, light_sampler, math, octahedral, offset, random, sampling, shading_normal, sobol, solid_angle,
+    texture,
 };

@@ -6,6 +6,7 @@ pub(crate) mod bsdf;
 pub(crate) mod environment;
 pub mod fresnel;
 pub(crate) mod interaction;
+pub mod light_sampler;
 pub mod math;
 pub mod octahedral;
 pub mod offset;

@@ -16,6 +16,7 @@ const uint LIGHT_TRIANGLE = 0u;
 const uint LIGHT_POINT = 1u;
 const uint LIGHT_SPOT = 2u;
 const uint LIGHT_DIRECTIONAL = 3u;
+const uint LIGHT_ENVIRONMENT = 4u;
 
 // MediaFeatures: bits of a specialization constant.
 const uint MEDIA_NESTED = 1u;
@@ -45,8 +46,9 @@ const uint FEATURE_SHADING_NORMALS = 1024u;
 const uint FEATURE_NORMAL_MAPS = 2048u;
 const uint FEATURE_VERTEX_COLORS = 4096u;
 const uint FEATURE_TEXTURED_LIGHTS = 8192u;
+const uint FEATURE_ENVIRONMENT = 16384u;
 const uint FEATURE_SPECULAR = 14u;
-const uint FEATURE_ALL = 16383u;
+const uint FEATURE_ALL = 32767u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;

@@ -39,6 +39,9 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
         float square = dot3(gap, gap);
         return power * height / (3.14159265 * (square * sqrt(square)));
     }
+    if ((FEATURES & FEATURE_ENVIRONMENT) != 0 && light.kind == LIGHT_ENVIRONMENT) {
+        return power / (4.0 * 3.14159265 * light.radius * light.radius);
+    }
     vec3 gap = light.position - position;
     float square = dot3(gap, gap);
     vec3 direction = gap / sqrt(square);

@@ -70,6 +70,21 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     uint reserved[3];
 };
 
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };
+
+// An environment map: texels, rows of cells, starts of the rows and of the columns of each row.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer EnvironmentRef {
+    Vec4s texels;
+    Vec4s rows;
+    LightStarts starts;
+    uint width;
+    uint height;
+    uint rows_count;
+    uint columns;
+    uint step_texels;
+    float rotation;
+};
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
     WideNodes nodes;
     Corners corners;
@@ -83,6 +98,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     uint light_count;
     // 0 in a scene without any.
     ShadingRef shading;
+    // 0 in a scene without one.
+    EnvironmentRef environment;
+    uint reserved[2];
 };
 
 #include "shading/intersect.glsl"

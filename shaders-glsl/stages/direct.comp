@@ -23,6 +23,7 @@ layout(constant_id = 3) const uint MEDIA = 1;
 #include "shading/solid_angle.glsl"
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
+#include "shading/environment.glsl"
 #include "shading/two_float.glsl"
 #include "shading/light_sampler.glsl"
 
@@ -112,6 +113,14 @@ bool sample_light(
         float cosine = SHADING_NORMALS ? shading_cosine(-light.direction, normal, shading) : -dot3(normal, light.direction);
         value = light.power * (cosine / (3.14159265 * light.radius * light.radius));
         ray = Ray(from, -light.direction, NO_LIMIT);
+        return cosine > 0.0;
+    }
+    if (ENVIRONMENT && light.kind == LIGHT_ENVIRONMENT) {
+        EnvironmentSample found = environment_sample(push.scene, words.yz);
+        float cosine =
+            SHADING_NORMALS ? shading_cosine(found.direction, normal, shading) : dot3(normal, found.direction);
+        value = found.weight * cosine;
+        ray = Ray(from, found.direction, NO_LIMIT);
         return cosine > 0.0;
     }
     Target target = Target(light.position, vec3(0.0), 0.0, vec2(0.0));

@@ -25,6 +25,7 @@ layout(constant_id = 5) const uint MEDIA = 1;
 #include "shading/random.glsl"
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
+#include "shading/environment.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
@@ -137,6 +138,7 @@ void main() {
     while (alive) {
         Hit hit;
         alive = nearest(push.scene, path.ray, hit);
+        bool escaped = !alive;
         if (alive) {
             Surface at = surface_of(push.scene, path.ray.direction, hit);
             Material material = push.scene.materials[at.material].at;
@@ -190,6 +192,11 @@ void main() {
                 }
             }
         }
+        if (ENVIRONMENT && escaped) {
+            vec3 throughput = path.throughput;
+            if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
+            emission += throughput * environment_radiance(push.scene, path.ray.direction);
+        }
         if (!alive && waits > 0) {
             waits--;
             path = waiting[waits];
@@ -197,7 +204,7 @@ void main() {
         }
     }
     push.counts[pixel].at = found;
-    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && emission != vec3(0.0)) {
+    if ((FEATURES & (FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT)) != 0 && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
             Planes place = film_place(push.emission, c, push.width * push.height, pixel);
             place.at += emission[c];

@@ -13,6 +13,7 @@ pub mod determinism;
 pub mod dielectrics;
 pub mod direct;
 pub mod edges;
+pub mod environment;
 pub mod equivalence;
 pub mod estimators;
 pub mod extremes;
@@ -118,6 +119,10 @@ macro_rules! whole_suite {
             shading_normals::{
                 g9_parallel_light, g9_light_from_the_sides, g9_even_sky, photons_scattered_by_a_tilted_normal,
                 a_mirror_with_tilted_normals, smooth_balls_in_an_even_shell,
+            }
+            environment::{
+                g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,
+                even_light_through_glass,
             }
             views::{ v1_hand_filled_views_are_checked }
             determinism::{

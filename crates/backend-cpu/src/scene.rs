@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Error, Features, Hit, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Primitive, Ray, RayCaster,
-    Requirements, Result, SceneView, Shaded, Solids, SurfaceInteraction, interface, math, offset, radiance_scale,
+    EnvironmentMap, Error, Features, Hit, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Primitive,
+    Ray, RayCaster, Requirements, Result, SceneView, Shaded, Solids, SurfaceInteraction, interface, math, offset,
+    radiance_scale,
 };
 
 use crate::cpu::Cpu;
@@ -21,6 +22,7 @@ pub struct CpuScene {
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
+    pub(crate) environment: Option<EnvironmentMap>,
     media: Vec<Medium>,
     /// The media in which photons from each light start, on its front and on its back; empty if the scene needs no
     /// media.
@@ -68,6 +70,7 @@ impl CpuScene {
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
             light_cdf: view.light_cdf.to_vec(),
+            environment: view.environment.cloned(),
             media: view.media.to_vec(),
             light_media,
             nested,

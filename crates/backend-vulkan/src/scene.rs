@@ -46,6 +46,8 @@ struct Record {
     triangles: u32,
     light_count: u32,
     shading: u64,
+    environment: u64,
+    reserved: [u32; 2],
 }
 
 /// `Emission` of scene.glsl.
@@ -107,13 +109,16 @@ impl VulkanScene {
             triangles: view.triangles.len() as u32,
             light_count: view.lights.len() as u32,
             shading,
+            environment: environment::upload(&mut upload, view)?,
+            reserved: [0; 2],
         };
         upload.table("scene", &[record])?;
         let Upload { mut tables, bytes, .. } = upload;
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
         let light_count = view.lights.len() as u32;
         // Kernels read tables that exist: what only the requirements have would be read at address 0.
-        let absent = Features::SHADED.union(Features::TEXTURED_LIGHTS).without(present);
+        let with_tables = Features::SHADED.union(Features::TEXTURED_LIGHTS).union(Features::ENVIRONMENT);
+        let absent = with_tables.without(present);
         let (features, media) = (required.features.without(absent), required.media);
         Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
     }
@@ -217,6 +222,7 @@ impl Upload<'_> {
     }
 }
 
+mod environment;
 mod shading;
 #[cfg(test)]
 mod silhouette;

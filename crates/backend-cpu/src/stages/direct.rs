@@ -58,7 +58,7 @@ fn irradiance<const SHADED: bool>(scene: &CpuScene, pass: Pass, query: &Query, r
         // Each ray samples its own stratum of the lights.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
         let (index, share) = light_sampler.pick(scene, choice);
-        let sample = sample::<SHADED>(scene, &scene.lights[index], query, unit_f32(u), unit_f32(v));
+        let sample = sample::<SHADED>(scene, &scene.lights[index], query, u, v);
         let Some((value, ray)) = sample else { continue };
         if !scene.caster.occluded(&ray) {
             // The segment is unoccluded, so all of it lies in the query's medium.
@@ -73,7 +73,7 @@ fn irradiance<const SHADED: bool>(scene: &CpuScene, pass: Pass, query: &Query, r
 
 /// Samples a point on a light. Returns the unoccluded irradiance divided by the density of that point, and the
 /// shadow ray to test. `None` if the light is on the far side of the surface.
-fn sample<const SHADED: bool>(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Option<(Vec3, Ray)> {
+fn sample<const SHADED: bool>(scene: &CpuScene, light: &Light, query: &Query, u: u32, v: u32) -> Option<(Vec3, Ray)> {
     let normal = Vec3::from(query.normal);
     let from = offset::off_surface(query.position.into(), normal);
     let mut power = Vec3::from(light.power);
@@ -92,6 +92,13 @@ fn sample<const SHADED: bool>(scene: &CpuScene, light: &Light, query: &Query, u:
         let ray = Ray { origin: from, direction, t_max: f32::INFINITY };
         return (cosine > 0.0).then(|| (power * (cosine / area), ray));
     }
+    if let (Light::ENVIRONMENT, Some(environment)) = (light.kind, &scene.environment) {
+        let found = environment.sample([u, v]);
+        let cosine = cosine_of(found.direction);
+        let ray = Ray { origin: from, direction: found.direction, t_max: f32::INFINITY };
+        return (cosine > 0.0).then(|| (found.weight * cosine, ray));
+    }
+    let (u, v) = (unit_f32(u), unit_f32(v));
     let Target { to, front, solid_angle, at: (b, c) } = if light.kind == Light::TRIANGLE {
         at_area_light(scene, light, from, u, v)?
     } else {

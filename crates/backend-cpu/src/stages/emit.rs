@@ -125,6 +125,18 @@ fn leave<const AIMED: bool, const TEXTURED: bool>(
             let versine = sampling::spot_versine(light.versine_inner, light.versine_outer, c);
             (position, sampling::about(along, versine, d))
         }
+        Light::ENVIRONMENT => {
+            let Some(environment) = &scene.environment else { return start };
+            let found = environment.sample(direction);
+            let direction = -found.direction;
+            let (x, y) = sampling::disc(a, b);
+            let (tangent, bitangent) = sampling::basis(direction);
+            // The power of the record is that of the mean radiance.
+            let reciprocal = Vec3::from(power).max_element() / Vec3::from(light.power).max_element();
+            let area = std::f32::consts::PI * light.radius * light.radius;
+            power = (found.weight * (area * reciprocal)).to_array();
+            ((tangent * x + bitangent * y - direction) * light.radius, direction)
+        }
         Light::DIRECTIONAL => {
             let (x, y) = sampling::disc(a, b);
             let (tangent, bitangent) = sampling::basis(along);

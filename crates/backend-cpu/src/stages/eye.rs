@@ -121,7 +121,15 @@ impl Eye<'_> {
         queries: &mut Vec<Query>,
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
-        let (mut surface, hit) = self.scene.hit(&path.ray)?;
+        let Some((mut surface, hit)) = self.scene.hit(&path.ray) else {
+            if let Some(environment) = &self.scene.environment {
+                let camera = MediumStack::from_bits(self.view.camera.media);
+                let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
+                let radiance = environment.radiance(path.ray.direction);
+                deposit(pixel, Layer::Emission, throughput.into(), radiance.to_array().map(f64::from));
+            }
+            return None;
+        };
         let mut material = &self.scene.materials[surface.material as usize];
         let evaluated = if SHADED { Some(self.scene.shade(&surface, &hit)) } else { None };
         let mut normal = surface.normal;

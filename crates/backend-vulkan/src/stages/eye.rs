@@ -134,7 +134,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        let lit = features.contains(Features::AREA_LIGHTS);
+        let lit = features.intersects(Features::AREA_LIGHTS.union(Features::ENVIRONMENT));
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as possible.
         let tile_rows = if view.height >= 4 { 2 } else { 0 };

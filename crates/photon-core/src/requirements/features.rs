@@ -39,6 +39,8 @@ bitflags! {
         const VERTEX_COLORS = 1 << 12;
         /// Area lights whose emission is textured.
         const TEXTURED_LIGHTS = 1 << 13;
+        /// An environment map.
+        const ENVIRONMENT = 1 << 14;
     }
 }
 
@@ -69,6 +71,7 @@ impl Features {
         "normal-maps",
         "vertex-colors",
         "textured-lights",
+        "environment",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits.

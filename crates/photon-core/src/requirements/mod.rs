@@ -175,6 +175,7 @@ pub fn light_features(light: &Light) -> Features {
         Light::POINT => Features::POINT_LIGHTS,
         Light::SPOT => Features::SPOT_LIGHTS,
         Light::DIRECTIONAL => Features::DIRECTIONAL_LIGHTS,
+        Light::ENVIRONMENT => Features::ENVIRONMENT,
         _ => Features::AREA_LIGHTS,
     }
 }

@@ -61,6 +61,7 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
             }
             (Light::POINT, _) => format!("point light {index}"),
             (Light::SPOT, _) => format!("spot light {index}"),
+            (Light::ENVIRONMENT, _) => "the environment".to_owned(),
             _ => format!("directional light {index}"),
         };
         shares.push(LightShare { what, lights: 1, power, probability });

@@ -91,6 +91,8 @@ pub fn weigh(light: &Light, triangle: impl FnOnce() -> ([Vec3; 3], Vec3), positi
             let cosine = -normal.dot(light.direction.into());
             power * cosine.max(0.0) / (std::f32::consts::PI * light.radius * light.radius)
         }
+        // As if the mean radiance arrived from a hemisphere.
+        Light::ENVIRONMENT => power / (4.0 * std::f32::consts::PI * light.radius * light.radius),
         Light::TRIANGLE => {
             let (corners, facing) = triangle();
             let corners = corners.map(|corner| corner - position);

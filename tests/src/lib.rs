@@ -27,8 +27,10 @@ pub mod paper;
 pub mod photon_formats;
 pub mod precision;
 pub mod required_format;
+pub mod shading_normals;
 pub mod sheets;
 pub mod stats;
+pub mod textures;
 pub mod twin;
 pub mod views;
 
@@ -110,6 +112,13 @@ macro_rules! whole_suite {
                 m1_grey_is_what_treats_channels_alike, m2_less_is_the_same_picture, m3_too_little_is_refused,
             }
             photon_formats::{ m4_the_same_photons_are_found }
+            textures::{
+                g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,
+            }
+            shading_normals::{
+                g9_parallel_light, g9_light_from_the_sides, g9_even_sky, photons_scattered_by_a_tilted_normal,
+                a_mirror_with_tilted_normals, smooth_balls_in_an_even_shell,
+            }
             views::{ v1_hand_filled_views_are_checked }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,

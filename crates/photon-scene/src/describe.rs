@@ -108,6 +108,12 @@ impl MaterialDesc {
         Self { emits_both_sides, ..self }
     }
 
+    /// The material with these [`Self::textures`].
+    #[must_use]
+    pub fn with_textures(self, textures: TexturesDesc) -> Self {
+        Self { textures, ..self }
+    }
+
     /// The material with this [`Self::priority`].
     #[must_use]
     pub fn with_priority(self, priority: u32) -> Self {

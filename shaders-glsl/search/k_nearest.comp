@@ -24,6 +24,7 @@ layout(constant_id = 4) const uint KERNEL = 0;
 // Whether photons are filtered by normal or, in the paper's mode, by direction.
 layout(constant_id = 5) const uint FILTER = 1;
 
+#include "shading/constants.glsl"
 #include "shading/kernel.glsl"
 #include "shading/octahedral.glsl"
 #include "shading/shading_normal.glsl"
@@ -33,9 +34,6 @@ layout(constant_id = 5) const uint FILTER = 1;
 
 // Whether photons are weighted by the cosine to the query's shading normal.
 layout(constant_id = 10) const uint SHADING = 0;
-
-// Minimum squared radius that an estimate divides by: (2^-20 of the scene) squared.
-const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
 
 // Positions; then normals or directions, and powers or ids.
 shared uvec4 staged[TILES * TILE_POINTS];
@@ -113,7 +111,7 @@ void visit(uint mode, uvec2 firsts) {
     uint begin = gl_SubgroupID * TILE_POINTS;
     for (uint part = 0; part < TILE_POINTS; part += 8) {
         // Offset to convert a staging position into a slot.
-        uint slots = part < WIDTH ? firsts.x - begin : firsts.y - begin - WIDTH;
+        uint slots = part < KD_TREE_WIDTH ? firsts.x - begin : firsts.y - begin - KD_TREE_WIDTH;
         if (mode == WIDEN) {
             EIGHT(widen, begin + part);
             rank_shrink();
@@ -130,7 +128,7 @@ const uint VISIT_TURNS = TILE_POINTS / 8 * 2 + 1;
 #include "search/search_walk.glsl"
 
 // Loop iterations of a round besides those of its traversal, including an initial guess.
-const uint ROUND_TURNS = COLUMN + BINS + LEVELS;
+const uint ROUND_TURNS = COLUMN + BINS + KD_TREE_MAX_DEPTH;
 
 void query_keep(inout uint round) {
     pause_begin(PAUSE_KERNEL);

@@ -12,6 +12,7 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 layout(local_size_x_id = 1) in;
 
+#include "shading/constants.glsl"
 #include "shading/kernel.glsl"
 #include "shading/octahedral.glsl"
 #include "search/search_map.glsl"
@@ -32,9 +33,6 @@ layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 
 // Whether photons are weighted by the cosine to the query's shading normal.
 layout(constant_id = 10) const uint SHADING = 0;
-
-// Minimum squared radius that an estimate divides by: (2^-20 of the scene) squared.
-const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
 
 // Positions with packed normals, normals, powers.
 shared uvec4 staged[TILES * TILE_POINTS];
@@ -141,7 +139,7 @@ void main() {
             if (floatBitsToUint(box_distance(at, low, high)) >= limit) limit = 0;
         }
     }
-    float divisor = squared_radius >= MIN_RADIUS_SQUARED ? squared_radius : MIN_RADIUS_SQUARED;
+    float divisor = squared_radius >= NEIGHBOUR_MIN_RADIUS_SQUARED ? squared_radius : NEIGHBOUR_MIN_RADIUS_SQUARED;
     scale = 1.0 / divisor;
     flux = NOTHING;
     photons = 0;
@@ -152,7 +150,7 @@ void main() {
         query_keep();
     } else if (asked && index < push.capacity) {
         Estimates(push.results)[index].at = Estimate(
-            flux.total - flux.excess, divisor, photons, squared_radius < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+            flux.total - flux.excess, divisor, photons, squared_radius < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
         if (ERROR_MOMENTS != 0) ErrorMomentsBuffer(push.ids)[index].at = error_moments_found();
     }
     if (TURNS != 0) pause_close();

@@ -132,7 +132,7 @@ Estimate estimate(bool full, float reach) {
         sum0 = NOTHING;
         reach = uintBitsToFloat(highest);
     }
-    float divisor = reach >= MIN_RADIUS_SQUARED ? reach : MIN_RADIUS_SQUARED;
+    float divisor = reach >= NEIGHBOUR_MIN_RADIUS_SQUARED ? reach : NEIGHBOUR_MIN_RADIUS_SQUARED;
     float ratio = per_high > 0.0 ? uintBitsToFloat(high_bits) / divisor : 0.0;
     vec3 flux = sum0.total - sum0.excess;
     if (MODE == DENSITY && KERNEL != KERNEL_CONSTANT) {
@@ -149,7 +149,7 @@ Estimate estimate(bool full, float reach) {
         // Weights are not negative, but differences of nearly equal sums may be.
         flux = max(flux, vec3(0.0));
     }
-    return Estimate(flux, divisor, photons, reach < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+    return Estimate(flux, divisor, photons, reach < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
 }
 
 #endif

@@ -5,9 +5,6 @@
 #include "shading/constants.glsl"
 #include "shading/math.glsl"
 
-const float SHADING_MAX_RATIO = 32.0;
-const float SHADING_MIN_COSINE = 1.0e-3;
-
 float shading_cosine(vec3 direction, vec3 geometric, vec3 shading) {
     return min(max(dot3(direction, shading), 0.0), SHADING_MAX_RATIO * max(dot3(direction, geometric), 0.0));
 }

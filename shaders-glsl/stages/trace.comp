@@ -97,9 +97,6 @@ layout(push_constant, scalar) uniform Push {
     uint max_bounces;
 } push;
 
-// A path power above this indicates invalid numbers.
-const float TOO_MUCH = 1048576.0;
-
 const bool ABSORPTION = (FEATURES & FEATURE_ABSORPTION) != 0u;
 
 bool is_finite3(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
@@ -222,7 +219,7 @@ void store(inout Path path, Surface at) {
 // Whether the path's numbers are valid for continuing.
 bool is_sane(Path path) {
     return is_finite3(path.ray.origin) && is_finite3(path.ray.direction) && is_finite3(path.power)
-        && greatest(abs(path.power)) <= TOO_MUCH;
+        && greatest(abs(path.power)) <= FATE_MAX_POWER;
 }
 
 // Processes one surface; returns how the path ended there, or FATE_NONE.

@@ -7,11 +7,14 @@
 //! Another renderer can supply its own device ([`Vulkan::from_raw`]) and its own photons
 //! ([`VulkanBuffer::from_raw`]), which then never leave the GPU.
 
-// First, since its macro is used in the modules below.
+// First, since their macros are used in the modules below.
 #[macro_use]
 mod push;
+#[macro_use]
+mod specialization;
 
 mod backend;
+mod constants;
 mod device;
 mod dispatch_limits;
 mod film;

@@ -59,6 +59,8 @@ struct Push {
 
 pushed!(push_layout: Push => RAYS_NEAREST, scene lines hits counter count quota);
 
+specialized!(nearest_constants: NearestConstants => RAYS_NEAREST, 2 shadow: bool, 3 busy: u32, 10 shared_groups: u32);
+
 /// Rays on the device, and memory for their hits.
 struct Cast {
     lines: Memory,
@@ -115,12 +117,8 @@ fn line(ray: &Ray) -> Line {
 }
 
 fn kernel(on: &mut Vulkan, shadow: bool, plan: RayPlan) -> Result<ComputePipeline> {
-    let mut constants = [0; 11];
-    constants[1] = plan.group;
-    constants[2] = u32::from(shadow);
-    constants[3] = plan.busy;
-    constants[10] = plan.shared_groups;
-    on.kernel(&shaders::RAYS_NEAREST, &constants)
+    let constants = NearestConstants { shadow, busy: plan.busy, shared_groups: plan.shared_groups };
+    on.kernel(&shaders::RAYS_NEAREST, plan.group, &constants)
 }
 
 impl Vulkan {

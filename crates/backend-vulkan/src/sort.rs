@@ -6,14 +6,13 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
+use crate::constants::{SORT_DIGITS, SORT_ITEMS, SORT_SUBGROUPS};
 use crate::device::{ComputePipeline, Fault, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Keys per invocation, as `SORT_ITEMS` in the shaders.
-const ITEMS: u64 = 16;
-const DIGITS: u64 = 256;
-const SUBGROUPS: u32 = 8;
+const ITEMS: u64 = SORT_ITEMS as u64;
+const DIGITS: u64 = SORT_DIGITS as u64;
 
 /// Sorts pairs of a key of one or two words, the lower word first, and a value of one word.
 #[derive(Debug)]
@@ -90,13 +89,15 @@ pushed!(
     keys values sorted_keys sorted_values counts totals count tiles shift flags
 );
 
+specialized!(key_constants: KeyConstants => SORT_COUNT SORT_SCATTER, 2 key_words: u32);
+
 /// Size of the workgroups that sort tiles: at most eight subgroups and 256 invocations, to limit shared memory.
 ///
 /// # Errors
 /// The device does not support workgroups of that size.
 pub(crate) fn workgroup(on: &Vulkan) -> Result<u32> {
     let limits = on.limits();
-    let size = (SUBGROUPS * limits.subgroup_size).min(256);
+    let size = (SORT_SUBGROUPS * limits.subgroup_size).min(256);
     if size > limits.max_workgroup {
         let why = format!("{}: sorting needs workgroups of {size} invocations, which are not supported", limits.name);
         return Err(Fault::Other(why).into());
@@ -110,11 +111,12 @@ impl Sort {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = workgroup(on)?;
         let both = |on: &mut Vulkan, module| -> Result<[ComputePipeline; 2]> {
-            Ok([on.kernel(module, &[0, size, 1])?, on.kernel(module, &[0, size, 2])?])
+            let mut of = |key_words| on.kernel(module, size, &KeyConstants { key_words });
+            Ok([of(1)?, of(2)?])
         };
         Ok(Self {
             count: both(on, &shaders::SORT_COUNT)?,
-            offsets: on.kernel(&shaders::SORT_OFFSETS, &[0, size])?,
+            offsets: on.kernel(&shaders::SORT_OFFSETS, size, &())?,
             scatter: both(on, &shaders::SORT_SCATTER)?,
             tile: u64::from(size) * ITEMS,
             scratch: on.memory("sort", 4096)?,

@@ -12,6 +12,7 @@ use crate::device::{
 };
 use crate::dispatch_limits::DispatchLimits;
 use crate::shaders;
+use crate::specialization::Constants;
 use crate::stages::TracePlan;
 
 /// Renders on a GPU.
@@ -124,7 +125,7 @@ impl Vulkan {
 
     /// Compiled pipelines: modules and their specialization constants.
     #[cfg(test)]
-    pub(crate) fn compiled(&self) -> Vec<(&'static str, Vec<u32>)> {
+    pub(crate) fn compiled(&self) -> Vec<crate::device::Specialized> {
         self.pipelines.compiled().cloned().collect()
     }
 
@@ -133,10 +134,14 @@ impl Vulkan {
         Memory::new(&self.device, label, bytes, MemoryLocation::GpuOnly)
     }
 
-    /// The kernel of a module, compiled if necessary: `constants[i]` is specialization constant i; 0 is the
-    /// features, 1 the workgroup size.
-    pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<ComputePipeline> {
-        self.pipelines.kernel(module, constants)
+    /// The kernel of a module with this workgroup size, compiled if necessary.
+    pub(crate) fn kernel(
+        &mut self,
+        module: &'static Module,
+        workgroup: u32,
+        constants: &impl Constants,
+    ) -> Result<ComputePipeline> {
+        self.pipelines.kernel(module, workgroup, constants)
     }
 
     /// Dispatches the given number of workgroups of a kernel.

@@ -2,15 +2,11 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use photon_core::{ErrorMoments, Estimate, EstimateParams, sampling};
+use photon_core::{ErrorMoments, Estimate, EstimateParams, PhotonMoments, sampling};
 
 use crate::map::power::Power;
 use crate::map::{CpuMap, Powers};
 use crate::stages::estimate::{Sum, VisiblePoint};
-
-/// A photon farther from the query's plane than this fraction of the wide radius counts as lying on another
-/// surface.
-const OFF_PLANE: f32 = 0.25;
 
 /// The estimate of `Search::Radius`, identical to the bit, and the error moments of the photons within √2 times the
 /// radius.
@@ -73,7 +69,7 @@ fn estimate_with_moments_of<const FLAT: bool, P: Power>(
         }
         carried.add(&mut sums.wide, gather.kernel.weight((0.5 * u).min(1.0)));
         let offset = point.to(map, slot) * reach;
-        if offset.dot(normal).abs() > OFF_PLANE {
+        if offset.dot(normal).abs() > PhotonMoments::OFF_PLANE {
             sums.stray += power;
         }
         let (x, y) = (f64::from(offset.dot(tangent)), f64::from(offset.dot(bitangent)));

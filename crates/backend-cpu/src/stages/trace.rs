@@ -17,9 +17,6 @@ use crate::scene::CpuScene;
 /// Paths per block of dynamic scheduling. The result does not depend on it.
 const BLOCK: usize = 2048;
 
-/// More power than this on one path indicates a numerical failure: a path starts with about 1.
-const TOO_MUCH: f32 = 1_048_576.0;
-
 /// Traces photons through the scene.
 #[derive(Debug)]
 pub(crate) struct CpuTracer {
@@ -202,7 +199,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     let mut too_deep = false;
     for bounce in 0..walk.max_bounces {
         // NaN fails the comparison too.
-        let sane = ray.origin.is_finite() && ray.direction.is_finite() && power.abs().max_element() <= TOO_MUCH;
+        let sane = ray.origin.is_finite() && ray.direction.is_finite() && power.abs().max_element() <= Fate::MAX_POWER;
         if !sane || power.is_nan() {
             return tally.end(Fate::Dropped, flux);
         }

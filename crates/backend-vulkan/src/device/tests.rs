@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Error, Photon, Stage};
 
 use super::instance::Instance;
+use crate::sort::KeyConstants;
 use crate::{Vulkan, shaders};
 
 #[repr(C)]
@@ -27,7 +28,7 @@ fn commands_wait_for_each_other() {
     const COUNT: u32 = 100_000;
     let ping = on.memory("ping", u64::from(COUNT) * 4).unwrap();
     let pong = on.memory("pong", u64::from(COUNT) * 4).unwrap();
-    let kernel = on.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
     on.fill_words(&ping, 0, u64::from(COUNT) * 4, 7).unwrap();
     for turn in 0..600 {
         let (from, to) = if turn % 2 == 0 { (&ping, &pong) } else { (&pong, &ping) };
@@ -84,7 +85,7 @@ fn a_buffer_larger_than_any_allocation_is_an_error() {
 #[test]
 fn dropped_memory_lives_until_it_is_done_with() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let kernel = on.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
     let last = on.memory("last", 4096).unwrap();
     for turn in 0..40 {
         let first = on.memory("first", 4096).unwrap();
@@ -184,7 +185,7 @@ fn every_object_has_a_name() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let memory = on.memory("a label", 1 << 20).unwrap();
     on.mark(Some(Stage::Build));
-    let kernel = on.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
     let push = CopyPush { from: memory.address(), to: memory.address(), count: 0, plus: 0 };
     on.dispatch(&kernel, &push, 1).unwrap();
     on.mark(None);
@@ -214,12 +215,13 @@ fn every_object_has_a_name() {
 #[test]
 fn pipelines_are_compiled_once() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let pipeline = |on: &mut Vulkan, module, constants: &[u32]| on.kernel(module, constants).unwrap().pipeline;
-    let first = pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 64]);
-    assert_eq!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 64]));
-    assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 32]));
-    assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[1, 64]));
-    assert_ne!(first, pipeline(&mut on, &shaders::INDEX_PERMUTE, &[0, 64]));
+    let mut pipeline =
+        |module, workgroup, key_words| on.kernel(module, workgroup, &KeyConstants { key_words }).unwrap().pipeline;
+    let first = pipeline(&shaders::SORT_COUNT, 64, 1);
+    assert_eq!(first, pipeline(&shaders::SORT_COUNT, 64, 1));
+    assert_ne!(first, pipeline(&shaders::SORT_COUNT, 32, 1));
+    assert_ne!(first, pipeline(&shaders::SORT_COUNT, 64, 2));
+    assert_ne!(first, pipeline(&shaders::SORT_SCATTER, 64, 1));
 }
 
 /// A driver is not unloaded between one device and the next: all devices share an instance, and those with

@@ -79,12 +79,11 @@ pushed!(finish_push_layout: FinishPush => INDEX_MEDIAN_FINISH, photons lists pla
 
 impl Median {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let constants = [0, WORKGROUP];
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             lists: Lists::new(on)?,
-            count: on.kernel(&shaders::INDEX_MEDIAN_COUNT, &constants)?,
-            part: on.kernel(&shaders::INDEX_MEDIAN_PART, &constants)?,
+            count: on.kernel(&shaders::INDEX_MEDIAN_COUNT, WORKGROUP, &())?,
+            part: on.kernel(&shaders::INDEX_MEDIAN_PART, WORKGROUP, &())?,
             right: on.memory("map: sides", 16)?,
             counts: on.memory("map: counts", 16)?,
         })

@@ -14,7 +14,7 @@ mod tests;
 mod vvh;
 mod vvh_nodes;
 
-use photon_core::{IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result};
+use photon_core::{IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result, kd_tree};
 
 use crate::device::buffer::VulkanBuffer;
 use crate::device::{ComputePipeline, Module};
@@ -28,7 +28,13 @@ use vvh::Vvh;
 use vvh_nodes::VvhNodes;
 
 /// Points per leaf, and children per node.
-const WIDTH: u64 = 16;
+const WIDTH: u64 = kd_tree::WIDTH as u64;
+
+specialized!(
+    reading_constants: ReadingConstants => INDEX_ARRANGE INDEX_BOUNDS INDEX_CODES INDEX_KEYS INDEX_MEDIAN_FINISH
+        INDEX_MEDIAN_SIDES INDEX_PICK INDEX_REFINE INDEX_VVH_FINISH INDEX_VVH_PLAN,
+    2 format: PhotonFormat
+);
 
 /// The kernel of a module that reads photons, specialized to the photon format of a buffer.
 fn reading(
@@ -37,7 +43,7 @@ fn reading(
     workgroup: u32,
     photons: &VulkanBuffer<Photon>,
 ) -> Result<ComputePipeline> {
-    on.kernel(module, &[0, workgroup, photons.photon_format().number()])
+    on.kernel(module, workgroup, &ReadingConstants { format: photons.photon_format() })
 }
 
 /// Builds photon maps.

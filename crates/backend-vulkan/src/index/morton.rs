@@ -106,8 +106,8 @@ impl Morton {
             |on: &mut Vulkan, label| -> Result<[Memory; 2]> { Ok([on.memory(label, 16)?, on.memory(label, 16)?]) };
         Ok(Self {
             bounds: BoundsOf::new(on)?,
-            gather: on.kernel(&shaders::INDEX_PERMUTE, &[0, size])?,
-            long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, &[0, size])?,
+            gather: on.kernel(&shaders::INDEX_PERMUTE, size, &())?,
+            long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, size, &())?,
             tile,
             sort: Sort::new(on)?,
             keys: on.memory("map: keys", 16)?,

@@ -67,7 +67,7 @@ pub(crate) struct Ordered<'a> {
 impl Regular {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = WORKGROUP.min(on.limits().max_workgroup);
-        Ok(Self { workgroup: size, parents: on.kernel(&shaders::INDEX_PARENTS, &[0, size])? })
+        Ok(Self { workgroup: size, parents: on.kernel(&shaders::INDEX_PARENTS, size, &())? })
     }
 
     /// Number of nodes per level, leaves first.

@@ -4,7 +4,7 @@
 //! them empty dispatches.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result};
+use photon_core::{Photon, Result, kd_tree};
 
 use super::WIDTH;
 use super::bounds::BoundsOf;
@@ -15,8 +15,7 @@ use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Below this depth segments are halved; as in the shaders.
-const HEURISTIC_DEPTH: u64 = 24;
+const HEURISTIC_DEPTH: u64 = kd_tree::HEURISTIC_DEPTH as u64;
 /// A sample of 64 photons per segment.
 const PLAN_WORKGROUP: u32 = 64;
 /// Bytes of a `VvhLevel`, a `VvhJobs`, a `VvhSegments`.
@@ -140,7 +139,6 @@ fn levels(length: u64) -> u64 {
 
 impl Vvh {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let constants = [0, WORKGROUP];
         let mut memory = |label| on.memory(label, 32);
         let (levels, jobs, shorts, tiles) =
             (memory("map: levels")?, memory("map: tiles")?, memory("map: segments")?, memory("map: tiles")?);
@@ -149,9 +147,9 @@ impl Vvh {
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             lists: Lists::new(on)?,
-            sides: on.kernel(&shaders::INDEX_VVH_SIDES, &constants)?,
-            count: on.kernel(&shaders::INDEX_VVH_COUNT, &constants)?,
-            part: on.kernel(&shaders::INDEX_VVH_PART, &constants)?,
+            sides: on.kernel(&shaders::INDEX_VVH_SIDES, WORKGROUP, &())?,
+            count: on.kernel(&shaders::INDEX_VVH_COUNT, WORKGROUP, &())?,
+            part: on.kernel(&shaders::INDEX_VVH_PART, WORKGROUP, &())?,
             levels,
             jobs,
             segments,

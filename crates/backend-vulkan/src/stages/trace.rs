@@ -8,8 +8,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{
-    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result, Scheduling, Settings,
-    Tally, Tracer,
+    Batch, Deposits, Features, MapKind, MediaFeatures, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result,
+    Scheduling, Settings, Tally, Tracer,
 };
 
 use super::tally::{AIMED_FATES, FATES, tally, words};
@@ -155,6 +155,18 @@ struct AdvancePush {
 
 pushed!(advance_push_layout: AdvancePush => STAGES_TRACE_ADVANCE, totals needed);
 
+specialized!(
+    trace_constants: TraceConstants => STAGES_TRACE,
+    0 features: Features, 2 random: u32, 3 wanted: u32, 4 dynamic: bool, 5 busy: u32, 6 aimed: bool,
+    7 media: MediaFeatures, 10 shared_groups: u32
+);
+
+specialized!(tally_constants: TallyConstants => STAGES_TALLY, 3 wanted: u32, 4 fates: u32);
+
+specialized!(reorder_constants: ReorderConstants => STAGES_TRACE_REORDER, 2 format: u32);
+
+specialized!(advance_constants: AdvanceConstants => STAGES_TRACE_ADVANCE, 3 wanted: u32);
+
 impl VulkanTracer {
     pub(crate) fn new(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
         Self::with_fates(on, settings, required, FATES)
@@ -266,21 +278,18 @@ impl VulkanTracer {
         let targets = deposits.each_ref().map(Option::as_deref);
         let wanted = targets.map(|target| target.is_some());
         let pass = batch.pass;
-        let dynamic = self.scheduling == Scheduling::Dynamic;
         let plan = on.trace_plan;
-        let mut constants = [0; 11];
-        constants[..6].copy_from_slice(&[
-            self.required.features.bits(),
-            plan.group,
-            pass.random as u32,
-            wanted.bits(),
-            u32::from(dynamic),
-            plan.busy,
-        ]);
-        constants[6] = u32::from(self.fates == AIMED_FATES);
-        constants[7] = self.required.media.bits();
-        constants[10] = plan.shared_groups;
-        let trace = on.kernel(&shaders::STAGES_TRACE, &constants)?;
+        let constants = TraceConstants {
+            features: self.required.features,
+            random: pass.random as u32,
+            wanted: wanted.bits(),
+            dynamic: self.scheduling == Scheduling::Dynamic,
+            busy: plan.busy,
+            aimed: self.fates == AIMED_FATES,
+            media: self.required.media,
+            shared_groups: plan.shared_groups,
+        };
+        let trace = on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)?;
         loop {
             let Some(scratch) = &self.scratch else { return Ok(false) };
             on.fill_words(&scratch.cursors, 0, CURSORS, 0)?;
@@ -399,7 +408,11 @@ impl VulkanTracer {
             first: first as u32,
             count: count as u32,
         };
-        let sum = on.kernel(&shaders::STAGES_TALLY, &[0, GROUP, 0, wanted.bits(), self.fates as u32])?;
+        let sum = on.kernel(
+            &shaders::STAGES_TALLY,
+            GROUP,
+            &TallyConstants { wanted: wanted.bits(), fates: self.fates as u32 },
+        )?;
         on.dispatch(&sum, &push, count.div_ceil(u64::from(GROUP) * 16).min(512))?;
         if !wanted.any() {
             return Ok(());
@@ -423,12 +436,12 @@ impl VulkanTracer {
         let formats = |(kind, target): (MapKind, &Option<&VulkanBuffer<Photon>>)| {
             target.map_or(0, |to| to.photon_format().number()) << (2 * kind as u32)
         };
-        let formats = targets.iter().map(formats).sum();
-        let scatter = on.kernel(&shaders::STAGES_TRACE_REORDER, &[0, 256, formats])?;
+        let format = targets.iter().map(formats).sum();
+        let scatter = on.kernel(&shaders::STAGES_TRACE_REORDER, 256, &ReorderConstants { format })?;
         on.dispatch(&scatter, &push, scratch.places.div_ceil(256).min(2048))?;
         let push =
             AdvancePush { totals: scratch.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };
-        let advance = on.kernel(&shaders::STAGES_TRACE_ADVANCE, &[0, 32, 0, wanted.bits()])?;
+        let advance = on.kernel(&shaders::STAGES_TRACE_ADVANCE, 32, &AdvanceConstants { wanted: wanted.bits() })?;
         on.dispatch(&advance, &push, 1)
     }
 }

@@ -9,8 +9,7 @@ use photon_scene::{Scene, builtin};
 
 use crate::Vulkan;
 
-/// Runs all stages once and returns the kernels that are specialized to scene features, with their first
-/// constants.
+/// Runs all stages once and returns the kernels that are specialized to scene features, with these.
 fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec<(&'static str, Features)> {
     let mut on = Vulkan::for_tests().unwrap();
     let view = View { camera: scene.camera(None, 8, 8).unwrap(), width: 8, height: 8 };
@@ -35,7 +34,7 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     let names = ["stages_emit", "stages_trace", "stages_eye", "stages_direct", "stages_final_gather"];
     let mut found = Vec::new();
     for (name, constants) in on.compiled() {
-        let first = constants.first().copied().unwrap_or(0);
+        let first = constants.iter().find(|(id, _)| *id == 0).map_or(0, |&(_, value)| value);
         if names.contains(&name) {
             assert_eq!(Features::from_bits_truncate(first).bits(), first, "{name}");
             found.push((name, Features::from_bits_truncate(first)));

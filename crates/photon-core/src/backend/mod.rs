@@ -1,6 +1,7 @@
 //! The interface of a backend: its buffers, its films ([`FilmBackend`]), and the construction of its
 //! stages.
 
+pub mod kd_tree;
 pub(crate) mod memory;
 pub(crate) mod observer;
 pub(crate) mod stages;

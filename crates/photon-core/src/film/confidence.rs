@@ -45,6 +45,10 @@ pub struct PhotonMoments {
 }
 
 impl PhotonMoments {
+    /// A photon farther from the query's plane than this fraction of the wide radius counts as lying on another
+    /// surface: [`ErrorMoments::stray`].
+    pub const OFF_PLANE: f32 = 0.25;
+
     fn add(&mut self, other: &Self) {
         self.power += other.power;
         self.power_squared += other.power_squared;

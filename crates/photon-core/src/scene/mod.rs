@@ -2,6 +2,7 @@
 
 pub(crate) mod camera;
 pub(crate) mod caster;
+pub(crate) mod environment;
 pub(crate) mod layout;
 pub(crate) mod light;
 pub(crate) mod light_shares;

@@ -3,8 +3,10 @@
 pub mod area;
 mod bias;
 pub(crate) mod bsdf;
+pub(crate) mod environment;
 pub mod fresnel;
 pub(crate) mod interaction;
+pub mod light_sampler;
 pub mod math;
 pub mod octahedral;
 pub mod offset;

@@ -13,7 +13,7 @@ use crate::shading::bsdf::Lobe;
 pub const MAX_RATIO: f32 = 32.0;
 
 /// Lower limit of the cosines of a shading normal to the geometric normal and, at mirrors and glass, to the ray.
-const MIN_COSINE: f32 = 1e-3;
+pub const MIN_COSINE: f32 = 1e-3;
 
 /// The cosine of light from `direction` (unit vector away from the surface); both normals are on the same side.
 #[inline]

@@ -24,7 +24,7 @@ pub struct CompressedTree {
 
 impl CompressedTree {
     /// Levels of the deepest tree that [`CompressedTree::build`] produces: a traversal needs a stack of
-    /// that many entries; `TREE_DEPTH` in intersect.glsl.
+    /// that many entries; `BVH_MAX_DEPTH` in GLSL.
     pub const MAX_DEPTH: u32 = 32;
 
     /// Builds the tree. The result is deterministic, on any number of threads.

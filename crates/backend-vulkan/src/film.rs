@@ -162,7 +162,7 @@ impl VulkanFilm {
     pub(crate) fn clear_values(&mut self, on: &mut Vulkan, count: u64) -> Result<()> {
         self.values_address(on, count)?;
         match &self.values {
-            Some(values) => on.fill(values, 0, count * 12, 0),
+            Some(values) => on.fill_words(values, 0, count * 12, 0),
             None => Ok(()),
         }
     }
@@ -254,10 +254,10 @@ pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
 /// Discards the current pass.
 pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
     for plane in film.layers.iter().flatten() {
-        on.fill(&plane.pass, 0, plane.pass.bytes(), 0)?;
+        on.fill_words(&plane.pass, 0, plane.pass.bytes(), 0)?;
     }
     errors::abandon_pass(on, film)?;
-    on.fill(&film.first_pass, 0, film.first_pass.bytes(), 0)
+    on.fill_words(&film.first_pass, 0, film.first_pass.bytes(), 0)
 }
 
 /// Reads back the sums.
@@ -333,7 +333,7 @@ fn home(
 
 fn zeroed(on: &mut Vulkan, bytes: u64) -> Result<Memory> {
     let memory = on.memory("film", bytes).map_err(label)?;
-    on.fill(&memory, 0, memory.bytes(), 0)?;
+    on.fill_words(&memory, 0, memory.bytes(), 0)?;
     Ok(memory)
 }
 

@@ -98,7 +98,7 @@ impl Cast {
             quota: MARGIN * (all.div_ceil(workgroups.max(1)) as u32),
         };
         if plan.busy != 0 {
-            on.fill(&self.counter, 0, 4, 0)?;
+            on.fill_words(&self.counter, 0, 4, 0)?;
         }
         on.dispatch(kernel, &push, workgroups)
     }

@@ -139,7 +139,7 @@ mod tests {
             for in_place in [false, true] {
                 let to = if in_place { &from } else { &to };
                 on.write(&from, 0, bytemuck::cast_slice(&words)).unwrap();
-                on.fill(&total, 0, 16, 77).unwrap();
+                on.fill_words(&total, 0, 16, 77).unwrap();
                 scan.exclusive(&mut on, from.address(), to.address(), n as u64, total.address()).unwrap();
                 let (mut sums, mut sum) = (vec![0_u32; n], [0_u32; 2]);
                 on.read(to, 0, bytemuck::cast_slice_mut(&mut sums)).unwrap();

@@ -174,7 +174,7 @@ impl Vulkan {
     }
 
     /// Sets every word of a range; offset and length are multiples of 4.
-    pub(crate) fn fill(&mut self, to: &Memory, offset: u64, bytes: u64, word: u32) -> Result<()> {
+    pub(crate) fn fill_words(&mut self, to: &Memory, offset: u64, bytes: u64, word: u32) -> Result<()> {
         check(to, offset, bytes);
         self.recorder.fill(to, offset, bytes, word)
     }

@@ -119,7 +119,7 @@ impl Recorder {
             return Ok(());
         }
         let commands = self.commands()?;
-        // SAFETY: the range lies within the buffer, which `Vulkan::fill` checks.
+        // SAFETY: the range lies within the buffer, which `Vulkan::fill_words` checks.
         unsafe { self.device.raw.cmd_fill_buffer(commands, to.buffer(), to.offset() + offset, bytes, word) };
         Ok(())
     }

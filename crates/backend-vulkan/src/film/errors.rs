@@ -181,7 +181,7 @@ pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
 
 /// Discards the current pass.
 pub(super) fn abandon_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
-    film.errors.iter().flat_map(Errors::passes).try_for_each(|memory| on.fill(memory, 0, memory.bytes(), 0))
+    film.errors.iter().flat_map(Errors::passes).try_for_each(|memory| on.fill_words(memory, 0, memory.bytes(), 0))
 }
 
 /// Reads the sums back into `picture`.

@@ -108,7 +108,7 @@ impl Median {
         while size > SHORT {
             let lists = self.lists.address();
             let size_word = size as u32;
-            on.fill(&self.right, 0, sides_bytes, 0)?;
+            on.fill_words(&self.right, 0, sides_bytes, 0)?;
             on.dispatch(&sides, &SidesPush { photons: data, lists, right, count, size: size_word }, tiles)?;
             on.dispatch(&self.count, &CountPush { lists, right, counts, count, tiles: tiles_word }, 3 * tiles)?;
             let parted = self.lists.other();

@@ -247,7 +247,7 @@ impl Vvh {
         };
         let plan = super::reading(on, &shaders::INDEX_VVH_PLAN, PLAN_WORKGROUP, photons)?;
         on.dispatch_indirect(&plan, &push, &self.levels, LEVEL * level)?;
-        on.fill(&self.right, 0, 4 * length.div_ceil(32), 0)?;
+        on.fill_words(&self.right, 0, 4 * length.div_ceil(32), 0)?;
         let push = SidesPush { lists, segments, jobs, tiles, right, count, pad: 0 };
         on.dispatch_indirect(&self.sides, &push, &self.jobs, JOBS * level)?;
         let push = CountPush { lists, segments, jobs, tiles, right, counts, count, room };

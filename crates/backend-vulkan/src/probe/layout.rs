@@ -139,7 +139,7 @@ fn arrays_of_records_are_copied_whole() {
         let from = on.memory("from", sent.len() as u64 * 4).unwrap();
         let to = on.memory("to", from.bytes()).unwrap();
         on.write(&from, 0, bytemuck::cast_slice(&sent)).unwrap();
-        on.fill(&to, 0, to.bytes(), 0).unwrap();
+        on.fill_words(&to, 0, to.bytes(), 0).unwrap();
         let kernel = on.kernel(&shaders::PROBE_LAYOUT, 64, &LayoutConstants { record: number as u32 }).unwrap();
         let push = Push { from: from.address(), to: to.address(), count: COUNT, padding: 0 };
         on.dispatch(&kernel, &push, u64::from(COUNT.div_ceil(64))).unwrap();

@@ -90,7 +90,7 @@ fn media_are_entered_and_left_as_in_rust() {
     on.write(&media, 0, bytemuck::cast_slice(&MEDIA)).unwrap();
     // The functions read only the eighth address of a scene.
     let scene = on.memory("scene", 128).unwrap();
-    on.fill(&scene, 0, 128, 0).unwrap();
+    on.fill_words(&scene, 0, 128, 0).unwrap();
     on.write(&scene, 56, bytemuck::bytes_of(&media.address())).unwrap();
     let address = [scene.address() as u32, (scene.address() >> 32) as u32];
     for mut row in rows() {

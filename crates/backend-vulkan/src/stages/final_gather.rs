@@ -110,7 +110,7 @@ impl VulkanGather {
                 queries: VulkanBuffer::new(on, "gather errors", queries)?,
             },
         };
-        on.fill(&errors.queries.data, 0, errors.queries.data.bytes(), 0)?;
+        on.fill_words(&errors.queries.data, 0, errors.queries.data.bytes(), 0)?;
         Ok(Some(errors))
     }
 }

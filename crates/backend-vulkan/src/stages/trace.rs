@@ -180,7 +180,7 @@ impl VulkanTracer {
     fn with_fates(on: &mut Vulkan, settings: &Settings, required: &Requirements, fates: usize) -> Result<Self> {
         let bytes = 4 * words(fates) as u64;
         let sums = on.memory("tally", bytes)?;
-        on.fill(&sums, 0, bytes, 0)?;
+        on.fill_words(&sums, 0, bytes, 0)?;
         Ok(Self {
             scheduling: settings.scheduling,
             max_bounces: settings.max_bounces,
@@ -252,7 +252,7 @@ impl Tracer<Vulkan> for VulkanTracer {
     fn take_tally(&mut self, on: &mut Vulkan) -> Result<Tally> {
         let mut words = vec![0_u32; words(self.fates)];
         on.read(&self.sums, 0, bytemuck::cast_slice_mut(&mut words))?;
-        on.fill(&self.sums, 0, 4 * words.len() as u64, 0)?;
+        on.fill_words(&self.sums, 0, 4 * words.len() as u64, 0)?;
         Ok(tally(&words, self.fates, std::mem::take(&mut self.emitted)))
     }
 
@@ -292,7 +292,7 @@ impl VulkanTracer {
         let trace = on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)?;
         loop {
             let Some(scratch) = &self.scratch else { return Ok(false) };
-            on.fill(&scratch.cursors, 0, CURSORS, 0)?;
+            on.fill_words(&scratch.cursors, 0, CURSORS, 0)?;
             let chunk = Chunk {
                 stored: scratch.stored.address(),
                 endings: scratch.endings.address(),
@@ -356,7 +356,7 @@ impl VulkanTracer {
         for number in 0..rounds {
             if number > 0 {
                 // The counters that the next round will use are those of the previous one.
-                on.fill(&scratch.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
+                on.fill_words(&scratch.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
             }
             let push = TracePush {
                 chunk: scratch.chunk.address(),

@@ -25,7 +25,7 @@ impl PausedSearches {
             Some(memory) => memory,
             None => on.memory("paused searches", bytes)?,
         };
-        on.fill(&memory, 0, HEAD, 0)?;
+        on.fill_words(&memory, 0, HEAD, 0)?;
         Ok(self.memory.insert(memory).address())
     }
 
@@ -39,7 +39,7 @@ impl PausedSearches {
             if paused[0] == 0 {
                 return Ok(());
             }
-            on.fill(memory, 0, 4, 0)?;
+            on.fill_words(memory, 0, 4, 0)?;
         }
     }
 }

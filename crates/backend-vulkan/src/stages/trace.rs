@@ -8,8 +8,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{
-    Batch, Deposits, Features, MapKind, MediaFeatures, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result,
-    Scheduling, Settings, Tally, Tracer,
+    Batch, Deposits, Features, MapKind, MediaFeatures, PerMap, Photon, PhotonFormat, PhotonRay, Result, Scheduling,
+    Settings, Tally, Tracer,
 };
 
 use super::tally::{AIMED_FATES, FATES, tally, words};
@@ -35,7 +35,6 @@ const SHORTEST: u64 = 1 << 13;
 pub(crate) struct VulkanTracer {
     scheduling: Scheduling,
     max_bounces: u32,
-    required: Requirements,
     /// Number of fates, of aimed paths or of others.
     fates: usize,
     scan: Scan,
@@ -168,23 +167,22 @@ specialized!(reorder_constants: ReorderConstants => STAGES_TRACE_REORDER, 2 form
 specialized!(advance_constants: AdvanceConstants => STAGES_TRACE_ADVANCE, 3 wanted: u32);
 
 impl VulkanTracer {
-    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
-        Self::with_fates(on, settings, required, FATES)
+    pub(crate) fn new(on: &mut Vulkan, settings: &Settings) -> Result<Self> {
+        Self::with_fates(on, settings, FATES)
     }
 
     /// Constructs a tracer for aimed paths, which end at the first diffuse surface.
-    pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
-        Self::with_fates(on, settings, required, AIMED_FATES)
+    pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings) -> Result<Self> {
+        Self::with_fates(on, settings, AIMED_FATES)
     }
 
-    fn with_fates(on: &mut Vulkan, settings: &Settings, required: &Requirements, fates: usize) -> Result<Self> {
+    fn with_fates(on: &mut Vulkan, settings: &Settings, fates: usize) -> Result<Self> {
         let bytes = 4 * words(fates) as u64;
         let sums = on.memory("tally", bytes)?;
         on.fill_words(&sums, 0, bytes, 0)?;
         Ok(Self {
             scheduling: settings.scheduling,
             max_bounces: settings.max_bounces,
-            required: *required,
             fates,
             scan: Scan::new(on)?,
             longest: LONGEST,
@@ -280,13 +278,13 @@ impl VulkanTracer {
         let pass = batch.pass;
         let plan = on.trace_plan;
         let constants = TraceConstants {
-            features: self.required.features,
+            features: scene.features(),
             random: pass.random as u32,
             wanted: wanted.bits(),
             dynamic: self.scheduling == Scheduling::Dynamic,
             busy: plan.busy,
             aimed: self.fates == AIMED_FATES,
-            media: self.required.media,
+            media: scene.media(),
             shared_groups: plan.shared_groups,
         };
         let trace = on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)?;

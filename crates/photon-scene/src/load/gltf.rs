@@ -47,6 +47,7 @@ use self::buffers::Buffers;
 use self::fault::{Fault, label};
 use self::meshes::{Census, Meshes};
 use self::texture::Textures;
+pub(in crate::load) use self::uri::leaves_folder;
 use super::read;
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;

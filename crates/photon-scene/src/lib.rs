@@ -9,6 +9,7 @@ mod builder;
 mod builtin;
 mod bvh;
 mod camera;
+mod color;
 mod describe;
 mod edges;
 mod error;
@@ -35,7 +36,7 @@ pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode,
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 pub use error::SceneError;
 #[cfg(feature = "files")]
-pub use load::{Overrides, load, load_builder, load_gltf, load_obj, load_ply};
+pub use load::{Image, ImageError, Overrides, load, load_builder, load_gltf, load_image, load_obj, load_ply};
 pub use mesh::VertexAttributes;
 pub use report::{LoadReport, ReportKind, ReportLine};
 #[cfg(feature = "files")]

@@ -11,7 +11,9 @@
 //! | `volume` | absorption `−ln(colour) / distance`, per length of the scene |
 //! | `emissiveFactor` × `emissive_strength` | radiance, W/(m²·sr); from both sides if `doubleSided` |
 //! | `lights_punctual` | candela are W/sr, lux are W/m²: no factor of 683 |
-//! | texture | its mean colour, if it is a PNG |
+//! | textures of base colour, emission and normals | with their UV sets, transforms, wrap modes and magnification filters |
+//! | other textures | their mean |
+//! | normals, tangents, colours, UV sets | those in use; normals by the inverse transpose of the node's matrix |
 //! | alpha below one half | thin sheet |
 //! | `extras.photonmap` | the same in double precision, as [`crate::glb`] writes it |
 //!
@@ -20,16 +22,19 @@
 //! where it is used, and an error names the object with an invalid reference.
 
 mod accessor;
+mod attributes;
 mod buffers;
 mod container;
 mod extensions;
 mod fault;
 mod material;
+mod mean;
 mod meshes;
 mod nodes;
 mod parameters;
 mod primitive;
 mod punctual;
+mod slot;
 mod texture;
 mod uri;
 
@@ -42,6 +47,7 @@ use self::buffers::Buffers;
 use self::fault::{Fault, label};
 use self::meshes::{Census, Meshes};
 use self::texture::Textures;
+pub(in crate::load) use self::uri::leaves_folder;
 use super::read;
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;
@@ -72,7 +78,7 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
     let textures = Textures::new(&root, &buffers);
     let mut materials = Vec::with_capacity(root.materials.len());
     for index in 0..root.materials.len() {
-        let desc = material::describe(&root, index, &textures, &mut report)?;
+        let desc = material::describe(&root, index, &textures, &mut builder, &mut report)?;
         materials.push(builder.material(desc));
     }
 

@@ -1,6 +1,7 @@
 //! Loading of scenes from files.
 
 mod gltf;
+mod image;
 mod mtl;
 mod obj;
 mod overrides;
@@ -16,6 +17,7 @@ use crate::scene::Scene;
 use std::path::Path;
 
 pub use self::gltf::load_gltf;
+pub use self::image::{Image, ImageError, load_image};
 pub use self::obj::load_obj;
 pub use self::overrides::Overrides;
 pub use self::ply::load_ply;

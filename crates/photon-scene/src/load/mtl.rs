@@ -1,13 +1,18 @@
 //! MTL: the materials of OBJ files.
 
+mod images;
+mod map;
 mod translate;
 
+use self::images::Images;
+use self::map::Map;
 use self::translate::Translation;
 use super::read_text;
+use crate::builder::SceneBuilder;
 use crate::describe::MaterialDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// All materials of the MTL files that an OBJ file refers to.
 #[derive(Default)]
@@ -19,6 +24,8 @@ pub(super) struct Library {
 #[derive(Default)]
 struct Entry {
     name: String,
+    /// Folder of its file, where paths start.
+    folder: PathBuf,
     /// `Ka`
     ambient: Option<[f64; 3]>,
     /// `Kd`
@@ -35,9 +42,17 @@ struct Entry {
     ior: Option<f64>,
     /// `d`, or 1 − `Tr`.
     dissolve: Option<f64>,
+    /// Whether that is a `Tr` of 1, which some programs write for opaque materials.
+    is_tr_one: bool,
     /// `illum`
     illumination: Option<u8>,
-    /// The arguments of `map_Kd` and similar statements.
+    /// `map_Kd`
+    diffuse_map: Option<Map>,
+    /// `map_Ke`
+    emissive_map: Option<Map>,
+    /// `norm`
+    normal_map: Option<Map>,
+    /// The keyword and arguments of other texture statements.
     textures: Vec<String>,
     /// Other statements, verbatim.
     others: Vec<String>,
@@ -66,9 +81,11 @@ impl Library {
         self.entries.iter().rposition(|entry| entry.name == name)
     }
 
-    /// Converts each material to the renderer's model; losses are reported.
-    pub(super) fn describe(&self, report: &mut LoadReport) -> Vec<MaterialDesc> {
-        self.entries.iter().map(|material| Translation { material, report }.describe()).collect()
+    /// Converts each material to the renderer's model, and adds its textures to the scene; losses are reported.
+    pub(super) fn describe(&self, builder: &mut SceneBuilder, report: &mut LoadReport) -> Vec<MaterialDesc> {
+        let mut images = Images::default();
+        let describe = |material| Translation { material, images: &mut images, builder, report }.describe();
+        self.entries.iter().map(describe).collect()
     }
 }
 
@@ -89,7 +106,8 @@ fn parse(path: &Path) -> Result<Vec<Entry>, SceneError> {
             if rest.is_empty() {
                 return Err(fault("a name must follow"));
             }
-            entries.push(Entry { name: rest.to_owned(), ..Entry::default() });
+            let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+            entries.push(Entry { name: rest.to_owned(), folder, ..Entry::default() });
         } else if !keyword.is_empty() && !keyword.starts_with('#') {
             let entry = entries.last_mut().ok_or_else(|| fault("'newmtl' and a name must come before it"))?;
             entry.statement(keyword, rest).map_err(fault)?;
@@ -119,8 +137,15 @@ impl Entry {
             "Ns" => self.shininess = Some(number(rest)?),
             "Ni" => self.ior = Some(number(rest)?),
             // A halo varies the opacity with the angle; its number is the opacity at the rim.
-            "d" => self.dissolve = Some(number(rest.trim_start_matches("-halo"))?),
-            "Tr" => self.dissolve = self.dissolve.or(Some(1.0 - number(rest)?)),
+            "d" => {
+                self.dissolve = Some(number(rest.trim_start_matches("-halo"))?);
+                self.is_tr_one = false;
+            }
+            "Tr" => {
+                let transparency = number(rest)?;
+                self.is_tr_one = self.dissolve.is_none() && transparency == 1.0;
+                self.dissolve = self.dissolve.or(Some(1.0 - transparency));
+            }
             "illum" => {
                 let model = number(rest)?;
                 if !(0.0..=10.0).contains(&model) || model.fract() != 0.0 {
@@ -128,8 +153,11 @@ impl Entry {
                 }
                 self.illumination = Some(model as u8);
             }
-            "bump" | "disp" | "decal" | "refl" | "norm" => self.textures.push(rest.to_owned()),
-            _ if keyword.starts_with("map_") => self.textures.push(rest.to_owned()),
+            "map_Kd" => self.diffuse_map = Some(Map::parse(rest)?),
+            "map_Ke" => self.emissive_map = Some(Map::parse(rest)?),
+            "norm" => self.normal_map = Some(Map::parse(rest)?),
+            "bump" | "disp" | "decal" | "refl" => self.textures.push(format!("{keyword} {rest}")),
+            _ if keyword.starts_with("map_") => self.textures.push(format!("{keyword} {rest}")),
             _ => self.others.push(format!("{keyword} {rest}")),
         }
         Ok(())

@@ -4,11 +4,14 @@
 //! or panic at malformed input.
 
 mod census;
+mod group;
 
 use self::census::Census;
+use self::group::{Corner, Group, NONE, Pools};
 use super::mtl::Library;
 use super::{default_material, read_text, stem};
 use crate::builder::{MaterialId, SceneBuilder};
+use crate::color::srgb_to_linear;
 use crate::describe::MaterialDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
@@ -20,7 +23,8 @@ use std::path::Path;
 /// Reads an OBJ file and the MTL files that it refers to.
 ///
 /// Polygons are triangulated as fans; each pair of an object (or group) and a material becomes a
-/// mesh. All materials of the MTL files can be overridden, used or not.
+/// mesh. All materials of the MTL files can be overridden, used or not. Normals, texture coordinates (those of materials
+/// with textures) and vertex colours, which are taken as sRGB, become vertex attributes.
 ///
 /// # Errors
 /// A file that cannot be read, or an invalid statement; the error has its line number.
@@ -35,8 +39,7 @@ pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let mut reader = Reader {
         path,
         vertices,
-        positions: Vec::with_capacity(vertices),
-        normals: Vec::new(),
+        pools: Pools { positions: Vec::with_capacity(vertices), ..Pools::default() },
         library: Library::default(),
         report: LoadReport::default(),
         object: stem(path),
@@ -77,19 +80,11 @@ fn statements(text: &str) -> impl Iterator<Item = (Cow<'_, str>, usize)> {
     })
 }
 
-/// Triangles of one object and material, by index into all vertices of the file.
-struct Group {
-    object: String,
-    material: Option<String>,
-    triangles: Vec<[u32; 3]>,
-}
-
 struct Reader<'a> {
     path: &'a Path,
     /// Number of vertices in the whole file: a face may refer to one that comes later.
     vertices: usize,
-    positions: Vec<[f64; 3]>,
-    normals: Vec<DVec3>,
+    pools: Pools,
     library: Library,
     report: LoadReport,
     object: String,
@@ -119,13 +114,15 @@ impl Reader<'_> {
         match keyword {
             "v" => {
                 let position = self.numbers(keyword, rest, number)?;
-                self.positions.push(position);
+                self.pools.positions.push(position);
                 // A fourth number is a weight that only curves use; a sixth is the last component of a colour.
-                self.census.colored += usize::from(rest.split_whitespace().nth(5).is_some());
+                if rest.split_whitespace().nth(5).is_some() {
+                    self.color(rest);
+                }
             }
             "vn" => {
                 let normal = self.numbers(keyword, rest, number)?;
-                self.normals.push(DVec3::from_array(normal).normalize_or_zero());
+                self.pools.normals.push(DVec3::from_array(normal).normalize_or_zero());
             }
             "f" => self.face(rest, number)?,
             "o" | "g" => {
@@ -137,11 +134,31 @@ impl Reader<'_> {
                 self.group = None;
             }
             "mtllib" => self.library.open(self.path, rest, &mut self.report)?,
-            // Texture coordinates and smoothing groups are irrelevant without textures.
-            "" | "vt" | "s" => {}
+            "vt" => self.texture_coordinates(rest),
+            // Vertex normals say what is smooth.
+            "" | "s" => {}
             other => *self.census.ignored.entry(other.to_owned()).or_default() += 1,
         }
         Ok(())
+    }
+
+    /// The colour of the last vertex: the fourth to sixth number, sRGB.
+    fn color(&mut self, rest: &str) {
+        let mut words = rest.split_whitespace().skip(3);
+        let mut channel = || words.next().and_then(|word| word.parse::<f64>().ok()).filter(|part| part.is_finite());
+        if let (Some(red), Some(green), Some(blue)) = (channel(), channel(), channel()) {
+            let [r, g, b] = [red, green, blue].map(|part| srgb_to_linear(part.clamp(0.0, 1.0)));
+            self.pools.colors.resize(self.pools.positions.len() - 1, [1.0; 4]);
+            self.pools.colors.push([r, g, b, 1.0]);
+        }
+    }
+
+    /// A statement `vt u v`; v is 0 if it is left out. Invalid ones only matter to faces with textures, as NaN.
+    fn texture_coordinates(&mut self, rest: &str) {
+        let mut words = rest.split_whitespace();
+        let u = words.next().and_then(|word| word.parse().ok()).unwrap_or(f64::NAN);
+        let v = words.next().map_or(0.0, |word| word.parse().unwrap_or(f64::NAN));
+        self.pools.uvs.push([u, 1.0 - v]);
     }
 
     fn numbers(&self, keyword: &str, rest: &str, line: usize) -> Result<[f64; 3], SceneError> {
@@ -163,31 +180,32 @@ impl Reader<'_> {
     fn face(&mut self, rest: &str, line: usize) -> Result<(), SceneError> {
         self.faces += 1;
         let mut corners = Vec::with_capacity(4);
-        let mut normals = Vec::new();
+        let Pools { positions, normals, uvs, .. } = &self.pools;
         for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
             let mut parts = word.split('/');
             let vertex = parts.next().unwrap_or_default();
-            let Some(index) = resolve(vertex, self.positions.len(), self.vertices) else {
+            let Some(index) = resolve(vertex, positions.len(), self.vertices) else {
                 let what = format!(
                     "face {} refers to vertex '{vertex}', but the file has {}, of which {} come before it",
                     self.faces,
                     self.vertices,
-                    self.positions.len()
+                    positions.len()
                 );
                 return Err(self.fault(line, what, "vertices count from 1, or back from -1"));
             };
-            corners.push(index as u32);
-            let normal = parts.nth(1).and_then(|word| resolve(word, self.normals.len(), self.normals.len()));
-            normals.extend(normal.map(|index| self.normals[index]));
+            let other = |word: Option<&str>, count: usize| {
+                word.and_then(|word| resolve(word, count, count)).map_or(NONE, |index| index as u32)
+            };
+            let (uv, normal) = (other(parts.next(), uvs.len()), other(parts.next(), normals.len()));
+            corners.push(Corner { position: index as u32, uv, normal });
         }
         if corners.len() < 3 {
             let what = format!("face {} has {} corners", self.faces, corners.len());
             return Err(self.fault(line, what, "it needs at least three"));
         }
-        self.census.polygon(&corners, &self.positions, &normals, line);
+        self.census.polygon(&corners, positions, line);
         let group = self.current();
-        let triangles = &mut self.groups[group].triangles;
-        triangles.extend((1..corners.len() - 1).map(|next| [corners[0], corners[next], corners[next + 1]]));
+        self.groups[group].add(&corners);
         Ok(())
     }
 
@@ -198,7 +216,7 @@ impl Reader<'_> {
         let key = (self.object.clone(), self.material.clone());
         let groups = &mut self.groups;
         let group = *self.by_name.entry(key.clone()).or_insert_with(|| {
-            groups.push(Group { object: key.0, material: key.1, triangles: Vec::new() });
+            groups.push(Group::new(key.0, key.1));
             groups.len() - 1
         });
         self.group = Some(group);
@@ -207,19 +225,17 @@ impl Reader<'_> {
 
     fn finish(mut self) -> (SceneBuilder, LoadReport) {
         let mut builder = SceneBuilder::new();
-        let ids: Vec<MaterialId> =
-            self.library.describe(&mut self.report).into_iter().map(|desc| builder.material(desc)).collect();
+        let descs = self.library.describe(&mut builder, &mut self.report);
+        let ids: Vec<MaterialId> = descs.into_iter().map(|desc| builder.material(desc)).collect();
         // Materials that are not defined anywhere, and the one of faces without material; under their names, so that an
         // override file can define them.
         let mut grey = HashMap::new();
-        // The last group that each vertex was copied to, and its index there.
-        let mut moved = vec![(usize::MAX, 0_u32); self.positions.len()];
-        for (number, group) in self.groups.into_iter().enumerate() {
+        for group in self.groups {
             let known = group.material.as_deref().and_then(|name| self.library.find(name)).map(|index| ids[index]);
             let material = known.unwrap_or_else(|| {
                 *grey.entry(group.material.clone()).or_insert_with(|| {
                     let desc = default_material();
-                    match group.material {
+                    match group.material.clone() {
                         Some(name) => {
                             let text = "is not defined; it is made a diffuse grey of 0.5";
                             self.report.approximated(format!("material '{name}'"), text);
@@ -233,17 +249,17 @@ impl Reader<'_> {
                     }
                 })
             });
-            let mut positions = Vec::new();
-            let mut triangles = group.triangles;
-            for index in triangles.iter_mut().flatten() {
-                let place = &mut moved[*index as usize];
-                if place.0 != number {
-                    *place = (number, positions.len() as u32);
-                    positions.push(self.positions[*index as usize]);
-                }
-                *index = place.1;
+            let is_textured = builder.materials[material.0 as usize].textures.all().next().is_some();
+            let bare = group.without_uvs();
+            if is_textured && bare > 0 {
+                let text = format!(
+                    "{bare} of its triangles have no texture coordinates, which its material needs; 0 is taken"
+                );
+                self.report.approximated(format!("mesh '{}'", group.object), text);
             }
-            builder.mesh(group.object, positions, triangles, material);
+            let object = group.object.clone();
+            let (positions, triangles, attributes) = group.mesh(&self.pools, is_textured);
+            builder.mesh_with(object, positions, triangles, attributes, material);
         }
         self.census.report(&mut self.report);
         (builder, self.report)

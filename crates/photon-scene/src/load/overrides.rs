@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 
 /// Materials, lights, cameras and quadrilaterals that change or extend a scene, read from TOML.
 ///
+/// A given albedo or tint replaces the texture of the base colour too, a given emission that of the emission.
+///
 /// The format is described in the project's `docs/scene-files.md`.
 #[derive(Clone, Debug)]
 pub struct Overrides {
@@ -110,12 +112,20 @@ impl Overrides {
     fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
         let kind = with.kind.unwrap_or(kind_of(&desc.surface));
         if kind != kind_of(&desc.surface) {
+            // A texture keeps its factor, and a sheet or solid that had one too.
+            let color = desc.textures.base_color.map(|_| color_of(&desc.surface));
             desc.surface = match kind {
-                Kind::Lambert => Surface::Lambert { albedo: [0.5; 3] },
-                Kind::Mirror => Surface::Mirror { reflectance: [1.0; 3] },
+                Kind::Lambert => Surface::Lambert { albedo: color.unwrap_or([0.5; 3]) },
+                Kind::Mirror => Surface::Mirror { reflectance: color.unwrap_or([1.0; 3]) },
                 Kind::Glass => Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3] },
                 Kind::Thin => Surface::Thin { ior: 1.5, tint: [1.0; 3] },
             };
+        }
+        if with.albedo.is_some() || with.tint.is_some() {
+            desc.textures.base_color = None;
+        }
+        if with.emission.is_some() {
+            desc.textures.emission = None;
         }
         let (mut new_albedo, mut new_ior) = (with.albedo, with.ior);
         let (mut new_tint, mut new_absorption) = (with.tint, with.absorption);
@@ -181,6 +191,15 @@ impl Overrides {
         let from = frame.place(camera.relative, camera.from);
         let to = frame.place(camera.relative, camera.to);
         Ok(CameraDesc { projection, ..CameraDesc::look_at(from, to, camera.up, 1.0) })
+    }
+}
+
+/// The colour that a texture multiplies.
+fn color_of(surface: &Surface) -> [f64; 3] {
+    match *surface {
+        Surface::Lambert { albedo } => albedo,
+        Surface::Mirror { reflectance } => reflectance,
+        Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => tint,
     }
 }
 

@@ -1,19 +1,24 @@
 //! PLY: a mesh without materials.
 
+mod element;
+
+use self::element::{COLOR, Element, NORMAL, UV};
 use super::polygon::{concave, fan_covers};
 use super::{default_material, read, stem};
 use crate::builder::SceneBuilder;
+use crate::describe::{MaterialDesc, Surface};
 use crate::error::SceneError;
+use crate::mesh::VertexAttributes;
 use crate::report::LoadReport;
 use glam::DVec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 use std::path::Path;
 
 /// Reads the vertices and polygons of a PLY file, ASCII or binary of either byte order.
 ///
 /// Polygons are triangulated as fans; the report says where those do not cover the polygon. Triangle strips are
-/// resolved. The mesh is named after the file.
+/// resolved. The mesh is named after the file. Normals (`nx ny nz`), colours (`red green blue`; integers are sRGB, floats
+/// linear) and texture coordinates (`s t` or `u v`) of vertices are read.
 ///
 /// # Errors
 /// A file that cannot be read or is invalid, with the line number if the format has lines; a polygon that
@@ -96,81 +101,37 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let mut report = LoadReport::default();
     let mut builder = SceneBuilder::new();
     let name = stem(path);
-    let material = builder.material(default_material());
     let subject = format!("mesh '{name}'");
-    report.approximated(
-        &subject,
-        "it has no material, which this format does not define; it is made a diffuse grey of 0.5 named 'default'",
-    );
-    let properties = |element: &str| header.elements.get(element).map(|element| &element.properties);
-    if properties("vertex").is_some_and(|known| known.contains_key("red") || known.contains_key("diffuse_red")) {
-        report.left_out(&subject, "its vertex colours; give an albedo in an override file");
+    let properties = header.elements.get("vertex").map(|element| &element.properties);
+    let has = |groups| element::has(|name| properties.is_some_and(|known| known.contains_key(name)), groups);
+    let mut attributes = VertexAttributes::default();
+    if has(NORMAL) {
+        attributes.normals = vertices.iter().map(|vertex| vertex.normal).collect();
     }
-    if properties("vertex").is_some_and(|known| known.contains_key("nx")) {
-        report.approximated(&subject, "its vertex normals are not used; it is rendered as flat as its triangles");
+    if has(UV) {
+        // Their v runs upwards.
+        attributes.uvs = vec![vertices.iter().map(|vertex| [vertex.uv[0], 1.0 - vertex.uv[1]]).collect()];
     }
+    let material = if has(COLOR) {
+        attributes.colors = vertices.iter().map(|Element { color: [r, g, b], .. }| [*r, *g, *b, 1.0]).collect();
+        let text = "it has no material, which this format does not define; it is made diffuse, with the colours of its \
+                    vertices as albedo, named 'default'";
+        report.note(&subject, text);
+        MaterialDesc { surface: Surface::Lambert { albedo: [1.0; 3] }, ..default_material() }
+    } else {
+        report.approximated(
+            &subject,
+            "it has no material, which this format does not define; it is made a diffuse grey of 0.5 named 'default'",
+        );
+        default_material()
+    };
+    let material = builder.material(material);
     if let Some(first) = uncovered.first() {
         report.approximated(&subject, concave(uncovered.len(), &format!("is face {first}")));
     }
     if triangles.is_empty() {
         report.note(&subject, "it has no faces; points alone are not rendered");
     }
-    builder.mesh(name, positions, triangles, material);
+    builder.mesh_with(name, positions, triangles, attributes, material);
     Ok((builder, report))
-}
-
-/// A vertex, face or other element: the properties of it that are used.
-#[derive(Default)]
-struct Element {
-    position: [f64; 3],
-    /// Which coordinates were present, as bits.
-    axes: u8,
-    indices: Vec<i64>,
-}
-
-impl PropertyAccess for Element {
-    fn new() -> Self {
-        Self::default()
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let axis = match name {
-            "x" => 0,
-            "y" => 1,
-            "z" => 2,
-            "vertex_indices" | "vertex_index" => return self.set_indices(property),
-            _ => return PropertyAccessResult::Ignored,
-        };
-        self.position[axis] = match property {
-            Property::Char(value) => value.into(),
-            Property::UChar(value) => value.into(),
-            Property::Short(value) => value.into(),
-            Property::UShort(value) => value.into(),
-            Property::Int(value) => value.into(),
-            Property::UInt(value) => value.into(),
-            Property::Float(value) => value.into(),
-            Property::Double(value) => value,
-            _ => return PropertyAccessResult::UnsupportedType,
-        };
-        self.axes |= 1 << axis;
-        PropertyAccessResult::Set
-    }
-}
-
-impl Element {
-    fn set_indices(&mut self, property: Property) -> PropertyAccessResult {
-        fn wide<T: Into<i64>>(list: Vec<T>) -> Vec<i64> {
-            list.into_iter().map(Into::into).collect()
-        }
-        self.indices = match property {
-            Property::ListChar(list) => wide(list),
-            Property::ListUChar(list) => wide(list),
-            Property::ListShort(list) => wide(list),
-            Property::ListUShort(list) => wide(list),
-            Property::ListInt(list) => wide(list),
-            Property::ListUInt(list) => wide(list),
-            _ => return PropertyAccessResult::UnsupportedType,
-        };
-        PropertyAccessResult::Set
-    }
 }

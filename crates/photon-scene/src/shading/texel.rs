@@ -2,6 +2,8 @@
 
 use photon_core::{TexelFormat, Texture};
 
+use crate::color::srgb_to_linear;
+
 /// Reads linear colours from an image.
 pub(super) struct Decoder<'a> {
     image: &'a Texture,
@@ -28,9 +30,4 @@ impl<'a> Decoder<'a> {
             }
         }
     }
-}
-
-/// Decodes sRGB in `[0, 1]` (IEC 61966-2-1).
-pub(crate) fn srgb_to_linear(value: f64) -> f64 {
-    if value <= 0.040_45 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }

@@ -1,6 +1,7 @@
 //! Files of the supported formats, written by the tests themselves.
 
 mod obj;
+mod obj_textures;
 mod overrides;
 mod ply;
 mod support;

@@ -38,7 +38,7 @@ fn obj_and_mtl() {
         "approximated: material 'pane'",
         "left out: material 'glow': its Ka of [20.0, 20.0, 20.0]",
         "approximated: material 'rough': its glossy highlight",
-        "left out: material 'rough': its textures (wood grain.png)",
+        "left out: material 'rough': its texture map_Kd wood grain.png: the file does not exist",
         "left out: material 'rough': its statements Pr 0.4",
         "note: material 'lamp': emits [5.0, 4.0, 3.0]",
         "material 'nowhere': is not defined",
@@ -61,10 +61,6 @@ fn obj_says_what_it_approximates() {
     assert!(!dart.to_string().contains("not convex"), "{dart}");
     let dart = report("v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nf 2 3 4 1\n");
     names(&dart.to_string(), &["1 polygons are not convex, the first in line 5"]);
-    let smooth = report("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 1\nf 1//1 2//1 3//1\n");
-    names(&smooth.to_string(), &["1 polygons are smoothed"]);
-    let colored = report("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 # all\n");
-    names(&colored.to_string(), &["the colours of 1 vertices"]);
     let lost = report("mtllib gone.mtl\nusemtl a#b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     names(&lost.to_string(), &["gone.mtl'", "does not exist", "'a#b': is not defined"]);
     // Latin-1 is not UTF-8, and still accepted in a comment.

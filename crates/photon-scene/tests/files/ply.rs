@@ -1,6 +1,7 @@
 //! PLY.
 
 use crate::support::{Folder, corners, message, names};
+use photon_core::octahedral;
 use photon_scene::{load, load_ply};
 
 /// A PLY file of a quadrilateral and a triangle in any of the three encodings.
@@ -51,7 +52,7 @@ fn ply_in_three_encodings() {
         let triangles: Vec<_> = (0..scene.view().triangles.len()).map(|index| corners(&scene, index)).collect();
         let (a, b, c, d) = ([0.0; 3], [1.0, 0.0, 0.0], [1.0, 2.5, 0.0], [0.0, 2.5, 0.0]);
         assert_eq!(triangles, [[a, b, c], [a, c, d], [d, c, [0.5, 4.0, 1.0]]], "{format}");
-        names(&report.to_string(), &["mesh 'bunny'", "grey of 0.5", "vertex colours"]);
+        names(&report.to_string(), &["mesh 'bunny'", "grey of 0.5"]);
     }
 }
 
@@ -105,4 +106,36 @@ fn ply_faults() {
     let start = binary.windows(11).position(|bytes| bytes == b"end_header\n").expect("a header") + 11;
     binary[start..start + 4].copy_from_slice(&f32::NAN.to_le_bytes());
     names(&message(load(&folder.file("b.ply", binary), None)), &["mesh 'b'", "vertex 0", "NaN"]);
+}
+
+/// Integers are sRGB, floats linear; texture coordinates are turned over; all of it only where it is complete.
+#[test]
+fn ply_attributes() {
+    let folder = Folder::new("ply-attributes");
+    let file = |properties: &str, rows: [&str; 3]| {
+        let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+        let rows = ["0 0 0", "1 0 0", "0 1 0"].into_iter().zip(rows).map(|(at, rest)| format!("{at} {rest}\n"));
+        let rows: String = rows.collect();
+        let faces = "element face 1\nproperty list int int vertex_indices\nend_header\n";
+        let path = folder.file("a.ply", format!("{header}{properties}{faces}{rows}3 0 1 2\n"));
+        load(&path, None).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let normals = "property float nx\nproperty float ny\nproperty float nz\n";
+    let (scene, report) = file(normals, ["0 0 1", "0 1 1", "0 0 1"]);
+    let tilted = octahedral::unpack(scene.view().shading.normals[0][1]);
+    assert!((tilted.y - 0.5_f32.sqrt()).abs() < 1e-4 && !report.to_string().contains("normals"), "{report}");
+    let colors = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+    let (scene, report) = file(colors, ["255 128 0 9", "255 255 255 0", "0 0 0 0"]);
+    let half = (0.215_860_5_f64 * 65_535.0).round() as u32;
+    assert_eq!(scene.view().shading.colors[0][0][0], half << 16 | 0xFFFF);
+    assert_eq!(scene.view().materials[0].albedo, [1.0; 3]);
+    assert!(report.is_exact(), "{report}");
+    let linear = colors.replace("uchar", "float");
+    let (scene, _) = file(&linear, ["1 0.5 0 0", "1 1 1 0", "2 1e-9 -1 0"]);
+    assert_eq!(scene.view().shading.colors[0].map(|color| color[0]), [0x8000_FFFF, u32::MAX, 0x0000_FFFF]);
+    // Two channels of three are no colour.
+    let (scene, report) = file("property uchar red\nproperty uchar blue\n", ["1 2", "3 4", "5 6"]);
+    assert!(scene.view().shading.colors.is_empty() && !report.is_exact());
+    let builder = |text: &str| photon_scene::load_ply(&folder.file("b.ply", text)).map(drop);
+    assert!(builder("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty list int int s\nend_header\n0 0 0 1 5\n").is_ok());
 }

@@ -37,13 +37,36 @@ impl<'a> Accessors<'a> {
 
     /// Reads vectors of three numbers, of any component type; `user` is named in errors.
     pub(super) fn vectors(&self, index: usize, user: &str) -> Result<Vec<[f64; 3]>, Fault> {
-        self.read(index, user, Type::Vec3, &[], |elements, at| std::array::from_fn(|axis| elements.number(at, axis)))
+        self.read(index, user, Type::Vec3, &[], [0.0; 3], |elements, at| {
+            std::array::from_fn(|axis| elements.number(at, axis))
+        })
+    }
+
+    /// Reads vectors of one of several lengths, at most `N`; components beyond are those of `rest`.
+    pub(super) fn tuples<const N: usize>(
+        &self,
+        index: usize,
+        shapes: &[Type],
+        rest: [f64; N],
+        user: &str,
+    ) -> Result<Vec<[f64; N]>, Fault> {
+        let found = match self.find(index, user)?.type_ {
+            Checked::Valid(found) if shapes.contains(&found) => found,
+            _ => shapes[0],
+        };
+        let length = found.multiplicity();
+        let take = |elements: &Elements<'_>, at: usize| {
+            std::array::from_fn(|axis| if axis < length { elements.number(at, axis) } else { rest[axis] })
+        };
+        // An accessor without data stands for zeros.
+        let zeros = std::array::from_fn(|axis| if axis < length { 0.0 } else { rest[axis] });
+        self.read(index, user, found, &[], zeros, take)
     }
 
     /// Reads vertex indices, of any unsigned type; `user` is named in errors.
     pub(super) fn indices(&self, index: usize, user: &str) -> Result<Vec<u32>, Fault> {
         let unsigned = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
-        self.read(index, user, Type::Scalar, &unsigned, |elements, at| elements.unsigned(at))
+        self.read(index, user, Type::Scalar, &unsigned, 0, |elements, at| elements.unsigned(at))
     }
 
     /// Reads a whole buffer view as vectors of three 64-bit floats, which glTF accessors cannot describe.
@@ -58,13 +81,15 @@ impl<'a> Accessors<'a> {
         accessors.get(index).ok_or_else(|| Fault::dangling(user, "accessor", index, accessors.len()))
     }
 
-    /// Reads all elements with `take`; an empty `allowed` admits every component type.
-    fn read<T: Copy + Default>(
+    /// Reads all elements with `take`; an empty `allowed` admits every component type. `zero` is the element of an
+    /// accessor without data.
+    fn read<T: Copy>(
         &self,
         index: usize,
         user: &str,
         shape: Type,
         allowed: &[ComponentType],
+        zero: T,
         take: impl Fn(&Elements<'_>, usize) -> T,
     ) -> Result<Vec<T>, Fault> {
         let accessor = self.find(index, user)?;
@@ -92,7 +117,7 @@ impl<'a> Accessors<'a> {
                 let elements = Elements { bytes, stride, component, normalized };
                 (0..count as usize).map(|at| take(&elements, at)).collect()
             }
-            None if count <= MAX_ZEROS => vec![T::default(); count as usize],
+            None if count <= MAX_ZEROS => vec![zero; count as usize],
             None => {
                 let why = format!("has {count} elements but no data");
                 return Err(Fault::new(part, why, "export the file again, without compression"));

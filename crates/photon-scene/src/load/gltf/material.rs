@@ -6,6 +6,7 @@ use gltf::json::material::Material;
 use super::fault::{Fault, name_or_number};
 use super::parameters::{self, Parameters};
 use super::texture::Textures;
+use crate::builder::SceneBuilder;
 use crate::describe::{MaterialDesc, Surface};
 use crate::extras::{self, Agrees, CHANGED, MaterialExtras};
 use crate::report::LoadReport;
@@ -28,24 +29,26 @@ pub(super) fn describe(
     root: &Root,
     index: usize,
     textures: &Textures<'_>,
+    builder: &mut SceneBuilder,
     report: &mut LoadReport,
 ) -> Result<MaterialDesc, Fault> {
     let material = &root.materials[index];
     let name = name_or_number("material", index, material.name.as_deref());
     let subject = format!("material '{name}'");
     let mut lines = LoadReport::default();
-    let parameters = parameters::read(root, index, textures, &subject, &mut lines)?;
-    let surface = surface(&parameters, &subject, &mut lines);
+    let mut parameters = parameters::read(root, index, textures, &subject, builder, &mut lines)?;
+    let surface = surface(&mut parameters, &subject, &mut lines);
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
         emits_both_sides: material.double_sided,
+        textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
     match extras::read::<MaterialExtras>(material.extras.as_deref().map(|raw| raw.get())) {
         Ok(None) => {}
         Ok(Some(extras)) => {
-            let exact = extras.desc(desc.name.clone());
+            let exact = MaterialDesc { textures: desc.textures, ..extras.desc(desc.name.clone()) };
             if desc.agrees(&exact) {
                 // The lines are about what glTF cannot express, and the extras can.
                 return Ok(exact);
@@ -59,7 +62,7 @@ pub(super) fn describe(
 }
 
 /// The nearest supported surface.
-fn surface(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
+fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.is_unlit {
         report.approximated(subject, "is unlit; it is rendered as a diffuse surface");
         return Surface::Lambert { albedo: of.base };
@@ -86,6 +89,8 @@ fn surface(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.ior == 0.0 && of.roughness <= SMOOTH {
         report
             .approximated(subject, "has the refractive index 0, which reflects all light; it is rendered as a mirror");
+        // Its base colour is behind the mirror.
+        of.textures.base_color = None;
         return Surface::Mirror { reflectance: of.specular.map(|part| part.clamp(0.0, 1.0)) };
     }
     if of.metallic > SOME_METAL {
@@ -126,10 +131,11 @@ fn metal(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
 }
 
 /// A transmissive material: a solid if it has a volume, otherwise a thin sheet.
-fn glass(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
+fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.ior == 0.0 {
         report
             .approximated(subject, "has the refractive index 0, which reflects all light; it is rendered as a mirror");
+        of.textures.base_color = None;
         return Surface::Mirror { reflectance: [1.0; 3] };
     }
     if of.transmission < 1.0 {
@@ -176,23 +182,23 @@ fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 
 }
 
 /// A surface with alpha below one half: a thin sheet that colours transmitted light.
-fn see_through(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
+fn see_through(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface {
+    let has_texture = of.textures.base_color.take().is_some();
     if of.coverage <= 0.0 {
         report.note(subject, "is invisible: its alpha is 0");
         // A refractive index of 1 reflects nothing.
         return Surface::Thin { ior: 1.0, tint: [1.0; 3] };
     }
-    let text = format!("is {:.0} % opaque; it is rendered as a thin clear sheet", of.coverage * 100.0);
+    let mean = if has_texture { ", and its base colour texture as its mean" } else { "" };
+    let text = format!("is {:.0} % opaque; it is rendered as a thin clear sheet{mean}", of.coverage * 100.0);
     report.approximated(subject, text);
     let ior = if of.ior > 0.0 { of.ior } else { 1.5 };
-    Surface::Thin { ior, tint: of.base.map(|color| 1.0 - of.coverage + of.coverage * color) }
+    let color = |channel: usize| of.base[channel] * of.base_mean[channel];
+    Surface::Thin { ior, tint: std::array::from_fn(|channel| 1.0 - of.coverage + of.coverage * color(channel)) }
 }
 
 /// Reports properties that have no counterpart.
 fn report_rest(material: &Material, subject: &str, report: &mut LoadReport) {
-    if material.normal_texture.is_some() {
-        report.left_out(subject, "its normal map; the surface is as flat as its triangles");
-    }
     // Occlusion maps approximate the light transport that is computed here.
     if material.occlusion_texture.is_some() {
         report.note(subject, "its occlusion map is not needed");

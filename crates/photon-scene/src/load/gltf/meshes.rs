@@ -2,11 +2,10 @@
 
 use glam::{DMat4, DVec3};
 use gltf::json::Root;
-use gltf::json::mesh::Semantic;
 
 use super::accessor::Accessors;
 use super::fault::{Fault, label, name_or_number};
-use super::primitive;
+use super::{attributes, primitive};
 use crate::builder::{MaterialId, SceneBuilder};
 use crate::load::default_material;
 use crate::report::LoadReport;
@@ -19,8 +18,6 @@ const MAX_ELEMENTS: u64 = 1 << 28;
 #[derive(Default)]
 pub(super) struct Census {
     elements: u64,
-    smooth_triangles: u64,
-    colored: u64,
     morphed: u64,
     without_material: u64,
 }
@@ -83,26 +80,28 @@ impl Meshes<'_> {
             let read = primitive::read(&self.accessors, source, &part, report)?;
             if read.stray > 0 {
                 let text = format!("{} vertices at its end make no whole triangle", read.stray);
-                report.left_out(part, text);
+                report.left_out(&part, text);
             }
-            self.census.smooth_triangles += read.smooth;
-            self.census.colored += u64::from(primitive::attribute(source, Semantic::Colors(0)).is_some());
             self.census.morphed += u64::from(source.targets.iter().flatten().next().is_some());
 
+            let desc = &builder.materials[material.0 as usize];
+            let mut attributes = attributes::read(&self.accessors, source, desc, read.positions.len(), &part, report)?;
             let mut triangles = read.triangles;
-            if is_mirrored(transform) {
+            let is_mirrored = is_mirrored(transform);
+            if is_mirrored {
                 // A mirrored mesh keeps its front side (glTF 2.0 specification, section 3.7.4).
                 triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
             }
             let mut positions = read.positions;
             if *transform != DMat4::IDENTITY {
                 positions.iter_mut().for_each(|at| *at = transform.transform_point3(DVec3::from(*at)).to_array());
+                attributes::transform(&mut attributes, transform, is_mirrored);
             }
             let name = match found.primitives.len() {
                 1 => name.clone(),
                 _ => format!("{name} primitive {number}"),
             };
-            builder.mesh(name, positions, triangles, material);
+            builder.mesh_with(name, positions, triangles, attributes, material);
         }
         Ok(())
     }
@@ -125,19 +124,7 @@ fn is_mirrored(transform: &DMat4) -> bool {
 impl Census {
     /// Adds the counts to the report.
     pub(super) fn report(&self, report: &mut LoadReport) {
-        let Self { smooth_triangles, colored, morphed, without_material, .. } = self;
-        if *smooth_triangles > 0 {
-            report.approximated(
-                "the file",
-                format!(
-                    "{smooth_triangles} triangles are smoothed by vertex normals and rendered \
-                     flat; use finer meshes if that is visible"
-                ),
-            );
-        }
-        if *colored > 0 {
-            report.left_out("the file", format!("the vertex colours of {colored} meshes"));
-        }
+        let Self { morphed, without_material, .. } = self;
         if *morphed > 0 {
             report.left_out("the file", format!("the morph targets of {morphed} meshes; the base shape is rendered"));
         }

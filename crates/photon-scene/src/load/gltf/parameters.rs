@@ -1,20 +1,26 @@
-//! The parameters of a material: its factors, times the means of its textures.
+//! The parameters of a material: its factors, its textures, and the means of those that the scene has no place for.
 
 use gltf::json::extensions::material as extension;
 use gltf::json::material::AlphaMode;
-use gltf::json::texture::Info;
 use gltf::json::validation::Checked;
 use gltf::json::{Root, Value};
+use photon_core::TexelFormat;
 
 use super::fault::{AGAIN, Fault, label};
-use super::texture::{Mean, Textures};
+use super::mean::Mean;
+use super::slot::Slot;
+use super::texture::Textures;
+use crate::builder::SceneBuilder;
 use crate::report::LoadReport;
+use crate::texture::{TextureRef, TexturesDesc};
 
 /// The parameters that determine how a material is rendered.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Parameters {
-    /// Base colour, linear RGB.
+    /// Factor of the base colour, linear RGB.
     pub(super) base: [f64; 3],
+    /// The mean of the base colour's texture; 1 without one.
+    pub(super) base_mean: [f64; 3],
     /// Fraction of the surface that is opaque (alpha), in `[0, 1]`.
     pub(super) coverage: f64,
     pub(super) metallic: f64,
@@ -33,6 +39,7 @@ pub(super) struct Parameters {
     /// Radiance.
     pub(super) emission: [f64; 3],
     pub(super) is_unlit: bool,
+    pub(super) textures: TexturesDesc,
 }
 
 /// Reads the material; the losses of its textures are reported under `subject`.
@@ -41,25 +48,24 @@ pub(super) fn read(
     index: usize,
     textures: &Textures<'_>,
     subject: &str,
+    builder: &mut SceneBuilder,
     report: &mut LoadReport,
 ) -> Result<Parameters, Fault> {
     let material = &root.materials[index];
     let part = label("material", index, material.name.as_deref());
-    let mut means = Means { textures, part: &part, subject, report };
+    let mut means = Images { textures, part: &part, subject, builder, report };
 
-    let used = |info: &Info| info.index.value();
     let none = extension::Material::default();
     let extensions = material.extensions.as_ref().unwrap_or(&none);
     let pbr = &material.pbr_metallic_roughness;
     let mut factor = pbr.base_color_factor.0.map(f64::from);
     let mut metallic = f64::from(pbr.metallic_factor.0);
     let mut roughness = f64::from(pbr.roughness_factor.0);
-    let mut base_texture = pbr.base_color_texture.as_ref().map(used);
+    let mut base_texture = pbr.base_color_texture.as_ref().map(Slot::of);
     if let Some(old) = extensions.others.get("KHR_materials_pbrSpecularGlossiness") {
         // Only the diffuse part of this deprecated extension has a counterpart.
         factor = numbers(old, "diffuseFactor").unwrap_or([1.0; 4]);
-        let index = old.get("diffuseTexture").and_then(|info| info.get("index")?.as_u64());
-        base_texture = index.map(|index| index as usize);
+        base_texture = old.get("diffuseTexture").and_then(Slot::of_json);
         (metallic, roughness) = (0.0, 1.0);
         means.report.approximated(
             subject,
@@ -67,31 +73,38 @@ pub(super) fn read(
              metallic-roughness",
         );
     }
-    let base = means.get(base_texture, "base colour", |mean| triple(mean.color))?;
-    let texture = pbr.metallic_roughness_texture.as_ref().map(used);
+    let base = means.image(base_texture, "base colour", TexelFormat::Srgb8)?;
+    let texture = pbr.metallic_roughness_texture.as_ref().map(Slot::of);
     let shown = |mean: &Mean| format!("metal {:.3}, roughness {:.3}", mean.plain[2], mean.plain[1]);
-    if let Some(mean) = means.get(texture, "metal and roughness", shown)? {
+    if let Some(mean) = means.mean(texture, "metal and roughness", shown)? {
         roughness *= mean.plain[1];
         metallic *= mean.plain[2];
     }
     let transmission = match &extensions.transmission {
         None => 0.0,
         Some(transmission) => {
-            let texture = transmission.transmission_texture.as_ref().map(used);
+            let texture = transmission.transmission_texture.as_ref().map(Slot::of);
             let shown = |mean: &Mean| format!("transmission {:.3}", mean.plain[0]);
-            let mean = means.get(texture, "transmission", shown)?;
+            let mean = means.mean(texture, "transmission", shown)?;
             f64::from(transmission.transmission_factor.0) * mean.map_or(1.0, |mean| mean.plain[0])
         }
     };
     let strength = extensions.emissive_strength.as_ref().map_or(1.0, |e| f64::from(e.emissive_strength.0));
     let emissive = material.emissive_factor.0.map(|factor| f64::from(factor) * strength);
     let is_dark = emissive == [0.0; 3];
-    let texture = material.emissive_texture.as_ref().map(used).filter(|_| !is_dark);
-    let glow = means.get(texture, "emission", |mean| triple(mean.color))?;
+    let texture = material.emissive_texture.as_ref().map(Slot::of).filter(|_| !is_dark);
+    let glow = means.image(texture, "emission", TexelFormat::Srgb8)?;
+    let normal_map = material.normal_texture.as_ref();
+    let bumps = means.image(normal_map.map(Slot::of_normal), "normal map", TexelFormat::Linear8)?;
+    let normal = bumps.and_then(|bumps| bumps.used);
+    if normal.is_some() && normal_map.is_some_and(|info| Slot::of_normal(info).is_turned) {
+        means.report.note(subject, "its normal map is turned; tangents of the file are taken to be turned with it");
+    }
 
-    let alpha = factor[3] * base.map_or(1.0, |mean| mean.alpha);
+    let base_mean = base.map(|base| base.mean);
+    let alpha = factor[3] * base_mean.map_or(1.0, |mean| mean.alpha);
     let is_masked = matches!(material.alpha_mode, Checked::Valid(AlphaMode::Mask));
-    if is_masked && base.is_some_and(|mean| mean.alpha < 1.0) {
+    if is_masked && base_mean.is_some_and(|mean| mean.alpha < 1.0) {
         means.report.left_out(subject, "its alpha mask; it is rendered as opaque");
     }
     let volume = extensions.volume.as_ref();
@@ -99,7 +112,8 @@ pub(super) fn read(
     let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
     let color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
     Ok(Parameters {
-        base: times([factor[0], factor[1], factor[2]], base.map(|mean| mean.color)),
+        base: times([factor[0], factor[1], factor[2]], base.and_then(|base| base.color())),
+        base_mean: base.filter(|base| base.used.is_some()).map_or([1.0; 3], |base| base.mean.color),
         coverage: match material.alpha_mode {
             Checked::Valid(AlphaMode::Opaque) => 1.0,
             Checked::Valid(AlphaMode::Blend) => alpha,
@@ -118,49 +132,92 @@ pub(super) fn read(
         is_solid: volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0),
         attenuation_color: volume.map_or([1.0; 3], |v| v.attenuation_color.0.map(f64::from)),
         attenuation_distance: volume.map_or(f64::INFINITY, |v| f64::from(v.attenuation_distance.0)),
-        emission: times(emissive, glow.map(|mean| mean.color)),
+        emission: times(emissive, glow.and_then(|glow| glow.color())),
         is_unlit: extensions.others.contains_key("KHR_materials_unlit"),
+        textures: TexturesDesc {
+            base_color: base.and_then(|base| base.used),
+            emission: glow.and_then(|glow| glow.used),
+            normal,
+            normal_scale: normal_map.map_or(1.0, |info| f64::from(info.scale)),
+        },
     })
 }
 
+/// UV sets with higher numbers are treated as damage.
+const MAX_UV_SETS: u32 = 64;
+
+/// A texture of a material.
+#[derive(Clone, Copy, Debug)]
+struct Used {
+    mean: Mean,
+    /// Its use in the scene; `None` if all texels are equal.
+    used: Option<TextureRef>,
+}
+
+impl Used {
+    /// The colour of a texture that is a factor, not a texture of the scene.
+    fn color(&self) -> Option<[f64; 3]> {
+        self.used.is_none().then_some(self.mean.color)
+    }
+}
+
 /// The textures of one material.
-struct Means<'a, 'b> {
+struct Images<'a, 'b> {
     textures: &'a Textures<'b>,
     part: &'a str,
     subject: &'a str,
+    builder: &'a mut SceneBuilder,
     report: &'a mut LoadReport,
 }
 
-impl Means<'_, '_> {
-    /// The mean of a texture, if there is one and it can be read; `shown` formats it for the report.
-    fn get(
-        &mut self,
-        texture: Option<usize>,
-        role: &str,
-        shown: impl Fn(&Mean) -> String,
-    ) -> Result<Option<Mean>, Fault> {
-        let Some(texture) = texture else {
-            return Ok(None);
+impl Images<'_, '_> {
+    /// Adds a texture to the scene, if there is one and it can be read.
+    fn image(&mut self, slot: Option<Slot>, role: &str, bytes: TexelFormat) -> Result<Option<Used>, Fault> {
+        let Some(slot) = slot else { return Ok(None) };
+        if slot.uv_set >= MAX_UV_SETS {
+            let why = format!("its UV set is TEXCOORD_{}, and at most {MAX_UV_SETS} are read", slot.uv_set);
+            return Ok(self.lose(slot.texture, role, &why));
+        }
+        let mean = match self.textures.mean_and_image(slot.texture, self.part)? {
+            Ok(mean) => mean,
+            Err(why) => return Ok(self.lose(slot.texture, role, &why)),
         };
-        let name = self.textures.name(texture);
+        if mean.is_uniform && bytes == TexelFormat::Srgb8 {
+            return Ok(Some(Used { mean, used: None }));
+        }
+        match self.textures.add(slot.texture, bytes, self.part, self.builder)? {
+            Ok(texture) => {
+                for loss in self.textures.losses(slot.texture) {
+                    let name = self.textures.name(slot.texture);
+                    self.report.note(self.subject, format!("{name} ({role}): {loss}"));
+                }
+                Ok(Some(Used { mean, used: Some(slot.used(texture)) }))
+            }
+            Err(why) => Ok(self.lose(slot.texture, role, &why)),
+        }
+    }
+
+    /// The mean of a texture, if there is one and it can be read; `shown` formats it for the report.
+    fn mean(&mut self, slot: Option<Slot>, role: &str, shown: impl Fn(&Mean) -> String) -> Result<Option<Mean>, Fault> {
+        let Some(Slot { texture, .. }) = slot else { return Ok(None) };
         match self.textures.mean(texture, self.part)? {
             Ok(mean) if mean.is_uniform => Ok(Some(mean)),
             Ok(mean) => {
+                let name = self.textures.name(texture);
                 let text = format!("{name} ({role}) is replaced by its mean: {}", shown(&mean));
                 self.report.approximated(self.subject, text);
                 Ok(Some(mean))
             }
-            Err(why) => {
-                let text = format!("{name} ({role}): {why}; only its factor is used");
-                self.report.left_out(self.subject, text);
-                Ok(None)
-            }
+            Err(why) => Ok(self.lose(texture, role, &why)),
         }
     }
-}
 
-fn triple([r, g, b]: [f64; 3]) -> String {
-    format!("colour ({r:.3}, {g:.3}, {b:.3})")
+    /// Reports a texture that cannot be used.
+    fn lose<T>(&mut self, texture: usize, role: &str, why: &str) -> Option<T> {
+        let name = self.textures.name(texture);
+        self.report.left_out(self.subject, format!("{name} ({role}): {why}; only its factor is used"));
+        None
+    }
 }
 
 fn times(factor: [f64; 3], mean: Option<[f64; 3]>) -> [f64; 3] {

@@ -14,8 +14,6 @@ pub(super) struct Triangles {
     pub(super) positions: Vec<[f64; 3]>,
     /// Vertex indices, all in range; counter-clockwise seen from the front.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Number of triangles with vertex normals that differ from the geometric normal.
-    pub(super) smooth: u64,
     /// Number of vertices at the end of the list that do not form a whole triangle.
     pub(super) stray: usize,
 }
@@ -87,14 +85,7 @@ pub(super) fn read(
     }
 
     let (triangles, stray) = assemble(&order, primitive.mode);
-    let smooth = match attribute(primitive, Semantic::Normals) {
-        None => 0,
-        Some(normals) => {
-            let normals = accessors.vectors(normals, part)?;
-            triangles.iter().filter(|triangle| is_bent(&positions, &normals, **triangle)).count()
-        }
-    };
-    Ok(Triangles { positions, triangles, smooth: smooth as u64, stray })
+    Ok(Triangles { positions, triangles, stray })
 }
 
 /// The positions in double precision, if the extras refer to them and they round to the f32 positions.
@@ -148,21 +139,6 @@ fn assemble(order: &[u32], mode: Checked<Mode>) -> (Vec<[u32; 3]>, usize) {
             (triples.to_vec(), rest.len())
         }
     }
-}
-
-/// Whether a vertex normal differs by more than a degree from the geometric normal.
-fn is_bent(positions: &[[f64; 3]], normals: &[[f64; 3]], triangle: [u32; 3]) -> bool {
-    const COSINE_OF_A_DEGREE: f64 = 0.999_847_695_156_391_2;
-    let [a, b, c] = triangle.map(|vertex| glam::DVec3::from(positions[vertex as usize]));
-    let face_normal = (b - a).cross(c - a).normalize_or_zero();
-    triangle.iter().any(|&vertex| {
-        normals.get(vertex as usize).is_some_and(|&normal| {
-            let normal = glam::DVec3::from(normal).normalize_or_zero();
-            face_normal != glam::DVec3::ZERO
-                && normal != glam::DVec3::ZERO
-                && face_normal.dot(normal) < COSINE_OF_A_DEGREE
-        })
-    })
 }
 
 #[cfg(test)]

@@ -18,10 +18,18 @@ pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'stati
         let why = format!("is at a {scheme} address, and only files beside the scene are read");
         return Err((why, "download it, and name the file instead"));
     }
+    let leaves = |path: &str| {
+        let why = format!("is in the file {path}, outside the folder of the scene");
+        (why, "put it into the folder of the scene or below it")
+    };
+    if leaves_folder(uri) {
+        return Err(leaves(uri));
+    }
     // Exporters that write a name verbatim are as common as those that percent-encode it, so both
     // are tried.
     let written = folder.join(uri);
     let path = match percent_decode(uri).and_then(|bytes| String::from_utf8(bytes).ok()) {
+        Some(decoded) if leaves_folder(&decoded) => return Err(leaves(&decoded)),
         Some(decoded) if !written.is_file() => folder.join(decoded),
         _ => written,
     };
@@ -31,6 +39,22 @@ pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'stati
     }
     fs::read(&path)
         .map_err(|error| (format!("is in the file {uri}, which cannot be read: {error}"), "check that it is readable"))
+}
+
+/// Whether a relative path leads out of the folder that it starts in, or is absolute on any system.
+pub(in crate::load) fn leaves_folder(path: &str) -> bool {
+    if path.starts_with(['/', '\\']) || path.as_bytes().get(1) == Some(&b':') {
+        return true;
+    }
+    let mut depth = 0_i64;
+    path.split(['/', '\\']).any(|part| {
+        depth += match part {
+            ".." => -1,
+            "" | "." => 0,
+            _ => 1,
+        };
+        depth < 0
+    })
 }
 
 /// Decodes what follows `data:` (RFC 2397).
@@ -103,6 +127,20 @@ mod tests {
         assert_eq!(base64_decode("/+8A"), Some(vec![0xff, 0xef, 0]));
         assert_eq!(base64_decode("Zm9vY"), None);
         assert_eq!(base64_decode("Zm 9"), None);
+    }
+
+    #[test]
+    fn paths_stay_within_their_folder() {
+        for inside in ["a.png", "a/b.png", "./a.png", "a/../b.png", "a b.png", "a..b", "..a"] {
+            assert!(!leaves_folder(inside), "{inside}");
+        }
+        for outside in ["../a.png", "a/../../b.png", "/etc/passwd", "\\\\host\\a.png", "C:\\a.png", "a\\..\\..\\b"] {
+            assert!(leaves_folder(outside), "{outside}");
+        }
+        for (uri, path) in [("../secret.png", "../secret.png"), ("%2e%2e/secret.png", "../secret.png")] {
+            let (why, _) = read(uri, Path::new(".")).unwrap_err();
+            assert!(why.contains(path) && why.contains("outside"), "{why}");
+        }
     }
 
     #[test]

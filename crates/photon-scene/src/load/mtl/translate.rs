@@ -1,12 +1,19 @@
 //! Converts an MTL material to the renderer's model.
 
 use super::Entry;
+use super::images::Images;
+use super::map::Map;
+use crate::builder::SceneBuilder;
 use crate::describe::{MaterialDesc, Surface};
 use crate::report::LoadReport;
+use crate::texture::{TextureRef, TexturesDesc};
+use photon_core::TexelFormat;
 
 /// The conversion of one material.
 pub(super) struct Translation<'a> {
     pub(super) material: &'a Entry,
+    pub(super) images: &'a mut Images,
+    pub(super) builder: &'a mut SceneBuilder,
     pub(super) report: &'a mut LoadReport,
 }
 
@@ -26,9 +33,16 @@ impl Translation<'_> {
     }
 
     pub(super) fn describe(mut self) -> MaterialDesc {
-        let surface = self.surface();
+        let textures = self.textures();
+        let surface = self.surface(&textures);
         let mut desc = MaterialDesc::new(&self.material.name, surface);
-        desc.emission = self.material.emissive.unwrap_or_default();
+        desc.textures = textures;
+        // A texture of emission without a factor is the emission.
+        let factor = if textures.emission.is_some() { [1.0; 3] } else { [0.0; 3] };
+        desc.emission = self.material.emissive.unwrap_or(factor);
+        if !matches!(desc.surface, Surface::Lambert { .. }) && desc.textures.base_color.take().is_some() {
+            self.left_out("its map_Kd: it is not diffuse");
+        }
         if desc.is_emissive() {
             let text = format!(
                 "emits {:?}, taken as radiance in W/(m²·sr), from its front; an override file can make it \
@@ -46,13 +60,34 @@ impl Translation<'_> {
         desc
     }
 
-    fn surface(&mut self) -> Surface {
+    /// The textures that can be read.
+    fn textures(&mut self) -> TexturesDesc {
+        let Entry { diffuse_map, emissive_map, normal_map, .. } = self.material;
+        TexturesDesc {
+            base_color: self.texture("map_Kd", diffuse_map.as_ref(), TexelFormat::Srgb8),
+            emission: self.texture("map_Ke", emissive_map.as_ref(), TexelFormat::Srgb8),
+            normal: self.texture("norm", normal_map.as_ref(), TexelFormat::Linear8),
+            normal_scale: normal_map.as_ref().map_or(1.0, |map| map.strength),
+        }
+    }
+
+    fn texture(&mut self, keyword: &str, map: Option<&Map>, bytes: TexelFormat) -> Option<TextureRef> {
+        let (subject, folder) = (self.subject(), &self.material.folder);
+        self.images.add(folder, (keyword, map?), bytes, &subject, self.builder, self.report)
+    }
+
+    fn surface(&mut self, textures: &TexturesDesc) -> Surface {
         let material = self.material;
         let illumination = material.illumination.unwrap_or(2);
         let diffuse = material.diffuse;
         let specular = material.specular.unwrap_or_default();
         let reflects = specular != [0.0; 3];
-        let dissolve = material.dissolve.unwrap_or(1.0);
+        if material.is_tr_one {
+            let text = "its Tr is 1, which would make it invisible; since some programs write that for opaque \
+                        materials, it is opaque";
+            self.report.note(self.subject(), text);
+        }
+        let dissolve = if material.is_tr_one { 1.0 } else { material.dissolve.unwrap_or(1.0) };
         let tint = material.filter.unwrap_or([1.0; 3]);
         if matches!(illumination, 4 | 6 | 7 | 9) {
             let ior = self.ior();
@@ -82,7 +117,11 @@ impl Translation<'_> {
                      override file is the nearest"
                 ));
             }
-            let albedo = diffuse.unwrap_or_else(|| {
+            if textures.base_color.is_some() && diffuse == Some([0.0; 3]) {
+                self.report
+                    .note(self.subject(), "its Kd of 0 makes its texture black; give an albedo in an override file");
+            }
+            let albedo = diffuse.or(textures.base_color.map(|_| [1.0; 3])).unwrap_or_else(|| {
                 self.approximated(format!("has no Kd and is made a diffuse grey of 0.5; {HINT}"));
                 [0.5; 3]
             });

@@ -182,15 +182,13 @@ fn what_meshes_lose_is_said_once() {
         )
     };
     let file = File::new()
-        .with("meshes", mesh(r#""NORMAL": 0, "COLOR_0": 0"#))
+        .with("meshes", mesh(r#""NORMAL": 0"#))
         .with("nodes", r#"[{"mesh": 0, "skin": 0}]"#)
         .with("skins", r#"[{"joints": [0]}]"#)
         .with("animations", r#"[{"channels": [{"sampler": 0, "target": {"path": "pointer"}}], "samplers": []}]"#)
         .with("extensionsUsed", r#"["EXT_mesh_gpu_instancing"]"#);
     let (builder, report) = file.load();
     for (subject, text) in [
-        ("file", "1 triangles are smoothed"),
-        ("file", "vertex colours of 1"),
         ("file", "morph targets of 1"),
         ("file", "1 meshes have no material"),
         ("file", "1 animations"),
@@ -200,13 +198,4 @@ fn what_meshes_lose_is_said_once() {
         assert!(says(&report, subject, text), "{text}: {report}");
     }
     assert!(builder.materials.iter().any(|material| material.name == "default"));
-    // Normals that agree with the geometric normal lose nothing.
-    let mut data = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 1., 0., 0., 1.]);
-    let flat = File::new()
-        .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "material": 0}]}]"#)
-        .with("bufferViews", r#"[{"buffer": 0, "byteLength": 72}]"#)
-        .with("accessors", r#"[{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}, {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC3"}]"#);
-    assert!(!says(&flat.clone().data(&data).load().1, "file", "smoothed"));
-    data[36..48].copy_from_slice(&floats(&[0.1, 0.0, 1.0]));
-    assert!(says(&flat.data(&data).load().1, "file", "smoothed"));
 }

@@ -6,3 +6,4 @@ mod fuzz;
 mod geometry;
 mod lights;
 mod materials;
+mod textures;

@@ -1,0 +1,101 @@
+//! Vertex attributes of a primitive, as far as its material needs them.
+
+use std::collections::BTreeSet;
+
+use glam::{DMat3, DMat4, DVec3};
+use gltf::json::accessor::Type;
+use gltf::json::mesh::{Primitive, Semantic};
+
+use super::accessor::Accessors;
+use super::fault::Fault;
+use super::primitive::attribute;
+use crate::describe::MaterialDesc;
+use crate::mesh::VertexAttributes;
+use crate::report::LoadReport;
+
+/// Reads the attributes of `vertices` vertices, in the space of the node. A UV set that the primitive does not have is
+/// reported, and all of its coordinates are 0.
+pub(super) fn read(
+    accessors: &Accessors<'_>,
+    primitive: &Primitive,
+    material: &MaterialDesc,
+    vertices: usize,
+    part: &str,
+    report: &mut LoadReport,
+) -> Result<VertexAttributes, Fault> {
+    let mut reader = Reader { accessors, primitive, vertices, part, report };
+    let mut attributes = VertexAttributes {
+        normals: reader.list(Semantic::Normals, &[Type::Vec3], [0.0; 3])?.unwrap_or_default(),
+        colors: reader.list(Semantic::Colors(0), &[Type::Vec3, Type::Vec4], [1.0; 4])?.unwrap_or_default(),
+        ..VertexAttributes::default()
+    };
+    attributes.colors.as_flattened_mut().iter_mut().filter(|part| part.is_nan()).for_each(|part| *part = 0.0);
+    if material.textures.normal.is_some() {
+        attributes.tangents = reader.list(Semantic::Tangents, &[Type::Vec4], [0.0; 4])?.unwrap_or_default();
+    }
+    let sets: BTreeSet<u32> = material.textures.all().map(|(_, used)| used.uv_set).collect();
+    for &set in &sets {
+        let found = reader.list(Semantic::TexCoords(set), &[Type::Vec2], [0.0; 2])?;
+        let uvs = found.unwrap_or_else(|| {
+            let text = format!(
+                "has no TEXCOORD_{set}, which a texture of its material '{}' needs; its coordinates are taken as 0",
+                material.name
+            );
+            reader.report.approximated(part, text);
+            vec![[0.0; 2]; vertices]
+        });
+        let set = set as usize;
+        attributes.uvs.resize(attributes.uvs.len().max(set + 1), Vec::new());
+        attributes.uvs[set] = uvs;
+    }
+    Ok(attributes)
+}
+
+struct Reader<'a, 'b, 'c> {
+    accessors: &'a Accessors<'c>,
+    primitive: &'a Primitive,
+    vertices: usize,
+    part: &'a str,
+    report: &'b mut LoadReport,
+}
+
+impl Reader<'_, '_, '_> {
+    /// The values of an attribute, filled up with those of `rest`; `None` if the primitive does not have it, or not for
+    /// each vertex.
+    fn list<const N: usize>(
+        &mut self,
+        semantic: Semantic,
+        shapes: &[Type],
+        rest: [f64; N],
+    ) -> Result<Option<Vec<[f64; N]>>, Fault> {
+        let name = semantic.to_string();
+        let Some(accessor) = attribute(self.primitive, semantic) else { return Ok(None) };
+        let values = self.accessors.tuples(accessor, shapes, rest, self.part)?;
+        if values.len() == self.vertices {
+            return Ok(Some(values));
+        }
+        let text = format!("its {name}: there are {} for {} vertices", values.len(), self.vertices);
+        self.report.left_out(self.part, text);
+        Ok(None)
+    }
+}
+
+/// Transforms normals and tangents from the space of a node to that of the scene.
+pub(super) fn transform(attributes: &mut VertexAttributes, transform: &DMat4, is_mirrored: bool) {
+    // Directions do not depend on the size, whose square could overflow or underflow.
+    let matrix = DMat3::from_mat4(*transform);
+    let greatest = matrix.to_cols_array().iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+    let matrix = if greatest > 0.0 { matrix * greatest.recip() } else { matrix };
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    // The inverse transpose but for its determinant, of which only the sign matters.
+    let sign = if is_mirrored { -1.0 } else { 1.0 };
+    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
+    for normal in &mut attributes.normals {
+        *normal = (cofactors * DVec3::from(*normal)).to_array();
+    }
+    for tangent in &mut attributes.tangents {
+        let [x, y, z, handedness] = *tangent;
+        let [x, y, z] = (matrix * DVec3::new(x, y, z)).to_array();
+        *tangent = [x, y, z, handedness * sign];
+    }
+}

@@ -1,0 +1,78 @@
+//! `OpenEXR`: the first layer with colours, or with a luminance.
+
+use std::io::Cursor;
+
+use exr::error::Error;
+use exr::math::Vec2;
+use exr::meta::MetaData;
+use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read};
+
+use super::{Image, ImageError, check_size};
+
+/// Texels while a file is read.
+struct Pixels {
+    width: usize,
+    texels: Vec<[f32; 4]>,
+}
+
+impl Pixels {
+    fn new(size: Vec2<usize>) -> Self {
+        Self { width: size.width(), texels: vec![[0.0; 4]; size.area()] }
+    }
+
+    fn set(&mut self, at: Vec2<usize>, texel: [f32; 4]) {
+        let index = at.y() * self.width + at.x();
+        if let Some(place) = self.texels.get_mut(index) {
+            *place = texel;
+        }
+    }
+
+    fn image(self, size: Vec2<usize>) -> Result<Image, ImageError> {
+        Ok(Image::of_floats(check_size(size.width() as u64, size.height() as u64, 4)?, self.texels))
+    }
+}
+
+pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
+    let damaged = |why: Error| ImageError::new(format!("cannot be decoded as OpenEXR: {why}"));
+    let meta = MetaData::read_from_buffered(Cursor::new(file), false).map_err(damaged)?;
+    for header in &meta.headers {
+        check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, 4)?;
+    }
+    let has = |name: &str| {
+        let named = |channel: &exr::meta::attribute::ChannelDescription| channel.name.eq_case_insensitive(name);
+        meta.headers.iter().any(|header| header.channels.list.iter().any(named))
+    };
+    if ["R", "G", "B"].into_iter().all(has) {
+        let image = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .rgba_channels(
+                |size, _| Pixels::new(size),
+                |pixels: &mut Pixels, at, (r, g, b, a): (f32, f32, f32, f32)| pixels.set(at, [r, g, b, a]),
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(Cursor::new(file))
+            .map_err(damaged)?;
+        return image.layer_data.channel_data.pixels.image(image.layer_data.size);
+    }
+    if !has("Y") {
+        return Err(ImageError::new("is an OpenEXR file without the channels R, G and B, or Y"));
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required("Y")
+        .collect_pixels(
+            |size, _| Pixels::new(size),
+            |pixels: &mut Pixels, at, (grey,): (f32,)| pixels.set(at, [grey, grey, grey, 1.0]),
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(file))
+        .map_err(damaged)?;
+    image.layer_data.channel_data.pixels.image(image.layer_data.size)
+}

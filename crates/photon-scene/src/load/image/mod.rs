@@ -1,0 +1,193 @@
+//! Images from files: the format is determined by the first bytes, and the size is checked before memory is allocated.
+//!
+//! | format | texels |
+//! |---|---|
+//! | PNG, JPEG, WebP | bytes; 16 bits are rounded to 8, palettes and greys expanded |
+//! | OpenEXR, Radiance HDR | 32-bit floats, linear |
+//!
+//! Colour profiles and gamma are ignored, as glTF prescribes.
+
+mod bytes;
+mod exr;
+mod hdr;
+mod jpeg;
+mod png;
+mod webp;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use photon_core::TexelFormat;
+
+use crate::color::srgb_to_linear;
+use crate::error::SceneError;
+use crate::texture::TextureDesc;
+
+/// Largest width and height.
+const MAX_SIDE: u64 = 65_536;
+/// Largest size in memory, in words of 32 bits: 1 GiB.
+const MAX_WORDS: u64 = 1 << 28;
+
+/// Why the bytes of an image cannot be used: the predicate of a sentence about it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct ImageError(pub(crate) String);
+
+impl ImageError {
+    fn new(why: impl Into<String>) -> Self {
+        Self(why.into())
+    }
+
+    /// A decoder's message.
+    fn damaged(format: &str, why: &dyn std::fmt::Debug) -> Self {
+        let why = format!("{why:?}");
+        Self(format!("cannot be decoded as {format}: {}", why.trim_matches('"')))
+    }
+}
+
+/// An image read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Row by row from the top left: one word a texel, red in the lowest byte, then green, blue and alpha; or the bits
+    /// of four `f32` if [`Self::is_float`].
+    pub texels: Arc<[u32]>,
+    /// Whether texels are linear floats, finite and ≥ 0. Otherwise bytes, whose encoding depends on their purpose.
+    pub is_float: bool,
+    /// Number of texels with values that were negative or not finite: NaN and negative ones became 0, infinite ones the
+    /// largest finite number.
+    pub repaired: u64,
+    /// Whether its values had 16 bits, and were rounded to 8.
+    pub is_rounded: bool,
+}
+
+impl Image {
+    /// Decodes a PNG, JPEG, WebP, `OpenEXR` or Radiance HDR file.
+    ///
+    /// # Errors
+    /// An unknown format, an image larger than 65536 × 65536 texels or 1 GiB of memory, or damaged data.
+    pub fn decode(bytes: &[u8]) -> Result<Self, ImageError> {
+        match Format::of(bytes) {
+            Format::Png => png::decode(bytes),
+            Format::Jpeg => jpeg::decode(bytes),
+            Format::WebP => webp::decode(bytes),
+            Format::Exr => exr::decode(bytes),
+            Format::Hdr => hdr::decode(bytes),
+            Format::Other(name) => {
+                Err(ImageError::new(format!("is {name}; only PNG, JPEG, WebP, OpenEXR and Radiance HDR are read")))
+            }
+        }
+    }
+
+    /// Linear red, green and blue of all texels; bytes are decoded from sRGB.
+    #[must_use]
+    pub fn linear_rgb(&self) -> Vec<[f32; 3]> {
+        if self.is_float {
+            let texels = self.texels.chunks_exact(4);
+            return texels.map(|texel| [texel[0], texel[1], texel[2]].map(f32::from_bits)).collect();
+        }
+        let values: [f32; 256] = std::array::from_fn(|byte| srgb_to_linear(byte as f64 / 255.0) as f32);
+        let color = |word: &u32| {
+            let [r, g, b, _] = word.to_le_bytes();
+            [r, g, b].map(|byte| values[usize::from(byte)])
+        };
+        self.texels.iter().map(color).collect()
+    }
+
+    /// The image as a texture; bytes are encoded as `bytes` says.
+    #[must_use]
+    pub fn texture(&self, name: impl Into<String>, bytes: TexelFormat) -> TextureDesc {
+        let format = if self.is_float { TexelFormat::Float32 } else { bytes };
+        TextureDesc::new(name, [self.width, self.height], format, Arc::clone(&self.texels))
+    }
+
+    /// An image of bytes.
+    fn of_bytes([width, height]: [u32; 2], words: Vec<u32>) -> Self {
+        Self { width, height, texels: words.into(), is_float: false, repaired: 0, is_rounded: false }
+    }
+
+    /// An image of floats, four for each texel; invalid ones are replaced.
+    fn of_floats([width, height]: [u32; 2], mut values: Vec<[f32; 4]>) -> Self {
+        let mut repaired = 0;
+        for texel in &mut values {
+            let valid = texel.map(|value| if value >= 0.0 { value.min(f32::MAX) } else { 0.0 });
+            repaired += u64::from(valid != *texel);
+            // Zeros without a sign, so that equal values have equal bits.
+            *texel = valid.map(|value| value + 0.0);
+        }
+        let words = values.as_flattened().iter().map(|value| value.to_bits()).collect();
+        Self { width, height, texels: words, is_float: true, repaired, is_rounded: false }
+    }
+}
+
+/// Reads an image from a file: PNG, JPEG, WebP, `OpenEXR` or Radiance HDR, whatever its name.
+///
+/// # Errors
+/// [`SceneError::Read`] if the file cannot be read, [`SceneError::Content`] with the reasons of [`Image::decode`].
+pub fn load_image(path: &Path) -> Result<Image, SceneError> {
+    Image::decode(&super::read(path)?).map_err(|why| SceneError::Content {
+        path: path.to_owned(),
+        line: None,
+        what: format!("the image {why}"),
+        hint: "convert it, or export it again".to_owned(),
+    })
+}
+
+/// The format of a file by its first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Jpeg,
+    WebP,
+    Exr,
+    Hdr,
+    /// One that is not read, with its article.
+    Other(&'static str),
+}
+
+impl Format {
+    fn of(bytes: &[u8]) -> Self {
+        let known: [(&[u8], Self); 12] = [
+            (b"\x89PNG", Self::Png),
+            (b"\xff\xd8", Self::Jpeg),
+            (b"\x76\x2f\x31\x01", Self::Exr),
+            (b"#?RADIANCE", Self::Hdr),
+            (b"#?RGBE", Self::Hdr),
+            (b"\xabKTX 20", Self::Other("a KTX2 texture")),
+            (b"\xabKTX", Self::Other("a KTX texture")),
+            (b"sB", Self::Other("a Basis texture")),
+            (b"DDS ", Self::Other("a DDS texture")),
+            (b"GIF8", Self::Other("a GIF")),
+            (b"BM", Self::Other("a BMP")),
+            (b"II*\0", Self::Other("a TIFF")),
+        ];
+        if let Some((_, format)) = known.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+            return *format;
+        }
+        match (bytes.get(..4), bytes.get(4..12)) {
+            (Some(b"RIFF"), Some(rest)) if rest.ends_with(b"WEBP") => Self::WebP,
+            (Some(_), Some(b"ftypavif")) => Self::Other("an AVIF"),
+            (Some(_), Some(b"ftypheic")) => Self::Other("a HEIC"),
+            (None, _) => Self::Other("empty"),
+            _ => Self::Other("of an unknown format"),
+        }
+    }
+}
+
+/// Checks a size from a header; `words` is the number of words for each texel.
+fn check_size(width: u64, height: u64, words: u64) -> Result<[u32; 2], ImageError> {
+    let sides = 1..=MAX_SIDE;
+    // The product of two sides within the limit does not overflow.
+    if sides.contains(&width) && sides.contains(&height) && width * height * words <= MAX_WORDS {
+        return Ok([width as u32, height as u32]);
+    }
+    Err(ImageError::new(format!(
+        "has {width} × {height} texels; it must have between 1 and {MAX_SIDE} on each side, and take up at most 1 GiB"
+    )))
+}
+
+#[cfg(test)]
+mod tests;

@@ -13,6 +13,7 @@ layout(constant_id = 2) const uint FROM = 0;
 
 #include "film/film.glsl"
 #include "device/grid.glsl"
+#include "shading/bias.glsl"
 #include "shading/layout.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
@@ -49,16 +50,14 @@ void main() {
         ErrorMomentsBuffer moments = push.error_moments + i;
         if (moments.at.photons != 0) {
             vec3 throughput = push.queries[i].at.throughput;
-            vec3 wide = moments.at.wide, inner = moments.at.narrow;
+            // What final_gather_sum.comp writes are biases already.
+            Biases found = Biases(moments.at.wide, moments.at.narrow);
             float density = push.scale;
             if (FROM == 0) {
-                vec3 flux = push.estimates[i].at.flux;
-                wide = 0.5 * wide - flux;
-                inner = flux - 2.0 * inner;
+                found = biases(push.estimates[i].at.flux, found.wide, found.narrow);
                 density /= push.estimates[i].at.radius_squared;
             }
-            wide *= throughput;
-            inner *= throughput;
+            vec3 wide = found.wide * throughput, inner = found.narrow * throughput;
             bias += density * (wide.x + wide.y + wide.z);
             narrow += density * (inner.x + inner.y + inner.z);
             float mean = (throughput.x + throughput.y + throughput.z) * (1.0 / 3.0);

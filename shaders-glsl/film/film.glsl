@@ -3,6 +3,7 @@
 #ifndef FILM_GLSL
 #define FILM_GLSL
 
+#include "device/constants.glsl"
 #include "shading/two_float.glsl"
 
 // The current pass of a layer: planes of red, green and blue radiance. Its sum over finished passes: three
@@ -25,8 +26,7 @@ const uint FIRST_NORMAL = 0;
 const uint FIRST_ALBEDO = 3;
 const uint FIRST_DEPTH = 6;
 const uint FIRST_SQUARE = 7;
-const uint FIRST_LOW = 8;
-const uint FIRST_HITS = 16;
+const uint FIRST_HITS = 2 * FIRST_LOW;
 
 // Error statistics of a pixel, summed over passes: high parts in the planes below, then as many planes of low
 // parts. The current pass: bias and narrow. The photon moments of one map around the pixel are stored in planes
@@ -35,13 +35,11 @@ const uint ERROR_BIAS = 0;
 const uint ERROR_BIAS_SQUARE = 1;
 const uint ERROR_NARROW = 2;
 const uint ERROR_NARROW_SQUARE = 3;
-const uint ERROR_LOW = 4;
 const uint MOMENTS_POWER = 0;
 const uint MOMENTS_POWER_SQUARED = 1;
 const uint MOMENTS_SLOPE = 2;
 const uint MOMENTS_QUADRUPOLE = 4;
 const uint MOMENTS_STRAY = 6;
-const uint MOMENTS_LOW = 7;
 
 // Address of a pixel in a plane. Computed in steps, since planes times pixels may exceed a word.
 Planes film_place(Planes planes, uint plane, uint pixels, uint pixel) {

@@ -56,6 +56,6 @@ void main() {
     }
     uint leaf = first / 16;
     push.nodes[leaf].low = uvec4(from_ordered3(low), first);
-    push.nodes[leaf].high = uvec4(from_ordered3(high), size | MAP_LEAF);
+    push.nodes[leaf].high = uvec4(from_ordered3(high), size | KD_TREE_LEAF);
     push.totals[leaf].word = size;
 }

@@ -126,13 +126,13 @@ void main() {
         }
     }
     barrier();
-    for (uint size = LIST_SHORT; size >= 2 * MAP_WIDTH; size /= 2) {
+    for (uint size = LIST_SHORT; size >= 2 * KD_TREE_WIDTH; size /= 2) {
         if (length > size / 2) split(length, size);
     }
     for (uint at = local; at < length; at += gl_WorkGroupSize.x) {
         uint photon = photons[lists[0][at]];
-        uint leaf = at / MAP_WIDTH * MAP_WIDTH;
-        uint end = min(leaf + MAP_WIDTH, length);
+        uint leaf = at / KD_TREE_WIDTH * KD_TREE_WIDTH;
+        uint end = min(leaf + KD_TREE_WIDTH, length);
         uint lower = 0;
         for (uint other = leaf; other < end; other++) lower += uint(photons[lists[0][other]] < photon);
         push.order[first + leaf + lower].word = photon;

@@ -3,9 +3,8 @@
 #ifndef MORTON_GLSL
 #define MORTON_GLSL
 
+#include "shading/constants.glsl"
 #include "shading/float_bits.glsl"
-
-const int MORTON_BITS = 21;
 
 struct Grid {
     uvec3 low;

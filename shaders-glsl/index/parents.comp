@@ -24,8 +24,8 @@ layout(push_constant, scalar) uniform Push {
 void main() {
     uint number = thread();
     if (number >= push.count) return;
-    uint child = push.first_below + number * MAP_WIDTH;
-    uint size = min(push.count_below - number * MAP_WIDTH, MAP_WIDTH);
+    uint child = push.first_below + number * KD_TREE_WIDTH;
+    uint size = min(push.count_below - number * KD_TREE_WIDTH, KD_TREE_WIDTH);
     uvec3 low = uvec3(0xffffffffu);
     uvec3 high = uvec3(0);
     uint total = 0;

@@ -64,7 +64,7 @@ void refine_short(Grid grid, uint first, uint length) {
             before += uint(same && j < i);
         }
         push.ids[first + less + before].id = ids[kept++];
-        if (before == 0 && equal > MAP_WIDTH) add_run(push.next_round, push.next_runs, first + less, equal);
+        if (before == 0 && equal > KD_TREE_WIDTH) add_run(push.next_round, push.next_runs, first + less, equal);
     }
 }
 
@@ -168,10 +168,10 @@ void refine_long(Grid grid, uint first, uint length) {
         memoryBarrierBuffer();
         barrier();
     }
-    for (uint i = group_rank(); i + MAP_WIDTH < length; i += gl_WorkGroupSize.x) {
+    for (uint i = group_rank(); i + KD_TREE_WIDTH < length; i += gl_WorkGroupSize.x) {
         uvec2 code = push.codes[first + i].code;
-        if (push.codes[first + i + MAP_WIDTH].code != code || (i > 0 && push.codes[first + i - 1].code == code)) continue;
-        uint inside = i + MAP_WIDTH;
+        if (push.codes[first + i + KD_TREE_WIDTH].code != code || (i > 0 && push.codes[first + i - 1].code == code)) continue;
+        uint inside = i + KD_TREE_WIDTH;
         uint outside = length;
         while (outside - inside > 1) {
             uint middle = inside + (outside - inside) / 2;

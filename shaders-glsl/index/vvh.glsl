@@ -6,17 +6,12 @@
 
 #include "search/lists.glsl"
 
-// Slabs per segment; maximum number of photons counted; depth below which segments are halved.
-const uint SLABS = 32;
-const uint VVH_SAMPLE = 64;
-const uint HEURISTIC_DEPTH = 24;
-
 // By row, then by slab.
-shared uint slab_counts[VVH_ROWS * SLABS];
+shared uint slab_counts[VVH_ROWS * VVH_SLABS];
 
 uint left_size(uint length) {
-    uint blocks = (length + MAP_WIDTH - 1) / MAP_WIDTH;
-    return MAP_WIDTH << findMSB(blocks - 1);
+    uint blocks = (length + KD_TREE_WIDTH - 1) / KD_TREE_WIDTH;
+    return KD_TREE_WIDTH << findMSB(blocks - 1);
 }
 
 // One photon in this many is counted.
@@ -28,7 +23,7 @@ uint vvh_stride(uint length) {
 // mantissas. 0 where the segment cannot be divided into slabs.
 float slab_scale(uint length, uint depth, uint extent) {
     // Up to 2^-123 the quotient is infinite; for an infinite extent it is zero.
-    if (depth >= HEURISTIC_DEPTH || length <= 2 * MAP_WIDTH || extent <= 0x02000000u || extent >= FLOAT_INFINITY) return 0.0;
+    if (depth >= VVH_HEURISTIC_DEPTH || length <= 2 * KD_TREE_WIDTH || extent <= 0x02000000u || extent >= FLOAT_INFINITY) return 0.0;
     uint mantissa = extent & 0x007fffffu | 0x00800000u;
     uint exponent = 258 - (extent >> 23);
     uint quotient = 0x00800000u;
@@ -63,7 +58,7 @@ uint slab_of(uint coordinate, uint low, float scale) {
     } else {
         slabs = uintBitsToFloat(distance) * scale;
     }
-    return min(uint(slabs), SLABS - 1);
+    return min(uint(slabs), VVH_SLABS - 1);
 }
 
 // Number of photons left of the best plane through a segment whose slabs are counted in `row`.
@@ -73,9 +68,9 @@ uint best_plane(uint row, uint length) {
     uint best = 0;
     uint best_cost = 0xffffffffu;
     uint left = 0;
-    for (uint slab = 1; slab < SLABS; slab++) {
-        left += slab_counts[row * SLABS + slab - 1];
-        uint cost = slab * left + (SLABS - slab) * (sampled - left);
+    for (uint slab = 1; slab < VVH_SLABS; slab++) {
+        left += slab_counts[row * VVH_SLABS + slab - 1];
+        uint cost = slab * left + (VVH_SLABS - slab) * (sampled - left);
         if (left > 0 && cost < best_cost) {
             best = left;
             best_cost = cost;
@@ -83,8 +78,8 @@ uint best_plane(uint row, uint length) {
     }
     // ⌊best · length / sampled⌋ within 32 bits.
     best = best * (length / sampled) + best * (length % sampled) / sampled;
-    uint blocks = (length + MAP_WIDTH - 1) / MAP_WIDTH;
-    return clamp((best + MAP_WIDTH / 2) / MAP_WIDTH, 1, blocks - 1) * MAP_WIDTH;
+    uint blocks = (length + KD_TREE_WIDTH - 1) / KD_TREE_WIDTH;
+    return clamp((best + KD_TREE_WIDTH / 2) / KD_TREE_WIDTH, 1, blocks - 1) * KD_TREE_WIDTH;
 }
 
 #endif

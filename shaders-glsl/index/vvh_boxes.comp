@@ -25,7 +25,7 @@ void main() {
         uint first = push.nodes[number].low.w;
         uint count = push.nodes[number].high.w;
         // A tree that consists of one leaf.
-        if ((count & MAP_LEAF) != 0) return;
+        if ((count & KD_TREE_LEAF) != 0) return;
         uvec3 low = uvec3(0xffffffffu);
         uvec3 high = uvec3(0);
         uint total = 0;

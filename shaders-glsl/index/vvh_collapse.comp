@@ -26,7 +26,7 @@ layout(push_constant, scalar) uniform Push {
 void leaf(uint number, uint block) {
     push.nodes[number].low = push.leaves[block].low;
     push.nodes[number].high = push.leaves[block].high;
-    push.totals[number].word = push.leaves[block].high.w & ~MAP_LEAF;
+    push.totals[number].word = push.leaves[block].high.w & ~KD_TREE_LEAF;
 }
 
 void main() {
@@ -37,14 +37,14 @@ void main() {
         uint own = push.depth.first + at;
         uint number = push.pending[own].number;
         uint below = push.pending[own].below;
-        uvec3 children[MAP_WIDTH];
+        uvec3 children[KD_TREE_WIDTH];
         children[0] = uvec3(push.pending[own].first, push.pending[own].blocks, push.pending[own].splits);
         if (children[0].y == 1) {
             leaf(number, children[0].x);
             continue;
         }
         uint count = 1;
-        while (count < MAP_WIDTH) {
+        while (count < KD_TREE_WIDTH) {
             uint largest = 0;
             for (uint child = 1; child < count; child++) {
                 if (children[child].y > children[largest].y) largest = child;

@@ -32,7 +32,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 const uint MASKS = LIST_SHORT / 32;
-const uint BLOCKS = LIST_SHORT / MAP_WIDTH;
+const uint BLOCKS = LIST_SHORT / KD_TREE_WIDTH;
 // The workgroup has 256 invocations.
 const uint ITEMS = LIST_SHORT / 256;
 const uint LISTS = 4;
@@ -67,15 +67,15 @@ uvec3 position_at(uint list, uint at) {
 bool plan(uint length) {
     uint local = gl_LocalInvocationIndex;
     if (local == 0) busy = false;
-    for (uint i = local; i < VVH_ROWS * SLABS; i += gl_WorkGroupSize.x) slab_counts[i] = 0;
+    for (uint i = local; i < VVH_ROWS * VVH_SLABS; i += gl_WorkGroupSize.x) slab_counts[i] = 0;
     for (uint i = local; i < MASKS; i += gl_WorkGroupSize.x) {
         right[i] = 0;
         for (uint list = 0; list < LISTS; list++) left_masks[list][i] = 0;
     }
     barrier();
-    bool splits = local < BLOCKS && local * MAP_WIDTH < length && owner[local] == local && lengths[local] > MAP_WIDTH;
+    bool splits = local < BLOCKS && local * KD_TREE_WIDTH < length && owner[local] == local && lengths[local] > KD_TREE_WIDTH;
     if (splits) {
-        uint first = local * MAP_WIDTH;
+        uint first = local * KD_TREE_WIDTH;
         uint last = first + lengths[local] - 1;
         uvec3 low = uvec3(position_at(0, first).x, position_at(1, first).y, position_at(2, first).z);
         uvec3 high = uvec3(position_at(0, last).x, position_at(1, last).y, position_at(2, last).z);
@@ -92,17 +92,17 @@ bool plan(uint length) {
     barrier();
     if (!busy) return false;
     for (uint at = local; at < length; at += gl_WorkGroupSize.x) {
-        uint segment = owner[at / MAP_WIDTH];
-        if (scales[segment] > 0.0 && (at - segment * MAP_WIDTH) % vvh_stride(lengths[segment]) == 0) {
+        uint segment = owner[at / KD_TREE_WIDTH];
+        if (scales[segment] > 0.0 && (at - segment * KD_TREE_WIDTH) % vvh_stride(lengths[segment]) == 0) {
             uint slab = slab_of(position_at(3, at)[axes[segment]], lows[segment], scales[segment]);
-            atomicAdd(slab_counts[segment / 2 * SLABS + slab], 1);
+            atomicAdd(slab_counts[segment / 2 * VVH_SLABS + slab], 1);
         }
     }
     barrier();
     if (splits) {
         uint left = scales[local] > 0.0 ? best_plane(local / 2, lengths[local]) : left_size(lengths[local]);
         left_of[local] = left;
-        push.splits[split_at[local]].word = left / MAP_WIDTH;
+        push.splits[split_at[local]].word = left / KD_TREE_WIDTH;
     }
     barrier();
     return true;
@@ -117,8 +117,8 @@ uint before(uint list, uint at) {
 void part(uint length) {
     uint local = gl_LocalInvocationIndex;
     for (uint at = local; at < length; at += gl_WorkGroupSize.x) {
-        uint segment = owner[at / MAP_WIDTH];
-        if (left_of[segment] != 0 && at - segment * MAP_WIDTH >= left_of[segment]) {
+        uint segment = owner[at / KD_TREE_WIDTH];
+        if (left_of[segment] != 0 && at - segment * KD_TREE_WIDTH >= left_of[segment]) {
             uint place = lists[axes[segment]][at];
             atomicOr(right[place / 32], 1u << place % 32);
         }
@@ -143,8 +143,8 @@ void part(uint length) {
     [[unroll]] for (uint i = 0; i < ITEMS; i++) {
         uint at = local + i * 256;
         if (at >= length) continue;
-        uint segment = owner[at / MAP_WIDTH];
-        uint first = segment * MAP_WIDTH;
+        uint segment = owner[at / KD_TREE_WIDTH];
+        uint first = segment * KD_TREE_WIDTH;
         [[unroll]] for (uint list = 0; list < LISTS; list++) {
             uint lower = before(list, at) - before(list, first);
             bool goes_left = (left_masks[list][at / 32] >> at % 32 & 1) != 0;
@@ -164,7 +164,7 @@ void part(uint length) {
 void descend() {
     uint local = gl_LocalInvocationIndex;
     uint segment = local < BLOCKS ? owner[local] : 0;
-    uint blocks_left = left_of[segment] / MAP_WIDTH;
+    uint blocks_left = left_of[segment] / KD_TREE_WIDTH;
     uint begin = segment + blocks_left;
     uint length = lengths[segment];
     uint split = split_at[segment];
@@ -173,11 +173,11 @@ void descend() {
     if (local < BLOCKS && blocks_left != 0) {
         if (local >= begin) owner[local] = begin;
         if (local == begin) {
-            lengths[local] = length - blocks_left * MAP_WIDTH;
+            lengths[local] = length - blocks_left * KD_TREE_WIDTH;
             split_at[local] = split + blocks_left;
             depths[local] = depth + 1;
         } else if (local == segment) {
-            lengths[local] = blocks_left * MAP_WIDTH;
+            lengths[local] = blocks_left * KD_TREE_WIDTH;
             split_at[local] = split + 1;
             depths[local] = depth + 1;
         }

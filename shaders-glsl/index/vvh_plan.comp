@@ -62,7 +62,7 @@ void main() {
         uint extent;
         uint axis = longest_axis(low, high, extent);
         float scale = slab_scale(length, depth, extent);
-        for (uint slab = local; slab < SLABS; slab += gl_WorkGroupSize.x) slab_counts[slab] = 0;
+        for (uint slab = local; slab < VVH_SLABS; slab += gl_WorkGroupSize.x) slab_counts[slab] = 0;
         barrier();
         if (scale > 0.0) {
             Words by_number = push.lists + 3 * push.count;
@@ -77,9 +77,9 @@ void main() {
         if (local == 0) {
             uint left = scale > 0.0 ? best_plane(0, length) : left_size(length);
             uint splits = push.segments[number].splits;
-            push.splits[splits].word = left / MAP_WIDTH;
+            push.splits[splits].word = left / KD_TREE_WIDTH;
             add(first, left, splits + 1, depth + 1);
-            add(first + left, length - left, splits + left / MAP_WIDTH, depth + 1);
+            add(first + left, length - left, splits + left / KD_TREE_WIDTH, depth + 1);
             first_job = atomicAdd(push.jobs.count, tiles);
             uint groups = min(first_job + tiles, VVH_GROUPS);
             atomicMax(push.jobs.groups[0], groups);

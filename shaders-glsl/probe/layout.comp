@@ -33,6 +33,8 @@ void main() {
         case 6u: COPY(Materials); break;
         case 7u: COPY(Media); break;
         case 8u: COPY(Lights); break;
-        default: COPY(Cameras); break;
+        case 9u: COPY(Cameras); break;
+        case 10u: COPY(TextureUses); break;
+        default: COPY(MaterialTextureTable); break;
     }
 }

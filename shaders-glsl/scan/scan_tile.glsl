@@ -4,10 +4,9 @@
 
 #extension GL_EXT_control_flow_attributes : require
 
+#include "device/constants.glsl"
 #include "scan/group_scan.glsl"
 #include "device/words.glsl"
-
-const uint SCAN_ITEMS = 16;
 
 // First word of this subgroup's share of the tile at `base`, and of this invocation.
 uint scan_first(uint base) {

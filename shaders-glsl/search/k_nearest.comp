@@ -24,21 +24,33 @@ layout(constant_id = 4) const uint KERNEL = 0;
 // Whether photons are filtered by normal or, in the paper's mode, by direction.
 layout(constant_id = 5) const uint FILTER = 1;
 
+#include "shading/constants.glsl"
 #include "shading/kernel.glsl"
 #include "shading/octahedral.glsl"
+#include "shading/shading_normal.glsl"
 #include "search/search_map.glsl"
 #include "search/search_distance.glsl"
 #include "search/search_sum.glsl"
 
-// Minimum squared radius that an estimate divides by: (2^-20 of the scene) squared.
-const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
+// Whether photons are weighted by the cosine to the query's shading normal.
+layout(constant_id = 10) const uint SHADING = 0;
 
 // Positions; then normals or directions, and powers or ids.
 shared uvec4 staged[TILES * TILE_POINTS];
 shared vec3 axes[TILES * TILE_POINTS];
 shared uvec3 goods[TILES * TILE_POINTS];
+// Packed directions that photons came from, if `SHADING`.
+shared uint directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 
 vec3 at, normal;
+// The shading normal, if `SHADING`.
+vec3 shading;
+
+// Factor on the power of a photon, whose packed direction and normal these are.
+float shading_factor(uint direction, uint photon_normal) {
+    if (SHADING == 0) return 1.0;
+    return shading_cosine_ratio(octahedral_unpack(direction), octahedral_unpack(photon_normal), shading);
+}
 uint limit, accepted;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Rows { uvec2 key; };
@@ -59,6 +71,7 @@ void stage(uint mode, uint place, uint slot) {
     if (mode == COLLECT || MODE == PAPER) {
         uvec4 power = flux_at(FORMAT, push.power, slot);
         goods[place] = power.xyz;
+        if (SHADING != 0) directions[place] = power.w;
         if (MODE == PAPER) axes[place] = octahedral_unpack(power.w);
     }
     if (MODE == DENSITY && FILTER != 0) axes[place] = octahedral_unpack(point.w);
@@ -98,7 +111,7 @@ void visit(uint mode, uvec2 firsts) {
     uint begin = gl_SubgroupID * TILE_POINTS;
     for (uint part = 0; part < TILE_POINTS; part += 8) {
         // Offset to convert a staging position into a slot.
-        uint slots = part < WIDTH ? firsts.x - begin : firsts.y - begin - WIDTH;
+        uint slots = part < KD_TREE_WIDTH ? firsts.x - begin : firsts.y - begin - KD_TREE_WIDTH;
         if (mode == WIDEN) {
             EIGHT(widen, begin + part);
             rank_shrink();
@@ -115,7 +128,7 @@ const uint VISIT_TURNS = TILE_POINTS / 8 * 2 + 1;
 #include "search/search_walk.glsl"
 
 // Loop iterations of a round besides those of its traversal, including an initial guess.
-const uint ROUND_TURNS = COLUMN + BINS + LEVELS;
+const uint ROUND_TURNS = COLUMN + BINS + KD_TREE_MAX_DEPTH;
 
 void query_keep(inout uint round) {
     pause_begin(PAUSE_KERNEL);
@@ -131,6 +144,7 @@ void query_keep(inout uint round) {
 void ask(uint index) {
     at = push.queries[index].at.position;
     normal = push.queries[index].at.normal;
+    if (SHADING != 0) shading = octahedral_unpack(push.queries[index].at.shading_normal);
     precise float radius = MODE == ROWS ? push.radius : push.queries[index].at.radius * push.radius;
     precise float most = radius * radius;
     phase = DONE;
@@ -203,6 +217,7 @@ void main() {
     uint index = asked && ORDERED != 0 ? push.order[place].at : place;
     at = vec3(0.0);
     normal = vec3(0.0);
+    shading = vec3(0.0);
     accepted = 0;
     highest = 0;
     moments_begin(place);

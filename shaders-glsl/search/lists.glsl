@@ -4,15 +4,12 @@
 #ifndef LISTS_GLSL
 #define LISTS_GLSL
 
+#include "device/constants.glsl"
 #include "search/map_records.glsl"
 #include "device/words.glsl"
 
-// Photons per tile of a list.
-const uint LIST_TILE = 2048;
 // Flag in the index of a photon that goes right.
 const uint GOES_RIGHT = 0x80000000u;
-// Segments of up to this length are split completely by one workgroup.
-const uint LIST_SHORT = 1024;
 
 // The bounding box of the segment of `length` photons from `first` on, from the ends of its lists.
 void list_box(PhotonRows photons, Words lists, uint count, uint first, uint length, out uvec3 low, out uvec3 high) {

@@ -3,12 +3,7 @@
 #ifndef MAP_NODES_GLSL
 #define MAP_NODES_GLSL
 
-// Flag in a node's count: the node is a leaf, and the other bits are its number of points.
-const uint LEAF = 0x80000000u;
-// Maximum number of points in a leaf, and of children of a node.
-const uint WIDTH = 16;
-// Maximum depth of a tree: backend-cpu's MAX_DEPTH.
-const uint LEVELS = 64;
+#include "shading/constants.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BoxNodes {
     // Lower corner; first child or slot.

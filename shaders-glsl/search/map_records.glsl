@@ -2,13 +2,9 @@
 #ifndef MAP_RECORDS_GLSL
 #define MAP_RECORDS_GLSL
 
+#include "shading/constants.glsl"
 #include "shading/float_bits.glsl"
 #include "shading/photon_format.glsl"
-
-// Maximum number of points per leaf, and of children per node.
-const uint MAP_WIDTH = 16;
-// Flag in the count of a node that is a leaf.
-const uint MAP_LEAF = 0x80000000u;
 
 // Format of the photons that a map is built from.
 layout(constant_id = 2) const uint FORMAT = FORMAT_FULL;

@@ -66,7 +66,7 @@ uint bits_to(uint node) {
 }
 
 // Traversal stack of groups of children: the first child, and a mask of those to be visited.
-uvec2 groups[LEVELS];
+uvec2 groups[KD_TREE_MAX_DEPTH];
 
 void walk() {
     uint node = 0, waiting = 0;
@@ -75,8 +75,8 @@ void walk() {
     while (more) {
         uint count = push.nodes[node].high.w, first = push.nodes[node].low.w;
         more = false;
-        if ((count & LEAF) != 0) {
-            look(first, count & ~LEAF);
+        if ((count & KD_TREE_LEAF) != 0) {
+            look(first, count & ~KD_TREE_LEAF);
         } else {
             // Visits the nearest child first, the others later.
             uint mask = 0, nearest = 0, least = NONE;
@@ -90,14 +90,14 @@ void walk() {
                 }
             }
             if (mask != 0) {
-                if (group.y != 0) groups[min(waiting++, LEVELS - 1)] = group;
+                if (group.y != 0) groups[min(waiting++, KD_TREE_MAX_DEPTH - 1)] = group;
                 group = uvec2(first, mask & ~(1u << nearest));
                 node = first + nearest;
                 more = true;
             }
         }
         while (!more && (group.y != 0 || waiting > 0)) {
-            if (group.y == 0) group = groups[min(--waiting, LEVELS - 1)];
+            if (group.y == 0) group = groups[min(--waiting, KD_TREE_MAX_DEPTH - 1)];
             node = group.x + uint(findLSB(group.y));
             group.y &= group.y - 1;
             more = bits_to(node) <= best;
@@ -123,10 +123,9 @@ void main() {
         walk();
     }
     // Minimum squared radius that an estimate divides by: (2^-20 of the scene) squared.
-    const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
     float reach = uintBitsToFloat(best);
     vec3 flux = vec3(0.0);
     if (nearest_slot != NONE) flux = uintBitsToFloat(flux_at(FORMAT, push.power, nearest_slot).xyz);
-    push.results[index].at = Estimate(flux, max(reach, MIN_RADIUS_SQUARED), nearest_slot != NONE ? 1u : 0u,
-        reach < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+    push.results[index].at = Estimate(flux, max(reach, NEIGHBOUR_MIN_RADIUS_SQUARED), nearest_slot != NONE ? 1u : 0u,
+        reach < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
 }

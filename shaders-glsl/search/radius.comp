@@ -12,6 +12,7 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 layout(local_size_x_id = 1) in;
 
+#include "shading/constants.glsl"
 #include "shading/kernel.glsl"
 #include "shading/octahedral.glsl"
 #include "search/search_map.glsl"
@@ -22,6 +23,7 @@ layout(local_size_x_id = 1) in;
 layout(constant_id = 7) const uint FLAT = 0;
 
 #include "search/search_error_moments.glsl"
+#include "shading/shading_normal.glsl"
 
 layout(constant_id = 4) const uint KERNEL = 0;
 // Whether photons are filtered by normal.
@@ -29,15 +31,19 @@ layout(constant_id = 5) const uint FILTER = 1;
 // Whether `ErrorMoments` are written with each estimate, to the address `push.ids`.
 layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 
-// Minimum squared radius that an estimate divides by: (2^-20 of the scene) squared.
-const float MIN_RADIUS_SQUARED = 1.0 / (1048576.0 * 1048576.0);
+// Whether photons are weighted by the cosine to the query's shading normal.
+layout(constant_id = 10) const uint SHADING = 0;
 
 // Positions with packed normals, normals, powers.
 shared uvec4 staged[TILES * TILE_POINTS];
 shared vec3 normals[TILES * TILE_POINTS];
 shared vec3 powers[TILES * TILE_POINTS];
+// Directions that photons came from, if `SHADING`.
+shared vec3 directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 
 vec3 at, normal;
+// The shading normal, if `SHADING`.
+vec3 shading;
 uint limit;
 float scale;
 // Maximum distance of a photon from the query's plane, if `FLAT`.
@@ -48,8 +54,16 @@ uint photons;
 void stage(uint mode, uint place, uint slot) {
     uvec4 point = push.positions[slot].at;
     staged[place] = point;
-    powers[place] = uintBitsToFloat(flux_at(FORMAT, push.power, slot).xyz);
-    if (FILTER != 0) normals[place] = octahedral_unpack(point.w);
+    uvec4 flux = flux_at(FORMAT, push.power, slot);
+    powers[place] = uintBitsToFloat(flux.xyz);
+    if (SHADING != 0) directions[place] = octahedral_unpack(flux.w);
+    if (FILTER != 0 || SHADING != 0) normals[place] = octahedral_unpack(point.w);
+}
+
+// The power of a photon as it counts for the query.
+vec3 power_of(uint place) {
+    if (SHADING == 0) return powers[place];
+    return powers[place] * shading_cosine_ratio(directions[place], normals[place], shading);
 }
 
 void add(uint place, inout vec3 sum) {
@@ -63,11 +77,11 @@ void add(uint place, inout vec3 sum) {
         bvec2 flat_enough = FLAT != 0 ? bvec2(!(off > flat_most), !(off > 0.70710678 * flat_most)) : bvec2(true);
         if (near) {
             error_moments_add(
-                KERNEL, push.parameter, point - at, normal, powers[place], d2, d2 * scale, same, flat_enough, sum, photons);
+                KERNEL, push.parameter, point - at, normal, power_of(place), d2, d2 * scale, same, flat_enough, sum, photons);
         }
     } else if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)
         && (FLAT == 0 || !(off > flat_most))) {
-        sum += powers[place] * kernel_weight(KERNEL, push.parameter, min(d2 * scale, 1.0));
+        sum += power_of(place) * kernel_weight(KERNEL, push.parameter, min(d2 * scale, 1.0));
         photons++;
     }
 }
@@ -108,10 +122,12 @@ void main() {
     limit = 0;
     at = vec3(0.0);
     normal = vec3(0.0);
+    shading = vec3(0.0);
     flat_most = 0.0;
     if (asked) {
         at = push.queries[index].at.position;
         normal = push.queries[index].at.normal;
+        if (SHADING != 0) shading = octahedral_unpack(push.queries[index].at.shading_normal);
         precise float radius = push.queries[index].at.radius * push.radius;
         squared_radius = radius * radius;
         if (FLAT != 0) flat_most = push.max_plane_distance * radius;
@@ -123,7 +139,7 @@ void main() {
             if (floatBitsToUint(box_distance(at, low, high)) >= limit) limit = 0;
         }
     }
-    float divisor = squared_radius >= MIN_RADIUS_SQUARED ? squared_radius : MIN_RADIUS_SQUARED;
+    float divisor = squared_radius >= NEIGHBOUR_MIN_RADIUS_SQUARED ? squared_radius : NEIGHBOUR_MIN_RADIUS_SQUARED;
     scale = 1.0 / divisor;
     flux = NOTHING;
     photons = 0;
@@ -134,7 +150,7 @@ void main() {
         query_keep();
     } else if (asked && index < push.capacity) {
         Estimates(push.results)[index].at = Estimate(
-            flux.total - flux.excess, divisor, photons, squared_radius < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+            flux.total - flux.excess, divisor, photons, squared_radius < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
         if (ERROR_MOMENTS != 0) ErrorMomentsBuffer(push.ids)[index].at = error_moments_found();
     }
     if (TURNS != 0) pause_close();

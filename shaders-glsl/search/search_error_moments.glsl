@@ -3,13 +3,11 @@
 #ifndef SEARCH_ERROR_MOMENTS_GLSL
 #define SEARCH_ERROR_MOMENTS_GLSL
 
+#include "shading/constants.glsl"
 #include "shading/kernel.glsl"
 #include "shading/math.glsl"
 #include "shading/sampling.glsl"
 #include "search/search_sum.glsl"
-
-// A photon farther from the query's plane than this fraction of the wide radius counts as on another surface.
-const float OFF_PLANE = 0.25;
 
 // Of a query: one more than the bits of its squared radius; 1 / (√2 · radius); tangent vectors of its plane.
 uint error_moments_inner;
@@ -66,7 +64,7 @@ void error_moments_add(
         eight_wide += power * kernel_weight(kernel, slope, min(0.5 * u, 1.0));
         vec3 scaled = offset * error_moments_reach;
         float x = dot3(scaled, error_moments_tangent), y = dot3(scaled, error_moments_bitangent);
-        eight_power += vec3(mean, mean * mean, abs(dot3(scaled, normal)) > OFF_PLANE ? mean : 0.0);
+        eight_power += vec3(mean, mean * mean, abs(dot3(scaled, normal)) > ERROR_MOMENTS_OFF_PLANE ? mean : 0.0);
         eight_slope += mean * vec3(x, y, x * x - y * y);
         eight_rest.x += mean * 2.0 * x * y;
         error_moments_photons++;

@@ -34,9 +34,9 @@ float guess_of(float leaf, float above) {
 float guess_alone(vec3 at, uint k) {
     float reach = INFINITE, before = INFINITE;
     uint number = 0;
-    for (uint level = 0; level < LEVELS; level++) {
+    for (uint level = 0; level < KD_TREE_MAX_DEPTH; level++) {
         uint first = push.nodes[number].low.w, count = push.nodes[number].high.w;
-        if ((count & LEAF) != 0) break;
+        if ((count & KD_TREE_LEAF) != 0) break;
         before = reach;
         reach = INFINITE;
         number = first;
@@ -57,19 +57,19 @@ float guess_together(vec3 at, uint k) {
     const uint NONE = 0xFFFFFFFFu;
     float reach = INFINITE, before = INFINITE;
     uvec2 best = uvec2(0, NONE);
-    for (uint level = 0; level < LEVELS; level++) {
-        if (best.x == NONE || (push.nodes[best.x].high.w & LEAF) != 0) break;
+    for (uint level = 0; level < KD_TREE_MAX_DEPTH; level++) {
+        if (best.x == NONE || (push.nodes[best.x].high.w & KD_TREE_LEAF) != 0) break;
         // The two best of the nodes that this invocation examines.
         vec2 own = vec2(INFINITE);
         uvec2 number = uvec2(NONE);
-        for (uint from = 0; from < 2 * WIDTH; from += gl_SubgroupSize) {
+        for (uint from = 0; from < 2 * KD_TREE_WIDTH; from += gl_SubgroupSize) {
             uint i = from + gl_SubgroupInvocationID;
-            uint parent = i < WIDTH ? best.x : best.y;
-            if (i >= 2 * WIDTH || parent == NONE) continue;
+            uint parent = i < KD_TREE_WIDTH ? best.x : best.y;
+            if (i >= 2 * KD_TREE_WIDTH || parent == NONE) continue;
             uint first = push.nodes[parent].low.w, count = push.nodes[parent].high.w;
-            uint child = first + (i & (WIDTH - 1));
+            uint child = first + (i & (KD_TREE_WIDTH - 1));
             // A leaf's count has the leaf flag, but a leaf has no children.
-            if ((count & LEAF) != 0 || (i & (WIDTH - 1)) >= count) continue;
+            if ((count & KD_TREE_LEAF) != 0 || (i & (KD_TREE_WIDTH - 1)) >= count) continue;
             float other = reach_of(at, child, k);
             if (other < own.x) {
                 own = vec2(other, own.x);

@@ -71,6 +71,7 @@ void collect(uint place, uint bits, uint slot) {
             row_add(sure, bits, goods[place].x);
         } else {
             vec3 power = uintBitsToFloat(goods[place]);
+            if (SHADING != 0) power *= shading_factor(directions[place], staged[place].w);
             if (MODE == PAPER) power *= dot3(axes[place], normal) * push.parameter;
             moments_add(power, uintBitsToFloat(bits));
         }
@@ -111,6 +112,7 @@ float finish(bool full) {
         }
         uvec4 power = flux_at(FORMAT, push.power, slot);
         float weight = MODE == PAPER ? dot3(octahedral_unpack(power.w), normal) * push.parameter : 1.0;
+        if (SHADING != 0) weight *= shading_factor(power.w, push.positions[slot].at.w);
         moments_add(uintBitsToFloat(power.xyz) * weight, uintBitsToFloat(bits));
     }
     if (MODE == ROWS) {
@@ -130,7 +132,7 @@ Estimate estimate(bool full, float reach) {
         sum0 = NOTHING;
         reach = uintBitsToFloat(highest);
     }
-    float divisor = reach >= MIN_RADIUS_SQUARED ? reach : MIN_RADIUS_SQUARED;
+    float divisor = reach >= NEIGHBOUR_MIN_RADIUS_SQUARED ? reach : NEIGHBOUR_MIN_RADIUS_SQUARED;
     float ratio = per_high > 0.0 ? uintBitsToFloat(high_bits) / divisor : 0.0;
     vec3 flux = sum0.total - sum0.excess;
     if (MODE == DENSITY && KERNEL != KERNEL_CONSTANT) {
@@ -147,7 +149,7 @@ Estimate estimate(bool full, float reach) {
         // Weights are not negative, but differences of nearly equal sums may be.
         flux = max(flux, vec3(0.0));
     }
-    return Estimate(flux, divisor, photons, reach < MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+    return Estimate(flux, divisor, photons, reach < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
 }
 
 #endif

@@ -6,12 +6,13 @@
 #ifndef SEARCH_PAUSE_GLSL
 #define SEARCH_PAUSE_GLSL
 
+#include "device/constants.glsl"
+
 layout(constant_id = 8) const uint TURNS = 0;
 
-// Maximum number of subgroups per dispatch, and of words of saved state per invocation (estimate/pause.rs): the
-// traversal's first, then the kernel's.
-const uint PAUSE_SUBGROUPS = 4096;
-const uint PAUSE_WORDS = 160, PAUSE_KERNEL = 64;
+// Of the PAUSE_WORDS words of saved state per invocation, the first that belongs to the kernel; those before it
+// are the traversal's.
+const uint PAUSE_KERNEL = 64;
 // The first word of `push.pauses` counts traversals that paused in this dispatch; it is followed by one word
 // for each subgroup with one of these values. Initially all are 0.
 const uint PAUSE_NEW = 0, PAUSE_PAUSED = 1, PAUSE_DONE = 2;

@@ -21,7 +21,7 @@
 #include "search/search_pause.glsl"
 
 // First child and a mask of the children still to be visited, level by level.
-shared uvec2 walk_stack[TILES * LEVELS];
+shared uvec2 walk_stack[TILES * KD_TREE_MAX_DEPTH];
 
 // Barrier between writing shared memory and reading what others wrote; it does not affect buffers, whose loads
 // may be moved across.
@@ -36,7 +36,7 @@ bool meets(vec3 low, vec3 high) {
 
 void walk(uint mode) {
     uint lane = gl_SubgroupInvocationID;
-    uint levels = gl_SubgroupID * LEVELS;
+    uint levels = gl_SubgroupID * KD_TREE_MAX_DEPTH;
     // The box around all balls, enlarged enough to make rounding and underflow irrelevant.
     vec3 low = vec3(INFINITE), high = vec3(-INFINITE);
     if (limit > 0) {
@@ -51,7 +51,7 @@ void walk(uint mode) {
 
     // The root as the only child of a virtual node.
     uint first = 0, mask = 1, depth = 0;
-    uint next = WIDTH;
+    uint next = KD_TREE_WIDTH;
     uvec2 firsts = uvec2(0), counts = uvec2(0);
     uint pending = 0;
 #ifdef SEARCH_NEAREST
@@ -101,7 +101,7 @@ void walk(uint mode) {
                 limit = 0;
             }
             if (meets(same_at, same_at)) {
-                leaf = uvec2(same_first, min(same_left, WIDTH));
+                leaf = uvec2(same_first, min(same_left, KD_TREE_WIDTH));
                 same_first += leaf.y;
                 same_left -= leaf.y;
             } else {
@@ -121,12 +121,12 @@ void walk(uint mode) {
                 mask = walk_stack[levels + depth].y;
             }
         } else {
-            uint child = next < WIDTH ? next : findLSB(mask);
-            next = WIDTH;
+            uint child = next < KD_TREE_WIDTH ? next : findLSB(mask);
+            next = KD_TREE_WIDTH;
             uint number = first + child;
             uvec4 node_low = push.nodes[number].low, node_high = push.nodes[number].high;
             vec3 box_low = uintBitsToFloat(node_low.xyz), box_high = uintBitsToFloat(node_high.xyz);
-            bool is_leaf = (node_high.w & LEAF) != 0;
+            bool is_leaf = (node_high.w & KD_TREE_LEAF) != 0;
             bool enter = meets(box_low, box_high);
             bool take = true;
 #ifdef SEARCH_NEAREST
@@ -145,20 +145,20 @@ void walk(uint mode) {
                     bool touched = floatBitsToUint(box_distance(at, box_low, box_high)) < limit;
                     bool inside = floatBitsToUint(corner_distance(at, box_low, box_high)) < limit;
                     if (!subgroupAny(touched && !inside)) {
-                        if (touched) found += is_leaf ? node_high.w & ~LEAF : push.totals[number].at;
+                        if (touched) found += is_leaf ? node_high.w & ~KD_TREE_LEAF : push.totals[number].at;
                         enter = false;
                     }
                 }
 #endif
                 if (enter && is_leaf) {
-                    leaf = uvec2(node_low.w, node_high.w & ~LEAF);
+                    leaf = uvec2(node_low.w, node_high.w & ~KD_TREE_LEAF);
                 }
 #ifdef SEARCH_NEAREST
                 else if (same) {
                     same_left = push.totals[number].at;
                     same_start = accepted;
                     uint below = node_low.w;
-                    while ((push.nodes[below].high.w & LEAF) == 0) {
+                    while ((push.nodes[below].high.w & KD_TREE_LEAF) == 0) {
                         below = push.nodes[below].low.w;
                         turns += TURNS != 0 ? 1 : 0;
                     }
@@ -179,11 +179,11 @@ void walk(uint mode) {
                     first = node_low.w;
                     mask = 0;
                     uint nearest = 0xFFFFFFFFu;
-                    for (uint from = 0; from < WIDTH; from += gl_SubgroupSize) {
+                    for (uint from = 0; from < KD_TREE_WIDTH; from += gl_SubgroupSize) {
                         uint i = from + lane;
                         bool met = false;
                         uint key = 0xFFFFFFFFu;
-                        if (i < node_high.w && i < WIDTH) {
+                        if (i < node_high.w && i < KD_TREE_WIDTH) {
                             vec3 child_low = uintBitsToFloat(push.nodes[first + i].low.xyz);
                             vec3 child_high = uintBitsToFloat(push.nodes[first + i].high.xyz);
                             met = all(lessThanEqual(child_low, high)) && all(greaterThanEqual(child_high, low));
@@ -196,7 +196,7 @@ void walk(uint mode) {
                     // The nearest child first, as its points may make visiting the others unnecessary.
                     next = nearest & 15u;
                     // For infinite balls there is no centre.
-                    if ((mask >> next & 1u) == 0) next = WIDTH;
+                    if ((mask >> next & 1u) == 0) next = KD_TREE_WIDTH;
                 }
             }
         }
@@ -212,10 +212,10 @@ void walk(uint mode) {
         }
         if (pending == 2 || (pending > 0 && (flush || !more))) {
             for (uint i = lane; i < TILE_POINTS; i += gl_SubgroupSize) {
-                uint j = i & (WIDTH - 1);
+                uint j = i & (KD_TREE_WIDTH - 1);
                 uint place = gl_SubgroupID * TILE_POINTS + i;
-                if (j < (i < WIDTH ? counts.x : counts.y)) {
-                    stage(mode, place, (i < WIDTH ? firsts.x : firsts.y) + j);
+                if (j < (i < KD_TREE_WIDTH ? counts.x : counts.y)) {
+                    stage(mode, place, (i < KD_TREE_WIDTH ? firsts.x : firsts.y) + j);
                 } else {
                     // NaN: never accepted.
                     staged[place] = uvec4(0x7FC00000u);

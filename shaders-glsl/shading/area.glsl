@@ -2,14 +2,8 @@
 #ifndef AREA_GLSL
 #define AREA_GLSL
 
+#include "shading/constants.glsl"
 #include "shading/kernel.glsl"
-
-const uint AREA_SPOKES = 8;
-const uint AREA_RINGS = 3;
-const float AREA_HEIGHT = 0.5;
-const float AREA_MIN_SHARE = 1.0 / 16.0;
-const float AREA_MIN_RADIUS = 1.0 / 262144.0;
-const uint AREA_SHEETS = 4;
 
 float area_spoke_turns(uint spoke, float random) {
     return (float(spoke) + random) * (1.0 / float(AREA_SPOKES));
@@ -24,9 +18,6 @@ vec2 area_probe(uint kernel, float slope, uint spoke, uint ring, float random) {
     if (kernel == KERNEL_BIWEIGHT) return vec2(sqrt(max(1.0 - rest, 0.0)), rest);
     return vec2(sqrt(share), kernel_weight(kernel, slope, share));
 }
-
-// Minimum squared distance of the outer probes, in squared radii; the maximum is 2.
-const float AREA_OUTER = 0.75;
 
 // Distance of the probe of a spoke that is only for the second radius, in radii.
 float area_outer_distance(uint spoke, float random) {

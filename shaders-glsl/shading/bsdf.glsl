@@ -12,10 +12,6 @@
 const bool MIRRORS = (FEATURES & FEATURE_MIRROR) != 0u;
 const bool GLASS = (FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0u;
 
-const uint LOBE_DIFFUSE = 0u;
-const uint LOBE_SPECULAR_REFLECTION = 1u;
-const uint LOBE_SPECULAR_TRANSMISSION = 2u;
-
 // A surface as hit by one path.
 struct Bsdf {
     uint kind;

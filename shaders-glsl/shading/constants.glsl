@@ -16,6 +16,7 @@ const uint LIGHT_TRIANGLE = 0u;
 const uint LIGHT_POINT = 1u;
 const uint LIGHT_SPOT = 2u;
 const uint LIGHT_DIRECTIONAL = 3u;
+const uint LIGHT_ENVIRONMENT = 4u;
 
 // MediaFeatures: bits of a specialization constant.
 const uint MEDIA_NESTED = 1u;
@@ -40,8 +41,28 @@ const uint FEATURE_AREA_LIGHTS = 32u;
 const uint FEATURE_POINT_LIGHTS = 64u;
 const uint FEATURE_SPOT_LIGHTS = 128u;
 const uint FEATURE_DIRECTIONAL_LIGHTS = 256u;
+const uint FEATURE_TEXTURES = 512u;
+const uint FEATURE_SHADING_NORMALS = 1024u;
+const uint FEATURE_NORMAL_MAPS = 2048u;
+const uint FEATURE_VERTEX_COLORS = 4096u;
+const uint FEATURE_TEXTURED_LIGHTS = 8192u;
+const uint FEATURE_ENVIRONMENT = 16384u;
 const uint FEATURE_SPECULAR = 14u;
-const uint FEATURE_ALL = 511u;
+const uint FEATURE_ALL = 32767u;
+
+// TexelFormat, Wrap, Filter.
+const uint TEXEL_LINEAR8 = 0u;
+const uint TEXEL_SRGB8 = 1u;
+const uint TEXEL_FLOAT32 = 2u;
+const uint WRAP_REPEAT = 0u;
+const uint WRAP_MIRROR = 1u;
+const uint WRAP_CLAMP = 2u;
+const uint FILTER_LINEAR = 0u;
+const uint FILTER_NEAREST = 1u;
+
+// MaterialTextures without a texture; a triangle without vertex normals.
+const uint NO_TEXTURE = 4294967295u;
+const uint FLAT_TRIANGLE = 2147516416u;
 
 // RandomKind.
 const uint RANDOM_COUNTER = 0u;
@@ -82,5 +103,72 @@ const uint MAP_BITS = 3u;
 
 // Camera paths that one pixel of one pass may end in.
 const uint QUERIES_PER_PIXEL = 4u;
+
+// Lobe.
+const uint LOBE_DIFFUSE = 0u;
+const uint LOBE_SPECULAR_REFLECTION = 1u;
+const uint LOBE_SPECULAR_TRANSMISSION = 2u;
+
+// Fate; the maximum power of a path; one over the unit of flux in sums.
+const uint FATE_ABSORBED = 0u;
+const uint FATE_ESCAPED = 1u;
+const uint FATE_TRUNCATED = 2u;
+const uint FATE_DROPPED = 3u;
+const uint FATE_TERMINATED = 4u;
+const uint FATE_COUNT = 5u;
+const float FATE_MAX_POWER = 1048576.0;
+const float FATE_FLUX_ONE = 1099511627776.0;
+
+// PhotonFormat::number.
+const uint FORMAT_MONO = 0u;
+const uint FORMAT_NO_DIRECTION = 1u;
+const uint FORMAT_FULL = 2u;
+
+// area.
+const uint AREA_SPOKES = 8u;
+const uint AREA_RINGS = 3u;
+const float AREA_HEIGHT = 0.5;
+const float AREA_MIN_SHARE = 0.0625;
+const float AREA_MIN_RADIUS = 3.814697265625e-6;
+const uint AREA_SHEETS = 4u;
+const float AREA_OUTER = 0.75;
+
+// light_sampler.
+const uint LIGHT_SAMPLER_MAX_LIGHTS = 16u;
+const float LIGHT_SAMPLER_DEFENSIVE_SHARE = 0.1;
+
+// octahedral.
+const float OCTAHEDRAL_STEPS = 32767.0;
+
+// offset.
+const float OFFSET_STEP = 9.5367431640625e-7;
+const float OFFSET_MARGIN = 1.9073486328125e-6;
+const float OFFSET_MAX_SLOPE = 0.0625;
+
+// shading_normal.
+const float SHADING_MAX_RATIO = 32.0;
+const float SHADING_MIN_COSINE = 0.0010000000474974513;
+
+// solid_angle.
+const float SOLID_ANGLE_NEAR = 32.0;
+const float SOLID_ANGLE_MIN_HEIGHT = 4.76837158203125e-7;
+
+// Minimum squared radius that an estimate divides by: neighbour_radius.
+const float NEIGHBOUR_MIN_RADIUS_SQUARED = 9.094947017729282e-13;
+
+// PhotonMoments.
+const float ERROR_MOMENTS_OFF_PLANE = 0.25;
+
+// kd_tree.
+const uint KD_TREE_WIDTH = 16u;
+const uint KD_TREE_LEAF = 2147483648u;
+const uint KD_TREE_MAX_DEPTH = 64u;
+const uint VVH_SLABS = 32u;
+const uint VVH_SAMPLE = 64u;
+const uint VVH_HEURISTIC_DEPTH = 24u;
+const int MORTON_BITS = 21;
+
+// CompressedTree.
+const uint BVH_MAX_DEPTH = 32u;
 
 #endif

@@ -17,9 +17,6 @@ struct Hit {
     uint slot;
 };
 
-// Maximum depth of the BVH that the host builds; each level leaves at most one group of nodes on the stack.
-const uint TREE_DEPTH = 32u;
-
 const uint NO_PRIMITIVE = 0xFFFFFFFFu;
 
 // Minimum magnitude of a direction component before its inverse is taken: avoids infinities, and in a scene of
@@ -204,12 +201,13 @@ struct Walk {
 // The first groups of the stack are in shared memory, the others wherever the compiler puts them.
 layout(constant_id = 10) const uint SHARED_GROUPS = 0u;
 shared uvec2 shared_groups[SHARED_GROUPS * gl_WorkGroupSize.x + 1u];
-uvec2 groups[TREE_DEPTH];
+// Each level of the BVH leaves at most one group of nodes on the stack.
+uvec2 groups[BVH_MAX_DEPTH];
 
 void push_group(inout Walk walk) {
     if (walk.waiting < SHARED_GROUPS) {
         shared_groups[walk.waiting * gl_WorkGroupSize.x + gl_LocalInvocationID.x] = walk.group;
-    } else if (walk.waiting < TREE_DEPTH) {
+    } else if (walk.waiting < BVH_MAX_DEPTH) {
         groups[walk.waiting] = walk.group;
     }
     ++walk.waiting;
@@ -220,7 +218,7 @@ void pop_group(inout Walk walk) {
     if (walk.waiting < SHARED_GROUPS) {
         walk.group = shared_groups[walk.waiting * gl_WorkGroupSize.x + gl_LocalInvocationID.x];
     } else {
-        walk.group = groups[min(walk.waiting, TREE_DEPTH - 1u)];
+        walk.group = groups[min(walk.waiting, BVH_MAX_DEPTH - 1u)];
     }
 }
 

@@ -99,6 +99,20 @@ struct Camera {
     uint reserved3;
 };
 
+struct TextureUse {
+    vec3 transform[2];
+    uint texture_index;
+    uint uv_set;
+};
+
+struct MaterialTextures {
+    uint base_color;
+    uint emission;
+    uint normal;
+    float normal_scale;
+    uint reserved[12];
+};
+
 // Every record is a multiple of 16 bytes long, and every buffer begins at a multiple of 16.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Photons { Photon at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PhotonRays { PhotonRay at; };
@@ -110,5 +124,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Materials {
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Media { Medium at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Lights { Light at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Cameras { Camera at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TextureUses { TextureUse at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MaterialTextureTable { MaterialTextures at; };
 
 #endif

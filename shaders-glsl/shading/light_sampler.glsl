@@ -2,20 +2,15 @@
 #ifndef LIGHT_SAMPLER_GLSL
 #define LIGHT_SAMPLER_GLSL
 
+#include "shading/constants.glsl"
 #include "shading/layout.glsl"
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
 #include "shading/solid_angle.glsl"
 
-// Up to this many lights, each query weights the lights individually; more are chosen by power alone.
-const uint MAX_LIGHTS = 16;
-
-// Fraction of the probability that is distributed uniformly, regardless of the weights.
-const float DEFENSIVE_SHARE = 0.1;
-
 // Cumulative probabilities of the lights at one query; if the count is 0, lights are chosen by power alone.
 struct LightSampler {
-    float cdf[MAX_LIGHTS];
+    float cdf[LIGHT_SAMPLER_MAX_LIGHTS];
     uint count;
 };
 
@@ -44,6 +39,9 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
         float square = dot3(gap, gap);
         return power * height / (3.14159265 * (square * sqrt(square)));
     }
+    if ((FEATURES & FEATURE_ENVIRONMENT) != 0 && light.kind == LIGHT_ENVIRONMENT) {
+        return power / (4.0 * 3.14159265 * light.radius * light.radius);
+    }
     vec3 gap = light.position - position;
     float square = dot3(gap, gap);
     vec3 direction = gap / sqrt(square);
@@ -69,7 +67,7 @@ LightSampler light_sampler_at(SceneRef scene, uint lights, vec3 position, vec3 n
     if (lights == 0 || !is_positive_finite(total)) return light_sampler;
     float sum = 0.0;
     for (uint i = 0; i < lights; i++) {
-        sum += DEFENSIVE_SHARE / float(lights) + (1.0 - DEFENSIVE_SHARE) * (light_sampler.cdf[i] / total);
+        sum += LIGHT_SAMPLER_DEFENSIVE_SHARE / float(lights) + (1.0 - LIGHT_SAMPLER_DEFENSIVE_SHARE) * (light_sampler.cdf[i] / total);
         light_sampler.cdf[i] = sum;
     }
     light_sampler.count = lights;

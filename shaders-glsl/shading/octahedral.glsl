@@ -2,10 +2,11 @@
 #ifndef OCTAHEDRAL_GLSL
 #define OCTAHEDRAL_GLSL
 
+#include "shading/constants.glsl"
 #include "shading/math.glsl"
 
 uint octahedral_quantise(float f) {
-    precise float scaled = clamp(f, -1.0, 1.0) * 32767.0 + copysign(0.5, f);
+    precise float scaled = clamp(f, -1.0, 1.0) * OCTAHEDRAL_STEPS + copysign(0.5, f);
     return uint(int(scaled)) & 0xFFFFu;
 }
 
@@ -22,8 +23,8 @@ uint octahedral_pack(vec3 v) {
 }
 
 vec3 octahedral_unpack(uint word) {
-    float x = float(bitfieldExtract(int(word), 0, 16)) * (1.0 / 32767.0);
-    float y = float(bitfieldExtract(int(word), 16, 16)) * (1.0 / 32767.0);
+    float x = float(bitfieldExtract(int(word), 0, 16)) * (1.0 / OCTAHEDRAL_STEPS);
+    float y = float(bitfieldExtract(int(word), 16, 16)) * (1.0 / OCTAHEDRAL_STEPS);
     precise float z = 1.0 - abs(x) - abs(y);
     float fold = max(-z, 0.0);
     precise vec3 v = vec3(x - copysign(fold, x), y - copysign(fold, y), z);

@@ -2,9 +2,7 @@
 #ifndef OFFSET_GLSL
 #define OFFSET_GLSL
 
-const float OFFSET_STEP = 1.0 / 1048576.0;
-const float OFFSET_MARGIN = 2.0 * OFFSET_STEP;
-const float OFFSET_MAX = 1.0 / 16.0;
+#include "shading/constants.glsl"
 
 // The point (1 - u - v) a + u b + v c.
 vec3 barycentric(vec3 a, vec3 b, vec3 c, float u, float v) {
@@ -27,7 +25,7 @@ vec2 above_edge(vec3 corner, vec3 from, vec3 to) {
     float along = dot3(side, edge) / (squared > 0.0 ? squared : 1.0);
     precise vec3 height = side - edge * along;
     vec3 size = abs(height);
-    float tallest = max(max(size.x, size.y), max(size.z, OFFSET_MARGIN / OFFSET_MAX));
+    float tallest = max(max(size.x, size.y), max(size.z, OFFSET_MARGIN / OFFSET_MAX_SLOPE));
     return vec2(OFFSET_MARGIN / tallest, clamp(along, 0.0, 1.0));
 }
 

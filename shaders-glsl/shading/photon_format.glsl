@@ -3,7 +3,7 @@
 #ifndef PHOTON_FORMAT_GLSL
 #define PHOTON_FORMAT_GLSL
 
-const uint FORMAT_MONO = 0, FORMAT_NO_DIRECTION = 1, FORMAT_FULL = 2;
+#include "shading/constants.glsl"
 
 // Power and direction; or power; or one power for all channels.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Fluxes { uvec4 row; };

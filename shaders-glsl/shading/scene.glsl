@@ -9,6 +9,7 @@
 #include "shading/layout.glsl"
 #include "shading/math.glsl"
 #include "shading/offset.glsl"
+#include "shading/texture.glsl"
 
 struct Ray {
     vec3 origin;
@@ -43,11 +44,46 @@ struct Emission {
     float margin;
     // Media that paths start in, on the front and on the back side.
     uvec2 media;
-    uint reserved;
+    // Position of the triangle in BVH order.
+    uint slot;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Emissions { Emission at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightStarts { uint at; };
+
+// Words of a triangle's three vertices: packed normals or tangents.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CornerWords { uint a; uint b; uint c; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CornerColors { uvec2 a; uvec2 b; uvec2 c; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uvs { vec2 a; vec2 b; vec2 c; };
+
+// Vertex attributes and textures; those of triangles are in BVH order.
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef {
+    CornerWords normals;
+    CornerWords tangents;
+    CornerColors colors;
+    Uvs uvs;
+    MaterialTextureTable material_textures;
+    TextureUses uses;
+    Textures textures;
+    ByteValues values;
+    uint has_normals;
+    uint reserved[3];
+};
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };
+
+// An environment map: texels, rows of cells, starts of the rows and of the columns of each row.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer EnvironmentRef {
+    Vec4s texels;
+    Vec4s rows;
+    LightStarts starts;
+    uint width;
+    uint height;
+    uint rows_count;
+    uint columns;
+    uint step_texels;
+    float rotation;
+};
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
     WideNodes nodes;
@@ -60,6 +96,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     Media media;
     uint triangles;
     uint light_count;
+    // 0 in a scene without any.
+    ShadingRef shading;
+    // 0 in a scene without one.
+    EnvironmentRef environment;
     uint reserved[2];
 };
 

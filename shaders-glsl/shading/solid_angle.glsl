@@ -3,13 +3,8 @@
 #ifndef SOLID_ANGLE_GLSL
 #define SOLID_ANGLE_GLSL
 
+#include "shading/constants.glsl"
 #include "shading/math.glsl"
-
-// Squared distance, in units of the squared spread of its corners, beyond which a triangle is not near.
-const float SOLID_ANGLE_NEAR = 32.0;
-
-// A triangle whose plane is closer than this is not visible.
-const float SOLID_ANGLE_MIN_HEIGHT = 1.0 / 2097152.0;
 
 // Whether a triangle is nearer than four times its radius.
 bool solid_angle_is_near(vec3 a, vec3 b, vec3 c) {

@@ -13,11 +13,8 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 
+#include "device/constants.glsl"
 #include "scan/group_scan.glsl"
-
-const uint SORT_ITEMS = 16;
-const uint SORT_SUBGROUPS = 8;
-const uint SORT_DIGITS = 256;
 
 #define SORT_TILE (gl_WorkGroupSize.x * SORT_ITEMS)
 

@@ -22,6 +22,8 @@ layout(constant_id = 3) const uint MEDIA = 1;
 #include "shading/sampling.glsl"
 #include "shading/solid_angle.glsl"
 #include "shading/scene.glsl"
+#include "shading/shade.glsl"
+#include "shading/environment.glsl"
 #include "shading/two_float.glsl"
 #include "shading/light_sampler.glsl"
 
@@ -72,6 +74,8 @@ struct Target {
     vec3 front;
     // Solid angle of the whole area light, if the point is uniform in solid angle; 0 if it is uniform in area.
     float solid_angle;
+    // Its barycentric coordinates on the triangle of an area light.
+    vec2 weights;
 };
 
 // Samples a point of a triangle, on the side that faces the query; returns false if none does.
@@ -79,6 +83,7 @@ bool at_area_light(Emission area_light, Light light, vec3 from, float u, float v
     target.front = area_light.normal;
     target.solid_angle = 0.0;
     target.to = area_light.a;
+    target.weights = vec2(0.0);
     if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(area_light.normal, from - area_light.a) < 0.0) target.front = -area_light.normal;
     // As seen from as far behind the query as shadow rays end above the light.
     vec3 eye = off_surface(from, -target.front);
@@ -91,24 +96,34 @@ bool at_area_light(Emission area_light, Light light, vec3 from, float u, float v
         || !solid_angle_sample(a, b, c, height, light.area, u, v, weights, target.solid_angle)) {
         weights = sampling_triangle(u, v);
     }
+    target.weights = weights;
     target.to = off_surface(barycentric(area_light.a, area_light.b, area_light.c, weights.x, weights.y), target.front);
     return true;
 }
 
 // Unoccluded irradiance from one point of a light divided by its pdf, and the shadow ray. Returns false if the
-// light faces the other way.
-bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 value, out Ray ray) {
+// light faces the other way. Without shading normals, `shading` is not read.
+bool sample_light(
+    uint index, vec3 position, vec3 normal, vec3 shading, uvec4 words, out vec3 value, out Ray ray) {
     Light light = push.scene.lights[index].at;
     vec3 from = off_surface(position, normal);
     value = vec3(0.0);
     ray = Ray(from, normal, 0.0);
     if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0 && light.kind == LIGHT_DIRECTIONAL) {
-        float cosine = -dot3(normal, light.direction);
+        float cosine = SHADING_NORMALS ? shading_cosine(-light.direction, normal, shading) : -dot3(normal, light.direction);
         value = light.power * (cosine / (3.14159265 * light.radius * light.radius));
         ray = Ray(from, -light.direction, NO_LIMIT);
         return cosine > 0.0;
     }
-    Target target = Target(light.position, vec3(0.0), 0.0);
+    if (ENVIRONMENT && light.kind == LIGHT_ENVIRONMENT) {
+        EnvironmentSample found = environment_sample(push.scene, words.yz);
+        float cosine =
+            SHADING_NORMALS ? shading_cosine(found.direction, normal, shading) : dot3(normal, found.direction);
+        value = found.weight * cosine;
+        ray = Ray(from, found.direction, NO_LIMIT);
+        return cosine > 0.0;
+    }
+    Target target = Target(light.position, vec3(0.0), 0.0, vec2(0.0));
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE
         && !at_area_light(push.scene.emissions[index].at, light, from, unit_f32(words.y), unit_f32(words.z), target)) {
         return false;
@@ -117,14 +132,19 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
     float square = dot3(gap, gap);
     float far = sqrt(square);
     vec3 direction = gap / far;
-    float cosine = dot3(normal, direction);
+    float cosine = SHADING_NORMALS ? shading_cosine(direction, normal, shading) : dot3(normal, direction);
     ray = Ray(from, direction, far);
     if (!(cosine > 0.0)) return false;
+    vec3 power = light.power;
+    if (TEXTURED_LIGHTS && light.kind == LIGHT_TRIANGLE) {
+        uint slot = push.scene.emissions[index].at.slot;
+        power *= shade_emission_ratio(push.scene, light, slot, target.weights.x, target.weights.y);
+    }
     // A two-sided light splits its power between its sides; only the one facing the query contributes.
     float sides = (light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0;
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && target.solid_angle > 0.0) {
         // The radiance is the power divided by π and the area.
-        value = light.power * sides * (target.solid_angle * 0.318309886 / light.area * cosine);
+        value = power * sides * (target.solid_angle * 0.318309886 / light.area * cosine);
         return true;
     }
     // Radiant intensity towards the query.
@@ -137,7 +157,7 @@ bool sample_light(uint index, vec3 position, vec3 normal, uvec4 words, out vec3 
         intensity = light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
     } else {
         // All its power, as if it left from this point with a Lambertian cosine.
-        intensity = light.power * sides * max(-dot3(direction, target.front) * 0.318309886, 0.0);
+        intensity = power * sides * max(-dot3(direction, target.front) * 0.318309886, 0.0);
     }
     value = intensity * (cosine / square);
     return intensity != vec3(0.0);
@@ -149,6 +169,8 @@ void main() {
     vec3 position = push.queries[i].at.position;
     vec3 normal = push.queries[i].at.normal;
     uint key = push.queries[i].at.path;
+    vec3 shading = normal;
+    if (SHADING_NORMALS) shading = octahedral_unpack(push.queries[i].at.shading_normal);
     LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, position, normal);
     vec3 sum = vec3(0.0);
     vec3 low = vec3(0.0);
@@ -158,7 +180,7 @@ void main() {
         uint index = light_sampler_pick(push.scene, light_sampler, stratum(k, push.rays, words.x), share);
         vec3 value;
         Ray ray;
-        if (sample_light(index, position, normal, words, value, ray)
+        if (sample_light(index, position, normal, shading, words, value, ray)
             && !occluded(push.scene, ray)) {
             // The shadow ray is unoccluded, so that it lies entirely in the query's medium.
             if ((FEATURES & FEATURE_ABSORPTION) != 0 && push.queries[i].at.media != VACUUM) {

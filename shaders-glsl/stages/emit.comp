@@ -17,6 +17,8 @@ layout(constant_id = 3) const bool AIMED = false;
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
+#include "shading/shade.glsl"
+#include "shading/environment.glsl"
 
 layout(push_constant, scalar) uniform Push {
     SceneRef scene;
@@ -33,6 +35,13 @@ layout(push_constant, scalar) uniform Push {
 vec3 behind_disc(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, float radius) {
     precise vec3 behind = (tangent * at.x + bitangent * at.y - along) * radius;
     return behind;
+}
+
+// The power of a photon of an environment; `carried` over `power` is the reciprocal of the light's probability.
+vec3 environment_power(vec3 weight, vec3 power, vec3 carried, float radius) {
+    float reciprocal = max(max(carried.x, carried.y), carried.z) / max(max(power.x, power.y), power.z);
+    precise vec3 found = weight * (3.14159265 * radius * radius * reciprocal);
+    return found;
 }
 
 void main() {
@@ -72,8 +81,20 @@ void main() {
         vec3 tangent, bitangent;
         sampling_basis(light.direction, tangent, bitangent);
         origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
+    } else if (ENVIRONMENT && light.kind == LIGHT_ENVIRONMENT) {
+        EnvironmentSample found = environment_sample(push.scene, start.xy);
+        direction = -found.direction;
+        vec2 at = sampling_disc(a, b);
+        vec3 tangent, bitangent;
+        sampling_basis(direction, tangent, bitangent);
+        origin = behind_disc(direction, tangent, bitangent, at, light.radius);
+        carried = environment_power(found.weight, light.power, carried, light.radius);
     } else if ((FEATURES & FEATURE_AREA_LIGHTS) != 0u) {
         vec2 weights = sampling_triangle(a, b);
+        if (TEXTURED_LIGHTS) {
+            carried = shade_multiply(
+                carried, shade_emission_ratio(push.scene, light, emission.slot, weights.x, weights.y));
+        }
         vec3 point = within(emission.a, emission.b, emission.c, emission.margin, weights.x, weights.y);
         bool back = (light.flags & LIGHT_BOTH_SIDES) != 0u && choice.w >> 31 == 1u;
         vec3 normal = back ? -emission.normal : emission.normal;

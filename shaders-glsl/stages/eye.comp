@@ -24,6 +24,8 @@ layout(constant_id = 5) const uint MEDIA = 1;
 #include "shading/octahedral.glsl"
 #include "shading/random.glsl"
 #include "shading/scene.glsl"
+#include "shading/shade.glsl"
+#include "shading/environment.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
@@ -74,7 +76,8 @@ Ray camera_ray(float x, float y) {
 }
 
 // Continues the path from `at`; if it splits there, the other path is returned in `other`.
-bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, uint transmitted) {
+// `normal` is the shading normal.
+bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal, Bsdf bsdf, uint transmitted) {
     bool split = false;
     uint lobe = bsdf_choose(bsdf, 0.0);
     if (bsdf_splits(bsdf)) {
@@ -82,7 +85,8 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, u
         if (split) {
             other = path;
             vec3 onward =
-                bsdf_direction(bsdf, LOBE_SPECULAR_REFLECTION, path.ray.direction, at.normal, 0.0, 0.0);
+                bsdf_direction(bsdf, LOBE_SPECULAR_REFLECTION, path.ray.direction, normal, 0.0, 0.0);
+            if (SHADING_NORMALS) onward = shading_on_side(false, onward, at.normal);
             other.ray = surface_leave(at, onward);
             vec3 share = path.throughput * bsdf.reflectance;
             other.throughput = share;
@@ -94,7 +98,8 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, Bsdf bsdf, u
             lobe = bsdf_choose(bsdf, unit_f32(choice.x));
         }
     }
-    vec3 onward = bsdf_direction(bsdf, lobe, path.ray.direction, at.normal, 0.0, 0.0);
+    vec3 onward = bsdf_direction(bsdf, lobe, path.ray.direction, normal, 0.0, 0.0);
+    if (SHADING_NORMALS) onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
     path.throughput *= bsdf_weight(bsdf, lobe);
     if (lobe == LOBE_SPECULAR_TRANSMISSION) {
         path.ray = surface_pass(at, onward);
@@ -131,13 +136,22 @@ void main() {
     vec3 emission = vec3(0.0);
     bool alive = true;
     while (alive) {
-        Surface at;
-        alive = surface(push.scene, path.ray, at);
+        Hit hit;
+        alive = nearest(push.scene, path.ray, hit);
+        bool escaped = !alive;
         if (alive) {
+            Surface at = surface_of(push.scene, path.ray.direction, hit);
             Material material = push.scene.materials[at.material].at;
+            vec3 normal = at.normal;
+            if (SHADED) {
+                normal = shade(push.scene, at, hit, material);
+                if (SHADING_NORMALS && material.kind != MATERIAL_LAMBERT) {
+                    shade_specular(at, path.ray.direction, normal);
+                }
+            }
             if (path.surfaces == 0) {
                 FirstPass first = push.first + pixel;
-                first.normal = at.normal;
+                first.normal = normal;
                 first.depth = at.t;
                 first.albedo = material.albedo;
                 first.hits = 1;
@@ -163,7 +177,8 @@ void main() {
                     // of its shadow.
                     push.found[(pixel << MAX_SPLITS) + found].at = Query(
                         at.start, 1.0, at.normal, pixel, throughput, sides.before,
-                        octahedral_pack(-path.ray.direction), key, 0u, 0u);
+                        octahedral_pack(-path.ray.direction), key,
+                        SHADING_NORMALS ? octahedral_pack(normal) : 0u, 0u);
                     found++;
                 }
                 alive = false;
@@ -171,11 +186,16 @@ void main() {
                 path.surfaces++;
                 alive = path.surfaces < push.max_bounces;
                 Path other;
-                if (alive && go_on(path, other, pixel, at, bsdf, sides.transmitted)) {
+                if (alive && go_on(path, other, pixel, at, normal, bsdf, sides.transmitted)) {
                     waiting[waits] = other;
                     waits++;
                 }
             }
+        }
+        if (ENVIRONMENT && escaped) {
+            vec3 throughput = path.throughput;
+            if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
+            emission += throughput * environment_radiance(push.scene, path.ray.direction);
         }
         if (!alive && waits > 0) {
             waits--;
@@ -184,7 +204,7 @@ void main() {
         }
     }
     push.counts[pixel].at = found;
-    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && emission != vec3(0.0)) {
+    if ((FEATURES & (FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT)) != 0 && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
             Planes place = film_place(push.emission, c, push.width * push.height, pixel);
             place.at += emission[c];

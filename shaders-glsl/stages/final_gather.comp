@@ -20,6 +20,7 @@ layout(constant_id = 2) const uint MEDIA = 1;
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
+#include "shading/shade.glsl"
 
 layout(push_constant, scalar) uniform Push {
     SceneRef scene;
@@ -51,17 +52,29 @@ void main() {
     uvec4 words = philox4x32(uvec4(key, block, push.pass, DOMAIN_GATHER), push.seed);
     // Height stratified over the rays.
     precise float height = (float(index) + unit_f32(words.x)) / float(push.rays);
-    vec3 direction = cosine_hemisphere(normal, min(height, 1.0 - 1.1920929e-7), unit_f32(words.y));
+    // Sampled about the shading normal; the cosine may be smaller than that to it.
+    vec3 axis = SHADING_NORMALS ? octahedral_unpack(push.queries[from].at.shading_normal) : normal;
+    vec3 direction = cosine_hemisphere(axis, min(height, 1.0 - 1.1920929e-7), unit_f32(words.y));
     Ray ray = Ray(off_surface(push.queries[from].at.position, normal), direction, NO_LIMIT);
     // In terms of radiance / n^2, which refraction does not change.
     vec3 throughput = vec3(1.0);
+    if (SHADING_NORMALS) {
+        throughput = vec3(min(shading_cosine(direction, normal, axis) / max(dot3(direction, axis), 1.17549435e-38), 1.0));
+    }
+    bool counts = throughput.x > 0.0;
     uint start = GLASS ? push.queries[from].at.media : VACUUM;
     uint media = start;
     Query landing =
         Query(vec3(NOWHERE), 1.0, normal, from, vec3(0.0), 0u, 0u, key, 0u, 0u);
-    Surface at;
-    for (uint bounce = 1; bounce <= push.max_bounces && surface(push.scene, ray, at); bounce++) {
+    Hit hit;
+    for (uint bounce = 1; counts && bounce <= push.max_bounces && nearest(push.scene, ray, hit); bounce++) {
+        Surface at = surface_of(push.scene, ray.direction, hit);
         Material material = push.scene.materials[at.material].at;
+        vec3 facing = at.normal;
+        if (SHADED) {
+            facing = shade(push.scene, at, hit, material);
+            if (SHADING_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, ray.direction, facing);
+        }
         Interface sides = media_interface(push.scene, material, at.front, media);
         if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
             throughput *= transmittance(push.scene, sides.before, at.t);
@@ -74,7 +87,8 @@ void main() {
         }
         if (lobe != LOBE_DIFFUSE) {
             throughput *= bsdf_weight(bsdf, lobe);
-            vec3 onward = bsdf_direction(bsdf, lobe, ray.direction, at.normal, 0.0, 0.0);
+            vec3 onward = bsdf_direction(bsdf, lobe, ray.direction, facing, 0.0, 0.0);
+            if (SHADING_NORMALS) onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
             if (lobe == LOBE_SPECULAR_TRANSMISSION) {
                 ray = surface_pass(at, onward);
                 media = sides.transmitted;
@@ -89,6 +103,7 @@ void main() {
             landing.throughput = throughput * bsdf_weight(bsdf, lobe);
             landing.media = sides.before;
             landing.wo = octahedral_pack(-ray.direction);
+            if (SHADING_NORMALS) landing.shading_normal = octahedral_pack(facing);
             break;
         }
     }

@@ -12,6 +12,7 @@ layout(constant_id = 2) const uint ERROR_MOMENTS = 0;
 layout(constant_id = 3) const uint IRRADIANCE = 0;
 
 #include "device/grid.glsl"
+#include "shading/bias.glsl"
 #include "shading/layout.glsl"
 #include "shading/two_float.glsl"
 
@@ -52,8 +53,9 @@ void main() {
         vec3 throughput = push.landings[i].at.throughput;
         two_add(sum, low, throughput * (flux * density));
         if (with_errors) {
-            bias += throughput * (density * (0.5 * push.error_moments[i].at.wide - flux));
-            narrow += throughput * (density * (flux - 2.0 * push.error_moments[i].at.narrow));
+            Biases found = biases(flux, push.error_moments[i].at.wide, push.error_moments[i].at.narrow);
+            bias += throughput * (density * found.wide);
+            narrow += throughput * (density * found.narrow);
             float mean = push.share * (throughput.x + throughput.y + throughput.z) * (1.0 / 3.0);
             power += mean * push.error_moments[i].at.power;
             squared += mean * mean * push.error_moments[i].at.power_squared;

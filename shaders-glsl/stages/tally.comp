@@ -41,7 +41,7 @@ shared uint total[WORDS];
 // Fixed point in units of 2^-40, rounded towards zero; saturates; NaN becomes 0.
 int64_t fixed_flux(float flux) {
     if (is_nan(flux)) return 0l;
-    float scaled = flux * 1099511627776.0;
+    float scaled = flux * FATE_FLUX_ONE;
     if (scaled >= 9223372036854775808.0) return 0x7FFFFFFFFFFFFFFFl;
     if (scaled < -9223372036854775808.0) return -0x7FFFFFFFFFFFFFFFl - 1l;
     return int64_t(scaled);

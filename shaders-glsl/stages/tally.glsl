@@ -2,12 +2,10 @@
 #ifndef TALLY_GLSL
 #define TALLY_GLSL
 
-const uint FATE_ABSORBED = 0u;
-const uint FATE_ESCAPED = 1u;
-const uint FATE_TRUNCATED = 2u;
-const uint FATE_DROPPED = 3u;
-const uint FATE_TERMINATED = 4u;
-const uint FATE_NONE = 5u;
+#include "shading/constants.glsl"
+
+// The path has not ended.
+const uint FATE_NONE = FATE_COUNT;
 
 // Flag beside the fate: the path entered more nested solids than can be stored.
 const uint TOO_DEEP = 1u << 27;

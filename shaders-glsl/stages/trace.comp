@@ -34,6 +34,7 @@ layout(constant_id = 7) const uint MEDIA = 1;
 #include "shading/octahedral.glsl"
 #include "shading/random.glsl"
 #include "shading/scene.glsl"
+#include "shading/shade.glsl"
 #include "stages/tally.glsl"
 
 // Path index, and ordinal << MAP_BITS | map.
@@ -96,9 +97,6 @@ layout(push_constant, scalar) uniform Push {
     uint max_bounces;
 } push;
 
-// A path power above this indicates invalid numbers.
-const float TOO_MUCH = 1048576.0;
-
 const bool ABSORPTION = (FEATURES & FEATURE_ABSORPTION) != 0u;
 
 bool is_finite3(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
@@ -110,12 +108,14 @@ vec3 tinted(vec3 power, vec3 by) {
     return left;
 }
 
-// Russian roulette by the brightest channel; returns false if the photon is absorbed.
+// Russian roulette by the brightest channel; returns false if the photon is absorbed. With shading normals, weights
+// may be above 1.
 bool russian_roulette(inout vec3 power, vec3 weight, float choice) {
     precise vec3 next = power * weight;
     precise float chance = greatest(next) / greatest(power);
     // Comparisons with NaN (0/0) are false.
     if (!(choice < chance) || is_nan(chance)) return false;
+    if (SHADING_NORMALS) chance = min(chance, 1.0);
     precise vec3 left = next / chance;
     power = left;
     return true;
@@ -219,7 +219,7 @@ void store(inout Path path, Surface at) {
 // Whether the path's numbers are valid for continuing.
 bool is_sane(Path path) {
     return is_finite3(path.ray.origin) && is_finite3(path.ray.direction) && is_finite3(path.power)
-        && greatest(abs(path.power)) <= TOO_MUCH;
+        && greatest(abs(path.power)) <= FATE_MAX_POWER;
 }
 
 // Processes one surface; returns how the path ended there, or FATE_NONE.
@@ -227,6 +227,13 @@ uint step_path(inout Path path, Hit hit) {
     if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
     Surface at = surface_of(push.scene, path.ray.direction, hit);
     Material material = push.scene.materials[at.material].at;
+    // Where no texture is black, photons are stored, so that estimates beside black texels have all of theirs.
+    bool stores = material.albedo != vec3(0.0);
+    vec3 normal = at.normal;
+    if (SHADED) {
+        normal = shade(push.scene, at, hit, material);
+        if (SHADING_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
+    }
     Interface sides = media_interface(push.scene, material, at.front, path.media);
     if (ABSORPTION && sides.before != VACUUM) {
         path.power = tinted(path.power, transmittance(push.scene, sides.before, at.t));
@@ -236,7 +243,7 @@ uint step_path(inout Path path, Hit hit) {
     Bsdf bsdf = bsdf_new(material, at.cosine, sides);
     uint lobe = bsdf_choose(bsdf, choice);
     if (lobe == LOBE_DIFFUSE) {
-        if (material.albedo != vec3(0.0) && !(AIMED && path.bounce == 0u)) store(path, at);
+        if (stores && !(AIMED && path.bounce == 0u)) store(path, at);
         if (AIMED) {
             ++path.bounce;
             return FATE_TERMINATED;
@@ -248,6 +255,17 @@ uint step_path(inout Path path, Hit hit) {
     }
     bool absorbed = false;
     vec3 weight = bsdf_weight(bsdf, lobe);
+    vec3 onward;
+    if (SHADING_NORMALS) {
+        onward = bsdf_direction(bsdf, lobe, path.ray.direction, lobe == LOBE_DIFFUSE ? at.normal : normal,
+            unit_f32(words.y), unit_f32(words.z));
+        float factor = shading_cosine_ratio(-path.ray.direction, at.normal, normal);
+        if (lobe != LOBE_DIFFUSE) {
+            onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
+            factor = shading_specular_factor(path.ray.direction, onward, at.normal, normal);
+        }
+        weight = tinted(weight, vec3(factor));
+    }
     if (bsdf_splits(bsdf)) {
         // The lobe was selected with the random word.
         path.power = tinted(path.power, weight);
@@ -256,8 +274,10 @@ uint step_path(inout Path path, Hit hit) {
     }
     ++path.bounce;
     if (absorbed) return FATE_ABSORBED;
-    vec3 onward =
-        bsdf_direction(bsdf, lobe, path.ray.direction, at.normal, unit_f32(words.y), unit_f32(words.z));
+    if (!SHADING_NORMALS) {
+        onward =
+            bsdf_direction(bsdf, lobe, path.ray.direction, at.normal, unit_f32(words.y), unit_f32(words.z));
+    }
     path.ray = lobe == LOBE_SPECULAR_TRANSMISSION ? surface_pass(at, onward) : surface_leave(at, onward);
     return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
 }

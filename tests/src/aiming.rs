@@ -47,7 +47,7 @@ fn room(kinds: &str, whole: bool) -> Scene {
         builder.quad("panel", [[-1.0, 2.0, -1.0], [0.5, 2.0, -1.0], [0.5, 2.0, 0.2], [-1.0, 2.0, 0.2]], lit);
     }
     if has("sheet") {
-        let both = MaterialDesc { emits_both_sides: true, ..MaterialDesc::emissive("sheet", [0.2; 3], [2.0; 3]) };
+        let both = MaterialDesc::emissive("sheet", [0.2; 3], [2.0; 3]).with_both_sides(true);
         let lit = builder.material(both);
         builder.quad("sheet", [[-0.4, 0.3, -0.6], [-0.4, 0.3, 0.4], [-0.4, 1.2, 0.4], [-0.4, 1.2, -0.6]], lit);
     }

@@ -135,7 +135,7 @@ pub fn b5_form_factors<T: TestBackend>() {
 fn wall_of_light(half: f64, high: f64, both: bool) -> SceneBuilder {
     let mut builder = floor();
     let area_light = MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]);
-    let area_light = builder.material(MaterialDesc { emits_both_sides: both, ..area_light });
+    let area_light = builder.material(area_light.with_both_sides(both));
     builder.quad("wall", [[0.0, 0.0, half], [0.0, 0.0, -half], [0.0, high, -half], [0.0, high, half]], area_light);
     builder
 }

@@ -63,7 +63,7 @@ fn nested(shape: shapes::Shape, edges: usize, area_light: bool) -> (Scene, Vec<S
         let projection = Projection::Orthographic { half_height: 1e-6 };
         let (direction, up) = (inward.map(|x| -x), unit(minus(*b, *a)));
         names.push(format!("edge {index}"));
-        builder.camera(&names[index], CameraDesc { position, direction, up, projection });
+        builder.camera(&names[index], CameraDesc::new(position, direction, up, projection));
     }
     builder.mesh("room", positions, triangles, wall);
     (builder.build().unwrap(), names)

@@ -8,8 +8,8 @@ use crate::stats::{SIGMAS, moments, standard_error};
 
 const ALPHA: f64 = 2.0 / 3.0;
 
-/// Passes of the pilot.
-const PILOT: u32 = 8;
+/// Passes before the forecast.
+const FORECAST_PASSES: u32 = 8;
 
 /// Pixels per forecast.
 const PIXELS: usize = 256;
@@ -101,7 +101,7 @@ pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
     };
     let second = Kernel::Epanechnikov.second_radius_noise();
     // Pixels are independent, so every 256 of them form a pilot.
-    let intervals = claims_of(64, PILOT);
+    let intervals = claims_of(64, FORECAST_PASSES);
     let pilots = |schedule: Schedule, factor: f64| -> Vec<ErrorModel> {
         let wrong = |interval: &ConfidenceInterval| ConfidenceInterval {
             standard_error: interval.standard_error * factor,
@@ -118,7 +118,7 @@ pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
     let ratios = |pilots: &[ErrorModel], passes: u32| -> Vec<f64> {
         pilots.iter().map(|pilot| pilot.least_error_after(passes) / known(passes)).collect()
     };
-    let schedule = Schedule::of(PILOT, ALPHA);
+    let schedule = Schedule::of(FORECAST_PASSES, ALPHA);
     let pilots_of_8 = pilots(schedule, 1.0);
     for passes in [64, 512, 4096] {
         is_forecast(&ratios(&pilots_of_8, passes)).unwrap();
@@ -140,7 +140,7 @@ pub fn e9_what_an_error_takes_is_foretold<T: TestBackend>() {
     for factor in [0.75, 1.25] {
         assert!(is_forecast(&ratios(&pilots(schedule, factor), 64)).is_err(), "{factor}");
     }
-    assert!(is_forecast(&ratios(&pilots(Schedule::of(PILOT, 1.0), 1.0), 64)).is_err());
+    assert!(is_forecast(&ratios(&pilots(Schedule::of(FORECAST_PASSES, 1.0), 1.0), 64)).is_err());
 
     // The error reached after 24 passes is the known one, up to the noise of each pixel's estimate: a variance with
     // 23 degrees of freedom has a relative variance of 2/23, its square root a quarter of that.

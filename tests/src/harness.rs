@@ -131,7 +131,8 @@ impl<B: TransportBackend> Tracing<B> {
     /// Prepares the first pass, with room for `capacity` photons in each map.
     pub fn new(mut on: B, scene: &Scene, settings: &Settings, capacity: u64) -> Self {
         let view = scene.view();
-        let required = Requirements { maps: PerMap::splat(true), ..Requirements::of(&view, settings) };
+        let mut required = Requirements::of(&view, settings);
+        required.maps = PerMap::splat(true);
         let prepared = on.prepare(&view, &required).unwrap();
         let stages = on.stages(&required, settings).unwrap();
         let pass = Pass { seed: settings.seed, index: 0, random: settings.random };
@@ -201,7 +202,7 @@ pub fn look_at_point(builder: &mut SceneBuilder, point: [f64; 3], normal: [f64; 
     let direction = normal.map(|n| -n);
     let up = if normal[1].abs() > 0.9 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
     let projection = Projection::Orthographic { half_height: half };
-    builder.camera("point", CameraDesc { position, direction, up, projection });
+    builder.camera("point", CameraDesc::new(position, direction, up, projection));
 }
 
 /// A random word as a uniform number in `[0, 1)`, converted as in the kernels.

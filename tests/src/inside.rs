@@ -43,7 +43,7 @@ fn shaft(n: f64, floor: (f64, f64), ceiling: (f64, f64)) -> SceneBuilder {
 fn camera(builder: &mut SceneBuilder, y: f64, up: bool) {
     let direction = [0.0, if up { 1.0 } else { -1.0 }, 0.0];
     let projection = Projection::Orthographic { half_height: 0.3 };
-    builder.camera("axis", CameraDesc { position: [0.0, y, 0.0], direction, up: [0.0, 0.0, 1.0], projection });
+    builder.camera("axis", CameraDesc::new([0.0, y, 0.0], direction, [0.0, 0.0, 1.0], projection));
 }
 
 fn settings() -> Settings {
@@ -137,7 +137,7 @@ pub fn furnace_with_glass<T: TestBackend>() {
             builder.mesh("inner", positions, triangles, inner);
             let projection = Projection::Orthographic { half_height: 0.05 };
             let (position, direction) = ([x, 0.0, 0.0], [forward, 0.0, 0.0]);
-            builder.camera("axis", CameraDesc { position, direction, up: [0.0, 1.0, 0.0], projection });
+            builder.camera("axis", CameraDesc::new(position, direction, [0.0, 1.0, 0.0], projection));
             let estimator = Estimator::Radius { radius: Some(0.1) };
             let s = Settings { indirect, gather_rays: 4, photons: 10_000, estimator, ..settings() };
             check_within::<T>(&format!("{name}: {what}"), builder, &s, truth, 2e-3 * truth);

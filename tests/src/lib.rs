@@ -7,11 +7,13 @@
 
 pub mod accuracy;
 pub mod aiming;
+pub mod backends;
 pub mod debias;
 pub mod determinism;
 pub mod dielectrics;
 pub mod direct;
 pub mod edges;
+pub mod environment;
 pub mod equivalence;
 pub mod estimators;
 pub mod extremes;
@@ -26,8 +28,10 @@ pub mod paper;
 pub mod photon_formats;
 pub mod precision;
 pub mod required_format;
+pub mod shading_normals;
 pub mod sheets;
 pub mod stats;
+pub mod textures;
 pub mod twin;
 pub mod views;
 
@@ -109,6 +113,17 @@ macro_rules! whole_suite {
                 m1_grey_is_what_treats_channels_alike, m2_less_is_the_same_picture, m3_too_little_is_refused,
             }
             photon_formats::{ m4_the_same_photons_are_found }
+            textures::{
+                g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,
+            }
+            shading_normals::{
+                g9_parallel_light, g9_light_from_the_sides, g9_even_sky, photons_scattered_by_a_tilted_normal,
+                a_mirror_with_tilted_normals, smooth_balls_in_an_even_shell,
+            }
+            environment::{
+                g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,
+                even_light_through_glass,
+            }
             views::{ v1_hand_filled_views_are_checked }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,

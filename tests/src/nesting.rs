@@ -11,7 +11,7 @@ use crate::harness::{TestBackend, film, per_pass};
 use crate::stats::{assert_agrees, moments, standard_error};
 
 fn solid(builder: &mut SceneBuilder, name: &str, ior: f64, priority: u32, low: [f64; 3], high: [f64; 3]) {
-    let material = builder.material(MaterialDesc { priority, ..MaterialDesc::glass(name, ior) });
+    let material = builder.material(MaterialDesc::glass(name, ior).with_priority(priority));
     let (positions, triangles) = shapes::cuboid(low, high);
     builder.mesh(name, positions, triangles, material);
 }
@@ -19,7 +19,7 @@ fn solid(builder: &mut SceneBuilder, name: &str, ior: f64, priority: u32, low: [
 fn camera(builder: &mut SceneBuilder, y: f64) {
     let projection = Projection::Orthographic { half_height: 0.2 };
     let (direction, up) = ([0.0, -1.0, 0.0], [0.0, 0.0, 1.0]);
-    builder.camera("down", CameraDesc { position: [0.0, y, 0.0], direction, up, projection });
+    builder.camera("down", CameraDesc::new([0.0, y, 0.0], direction, up, projection));
 }
 
 /// Emission alone: what the camera sees of a glow, by reflection and refraction. What is diffuse counts as black.
@@ -138,7 +138,7 @@ pub fn a_fifth_solid_is_counted<T: TestBackend>() {
             let half = 1.0 - 0.15 * f64::from(i);
             // Of one index, so that nothing is reflected between them.
             let ior = if i == 0 { 1.0 + 1e-6 } else { 1.0 + 2e-6 };
-            let desc = MaterialDesc { priority: i, ..MaterialDesc::glass(format!("solid {i}"), ior) };
+            let desc = MaterialDesc::glass(format!("solid {i}"), ior).with_priority(i);
             let material = builder.material(desc);
             let (positions, triangles) = shapes::cuboid([-half; 3], [half; 3]);
             builder.mesh("solid", positions, triangles, material);
@@ -164,7 +164,8 @@ pub fn nesting_is_required_where_it_is<T: TestBackend>() {
     let media = |scene: &photon_scene::Scene| Requirements::of(&scene.view(), &glow()).media;
     assert_eq!(media(&scene), MediaFeatures::NESTED);
     assert_eq!(media(&apart), MediaFeatures::NONE);
-    let required = Requirements { media: MediaFeatures::NONE, ..Requirements::of(&scene.view(), &glow()) };
+    let mut required = Requirements::of(&scene.view(), &glow());
+    required.media = MediaFeatures::NONE;
     let view = View { camera: scene.camera(None, 4, 4).unwrap(), width: 4, height: 4 };
     let refused = Pipeline::with_requirements(T::make(1), &scene.view(), view, glow(), required);
     assert!(matches!(refused.map(drop), Err(Error::InvalidSetting { .. })));

@@ -60,7 +60,8 @@ fn landed<B: TransportBackend>(
     photon_format: PhotonFormat,
 ) -> B::Buffer<Photon> {
     let settings = Settings { direct: Direct::Photons, max_bounces: 1, ..Settings::default() };
-    let required = Requirements { photon_format, ..Requirements::of(&scene.view(), &settings) };
+    let mut required = Requirements::of(&scene.view(), &settings);
+    required.photon_format = photon_format;
     let prepared = on.prepare(&scene.view(), &required).unwrap();
     let mut stages = on.stages(&required, &settings).unwrap();
     let mut photons = on.alloc_photons("photons", rays.len() as u64, photon_format).unwrap();

@@ -58,7 +58,8 @@ fn picture<B: TransportBackend>(
     photon_format: PhotonFormat,
 ) -> Result<(Picture, B), Error> {
     let view = View { camera: scene.camera(None, 12, 12).unwrap(), width: 12, height: 12 };
-    let required = Requirements { photon_format, ..Requirements::of(&scene.view(), settings) };
+    let mut required = Requirements::of(&scene.view(), settings);
+    required.photon_format = photon_format;
     let mut renderer = Pipeline::with_requirements(on, &scene.view(), view, settings.clone(), required)?;
     render(&mut renderer, Budget::passes(2), &mut ())?;
     let facts = renderer.facts();

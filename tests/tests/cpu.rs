@@ -1,15 +1,5 @@
 //! The suite on the CPU.
 
-use backend_cpu::Cpu;
-use photon_tests::harness::TestBackend;
+use photon_tests::backends::OnCpu;
 
-struct CpuUnderTest;
-
-impl TestBackend for CpuUnderTest {
-    type On = Cpu;
-    fn make(threads: usize) -> Cpu {
-        Cpu::with_threads(threads).expect("threads start")
-    }
-}
-
-photon_tests::whole_suite!(CpuUnderTest);
+photon_tests::whole_suite!(OnCpu);

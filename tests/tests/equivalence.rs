@@ -1,34 +1,15 @@
 //! Equivalence of the CPU and Vulkan backends, in one process.
 
-use backend_cpu::Cpu;
-use backend_vulkan::Vulkan;
+use photon_tests::backends::{OnCpu, OnValidatedVulkan};
 use photon_tests::equivalence;
 use photon_tests::harness::TestBackend;
-
-struct OnCpu;
-
-impl TestBackend for OnCpu {
-    type On = Cpu;
-    fn make(threads: usize) -> Cpu {
-        Cpu::with_threads(threads).expect("threads start")
-    }
-}
-
-struct OnVulkan;
-
-impl TestBackend for OnVulkan {
-    type On = Vulkan;
-    fn make(_threads: usize) -> Vulkan {
-        Vulkan::for_tests().expect("available a moment ago")
-    }
-}
 
 macro_rules! both {
     ($($name:ident),+ $(,)?) => {$(
         #[test]
         fn $name() {
-            if Vulkan::for_tests().is_some() {
-                equivalence::$name::<OnCpu, OnVulkan>();
+            if OnValidatedVulkan::available() {
+                equivalence::$name::<OnCpu, OnValidatedVulkan>();
             }
         }
     )+};

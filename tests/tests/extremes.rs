@@ -1,27 +1,8 @@
 //! The quick extent of the extremes, on every backend.
 
-use backend_cpu::Cpu;
-use backend_vulkan::Vulkan;
+use photon_tests::backends::{OnCpu, OnValidatedVulkan};
 use photon_tests::extremes::{Extent, Group, Sheet, groups};
 use photon_tests::harness::TestBackend;
-
-struct OnCpu;
-
-impl TestBackend for OnCpu {
-    type On = Cpu;
-    fn make(threads: usize) -> Cpu {
-        Cpu::with_threads(threads).expect("threads start")
-    }
-}
-
-struct OnVulkan;
-
-impl TestBackend for OnVulkan {
-    type On = Vulkan;
-    fn make(_threads: usize) -> Vulkan {
-        Vulkan::for_tests().expect("available a moment ago")
-    }
-}
 
 fn check(groups: &[(&'static str, Group)], name: &str) {
     let (_, group) = groups.iter().find(|(own, _)| *own == name).expect("a group of that name");
@@ -38,8 +19,8 @@ macro_rules! both {
 
         #[test]
         fn $vulkan() {
-            if Vulkan::for_tests().is_some() {
-                check(&groups::<OnVulkan>(), $name);
+            if OnValidatedVulkan::available() {
+                check(&groups::<OnValidatedVulkan>(), $name);
             }
         }
     )+};

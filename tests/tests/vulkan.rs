@@ -1,20 +1,5 @@
 //! The suite on Vulkan, with the validation layer enabled.
 
-use backend_vulkan::Vulkan;
-use photon_tests::harness::TestBackend;
+use photon_tests::backends::OnValidatedVulkan;
 
-struct VulkanUnderTest;
-
-impl TestBackend for VulkanUnderTest {
-    type On = Vulkan;
-
-    fn make(_threads: usize) -> Vulkan {
-        Vulkan::for_tests().expect("available a moment ago")
-    }
-
-    fn available() -> bool {
-        Vulkan::for_tests().is_some()
-    }
-}
-
-photon_tests::whole_suite!(VulkanUnderTest);
+photon_tests::whole_suite!(OnValidatedVulkan);

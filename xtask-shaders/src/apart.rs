@@ -10,7 +10,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::compile;
-use crate::sources::{Kernel, read};
+use crate::sources::{Shader, read};
 
 const MARK: &str = "--one";
 
@@ -27,7 +27,7 @@ pub(crate) fn asked_for() -> Option<[PathBuf; 2]> {
 /// Writes the SPIR-V of one kernel to standard output, or the compiler's errors.
 pub(crate) fn answer([path, includes]: &[PathBuf; 2]) -> ExitCode {
     let words = read(path).and_then(|text| {
-        let kernel = Kernel { path: path.clone(), name: String::new(), text };
+        let kernel = Shader { path: path.clone(), name: String::new(), text };
         compile::compile(&kernel, includes)
     });
     let (code, bytes) = match words {
@@ -42,7 +42,7 @@ pub(crate) fn answer([path, includes]: &[PathBuf; 2]) -> ExitCode {
 ///
 /// # Errors
 /// The compiler's errors, or that it does not terminate.
-pub(crate) fn compile(kernel: &Kernel, includes: &Path) -> Result<Vec<u32>, String> {
+pub(crate) fn compile(kernel: &Shader, includes: &Path) -> Result<Vec<u32>, String> {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let mut command = Command::new(program);
     command.arg(MARK).arg(&kernel.path).arg(includes);

@@ -8,7 +8,7 @@ use glslang::{
     SpirvVersion, Target, VulkanVersion,
 };
 
-use crate::sources::{Kernel, read};
+use crate::sources::{Shader, read};
 
 /// Resolves `#include "folder/stem.glsl"` within one folder.
 struct Includes<'a> {
@@ -26,7 +26,7 @@ impl IncludeHandler for Includes<'_> {
 ///
 /// # Errors
 /// The compiler's errors.
-pub(crate) fn compile(kernel: &Kernel, includes: &Path) -> Result<Vec<u32>, String> {
+pub(crate) fn compile(kernel: &Shader, includes: &Path) -> Result<Vec<u32>, String> {
     let compiler = Compiler::acquire().ok_or("the compiler does not start")?;
     let source = ShaderSource::from(kernel.text.clone());
     let options = CompilerOptions {

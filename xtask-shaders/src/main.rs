@@ -34,10 +34,10 @@ fn main() -> ExitCode {
 
 /// Returns the number of shaders that failed.
 fn run(root: &Path, check: bool) -> Result<usize, String> {
-    let kernels = sources::kernels(&root.join("shaders-glsl"))?;
+    let shaders = sources::shaders(&root.join("shaders-glsl"))?;
     let mut modules = Vec::new();
     let mut failed = 0;
-    for kernel in &kernels {
+    for kernel in &shaders {
         match apart::compile(kernel, &root.join("shaders-glsl")) {
             Ok(words) => modules.push((kernel, words)),
             Err(message) => {
@@ -48,11 +48,11 @@ fn run(root: &Path, check: bool) -> Result<usize, String> {
     }
     let output = root.join("crates/backend-vulkan");
     // A kernel that fails now keeps its previous module, so that the rest can be used meanwhile.
-    let known = |kernel: &&sources::Kernel| {
+    let known = |kernel: &&sources::Shader| {
         modules.iter().any(|(done, _)| done.name == kernel.name)
             || output.join(format!("spirv/{}.spv", kernel.name)).exists()
     };
-    let names: Vec<&str> = kernels.iter().filter(known).map(|kernel| kernel.name.as_str()).collect();
+    let names: Vec<&str> = shaders.iter().filter(known).map(|kernel| kernel.name.as_str()).collect();
     let files = write::files(&modules, &names);
     if check { Ok(failed + write::compare(&output, &files)) } else { write::write(&output, &files).map(|()| failed) }
 }

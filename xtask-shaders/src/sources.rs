@@ -1,11 +1,11 @@
-//! Finds the kernels.
+//! Finds the shaders.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Source of a kernel.
 #[derive(Debug)]
-pub(crate) struct Kernel {
+pub(crate) struct Shader {
     /// Path of the file.
     pub(crate) path: PathBuf,
     /// Folder and stem, joined by `_`: the name of the module.
@@ -14,11 +14,11 @@ pub(crate) struct Kernel {
     pub(crate) text: String,
 }
 
-/// All kernels below `folder`, by name.
+/// All shaders below `folder`, by name.
 ///
 /// # Errors
 /// A file that cannot be read.
-pub(crate) fn kernels(folder: &Path) -> Result<Vec<Kernel>, String> {
+pub(crate) fn shaders(folder: &Path) -> Result<Vec<Shader>, String> {
     let mut found = Vec::new();
     for entry in entries(folder)? {
         if !entry.is_dir() {
@@ -28,7 +28,7 @@ pub(crate) fn kernels(folder: &Path) -> Result<Vec<Kernel>, String> {
         for path in entries(&entry)? {
             if path.extension().is_some_and(|extension| extension == "comp") {
                 let text = read(&path)?;
-                found.push(Kernel { name: format!("{group}_{}", stem(&path)), path, text });
+                found.push(Shader { name: format!("{group}_{}", stem(&path)), path, text });
             }
         }
     }

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use crate::sources::Kernel;
+use crate::sources::Shader;
 
 /// Paths below the backend's folder, and contents.
 pub(crate) type Files = Vec<(String, Vec<u8>)>;
 
 /// All files: the compiled modules, and the table of all of them by name.
-pub(crate) fn files(modules: &[(&Kernel, Vec<u32>)], names: &[&str]) -> Files {
+pub(crate) fn files(modules: &[(&Shader, Vec<u32>)], names: &[&str]) -> Files {
     let mut files: Files = modules
         .iter()
         .map(|(kernel, words)| {
@@ -84,7 +84,7 @@ mod tests {
         for part in ["spirv", "src"] {
             fs::create_dir_all(folder.join(part)).unwrap();
         }
-        let kernel = Kernel { path: "a/b.comp".into(), name: "a_b".to_owned(), text: String::new() };
+        let kernel = Shader { path: "a/b.comp".into(), name: "a_b".to_owned(), text: String::new() };
         let files = files(&[(&kernel, vec![0x0723_0203, 1])], &["a_b"]);
         write(&folder, &files).unwrap();
         assert_eq!(compare(&folder, &files), 0);

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use crate::{book, constants, duplicates, extremes, licences, loaders, msrv, requirements, shaders, shell, tidy};
+use crate::{book, constants, deny, extremes, loaders, msrv, requirements, shaders, shell, tidy};
 
 /// A check that passes or fails.
 #[derive(Clone, Copy, Debug)]
@@ -15,11 +15,10 @@ pub(crate) struct Step {
 
 /// In this order: the fastest checks come first; the tests come last, so that the closing line of
 /// their runner ends the output.
-const STEPS: [Step; 13] = [
+const STEPS: [Step; 12] = [
     Step { name: "fmt", what: "formatting", run: fmt },
     Step { name: "tidy", what: "rules for the files themselves", run: tidy::step },
-    Step { name: "duplicates", what: "glam and ash in one version each", run: duplicates::step },
-    Step { name: "licences", what: "licences of the dependencies", run: licences::step },
+    Step { name: "deny", what: "licences, versions and sources of the dependencies", run: deny::step },
     Step { name: "loaders", what: "backends are built without the parsers of scene files", run: loaders::step },
     Step { name: "msrv", what: "the oldest compiler promised", run: msrv::step },
     Step {

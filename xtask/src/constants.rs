@@ -1,22 +1,23 @@
-//! Constants shared by Rust and GLSL: generates `shaders-glsl/shading/constants.glsl` from Rust.
+//! Constants shared by Rust and GLSL: generates `shaders-glsl/shading/constants.glsl` from the libraries that
+//! backends share, and `shaders-glsl/device/constants.glsl` from the Vulkan backend.
 
-use std::fmt::Write as _;
+mod device;
+mod file;
+mod library;
+
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain};
 use photon_core::{
-    Camera, Estimate, Features, Kernel, Layer, Light, MapKind, Material, MaterialKind, MediaFeatures,
-    QUERIES_PER_PIXEL, RandomKind,
+    Camera, Estimate, Features, Filter, Kernel, Layer, Light, MapKind, Material, MaterialKind, MaterialTextures,
+    MediaFeatures, QUERIES_PER_PIXEL, RandomKind, ShadingTables, TexelFormat, Wrap,
 };
 
+use self::file::{Group, compare, text};
 use crate::shell;
 
-/// A description of a group of constants, and their names and values.
-type Group = (&'static str, Vec<(&'static str, u32)>);
-
-/// All shared constants.
-fn groups() -> Vec<Group> {
+/// Constants of records and settings, by group.
+fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
     vec![
         (
             "Material::kind.",
@@ -35,6 +36,7 @@ fn groups() -> Vec<Group> {
                 ("LIGHT_POINT", Light::POINT),
                 ("LIGHT_SPOT", Light::SPOT),
                 ("LIGHT_DIRECTIONAL", Light::DIRECTIONAL),
+                ("LIGHT_ENVIRONMENT", Light::ENVIRONMENT),
             ],
         ),
         ("MediaFeatures: bits of a specialization constant.", vec![("MEDIA_NESTED", MediaFeatures::NESTED.bits())]),
@@ -56,9 +58,32 @@ fn groups() -> Vec<Group> {
                 ("FEATURE_POINT_LIGHTS", Features::POINT_LIGHTS.bits()),
                 ("FEATURE_SPOT_LIGHTS", Features::SPOT_LIGHTS.bits()),
                 ("FEATURE_DIRECTIONAL_LIGHTS", Features::DIRECTIONAL_LIGHTS.bits()),
+                ("FEATURE_TEXTURES", Features::TEXTURES.bits()),
+                ("FEATURE_SHADING_NORMALS", Features::SHADING_NORMALS.bits()),
+                ("FEATURE_NORMAL_MAPS", Features::NORMAL_MAPS.bits()),
+                ("FEATURE_VERTEX_COLORS", Features::VERTEX_COLORS.bits()),
+                ("FEATURE_TEXTURED_LIGHTS", Features::TEXTURED_LIGHTS.bits()),
+                ("FEATURE_ENVIRONMENT", Features::ENVIRONMENT.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],
+        ),
+        (
+            "TexelFormat, Wrap, Filter.",
+            vec![
+                ("TEXEL_LINEAR8", TexelFormat::Linear8 as u32),
+                ("TEXEL_SRGB8", TexelFormat::Srgb8 as u32),
+                ("TEXEL_FLOAT32", TexelFormat::Float32 as u32),
+                ("WRAP_REPEAT", Wrap::Repeat as u32),
+                ("WRAP_MIRROR", Wrap::Mirror as u32),
+                ("WRAP_CLAMP", Wrap::Clamp as u32),
+                ("FILTER_LINEAR", Filter::Linear as u32),
+                ("FILTER_NEAREST", Filter::Nearest as u32),
+            ],
+        ),
+        (
+            "MaterialTextures without a texture; a triangle without vertex normals.",
+            vec![("NO_TEXTURE", MaterialTextures::NONE), ("FLAT_TRIANGLE", ShadingTables::FLAT)],
         ),
         (
             "RandomKind.",
@@ -115,65 +140,38 @@ fn groups() -> Vec<Group> {
     ]
 }
 
-/// The text of the file.
-fn text() -> String {
-    let mut text = "// Numbers that Rust and GLSL share. Written by `cargo xtask constants`.\n\
-                    #ifndef CONSTANTS_GLSL\n#define CONSTANTS_GLSL\n"
-        .to_owned();
-    for (what, numbers) in groups() {
-        let _ = writeln!(text, "\n// {what}");
-        for (name, number) in numbers {
-            let _ = writeln!(text, "const uint {name} = {number}u;");
+/// The files that are written: path below the root, include guard, constants.
+fn files() -> [(&'static str, &'static str, Vec<Group>); 2] {
+    let records = groups()
+        .into_iter()
+        .map(|(what, numbers)| (what, numbers.into_iter().map(|(name, number)| (name, number.into())).collect()));
+    [
+        ("shaders-glsl/shading/constants.glsl", "CONSTANTS_GLSL", records.chain(library::groups()).collect()),
+        ("shaders-glsl/device/constants.glsl", "DEVICE_CONSTANTS_GLSL", device::groups()),
+    ]
+}
+
+/// Writes the files that differ.
+pub(crate) fn write() -> Result<(), String> {
+    for (path, guard, groups) in files() {
+        let (path, text) = (shell::root().join(path), text(guard, &groups));
+        if compare(&path, &text).is_err() {
+            eprintln!("wrote {}", path.display());
+            fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
         }
     }
-    text.push_str("\n#endif\n");
-    text
+    Ok(())
 }
 
-fn file() -> PathBuf {
-    shell::root().join("shaders-glsl/shading/constants.glsl")
-}
-
-/// Writes the file, if it differs.
-pub(crate) fn write() -> Result<(), String> {
-    let path = file();
-    if compare(&path).is_ok() {
-        return Ok(());
-    }
-    eprintln!("wrote {}", path.display());
-    fs::write(&path, text()).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-/// Fails if the file is not up to date.
+/// Fails if a file is not up to date.
 pub(crate) fn fresh() -> Result<(), String> {
-    compare(&file())
-}
-
-fn compare(path: &Path) -> Result<(), String> {
-    let old = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-    if old == text() {
-        return Ok(());
-    }
-    Err(format!("{} is stale: run `cargo xtask constants`, then `cargo xtask shaders`", path.display()))
+    files().iter().try_for_each(|(path, guard, groups)| compare(&shell::root().join(path), &text(guard, groups)))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     #[test]
-    fn the_committed_file_is_fresh() {
-        fresh().unwrap();
-    }
-
-    #[test]
-    fn a_doctored_file_is_stale() {
-        let path = std::env::temp_dir().join(format!("photon-constants-{}.glsl", std::process::id()));
-        fs::write(&path, text()).unwrap();
-        assert!(compare(&path).is_ok());
-        fs::write(&path, text().replace("LIGHT_SPOT = 2u", "LIGHT_SPOT = 3u")).unwrap();
-        assert!(compare(&path).unwrap_err().contains("stale"));
-        fs::remove_file(&path).unwrap();
-        assert!(compare(&path).is_err());
+    fn the_committed_files_are_fresh() {
+        super::fresh().unwrap();
     }
 }

@@ -14,7 +14,6 @@ pub(crate) struct Package {
     pub(crate) version: String,
     /// The minimum Rust version that it declares.
     pub(crate) rust_version: Option<String>,
-    pub(crate) licence: Option<String>,
     manifest: String,
     edges: Vec<Edge>,
 }
@@ -62,7 +61,6 @@ impl Graph {
                 name: string(package, "name")?,
                 version: string(package, "version")?,
                 rust_version: package["rust_version"].as_str().map(str::to_owned),
-                licence: package["license"].as_str().map(str::to_owned),
                 manifest: string(package, "manifest_path")?,
                 edges,
             };
@@ -127,8 +125,8 @@ fn list<'a>(value: &'a Value, key: &str) -> Result<&'a [Value], String> {
 pub(crate) mod sample {
     use serde_json::{Value, json};
 
-    /// Name, version, folder, rust-version, licence.
-    pub(crate) type Described<'a> = (&'a str, &'a str, &'a str, Option<&'a str>, Option<&'a str>);
+    /// Name, version, folder, rust-version.
+    pub(crate) type Described<'a> = (&'a str, &'a str, &'a str, Option<&'a str>);
     /// From, to, by position in the list of packages; kind.
     pub(crate) type Edge<'a> = (usize, usize, Option<&'a str>);
 
@@ -136,9 +134,9 @@ pub(crate) mod sample {
         let described: Vec<Value> = packages
             .iter()
             .enumerate()
-            .map(|(id, (name, version, folder, rust_version, licence))| {
+            .map(|(id, (name, version, folder, rust_version))| {
                 json!({"id": id.to_string(), "name": name, "version": version, "rust_version": rust_version,
-                       "license": licence, "manifest_path": format!("/{folder}/{name}/Cargo.toml")})
+                       "manifest_path": format!("/{folder}/{name}/Cargo.toml")})
             })
             .collect();
         let nodes: Vec<Value> = (0..packages.len())
@@ -166,9 +164,9 @@ mod tests {
     fn libraries_are_the_members_under_crates() {
         let graph = sample::graph(
             &[
-                ("core", "1.0.0", "crates", None, None),
-                ("benches", "1.0.0", "top", None, None),
-                ("glam", "0.34.0", "registry", None, None),
+                ("core", "1.0.0", "crates", None),
+                ("benches", "1.0.0", "top", None),
+                ("glam", "0.34.0", "registry", None),
             ],
             &[(0, 2, None)],
         );
@@ -180,11 +178,7 @@ mod tests {
     #[test]
     fn only_the_kinds_asked_for_are_followed() {
         let graph = sample::graph(
-            &[
-                ("core", "1.0.0", "crates", None, None),
-                ("a", "1.0.0", "registry", None, None),
-                ("b", "1.0.0", "registry", None, None),
-            ],
+            &[("core", "1.0.0", "crates", None), ("a", "1.0.0", "registry", None), ("b", "1.0.0", "registry", None)],
             &[(0, 1, None), (0, 2, Some("dev"))],
         );
         let names = |kinds: &[Kind]| -> Vec<String> {

@@ -4,10 +4,9 @@
 mod book;
 mod ci;
 mod constants;
-mod duplicates;
+mod deny;
 mod extremes;
 mod graph;
-mod licences;
 mod links;
 mod loaders;
 mod msrv;

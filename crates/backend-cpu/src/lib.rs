@@ -10,6 +10,7 @@ mod film;
 pub mod index;
 mod map;
 mod scene;
+mod shading;
 mod stages;
 mod transport;
 

@@ -4,11 +4,13 @@ use std::time::Instant;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Bsdf, Error, Features, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Primitive, Ray, RayCaster,
-    Requirements, Result, SceneView, Solids, SurfaceInteraction, interface, math, offset, radiance_scale,
+    EnvironmentMap, Error, Features, Hit, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Primitive,
+    Ray, RayCaster, Requirements, Result, SceneView, Shaded, Solids, SurfaceInteraction, interface, math, offset,
+    radiance_scale,
 };
 
 use crate::cpu::Cpu;
+use crate::shading::CpuShading;
 
 /// A scene prepared for ray tracing.
 #[expect(missing_debug_implementations, reason = "holds a foreign ray caster")]
@@ -20,13 +22,18 @@ pub struct CpuScene {
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
+    pub(crate) environment: Option<EnvironmentMap>,
     media: Vec<Medium>,
     /// The media in which photons from each light start, on its front and on its back; empty if the scene needs no
     /// media.
     light_media: Vec<[MediumStack; 2]>,
-    nested: bool,
+    pub(crate) nested: bool,
+    /// Vertex attributes and textures; `None` in a scene without any.
+    shading: Option<Box<CpuShading>>,
     pub(crate) caster: Box<dyn RayCaster>,
     pub(crate) features: Features,
+    /// The features that the scene has; a subset of `features`.
+    pub(crate) present: Features,
     /// Build time of the ray caster, in seconds.
     pub build_seconds: f64,
 }
@@ -34,7 +41,8 @@ pub struct CpuScene {
 impl CpuScene {
     pub(crate) fn new(on: &Cpu, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
         view.validate()?;
-        required.check(Features::of(view))?;
+        let present = Features::of(view);
+        required.check(present)?;
         let solids = Solids::of(view);
         required.check_media(solids.features())?;
         let nested = required.media.contains(MediaFeatures::NESTED);
@@ -62,11 +70,14 @@ impl CpuScene {
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
             light_cdf: view.light_cdf.to_vec(),
+            environment: view.environment.cloned(),
             media: view.media.to_vec(),
             light_media,
             nested,
+            shading: CpuShading::new(view),
             caster,
             features: required.features,
+            present,
             build_seconds: start.elapsed().as_secs_f64(),
         })
     }
@@ -74,9 +85,38 @@ impl CpuScene {
     /// The nearest intersection along `ray`, with everything that shading needs.
     #[inline]
     pub(crate) fn surface(&self, ray: &Ray) -> Option<SurfaceInteraction> {
+        self.hit(ray).map(|(surface, _)| surface)
+    }
+
+    /// The nearest intersection along `ray`, with the hit that it was made from.
+    #[inline]
+    pub(crate) fn hit(&self, ray: &Ray) -> Option<(SurfaceInteraction, Hit)> {
         let hit = self.caster.nearest(ray)?;
         let (index, record) = (hit.primitive as usize, &self.primitives[hit.primitive as usize]);
-        Some(SurfaceInteraction::new(ray.direction, &hit, self.vertices[index], self.margins[index], record))
+        Some((SurfaceInteraction::new(ray.direction, &hit, self.vertices[index], self.margins[index], record), hit))
+    }
+
+    /// Material and shading normal of `surface` at `hit`.
+    #[inline]
+    pub(crate) fn shade(&self, surface: &SurfaceInteraction, hit: &Hit) -> Shaded {
+        let material = &self.materials[surface.material as usize];
+        match &self.shading {
+            Some(shading) => shading.view().shade(surface, hit, material),
+            None => Shaded { material: *material, normal: surface.normal },
+        }
+    }
+
+    /// Ratio of the radiance that a triangle emits at barycentric coordinates (u, v) to its mean, where `light` is its
+    /// record; 0 in a channel that it does not emit.
+    #[inline]
+    pub(crate) fn emission_ratio(&self, light: &Light, u: f32, v: f32) -> Vec3 {
+        let Some(shading) = &self.shading else { return Vec3::ONE };
+        let triangle = light.primitive as usize;
+        let material = &self.materials[self.primitives[triangle].material as usize];
+        let sides = if light.flags & Light::BOTH_SIDES != 0 { 2.0 } else { 1.0 };
+        let flux = shading.view().emission(triangle, (u, v), material) * (sides * std::f32::consts::PI * light.area);
+        let power = Vec3::from(light.power);
+        Vec3::select(power.cmpgt(Vec3::ZERO), flux / power, Vec3::ZERO)
     }
 
     /// The interface that a path in `media` meets at `surface`: the media on its two sides.
@@ -90,13 +130,6 @@ impl CpuScene {
     pub(crate) fn interface_by(&self, surface: &SurfaceInteraction, media: MediumStack, nested: bool) -> Interface {
         let material = &self.materials[surface.material as usize];
         interface(&self.media, material, surface.front, media, nested)
-    }
-
-    /// The BSDF of `surface`.
-    #[inline]
-    pub(crate) fn bsdf(&self, surface: &SurfaceInteraction, interface: &Interface) -> Bsdf {
-        let material = &self.materials[surface.material as usize];
-        Bsdf::new(self.features, material, surface.cosine, interface)
     }
 
     /// Transmittance per channel after `distance` in `media` (Beer–Lambert law).

@@ -12,7 +12,7 @@ mod points;
 
 use std::f32::consts::PI;
 
-use backend_vulkan::{Vulkan, VulkanBuffer, VulkanMap};
+use backend_vulkan::{Vulkan, VulkanBuffer, VulkanMap, low_level};
 use photon_core::random::SplitMix64;
 use photon_core::{
     Backend, Estimate, EstimateParams, IndexKind, Kernel, MapStages, Photon, Query, Result, Search, Stage,
@@ -88,7 +88,7 @@ fn run(
             }
             let name = format!("{map_name}, {order}, not sorted: {what}");
             if order == "rows" && name.contains(only) {
-                let sorting = std::mem::replace(&mut stages.estimator, Vulkan::estimator_without_sorting());
+                let sorting = std::mem::replace(&mut stages.estimator, low_level::estimator_without_sorting());
                 estimates(on, &mut stages, &map, &queries, &gather, &name)?;
                 stages.estimator = sorting;
             }

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut on = backend_vulkan::Vulkan::new()?;
     println!("{}, {}", on.limits().name, on.limits().driver);
     println!("{:<28} {:>10} {:>9} {:>9} {:>9}", "work", "count", "median ms", "least", "greatest");
-    backend_vulkan::index_bench::run(&mut on, &sizes, &mut |row| {
+    backend_vulkan::low_level::index_bench::run(&mut on, &sizes, &mut |row| {
         let [median, least, greatest] = row.milliseconds;
         println!("{:<28} {:>10} {median:>9.3} {least:>9.3} {greatest:>9.3}", row.work, row.count);
     })?;

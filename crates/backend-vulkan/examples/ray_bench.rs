@@ -12,7 +12,8 @@ use std::error::Error;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use backend_vulkan::{RayPlan, Vulkan};
+use backend_vulkan::Vulkan;
+use backend_vulkan::low_level::{self, RayPlan};
 use photon_core::{Backend, Requirements, Settings, TransportBackend};
 use room::{rays, scene, with_view};
 
@@ -60,16 +61,17 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
             bytes / 1_000_000
         );
         let sample = &rays[..rays.len().min(1_000_000)];
-        let first = on.cast_rays_by(&scene, sample, plans[0])?;
+        let first = low_level::cast_rays(&mut on, &scene, sample, plans[0])?;
         for &plan in &plans[1..] {
-            let apart = on.cast_rays_by(&scene, sample, plan)?.iter().zip(&first).filter(|(a, b)| a != b).count();
+            let apart =
+                low_level::cast_rays(&mut on, &scene, sample, plan)?.iter().zip(&first).filter(|(a, b)| a != b).count();
             if apart > 0 {
                 return Err(format!("{plan:?}: {apart} of {} rays have different hits", sample.len()).into());
             }
         }
         let hits = first.iter().flatten().count();
         println!("{hits} of {} rays hit, identical for all plans", sample.len());
-        for (plan, mut seconds) in plans.iter().zip(on.time_rays(&scene, &rays, &plans, rounds)?) {
+        for (plan, mut seconds) in plans.iter().zip(low_level::time_rays(&mut on, &scene, &rays, &plans, rounds)?) {
             seconds.sort_by(f64::total_cmp);
             let rate = f64::from(count) / seconds[seconds.len() / 2] / 1e6;
             let RayPlan { group, shared_groups, busy, workgroups } = plan;

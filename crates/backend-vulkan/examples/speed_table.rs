@@ -16,7 +16,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use backend_cpu::Cpu;
-use backend_vulkan::{RayPlan, Vulkan, VulkanMap};
+use backend_vulkan::low_level::{self, RayPlan};
+use backend_vulkan::{Vulkan, VulkanMap};
 use photon_core::{
     Backend, Estimate, EstimateParams, IndexKind, PassEnd, Photon, Pipeline, Render, Requirements, Search, Settings,
     Stage, TransportBackend, View,
@@ -152,7 +153,7 @@ fn rays(on: &mut Vulkan, count: usize, (asked, rival): (&str, &str), rays: u32) 
     let plan = RayPlan::for_subgroups(on.limits().subgroup_size);
     // Runs for a third of a second, so that clocks recover after the BVH build on the host.
     let rounds = if rays < 1_000_000 { 3 } else { 200 };
-    let mut seconds = on.time_rays(&scene, &room::rays(rays), &[plan], rounds)?.swap_remove(0);
+    let mut seconds = low_level::time_rays(on, &scene, &room::rays(rays), &[plan], rounds)?.swap_remove(0);
     let seen = f64::from(rays) / median(&mut seconds[rounds as usize / 2..]) / 1e6;
     println!("| closest hit, {} triangles | {asked} M/s | {rival} | {seen:.0} M/s |", mesh.1.len());
     Ok(())

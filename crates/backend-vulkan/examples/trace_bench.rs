@@ -8,7 +8,8 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-use backend_vulkan::{TracePlan, Vulkan};
+use backend_vulkan::Vulkan;
+use backend_vulkan::low_level::{self, TracePlan};
 use photon_core::{
     Backend, Batch, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Scheduling, Settings, Stage,
     TransportBackend,
@@ -47,9 +48,9 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
         "sharing", "group", "threads", "quota", "busy", "shared", "emit ms", "trace ms", "M paths/s", "M surfaces/s"
     );
     let prepared = on.prepare(&view, &required)?;
-    let usual = on.trace_plan();
+    let usual = low_level::trace_plan(&on);
     for (scheduling, plan) in plans(usual) {
-        on.set_trace_plan(plan);
+        low_level::set_trace_plan(&mut on, plan);
         let settings = Settings { scheduling, ..settings.clone() };
         let mut stages = on.stages(&required, &settings)?;
         let mut rays = on.alloc::<PhotonRay>("photon rays", u64::from(paths))?;

@@ -9,6 +9,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Estimate, Film, Layer, Query, Result, Units, check_size};
 
+use crate::constants;
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
@@ -50,7 +51,7 @@ struct Plane {
 
 /// Planes of the first-surface sums, as in film.glsl: the high parts of eight sums, their low parts, and a
 /// count.
-const FIRST_LOW: usize = 8;
+const FIRST_LOW: usize = constants::FIRST_LOW as usize;
 const FIRST_PLANES: usize = 2 * FIRST_LOW + 1;
 
 /// Bytes per pixel of `FirstPass`.
@@ -84,7 +85,11 @@ struct EndPush {
 
 pushed!(end_push_layout: EndPush => FILM_END, passes sums first_pass first_sum pixels padding);
 
-/// Source of an accumulation, specialization constant 2 of its kernel.
+specialized!(accumulate_constants: AccumulateConstants => FILM_ACCUMULATE, 2 from: u32);
+
+specialized!(end_constants: EndConstants => FILM_END, 2 layers: u32);
+
+/// Source of an accumulation: [`AccumulateConstants::from`].
 const FROM_ESTIMATES: u32 = 0;
 const FROM_VALUES: u32 = 1;
 
@@ -157,7 +162,7 @@ impl VulkanFilm {
     pub(crate) fn clear_values(&mut self, on: &mut Vulkan, count: u64) -> Result<()> {
         self.values_address(on, count)?;
         match &self.values {
-            Some(values) => on.fill(values, 0, count * 12, 0),
+            Some(values) => on.fill_words(values, 0, count * 12, 0),
             None => Ok(()),
         }
     }
@@ -221,7 +226,7 @@ pub(crate) fn accumulate_values(
 }
 
 fn dispatch(on: &mut Vulkan, from: u32, push: &AccumulatePush, queries: u64) -> Result<()> {
-    let kernel = on.kernel(&shaders::FILM_ACCUMULATE, &[0, GROUP, from])?;
+    let kernel = on.kernel(&shaders::FILM_ACCUMULATE, GROUP, &AccumulateConstants { from })?;
     on.dispatch(&kernel, push, queries.div_ceil(u64::from(GROUP)))
 }
 
@@ -238,8 +243,8 @@ pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
         pixels: film.pixels() as u32,
         padding: 0,
     };
-    let present = (0..4).filter(|&i| film.layers[i].is_some()).fold(0, |bits, i| bits | 1 << i);
-    let kernel = on.kernel(&shaders::FILM_END, &[0, GROUP, present])?;
+    let layers = (0..4).filter(|&i| film.layers[i].is_some()).fold(0, |bits, i| bits | 1 << i);
+    let kernel = on.kernel(&shaders::FILM_END, GROUP, &EndConstants { layers })?;
     on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))?;
     errors::end_pass(on, film)?;
     film.passes += 1;
@@ -249,10 +254,10 @@ pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
 /// Discards the current pass.
 pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
     for plane in film.layers.iter().flatten() {
-        on.fill(&plane.pass, 0, plane.pass.bytes(), 0)?;
+        on.fill_words(&plane.pass, 0, plane.pass.bytes(), 0)?;
     }
     errors::abandon_pass(on, film)?;
-    on.fill(&film.first_pass, 0, film.first_pass.bytes(), 0)
+    on.fill_words(&film.first_pass, 0, film.first_pass.bytes(), 0)
 }
 
 /// Reads back the sums.
@@ -328,7 +333,7 @@ fn home(
 
 fn zeroed(on: &mut Vulkan, bytes: u64) -> Result<Memory> {
     let memory = on.memory("film", bytes).map_err(label)?;
-    on.fill(&memory, 0, memory.bytes(), 0)?;
+    on.fill_words(&memory, 0, memory.bytes(), 0)?;
     Ok(memory)
 }
 

@@ -7,15 +7,19 @@
 //! Another renderer can supply its own device ([`Vulkan::from_raw`]) and its own photons
 //! ([`VulkanBuffer::from_raw`]), which then never leave the GPU.
 
-// First, since its macro is used in the modules below.
+// First, since their macros are used in the modules below.
 #[macro_use]
 mod push;
+#[macro_use]
+mod specialization;
 
 mod backend;
+mod constants;
 mod device;
 mod dispatch_limits;
 mod film;
 mod index;
+pub mod low_level;
 mod map;
 #[cfg(test)]
 mod probe;
@@ -31,15 +35,7 @@ mod vulkan;
 pub use ash;
 pub use device::buffer::VulkanBuffer;
 pub use device::{Candidate, Fault, Limits, Options, RawDevice, devices};
-#[doc(hidden)]
-pub use dispatch_limits::DispatchLimits;
 pub use film::VulkanFilm;
-#[doc(hidden)]
-pub use index::bench as index_bench;
 pub use map::VulkanMap;
-#[doc(hidden)]
-pub use rays::RayPlan;
 pub use scene::VulkanScene;
-#[doc(hidden)]
-pub use stages::TracePlan;
 pub use vulkan::Vulkan;

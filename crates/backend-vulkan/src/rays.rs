@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Hit, Ray, Result, Stage};
 
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::scene::VulkanScene;
 use crate::shaders;
 use crate::vulkan::Vulkan;
@@ -59,6 +59,8 @@ struct Push {
 
 pushed!(push_layout: Push => RAYS_NEAREST, scene lines hits counter count quota);
 
+specialized!(nearest_constants: NearestConstants => RAYS_NEAREST, 2 shadow: bool, 3 busy: u32, 10 shared_groups: u32);
+
 /// Rays on the device, and memory for their hits.
 struct Cast {
     lines: Memory,
@@ -84,7 +86,7 @@ impl Cast {
         Ok(Self { lines, hits, counter, count })
     }
 
-    fn run(&self, on: &mut Vulkan, kernel: &Kernel, scene: &VulkanScene, plan: RayPlan) -> Result<()> {
+    fn run(&self, on: &mut Vulkan, kernel: &ComputePipeline, scene: &VulkanScene, plan: RayPlan) -> Result<()> {
         let all = u64::from(self.count.div_ceil(plan.group));
         let workgroups = if plan.busy == 0 { all } else { all.min(u64::from(plan.workgroups.max(1))) };
         let push = Push {
@@ -96,7 +98,7 @@ impl Cast {
             quota: MARGIN * (all.div_ceil(workgroups.max(1)) as u32),
         };
         if plan.busy != 0 {
-            on.fill(&self.counter, 0, 4, 0)?;
+            on.fill_words(&self.counter, 0, 4, 0)?;
         }
         on.dispatch(kernel, &push, workgroups)
     }
@@ -114,13 +116,9 @@ fn line(ray: &Ray) -> Line {
     Line { origin: ray.origin.into(), t_max: ray.t_max, direction: ray.direction.into(), reserved: 0 }
 }
 
-fn kernel(on: &mut Vulkan, shadow: bool, plan: RayPlan) -> Result<Kernel> {
-    let mut constants = [0; 11];
-    constants[1] = plan.group;
-    constants[2] = u32::from(shadow);
-    constants[3] = plan.busy;
-    constants[10] = plan.shared_groups;
-    on.kernel(&shaders::RAYS_NEAREST, &constants)
+fn kernel(on: &mut Vulkan, shadow: bool, plan: RayPlan) -> Result<ComputePipeline> {
+    let constants = NearestConstants { shadow, busy: plan.busy, shared_groups: plan.shared_groups };
+    on.kernel(&shaders::RAYS_NEAREST, plan.group, &constants)
 }
 
 impl Vulkan {
@@ -138,12 +136,13 @@ impl Vulkan {
         self.cast_rays_by(scene, rays, plan)
     }
 
-    /// As [`Vulkan::cast_rays`], with an explicit plan.
-    ///
-    /// # Errors
-    /// As [`Vulkan::cast_rays`].
-    #[doc(hidden)]
-    pub fn cast_rays_by(&mut self, scene: &VulkanScene, rays: &[Ray], plan: RayPlan) -> Result<Vec<Option<Hit>>> {
+    /// [`crate::low_level::cast_rays`].
+    pub(crate) fn cast_rays_by(
+        &mut self,
+        scene: &VulkanScene,
+        rays: &[Ray],
+        plan: RayPlan,
+    ) -> Result<Vec<Option<Hit>>> {
         let cast = Cast::new(self, rays)?;
         let kernel = kernel(self, false, plan)?;
         cast.run(self, &kernel, scene, plan)?;
@@ -166,12 +165,8 @@ impl Vulkan {
         Ok(cast.read(self)?.into_iter().map(|[_, primitive, ..]| primitive != u32::MAX).collect())
     }
 
-    /// Device time in seconds for the nearest hits of all rays, for each plan, `rounds` measurements each.
-    ///
-    /// # Errors
-    /// As [`Vulkan::cast_rays`].
-    #[doc(hidden)]
-    pub fn time_rays(
+    /// [`crate::low_level::time_rays`].
+    pub(crate) fn time_rays(
         &mut self,
         scene: &VulkanScene,
         rays: &[Ray],

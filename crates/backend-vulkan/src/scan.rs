@@ -5,12 +5,12 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
-use crate::device::{Kernel, Memory};
+use crate::constants::SCAN_ITEMS;
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Words per invocation, as `SCAN_ITEMS` in the shaders.
-const ITEMS: u64 = 16;
+const ITEMS: u64 = SCAN_ITEMS as u64;
 /// Invocations per workgroup, of the kernels with many workgroups and of the one with a single workgroup.
 const MANY: u32 = 256;
 const ALONE: u32 = 512;
@@ -20,9 +20,9 @@ const MAX_TILES_ALONE: u64 = 2;
 /// Computes prefix sums.
 #[derive(Debug)]
 pub(crate) struct Scan {
-    sums: Kernel,
-    alone: Kernel,
-    tiles: Kernel,
+    sums: ComputePipeline,
+    alone: ComputePipeline,
+    tiles: ComputePipeline,
     alone_tile: u64,
     /// Sums of the tiles; grows on demand.
     scratch: Memory,
@@ -69,9 +69,9 @@ impl Scan {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let alone = ALONE.min(on.limits().max_workgroup);
         Ok(Self {
-            sums: on.kernel(&shaders::SCAN_SUMS, &[0, MANY.min(alone)])?,
-            alone: on.kernel(&shaders::SCAN_ALONE, &[0, alone])?,
-            tiles: on.kernel(&shaders::SCAN_TILES, &[0, MANY.min(alone)])?,
+            sums: on.kernel(&shaders::SCAN_SUMS, MANY.min(alone), &())?,
+            alone: on.kernel(&shaders::SCAN_ALONE, alone, &())?,
+            tiles: on.kernel(&shaders::SCAN_TILES, MANY.min(alone), &())?,
             alone_tile: u64::from(alone) * ITEMS,
             scratch: on.memory("scan", 4096)?,
         })
@@ -139,7 +139,7 @@ mod tests {
             for in_place in [false, true] {
                 let to = if in_place { &from } else { &to };
                 on.write(&from, 0, bytemuck::cast_slice(&words)).unwrap();
-                on.fill(&total, 0, 16, 77).unwrap();
+                on.fill_words(&total, 0, 16, 77).unwrap();
                 scan.exclusive(&mut on, from.address(), to.address(), n as u64, total.address()).unwrap();
                 let (mut sums, mut sum) = (vec![0_u32; n], [0_u32; 2]);
                 on.read(to, 0, bytemuck::cast_slice_mut(&mut sums)).unwrap();

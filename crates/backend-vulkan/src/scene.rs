@@ -45,6 +45,8 @@ struct Record {
     media: u64,
     triangles: u32,
     light_count: u32,
+    shading: u64,
+    environment: u64,
     reserved: [u32; 2],
 }
 
@@ -59,8 +61,8 @@ struct Emission {
     margin: f32,
     /// Media that paths start in, on the front and on the back side.
     media: [u32; 2],
-    // Arrays of records behind an address have a stride that is a multiple of their alignment, 16 bytes.
-    reserved: u32,
+    /// Position of the triangle in BVH order.
+    slot: u32,
 }
 
 impl VulkanScene {
@@ -69,7 +71,8 @@ impl VulkanScene {
     /// [`Error::OutOfMemory`].
     pub(crate) fn new(on: &mut Vulkan, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
         view.validate()?;
-        required.check(Features::of(view))?;
+        let present = Features::of(view);
+        required.check(present)?;
         let solids = Solids::of(view);
         required.check_media(solids.features())?;
         let inside = required.media.contains(MediaFeatures::NESTED) || required.features.contains(Features::ABSORPTION);
@@ -82,8 +85,18 @@ impl VulkanScene {
         let nodes = upload.table("BVH nodes", &tree.nodes)?;
         let corners = upload.by_triangle("triangles", &tree.order, |id| corners(view, id))?;
         let primitives = upload.by_triangle("primitives", &tree.order, |id| view.primitives[id as usize])?;
-        let emissions: Vec<Emission> =
+        let mut emissions: Vec<Emission> =
             (0..view.lights.len()).map(|index| emission(view, index, locator.as_ref())).collect();
+        if present.contains(Features::TEXTURED_LIGHTS) {
+            let mut slots = vec![0; tree.order.len()];
+            for (slot, &id) in (0..).zip(&tree.order) {
+                slots[id as usize] = slot;
+            }
+            for (emission, light) in emissions.iter_mut().zip(view.lights) {
+                emission.slot = slots.get(light.primitive as usize).copied().unwrap_or(0);
+            }
+        }
+        let shading = shading::upload(&mut upload, view, &tree.order)?;
         let record = Record {
             nodes,
             corners,
@@ -95,13 +108,18 @@ impl VulkanScene {
             media: upload.table("media", view.media)?,
             triangles: view.triangles.len() as u32,
             light_count: view.lights.len() as u32,
+            shading,
+            environment: environment::upload(&mut upload, view)?,
             reserved: [0; 2],
         };
         upload.table("scene", &[record])?;
         let Upload { mut tables, bytes, .. } = upload;
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
         let light_count = view.lights.len() as u32;
-        let (features, media) = (required.features, required.media);
+        // Kernels read tables that exist: what only the requirements have would be read at address 0.
+        let with_tables = Features::SHADED.union(Features::TEXTURED_LIGHTS).union(Features::ENVIRONMENT);
+        let absent = with_tables.without(present);
+        let (features, media) = (required.features.without(absent), required.media);
         Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
     }
 
@@ -156,7 +174,7 @@ fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -
     };
     let carried = light.power.map(|power| (f64::from(power) / share) as f32);
     let media = locator.map_or([0; 2], |locator| locator.of_light(light).map(|stack| stack.bits()));
-    Emission { carried, probability: share as f32, corners, normal, margin, media, reserved: 0 }
+    Emission { carried, probability: share as f32, corners, normal, margin, media, slot: 0 }
 }
 
 /// Tables being uploaded.
@@ -204,6 +222,8 @@ impl Upload<'_> {
     }
 }
 
+mod environment;
+mod shading;
 #[cfg(test)]
 mod silhouette;
 #[cfg(test)]

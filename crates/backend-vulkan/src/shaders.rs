@@ -77,6 +77,10 @@ pub(crate) static INDEX_VVH_PLAN: Module =
 pub(crate) static INDEX_VVH_SIDES: Module =
     Module { name: "index_vvh_sides", bytes: include_bytes!("../spirv/index_vvh_sides.spv") };
 
+pub(crate) static PROBE_AREA: Module = Module { name: "probe_area", bytes: include_bytes!("../spirv/probe_area.spv") };
+
+pub(crate) static PROBE_BIAS: Module = Module { name: "probe_bias", bytes: include_bytes!("../spirv/probe_bias.spv") };
+
 pub(crate) static PROBE_BSDF: Module = Module { name: "probe_bsdf", bytes: include_bytes!("../spirv/probe_bsdf.spv") };
 
 pub(crate) static PROBE_KERNEL: Module =
@@ -85,13 +89,25 @@ pub(crate) static PROBE_KERNEL: Module =
 pub(crate) static PROBE_LAYOUT: Module =
     Module { name: "probe_layout", bytes: include_bytes!("../spirv/probe_layout.spv") };
 
+pub(crate) static PROBE_LIGHT_SAMPLER: Module =
+    Module { name: "probe_light_sampler", bytes: include_bytes!("../spirv/probe_light_sampler.spv") };
+
 pub(crate) static PROBE_MATH: Module = Module { name: "probe_math", bytes: include_bytes!("../spirv/probe_math.spv") };
+
+pub(crate) static PROBE_MEDIA: Module =
+    Module { name: "probe_media", bytes: include_bytes!("../spirv/probe_media.spv") };
 
 pub(crate) static PROBE_OCTAHEDRAL: Module =
     Module { name: "probe_octahedral", bytes: include_bytes!("../spirv/probe_octahedral.spv") };
 
 pub(crate) static PROBE_OFFSET: Module =
     Module { name: "probe_offset", bytes: include_bytes!("../spirv/probe_offset.spv") };
+
+pub(crate) static PROBE_PHOTON_FORMAT: Module =
+    Module { name: "probe_photon_format", bytes: include_bytes!("../spirv/probe_photon_format.spv") };
+
+pub(crate) static PROBE_PROJECTION: Module =
+    Module { name: "probe_projection", bytes: include_bytes!("../spirv/probe_projection.spv") };
 
 pub(crate) static PROBE_RANDOM: Module =
     Module { name: "probe_random", bytes: include_bytes!("../spirv/probe_random.spv") };
@@ -188,7 +204,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 65] = [
+pub(crate) static ALL: [&Module; 71] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -215,12 +231,18 @@ pub(crate) static ALL: [&Module; 65] = [
     &INDEX_VVH_PART,
     &INDEX_VVH_PLAN,
     &INDEX_VVH_SIDES,
+    &PROBE_AREA,
+    &PROBE_BIAS,
     &PROBE_BSDF,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,
+    &PROBE_LIGHT_SAMPLER,
     &PROBE_MATH,
+    &PROBE_MEDIA,
     &PROBE_OCTAHEDRAL,
     &PROBE_OFFSET,
+    &PROBE_PHOTON_FORMAT,
+    &PROBE_PROJECTION,
     &PROBE_RANDOM,
     &PROBE_SAMPLING,
     &PROBE_SOLID_ANGLE,

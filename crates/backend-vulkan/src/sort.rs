@@ -6,22 +6,21 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
-use crate::device::{Fault, Kernel, Memory};
+use crate::constants::{SORT_DIGITS, SORT_ITEMS, SORT_SUBGROUPS};
+use crate::device::{ComputePipeline, Fault, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Keys per invocation, as `SORT_ITEMS` in the shaders.
-const ITEMS: u64 = 16;
-const DIGITS: u64 = 256;
-const SUBGROUPS: u32 = 8;
+const ITEMS: u64 = SORT_ITEMS as u64;
+const DIGITS: u64 = SORT_DIGITS as u64;
 
 /// Sorts pairs of a key of one or two words, the lower word first, and a value of one word.
 #[derive(Debug)]
 pub(crate) struct Sort {
     /// For keys of one and of two words.
-    count: [Kernel; 2],
-    offsets: Kernel,
-    scatter: [Kernel; 2],
+    count: [ComputePipeline; 2],
+    offsets: ComputePipeline,
+    scatter: [ComputePipeline; 2],
     tile: u64,
     /// Totals by digit, then counts by digit and tile; grows on demand.
     scratch: Memory,
@@ -90,13 +89,15 @@ pushed!(
     keys values sorted_keys sorted_values counts totals count tiles shift flags
 );
 
+specialized!(key_constants: KeyConstants => SORT_COUNT SORT_SCATTER, 2 key_words: u32);
+
 /// Size of the workgroups that sort tiles: at most eight subgroups and 256 invocations, to limit shared memory.
 ///
 /// # Errors
 /// The device does not support workgroups of that size.
 pub(crate) fn workgroup(on: &Vulkan) -> Result<u32> {
     let limits = on.limits();
-    let size = (SUBGROUPS * limits.subgroup_size).min(256);
+    let size = (SORT_SUBGROUPS * limits.subgroup_size).min(256);
     if size > limits.max_workgroup {
         let why = format!("{}: sorting needs workgroups of {size} invocations, which are not supported", limits.name);
         return Err(Fault::Other(why).into());
@@ -109,12 +110,13 @@ impl Sort {
     /// Errors of the device.
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = workgroup(on)?;
-        let both = |on: &mut Vulkan, module| -> Result<[Kernel; 2]> {
-            Ok([on.kernel(module, &[0, size, 1])?, on.kernel(module, &[0, size, 2])?])
+        let both = |on: &mut Vulkan, module| -> Result<[ComputePipeline; 2]> {
+            let mut of = |key_words| on.kernel(module, size, &KeyConstants { key_words });
+            Ok([of(1)?, of(2)?])
         };
         Ok(Self {
             count: both(on, &shaders::SORT_COUNT)?,
-            offsets: on.kernel(&shaders::SORT_OFFSETS, &[0, size])?,
+            offsets: on.kernel(&shaders::SORT_OFFSETS, size, &())?,
             scatter: both(on, &shaders::SORT_SCATTER)?,
             tile: u64::from(size) * ITEMS,
             scratch: on.memory("sort", 4096)?,

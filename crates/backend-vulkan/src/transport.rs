@@ -33,7 +33,7 @@ impl TransportBackend for Vulkan {
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {
         Ok(Stages {
             emitter: Box::new(VulkanEmitter),
-            tracer: Box::new(VulkanTracer::new(self, settings, required)?),
+            tracer: Box::new(VulkanTracer::new(self, settings)?),
             eye: Box::new(VulkanEye::new(self, settings.max_bounces)?),
             direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
             gather: if required.final_gather {
@@ -50,11 +50,11 @@ impl TransportBackend for Vulkan {
 
     fn aimed(
         &mut self,
-        required: &Requirements,
+        _required: &Requirements,
         settings: &Settings,
         projection: &ProjectionMap,
     ) -> Result<Option<AimedStages<Self>>> {
-        let tracer = VulkanTracer::aimed(self, settings, required)?;
+        let tracer = VulkanTracer::aimed(self, settings)?;
         Ok(Some((Box::new(VulkanAimedEmitter::new(self, projection)?), Box::new(tracer))))
     }
 

@@ -7,10 +7,12 @@ use gpu_allocator::MemoryLocation;
 use photon_core::{Error, Result};
 
 use crate::device::{
-    Device, DiskCache, Fault, Groups, Kernel, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice, Recorder,
+    ComputePipeline, Device, DiskCache, Fault, Groups, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice,
+    Recorder,
 };
 use crate::dispatch_limits::DispatchLimits;
 use crate::shaders;
+use crate::specialization::Constants;
 use crate::stages::TracePlan;
 
 /// Renders on a GPU.
@@ -80,14 +82,10 @@ impl Vulkan {
         })
     }
 
-    /// For tests: opens a device with validation enabled; dropping it panics if the layer has reported
-    /// anything. Returns `None`, with a message on standard error, where there is no Vulkan, unless
-    /// `PHOTON_REQUIRE_VULKAN` is set. `PHOTON_VALIDATION=0` disables the layer, for machines that have a GPU
-    /// but not the layer.
-    #[doc(hidden)]
+    /// [`crate::low_level::for_tests`].
     #[must_use]
     #[expect(clippy::panic, reason = "a test that needs Vulkan fails where Vulkan is required")]
-    pub fn for_tests() -> Option<Self> {
+    pub(crate) fn for_tests() -> Option<Self> {
         let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
         let validation = wants_validation(std::env::var_os("PHOTON_VALIDATION").as_deref());
         match Self::with_options(&Options { validation, ..Options::default() }) {
@@ -112,40 +110,6 @@ impl Vulkan {
         &self.device.limits
     }
 
-    /// Sets how photons are traced, for benchmarks; the photons do not depend on it.
-    #[doc(hidden)]
-    pub fn set_trace_plan(&mut self, plan: TracePlan) {
-        self.trace_plan = plan;
-    }
-
-    /// How photons are traced.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn trace_plan(&self) -> TracePlan {
-        self.trace_plan
-    }
-
-    /// Sets how much work a dispatch does, for tests that the image does not depend on it.
-    #[doc(hidden)]
-    pub fn set_dispatch_limits(&mut self, dispatch_limits: DispatchLimits) {
-        self.dispatch_limits = dispatch_limits;
-    }
-
-    /// Fault injection: makes every memory allocation from number `no_memory_at` on, and every submission from
-    /// number `lost_at` on, fail as if memory were exhausted and the device lost. Both are counted from when
-    /// the device was opened: see [`Vulkan::work_so_far`].
-    #[doc(hidden)]
-    pub fn inject_faults(&self, no_memory_at: Option<u64>, lost_at: Option<u64>) {
-        self.device.injection.set(no_memory_at.unwrap_or(u64::MAX), lost_at.unwrap_or(u64::MAX));
-    }
-
-    /// Allocations and submissions since the device was opened.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn work_so_far(&self) -> (u64, u64) {
-        self.device.injection.counts()
-    }
-
     /// Messages of the validation layer about this device, if validation was enabled. Devices share an
     /// instance: a message belongs to the device whose objects it names, and to every device if it names none.
     #[must_use]
@@ -161,7 +125,7 @@ impl Vulkan {
 
     /// Compiled pipelines: modules and their specialization constants.
     #[cfg(test)]
-    pub(crate) fn compiled(&self) -> Vec<(&'static str, Vec<u32>)> {
+    pub(crate) fn compiled(&self) -> Vec<crate::device::Specialized> {
         self.pipelines.compiled().cloned().collect()
     }
 
@@ -170,14 +134,18 @@ impl Vulkan {
         Memory::new(&self.device, label, bytes, MemoryLocation::GpuOnly)
     }
 
-    /// The kernel of a module, compiled if necessary: `constants[i]` is specialization constant i; 0 is the
-    /// features, 1 the workgroup size.
-    pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<Kernel> {
-        self.pipelines.kernel(module, constants)
+    /// The kernel of a module with this workgroup size, compiled if necessary.
+    pub(crate) fn kernel(
+        &mut self,
+        module: &'static Module,
+        workgroup: u32,
+        constants: &impl Constants,
+    ) -> Result<ComputePipeline> {
+        self.pipelines.kernel(module, workgroup, constants)
     }
 
     /// Dispatches the given number of workgroups of a kernel.
-    pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &Kernel, push: &P, workgroups: u64) -> Result<()> {
+    pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &ComputePipeline, push: &P, workgroups: u64) -> Result<()> {
         if workgroups == 0 {
             return Ok(());
         }
@@ -194,7 +162,7 @@ impl Vulkan {
     /// Indirect dispatch: the three words of `args` at `offset` are the numbers of workgroups.
     pub(crate) fn dispatch_indirect<P: Pod>(
         &mut self,
-        kernel: &Kernel,
+        kernel: &ComputePipeline,
         push: &P,
         args: &Memory,
         offset: u64,
@@ -206,7 +174,7 @@ impl Vulkan {
     }
 
     /// Sets every word of a range; offset and length are multiples of 4.
-    pub(crate) fn fill(&mut self, to: &Memory, offset: u64, bytes: u64, word: u32) -> Result<()> {
+    pub(crate) fn fill_words(&mut self, to: &Memory, offset: u64, bytes: u64, word: u32) -> Result<()> {
         check(to, offset, bytes);
         self.recorder.fill(to, offset, bytes, word)
     }

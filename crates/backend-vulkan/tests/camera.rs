@@ -4,7 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "test code")]
 
 use backend_cpu::Cpu;
-use backend_vulkan::Vulkan;
+use backend_vulkan::low_level;
 use photon_core::glam::Vec3;
 use photon_core::{
     Backend, Batch, EstimateParams, Film, FilmBackend, IndexKind, Indirect, Kernel, Layer, Maps, Pass, PerMap, Photon,
@@ -98,7 +98,7 @@ fn apart(a: &Film, b: &Film, layer: Layer, but_for: f64) -> (f64, f64) {
 /// Queries are in pixel order and nearly all the same, as are directly visible lights and first surfaces.
 #[test]
 fn camera_paths_are_the_same_paths() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
     for name in ["two-rooms", "plates", "orthographic"].into_iter().chain(SCENES) {
         let scene = if name == "orthographic" { lights(9) } else { scene(name) };
@@ -134,7 +134,7 @@ fn camera_paths_are_the_same_paths() {
 /// the number needed.
 #[test]
 fn queries_are_the_same_twice_and_overflow_is_counted() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let scene = scene("cornell-glass");
     let (first, film) = look(&mut gpu, &scene, &[0, 1]);
     let again = look(&mut gpu, &scene, &[0, 1]);
@@ -158,7 +158,7 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
 /// More queries than are compacted at a time, and more pixels than are read back at a time.
 #[test]
 fn large_pictures_come_in_stretches() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
     let (scene, size) = (scene("cornell-glass"), [1025, 777]);
     let required = Requirements::of(&scene.view(), &settings());
@@ -195,7 +195,7 @@ fn light<B: TransportBackend, const N: usize>(
 /// decides whether a shadow edge or a light is hit.
 #[test]
 fn direct_light_is_the_same_light() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
     for name in ["two-rooms", "plates"].into_iter().chain(SCENES) {
         let scene = scene(name);
@@ -221,7 +221,7 @@ fn lights(count: usize) -> Scene {
     let floor = scene.material(MaterialDesc::lambert("floor", [0.8, 0.7, 0.6]));
     let sheet = scene.material(MaterialDesc::thin("sheet", 1.5));
     let area_light = MaterialDesc::emissive("lamp", [0.5; 3], [8.0, 9.0, 10.0]);
-    let area_light = scene.material(MaterialDesc { emits_both_sides: true, ..area_light });
+    let area_light = scene.material(area_light.with_both_sides(true));
     scene.quad("floor", [[-2., 0., 2.], [2., 0., 2.], [2., 0., -2.], [-2., 0., -2.]], floor);
     scene.quad("sheet", [[-1., 0.3, 0.], [1., 0.3, 0.], [1., 1.2, -0.4], [-1., 1.2, -0.4]], sheet);
     for i in 0..count {
@@ -247,14 +247,14 @@ fn lights(count: usize) -> Scene {
         }
     }
     let above = CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8);
-    scene.camera("above", CameraDesc { projection: Projection::Orthographic { half_height: 1.4 }, ..above });
+    scene.camera("above", above.with_projection(Projection::Orthographic { half_height: 1.4 }));
     scene.build().unwrap()
 }
 
 /// A few lights are weighted at each query, many are chosen by power; both backends choose the same ones.
 #[test]
 fn every_kind_of_light_is_chosen_alike() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
     for count in [4, 9, 40] {
         let scene = lights(count);
@@ -271,7 +271,7 @@ fn every_kind_of_light_is_chosen_alike() {
 /// So many rays that their strata and their sums need more than the first few bits.
 #[test]
 fn many_shadow_rays_keep_to_their_strata() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
     let scene = scene("ring");
     let (queries, _) = look(&mut cpu, &scene, &[1]);
@@ -348,7 +348,7 @@ fn gather<B: TransportBackend, const N: usize>(
 /// Both backends trace the same rays and read the same maps.
 #[test]
 fn final_gathering_finds_the_same() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
     for name in ["cornell", "cornell-glass"] {
         let scene = scene(name);

@@ -2,15 +2,15 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use backend_cpu::Cpu;
-use backend_vulkan::{DispatchLimits, Vulkan};
+use backend_vulkan::low_level::{self, DispatchLimits};
 use photon_core::{
     Backend, Budget, Estimate, EstimateParams, Film, IndexKind, Indirect, Photon, Pipeline, Query, Render, Search,
     Settings, View, render,
 };
 
 fn film(dispatch_limits: DispatchLimits, width: u32, height: u32) -> Film {
-    let mut on = Vulkan::for_tests().unwrap();
-    on.set_dispatch_limits(dispatch_limits);
+    let mut on = low_level::for_tests().unwrap();
+    low_level::set_dispatch_limits(&mut on, dispatch_limits);
     let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
     let view = View { camera: scene.camera(None, width, height).unwrap(), width, height };
     let settings = Settings {
@@ -38,7 +38,7 @@ fn apart(a: &Film, b: &Film) -> f64 {
 /// tile.
 #[test]
 fn pictures_do_not_depend_on_portions() {
-    if Vulkan::for_tests().is_none() {
+    if low_level::for_tests().is_none() {
         return;
     }
     let default = DispatchLimits::default();
@@ -75,7 +75,7 @@ fn ask<B: Backend>(on: &mut B, photons: &[Photon], queries: &[Query]) -> Vec<Est
 /// More queries than one dispatch processes, sorted and unsorted.
 #[test]
 fn more_queries_than_a_dispatch_takes() {
-    let Some(mut on) = Vulkan::for_tests() else { return };
+    let Some(mut on) = low_level::for_tests() else { return };
     let at = |i: u32, side: u32| [(i % side) as f32 / side as f32, 0.0, (i / side) as f32 / side as f32];
     let photons: Vec<_> = (0..900)
         .map(|i| Photon { position: at(i, 30), power: [1.0, (i % 3) as f32, 0.5], ..Photon::default() })

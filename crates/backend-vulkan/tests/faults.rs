@@ -3,7 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "test code")]
 
-use backend_vulkan::Vulkan;
+use backend_vulkan::{Vulkan, low_level};
 use photon_core::{Direct, Error, Film, Indirect, PassEnd, Pipeline, Render, Result, Settings, View};
 use photon_scene::{Scene, builtin};
 
@@ -46,13 +46,13 @@ struct Whole {
 }
 
 fn whole(scene: &Scene) -> Option<Whole> {
-    let on = Vulkan::for_tests()?;
+    let on = low_level::for_tests()?;
     let mut renderer = start(on, scene).unwrap();
     renderer.pass(0, &mut ()).unwrap();
     renderer.pass(1, &mut ()).unwrap();
-    let work = renderer.backend().work_so_far();
+    let work = low_level::work_so_far(renderer.backend());
     // Once more, reading the film after the first pass.
-    let mut renderer = start(Vulkan::for_tests()?, scene).unwrap();
+    let mut renderer = start(low_level::for_tests()?, scene).unwrap();
     let films = [0, 1].map(|pass| {
         renderer.pass(pass, &mut ()).unwrap();
         renderer.film().unwrap()
@@ -71,7 +71,7 @@ fn steps(count: u64) -> Vec<u64> {
 }
 
 fn check(scene: &Scene, whole: &Whole, fault: impl Fn(&Vulkan), expected: impl Fn(&Error) -> bool) {
-    let on = Vulkan::for_tests().unwrap();
+    let on = low_level::for_tests().unwrap();
     fault(&on);
     let (passes, error, film) = render(on, scene);
     let error = error.unwrap();
@@ -89,7 +89,7 @@ fn memory_that_runs_out_at_any_step_is_an_error() {
     assert!(whole.work.0 > 20, "{:?}", whole.work);
     for at in steps(whole.work.0) {
         let expected = |error: &Error| matches!(error, Error::OutOfMemory { .. });
-        check(&scene, &whole, |on| on.inject_faults(Some(at), None), expected);
+        check(&scene, &whole, |on| low_level::inject_faults(on, Some(at), None), expected);
     }
 }
 
@@ -100,7 +100,7 @@ fn a_device_that_is_lost_at_any_step_is_an_error() {
     assert!(whole.work.1 > 10, "{:?}", whole.work);
     for at in steps(whole.work.1) {
         let expected = |error: &Error| matches!(error, Error::DeviceLost);
-        check(&scene, &whole, |on| on.inject_faults(None, Some(at)), expected);
+        check(&scene, &whole, |on| low_level::inject_faults(on, None, Some(at)), expected);
     }
 }
 
@@ -109,13 +109,13 @@ fn a_device_that_is_lost_at_any_step_is_an_error() {
 fn what_earlier_passes_gave_is_kept() {
     let scene = builtin("cornell-glass").unwrap().build().unwrap();
     let Some(whole) = whole(&scene) else { return };
-    let mut renderer = start(Vulkan::for_tests().unwrap(), &scene).unwrap();
+    let mut renderer = start(low_level::for_tests().unwrap(), &scene).unwrap();
     renderer.pass(0, &mut ()).unwrap();
-    let (allocations, _) = renderer.backend().work_so_far();
-    renderer.backend().inject_faults(Some(allocations + 1), None);
+    let (allocations, _) = low_level::work_so_far(renderer.backend());
+    low_level::inject_faults(renderer.backend(), Some(allocations + 1), None);
     let error = renderer.pass(1, &mut ()).unwrap_err();
     assert!(matches!(error, Error::OutOfMemory { .. }), "{error:?}");
-    renderer.backend().inject_faults(None, None);
+    low_level::inject_faults(renderer.backend(), None, None);
     assert!(renderer.film().unwrap().pixels == whole.films[0].pixels);
     // Rendering can continue.
     renderer.pass(1, &mut ()).unwrap();
@@ -126,7 +126,7 @@ fn what_earlier_passes_gave_is_kept() {
 #[test]
 fn without_faults_there_is_no_error() {
     let scene = builtin("cornell").unwrap().build().unwrap();
-    if let Some(on) = Vulkan::for_tests() {
+    if let Some(on) = low_level::for_tests() {
         let (passes, error, film) = render(on, &scene);
         assert!(passes == 2 && error.is_none() && film.is_some(), "{error:?}");
     }

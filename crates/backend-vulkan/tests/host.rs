@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock};
 
 use backend_vulkan::ash::{self, vk};
-use backend_vulkan::{RawDevice, Vulkan};
+use backend_vulkan::{RawDevice, Vulkan, low_level};
 use photon_core::{Backend, Error, Indirect, PassEnd, Photon, Pipeline, Render, Settings, View};
 
 /// If set, every submission reports that the device is lost.
@@ -80,7 +80,7 @@ struct Host {
 impl Host {
     /// Opens the first suitable device, if there is one.
     fn new() -> Option<Self> {
-        drop(Vulkan::for_tests()?);
+        drop(low_level::for_tests()?);
         let chosen = backend_vulkan::devices().unwrap().into_iter().find(|device| device.lacks.is_empty())?;
         // SAFETY: each handle is made from the one before it, and the structures live until after the calls;
         // the function tables are those of the device, except for four functions that forward their arguments.

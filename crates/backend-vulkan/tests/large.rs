@@ -1,7 +1,7 @@
 //! Photon maps larger than the 128 MiB that some devices can bind at once.
 
 use backend_cpu::Cpu;
-use backend_vulkan::Vulkan;
+use backend_vulkan::low_level;
 use photon_core::{Backend, Estimate, EstimateParams, IndexKind, Photon, Query, Result, Search};
 
 const BINDING: u64 = 128 << 20;
@@ -49,7 +49,7 @@ fn ask<B: Backend>(on: &mut B, kind: IndexKind, photons: &[Photon], queries: &[Q
 
 #[test]
 fn maps_larger_than_a_binding_are_whole() {
-    let Some(mut on) = Vulkan::for_tests() else { return };
+    let Some(mut on) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).expect("threads start");
     let (side, kind) = (2900, IndexKind::Morton);
     let (photons, queries) = (photons(side), queries(side));

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use backend_cpu::Cpu;
-use backend_vulkan::{TracePlan, Vulkan};
+use backend_vulkan::low_level::{self, TracePlan};
 use photon_core::glam::Vec3;
 use photon_core::{
     Batch, MapKind, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Scheduling, Settings, Tally,
@@ -118,7 +118,7 @@ fn share(a: &[Photon], b: &[Photon]) -> f64 {
 
 #[test]
 fn photons_are_those_of_the_processor() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
     for (name, random) in SCENES
         .map(|name| (name, RandomKind::Counter))
@@ -159,13 +159,13 @@ fn photons_of_other_paths_are_noticed() {
 
 #[test]
 fn the_way_of_sharing_does_not_show() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let plain =
         TracePlan { group: 32, threads: 1 << 17, quota: 4, busy: 0, shared_groups: 0, surfaces: 16, places: 1 << 20 };
     for (name, max_bounces) in [("cornell-glass", 40), ("ring", 7)] {
         let scene = scene(name);
         let how = |scheduling| How { settings: Settings { scheduling, max_bounces, ..settings() }, ..How::default() };
-        gpu.set_trace_plan(plain);
+        low_level::set_trace_plan(&mut gpu, plain);
         let first = trace(&mut gpu, &scene, &how(Scheduling::Static));
         assert!(first.needed.values().sum::<u64>() > 5000, "{:?}", first.needed);
         for (scheduling, plan) in [
@@ -180,7 +180,7 @@ fn the_way_of_sharing_does_not_show() {
             // Chunks that store too many photons are shortened, and finally get a larger buffer.
             (Scheduling::Dynamic, TracePlan { places: 5000, ..plain }),
         ] {
-            gpu.set_trace_plan(plan);
+            low_level::set_trace_plan(&mut gpu, plan);
             assert!(trace(&mut gpu, &scene, &how(scheduling)) == first, "{name}: {scheduling:?}, {plan:?}");
         }
         // Batches give the same result, whether or not they coincide with chunks.
@@ -192,7 +192,7 @@ fn the_way_of_sharing_does_not_show() {
 
 #[test]
 fn overflow_counts_what_there_was() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let scene = scene("cornell-glass");
     let all = trace(&mut gpu, &scene, &How::default());
     let few = trace(&mut gpu, &scene, &How { capacity: 100, cuts: vec![5000], ..How::default() });
@@ -204,7 +204,7 @@ fn overflow_counts_what_there_was() {
 /// paths survives between dispatches.
 #[test]
 fn long_paths_are_followed_to_their_end() {
-    let Some(mut gpu) = Vulkan::for_tests() else { return };
+    let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
     let scene = photon_scene::furnace(0.999, photon_scene::FurnaceShape::Box).build().unwrap();
     let settings = Settings { max_bounces: 333, ..settings() };

@@ -18,6 +18,7 @@ mod scene;
 mod settings;
 mod shading;
 
+pub use backend::kd_tree;
 pub use backend::memory::Costs;
 pub use backend::observer::{Event, Observer, PassReport};
 pub use backend::stages::{
@@ -44,6 +45,7 @@ pub use requirements::photon_format::PhotonFormat;
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::camera::Camera;
 pub use scene::caster::{Hit, Ray, RayCaster};
+pub use scene::environment::{EnvironmentMap, EnvironmentRow};
 pub use scene::layout::{Element, ErrorMoments, Estimate, Photon, PhotonRay, Query};
 pub use scene::light::Light;
 pub use scene::light_shares::{LightShare, light_shares};
@@ -61,5 +63,10 @@ pub use settings::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Scheduling, Settings,
 };
 pub use shading::bsdf::{Bsdf, Lobe};
+pub use shading::environment::EnvironmentSample;
 pub use shading::interaction::SurfaceInteraction;
-pub use shading::{area, fresnel, math, octahedral, offset, random, sampling, sobol, solid_angle};
+pub use shading::shade::{Shaded, Shading};
+pub use shading::{
+    area, fresnel, light_sampler, math, octahedral, offset, random, sampling, shading_normal, sobol, solid_angle,
+    texture,
+};

@@ -6,7 +6,7 @@ use crate::mesh::{Mesh, VertexAttributes};
 use crate::scene::Scene;
 use crate::texture::{TextureDesc, TextureId};
 use crate::{camera, lights, normalise, shading, solids, validate};
-use photon_core::{Primitive, Units, light_cdf};
+use photon_core::{EnvironmentMap, Primitive, Units, light_cdf};
 
 /// Handle of a material of one [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -35,6 +35,7 @@ pub struct SceneBuilder {
     pub(crate) textures: Vec<TextureDesc>,
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) lights: Vec<(String, LightDesc)>,
+    pub(crate) environment: Option<EnvironmentMap>,
     pub(crate) cameras: Vec<(String, CameraDesc)>,
 }
 
@@ -91,6 +92,12 @@ impl SceneBuilder {
         self.lights.push((name.into(), desc));
     }
 
+    /// Sets the light from infinitely far away, radiance in W/(m²·sr); replaces one that was set before. A black map is
+    /// none.
+    pub fn environment(&mut self, map: EnvironmentMap) {
+        self.environment = (map.mean_radiance() != [0.0; 3]).then_some(map);
+    }
+
     /// Adds a camera; the first one is the default.
     pub fn camera(&mut self, name: impl Into<String>, desc: CameraDesc) {
         self.cameras.push((name.into(), desc));
@@ -111,7 +118,7 @@ impl SceneBuilder {
     #[must_use]
     pub fn has_light(&self) -> bool {
         let emits = |mesh: &Mesh| self.materials.get(mesh.material.0 as usize).is_some_and(MaterialDesc::is_emissive);
-        !self.lights.is_empty() || self.meshes.iter().any(emits)
+        !self.lights.is_empty() || self.environment.is_some() || self.meshes.iter().any(emits)
     }
 
     /// Bounding box of the triangles in user space: lower and upper corner. `None` without triangles.
@@ -143,7 +150,14 @@ impl SceneBuilder {
         let mut warnings = Vec::new();
         frame.warn(&mut warnings);
         let radiances = shading::Radiances::new(source, &geometry);
-        let lit = lights::table(&self.lights, &self.materials, &geometry, frame, radiances, &mut warnings)?;
+        let lit = lights::table(
+            (&self.lights, self.environment.as_ref()),
+            &self.materials,
+            &geometry,
+            frame,
+            radiances,
+            &mut warnings,
+        )?;
         let (mut materials, media) = lights::materials(&self.materials, &geometry, &lit, frame)?;
         let shading = shading::tables(source, &geometry, &mut materials, &mut warnings);
         let units = Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power };
@@ -161,6 +175,7 @@ impl SceneBuilder {
 
         let radius = lit.lights.iter().map(|light| normalise::length(light.position)).fold(geometry.radius, f64::max);
         Ok(Scene {
+            environment: self.environment.filter(|_| lit.shows_environment()).map(|map| map.scaled(lit.per_power())),
             light_cdf: light_cdf(&lit.means),
             units,
             shading,

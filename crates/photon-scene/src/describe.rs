@@ -7,6 +7,7 @@ use crate::texture::TexturesDesc;
 
 /// How a surface scatters light. Colours are linear RGB in `[0, 1]`.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Surface {
     /// Diffuse (Lambertian) reflection on both sides.
     Lambert {
@@ -40,6 +41,7 @@ pub enum Surface {
 
 /// A named material: a surface, its emission and its textures.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MaterialDesc {
     /// Name in messages and override files; need not be unique.
     pub name: String,
@@ -100,6 +102,24 @@ impl MaterialDesc {
         Self { emission: radiance, ..Self::lambert(name, albedo) }
     }
 
+    /// The material with [`Self::emits_both_sides`] set or cleared.
+    #[must_use]
+    pub fn with_both_sides(self, emits_both_sides: bool) -> Self {
+        Self { emits_both_sides, ..self }
+    }
+
+    /// The material with these [`Self::textures`].
+    #[must_use]
+    pub fn with_textures(self, textures: TexturesDesc) -> Self {
+        Self { textures, ..self }
+    }
+
+    /// The material with this [`Self::priority`].
+    #[must_use]
+    pub fn with_priority(self, priority: u32) -> Self {
+        Self { priority, ..self }
+    }
+
     /// Whether the material emits any light.
     #[must_use]
     pub fn is_emissive(&self) -> bool {
@@ -121,6 +141,7 @@ impl MaterialDesc {
 
 /// A light that is not a surface: point, spot or directional.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum LightDesc {
     /// Emits equally in all directions; its flux is `4π · intensity`.
     Point {
@@ -155,6 +176,7 @@ pub enum LightDesc {
 
 /// How a camera maps directions or points to pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Projection {
     /// All rays start at one point.
     Perspective {
@@ -170,6 +192,7 @@ pub enum Projection {
 
 /// A camera. The width of the view follows from its height and the aspect ratio of the picture.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CameraDesc {
     /// Origin of the rays, user space; may lie outside the scene.
     pub position: [f64; 3],
@@ -183,10 +206,22 @@ pub struct CameraDesc {
 }
 
 impl CameraDesc {
+    /// A camera with the given fields.
+    #[must_use]
+    pub fn new(position: [f64; 3], direction: [f64; 3], up: [f64; 3], projection: Projection) -> Self {
+        Self { position, direction, up, projection }
+    }
+
     /// A perspective camera at `from` that looks at `to`; `vertical_fov` in radians.
     #[must_use]
     pub fn look_at(from: [f64; 3], to: [f64; 3], up: [f64; 3], vertical_fov: f64) -> Self {
         let direction = std::array::from_fn(|axis| to[axis] - from[axis]);
-        Self { position: from, direction, up, projection: Projection::Perspective { vertical_fov } }
+        Self::new(from, direction, up, Projection::Perspective { vertical_fov })
+    }
+
+    /// The camera with another projection.
+    #[must_use]
+    pub fn with_projection(self, projection: Projection) -> Self {
+        Self { projection, ..self }
     }
 }

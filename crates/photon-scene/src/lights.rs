@@ -7,7 +7,7 @@ use crate::shading::Radiances;
 use crate::validate::unit;
 use glam::DVec3;
 use photon_core::sampling::spot_solid_angle;
-use photon_core::{Light, Material, MaterialKind, Medium, MediumStack};
+use photon_core::{EnvironmentMap, Light, Material, MaterialKind, Medium, MediumStack};
 use std::f64::consts::PI;
 
 /// Everything that emits light.
@@ -22,13 +22,25 @@ pub(crate) struct Lit {
     total: f64,
 }
 
-/// Lists emissive triangles, then the other lights, each with its power.
+impl Lit {
+    /// Whether the environment map is among the lights: not if it is too weak beside the others.
+    pub(crate) fn shows_environment(&self) -> bool {
+        self.lights.iter().any(|light| light.kind == Light::ENVIRONMENT)
+    }
+
+    /// Factor from radiance in user units to units of total power.
+    pub(crate) fn per_power(&self) -> f64 {
+        if self.total > 0.0 { 1.0 / self.total } else { 0.0 }
+    }
+}
+
+/// Lists emissive triangles, the other lights, then the environment, each with its power.
 ///
 /// Powers are first computed relative to the squared scale, which stays in the range of f64 even for a scene
 /// ten to the thirty times as large, while its watts might not. A triangle on which an emission texture is black is no
 /// light.
 pub(crate) fn table(
-    descs: &[(String, LightDesc)],
+    (descs, environment): (&[(String, LightDesc)], Option<&EnvironmentMap>),
     materials: &[MaterialDesc],
     geometry: &Geometry,
     frame: Frame,
@@ -45,7 +57,8 @@ pub(crate) fn table(
         (Light { kind: Light::TRIANGLE, primitive, area: area as f32, flags, ..blank() }, power)
     });
     let others = descs.iter().map(|(_, desc)| punctual(desc, geometry.radius, frame));
-    let all: Vec<(Light, DVec3)> = triangles.chain(others).collect();
+    let sky = environment.map(|map| infinite(map, geometry.radius));
+    let all: Vec<(Light, DVec3)> = triangles.chain(others).chain(sky).collect();
 
     let total: f64 = all.iter().map(|(_, power)| mean(*power)).sum();
     let power = total * frame.scale * frame.scale;
@@ -79,6 +92,12 @@ pub(crate) fn table(
         return Err(SceneError::TooMany { what: "lights", count: lit.lights.len() });
     }
     Ok(lit)
+}
+
+/// The light of an environment map: flux through the scene's disc, from all directions.
+fn infinite(map: &EnvironmentMap, radius: f64) -> (Light, DVec3) {
+    let light = Light { kind: Light::ENVIRONMENT, radius: radius as f32, ..blank() };
+    (light, DVec3::from_array(map.mean_radiance()) * (4.0 * PI * PI * radius * radius))
 }
 
 /// A point, spot or directional light, and its flux per squared scale.

@@ -4,6 +4,7 @@ use std::fmt;
 
 /// How a loader handled the subject of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ReportKind {
     /// It is rendered, but not exactly as in the file.
     Approximated,
@@ -15,6 +16,7 @@ pub enum ReportKind {
 
 /// One message of a loader.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ReportLine {
     /// How the subject was handled.
     pub kind: ReportKind,
@@ -37,6 +39,7 @@ impl fmt::Display for ReportLine {
 
 /// All messages of a loader, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct LoadReport {
     /// The lines.
     pub lines: Vec<ReportLine>,

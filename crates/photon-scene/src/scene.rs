@@ -4,7 +4,7 @@ use crate::camera;
 use crate::describe::CameraDesc;
 use crate::error::SceneError;
 use crate::shading::Tables;
-use photon_core::{Camera, Light, Material, Medium, Primitive, SceneView, Units};
+use photon_core::{Camera, EnvironmentMap, Light, Material, Medium, Primitive, SceneView, Units};
 
 /// The result of [`crate::SceneBuilder::build`]: the tables that backends read, and the names and units for
 /// messages and results.
@@ -21,6 +21,7 @@ pub struct Scene {
     pub(crate) media: Vec<Medium>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
+    pub(crate) environment: Option<EnvironmentMap>,
     pub(crate) shading: Tables,
     pub(crate) radius: f32,
     pub(crate) units: Units,
@@ -44,6 +45,7 @@ impl Scene {
             media: &self.media,
             lights: &self.lights,
             light_cdf: &self.light_cdf,
+            environment: self.environment.as_ref(),
             shading: self.shading.view(),
             radius: self.radius,
             units: self.units,

@@ -128,7 +128,7 @@ fn cameras() {
     names(&camera(look(origin, [0.0; 3], 1.0)), &["'eye'", "up"]);
     for half_height in [0.0, -1.0, f64::INFINITY] {
         let projection = Projection::Orthographic { half_height };
-        names(&camera(CameraDesc { projection, ..look(origin, up, 1.0) }), &["'eye'", "half the height"]);
+        names(&camera(look(origin, up, 1.0).with_projection(projection)), &["'eye'", "half the height"]);
     }
     let scene = build(|builder| builder.camera("eye", look(origin, up, 1.0))).expect("a scene");
     let of = |name, width, height| scene.camera(name, width, height).expect_err("a fault").to_string();
@@ -152,7 +152,7 @@ fn frames_of_extreme_directions_are_unit() {
             let up = if direction[1] == 0.0 { [0.0, 1e-200, 0.0] } else { [0.0, 0.0, 1e200] };
             let position = [0.0, 3.0, 5.0];
             let projection = Projection::Perspective { vertical_fov: 1.0 };
-            builder.camera("eye", CameraDesc { position, direction, up, projection });
+            builder.camera("eye", CameraDesc::new(position, direction, up, projection));
             builder.light("sun", LightDesc::Directional { direction, irradiance: [1.0; 3] });
         })
         .expect("sound");

@@ -25,13 +25,13 @@ fn described(scene: &SceneBuilder) -> String {
 fn everything() -> SceneBuilder {
     let third = 1.0 / 3.0;
     let mut scene = SceneBuilder::new();
-    let both = MaterialDesc { emits_both_sides: true, ..MaterialDesc::emissive("both", [0.1; 3], [third, 2.0, 1e-3]) };
+    let both = MaterialDesc::emissive("both", [0.1; 3], [third, 2.0, 1e-3]).with_both_sides(true);
     let glass = Surface::Dielectric { ior: 1.1 * third + 1.0, absorption: [0.1, 7.7, 0.0], tint: [0.3, third, 1.0] };
     let all = [
         MaterialDesc::lambert("diffuse", [third, 0.7, 0.0]),
-        MaterialDesc { emits_both_sides: true, ..MaterialDesc::lambert("dark", [0.5; 3]) },
+        MaterialDesc::lambert("dark", [0.5; 3]).with_both_sides(true),
         MaterialDesc::mirror("mirror", [0.9, 0.8, third]),
-        MaterialDesc { priority: 3, ..MaterialDesc::new("glass", glass) },
+        MaterialDesc::new("glass", glass).with_priority(3),
         MaterialDesc::new("clear", Surface::Dielectric { ior: 0.9, absorption: [0.0; 3], tint: [1.0; 3] }),
         MaterialDesc::new("pane", Surface::Thin { ior: 1.33, tint: [0.2, 0.4, third] }),
         both,
@@ -56,7 +56,7 @@ fn everything() -> SceneBuilder {
     scene.light("sun", LightDesc::Directional { direction: [third, -3.0, 0.1], irradiance: [1e-3, third, 2.0] });
     scene.camera("first", CameraDesc::look_at([0.1, 3.0, 9.0], [1.0, third, 0.0], [0.1, 1.0, 0.0], 0.7));
     let projection = Projection::Orthographic { half_height: 10.0 * third };
-    let along = CameraDesc { position: [0.0; 3], direction: [0.0, 0.0, -4.0], up: [third, 2.0, 1.0], projection };
+    let along = CameraDesc::new([0.0; 3], [0.0, 0.0, -4.0], [third, 2.0, 1.0], projection);
     scene.camera("second", along);
     scene
 }

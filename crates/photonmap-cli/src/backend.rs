@@ -70,7 +70,8 @@ fn cpu(threads: Option<usize>) -> Result<Chosen, Fault> {
 /// # Errors
 /// [`Fault::Input`]: no loader, no driver, or no suitable device with what each lacks.
 pub fn vulkan() -> Result<Vulkan, Fault> {
-    let options = Options { disk_cache: true, ..Options::default() };
+    let mut options = Options::default();
+    options.disk_cache = true;
     Vulkan::with_options(&options).map_err(|error| Fault::Input(format!("--backend vulkan: {}", why_not(&error))))
 }
 

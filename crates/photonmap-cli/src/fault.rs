@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 /// Why the program ends early.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Fault {
     /// A user error: a wrong option or a wrong file. Exit code 2.
     #[error("{0}")]

@@ -129,6 +129,12 @@ fn shape(scene: &Scene, index: usize, material: &Material, file: &str) -> Result
         MaterialKind::Thin => {
             format!("<bsdf type=\"thindielectric\">{ior}{}</bsdf>", rgb("specular_transmittance", colour))
         }
+        other => {
+            return Err(Fault::input(format!(
+                "material number {index} is of the kind {other:?}, which is not written for Mitsuba; give it another \
+                 surface"
+            )));
+        }
     };
     let mut text = String::from("    <shape type=\"ply\">\n");
     let _ = writeln!(text, "        <string name=\"filename\" value=\"{}\"/>", escaped(file));

@@ -6,34 +6,10 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use backend_cpu::Cpu;
-use backend_vulkan::Vulkan;
 use photon_core::Backend;
+use photon_tests::backends::{OnCpu, OnVulkan};
 use photon_tests::extremes::{Extent, Sheet, groups};
 use photon_tests::harness::TestBackend;
-
-struct OnCpu;
-
-impl TestBackend for OnCpu {
-    type On = Cpu;
-    fn make(threads: usize) -> Cpu {
-        Cpu::with_threads(threads).expect("threads start")
-    }
-}
-
-struct OnVulkan;
-
-impl TestBackend for OnVulkan {
-    type On = Vulkan;
-
-    fn make(_threads: usize) -> Vulkan {
-        Vulkan::new().expect("it was available a moment ago")
-    }
-
-    fn available() -> bool {
-        Vulkan::new().is_ok()
-    }
-}
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -48,12 +48,8 @@ fn worst<T: TestBackend>(builder: SceneBuilder, truth: f64, size: u32) -> f64 {
 }
 
 fn looking(degrees: f64) -> CameraDesc {
-    CameraDesc {
-        position: [0.1, 0.2, -0.3],
-        direction: [0.3, -0.2, 0.9],
-        up: [0.0, 1.0, 0.0],
-        projection: Projection::Perspective { vertical_fov: degrees.to_radians() },
-    }
+    let projection = Projection::Perspective { vertical_fov: degrees.to_radians() };
+    CameraDesc::new([0.1, 0.2, -0.3], [0.3, -0.2, 0.9], [0.0, 1.0, 0.0], projection)
 }
 
 fn fields_of_view<T: TestBackend>(sheet: &mut Sheet) {
@@ -64,7 +60,7 @@ fn fields_of_view<T: TestBackend>(sheet: &mut Sheet) {
         sheet.holds("camera", what, format!("field of view {degrees}°"), format!("{error:.1e}"), error < 1e-5);
     }
     let half_height = 1e-6;
-    let camera = CameraDesc { projection: Projection::Orthographic { half_height }, ..looking(1.0) };
+    let camera = looking(1.0).with_projection(Projection::Orthographic { half_height });
     let error = worst::<T>(glowing(camera, |_| ()), 1.0, 24);
     sheet.holds(
         "camera",

@@ -1,19 +1,10 @@
 //! Search and estimate: photons on a plane, where the digits of their positions are exhausted.
 
-use backend_cpu::Cpu;
 use photon_core::{EstimateParams, IndexKind, Kernel, Photon, Search};
 
 use super::{Table, quantile, relative};
-use crate::harness::{TestBackend, Uniform, estimate, photon_at, query_at};
-
-struct OnCpu;
-
-impl TestBackend for OnCpu {
-    type On = Cpu;
-    fn make(threads: usize) -> Cpu {
-        Cpu::with_threads(threads).unwrap()
-    }
-}
+use crate::backends::OnCpu;
+use crate::harness::{Uniform, estimate, photon_at, query_at};
 
 /// Photons around queries near a corner of the scene; `radius` is the radius of the queries.
 struct Field {

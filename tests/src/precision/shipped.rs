@@ -66,7 +66,8 @@ impl Shipped {
         let settings = Settings { max_bounces, seed: PASS.seed, ..Settings::default() };
         let mut on = Cpu::with_threads(1).unwrap();
         let view = scene.view();
-        let required = Requirements { maps: PerMap::splat(true), ..Requirements::of(&view, &settings) };
+        let mut required = Requirements::of(&view, &settings);
+        required.maps = PerMap::splat(true);
         let prepared = on.prepare(&view, &required).unwrap();
         Self { on, required, settings, prepared }
     }

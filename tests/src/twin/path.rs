@@ -158,6 +158,7 @@ impl Twin<'_> {
                     specular_only = false;
                     (origin, direction) = (point + normal * scene.step, optics::cosine_hemisphere(normal, u, v));
                 }
+                other => panic!("the twin has no such material: {other:?}"),
             }
             from = hit.primitive;
         }

@@ -105,6 +105,7 @@ impl Wide {
         wide.light_places.extend(described.lights.iter().map(|light| match *light {
             LightDesc::Point { position, .. } | LightDesc::Spot { position, .. } => place(position),
             LightDesc::Directional { .. } => DVec3::ZERO,
+            ref other => panic!("the twin has no such light: {other:?}"),
         }));
         assert_eq!(wide.light_places.len(), wide.lights.len(), "a light was dropped");
         wide

@@ -2,16 +2,17 @@
 //! three builders use the same layout; they differ in the order of the points and in which blocks share a node.
 
 use crate::index::points::{Bounds, Item};
+use photon_core::kd_tree;
 use rayon::prelude::*;
 
 /// Points per block and children per node: one AVX-512 register of `f32`, or two of AVX2.
-pub(crate) const WIDTH: usize = 16;
+pub(crate) const WIDTH: usize = kd_tree::WIDTH as usize;
 
 /// Set in a child that is a block of points; the other bits are the block's number.
-pub(crate) const LEAF: u32 = 1 << 31;
+pub(crate) const LEAF: u32 = kd_tree::LEAF;
 
 /// Maximum depth of a tree, counted in nodes from the root to a block.
-pub(crate) const MAX_DEPTH: usize = 64;
+pub(crate) const MAX_DEPTH: usize = kd_tree::MAX_DEPTH as usize;
 
 /// Sixteen points as a structure of arrays. Lanes past the last point are NaN, so that they fail every comparison
 /// with a radius, even an infinite one.

@@ -16,10 +16,11 @@ use crate::index::lanes::Lanes;
 use crate::index::layout::WIDTH;
 use crate::index::points::Bounds;
 use crate::index::radix::{self, Keyed};
+use photon_core::kd_tree;
 use rayon::prelude::*;
 
 /// Bits of the code per axis.
-const BITS: i32 = 21;
+const BITS: i32 = kd_tree::MORTON_BITS as i32;
 
 /// The ids of `points` in the canonical order; `bounds` is their bounding box.
 pub(crate) fn order(points: &[[f32; 3]], bounds: &Bounds, isa: Isa) -> Vec<u32> {

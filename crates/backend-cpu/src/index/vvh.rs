@@ -7,6 +7,8 @@
 //! whole blocks, so that no lane of a block is empty. Voxels are the tight bounding boxes of their points, so empty
 //! margins never need a split of their own.
 
+use photon_core::kd_tree;
+
 use crate::index::dispatch::Isa;
 use crate::index::layout::{LEAF, Node, WIDTH};
 use crate::index::median::left_size;
@@ -14,17 +16,11 @@ use crate::index::points::{Bounds, Item};
 use crate::index::select::{Scratch, split};
 
 /// Slabs per voxel; the planes lie between them.
-const SLABS: usize = 32;
+const SLABS: usize = kd_tree::SLABS as usize;
 
 /// Maximum number of points that are counted (at least half as many, if the segment has them). A regular subsample
 /// of every segment, in order of ids, shows where its photons are dense as well as all of them do.
-const SAMPLE: usize = 64;
-
-/// Below this depth, voxels are split at the median. Adversarial points could make the heuristic peel off block
-/// after block; 24 levels of it and at most 28 levels of medians stay below [`MAX_DEPTH`].
-///
-/// [`MAX_DEPTH`]: crate::index::layout::MAX_DEPTH
-const HEURISTIC_DEPTH: u32 = 24;
+const SAMPLE: usize = kd_tree::SAMPLE as usize;
 
 /// Segments longer than this are split into two parallel tasks.
 const TASK: usize = 1 << 13;
@@ -62,8 +58,11 @@ fn segment(
     };
     let bounds = Bounds::around(items);
     let (axis, extent) = bounds.longest();
-    let left =
-        if depth < HEURISTIC_DEPTH { plane(items, axis, bounds.lo[axis], extent) } else { left_size(items.len()) };
+    let left = if depth < kd_tree::HEURISTIC_DEPTH {
+        plane(items, axis, bounds.lo[axis], extent)
+    } else {
+        left_size(items.len())
+    };
     *own = (left / WIDTH) as u32;
     split(items, other, left, axis, scratch);
     let (low, high) = other.split_at_mut(left);

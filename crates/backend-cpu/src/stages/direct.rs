@@ -3,7 +3,10 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::solid_angle::{self, Seen};
-use photon_core::{DirectLight, Layer, Light, MediumStack, Pass, Query, RandomKind, Ray, Result, offset, sampling};
+use photon_core::{
+    DirectLight, Features, Layer, Light, MediumStack, Pass, Query, RandomKind, Ray, Result, octahedral, offset,
+    sampling, shading_normal,
+};
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
@@ -24,6 +27,10 @@ impl DirectLight<Cpu> for CpuDirect {
         shadow_rays: u32,
         film: &mut CpuFilm,
     ) -> Result<()> {
+        let irradiance = match scene.present.intersects(SHADED) {
+            true => irradiance::<true>,
+            false => irradiance::<false>,
+        };
         on.pool.install(|| {
             film.for_queries(
                 queries.as_slice(),
@@ -38,8 +45,11 @@ impl DirectLight<Cpu> for CpuDirect {
     }
 }
 
+/// What shadow rays need a kernel of their own for.
+const SHADED: Features = Features::SHADING_NORMALS.union(Features::TEXTURED_LIGHTS);
+
 /// Direct irradiance: the mean over `rays` shadow rays.
-fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
+fn irradiance<const SHADED: bool>(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
     let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
     let light_sampler = LightSampler::at(scene, query);
     let mut sum = [0.0; 3];
@@ -48,7 +58,7 @@ fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3
         // Each ray samples its own stratum of the lights.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
         let (index, share) = light_sampler.pick(scene, choice);
-        let sample = sample(scene, &scene.lights[index], query, unit_f32(u), unit_f32(v));
+        let sample = sample::<SHADED>(scene, &scene.lights[index], query, u, v);
         let Some((value, ray)) = sample else { continue };
         if !scene.caster.occluded(&ray) {
             // The segment is unoccluded, so all of it lies in the query's medium.
@@ -63,27 +73,45 @@ fn irradiance(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3
 
 /// Samples a point on a light. Returns the unoccluded irradiance divided by the density of that point, and the
 /// shadow ray to test. `None` if the light is on the far side of the surface.
-fn sample(scene: &CpuScene, light: &Light, query: &Query, u: f32, v: f32) -> Option<(Vec3, Ray)> {
+fn sample<const SHADED: bool>(scene: &CpuScene, light: &Light, query: &Query, u: u32, v: u32) -> Option<(Vec3, Ray)> {
     let normal = Vec3::from(query.normal);
     let from = offset::off_surface(query.position.into(), normal);
-    let power = Vec3::from(light.power);
+    let mut power = Vec3::from(light.power);
+    // Cosine to the shading normal; 0 or below on the far side of the surface.
+    let cosine_of = |direction: Vec3| {
+        if SHADED && scene.present.contains(Features::SHADING_NORMALS) {
+            shading_normal::cosine(direction, normal, octahedral::unpack(query.shading_normal))
+        } else {
+            normal.dot(direction)
+        }
+    };
     if light.kind == Light::DIRECTIONAL {
         let direction = -Vec3::from(light.direction);
-        let cosine = normal.dot(direction);
+        let cosine = cosine_of(direction);
         let area = std::f32::consts::PI * light.radius * light.radius;
         let ray = Ray { origin: from, direction, t_max: f32::INFINITY };
         return (cosine > 0.0).then(|| (power * (cosine / area), ray));
     }
-    let Target { to, front, solid_angle } = if light.kind == Light::TRIANGLE {
+    if let (Light::ENVIRONMENT, Some(environment)) = (light.kind, &scene.environment) {
+        let found = environment.sample([u, v]);
+        let cosine = cosine_of(found.direction);
+        let ray = Ray { origin: from, direction: found.direction, t_max: f32::INFINITY };
+        return (cosine > 0.0).then(|| (found.weight * cosine, ray));
+    }
+    let (u, v) = (unit_f32(u), unit_f32(v));
+    let Target { to, front, solid_angle, at: (b, c) } = if light.kind == Light::TRIANGLE {
         at_area_light(scene, light, from, u, v)?
     } else {
-        Target { to: Vec3::from(light.position), front: Vec3::ZERO, solid_angle: 0.0 }
+        Target { to: Vec3::from(light.position), front: Vec3::ZERO, solid_angle: 0.0, at: (0.0, 0.0) }
     };
+    if SHADED && light.kind == Light::TRIANGLE && scene.present.contains(Features::TEXTURED_LIGHTS) {
+        power *= scene.emission_ratio(light, b, c);
+    }
     let gap = to - from;
     let squared = gap.length_squared();
     let distance = squared.sqrt();
     let direction = gap / distance;
-    let cosine = normal.dot(direction);
+    let cosine = cosine_of(direction);
     if !(cosine > 0.0) {
         return None;
     }
@@ -119,6 +147,8 @@ struct Target {
     front: Vec3,
     /// Solid angle of the whole area light if the point is uniform in solid angle; 0 if it is uniform in area.
     solid_angle: f32,
+    /// Its barycentric coordinates on the triangle of an area light.
+    at: (f32, f32),
 }
 
 /// Samples a point of a triangle, on an emitting side that faces the query; `None` if there is none.
@@ -142,5 +172,6 @@ fn at_area_light(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) ->
         Some(Seen { b, c, solid_angle }) => ((b, c), solid_angle),
         None => (sampling::triangle(u, v), 0.0),
     };
-    Some(Target { to: offset::off_surface(offset::barycentric(vertices, b, c), front), front, solid_angle })
+    let to = offset::off_surface(offset::barycentric(vertices, b, c), front);
+    Some(Target { to, front, solid_angle, at: (b, c) })
 }

@@ -3,7 +3,7 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler, centred_f32, unit_f32};
 use photon_core::{
-    Batch, Emitter, Light, PhotonRay, ProjectionMap, Result, light_probability, offset, pick_light, sampling,
+    Batch, Emitter, Features, Light, PhotonRay, ProjectionMap, Result, light_probability, offset, pick_light, sampling,
 };
 use rayon::prelude::*;
 
@@ -16,17 +16,27 @@ pub(crate) struct CpuEmitter;
 
 impl Emitter<Cpu> for CpuEmitter {
     fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
-        each(on, batch, Domain::Photon, rays, |sampler, path| {
-            let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
-            let [c, d, ..] = sampler.words(BLOCK_START);
-            let index = pick_light(&scene.light_cdf, choice);
-            let share = light_probability(&scene.light_cdf, index);
-            // Every path carries the power of its light divided by the probability of choosing that light.
-            let power = scene.lights[index].power.map(|p| (f64::from(p) / share) as f32);
-            PhotonRay { path, power, ..leave::<false>(scene, index, [a, b], [c, d], side) }
-        });
+        if scene.present.contains(Features::TEXTURED_LIGHTS) {
+            emit::<true>(on, scene, batch, rays);
+        } else {
+            emit::<false>(on, scene, batch, rays);
+        }
         Ok(())
     }
+}
+
+/// Emits photons; with `TEXTURED`, the emission of some area lights is textured.
+fn emit<const TEXTURED: bool>(on: &Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) {
+    each(on, batch, Domain::Photon, rays, |sampler, path| {
+        let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
+        let [c, d, ..] = sampler.words(BLOCK_START);
+        let index = pick_light(&scene.light_cdf, choice);
+        let share = light_probability(&scene.light_cdf, index);
+        // Every path carries the power of its light divided by the probability of choosing that light.
+        let power = scene.lights[index].power.map(|p| (f64::from(p) / share) as f32);
+        let start = PhotonRay { path, power, ..PhotonRay::default() };
+        leave::<false, TEXTURED>(scene, index, [a, b], [c, d], side, start)
+    });
 }
 
 /// Emits aimed photons: only through the cells of the projection map, towards specular surfaces.
@@ -43,14 +53,29 @@ impl CpuAimedEmitter {
 
 impl Emitter<Cpu> for CpuAimedEmitter {
     fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
-        each(on, batch, Domain::Aimed, rays, |sampler, path| {
-            let sample = self.projection.sample(sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
-            let target = &self.projection.targets()[sample.target];
-            let ray = leave::<true>(scene, target.light as usize, sample.point, sample.direction, sample.side);
-            PhotonRay { path, power: target.carried, ..ray }
-        });
+        if scene.present.contains(Features::TEXTURED_LIGHTS) {
+            aim::<true>(on, scene, batch, rays, &self.projection);
+        } else {
+            aim::<false>(on, scene, batch, rays, &self.projection);
+        }
         Ok(())
     }
+}
+
+/// Emits aimed photons; `TEXTURED` as for [`emit`].
+fn aim<const TEXTURED: bool>(
+    on: &Cpu,
+    scene: &CpuScene,
+    batch: &Batch,
+    rays: &mut CpuBuffer<PhotonRay>,
+    projection: &ProjectionMap,
+) {
+    each(on, batch, Domain::Aimed, rays, |sampler, path| {
+        let sample = projection.sample(sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
+        let target = &projection.targets()[sample.target];
+        let start = PhotonRay { path, power: target.carried, ..PhotonRay::default() };
+        leave::<true, TEXTURED>(scene, target.light as usize, sample.point, sample.direction, sample.side, start)
+    });
 }
 
 /// Fills `rays` with the result of `ray` for each path of the batch.
@@ -76,15 +101,16 @@ fn each(
     });
 }
 
-/// Samples the origin and direction of a photon that leaves light `index`; its power and path are left at 0. The
-/// const parameter makes a separate copy for each emitter, so that it is inlined there.
+/// Samples the origin and direction of a photon that leaves light `index`; its path and its power, which is that of
+/// the light's mean radiance, are those of `start`. The const parameter `AIMED` makes a separate copy for each emitter.
 #[inline]
-fn leave<const AIMED: bool>(
+fn leave<const AIMED: bool, const TEXTURED: bool>(
     scene: &CpuScene,
     index: usize,
     point: [u32; 2],
     direction: [u32; 2],
     side: u32,
+    start: PhotonRay,
 ) -> PhotonRay {
     let ([a, b], [c, d]) = (point.map(unit_f32), direction.map(unit_f32));
     let [height, _] = direction;
@@ -92,11 +118,24 @@ fn leave<const AIMED: bool>(
     let position = Vec3::from(light.position);
     let along = Vec3::from(light.direction);
     let mut back = false;
+    let mut power = start.power;
     let (origin, direction) = match light.kind {
         Light::POINT => (position, sampling::uniform_sphere(centred_f32(height), d)),
         Light::SPOT => {
             let versine = sampling::spot_versine(light.versine_inner, light.versine_outer, c);
             (position, sampling::about(along, versine, d))
+        }
+        Light::ENVIRONMENT => {
+            let Some(environment) = &scene.environment else { return start };
+            let found = environment.sample(direction);
+            let direction = -found.direction;
+            let (x, y) = sampling::disc(a, b);
+            let (tangent, bitangent) = sampling::basis(direction);
+            // The power of the record is that of the mean radiance.
+            let reciprocal = Vec3::from(power).max_element() / Vec3::from(light.power).max_element();
+            let area = std::f32::consts::PI * light.radius * light.radius;
+            power = (found.weight * (area * reciprocal)).to_array();
+            ((tangent * x + bitangent * y - direction) * light.radius, direction)
         }
         Light::DIRECTIONAL => {
             let (x, y) = sampling::disc(a, b);
@@ -107,6 +146,9 @@ fn leave<const AIMED: bool>(
             let primitive = light.primitive as usize;
             let (u, v) = sampling::triangle(a, b);
             let point = offset::within(scene.vertices[primitive], scene.margins[primitive], u, v);
+            if TEXTURED {
+                power = (Vec3::from(power) * scene.emission_ratio(light, u, v)).to_array();
+            }
             let front = Vec3::from(scene.primitives[primitive].normal);
             back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
             let normal = if back { -front } else { front };
@@ -118,6 +160,7 @@ fn leave<const AIMED: bool>(
         direction: direction.into(),
         light: index as u32,
         media: scene.light_media(index, back).bits(),
-        ..PhotonRay::default()
+        power,
+        ..start
     }
 }

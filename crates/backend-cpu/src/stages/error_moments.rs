@@ -2,15 +2,11 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use photon_core::{ErrorMoments, Estimate, EstimateParams, sampling};
+use photon_core::{ErrorMoments, Estimate, EstimateParams, PhotonMoments, sampling};
 
 use crate::map::power::Power;
 use crate::map::{CpuMap, Powers};
 use crate::stages::estimate::{Sum, VisiblePoint};
-
-/// A photon farther from the query's plane than this fraction of the wide radius counts as lying on another
-/// surface.
-const OFF_PLANE: f32 = 0.25;
 
 /// The estimate of `Search::Radius`, identical to the bit, and the error moments of the photons within √2 times the
 /// radius.
@@ -19,11 +15,23 @@ pub(crate) fn estimate_with_moments_at(
     point: VisiblePoint,
     gather: &EstimateParams,
 ) -> (Estimate, ErrorMoments) {
-    match (map.powers(), gather.is_flat()) {
-        (Powers::Grey(powers), false) => estimate_with_moments_of::<false, _>(map, powers, point, gather),
-        (Powers::Grey(powers), true) => estimate_with_moments_of::<true, _>(map, powers, point, gather),
-        (Powers::Colour(powers), false) => estimate_with_moments_of::<false, _>(map, powers, point, gather),
-        (Powers::Colour(powers), true) => estimate_with_moments_of::<true, _>(map, powers, point, gather),
+    fn either<P: Power>(
+        map: &CpuMap,
+        power: impl Fn(u32) -> P,
+        point: VisiblePoint,
+        gather: &EstimateParams,
+    ) -> (Estimate, ErrorMoments) {
+        match gather.is_flat() {
+            false => estimate_with_moments_of::<false, _>(map, power, point, gather),
+            true => estimate_with_moments_of::<true, _>(map, power, point, gather),
+        }
+    }
+    match (map.powers(), point.shading) {
+        (Powers::Grey(powers), _) => either(map, |slot| powers[slot as usize], point, gather),
+        (Powers::Colour(powers), None) => either(map, |slot| powers[slot as usize], point, gather),
+        (Powers::Colour(powers), Some(shading)) => {
+            either(map, |slot| powers[slot as usize] * VisiblePoint::ratio(map, shading, slot), point, gather)
+        }
     }
 }
 
@@ -31,7 +39,7 @@ pub(crate) fn estimate_with_moments_at(
 /// the maximum distance from the plane scales with each radius.
 fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     map: &CpuMap,
-    powers: &[P],
+    power: impl Fn(u32) -> P,
     point: VisiblePoint,
     gather: &EstimateParams,
 ) -> (Estimate, ErrorMoments) {
@@ -45,7 +53,7 @@ fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     let (tangent, bitangent) = sampling::basis(normal);
     let state = (sum, Sums::<P::Sum>::default());
     let (sum, sums) = map.index().fold_within(point.position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
-        let carried = powers[slot as usize];
+        let carried = power(slot);
         let power = f64::from(carried.mean());
         let off = if FLAT { point.off_plane(map, slot) } else { 0.0 };
         if map.normal(slot).dot(normal) < gather.min_normal_cosine || (FLAT && off > SQRT_2 * most) {
@@ -61,7 +69,7 @@ fn estimate_with_moments_of<const FLAT: bool, P: Power>(
         }
         carried.add(&mut sums.wide, gather.kernel.weight((0.5 * u).min(1.0)));
         let offset = point.to(map, slot) * reach;
-        if offset.dot(normal).abs() > OFF_PLANE {
+        if offset.dot(normal).abs() > PhotonMoments::OFF_PLANE {
             sums.stray += power;
         }
         let (x, y) = (f64::from(offset.dot(tangent)), f64::from(offset.dot(bitangent)));

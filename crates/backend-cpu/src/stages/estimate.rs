@@ -3,7 +3,7 @@
 use photon_core::glam::Vec3;
 use photon_core::{
     ErrorMoments, Estimate, EstimateParams, PhotonFormat, Query, RadianceEstimator, Result, Search, neighbour_radius,
-    octahedral,
+    octahedral, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -118,12 +118,21 @@ pub(crate) struct VisiblePoint {
     /// Unit normal, on the visible side.
     pub(crate) normal: Vec3,
     pub(crate) radius: f32,
+    /// Shading normal, in scenes that have them.
+    pub(crate) shading: Option<Vec3>,
 }
 
 impl VisiblePoint {
     fn of(query: &Query, gather: &EstimateParams) -> Self {
         let radius = query.radius * gather.radius_scale;
-        Self { position: query.position, normal: query.normal.into(), radius }
+        let shading = gather.shading_normals.then(|| octahedral::unpack(query.shading_normal));
+        Self { position: query.position, normal: query.normal.into(), radius, shading }
+    }
+
+    /// Factor on the power of a photon at a point with the shading normal `shading`.
+    #[inline]
+    pub(crate) fn ratio(map: &CpuMap, shading: Vec3, slot: u32) -> f32 {
+        shading_normal::cosine_ratio(map.direction(slot), map.normal(slot), shading)
     }
 
     /// Vector from the point to a photon.
@@ -146,27 +155,30 @@ pub(crate) fn estimate_at(
     gather: &EstimateParams,
     scratch: &mut Neighbours,
 ) -> Estimate {
-    match map.powers() {
-        Powers::Grey(powers) => estimate_of(map, powers, point, gather, scratch),
-        Powers::Colour(powers) => estimate_of(map, powers, point, gather, scratch),
+    match (map.powers(), point.shading) {
+        (Powers::Grey(powers), _) => estimate_of(map, |slot| powers[slot as usize], point, gather, scratch),
+        (Powers::Colour(powers), None) => estimate_of(map, |slot| powers[slot as usize], point, gather, scratch),
+        (Powers::Colour(powers), Some(shading)) => {
+            let power = |slot| powers[slot as usize] * VisiblePoint::ratio(map, shading, slot);
+            estimate_of(map, power, point, gather, scratch)
+        }
     }
 }
 
-/// As [`estimate_at`], for one type of power.
+/// As [`estimate_at`], for photons of this power.
 fn estimate_of<P: Power>(
     map: &CpuMap,
-    powers: &[P],
+    power: impl Fn(u32) -> P,
     point: VisiblePoint,
     gather: &EstimateParams,
     scratch: &mut Neighbours,
 ) -> Estimate {
-    let VisiblePoint { position, normal, radius } = point;
+    let VisiblePoint { position, normal, radius, .. } = point;
     let radius_squared = radius * radius;
     let accept = |slot: u32| map.normal(slot).dot(normal) >= gather.min_normal_cosine;
-    let power = |slot: u32| powers[slot as usize];
     match gather.search {
-        Search::Radius if gather.is_flat() => within::<true, P>(map, powers, point, gather),
-        Search::Radius => within::<false, P>(map, powers, point, gather),
+        Search::Radius if gather.is_flat() => within::<true, P>(map, power, point, gather),
+        Search::Radius => within::<false, P>(map, power, point, gather),
         Search::KNearest { k } => {
             map.index().nearest(position, k as usize, radius_squared, accept, scratch);
             let nearest = scratch.as_slice();
@@ -215,7 +227,7 @@ fn estimate_of<P: Power>(
 /// The estimate from all photons within the radius; if `FLAT`, only from those near the query's plane.
 fn within<const FLAT: bool, P: Power>(
     map: &CpuMap,
-    powers: &[P],
+    power: impl Fn(u32) -> P,
     point: VisiblePoint,
     gather: &EstimateParams,
 ) -> Estimate {
@@ -229,7 +241,7 @@ fn within<const FLAT: bool, P: Power>(
             return sum;
         }
         let weight = gather.kernel.weight((d2 * scale).min(1.0));
-        sum.and(powers[slot as usize], weight)
+        sum.and(power(slot), weight)
     });
     sum.finish()
 }

@@ -3,8 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Camera, EyeTracer, FilmPixel, Layer, Lobe, Material, MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray,
-    Result, View, octahedral,
+    Bsdf, Camera, EyeTracer, Features, FilmPixel, Layer, Lobe, Material, MediumStack, Pass, QUERIES_PER_PIXEL, Query,
+    RandomKind, Ray, Result, View, octahedral, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -35,6 +35,7 @@ impl EyeTracer<Cpu> for CpuEye {
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
         let eye = Eye { scene, view, pass, max_bounces: self.max_bounces, max_splits };
+        let look = if scene.features.intersects(Features::SHADED) { Eye::look::<true> } else { Eye::look::<false> };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
                 .par_chunks_mut(view.width as usize)
@@ -42,7 +43,7 @@ impl EyeTracer<Cpu> for CpuEye {
                 .map(|(row, pixels)| {
                     let mut found = Vec::with_capacity(pixels.len());
                     for (column, pixel) in pixels.iter_mut().enumerate() {
-                        eye.look(column as u32, row as u32, pixel, &mut found);
+                        look(&eye, column as u32, row as u32, pixel, &mut found);
                     }
                     found
                 })
@@ -78,7 +79,8 @@ struct Path {
 }
 
 impl Eye<'_> {
-    fn look(&self, x: u32, y: u32, pixel: &mut FilmPixel, queries: &mut Vec<Query>) {
+    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals.
+    fn look<const SHADED: bool>(&self, x: u32, y: u32, pixel: &mut FilmPixel, queries: &mut Vec<Query>) {
         let number = y * self.view.width + x;
         let sampler = |branch: u32| {
             let key = number * QUERIES_PER_PIXEL + branch;
@@ -100,7 +102,7 @@ impl Eye<'_> {
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
-            while let Some(branch) = self.step(&mut path, number, pixel, queries, &sampler) {
+            while let Some(branch) = self.step::<SHADED>(&mut path, number, pixel, queries, &sampler) {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
                     count += 1;
@@ -111,7 +113,7 @@ impl Eye<'_> {
 
     /// Traces the path to its next surface. Returns `None` when the path has ended, `Some(Some(other))` when it has
     /// split.
-    fn step(
+    fn step<const SHADED: bool>(
         &self,
         path: &mut Path,
         number: u32,
@@ -119,13 +121,30 @@ impl Eye<'_> {
         queries: &mut Vec<Query>,
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
-        let surface = self.scene.surface(&path.ray)?;
-        let material = &self.scene.materials[surface.material as usize];
+        let Some((mut surface, hit)) = self.scene.hit(&path.ray) else {
+            if let Some(environment) = &self.scene.environment {
+                let camera = MediumStack::from_bits(self.view.camera.media);
+                let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
+                let radiance = environment.radiance(path.ray.direction);
+                deposit(pixel, Layer::Emission, throughput.into(), radiance.to_array().map(f64::from));
+            }
+            return None;
+        };
+        let mut material = &self.scene.materials[surface.material as usize];
+        let evaluated = if SHADED { Some(self.scene.shade(&surface, &hit)) } else { None };
+        let mut normal = surface.normal;
+        if let Some(evaluated) = &evaluated {
+            (material, normal) = (&evaluated.material, evaluated.normal);
+            if !material.is_diffuse() {
+                normal = shading_normal::bend(normal, -path.ray.direction);
+                surface = surface.with_cosine_to(normal, path.ray.direction);
+            }
+        }
         if path.surfaces == 0 {
             pixel.hits += 1;
             pixel.depth += f64::from(surface.t);
             for axis in 0..3 {
-                pixel.normal[axis] += f64::from(surface.normal[axis]);
+                pixel.normal[axis] += f64::from(normal[axis]);
                 pixel.albedo[axis] += f64::from(material.albedo[axis]);
             }
         }
@@ -139,7 +158,7 @@ impl Eye<'_> {
         if material.is_emissive() && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
             deposit(pixel, Layer::Emission, seen().into(), material.emission.map(f64::from));
         }
-        let bsdf = self.scene.bsdf(&surface, &interface);
+        let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
         if material.is_diffuse() {
             let throughput = bsdf.diffuse_throughput(seen());
             if throughput != Vec3::ZERO {
@@ -154,7 +173,7 @@ impl Eye<'_> {
                     media: interface.before.bits(),
                     wo: octahedral::pack(-path.ray.direction),
                     path: number * QUERIES_PER_PIXEL + path.branch,
-                    shading_normal: 0,
+                    shading_normal: if SHADED { octahedral::pack(normal) } else { 0 },
                     reserved: 0,
                 });
             }
@@ -165,7 +184,10 @@ impl Eye<'_> {
             return None;
         }
         let go_on = |lobe: Lobe| {
-            let direction = bsdf.direction(lobe, path.ray.direction, surface.normal, 0.0, 0.0);
+            let mut direction = bsdf.direction(lobe, path.ray.direction, normal, 0.0, 0.0);
+            if SHADED {
+                direction = shading_normal::on_side_of(lobe, direction, surface.normal);
+            }
             let media = if lobe == Lobe::SpecularTransmission { interface.transmitted } else { path.media };
             Path {
                 ray: surface.spawn(lobe, direction),

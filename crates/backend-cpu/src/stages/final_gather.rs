@@ -3,8 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    ErrorMoments, Estimate, EstimateParams, FinalGather, Layer, Lobe, MapKind, Maps, MediumStack, Pass, PerMap,
-    PhotonFormat, Query, RandomKind, Result, offset, sampling,
+    Bsdf, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Layer, Lobe, MapKind, Maps, MediumStack, Pass,
+    PerMap, PhotonFormat, Query, RandomKind, Result, octahedral, offset, sampling, shading_normal,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -35,6 +35,7 @@ impl FinalGather<Cpu> for CpuGather {
             gather.validate_for(map.photon_format())?;
         }
         let max_bounces = self.max_bounces;
+        let follow = if scene.present.intersects(Features::SHADED) { follow::<true> } else { follow::<false> };
         on.pool.install(|| {
             film.for_queries(queries.as_slice(), PerMap::<Neighbours>::default, |scratch, _, query, pixel, errors| {
                 let key = query.path;
@@ -111,8 +112,8 @@ impl Found {
 
 /// The contribution of one ray to the irradiance: π times the incoming radiance, since directions are sampled with
 /// density cos θ/π. Light that arrives straight from a light source, or from one through mirrors and glass only, is
-/// not counted here.
-fn follow(
+/// not counted here. `SHADED`: surfaces have textures or shading normals.
+fn follow<const SHADED: bool>(
     scene: &CpuScene,
     maps: &Maps<'_, Cpu>,
     query: &Query,
@@ -126,20 +127,41 @@ fn follow(
     let normal = Vec3::from(query.normal);
     // Each ray samples its own stratum in height.
     let u = ((index as f32 + unit_f32(u)) / rays as f32).min(1.0 - f32::EPSILON);
+    let shades = SHADED && scene.present.contains(Features::SHADING_NORMALS);
+    let axis = if shades { octahedral::unpack(query.shading_normal) } else { normal };
     let mut ray = photon_core::Ray {
         origin: offset::off_surface(query.position.into(), normal),
-        direction: sampling::cosine_hemisphere(normal, u, unit_f32(v)),
+        direction: sampling::cosine_hemisphere(axis, u, unit_f32(v)),
         t_max: f32::INFINITY,
     };
     // Throughput of radiance over n², which refraction leaves unchanged.
     let mut throughput = Vec3::ONE;
+    if shades {
+        // Directions are sampled about the shading normal; the cosine may be smaller than that to it.
+        let ratio =
+            shading_normal::cosine(ray.direction, normal, axis) / ray.direction.dot(axis).max(f32::MIN_POSITIVE);
+        if !(ratio > 0.0) {
+            return Found::default();
+        }
+        throughput *= ratio.min(1.0);
+    }
     let start = MediumStack::from_bits(query.media);
     let mut media = start;
     for bounce in 1..=max_bounces {
-        let Some(surface) = scene.surface(&ray) else { break };
+        let Some((mut surface, hit)) = scene.hit(&ray) else { break };
+        let mut material = &scene.materials[surface.material as usize];
+        let evaluated = if SHADED { Some(scene.shade(&surface, &hit)) } else { None };
+        let mut normal = surface.normal;
+        if let Some(evaluated) = &evaluated {
+            (material, normal) = (&evaluated.material, evaluated.normal);
+            if !material.is_diffuse() {
+                normal = shading_normal::bend(normal, -ray.direction);
+                surface = surface.with_cosine_to(normal, ray.direction);
+            }
+        }
         let interface = scene.interface(&surface, media);
         throughput *= scene.attenuation(interface.before, surface.t);
-        let bsdf = scene.bsdf(&surface, &interface);
+        let bsdf = Bsdf::new(scene.features, material, surface.cosine, &interface);
         let lobe = match bsdf.split() {
             None => bsdf.choose(0.0),
             Some(_) => {
@@ -150,7 +172,11 @@ fn follow(
         match lobe {
             Lobe::SpecularReflection | Lobe::SpecularTransmission => {
                 throughput *= bsdf.weight(lobe);
-                ray = surface.spawn(lobe, bsdf.direction(lobe, ray.direction, surface.normal, 0.0, 0.0));
+                let mut direction = bsdf.direction(lobe, ray.direction, normal, 0.0, 0.0);
+                if SHADED {
+                    direction = shading_normal::on_side_of(lobe, direction, surface.normal);
+                }
+                ray = surface.spawn(lobe, direction);
                 if lobe == Lobe::SpecularTransmission {
                     media = interface.transmitted;
                 }
@@ -162,6 +188,7 @@ fn follow(
                     position: surface.point.into(),
                     normal: surface.normal,
                     radius: gather.radius_scale,
+                    shading: gather.shading_normals.then_some(normal),
                 };
                 if let Some((map, gather)) = &maps.irradiance {
                     let estimate = estimate_at(map, at(gather), gather, &mut scratch[MapKind::Global]);

@@ -7,6 +7,7 @@ use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
     PhotonFormat, PhotonRay, Ray, Requirements, Result, Scheduling, Settings, Tally, Tracer, octahedral,
+    shading_normal,
 };
 use rayon::prelude::*;
 
@@ -15,9 +16,6 @@ use crate::scene::CpuScene;
 
 /// Paths per block of dynamic scheduling. The result does not depend on it.
 const BLOCK: usize = 2048;
-
-/// More power than this on one path indicates a numerical failure: a path starts with about 1.
-const TOO_MUCH: f32 = 1_048_576.0;
 
 /// Traces photons through the scene.
 #[derive(Debug)]
@@ -142,7 +140,8 @@ const AIMED: u32 = 1 << 31;
 /// Flag beside the bits of the lobes: solids are nested or overlap.
 const NESTED: u32 = 1 << 30;
 
-/// Selects the kernel compiled for these lobes. Nested solids are rare, so they have one kernel with all lobes.
+/// Selects the kernel compiled for these lobes. Nested solids, and surfaces with textures or shading normals, have one
+/// kernel each with all lobes.
 fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     const D: Features = Features::DIFFUSE;
     const M: Features = D.union(Features::MIRROR);
@@ -152,6 +151,10 @@ fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     let mirrors = features.intersects(Features::MIRROR);
     let absorbs = features.intersects(Features::ABSORPTION);
     let lobes = (features.intersects(GLASS), absorbs, mirrors);
+    if features.intersects(Features::SHADED) {
+        const SHADED: u32 = ALL | NESTED | Features::SHADED.bits();
+        return if aimed { follow::<{ SHADED | AIMED }> } else { follow::<SHADED> };
+    }
     if nested && lobes.0 {
         return if aimed { follow::<{ ALL | NESTED | AIMED }> } else { follow::<{ ALL | NESTED }> };
     }
@@ -174,9 +177,10 @@ fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
 
 /// Traces one path to its end. `F` selects the lobes that are compiled in.
 fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput) {
-    let features = Features::from_bits(F);
-    let (aimed, nested) = (F & AIMED != 0, F & NESTED != 0);
+    let features = Features::from_bits_truncate(F);
     let scene = walk.scene;
+    let shaded = features.intersects(Features::SHADED);
+    let (aimed, nested) = (F & AIMED != 0, F & NESTED != 0 && (!shaded || scene.nested));
     let pass = walk.batch.pass;
     let domain = if aimed { Domain::Aimed } else { Domain::Photon };
     let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, domain, start.path);
@@ -195,15 +199,30 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     let mut too_deep = false;
     for bounce in 0..walk.max_bounces {
         // NaN fails the comparison too.
-        let sane = ray.origin.is_finite() && ray.direction.is_finite() && power.abs().max_element() <= TOO_MUCH;
+        let sane = ray.origin.is_finite() && ray.direction.is_finite() && power.abs().max_element() <= Fate::MAX_POWER;
         if !sane || power.is_nan() {
             return tally.end(Fate::Dropped, flux);
         }
-        let Some(surface) = scene.surface(&ray) else {
+        let Some((mut surface, hit)) = scene.hit(&ray) else {
             return tally.end(Fate::Escaped, flux);
         };
         tally.surfaces += 1;
-        let material = &scene.materials[surface.material as usize];
+        let mut material = &scene.materials[surface.material as usize];
+        // Where no texture is black, photons are stored, so that estimates beside black texels have all of theirs.
+        let stores = material.albedo != [0.0; 3];
+        let (evaluated, mut normal) = if shaded {
+            let found = scene.shade(&surface, &hit);
+            (Some(found.material), found.normal)
+        } else {
+            (None, surface.normal)
+        };
+        if let Some(evaluated) = &evaluated {
+            material = evaluated;
+            if !material.is_diffuse() {
+                normal = shading_normal::bend(normal, -ray.direction);
+                surface = surface.with_cosine_to(normal, ray.direction);
+            }
+        }
         let carry = |power: Vec3, flux: &mut FixedFlux, tally: &mut Tally| {
             let left = FixedFlux::new(power.into());
             tally.flux_absorbed.add(flux.minus(left));
@@ -222,7 +241,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             Lobe::Diffuse => {
                 // Aimed paths store no photon at the first surface: light straight from a light source is not
                 // theirs to count.
-                if material.albedo != [0.0; 3] && !(aimed && bounce == 0) {
+                if stores && !(aimed && bounce == 0) {
                     let kind = MapKind::of_path(specular_only, bounce);
                     if walk.wanted[kind] {
                         tally.stored[kind] += 1;
@@ -248,28 +267,57 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             }
             Lobe::SpecularReflection => {}
         }
-        let weight = bsdf.weight(lobe);
+        let mut weight = bsdf.weight(lobe);
+        let onward = if shaded {
+            let (direction, factor) = scattered(&bsdf, lobe, ray.direction, surface.normal, normal, (u, v));
+            weight *= factor;
+            direction
+        } else {
+            bsdf.direction(lobe, ray.direction, surface.normal, u, v)
+        };
         if bsdf.split().is_some() {
             // The random number has been used to choose the lobe.
             power *= weight;
         } else {
-            let Some(next) = russian_roulette(power, weight, choice) else {
+            let Some(next) = russian_roulette(power, weight, choice, shaded) else {
                 return tally.end(Fate::Absorbed, flux);
             };
             power = next;
         }
-        ray = surface.spawn(lobe, bsdf.direction(lobe, ray.direction, surface.normal, u, v));
+        ray = surface.spawn(lobe, onward);
         carry(power, &mut flux, tally);
     }
     tally.end(Fate::Truncated, flux);
 }
 
-/// Russian roulette (Arvo and Kirk 1990). A surviving photon keeps the power of its brightest channel; `None` if
-/// the photon is absorbed.
+/// The direction in which a photon leaves a surface with a shading normal, and the factor on its power.
 #[inline]
-fn russian_roulette(power: Vec3, weight: Vec3, choice: f32) -> Option<Vec3> {
+fn scattered(
+    bsdf: &Bsdf,
+    lobe: Lobe,
+    incoming: Vec3,
+    geometric: Vec3,
+    shading: Vec3,
+    (u, v): (f32, f32),
+) -> (Vec3, f32) {
+    let outgoing = match lobe {
+        Lobe::Diffuse => bsdf.direction(lobe, incoming, geometric, u, v),
+        Lobe::SpecularReflection | Lobe::SpecularTransmission => {
+            shading_normal::on_side_of(lobe, bsdf.direction(lobe, incoming, shading, u, v), geometric)
+        }
+    };
+    (outgoing, shading_normal::photon_factor(lobe, incoming, outgoing, geometric, shading))
+}
+
+/// Russian roulette (Arvo and Kirk 1990). A surviving photon keeps the power of its brightest channel, or, with
+/// `grows`, a larger one if a weight is above 1; `None` if the photon is absorbed.
+#[inline]
+fn russian_roulette(power: Vec3, weight: Vec3, choice: f32, grows: bool) -> Option<Vec3> {
     let next = power * weight;
-    let chance = next.max_element() / power.max_element();
+    let mut chance = next.max_element() / power.max_element();
+    if grows {
+        chance = chance.min(1.0);
+    }
     // Also false for 0/0.
     if choice < chance { Some(next / chance) } else { None }
 }

@@ -193,7 +193,7 @@ mod tests {
         let make = |on: &mut Vulkan| {
             let mut pipelines = Pipelines::new(&on.device, Some(cache.clone())).unwrap();
             let begun = pipelines.begun_with();
-            pipelines.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+            pipelines.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
             begun
         };
         assert_eq!(make(&mut on), 0);

@@ -6,6 +6,7 @@ use ash::vk;
 
 /// A physical device, and whether it is suitable.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Candidate {
     /// Its index, in the order in which Vulkan enumerates devices.
     pub index: usize,

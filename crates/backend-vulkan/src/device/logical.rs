@@ -16,6 +16,7 @@ use super::spare::{Spare, Spares};
 
 /// Options for opening a device.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Options {
     /// Selects a device by index or by a part of its name; `None`: by the environment variable
     /// `PHOTON_VK_DEVICE`, otherwise the most capable one.
@@ -29,6 +30,7 @@ pub struct Options {
 
 /// Properties and limits of a device.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Limits {
     /// Name of the device.
     pub name: String,

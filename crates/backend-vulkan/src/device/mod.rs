@@ -26,6 +26,8 @@ pub(crate) use logical::Device;
 pub use logical::{Limits, Options, RawDevice};
 pub(crate) use memory::Memory;
 pub(crate) use module::Module;
-pub(crate) use pipelines::{Kernel, Pipelines};
+#[cfg(test)]
+pub(crate) use pipelines::Specialized;
+pub(crate) use pipelines::{ComputePipeline, Pipelines};
 pub(crate) use profile::Profile;
 pub(crate) use recorder::{Groups, Recorder};

@@ -10,15 +10,19 @@ use super::cache::DiskCache;
 use super::fault::during;
 use super::logical::Device;
 use super::module::Module;
+use crate::specialization::Constants;
 
 /// A compiled kernel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Kernel {
+pub(crate) struct ComputePipeline {
     pub(crate) pipeline: vk::Pipeline,
     pub(crate) name: &'static str,
     /// Specialization constant 1.
     pub(crate) workgroup: u32,
 }
+
+/// The name of a module, and ids and values of its specialization constants, the workgroup size first.
+pub(crate) type Specialized = (&'static str, Vec<(u32, u32)>);
 
 /// All pipelines compiled so far.
 #[derive(Debug)]
@@ -30,7 +34,7 @@ pub(crate) struct Pipelines {
     disk: Option<DiskCache>,
     #[cfg(test)]
     begun_with: usize,
-    compiled: BTreeMap<(&'static str, Vec<u32>), Kernel>,
+    compiled: BTreeMap<Specialized, ComputePipeline>,
     fresh: bool,
 }
 
@@ -59,9 +63,18 @@ impl Pipelines {
         })
     }
 
-    /// The kernel of a module, compiled if necessary; `constants[i]` is specialization constant i.
-    pub(crate) fn kernel(&mut self, module: &'static Module, constants: &[u32]) -> Result<Kernel> {
-        let key = (module.name, constants.to_vec());
+    /// The kernel of a module, compiled if necessary.
+    pub(crate) fn kernel<C: Constants>(
+        &mut self,
+        module: &'static Module,
+        workgroup: u32,
+        constants: &C,
+    ) -> Result<ComputePipeline> {
+        let constants = constants.words();
+        let listed = C::MODULES.iter().any(|known| known.name == module.name);
+        debug_assert!(listed || constants.is_empty(), "constants of other modules than {}", module.name);
+        let constants: Vec<_> = [(1, workgroup)].into_iter().chain(constants).collect();
+        let key = (module.name, constants.clone());
         if let Some(kernel) = self.compiled.get(&key) {
             return Ok(*kernel);
         }
@@ -71,10 +84,11 @@ impl Pipelines {
         // SAFETY: the backend's own SPIR-V, validated when it was committed.
         let shader = unsafe { self.device.raw.create_shader_module(&info, None) }.map_err(during(module.name))?;
         self.device.name(shader, module.name);
-        let entries: Vec<_> = (0..constants.len() as u32)
-            .map(|id| vk::SpecializationMapEntry { constant_id: id, offset: 4 * id, size: 4 })
-            .collect();
-        let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let (entries, values): (Vec<_>, Vec<_>) = (0..)
+            .zip(&constants)
+            .map(|(at, &(id, value))| (vk::SpecializationMapEntry { constant_id: id, offset: 4 * at, size: 4 }, value))
+            .unzip();
+        let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(shader)
@@ -88,7 +102,7 @@ impl Pipelines {
         let pipeline = made.map_err(|(_, result)| during(module.name)(result))?[0];
         self.device.name(pipeline, module.name);
         self.fresh = true;
-        let kernel = Kernel { pipeline, name: module.name, workgroup: constants.get(1).copied().unwrap_or(1) };
+        let kernel = ComputePipeline { pipeline, name: module.name, workgroup };
         self.compiled.insert(key, kernel);
         Ok(kernel)
     }
@@ -101,7 +115,7 @@ impl Pipelines {
 
     /// Compiled pipelines: modules and their constants.
     #[cfg(test)]
-    pub(crate) fn compiled(&self) -> impl Iterator<Item = &(&'static str, Vec<u32>)> {
+    pub(crate) fn compiled(&self) -> impl Iterator<Item = &Specialized> {
         self.compiled.keys()
     }
 

@@ -12,7 +12,7 @@ use photon_core::Result;
 
 use super::logical::Device;
 use super::memory::Memory;
-use super::pipelines::Kernel;
+use super::pipelines::ComputePipeline;
 use super::queue::Queue;
 
 /// Commands after which a submission is made, so that the device starts while the host goes on recording.
@@ -90,7 +90,7 @@ impl Recorder {
     pub(crate) fn dispatch(
         &mut self,
         layout: vk::PipelineLayout,
-        kernel: &Kernel,
+        kernel: &ComputePipeline,
         push: &[u8],
         groups: Groups<'_>,
     ) -> Result<()> {
@@ -119,7 +119,7 @@ impl Recorder {
             return Ok(());
         }
         let commands = self.commands()?;
-        // SAFETY: the range lies within the buffer, which `Vulkan::fill` checks.
+        // SAFETY: the range lies within the buffer, which `Vulkan::fill_words` checks.
         unsafe { self.device.raw.cmd_fill_buffer(commands, to.buffer(), to.offset() + offset, bytes, word) };
         Ok(())
     }

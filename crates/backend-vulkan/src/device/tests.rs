@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Error, Photon, Stage};
 
 use super::instance::Instance;
+use crate::sort::KeyConstants;
 use crate::{Vulkan, shaders};
 
 #[repr(C)]
@@ -27,8 +28,8 @@ fn commands_wait_for_each_other() {
     const COUNT: u32 = 100_000;
     let ping = on.memory("ping", u64::from(COUNT) * 4).unwrap();
     let pong = on.memory("pong", u64::from(COUNT) * 4).unwrap();
-    let kernel = on.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
-    on.fill(&ping, 0, u64::from(COUNT) * 4, 7).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
+    on.fill_words(&ping, 0, u64::from(COUNT) * 4, 7).unwrap();
     for turn in 0..600 {
         let (from, to) = if turn % 2 == 0 { (&ping, &pong) } else { (&pong, &ping) };
         let push = CopyPush { from: from.address(), to: to.address(), count: COUNT, plus: 1 };
@@ -84,11 +85,11 @@ fn a_buffer_larger_than_any_allocation_is_an_error() {
 #[test]
 fn dropped_memory_lives_until_it_is_done_with() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let kernel = on.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
     let last = on.memory("last", 4096).unwrap();
     for turn in 0..40 {
         let first = on.memory("first", 4096).unwrap();
-        on.fill(&first, 0, 4096, turn).unwrap();
+        on.fill_words(&first, 0, 4096, turn).unwrap();
         on.dispatch(&kernel, &CopyPush { from: first.address(), to: last.address(), count: 1024, plus: 0 }, 16)
             .unwrap();
     }
@@ -103,11 +104,11 @@ fn stages_are_timed() {
     let memory = on.memory("some", 64 << 20).unwrap();
     for _ in 0..600 {
         on.mark(Some(Stage::Build));
-        on.fill(&memory, 0, 4096, 1).unwrap();
+        on.fill_words(&memory, 0, 4096, 1).unwrap();
         on.mark(Some(Stage::Film));
     }
     on.mark(Some(Stage::Estimate));
-    on.fill(&memory, 0, 64 << 20, 1).unwrap();
+    on.fill_words(&memory, 0, 64 << 20, 1).unwrap();
     on.mark(None);
     let timings = on.timings().unwrap();
     assert!(timings.get(Stage::Estimate) > 0.0 && timings.get(Stage::Build) > 0.0);
@@ -166,8 +167,8 @@ fn validation_sees_a_missing_barrier() {
     }
     let memory = on.memory("some", 64).unwrap();
     let twice = |on: &mut Vulkan| {
-        on.fill(&memory, 0, 64, 1)?;
-        on.fill(&memory, 0, 64, 2)
+        on.fill_words(&memory, 0, 64, 1)?;
+        on.fill_words(&memory, 0, 64, 2)
     };
     twice(&mut on).unwrap();
     assert_eq!(on.validation_messages(), Vec::<String>::new(), "the recorder's own barriers do");
@@ -184,7 +185,7 @@ fn every_object_has_a_name() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let memory = on.memory("a label", 1 << 20).unwrap();
     on.mark(Some(Stage::Build));
-    let kernel = on.kernel(&shaders::DEVICE_COPY, &[0, 64]).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
     let push = CopyPush { from: memory.address(), to: memory.address(), count: 0, plus: 0 };
     on.dispatch(&kernel, &push, 1).unwrap();
     on.mark(None);
@@ -214,12 +215,13 @@ fn every_object_has_a_name() {
 #[test]
 fn pipelines_are_compiled_once() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let pipeline = |on: &mut Vulkan, module, constants: &[u32]| on.kernel(module, constants).unwrap().pipeline;
-    let first = pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 64]);
-    assert_eq!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 64]));
-    assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[0, 32]));
-    assert_ne!(first, pipeline(&mut on, &shaders::DEVICE_COPY, &[1, 64]));
-    assert_ne!(first, pipeline(&mut on, &shaders::INDEX_PERMUTE, &[0, 64]));
+    let mut pipeline =
+        |module, workgroup, key_words| on.kernel(module, workgroup, &KeyConstants { key_words }).unwrap().pipeline;
+    let first = pipeline(&shaders::SORT_COUNT, 64, 1);
+    assert_eq!(first, pipeline(&shaders::SORT_COUNT, 64, 1));
+    assert_ne!(first, pipeline(&shaders::SORT_COUNT, 32, 1));
+    assert_ne!(first, pipeline(&shaders::SORT_COUNT, 64, 2));
+    assert_ne!(first, pipeline(&shaders::SORT_SCATTER, 64, 1));
 }
 
 /// A driver is not unloaded between one device and the next: all devices share an instance, and those with
@@ -263,7 +265,7 @@ fn a_message_counts_for_its_own_device_alone() {
     assert_eq!(said.iter().filter(|message| message.contains("some buffer")).count(), TIMES, "{said:?}");
     // Later objects and commands are tracked as well, and not attributed to the other device.
     let fine = after.memory("another", 64).unwrap();
-    after.fill(&fine, 0, 64, 1).unwrap();
+    after.fill_words(&fine, 0, 64, 1).unwrap();
     after.finish().unwrap();
     assert_eq!([before.validation_messages(), after.validation_messages()], [const { Vec::<String>::new() }; 2]);
     assert_fails(wrong);

@@ -5,16 +5,17 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
 
 use super::{GROUP, VulkanFilm, home, zeroed};
+use crate::constants::{ERROR_LOW, MOMENTS_LOW};
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
 /// Number of sums, each with a high and a low plane, as in film.glsl.
-const SUMS: usize = 4;
-const MOMENTS: usize = 7;
+const SUMS: usize = ERROR_LOW as usize;
+const MOMENTS: usize = MOMENTS_LOW as usize;
 
-/// Source of an accumulation, specialization constant 2 of its kernel.
+/// Source of an accumulation: [`AccumulateConstants::from`].
 const FROM_MOMENTS: u32 = 0;
 const FROM_GATHERED: u32 = 1;
 
@@ -58,6 +59,10 @@ struct EndPush {
 }
 
 pushed!(end_push_layout: EndPush => FILM_END_ERRORS, pass sum pass_shapes sum_shapes pixels padding);
+
+specialized!(accumulate_constants: AccumulateConstants => FILM_ERRORS, 2 from: u32);
+
+specialized!(end_constants: EndConstants => FILM_END_ERRORS, 2 maps: u32);
 
 impl Errors {
     fn new(on: &mut Vulkan, pixels: u64) -> Result<Self> {
@@ -147,7 +152,7 @@ fn dispatch(
     };
     film.note(on);
     let length = on.length(queries)?;
-    let kernel = on.kernel(&shaders::FILM_ERRORS, &[0, GROUP, from])?;
+    let kernel = on.kernel(&shaders::FILM_ERRORS, GROUP, &AccumulateConstants { from })?;
     on.dispatch(&kernel, &push, length.div_ceil(u64::from(GROUP)))
 }
 
@@ -169,14 +174,14 @@ pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
         pixels: film.pixels() as u32,
         padding: 0,
     };
-    let present = errors.photon_moments.each_ref().map(Option::is_some).bits();
-    let kernel = on.kernel(&shaders::FILM_END_ERRORS, &[0, GROUP, present])?;
+    let maps = errors.photon_moments.each_ref().map(Option::is_some).bits();
+    let kernel = on.kernel(&shaders::FILM_END_ERRORS, GROUP, &EndConstants { maps })?;
     on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))
 }
 
 /// Discards the current pass.
 pub(super) fn abandon_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
-    film.errors.iter().flat_map(Errors::passes).try_for_each(|memory| on.fill(memory, 0, memory.bytes(), 0))
+    film.errors.iter().flat_map(Errors::passes).try_for_each(|memory| on.fill_words(memory, 0, memory.bytes(), 0))
 }
 
 /// Reads the sums back into `picture`.
@@ -188,8 +193,8 @@ pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Re
     let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(photon_moments).collect();
     home(on, &planes, picture.pixels.len(), |chunk| {
         for (i, pixel) in all[chunk.pixels.clone()].iter_mut().enumerate() {
-            let [bias, bias_square, narrow, narrow_square] = std::array::from_fn(|plane| chunk.sum(plane, SUMS, i));
-            *pixel = ErrorPixel { bias, bias_square, narrow, narrow_square, ..ErrorPixel::default() };
+            [pixel.bias, pixel.bias_square, pixel.narrow, pixel.narrow_square] =
+                std::array::from_fn(|plane| chunk.sum(plane, SUMS, i));
             let mut first = 2 * SUMS;
             for (_, map_moments) in
                 pixel.photon_moments.iter_mut().filter(|(kind, _)| errors.photon_moments[*kind].is_some())

@@ -4,15 +4,16 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
 
 use super::map_storage::grow;
+use crate::constants::{LIST_SHORT, LIST_TILE};
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::sort::{Pairs, Sort};
 use crate::vulkan::Vulkan;
 
-/// As in the shaders: photons per tile of a list, and per segment that a single workgroup splits completely.
-pub(super) const TILE: u64 = 2048;
-pub(super) const SHORT: u64 = 1024;
+/// Photons per tile of a list, and per segment that a single workgroup splits completely.
+pub(super) const TILE: u64 = LIST_TILE as u64;
+pub(super) const SHORT: u64 = LIST_SHORT as u64;
 /// Workgroup size of the kernels over lists.
 pub(super) const WORKGROUP: u32 = 256;
 

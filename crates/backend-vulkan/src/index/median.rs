@@ -10,7 +10,7 @@ use super::bounds::BoundsOf;
 use super::lists::{Lists, SHORT, TILE, WORKGROUP};
 use super::map_storage::grow;
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -19,8 +19,8 @@ use crate::vulkan::Vulkan;
 pub(crate) struct Median {
     bounds: BoundsOf,
     lists: Lists,
-    count: Kernel,
-    part: Kernel,
+    count: ComputePipeline,
+    part: ComputePipeline,
     /// One bit per photon: whether it goes to the right part.
     right: Memory,
     counts: Memory,
@@ -79,12 +79,11 @@ pushed!(finish_push_layout: FinishPush => INDEX_MEDIAN_FINISH, photons lists pla
 
 impl Median {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let constants = [0, WORKGROUP];
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             lists: Lists::new(on)?,
-            count: on.kernel(&shaders::INDEX_MEDIAN_COUNT, &constants)?,
-            part: on.kernel(&shaders::INDEX_MEDIAN_PART, &constants)?,
+            count: on.kernel(&shaders::INDEX_MEDIAN_COUNT, WORKGROUP, &())?,
+            part: on.kernel(&shaders::INDEX_MEDIAN_PART, WORKGROUP, &())?,
             right: on.memory("map: sides", 16)?,
             counts: on.memory("map: counts", 16)?,
         })
@@ -109,7 +108,7 @@ impl Median {
         while size > SHORT {
             let lists = self.lists.address();
             let size_word = size as u32;
-            on.fill(&self.right, 0, sides_bytes, 0)?;
+            on.fill_words(&self.right, 0, sides_bytes, 0)?;
             on.dispatch(&sides, &SidesPush { photons: data, lists, right, count, size: size_word }, tiles)?;
             on.dispatch(&self.count, &CountPush { lists, right, counts, count, tiles: tiles_word }, 3 * tiles)?;
             let parted = self.lists.other();

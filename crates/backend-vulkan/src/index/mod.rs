@@ -1,7 +1,6 @@
 //! Photon maps built on the device: the same slots in the same order as those of the CPU's index of the same
 //! kind, bit for bit.
 
-#[doc(hidden)]
 pub mod bench;
 mod bounds;
 mod lists;
@@ -15,10 +14,10 @@ mod tests;
 mod vvh;
 mod vvh_nodes;
 
-use photon_core::{IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result};
+use photon_core::{IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result, kd_tree};
 
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Module};
+use crate::device::{ComputePipeline, Module};
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
 use map_storage::MapStorage;
@@ -29,11 +28,22 @@ use vvh::Vvh;
 use vvh_nodes::VvhNodes;
 
 /// Points per leaf, and children per node.
-const WIDTH: u64 = 16;
+const WIDTH: u64 = kd_tree::WIDTH as u64;
+
+specialized!(
+    reading_constants: ReadingConstants => INDEX_ARRANGE INDEX_BOUNDS INDEX_CODES INDEX_KEYS INDEX_MEDIAN_FINISH
+        INDEX_MEDIAN_SIDES INDEX_PICK INDEX_REFINE INDEX_VVH_FINISH INDEX_VVH_PLAN,
+    2 format: PhotonFormat
+);
 
 /// The kernel of a module that reads photons, specialized to the photon format of a buffer.
-fn reading(on: &mut Vulkan, module: &'static Module, workgroup: u32, photons: &VulkanBuffer<Photon>) -> Result<Kernel> {
-    on.kernel(module, &[0, workgroup, photons.photon_format().number()])
+fn reading(
+    on: &mut Vulkan,
+    module: &'static Module,
+    workgroup: u32,
+    photons: &VulkanBuffer<Photon>,
+) -> Result<ComputePipeline> {
+    on.kernel(module, workgroup, &ReadingConstants { format: photons.photon_format() })
 }
 
 /// Builds photon maps.

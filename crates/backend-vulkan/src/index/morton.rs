@@ -11,7 +11,7 @@ use super::bounds::BoundsOf;
 use super::map_storage::grow;
 use super::oversized_runs;
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::sort::{self, Pairs, Sort};
 use crate::vulkan::Vulkan;
@@ -26,8 +26,8 @@ const ROUND: u64 = 16;
 #[derive(Debug)]
 pub(crate) struct Morton {
     pub(super) bounds: BoundsOf,
-    pub(super) gather: Kernel,
-    long_runs: Kernel,
+    pub(super) gather: ComputePipeline,
+    long_runs: ComputePipeline,
     /// Workgroup size of the kernel that sorts a run.
     tile: u32,
     sort: Sort,
@@ -106,8 +106,8 @@ impl Morton {
             |on: &mut Vulkan, label| -> Result<[Memory; 2]> { Ok([on.memory(label, 16)?, on.memory(label, 16)?]) };
         Ok(Self {
             bounds: BoundsOf::new(on)?,
-            gather: on.kernel(&shaders::INDEX_PERMUTE, &[0, size])?,
-            long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, &[0, size])?,
+            gather: on.kernel(&shaders::INDEX_PERMUTE, size, &())?,
+            long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, size, &())?,
             tile,
             sort: Sort::new(on)?,
             keys: on.memory("map: keys", 16)?,
@@ -142,7 +142,7 @@ impl Morton {
         let (keys, [low, high]) = (halves(&self.keys), halves(&self.words));
         let mut values = [0, 1].map(|at: usize| self.ids[at].address());
         let (data, count) = (photons.data_address(), length as u32);
-        let groups = |kernel: &Kernel| length.div_ceil(u64::from(kernel.workgroup));
+        let groups = |kernel: &ComputePipeline| length.div_ceil(u64::from(kernel.workgroup));
         let state = self.bounds.state.address();
         let push = CodesPush { photons: data, state, keys: keys[0], low, high, count, pad: 0 };
         let codes = super::reading(on, &shaders::INDEX_CODES, self.gather.workgroup, photons)?;

@@ -10,7 +10,7 @@ use photon_core::{Photon, Result};
 
 use super::morton::{GatherPush, Morton, ROUNDS};
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -76,7 +76,7 @@ impl Morton {
     ) -> Result<()> {
         let picked = VulkanBuffer::<Photon>::new(on, "photons of one code", length)?;
         let pick = super::reading(on, &shaders::INDEX_PICK, self.gather.workgroup, photons)?;
-        let groups = |kernel: &Kernel| length.div_ceil(u64::from(kernel.workgroup));
+        let groups = |kernel: &ComputePipeline| length.div_ceil(u64::from(kernel.workgroup));
         let (ids, count) = (order.address() + 4 * first, length as u32);
         let capacity = photons.capacity() as u32;
         let push = PickPush { photons: photons.data_address(), ids, picked: picked.data_address(), count, capacity };

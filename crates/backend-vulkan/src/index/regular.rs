@@ -6,7 +6,7 @@ use photon_core::{Photon, Result};
 
 use super::WIDTH;
 use super::map_storage::MapStorage;
-use crate::device::Kernel;
+use crate::device::ComputePipeline;
 use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
@@ -18,7 +18,7 @@ const WORKGROUP: u32 = 256;
 pub(crate) struct Regular {
     /// Workgroup size of the kernel that fills slots.
     workgroup: u32,
-    parents: Kernel,
+    parents: ComputePipeline,
 }
 
 #[repr(C)]
@@ -67,7 +67,7 @@ pub(crate) struct Ordered<'a> {
 impl Regular {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = WORKGROUP.min(on.limits().max_workgroup);
-        Ok(Self { workgroup: size, parents: on.kernel(&shaders::INDEX_PARENTS, &[0, size])? })
+        Ok(Self { workgroup: size, parents: on.kernel(&shaders::INDEX_PARENTS, size, &())? })
     }
 
     /// Number of nodes per level, leaves first.

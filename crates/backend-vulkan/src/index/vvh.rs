@@ -4,19 +4,18 @@
 //! them empty dispatches.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result};
+use photon_core::{Photon, Result, kd_tree};
 
 use super::WIDTH;
 use super::bounds::BoundsOf;
 use super::lists::{Lists, SHORT, TILE, WORKGROUP};
 use super::map_storage::grow;
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Below this depth segments are halved; as in the shaders.
-const HEURISTIC_DEPTH: u64 = 24;
+const HEURISTIC_DEPTH: u64 = kd_tree::HEURISTIC_DEPTH as u64;
 /// A sample of 64 photons per segment.
 const PLAN_WORKGROUP: u32 = 64;
 /// Bytes of a `VvhLevel`, a `VvhJobs`, a `VvhSegments`.
@@ -29,9 +28,9 @@ const SEGMENT: u64 = 32;
 pub(crate) struct Vvh {
     bounds: BoundsOf,
     lists: Lists,
-    sides: Kernel,
-    count: Kernel,
-    part: Kernel,
+    sides: ComputePipeline,
+    count: ComputePipeline,
+    part: ComputePipeline,
     /// Records of the levels; the last one is for short segments.
     levels: Memory,
     jobs: Memory,
@@ -140,7 +139,6 @@ fn levels(length: u64) -> u64 {
 
 impl Vvh {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let constants = [0, WORKGROUP];
         let mut memory = |label| on.memory(label, 32);
         let (levels, jobs, shorts, tiles) =
             (memory("map: levels")?, memory("map: tiles")?, memory("map: segments")?, memory("map: tiles")?);
@@ -149,9 +147,9 @@ impl Vvh {
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             lists: Lists::new(on)?,
-            sides: on.kernel(&shaders::INDEX_VVH_SIDES, &constants)?,
-            count: on.kernel(&shaders::INDEX_VVH_COUNT, &constants)?,
-            part: on.kernel(&shaders::INDEX_VVH_PART, &constants)?,
+            sides: on.kernel(&shaders::INDEX_VVH_SIDES, WORKGROUP, &())?,
+            count: on.kernel(&shaders::INDEX_VVH_COUNT, WORKGROUP, &())?,
+            part: on.kernel(&shaders::INDEX_VVH_PART, WORKGROUP, &())?,
             levels,
             jobs,
             segments,
@@ -249,7 +247,7 @@ impl Vvh {
         };
         let plan = super::reading(on, &shaders::INDEX_VVH_PLAN, PLAN_WORKGROUP, photons)?;
         on.dispatch_indirect(&plan, &push, &self.levels, LEVEL * level)?;
-        on.fill(&self.right, 0, 4 * length.div_ceil(32), 0)?;
+        on.fill_words(&self.right, 0, 4 * length.div_ceil(32), 0)?;
         let push = SidesPush { lists, segments, jobs, tiles, right, count, pad: 0 };
         on.dispatch_indirect(&self.sides, &push, &self.jobs, JOBS * level)?;
         let push = CountPush { lists, segments, jobs, tiles, right, counts, count, room };

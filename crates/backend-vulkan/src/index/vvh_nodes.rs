@@ -1,18 +1,16 @@
 //! The nodes of the VVH tree, built from its splits: top-down level by level, then boxes bottom-up.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::Result;
+use photon_core::{Result, kd_tree};
 
 use super::WIDTH;
 use super::map_storage::grow;
 use super::regular::{Ordered, Regular};
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
 const WORKGROUP: u32 = 64;
-/// Maximum depth of splits: 24 by the heuristic, then halvings.
-const HEURISTIC_DEPTH: u64 = 24;
 /// Bytes of a `VvhDepth`, of a `VvhNodes`.
 const DEPTH: u64 = 32;
 const PENDING: u64 = 32;
@@ -20,8 +18,8 @@ const PENDING: u64 = 32;
 /// Builds nodes.
 #[derive(Debug)]
 pub(crate) struct VvhNodes {
-    collapse: Kernel,
-    boxes: Kernel,
+    collapse: ComputePipeline,
+    boxes: ComputePipeline,
     depths: Memory,
     pending: Memory,
     /// Leaves by block, and their photon counts.
@@ -59,10 +57,9 @@ pushed!(boxes_push_layout: BoxesPush => INDEX_VVH_BOXES, depth pending nodes tot
 
 impl VvhNodes {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let constants = [0, WORKGROUP];
         Ok(Self {
-            collapse: on.kernel(&shaders::INDEX_VVH_COLLAPSE, &constants)?,
-            boxes: on.kernel(&shaders::INDEX_VVH_BOXES, &constants)?,
+            collapse: on.kernel(&shaders::INDEX_VVH_COLLAPSE, WORKGROUP, &())?,
+            boxes: on.kernel(&shaders::INDEX_VVH_BOXES, WORKGROUP, &())?,
             depths: on.memory("map: levels", 32)?,
             pending: on.memory("map: pending nodes", 32)?,
             leaves: on.memory("map: leaves", 32)?,
@@ -89,7 +86,7 @@ impl VvhNodes {
         if blocks == 0 {
             return Ok(());
         }
-        let levels = HEURISTIC_DEPTH + u64::from(blocks.next_power_of_two().ilog2()) + 1;
+        let levels = u64::from(kd_tree::HEURISTIC_DEPTH) + u64::from(blocks.next_power_of_two().ilog2()) + 1;
         grow(on, &mut self.depths, "map: levels", DEPTH * (levels + 1))?;
         grow(on, &mut self.pending, "map: pending nodes", PENDING * blocks)?;
         grow(on, &mut self.leaves, "map: leaves", 32 * blocks)?;

@@ -4,7 +4,8 @@ use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{
-    Camera, Element, ErrorMoments, Estimate, Light, Material, Medium, Photon, PhotonRay, Primitive, Query,
+    Camera, Element, ErrorMoments, Estimate, Light, Material, MaterialTextures, Medium, Photon, PhotonRay, Primitive,
+    Query, TextureUse,
 };
 
 use super::spirv::{Member, Shape, structs};
@@ -45,14 +46,16 @@ fn records() -> Vec<Record> {
     vec![
         record!(Photon: position normal power direction),
         record!(PhotonRay: origin path direction light power media),
-        record!(Query: position radius normal pixel throughput media wo path reserved),
+        record!(Query: position radius normal pixel throughput media wo path shading_normal reserved),
         record!(Estimate: flux radius_squared photons flags reserved),
         record!(ErrorMoments: wide power narrow power_squared slope quadrupole stray photons reserved),
         record!(Primitive: normal material),
-        record!(Material: albedo kind emission flags medium ior reserved),
+        record!(Material: albedo kind emission flags medium ior textures reserved),
         record!(Medium: absorption ior priority reserved),
         record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),
         record!(Camera: origin kind forward media right reserved2 up reserved3),
+        record!(TextureUse: transform texture_index uv_set),
+        record!(MaterialTextures: base_color emission normal normal_scale reserved),
     ]
 }
 
@@ -123,6 +126,8 @@ struct Push {
 
 pushed!(push_layout: Push => PROBE_LAYOUT, from to count padding);
 
+specialized!(layout_constants: LayoutConstants => PROBE_LAYOUT, 2 record: u32);
+
 /// The device copies arrays of each record: every byte is preserved, at the right stride.
 #[test]
 fn arrays_of_records_are_copied_whole() {
@@ -134,8 +139,8 @@ fn arrays_of_records_are_copied_whole() {
         let from = on.memory("from", sent.len() as u64 * 4).unwrap();
         let to = on.memory("to", from.bytes()).unwrap();
         on.write(&from, 0, bytemuck::cast_slice(&sent)).unwrap();
-        on.fill(&to, 0, to.bytes(), 0).unwrap();
-        let kernel = on.kernel(&shaders::PROBE_LAYOUT, &[0, 64, number as u32]).unwrap();
+        on.fill_words(&to, 0, to.bytes(), 0).unwrap();
+        let kernel = on.kernel(&shaders::PROBE_LAYOUT, 64, &LayoutConstants { record: number as u32 }).unwrap();
         let push = Push { from: from.address(), to: to.address(), count: COUNT, padding: 0 };
         on.dispatch(&kernel, &push, u64::from(COUNT.div_ceil(64))).unwrap();
         let mut arrived = vec![0_u32; sent.len()];

@@ -1,14 +1,23 @@
 //! Every function of the GLSL library is compared with its Rust twin over a table of inputs.
 //!
-//! The bounds are stated in [`table`], once for each function, and in `docs/studies/shaders.md`.
+//! The bounds are stated once for each function, in [`table`] or, for functions that read tables of a scene, in a
+//! module of their own; and in `docs/studies/shaders.md`.
 
+mod area;
+mod bias;
 mod compare;
 mod draw;
 mod flushed;
 mod layout;
+mod light_sampler;
+mod media;
+mod photon_format;
+mod projection;
 pub(crate) mod push;
 mod rules;
+mod scene;
 mod solid_angle;
+pub(crate) mod specialization;
 mod spirv;
 mod table;
 mod triangle;
@@ -17,8 +26,10 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::Result;
 
 use self::compare::Denormals;
+use self::table::Row;
 use crate::Vulkan;
 use crate::device::Module;
+use crate::specialization::Constants;
 
 /// The inputs of one call: words, or the bits of floats.
 #[repr(C, align(16))]
@@ -38,23 +49,66 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => PROBE_BSDF PROBE_KERNEL PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_RANDOM PROBE_SAMPLING PROBE_SOLID_ANGLE PROBE_TRIANGLE,
+    push_layout: Push => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL
+        PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SOLID_ANGLE PROBE_TRIANGLE,
     inputs outputs count padding
+);
+
+specialized!(
+    probe_constants: ProbeConstants => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH
+        PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING
+        PROBE_SOLID_ANGLE PROBE_TRIANGLE,
+    2 function: u32; default features shared_groups
 );
 
 /// Evaluates function number `function` of a probe for the inputs.
 fn run(on: &mut Vulkan, module: &'static Module, function: u32, inputs: &[Input]) -> Result<Vec<Output>> {
+    dispatch(on, module, &ProbeConstants { function }, inputs)
+}
+
+fn dispatch(
+    on: &mut Vulkan,
+    module: &'static Module,
+    constants: &impl Constants,
+    inputs: &[Input],
+) -> Result<Vec<Output>> {
     let from = on.memory("inputs", size_of_val(inputs) as u64)?;
     let to = on.memory("outputs", (inputs.len() * size_of::<Output>()) as u64)?;
     on.write(&from, 0, bytemuck::cast_slice(inputs))?;
-    on.fill(&to, 0, to.bytes(), u32::MAX)?;
-    let kernel = on.kernel(module, &[0, 64, function])?;
+    on.fill_words(&to, 0, to.bytes(), u32::MAX)?;
+    let kernel = on.kernel(module, 64, constants)?;
     let count = inputs.len() as u32;
     let push = Push { inputs: from.address(), outputs: to.address(), count, padding: 0 };
     on.dispatch(&kernel, &push, u64::from(count.div_ceil(64)))?;
     let mut outputs = vec![[0; 8]; inputs.len()];
     on.read(&to, 0, bytemuck::cast_slice_mut(&mut outputs))?;
     Ok(outputs)
+}
+
+/// Draws the inputs of a row, puts `last` into their last words, and evaluates the function.
+fn run_row(on: &mut Vulkan, row: &Row, last: &[u32]) -> (Vec<Input>, Vec<Output>) {
+    run_with(on, row, &ProbeConstants { function: row.function }, last)
+}
+
+/// The same with other specialization constants.
+fn run_with(on: &mut Vulkan, row: &Row, constants: &impl Constants, last: &[u32]) -> (Vec<Input>, Vec<Output>) {
+    let mut inputs = draw::inputs(row.draw);
+    for input in &mut inputs {
+        input.0[12 - last.len()..].copy_from_slice(last);
+    }
+    let outputs = dispatch(on, row.module, constants, &inputs).unwrap();
+    (inputs, outputs)
+}
+
+/// [`compare::worst`], with denormals as the device handles them.
+fn worst_of(on: &mut Vulkan, row: &Row, inputs: &[Input], outputs: &[Output]) -> std::result::Result<f64, String> {
+    compare::worst(row, inputs, outputs, Denormals::of(on).unwrap())
+}
+
+/// All functions that are compared.
+fn all_rows() -> Vec<Row> {
+    let single = vec![triangle::row(), photon_format::row()];
+    [table::rows(), light_sampler::rows(), media::rows(), projection::rows(), single].concat()
 }
 
 /// Checks every row of the table and reports all that fail.
@@ -81,7 +135,7 @@ fn the_documentation_states_the_bounds() {
     // Read at run time: a moved target folder must not refer to the old checkout.
     let folder = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| "crates/backend-vulkan".into());
     let text = std::fs::read_to_string(std::path::Path::new(&folder).join("../../docs/studies/shaders.md")).unwrap();
-    for row in table::rows().into_iter().chain([triangle::row()]) {
+    for row in all_rows() {
         let line = format!("| {} | {} |", row.name, row.bound);
         assert!(text.lines().any(|known| known == line), "docs/studies/shaders.md does not contain: {line}");
     }

@@ -24,8 +24,12 @@ const OP_TYPE_STRUCT: u32 = 30;
 const OP_TYPE_POINTER: u32 = 32;
 const OP_TYPE_FORWARD_POINTER: u32 = 39;
 const OP_CONSTANT: u32 = 43;
+const OP_SPEC_CONSTANT_TRUE: u32 = 48;
+const OP_SPEC_CONSTANT_FALSE: u32 = 49;
 const OP_VARIABLE: u32 = 59;
+const OP_DECORATE: u32 = 71;
 const OP_MEMBER_DECORATE: u32 = 72;
+const DECORATION_SPEC_ID: u32 = 1;
 const DECORATION_OFFSET: u32 = 35;
 const STORAGE_PUSH_CONSTANT: u32 = 9;
 const STORAGE_PHYSICAL: u32 = 5349;
@@ -151,6 +155,26 @@ pub(super) fn push_members(words: &[u32]) -> Result<Option<Vec<PushMember>>, Str
     };
     let all: Option<Vec<_>> = types.into_iter().zip(0..).map(member).collect();
     all.map(Some).ok_or_else(|| "a push constant of an unknown type".to_owned())
+}
+
+/// The specialization constants of a module: id, name, and whether it is a `bool`.
+///
+/// # Errors
+/// If the words are not valid SPIR-V.
+pub(super) fn specialization_constants(words: &[u32]) -> Result<Vec<(u32, String, bool)>, String> {
+    let mut names = BTreeMap::new();
+    let mut ids = BTreeMap::new();
+    let mut bools = Vec::new();
+    for (operation, operands) in instructions(words)? {
+        match (operation, operands) {
+            (OP_NAME, [id, text @ ..]) => _ = names.insert(*id, string(text)),
+            (OP_DECORATE, [id, DECORATION_SPEC_ID, number]) => _ = ids.insert(*number, *id),
+            (OP_SPEC_CONSTANT_TRUE | OP_SPEC_CONSTANT_FALSE, [_, id]) => bools.push(*id),
+            _ => {}
+        }
+    }
+    let name = |id| names.get(id).cloned().unwrap_or_default();
+    Ok(ids.iter().map(|(number, id)| (*number, name(id), bools.contains(id))).collect())
 }
 
 /// A null-terminated string packed in words.

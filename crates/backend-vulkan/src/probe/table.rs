@@ -1,4 +1,4 @@
-//! The functions, their twins, and the bound of each: the only place where bounds are stated.
+//! The functions, their twins, and the bound of each.
 //!
 //! Vulkan allows division an error of 2.5 units in the last place, a relative 3e-7, and a square root the 2.5
 //! of a division plus the 2 of an inverse square root, 5.4e-7; the bounds follow from these.
@@ -9,7 +9,7 @@ use photon_core::{Kernel, RandomKind, fresnel, math, octahedral, offset, samplin
 
 use super::compare::Bound;
 use super::draw::{Draw, LAST, input};
-use super::{Input, Output, solid_angle};
+use super::{Input, Output, area, bias, solid_angle};
 use crate::device::Module;
 use crate::shaders;
 
@@ -28,7 +28,16 @@ pub(super) struct Row {
 /// All functions in `shaders-glsl` with a twin in photon-core.
 pub(super) fn rows() -> Vec<Row> {
     let row = |name, module, function, bound, draw, twin| Row { name, module, function, bound, draw, twin };
-    [math_rows(row), random_rows(row), direction_rows(row), surface_rows(row), solid_angle::rows()].concat()
+    [
+        math_rows(row),
+        random_rows(row),
+        direction_rows(row),
+        surface_rows(row),
+        solid_angle::rows(),
+        area::rows(),
+        bias::rows(),
+    ]
+    .concat()
 }
 
 type Twin = fn(&Input) -> Output;
@@ -268,7 +277,7 @@ pub(super) fn fused_barycentric(i: &Input) -> Output {
 
 const Z: [f32; 4] = [0.0; 4];
 
-fn four(v: Vec3) -> [f32; 4] {
+pub(super) fn four(v: Vec3) -> [f32; 4] {
     [v.x, v.y, v.z, 0.0]
 }
 
@@ -283,7 +292,7 @@ fn vector(d: &mut Draw) -> Vec3 {
 }
 
 /// A vector without NaN, whose bits are unspecified.
-fn finite(d: &mut Draw) -> Vec3 {
+pub(super) fn finite(d: &mut Draw) -> Vec3 {
     let scale = d.pick(&[1.0, 1e-3, 1e-10, 1e10]);
     d.direction() * scale
 }

@@ -90,7 +90,7 @@ fn one_triangle_is_met_where_rust_meets_it() {
     on.write(&triangles, 0, bytemuck::cast_slice(&table)).unwrap();
     // The test reads only the second address of a scene.
     let scene = on.memory("scene", 128).unwrap();
-    on.fill(&scene, 0, 128, 0).unwrap();
+    on.fill_words(&scene, 0, 128, 0).unwrap();
     on.write(&scene, 8, bytemuck::bytes_of(&triangles.address())).unwrap();
     let address = scene.address();
     for input in &mut inputs {

@@ -9,7 +9,8 @@ use photon_scene::{Accel, BruteForce};
 
 use super::VulkanScene;
 use super::silhouette::{Judge, TOLERANCE};
-use crate::{RayPlan, Vulkan};
+use crate::Vulkan;
+use crate::rays::RayPlan;
 
 type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 

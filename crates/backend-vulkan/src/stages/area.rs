@@ -1,7 +1,7 @@
 //! Fraction of each estimate's disc that lies on the surface.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{AreaProbe, EstimateBuffers, EstimateParams, Pass, Query, Result};
+use photon_core::{AreaProbe, EstimateBuffers, EstimateParams, Features, Pass, Query, Result};
 
 use crate::device::buffer::VulkanBuffer;
 use crate::scene::VulkanScene;
@@ -39,6 +39,11 @@ pushed!(
     scene queries count estimates error_moments seed pass start min_cosine slope max_plane_distance padding
 );
 
+specialized!(
+    area_constants: AreaConstants => STAGES_AREA,
+    0 features: Features, 2 kernel: u32, 3 flat: bool, 4 second: bool; default shared_groups
+);
+
 impl AreaProbe<Vulkan> for VulkanArea {
     fn correct(
         &mut self,
@@ -50,9 +55,13 @@ impl AreaProbe<Vulkan> for VulkanArea {
         buffers: EstimateBuffers<'_, Vulkan>,
     ) -> Result<()> {
         let EstimateBuffers { estimates, error_moments } = buffers;
-        let [flat, second] = [gather.is_flat(), error_moments.is_some()].map(u32::from);
-        let constants = [scene.features().bits(), GROUP, gather.kernel.number(), flat, second];
-        let kernel = on.kernel(&shaders::STAGES_AREA, &constants)?;
+        let constants = AreaConstants {
+            features: scene.features(),
+            kernel: gather.kernel.number(),
+            flat: gather.is_flat(),
+            second: error_moments.is_some(),
+        };
+        let kernel = on.kernel(&shaders::STAGES_AREA, GROUP, &constants)?;
         // The number of queries is not needed on the host: dispatch for the full capacity.
         let capacity = queries.capacity().min(estimates.capacity());
         let capacity = error_moments.as_ref().map_or(capacity, |error_moments| capacity.min(error_moments.capacity()));

@@ -1,7 +1,7 @@
 //! Direct light by next-event estimation.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{DirectLight, Layer, Pass, Query, Result};
+use photon_core::{DirectLight, Features, Layer, MediaFeatures, Pass, Query, Result, light_sampler};
 
 use crate::device::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
@@ -12,7 +12,7 @@ use crate::vulkan::Vulkan;
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
 /// Up to this many lights, each query weights the lights individually.
-const MAX_LIGHTS: u32 = 16;
+const MAX_LIGHTS: u32 = light_sampler::MAX_LIGHTS as u32;
 
 /// Shadow rays to points on the lights.
 #[derive(Debug)]
@@ -39,6 +39,11 @@ pushed!(
     scene queries count values seed pass rays start start_ray end_ray padding
 );
 
+specialized!(
+    direct_constants: DirectConstants => STAGES_DIRECT,
+    0 features: Features, 2 weighed: u32, 3 media: MediaFeatures; default shared_groups
+);
+
 impl DirectLight<Vulkan> for VulkanDirect {
     fn light(
         &mut self,
@@ -54,8 +59,8 @@ impl DirectLight<Vulkan> for VulkanDirect {
         }
         let lights = scene.light_count();
         let weighed = if (2..=MAX_LIGHTS).contains(&lights) { lights } else { 0 };
-        let kernel =
-            on.kernel(&shaders::STAGES_DIRECT, &[scene.features().bits(), GROUP, weighed, scene.media().bits()])?;
+        let constants = DirectConstants { features: scene.features(), weighed, media: scene.media() };
+        let kernel = on.kernel(&shaders::STAGES_DIRECT, GROUP, &constants)?;
         // The number of queries is not needed on the host: dispatch for the full capacity.
         let capacity = queries.capacity();
         let rounds = shadow_rays.min(on.dispatch_limits.shadow_rays_of_query);

@@ -1,7 +1,7 @@
 //! Photon emission from the lights.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Batch, Emitter, PhotonRay, ProjectionMap, Result};
+use photon_core::{Batch, Emitter, Features, PhotonRay, ProjectionMap, Result};
 
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
@@ -30,6 +30,11 @@ struct Push {
 }
 
 pushed!(push_layout: Push => STAGES_EMIT, scene rays seed pass first count pad projection);
+
+specialized!(
+    emit_constants: EmitConstants => STAGES_EMIT,
+    0 features: Features, 2 random: u32, 3 aimed: bool; default shared_groups
+);
 
 impl Emitter<Vulkan> for VulkanEmitter {
     fn emit(
@@ -89,6 +94,11 @@ impl VulkanAimedEmitter {
         on.note_memory("aimed photons", projection.bytes());
         Ok(Self { record, _tables: tables })
     }
+
+    /// Address of the projection map.
+    pub(crate) fn address(&self) -> u64 {
+        self.record.address()
+    }
 }
 
 impl Emitter<Vulkan> for VulkanAimedEmitter {
@@ -99,7 +109,7 @@ impl Emitter<Vulkan> for VulkanAimedEmitter {
         batch: &Batch,
         rays: &mut VulkanBuffer<PhotonRay>,
     ) -> Result<()> {
-        emit(on, scene, batch, rays, self.record.address())
+        emit(on, scene, batch, rays, self.address())
     }
 }
 
@@ -114,8 +124,8 @@ fn emit(
     let asked = batch.paths.len() as u64;
     let count = asked.min(rays.capacity());
     let pass = batch.pass;
-    let constants = [scene.features().bits(), GROUP, pass.random as u32, u32::from(projection != 0)];
-    let kernel = on.kernel(&shaders::STAGES_EMIT, &constants)?;
+    let constants = EmitConstants { features: scene.features(), random: pass.random as u32, aimed: projection != 0 };
+    let kernel = on.kernel(&shaders::STAGES_EMIT, GROUP, &constants)?;
     let push = Push {
         scene: scene.address(),
         rays: rays.data_address(),

@@ -1,7 +1,7 @@
 //! Camera paths, traced to the first diffuse surface.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Camera, EyeTracer, Features, Layer, Pass, QUERIES_PER_PIXEL, Query, Result, View};
+use photon_core::{Camera, EyeTracer, Features, Layer, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Result, View};
 
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
@@ -92,6 +92,14 @@ struct SettlePush {
 
 pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offsets total start end pixels padding);
 
+specialized!(
+    eye_constants: EyeConstants => STAGES_EYE,
+    0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures;
+    default shared_groups
+);
+
+specialized!(compact_constants: CompactConstants => STAGES_EYE_COMPACT, 2 places_log2: u32);
+
 impl VulkanEye {
     /// Constructs a tracer for paths of at most `max_bounces` surfaces.
     pub(crate) fn new(on: &mut Vulkan, max_bounces: u32) -> Result<Self> {
@@ -126,12 +134,18 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        let lit = features.contains(Features::AREA_LIGHTS);
+        let lit = features.intersects(Features::AREA_LIGHTS.union(Features::ENVIRONMENT));
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as possible.
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
-        let constants = [features.bits(), GROUP, splits, SPLITS, tile_rows, scene.media().bits()];
-        let look = on.kernel(&shaders::STAGES_EYE, &constants)?;
+        let constants = EyeConstants {
+            features,
+            max_splits: splits,
+            paths_log2: SPLITS,
+            tile_rows_log2: tile_rows,
+            media: scene.media(),
+        };
+        let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
         for start_row in (0..view.height).step_by(rows as usize) {
             let end_row = start_row.saturating_add(rows).min(view.height);
@@ -170,8 +184,8 @@ fn close_ranks(
     splits: u32,
     pixels: u32,
 ) -> Result<()> {
-    let compact = on.kernel(&shaders::STAGES_EYE_COMPACT, &[0, GROUP, splits])?;
-    let settle = on.kernel(&shaders::STAGES_EYE_SETTLE, &[0, GROUP])?;
+    let compact = on.kernel(&shaders::STAGES_EYE_COMPACT, GROUP, &CompactConstants { places_log2: splits })?;
+    let settle = on.kernel(&shaders::STAGES_EYE_SETTLE, GROUP, &())?;
     let chunk = if in_place { (on.dispatch_limits.places >> splits).max(1) } else { pixels };
     for start in (0..pixels).step_by(chunk as usize) {
         let count = chunk.min(pixels - start);
@@ -229,7 +243,7 @@ pushed!(radii_push_layout: RadiiPush => STAGES_EYE_RADII, queries count factors 
 
 /// Multiplies each query's radius by its pixel's factor.
 pub(crate) fn scale_radii(on: &mut Vulkan, queries: &VulkanBuffer<Query>, factors: &VulkanBuffer<u32>) -> Result<()> {
-    let kernel = on.kernel(&shaders::STAGES_EYE_RADII, &[0, GROUP])?;
+    let kernel = on.kernel(&shaders::STAGES_EYE_RADII, GROUP, &())?;
     let push = RadiiPush {
         queries: queries.data_address(),
         count: queries.count_address(),

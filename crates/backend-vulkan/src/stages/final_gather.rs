@@ -2,7 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{
-    ErrorMoments, Estimate, FinalGather, Layer, Maps, Pass, PhotonFormat, Query, RadianceEstimator, Result,
+    ErrorMoments, Estimate, Features, FinalGather, Layer, Maps, MediaFeatures, Pass, PhotonFormat, Query,
+    RadianceEstimator, Result,
 };
 
 use crate::device::buffer::VulkanBuffer;
@@ -72,6 +73,15 @@ pushed!(
     landings estimates values error_moments errors count_rays start_query count_queries scale share padding
 );
 
+specialized!(
+    gather_constants: GatherConstants => STAGES_FINAL_GATHER,
+    0 features: Features, 2 media: MediaFeatures; default shared_groups
+);
+
+specialized!(
+    gathered_constants: GatheredConstants => STAGES_FINAL_GATHER_SUM, 2 error_moments: bool, 3 irradiance: bool
+);
+
 impl VulkanGather {
     /// Constructs a gatherer for paths of at most `max_bounces` surfaces; `estimator` reads the maps.
     pub(crate) fn new(max_bounces: u32, estimator: Box<dyn RadianceEstimator<Vulkan>>) -> Self {
@@ -100,7 +110,7 @@ impl VulkanGather {
                 queries: VulkanBuffer::new(on, "gather errors", queries)?,
             },
         };
-        on.fill(&errors.queries.data, 0, errors.queries.data.bytes(), 0)?;
+        on.fill_words(&errors.queries.data, 0, errors.queries.data.bytes(), 0)?;
         Ok(Some(errors))
     }
 }
@@ -129,11 +139,11 @@ impl FinalGather<Vulkan> for VulkanGather {
         };
         film.clear_values(on, queries.capacity())?;
         let values = film.values_address(on, queries.capacity())?;
-        let follow =
-            on.kernel(&shaders::STAGES_FINAL_GATHER, &[scene.features().bits(), GROUP, scene.media().bits()])?;
+        let constants = GatherConstants { features: scene.features(), media: scene.media() };
+        let follow = on.kernel(&shaders::STAGES_FINAL_GATHER, GROUP, &constants)?;
         let mut errors = self.error_buffers(on, film, room, queries.capacity())?;
-        let (moments, found) = (u32::from(errors.is_some()), u32::from(maps.irradiance.is_some()));
-        let add = on.kernel(&shaders::STAGES_FINAL_GATHER_SUM, &[0, GROUP, moments, found])?;
+        let constants = GatheredConstants { error_moments: errors.is_some(), irradiance: maps.irradiance.is_some() };
+        let add = on.kernel(&shaders::STAGES_FINAL_GATHER_SUM, GROUP, &constants)?;
         // Precomputed irradiance is not a sum over photon paths.
         let asked: Vec<_> = match maps.irradiance {
             Some(irradiance) => vec![(irradiance, 1)],

@@ -53,7 +53,7 @@ impl IrradiancePoints<Vulkan> for VulkanIrradiance {
         let first = on.length(queries)?;
         let room = queries.capacity() - first;
         let count = u64::from(map.length.div_ceil(every.max(1))).min(room);
-        let kernel = on.kernel(&shaders::STAGES_IRRADIANCE_PLACES, &[0, GROUP])?;
+        let kernel = on.kernel(&shaders::STAGES_IRRADIANCE_PLACES, GROUP, &())?;
         let push = PlacesPush {
             positions: map.positions.address(),
             queries: queries.data_address(),
@@ -76,7 +76,7 @@ impl IrradiancePoints<Vulkan> for VulkanIrradiance {
         points: &mut VulkanBuffer<Photon>,
     ) -> Result<()> {
         let count = on.length(queries)?.min(points.capacity());
-        let kernel = on.kernel(&shaders::STAGES_IRRADIANCE, &[0, GROUP])?;
+        let kernel = on.kernel(&shaders::STAGES_IRRADIANCE, GROUP, &())?;
         let push = AddPush {
             queries: queries.data_address(),
             estimates: estimates.data_address(),

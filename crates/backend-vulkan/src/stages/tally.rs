@@ -1,10 +1,10 @@
 //! Path statistics by fate, summed on the device.
 
-use photon_core::{FluxSum, MapKind, PerMap, Tally};
+use photon_core::{Fate, FluxSum, MapKind, PerMap, Tally};
 
 /// Number of fates of ordinary paths; aimed paths have one more.
-pub(crate) const FATES: usize = 4;
-pub(crate) const AIMED_FATES: usize = 5;
+pub(crate) const FATES: usize = Fate::COUNT - 1;
+pub(crate) const AIMED_FATES: usize = Fate::COUNT;
 
 /// Counters summed on the device: one for each fate, one for surfaces hit, one for each map, and one for paths
 /// nested in too many solids.

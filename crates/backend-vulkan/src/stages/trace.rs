@@ -8,13 +8,13 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{
-    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result, Scheduling, Settings,
-    Tally, Tracer,
+    Batch, Deposits, Features, MapKind, MediaFeatures, PerMap, Photon, PhotonFormat, PhotonRay, Result, Scheduling,
+    Settings, Tally, Tracer,
 };
 
 use super::tally::{AIMED_FATES, FATES, tally, words};
 use crate::device::buffer::VulkanBuffer;
-use crate::device::{Kernel, Memory};
+use crate::device::{ComputePipeline, Memory};
 use crate::scan::Scan;
 use crate::scene::VulkanScene;
 use crate::shaders;
@@ -35,7 +35,6 @@ const SHORTEST: u64 = 1 << 13;
 pub(crate) struct VulkanTracer {
     scheduling: Scheduling,
     max_bounces: u32,
-    required: Requirements,
     /// Number of fates, of aimed paths or of others.
     fates: usize,
     scan: Scan,
@@ -155,24 +154,35 @@ struct AdvancePush {
 
 pushed!(advance_push_layout: AdvancePush => STAGES_TRACE_ADVANCE, totals needed);
 
+specialized!(
+    trace_constants: TraceConstants => STAGES_TRACE,
+    0 features: Features, 2 random: u32, 3 wanted: u32, 4 dynamic: bool, 5 busy: u32, 6 aimed: bool,
+    7 media: MediaFeatures, 10 shared_groups: u32
+);
+
+specialized!(tally_constants: TallyConstants => STAGES_TALLY, 3 wanted: u32, 4 fates: u32);
+
+specialized!(reorder_constants: ReorderConstants => STAGES_TRACE_REORDER, 2 format: u32);
+
+specialized!(advance_constants: AdvanceConstants => STAGES_TRACE_ADVANCE, 3 wanted: u32);
+
 impl VulkanTracer {
-    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
-        Self::with_fates(on, settings, required, FATES)
+    pub(crate) fn new(on: &mut Vulkan, settings: &Settings) -> Result<Self> {
+        Self::with_fates(on, settings, FATES)
     }
 
     /// Constructs a tracer for aimed paths, which end at the first diffuse surface.
-    pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
-        Self::with_fates(on, settings, required, AIMED_FATES)
+    pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings) -> Result<Self> {
+        Self::with_fates(on, settings, AIMED_FATES)
     }
 
-    fn with_fates(on: &mut Vulkan, settings: &Settings, required: &Requirements, fates: usize) -> Result<Self> {
+    fn with_fates(on: &mut Vulkan, settings: &Settings, fates: usize) -> Result<Self> {
         let bytes = 4 * words(fates) as u64;
         let sums = on.memory("tally", bytes)?;
-        on.fill(&sums, 0, bytes, 0)?;
+        on.fill_words(&sums, 0, bytes, 0)?;
         Ok(Self {
             scheduling: settings.scheduling,
             max_bounces: settings.max_bounces,
-            required: *required,
             fates,
             scan: Scan::new(on)?,
             longest: LONGEST,
@@ -240,7 +250,7 @@ impl Tracer<Vulkan> for VulkanTracer {
     fn take_tally(&mut self, on: &mut Vulkan) -> Result<Tally> {
         let mut words = vec![0_u32; words(self.fates)];
         on.read(&self.sums, 0, bytemuck::cast_slice_mut(&mut words))?;
-        on.fill(&self.sums, 0, 4 * words.len() as u64, 0)?;
+        on.fill_words(&self.sums, 0, 4 * words.len() as u64, 0)?;
         Ok(tally(&words, self.fates, std::mem::take(&mut self.emitted)))
     }
 
@@ -266,24 +276,21 @@ impl VulkanTracer {
         let targets = deposits.each_ref().map(Option::as_deref);
         let wanted = targets.map(|target| target.is_some());
         let pass = batch.pass;
-        let dynamic = self.scheduling == Scheduling::Dynamic;
         let plan = on.trace_plan;
-        let mut constants = [0; 11];
-        constants[..6].copy_from_slice(&[
-            self.required.features.bits(),
-            plan.group,
-            pass.random as u32,
-            wanted.bits(),
-            u32::from(dynamic),
-            plan.busy,
-        ]);
-        constants[6] = u32::from(self.fates == AIMED_FATES);
-        constants[7] = self.required.media.bits();
-        constants[10] = plan.shared_groups;
-        let trace = on.kernel(&shaders::STAGES_TRACE, &constants)?;
+        let constants = TraceConstants {
+            features: scene.features(),
+            random: pass.random as u32,
+            wanted: wanted.bits(),
+            dynamic: self.scheduling == Scheduling::Dynamic,
+            busy: plan.busy,
+            aimed: self.fates == AIMED_FATES,
+            media: scene.media(),
+            shared_groups: plan.shared_groups,
+        };
+        let trace = on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)?;
         loop {
             let Some(scratch) = &self.scratch else { return Ok(false) };
-            on.fill(&scratch.cursors, 0, CURSORS, 0)?;
+            on.fill_words(&scratch.cursors, 0, CURSORS, 0)?;
             let chunk = Chunk {
                 stored: scratch.stored.address(),
                 endings: scratch.endings.address(),
@@ -331,7 +338,7 @@ impl VulkanTracer {
         on: &mut Vulkan,
         scratch: &TraceScratch,
         (scene, rays): (u64, u64),
-        trace: &Kernel,
+        trace: &ComputePipeline,
         count: u64,
     ) -> Result<()> {
         let plan = on.trace_plan;
@@ -347,7 +354,7 @@ impl VulkanTracer {
         for number in 0..rounds {
             if number > 0 {
                 // The counters that the next round will use are those of the previous one.
-                on.fill(&scratch.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
+                on.fill_words(&scratch.cursors, ROUNDS + u64::from((number + 1) % 2) * 8, 8, 0)?;
             }
             let push = TracePush {
                 chunk: scratch.chunk.address(),
@@ -399,7 +406,11 @@ impl VulkanTracer {
             first: first as u32,
             count: count as u32,
         };
-        let sum = on.kernel(&shaders::STAGES_TALLY, &[0, GROUP, 0, wanted.bits(), self.fates as u32])?;
+        let sum = on.kernel(
+            &shaders::STAGES_TALLY,
+            GROUP,
+            &TallyConstants { wanted: wanted.bits(), fates: self.fates as u32 },
+        )?;
         on.dispatch(&sum, &push, count.div_ceil(u64::from(GROUP) * 16).min(512))?;
         if !wanted.any() {
             return Ok(());
@@ -423,12 +434,12 @@ impl VulkanTracer {
         let formats = |(kind, target): (MapKind, &Option<&VulkanBuffer<Photon>>)| {
             target.map_or(0, |to| to.photon_format().number()) << (2 * kind as u32)
         };
-        let formats = targets.iter().map(formats).sum();
-        let scatter = on.kernel(&shaders::STAGES_TRACE_REORDER, &[0, 256, formats])?;
+        let format = targets.iter().map(formats).sum();
+        let scatter = on.kernel(&shaders::STAGES_TRACE_REORDER, 256, &ReorderConstants { format })?;
         on.dispatch(&scatter, &push, scratch.places.div_ceil(256).min(2048))?;
         let push =
             AdvancePush { totals: scratch.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };
-        let advance = on.kernel(&shaders::STAGES_TRACE_ADVANCE, &[0, 32, 0, wanted.bits()])?;
+        let advance = on.kernel(&shaders::STAGES_TRACE_ADVANCE, 32, &AdvanceConstants { wanted: wanted.bits() })?;
         on.dispatch(&advance, &push, 1)
     }
 }

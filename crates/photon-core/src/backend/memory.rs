@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 
 /// Memory of a backend at the peak of a pass, in bytes: upper bounds, rounded up from its allocations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+// Exhaustive: a backend must state every cost.
 pub struct Costs {
     /// Per photon of a map: as stored, and as arranged for searching, including scratch memory for that.
     pub photon: u64,
@@ -22,7 +23,7 @@ pub struct Costs {
 
 /// Number of photons of all maps, and of paths of a batch, that fit into memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Plan {
+pub(crate) struct MemoryPlan {
     pub(crate) photons: u64,
     pub(crate) batch: u32,
     left: u64,
@@ -31,7 +32,7 @@ pub(crate) struct Plan {
 /// With memory for fewer photons than this, rendering is refused.
 const MIN_PATHS: u64 = 4096;
 
-impl Plan {
+impl MemoryPlan {
     /// Divides what `fixed` bytes leave of `cap`, before the number of photons per path is known: assumes
     /// [`BUSY`].
     ///
@@ -78,7 +79,7 @@ mod tests {
     fn what_is_planned_fits() {
         for cap in [10_000_000_u64, 1 << 30, 1 << 40] {
             for busy in [0.1, 1.0, 7.5, 100.0] {
-                let mut plan = Plan::new(cap, 1_000_000, &COSTS).unwrap();
+                let mut plan = MemoryPlan::new(cap, 1_000_000, &COSTS).unwrap();
                 plan.share(busy, &COSTS);
                 let batch = f64::from(plan.batch);
                 let under_way = batch * (60.0 + busy * 50.0);
@@ -91,8 +92,8 @@ mod tests {
 
     #[test]
     fn what_can_never_fit_is_an_error() {
-        let error = Plan::new(1_000_000, 900_000, &COSTS).unwrap_err();
+        let error = MemoryPlan::new(1_000_000, 900_000, &COSTS).unwrap_err();
         assert!(matches!(error, Error::OverMemory { allowed: 1_000_000, needed } if needed > 1_000_000), "{error}");
-        assert!(Plan::new(10_000_000, 900_000, &COSTS).unwrap().paths(1.0, 500) == 500);
+        assert!(MemoryPlan::new(10_000_000, 900_000, &COSTS).unwrap().paths(1.0, 500) == 500);
     }
 }

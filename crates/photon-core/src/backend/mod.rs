@@ -1,6 +1,7 @@
 //! The interface of a backend: its buffers, its films ([`FilmBackend`]), and the construction of its
 //! stages.
 
+pub mod kd_tree;
 pub(crate) mod memory;
 pub(crate) mod observer;
 pub(crate) mod stages;
@@ -176,6 +177,7 @@ pub type AimedStages<B> = (Box<dyn Emitter<B>>, Box<dyn Tracer<B>>);
 
 /// Length and capacity of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+// Exhaustive: a backend must state every field.
 pub struct Fill {
     /// Number of elements stored.
     pub length: u64,
@@ -187,6 +189,7 @@ pub struct Fill {
 
 /// The stages of a pass, for timing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Stage {
     /// The scene is uploaded to the device, and its ray-tracing structure built.
     Prepare,

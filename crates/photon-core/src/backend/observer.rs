@@ -49,6 +49,7 @@ impl<F: FnMut(&Event<'_>) -> ControlFlow<()>> Observer for F {
 
 /// Results of one pass.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct PassReport {
     /// Index of the pass, from 0.
     pub index: u32,

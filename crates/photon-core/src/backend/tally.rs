@@ -4,6 +4,7 @@ use crate::requirements::map_kind::PerMap;
 
 /// How a photon path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Fate {
     /// Absorbed by a surface.
     Absorbed,
@@ -17,6 +18,15 @@ pub enum Fate {
     Terminated,
 }
 
+impl Fate {
+    /// How many there are.
+    pub const COUNT: usize = Self::Terminated as usize + 1;
+
+    /// A path with more power than this in a channel is dropped, since only numerical failure explains it: a path
+    /// starts with about 1.
+    pub const MAX_POWER: f32 = 1_048_576.0;
+}
+
 /// A sum of flux, exact: in integers, so that the order of summation does not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FluxSum([i128; 3]);
@@ -25,14 +35,15 @@ pub struct FluxSum([i128; 3]);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FixedFlux([i64; 3]);
 
-const FIXED_ONE: f32 = (1_u64 << 40) as f32;
-
 impl FixedFlux {
+    /// One over the unit.
+    pub const ONE: f32 = (1_u64 << 40) as f32;
+
     /// Rounds towards zero; saturates beyond ±2²², and NaN becomes 0.
     #[inline]
     #[must_use]
     pub fn new(flux: [f32; 3]) -> Self {
-        Self(flux.map(|f| (f * FIXED_ONE) as i64))
+        Self(flux.map(|f| (f * Self::ONE) as i64))
     }
 
     /// The flux that remains after `other` is subtracted.
@@ -69,12 +80,13 @@ impl FluxSum {
     /// The sum, in units of the scene's total power times the number of paths.
     #[must_use]
     pub fn value(&self) -> [f64; 3] {
-        self.0.map(|f| f as f64 / f64::from(FIXED_ONE))
+        self.0.map(|f| f as f64 / f64::from(FixedFlux::ONE))
     }
 }
 
 /// Counts and flux, of one pass or of many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+// Exhaustive: a backend must fill in every count.
 pub struct Tally {
     /// Paths emitted.
     pub emitted: u64,

@@ -5,12 +5,15 @@
 //! squares in f64 loses its precision only where the standard deviation of a pass is below 10⁻⁷ of the
 //! pixel.
 
+use bitflags::bitflags;
+
 use crate::film::Film;
 use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::scene::layout::{ErrorMoments, Estimate, Query};
 
 /// Error statistics of a pixel, summed over passes. Normalised units, mean of RGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ErrorPixel {
     /// Radiance estimated with twice the area, minus that of the picture: estimates the bias of a pass.
     pub bias: f64,
@@ -27,6 +30,7 @@ pub struct ErrorPixel {
 /// Distribution of the photons of one map around a pixel's queries: sums of [`ErrorMoments`] with the
 /// weights of the queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+// Exhaustive: a backend must fill in every sum.
 pub struct PhotonMoments {
     /// Σ power.
     pub power: f64,
@@ -41,6 +45,10 @@ pub struct PhotonMoments {
 }
 
 impl PhotonMoments {
+    /// A photon farther from the query's plane than this fraction of the wide radius counts as lying on another
+    /// surface: [`ErrorMoments::stray`].
+    pub const OFF_PLANE: f32 = 0.25;
+
     fn add(&mut self, other: &Self) {
         self.power += other.power;
         self.power_squared += other.power_squared;
@@ -144,47 +152,26 @@ impl ErrorPixel {
     }
 }
 
-/// Reasons why a pixel has no error estimate; a set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Flags(u32);
-
-impl Flags {
-    /// Fewer than 8 passes: too few to estimate a variance.
-    pub const FEW_PASSES: Self = Self(1);
-    /// Fewer than 32 photons in total.
-    pub const FEW_PHOTONS: Self = Self(1 << 1);
-    /// The disc of the estimate extends over an edge to another surface.
-    pub const OTHER_SURFACE: Self = Self(1 << 2);
-    /// Light has an edge within the disc: a shadow boundary, a fold of a caustic, the end of a surface.
-    pub const UNEVEN: Self = Self(1 << 3);
-    /// A smaller radius gives another bias, by more than a factor of 2.
-    pub const CURVED: Self = Self(1 << 4);
-
-    /// The bits, in the order above.
-    #[must_use]
-    pub fn bits(self) -> u32 {
-        self.0
-    }
-
-    /// Whether `other` is included.
-    #[must_use]
-    pub fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-
-    /// Whether there is no reason: the pixel has an error estimate.
-    #[must_use]
-    pub fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-
-    fn set(&mut self, other: Self, to: bool) {
-        self.0 |= if to { other.0 } else { 0 };
+bitflags! {
+    /// Reasons why a pixel has no error estimate; empty if it has one.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub struct Flags: u32 {
+        /// Fewer than 8 passes: too few to estimate a variance.
+        const FEW_PASSES = 1;
+        /// Fewer than 32 photons in total.
+        const FEW_PHOTONS = 1 << 1;
+        /// The disc of the estimate extends over an edge to another surface.
+        const OTHER_SURFACE = 1 << 2;
+        /// Light has an edge within the disc: a shadow boundary, a fold of a caustic, the end of a surface.
+        const UNEVEN = 1 << 3;
+        /// A smaller radius gives another bias, by more than a factor of 2.
+        const CURVED = 1 << 4;
     }
 }
 
 /// Confidence interval of one pixel, W/(m²·sr), mean of RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: callers may write their own for `ErrorModel::new`.
 pub struct ConfidenceInterval {
     /// Value of the pixel.
     pub value: f64,

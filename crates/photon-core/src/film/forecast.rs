@@ -11,6 +11,7 @@ const SAMPLE: usize = 16_384;
 
 /// The present error estimate, and the number of passes needed to reach a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Forecast {
     /// Passes so far.
     pub passes: u32,

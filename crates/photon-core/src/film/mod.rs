@@ -9,6 +9,7 @@ use crate::scene::units::Units;
 
 /// The layers of a picture. Each light path belongs to exactly one; their sum is the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Layer {
     /// Light sources seen directly, or by way of mirrors and glass only.
     Emission,
@@ -38,6 +39,7 @@ impl Layer {
 
 /// Sums over passes for one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+// Exhaustive: a backend must fill in every sum.
 pub struct FilmPixel {
     /// Radiance by [`Layer`], normalised units.
     pub layers: [[f64; 3]; 4],

@@ -1,7 +1,9 @@
 //! Checks that there is something to render.
 
 use crate::error::{Error, Result};
+use crate::requirements::features::Features;
 use crate::scene::SceneView;
+use crate::settings::{Indirect, Settings};
 
 /// At least one light has to emit power, and at least one surface has to store photons.
 pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
@@ -14,4 +16,20 @@ pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
         material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0)
     });
     if keeps { Ok(()) } else { Err(Error::NoReceiver) }
+}
+
+/// Precomputed irradiance is that of facets, and would lose the shading normals.
+pub(super) fn check_irradiance(scene: &SceneView<'_>, settings: &Settings) -> Result<()> {
+    match settings.irradiance_every {
+        Some(every)
+            if settings.indirect == Indirect::Gather && Features::of(scene).contains(Features::SHADING_NORMALS) =>
+        {
+            Err(Error::InvalidSetting {
+                name: "irradiance-every",
+                value: every.to_string(),
+                hint: "cannot be used in a scene with vertex normals or normal maps: leave it out",
+            })
+        }
+        _ => Ok(()),
+    }
 }

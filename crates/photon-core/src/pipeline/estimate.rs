@@ -3,7 +3,7 @@
 use super::Pipeline;
 use super::photons::Sent;
 use super::slot::BuiltMap;
-use crate::backend::stages::{EstimateBuffers, Maps, Pass};
+use crate::backend::stages::{EstimateBuffers, EstimateParams, Maps, Pass};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::radii;
@@ -66,7 +66,10 @@ impl<B: TransportBackend> Pipeline<B> {
                 continue;
             }
             let map = self.stages.map.builder.build(&mut self.on, filled)?;
-            let gather = radii::gather(&self.settings, slot.radius, index);
+            let gather = EstimateParams {
+                shading_normals: self.shading_normals,
+                ..radii::gather(&self.settings, slot.radius, index)
+            };
             maps.push(BuiltMap { kind: slot.kind, map, length, gather, paths: paths[slot.kind] });
         }
         Ok(maps)

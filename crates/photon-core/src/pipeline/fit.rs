@@ -1,8 +1,8 @@
 //! Sizes of maps, batches and passes under a limit on memory.
 
-use super::{PILOT, PILOT_PATHS, Pipeline, aimed, irradiance};
+use super::{PILOT_PASS, PILOT_PATHS, Pipeline, aimed, irradiance};
 use crate::backend::TransportBackend;
-use crate::backend::memory::Plan;
+use crate::backend::memory::MemoryPlan;
 use crate::error::Result;
 use crate::requirements::map_kind::PerMap;
 
@@ -11,7 +11,7 @@ const COUNTED: u64 = 65_536;
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Traces a few paths to count their photons, and sizes maps, batches and passes accordingly.
-    pub(super) fn fit(&mut self, mut plan: Plan) -> Result<()> {
+    pub(super) fn fit(&mut self, mut plan: MemoryPlan) -> Result<()> {
         let each = (plan.photons / (self.maps.len() as u64).max(1)).min(COUNTED);
         for slot in &mut self.maps {
             slot.allocate(&mut self.on, each, self.required.photon_format)?;
@@ -39,12 +39,12 @@ impl<B: TransportBackend> Pipeline<B> {
     /// or not they fit.
     fn emit_and_count(&mut self, paths: u32, batch: u32) -> Result<PerMap<u64>> {
         if self.needs_others() {
-            self.send_batch(PILOT, false, 0..paths)?;
+            self.send_batch(PILOT_PASS, false, 0..paths)?;
             self.stages.tracer.take_tally(&mut self.on)?;
         }
         if let Some(aimed) = self.aimed_paths(paths) {
             for start in (0..aimed).step_by(batch.max(1) as usize) {
-                self.send_batch(PILOT, true, start..start.saturating_add(batch).min(aimed))?;
+                self.send_batch(PILOT_PASS, true, start..start.saturating_add(batch).min(aimed))?;
             }
             if let Some(stages) = &mut self.stages.aimed {
                 stages.tracer.take_tally(&mut self.on)?;

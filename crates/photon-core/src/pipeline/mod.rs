@@ -4,7 +4,7 @@ pub(crate) mod render;
 
 use std::ops::ControlFlow;
 
-use crate::backend::memory::Plan;
+use crate::backend::memory::MemoryPlan;
 use crate::backend::observer::{Event, Observer, PassReport};
 use crate::backend::stages::{Pass, Stages, View};
 use crate::backend::{Stage, StageTimings, TransportBackend};
@@ -26,7 +26,7 @@ use crate::scene::units::Units;
 use crate::settings::{Bandwidth, Estimator, Settings};
 
 /// Index of the pass from which radii are derived; no pass of a picture has this index.
-const PILOT: u32 = u32::MAX;
+const PILOT_PASS: u32 = u32::MAX;
 const PILOT_PATHS: u32 = 65_536;
 
 /// Camera paths split at the first two glass boundaries or sheets, therefore into four at most.
@@ -39,6 +39,8 @@ pub struct Pipeline<B: TransportBackend> {
     scene: B::Scene,
     stages: Stages<B>,
     required: Requirements,
+    /// Whether surfaces of the scene have shading normals.
+    shading_normals: bool,
     settings: Settings,
     /// Paths per pass in the settings, even if fewer fit into memory.
     asked: u32,
@@ -54,7 +56,7 @@ pub struct Pipeline<B: TransportBackend> {
     maps: Vec<MapSlot<B>>,
     state: State,
     /// The memory plan before photons were counted, and its batch size, if memory is limited.
-    cap: Option<(Plan, u32)>,
+    cap: Option<(MemoryPlan, u32)>,
     queries: B::Buffer<Query>,
     estimates: Option<B::Buffer<Estimate>>,
     error_moments: Option<B::Buffer<ErrorMoments>>,
@@ -120,12 +122,11 @@ impl<B: TransportBackend> Pipeline<B> {
         Self::assemble(on, scene, view, settings, (required, stages), batch)
     }
 
-    /// Like [`Pipeline::new`], with this many paths per batch. The picture is the same, which tests check.
-    /// Not for users: memory and launches are sized for the default.
+    /// Like [`Pipeline::new`], with `batch` paths per batch instead of [`TransportBackend::batch`]. The picture is the
+    /// same; smaller batches need less memory and are slower.
     ///
     /// # Errors
     /// Those of [`Pipeline::new`], and [`Error::InvalidSetting`] for a batch of 0 paths.
-    #[doc(hidden)]
     pub fn in_batches(on: B, scene: &SceneView<'_>, view: View, settings: Settings, batch: u32) -> Result<Self> {
         if batch == 0 {
             return Err(Error::InvalidSetting {
@@ -162,6 +163,7 @@ impl<B: TransportBackend> Pipeline<B> {
     ) -> Result<Self> {
         settings.validate()?;
         check::check_scene(scene)?;
+        check::check_irradiance(scene, &settings)?;
         required.check(Features::of(scene))?;
         required.check_format(PhotonFormat::of(scene, &settings))?;
         let view = view.within(scene);
@@ -186,7 +188,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 let (moments, copy) =
                     if settings.errors { (size_of::<ErrorMoments>(), size_of::<ErrorPixel>()) } else { (0, 0) };
                 let picture = pixels * (costs.pixel + copy as u64 + per_pixel * (costs.query + moments as u64));
-                Some(Plan::new(cap, tables.saturating_add(picture), &costs)?)
+                Some(MemoryPlan::new(cap, tables.saturating_add(picture), &costs)?)
             }
             None => None,
         };
@@ -210,6 +212,7 @@ impl<B: TransportBackend> Pipeline<B> {
             on,
             stages,
             required,
+            shading_normals: Features::of(scene).contains(Features::SHADING_NORMALS),
             asked: settings.photons,
             settings,
             view,
@@ -338,7 +341,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
 
 impl<B: TransportBackend> Pipeline<B> {
     fn whole_pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
-        if index == PILOT {
+        if index == PILOT_PASS {
             return Err(Error::InvalidSetting {
                 name: "pass",
                 value: index.to_string(),

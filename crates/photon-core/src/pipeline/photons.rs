@@ -1,6 +1,6 @@
 //! Photons of a pass: emitted, traced, stored.
 
-use super::{PILOT, PILOT_PATHS, Pipeline};
+use super::{PILOT_PASS, PILOT_PATHS, Pipeline};
 use crate::backend::observer::{Event, Observer};
 use crate::backend::stages::{Batch, Deposits, Pass};
 use crate::backend::tally::Tally;
@@ -38,7 +38,7 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Traces a pilot pass to derive radii from the density of its photons.
     pub(super) fn pilot(&mut self) -> Result<()> {
         let paths = self.settings.photons.min(PILOT_PATHS);
-        let sent = self.emit_and_trace(PILOT, paths, &mut ())?;
+        let sent = self.emit_and_trace(PILOT_PASS, paths, &mut ())?;
         let all = self.settings.photons;
         let wanted_paths = per_map(all, self.aimed_paths(all));
         let traced_paths = per_map(sent.paths, sent.aimed);

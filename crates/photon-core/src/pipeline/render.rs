@@ -48,6 +48,7 @@ pub trait Render: Send {
 
 /// How a pass ended.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum PassEnd {
     /// The pass is in the film.
     Done(PassReport),
@@ -59,6 +60,7 @@ pub enum PassEnd {
 
 /// Description of a renderer and what it was built for.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Facts {
     /// Short name of the backend.
     pub backend: &'static str,
@@ -79,6 +81,7 @@ pub struct Facts {
 
 /// Results of all passes.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Outcome {
     /// Number of passes rendered.
     pub passes: u32,
@@ -104,7 +107,7 @@ pub struct Outcome {
 const SHARE: f64 = 0.95;
 
 /// Number of passes before the first forecast.
-const PILOT: u32 = 8;
+const FORECAST_PASSES: u32 = 8;
 
 /// Number of passes after which some pixel must have an error estimate.
 const GIVE_UP: u32 = 256;
@@ -120,7 +123,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
     plan.validate()?;
     let clock = Instant::now();
     let mut outcome = Outcome::default();
-    let mut next_look = PILOT;
+    let mut next_look = FORECAST_PASSES;
     for index in plan.first..plan.first.saturating_add(plan.passes()) {
         if is_over(&plan, &outcome, clock.elapsed()) {
             break;
@@ -166,7 +169,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
     if outcome.passes == 0 {
         return Err(Error::Cancelled);
     }
-    if outcome.passes >= PILOT {
+    if outcome.passes >= FORECAST_PASSES {
         outcome.reached = look(renderer, &plan, &outcome, clock.elapsed())?;
     }
     Ok(outcome)
@@ -175,7 +178,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
 /// Whether to continue although no pixel has an error estimate.
 fn patience(renderer: &mut dyn Render, passes: u32) -> Result<()> {
     let refuse = |value: &str, hint| Err(Error::InvalidSetting { name: "target-error", value: value.into(), hint });
-    if passes == PILOT && renderer.film()?.errors.is_none() {
+    if passes == FORECAST_PASSES && renderer.film()?.errors.is_none() {
         return refuse("set", "it needs error estimates: enable Settings::errors");
     }
     if passes >= GIVE_UP {

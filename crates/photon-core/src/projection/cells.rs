@@ -15,6 +15,8 @@ pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
     match light.kind {
         Light::POINT | Light::SPOT => (0, (most / 2).min(8)),
         Light::DIRECTIONAL => ((most / 2).min(8), 0),
+        // One cell: its photons come from everywhere.
+        Light::ENVIRONMENT => (0, 0),
         _ => {
             let direction = (most / 2).min(6);
             ((most / 2 - direction).min(3), direction)
@@ -35,6 +37,9 @@ pub(super) fn mark(
     blocks: &mut u64,
     sink: Sink<'_>,
 ) -> ControlFlow<()> {
+    if light.kind == Light::ENVIRONMENT {
+        return if spheres.is_empty() { ControlFlow::Continue(()) } else { sink(0) };
+    }
     let both = light.flags & Light::BOTH_SIDES != 0;
     for side in 0..if both { 2 } else { 1 } {
         let beams = Beams::new(scene, light, side == 1);

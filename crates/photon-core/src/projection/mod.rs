@@ -66,6 +66,7 @@ pub struct ProjectionSample {
 
 /// Why photons are not aimed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum NoProjection {
     /// The settings fill the caustic map with the paths that fill the other maps.
     Shared,

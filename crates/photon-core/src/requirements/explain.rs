@@ -12,6 +12,7 @@ use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
 
 /// A feature, map or stage that a renderer can model, allocate or build.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Need {
     /// Its name.
     pub what: &'static str,
@@ -27,9 +28,8 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     let required = Requirements::of(scene, settings);
     let mut needs: Vec<Need> = Features::ALL
         .names()
-        .enumerate()
-        .map(|(bit, what)| {
-            let feature = Features::from_bits(1 << bit);
+        .zip(Features::ALL)
+        .map(|(what, feature)| {
             let triangles = scene
                 .primitives
                 .iter()

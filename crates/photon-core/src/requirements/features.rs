@@ -2,53 +2,61 @@
 
 use std::fmt;
 
-/// A set of features that kernels support.
-///
-/// CPU kernels take it as a const generic, Vulkan kernels as specialization constant 0: features that are
-/// not in it are not compiled in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Features(u32);
+use bitflags::{Flags, bitflags};
+
+bitflags! {
+    /// A set of features that kernels support.
+    ///
+    /// CPU kernels take its bits as a const generic, Vulkan kernels as specialization constant 0: features that are
+    /// not in it are not compiled in.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub struct Features: u32 {
+        /// Lambertian surfaces.
+        const DIFFUSE = 1;
+        /// Perfect mirrors.
+        const MIRROR = 1 << 1;
+        /// Boundaries of refracting solids.
+        const DIELECTRIC = 1 << 2;
+        /// Refracting sheets without thickness.
+        const THIN = 1 << 3;
+        /// Absorption inside solids.
+        const ABSORPTION = 1 << 4;
+        /// Emissive triangles.
+        const AREA_LIGHTS = 1 << 5;
+        /// Point lights.
+        const POINT_LIGHTS = 1 << 6;
+        /// Spot lights.
+        const SPOT_LIGHTS = 1 << 7;
+        /// Directional lights.
+        const DIRECTIONAL_LIGHTS = 1 << 8;
+        /// Textures on colours or on emission.
+        const TEXTURES = 1 << 9;
+        /// Shading normals that differ from the geometric ones: vertex normals or normal maps.
+        const SHADING_NORMALS = 1 << 10;
+        /// Normal maps.
+        const NORMAL_MAPS = 1 << 11;
+        /// Vertex colours.
+        const VERTEX_COLORS = 1 << 12;
+        /// Area lights whose emission is textured.
+        const TEXTURED_LIGHTS = 1 << 13;
+        /// An environment map.
+        const ENVIRONMENT = 1 << 14;
+    }
+}
 
 impl Features {
     /// No features.
-    pub const NONE: Self = Self(0);
-    /// Lambertian surfaces.
-    pub const DIFFUSE: Self = Self(1);
-    /// Perfect mirrors.
-    pub const MIRROR: Self = Self(1 << 1);
-    /// Boundaries of refracting solids.
-    pub const DIELECTRIC: Self = Self(1 << 2);
-    /// Refracting sheets without thickness.
-    pub const THIN: Self = Self(1 << 3);
-    /// Absorption inside solids.
-    pub const ABSORPTION: Self = Self(1 << 4);
-    /// Emissive triangles.
-    pub const AREA_LIGHTS: Self = Self(1 << 5);
-    /// Point lights.
-    pub const POINT_LIGHTS: Self = Self(1 << 6);
-    /// Spot lights.
-    pub const SPOT_LIGHTS: Self = Self(1 << 7);
-    /// Directional lights.
-    pub const DIRECTIONAL_LIGHTS: Self = Self(1 << 8);
-    /// Textures on colours or on emission.
-    pub const TEXTURES: Self = Self(1 << 9);
-    /// Shading normals that differ from the geometric ones: vertex normals or normal maps.
-    pub const SHADING_NORMALS: Self = Self(1 << 10);
-    /// Normal maps.
-    pub const NORMAL_MAPS: Self = Self(1 << 11);
-    /// Vertex colours.
-    pub const VERTEX_COLORS: Self = Self(1 << 12);
-    /// Area lights whose emission is textured.
-    pub const TEXTURED_LIGHTS: Self = Self(1 << 13);
+    pub const NONE: Self = Self::empty();
     /// All features.
-    pub const ALL: Self = Self((1 << 14) - 1);
+    pub const ALL: Self = Self::all();
     /// All that shading reads vertex attributes or textures for.
     pub const SHADED: Self =
-        Self(Self::TEXTURES.0 | Self::SHADING_NORMALS.0 | Self::NORMAL_MAPS.0 | Self::VERTEX_COLORS.0);
+        Self::TEXTURES.union(Self::SHADING_NORMALS).union(Self::NORMAL_MAPS).union(Self::VERTEX_COLORS);
     /// All lobes that are not diffuse.
-    pub const SPECULAR: Self = Self(Self::MIRROR.0 | Self::DIELECTRIC.0 | Self::THIN.0);
+    pub const SPECULAR: Self = Self::MIRROR.union(Self::DIELECTRIC).union(Self::THIN);
 
-    const NAMES: [&'static str; 14] = [
+    /// Of each flag, in the order of the bits.
+    const NAMES: [&'static str; Self::FLAGS.len()] = [
         "diffuse",
         "mirror",
         "dielectric",
@@ -63,31 +71,8 @@ impl Features {
         "normal-maps",
         "vertex-colors",
         "textured-lights",
+        "environment",
     ];
-
-    /// The bits, for a const generic or a specialization constant.
-    #[must_use]
-    pub const fn bits(self) -> u32 {
-        self.0
-    }
-
-    /// The set with these bits; unknown bits are ignored.
-    #[must_use]
-    pub const fn from_bits(bits: u32) -> Self {
-        Self(bits & Self::ALL.0)
-    }
-
-    /// Whether all features of `other` are included.
-    #[must_use]
-    pub const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-
-    /// Whether any feature of `other` is included.
-    #[must_use]
-    pub const fn intersects(self, other: Self) -> bool {
-        self.0 & other.0 != 0
-    }
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits.
     #[must_use]
@@ -95,21 +80,15 @@ impl Features {
         self.intersects(Self::DIELECTRIC.union(Self::THIN))
     }
 
-    /// The union of both sets.
-    #[must_use]
-    pub const fn union(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
     /// The features that are not in `other`.
     #[must_use]
     pub const fn without(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
+        self.difference(other)
     }
 
     /// Names of the included features, in fixed order.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
-        Self::NAMES.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, name)| name)
+        Self::NAMES.into_iter().zip(Self::ALL).filter(move |&(_, flag)| self.contains(flag)).map(|(name, _)| name)
     }
 }
 
@@ -120,6 +99,6 @@ impl fmt::Display for Features {
             write!(f, "{between}{name}")?;
             between = ", ";
         }
-        if self.0 == 0 { write!(f, "nothing") } else { Ok(()) }
+        if self.is_empty() { write!(f, "nothing") } else { Ok(()) }
     }
 }

@@ -9,6 +9,7 @@ use crate::film::Layer;
 /// To add a map, add a variant: the compiler then reports every match that has to handle it. Packed words
 /// on the GPU reserve [`MapKind::BITS`] bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum MapKind {
     /// Photons that come directly from a light.
     Direct,

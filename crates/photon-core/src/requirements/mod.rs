@@ -23,6 +23,7 @@ use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 /// and not built. Requirements that lack something are an error; those that include too much do not change
 /// a bit of the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Requirements {
     /// Lobes and lights.
     pub features: Features,
@@ -174,6 +175,7 @@ pub fn light_features(light: &Light) -> Features {
         Light::POINT => Features::POINT_LIGHTS,
         Light::SPOT => Features::SPOT_LIGHTS,
         Light::DIRECTIONAL => Features::DIRECTIONAL_LIGHTS,
+        Light::ENVIRONMENT => Features::ENVIRONMENT,
         _ => Features::AREA_LIGHTS,
     }
 }

@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::requirements::features::Features;
 use crate::scene::SceneView;
+use crate::scene::environment::EnvironmentMap;
 use crate::scene::layout::Photon;
 use crate::scene::light::Light;
 use crate::scene::material::Material;
@@ -13,6 +14,7 @@ use crate::settings::{Estimator, Settings};
 ///
 /// Ordered by size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+// Exhaustive: backends must store each.
 pub enum PhotonFormat {
     /// Position, normal, and one power for all three channels: 20 bytes.
     Mono,
@@ -103,7 +105,8 @@ fn is_grey(scene: &SceneView<'_>) -> bool {
         equal(material.albedo) && !features.intersects(colored) && (even || !features.contains(Features::ABSORPTION))
     };
     let light = |light: &Light| equal(light.power);
-    scene.lights.iter().all(light) && scene.materials_in_use().all(surface)
+    let sky = |map: &EnvironmentMap| map.texels().iter().all(|&[r, g, b, _]| equal([r, g, b]));
+    scene.lights.iter().all(light) && scene.environment.is_none_or(sky) && scene.materials_in_use().all(surface)
 }
 
 #[cfg(test)]

@@ -147,18 +147,6 @@ pub struct ErrorMoments {
     pub reserved: [u32; 2],
 }
 
-impl ErrorMoments {
-    /// The bias of `estimate` as estimated from the two other radii, in units of its flux: the estimate
-    /// over twice the area minus `estimate`, and `estimate` minus the one over half the area. To be divided
-    /// by π r² and the number of paths.
-    #[must_use]
-    pub fn biases(&self, estimate: &Estimate) -> ([f64; 3], [f64; 3]) {
-        let flux = estimate.flux.map(f64::from);
-        let wide = std::array::from_fn(|c| 0.5 * f64::from(self.wide[c]) - flux[c]);
-        (wide, std::array::from_fn(|c| flux[c] - 2.0 * f64::from(self.narrow[c])))
-    }
-}
-
 macro_rules! elements {
     ($($record:ident = $bytes:literal),+ $(,)?) => {$(
         impl Element for $record {

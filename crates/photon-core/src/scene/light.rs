@@ -20,7 +20,7 @@ pub struct Light {
     pub versine_inner: f32,
     /// Spot: 1 − cos of the angle from which it is zero, ≥ `versine_inner`.
     pub versine_outer: f32,
-    /// Directional: radius of the disc that photons start from, normalised space.
+    /// Directional and environment: radius of the disc that photons start from, normalised space.
     pub radius: f32,
     /// Triangle: its area, squared normalised length.
     pub area: f32,
@@ -37,6 +37,8 @@ impl Light {
     pub const SPOT: u32 = 2;
     /// Parallel light from infinitely far away.
     pub const DIRECTIONAL: u32 = 3;
+    /// [`crate::SceneView::environment`].
+    pub const ENVIRONMENT: u32 = 4;
 
     /// Flag: a triangle that emits from both sides.
     pub const BOTH_SIDES: u32 = 1;

@@ -5,6 +5,7 @@ use crate::scene::{SceneView, light_probability};
 
 /// A light; all emissive triangles of one material count as one area light.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LightShare {
     /// Description: kind and index of the light, or index of the material of an area light.
     pub what: String,
@@ -60,6 +61,7 @@ pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
             }
             (Light::POINT, _) => format!("point light {index}"),
             (Light::SPOT, _) => format!("spot light {index}"),
+            (Light::ENVIRONMENT, _) => "the environment".to_owned(),
             _ => format!("directional light {index}"),
         };
         shares.push(LightShare { what, lights: 1, power, probability });

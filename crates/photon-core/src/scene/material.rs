@@ -17,6 +17,7 @@ pub struct Primitive {
 /// The type of scattering at a surface.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum MaterialKind {
     /// Lambertian reflection on both sides; stores photons unless it is black.
     Lambert = 0,

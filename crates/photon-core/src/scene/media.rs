@@ -6,6 +6,8 @@
 
 use std::fmt;
 
+use bitflags::bitflags;
+
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::medium::Medium;
 
@@ -106,29 +108,20 @@ impl MediumStack {
     }
 }
 
-/// What kernels have to support for a scene's media; the rest is not compiled in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct MediaFeatures(u32);
+bitflags! {
+    /// What kernels have to support for a scene's media; the rest is not compiled in.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub struct MediaFeatures: u32 {
+        /// Solids may be nested or overlap: the bounding boxes of two of them do.
+        const NESTED = 1;
+    }
+}
 
 impl MediaFeatures {
     /// The bounding boxes of no two solids overlap.
-    pub const NONE: Self = Self(0);
-    /// Solids may be nested or overlap: the bounding boxes of two of them do.
-    pub const NESTED: Self = Self(1);
+    pub const NONE: Self = Self::empty();
     /// All features.
-    pub const ALL: Self = Self(1);
-
-    /// The bits, for a const generic or a specialization constant.
-    #[must_use]
-    pub const fn bits(self) -> u32 {
-        self.0
-    }
-
-    /// Whether all features of `other` are included.
-    #[must_use]
-    pub const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
+    pub const ALL: Self = Self::all();
 }
 
 impl fmt::Display for MediaFeatures {
@@ -139,6 +132,7 @@ impl fmt::Display for MediaFeatures {
 
 /// The media on both sides of a boundary, as seen by a path that arrives there.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Interface {
     /// Refractive index behind the boundary, divided by that before it. For a thin sheet its index against the
     /// vacuum, whatever surrounds it.

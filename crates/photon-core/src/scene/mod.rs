@@ -2,6 +2,7 @@
 
 pub(crate) mod camera;
 pub(crate) mod caster;
+pub(crate) mod environment;
 pub(crate) mod layout;
 pub(crate) mod light;
 pub(crate) mod light_shares;
@@ -12,6 +13,7 @@ pub(crate) mod solids;
 pub(crate) mod texture;
 pub(crate) mod units;
 
+use crate::scene::environment::EnvironmentMap;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
@@ -41,6 +43,9 @@ pub struct SceneView<'a> {
     /// Where each light's interval in the range of a random `u32` begins; the first is 0, strictly
     /// increasing.
     pub light_cdf: &'a [u32],
+    /// Light from infinitely far away; it needs an entry of [`Light::ENVIRONMENT`] in `lights`. Radiance in units of
+    /// total power per steradian and squared normalised length.
+    pub environment: Option<&'a EnvironmentMap>,
     /// Vertex attributes and textures.
     pub shading: ShadingTables<'a>,
     /// Radius of a sphere about the origin that contains the scene: vertices, point lights and spot lights.
@@ -60,6 +65,7 @@ impl Default for SceneView<'_> {
             media: &[Medium::VACUUM],
             lights: &[],
             light_cdf: &[],
+            environment: None,
             shading: ShadingTables::default(),
             radius: 1.0,
             units: Units::default(),

@@ -80,7 +80,7 @@ pub struct TextureUse {
     /// texel, (1, 1) that of its last one, as in glTF.
     pub transform: [[f32; 3]; 2],
     /// Index of the texture.
-    pub texture: u32,
+    pub texture_index: u32,
     /// Index of the UV set.
     pub uv_set: u32,
 }
@@ -89,7 +89,7 @@ impl TextureUse {
     /// A texture by the coordinates of UV set 0 as they are.
     #[must_use]
     pub const fn new(texture: u32) -> Self {
-        Self { transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], texture, uv_set: 0 }
+        Self { transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], texture_index: texture, uv_set: 0 }
     }
 }
 
@@ -145,11 +145,17 @@ pub struct ShadingTables<'a> {
     pub material_textures: &'a [MaterialTextures],
     /// Indexed by the members of [`MaterialTextures`].
     pub uses: &'a [TextureUse],
-    /// Indexed by [`TextureUse::texture`].
+    /// Indexed by [`TextureUse::texture_index`].
     pub textures: &'a [Texture],
 }
 
 impl ShadingTables<'_> {
     /// The first entry of [`Self::normals`] of a triangle without vertex normals.
     pub const FLAT: u32 = 0x8000_8000;
+
+    /// Whether there is nothing to read.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.normals.is_empty() && self.colors.is_empty() && self.material_textures.is_empty()
+    }
 }

@@ -80,6 +80,12 @@ fn whole(view: &SceneView<'_>) -> Result<()> {
         let hint = "it must be a number from 0 to 16: scale the scene to a unit box centred at the origin";
         return invalid("the radius", view.radius.to_string(), hint);
     }
+    let skies = view.lights.iter().filter(|light| light.kind == Light::ENVIRONMENT).count();
+    let expected = usize::from(view.environment.is_some());
+    if skies != expected {
+        let value = format!("{skies} lights of kind Light::ENVIRONMENT");
+        return invalid("environment", value, "with an environment map there must be one, otherwise none");
+    }
     let Units { center, scale, power } = view.units;
     if !center.iter().all(|c| c.is_finite()) {
         return invalid("units.center", format!("{center:?}"), "each coordinate must be a finite number");
@@ -124,7 +130,7 @@ fn not_negative(name: &str, numbers: &[f32]) -> Check {
 
 /// Whether it is one of the constants of [`Light`].
 fn is_known_light(kind: u32) -> bool {
-    kind <= Light::DIRECTIONAL
+    kind <= Light::ENVIRONMENT
 }
 
 fn check_medium(medium: &Medium) -> Check {
@@ -179,6 +185,9 @@ fn check_light(light: &Light, triangles: usize, radius: f32) -> Check {
                 format!("its versines {inner} and {outer} must lie between 0 and 2, the inner not above the outer")
             })
         }
+        Light::ENVIRONMENT => require(light.radius.is_finite() && light.radius > 0.0, || {
+            format!("its radius {} must be finite and above 0", light.radius)
+        }),
         _ => {
             direction()?;
             not_negative("radius", &[light.radius])

@@ -7,8 +7,9 @@ use crate::error::{Error, Result};
 /// How long a render runs: a limit on its cost, or an error to reach.
 ///
 /// With [`Budget::Time`] or [`Budget::Error`], and if errors are estimated, radii that the renderer derived
-/// itself are adapted after 8 pilot passes, so that noise and bias are balanced at the end.
+/// itself are adapted after the first 8 passes, so that noise and bias are balanced at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Budget {
     /// This many passes, ≥ 1.
     Passes(u32),
@@ -38,6 +39,7 @@ impl Budget {
 
 /// A budget, the first pass, and further limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: written as a literal with `..Plan::from(budget)`.
 pub struct Plan {
     /// Index of the first pass.
     pub first: u32,

@@ -10,6 +10,7 @@ use crate::settings::kernel::Kernel;
 
 /// How photons are arranged for searching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+// Exhaustive: every backend must build each.
 pub enum IndexKind {
     /// Left-balanced kd-tree, split at the median: the first of Lin and Wang 2010.
     Median,
@@ -22,6 +23,7 @@ pub enum IndexKind {
 
 /// How radiance is estimated from the photons near a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: the program has options for the parameters of each.
 pub enum Estimator {
     /// All photons within a radius that shrinks from pass to pass.
     Radius {
@@ -42,6 +44,7 @@ pub enum Estimator {
 
 /// Parameters of the estimator of Lin and Wang 2010.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: written as a literal with `..Paper::default()`.
 pub struct Paper {
     /// Maximum number of photons; the radius shrinks to the farthest of them. ≥ 1.
     pub max: u32,
@@ -63,6 +66,7 @@ impl Default for Paper {
 
 /// How direct light is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Direct {
     /// By shadow rays to points on the lights (next-event estimation).
     #[default]
@@ -75,6 +79,7 @@ pub enum Direct {
 
 /// How indirect light, which has been scattered diffusely before, is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Indirect {
     /// Estimated directly from the global map.
     #[default]
@@ -87,6 +92,7 @@ pub enum Indirect {
 
 /// The area that an estimate's flux is divided by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Area {
     /// The whole disc, even where it extends past the edge of its surface: estimates are too dark there.
     #[default]
@@ -99,6 +105,7 @@ pub enum Area {
 
 /// What the radius of an estimate depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Bandwidth {
     /// The map and the pass alone.
     #[default]
@@ -111,6 +118,7 @@ pub enum Bandwidth {
 
 /// How paths are distributed over threads. The result is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+// Exhaustive: the CPU backend must implement each.
 pub enum Scheduling {
     /// A fixed number of paths for each thread.
     Static,
@@ -121,6 +129,7 @@ pub enum Scheduling {
 
 /// Which random numbers are used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum RandomKind {
     /// A counter-based generator: independent for every path and dimension.
     #[default]
@@ -134,6 +143,7 @@ pub enum RandomKind {
 
 /// Which light paths fill the caustic map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum CausticPhotons {
     /// Aimed, if no other map is filled: as many as [`Settings::photons`]; or if at most a twentieth of the
     /// light can meet mirrors or glass: a quarter as many. Otherwise [`CausticPhotons::Shared`].
@@ -147,6 +157,7 @@ pub enum CausticPhotons {
 
 /// Settings that a user chooses. Lengths are in user space.
 #[derive(Clone, Debug, PartialEq)]
+// Exhaustive: written as a literal with `..Settings::default()`, which stays valid when fields are added.
 pub struct Settings {
     /// Paths emitted per pass, ≥ 1.
     pub photons: u32,

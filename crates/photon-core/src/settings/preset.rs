@@ -5,6 +5,7 @@ use crate::settings::{Area, Bandwidth, Settings};
 /// Desired quality of a picture. The numbers come from `docs/studies/accuracy.md`, which has the
 /// measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Preset {
     /// A quick preview.
     Preview,

@@ -80,7 +80,7 @@ pub fn share(found: f32, all: f32) -> f32 {
 
 /// The squared distance from which the outer probes start, in squared radii; they end at 2, with uniform
 /// density.
-const OUTER: f32 = 0.75;
+pub const OUTER: f32 = 0.75;
 
 /// Distance of the probe of a spoke that is only for the second radius, in radii, up to √2.
 #[inline]

@@ -15,6 +15,7 @@ use crate::scene::media::Interface;
 
 /// A component of a [`Bsdf`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+// Exhaustive: backends must follow each.
 pub enum Lobe {
     /// Lambertian reflection. Camera paths end here, and photons are stored unless the surface is black.
     Diffuse,

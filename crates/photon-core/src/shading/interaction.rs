@@ -47,6 +47,13 @@ impl SurfaceInteraction {
         }
     }
 
+    /// As it is with the shading normal `normal`: the cosine is to that normal.
+    #[inline]
+    #[must_use]
+    pub fn with_cosine_to(self, normal: Vec3, direction: Vec3) -> Self {
+        Self { cosine: -direction.dot(normal), ..self }
+    }
+
     /// The ray that continues from here in `direction`, as sampled from `lobe`: on the same side, or on the
     /// other side after transmission.
     #[inline]

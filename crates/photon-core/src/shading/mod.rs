@@ -1,13 +1,19 @@
 //! Scattering, sampling and the geometry of shading.
 
 pub mod area;
+mod bias;
 pub(crate) mod bsdf;
+pub(crate) mod environment;
 pub mod fresnel;
 pub(crate) mod interaction;
+pub mod light_sampler;
 pub mod math;
 pub mod octahedral;
 pub mod offset;
 pub mod random;
 pub mod sampling;
+pub(crate) mod shade;
+pub mod shading_normal;
 pub mod sobol;
 pub mod solid_angle;
+pub mod texture;

@@ -3,7 +3,8 @@
 
 use glam::Vec3;
 
-const STEPS: f32 = 32_767.0;
+/// Steps from 0 to 1 in each coordinate of the square.
+pub const STEPS: f32 = 32_767.0;
 
 /// Packs a unit vector; vectors without a direction become +z.
 #[inline]

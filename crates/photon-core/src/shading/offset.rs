@@ -22,13 +22,14 @@ pub fn off_surface(point: Vec3, normal: Vec3) -> Vec3 {
     point + normal * STEP
 }
 
-const STEP: f32 = 1.0 / 1_048_576.0;
+/// Distance by which points are moved along the normal, in normalised space.
+pub const STEP: f32 = 1.0 / 1_048_576.0;
 
 /// Minimum distance of ray origins from edges; they are moved by at most four times as much.
-const MARGIN: f32 = 2.0 * STEP;
+pub const MARGIN: f32 = 2.0 * STEP;
 
 /// Upper limit of the minimum weights: with three of them, more than half is left.
-const MAX_SLOPE: f32 = 1.0 / 16.0;
+pub const MAX_SLOPE: f32 = 1.0 / 16.0;
 
 /// A point on a triangle as the origin of a ray: [`barycentric`], at least two steps from the edges.
 ///

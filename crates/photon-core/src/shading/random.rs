@@ -13,6 +13,7 @@ pub use split_mix::SplitMix64;
 /// What the numbers are used for; separates the streams of different stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
+#[non_exhaustive]
 pub enum Domain {
     /// Emission and scattering of photons.
     Photon = 0,

@@ -11,7 +11,7 @@ use crate::math::{sin_cos_turns, turns_of};
 
 /// Squared distance of a triangle, in units of the spread of its corners, from which on it is not near:
 /// twice the square of 4 radii.
-const NEAR: f32 = 32.0;
+pub const NEAR: f32 = 32.0;
 
 /// A triangle is invisible from points closer than this to its plane: half a step of [`crate::offset`],
 /// which exceeds the rounding errors of points and normals in a unit box. Otherwise, by rounding, the

@@ -8,6 +8,7 @@ use std::f64::consts::FRAC_1_PI;
 
 /// Shape of a [`furnace`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FurnaceShape {
     /// A box of 2 by 1.5 by 3.
     Box,

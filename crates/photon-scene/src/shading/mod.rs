@@ -116,7 +116,7 @@ impl Tables {
                     self.textures.len() as u32 - 1
                 });
                 let transform = uvs::transform(&used, image.wrap);
-                self.uses.push(TextureUse { transform, texture, uv_set: sets[&used.uv_set] });
+                self.uses.push(TextureUse { transform, texture_index: texture, uv_set: sets[&used.uv_set] });
                 self.uses.len() as u32 - 1
             };
             let textures = MaterialTextures {

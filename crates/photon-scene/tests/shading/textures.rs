@@ -27,7 +27,7 @@ fn textures_in_use_are_kept_with_their_coordinates() {
     assert_eq!((tables.textures.len(), tables.uses.len(), tables.uvs.len()), (1, 1, 2));
     assert_eq!((view.materials[0].textures, view.materials[1].textures), (0, 1));
     assert_eq!(tables.material_textures[0], MaterialTextures { base_color: 0, ..MaterialTextures::default() });
-    assert_eq!((tables.uses[0].texture, tables.uses[0].uv_set), (0, 0));
+    assert_eq!((tables.uses[0].texture_index, tables.uses[0].uv_set), (0, 0));
     let texture = &tables.textures[0];
     assert_eq!((texture.format, texture.wrap), (TexelFormat::Srgb8, [Wrap::Mirror, Wrap::Clamp]));
     assert_eq!(texture.texels[..], [0xFF00_00FF, 0xFF00_FF00]);

@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn the_papers_formulas_err_as_predicted_and_the_defaults_do_not() {
         check(&mut backend_cpu::Cpu::new().unwrap());
-        if let Some(mut on) = backend_vulkan::Vulkan::for_tests() {
+        if let Some(mut on) = backend_vulkan::low_level::for_tests() {
             check(&mut on);
         }
     }

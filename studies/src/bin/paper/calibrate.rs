@@ -4,7 +4,7 @@
 use backend_cpu::Cpu;
 use photon_core::{Backend, IndexKind, Photon, Result};
 
-use crate::plan::{MapPlan, Plan};
+use crate::experiment::{Experiment, MapParams};
 use crate::studio::Studio;
 
 /// Number of paths of the sample.
@@ -40,7 +40,7 @@ pub(crate) struct Calibration {
 
 impl Calibration {
     pub(crate) fn new(mut studio: Studio<'_, Cpu>) -> Result<Self> {
-        let buffers = studio.sample(&Plan::large(1)[0], PATHS)?;
+        let buffers = studio.sample(&Experiment::large(1)[0], PATHS)?;
         let mut on = studio.on;
         let mut stages = on.map_stages(IndexKind::Morton)?;
         let mut build = |photons: <Cpu as Backend>::Buffer<Photon>| -> Result<_> {
@@ -55,16 +55,16 @@ impl Calibration {
         Ok(Self { on, stages, maps })
     }
 
-    /// Sizes of the maps of a plan.
-    pub(crate) fn sizes(&mut self, plan: &Plan) -> Result<Sizes> {
-        let mut global = self.size(1, plan.global.as_ref())?;
-        let mut caustic = self.size(0, plan.caustic.as_ref())?;
+    /// Sizes of the maps of a experiment.
+    pub(crate) fn sizes(&mut self, experiment: &Experiment) -> Result<Sizes> {
+        let mut global = self.size(1, experiment.global.as_ref())?;
+        let mut caustic = self.size(0, experiment.caustic.as_ref())?;
         if let (true, Some(caustic), Some(global), Some((_, found))) =
-            (plan.together, &mut caustic, &mut global, &self.maps[0])
+            (experiment.together, &mut caustic, &mut global, &self.maps[0])
         {
             // The caustic photons that the paths of the global map store, and a radius for them.
             let landing = *found as f64 / f64::from(PATHS) * f64::from(global.paths);
-            let wanted = plan.caustic.map_or(0.0, |map| f64::from(map.photons));
+            let wanted = experiment.caustic.map_or(0.0, |map| f64::from(map.photons));
             caustic.radius = (f64::from(caustic.radius) * (wanted / landing).sqrt()).min(FARTHEST) as f32;
             caustic.paths = global.paths;
             caustic.capacity = room(landing);
@@ -72,7 +72,7 @@ impl Calibration {
         Ok(Sizes { caustic, global })
     }
 
-    fn size(&mut self, lane: usize, wanted: Option<&MapPlan>) -> Result<Option<Size>> {
+    fn size(&mut self, lane: usize, wanted: Option<&MapParams>) -> Result<Option<Size>> {
         let (Some(wanted), Some((map, found))) = (wanted, &self.maps[lane]) else { return Ok(None) };
         let (photons, found) = (f64::from(wanted.photons), *found as f64);
         let paths = (photons / found * f64::from(PATHS)).ceil();
@@ -92,6 +92,6 @@ fn room(photons: f64) -> u64 {
     (photons * 1.5) as u64 + 4096
 }
 
-fn plan_cosine(map: &MapPlan) -> f32 {
+fn plan_cosine(map: &MapParams) -> f32 {
     if map.search == photon_core::Search::Radius { 0.7 } else { -1.0 }
 }

@@ -4,7 +4,7 @@
 
 mod biases;
 mod calibrate;
-mod plan;
+mod experiment;
 mod report;
 mod studio;
 mod table;
@@ -16,13 +16,13 @@ use std::time::{Duration, Instant};
 use backend_cpu::Cpu;
 use calibrate::Calibration;
 use clap::{Parser, ValueEnum};
+use experiment::{Experiment, FIGURES, Reading};
 use photon_core::{TransportBackend, View};
 use photon_scene::Scene;
 use photonmap_cli::backend;
 use photonmap_cli::fault::{self, Fault};
 use photonmap_cli::png_file;
 use photonmap_cli::tonemap::ToneMap;
-use plan::{FIGURES, Plan, Reading};
 use report::{Report, Results};
 use studio::Studio;
 
@@ -128,35 +128,35 @@ fn measure<B: TransportBackend>(
     let mut results = Results::new(studio.on.name(), studio.on.device());
     // The first use of a kernel compiles it; the CPU needs no significant warm-up.
     let warm_ups = usize::from(results.backend != "cpu");
-    let readings = Reading::ALL
-        .into_iter()
-        .flat_map(|reading| FIGURES.iter().map(move |&(caustic, global, ..)| Plan::cell(reading, caustic, global)));
-    let large = args.large.iter().flat_map(|&photons| Plan::large(photons));
-    for plan in Plan::pictures().into_iter().chain(readings).chain(large) {
+    let readings = Reading::ALL.into_iter().flat_map(|reading| {
+        FIGURES.iter().map(move |&(caustic, global, ..)| Experiment::cell(reading, caustic, global))
+    });
+    let large = args.large.iter().flat_map(|&photons| Experiment::large(photons));
+    for experiment in Experiment::pictures().into_iter().chain(readings).chain(large) {
         if Instant::now() > last {
             results.left_out += 1;
             continue;
         }
-        let sizes = calibration.sizes(&plan)?;
+        let sizes = calibration.sizes(&experiment)?;
         // A long cell is not repeated: variance matters less there than time.
-        let repeats = if plan.table == "large" && results.backend == "cpu" { 1 } else { args.repeats as usize };
-        let (measured, mut film) = studio.run(&plan, &sizes, warm_ups, repeats)?;
+        let repeats = if experiment.table == "large" && results.backend == "cpu" { 1 } else { args.repeats as usize };
+        let (measured, mut film) = studio.run(&experiment, &sizes, warm_ups, repeats)?;
         eprintln!(
             "{}: {} {}: {}, {} caustic and {} global photons of {} paths",
             results.backend,
-            plan.table,
-            plan.name,
+            experiment.table,
+            experiment.name,
             table::seconds(measured.wall),
             measured.stored[0],
             measured.stored[1],
             measured.paths
         );
-        if plan.table == "pictures" {
+        if experiment.table == "pictures" {
             film.clamp = true;
-            let path = args.out.join(format!("{}-{}.png", plan.name, results.backend));
+            let path = args.out.join(format!("{}-{}.png", experiment.name, results.backend));
             png_file::write(&path, &film, ToneMap::None, 0.0)?;
         }
-        results.cells.push((plan, measured));
+        results.cells.push((experiment, measured));
     }
     results.biases = biases::all(&mut studio.on)?;
     Ok(results)

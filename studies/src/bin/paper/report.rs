@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use photon_core::Stage;
 
 use crate::biases::Bias;
-use crate::plan::{FIGURES, Plan, Reading};
+use crate::experiment::{Experiment, FIGURES, Reading};
 use crate::studio::Measured;
 use crate::table::{Table, csv_heading, csv_row, seconds, times};
 
@@ -14,7 +14,7 @@ use crate::table::{Table, csv_heading, csv_row, seconds, times};
 pub(crate) struct Results {
     pub(crate) backend: &'static str,
     pub(crate) device: String,
-    pub(crate) cells: Vec<(Plan, Measured)>,
+    pub(crate) cells: Vec<(Experiment, Measured)>,
     pub(crate) biases: Vec<Bias>,
     /// Number of cells for which there was no time.
     pub(crate) left_out: u32,
@@ -25,8 +25,8 @@ impl Results {
         Self { backend, device, cells: Vec::new(), biases: Vec::new(), left_out: 0 }
     }
 
-    fn cell(&self, plan: &Plan) -> Option<&Measured> {
-        self.cells.iter().find(|(other, _)| other == plan).map(|(_, measured)| measured)
+    fn cell(&self, experiment: &Experiment) -> Option<&Measured> {
+        self.cells.iter().find(|(other, _)| other == experiment).map(|(_, measured)| measured)
     }
 }
 
@@ -46,7 +46,10 @@ impl Report {
     /// Every cell, with its seconds per stage.
     pub(crate) fn csv(&self) -> String {
         let rows = self.all.iter().flat_map(|results| {
-            results.cells.iter().map(|(plan, measured)| csv_row(results.backend, &results.device, plan, measured))
+            results
+                .cells
+                .iter()
+                .map(|(experiment, measured)| csv_row(results.backend, &results.device, experiment, measured))
         });
         std::iter::once(csv_heading()).chain(rows).collect()
     }
@@ -66,8 +69,8 @@ impl Report {
             let mut table = Table::new(&headings);
             for (caustic, global, cpu, gpu) in FIGURES {
                 let mut row = vec![format!("{caustic} / {global}"), seconds(cpu), seconds(gpu), times(cpu / gpu)];
-                let plan = Plan::cell(reading, caustic, global);
-                let found: Vec<_> = self.all.iter().map(|results| (results, results.cell(&plan))).collect();
+                let experiment = Experiment::cell(reading, caustic, global);
+                let found: Vec<_> = self.all.iter().map(|results| (results, results.cell(&experiment))).collect();
                 for (results, measured) in &found {
                     // Each compared with the paper's backend of the same kind.
                     let papers = if results.backend == "cpu" { cpu } else { gpu };
@@ -92,10 +95,10 @@ impl Report {
         let mut text = String::new();
         for results in &self.all {
             let mut table = Table::new(&headings);
-            for (plan, measured) in &results.cells {
-                let title = match plan.table {
-                    "large" => format!("{}, {}", plan.global.map_or(0, |map| map.photons), plan.name),
-                    "pictures" => format!("picture: {}", plan.name),
+            for (experiment, measured) in &results.cells {
+                let title = match experiment.table {
+                    "large" => format!("{}, {}", experiment.global.map_or(0, |map| map.photons), experiment.name),
+                    "pictures" => format!("picture: {}", experiment.name),
                     _ => continue,
                 };
                 let [caustic, global] = measured.stored.map(|n| n.to_string());
@@ -134,10 +137,11 @@ impl Report {
         let headings = ["picture", "emission", "direct", "caustic", "of defaults", "indirect", "of defaults", "time"];
         let mut table = Table::new(&headings);
         for results in &self.all {
-            let pictures = || results.cells.iter().filter(|(plan, _)| plan.table == "pictures");
-            let defaults = pictures().find(|(plan, _)| plan.name == "defaults").map(|(_, measured)| measured);
-            for (plan, measured) in pictures() {
-                let mut row = vec![format!("{}-{}.png", plan.name, results.backend)];
+            let pictures = || results.cells.iter().filter(|(experiment, _)| experiment.table == "pictures");
+            let defaults =
+                pictures().find(|(experiment, _)| experiment.name == "defaults").map(|(_, measured)| measured);
+            for (experiment, measured) in pictures() {
+                let mut row = vec![format!("{}-{}.png", experiment.name, results.backend)];
                 for (layer, &mean) in measured.layers.iter().enumerate() {
                     row.push(format!("{mean:.5}"));
                     if layer >= 2 {

@@ -1,4 +1,4 @@
-//! Renders one plan on one backend, and measures the time of each stage.
+//! Renders one experiment on one backend, and measures the time of each stage.
 
 use std::time::Instant;
 
@@ -9,9 +9,9 @@ use photon_core::{
 use photon_scene::Scene;
 
 use crate::calibrate::Sizes;
-use crate::plan::Plan;
+use crate::experiment::Experiment;
 
-/// Measurements of one plan: the median of its repetitions.
+/// Measurements of one experiment: the median of its repetitions.
 #[derive(Debug)]
 pub(crate) struct Measured {
     /// Seconds from the first path to the finished picture.
@@ -50,22 +50,22 @@ struct Lane<B: TransportBackend> {
 
 impl<'s, B: TransportBackend> Studio<'s, B> {
     pub(crate) fn new(mut on: B, source: &'s Scene, view: View) -> Result<Self> {
-        let mut required = Requirements::of(&source.view(), &Plan::large(1)[0].settings);
+        let mut required = Requirements::of(&source.view(), &Experiment::large(1)[0].settings);
         // Both maps are requested, also in a scene where one stays empty.
         (required.maps[MapKind::Caustic], required.maps[MapKind::Global]) = (true, true);
         let scene = on.prepare(&source.view(), &required)?;
         Ok(Self { on, source, scene, required, view })
     }
 
-    /// Renders the plan `repeats` times, after `warm_ups` that are discarded.
+    /// Renders the experiment `repeats` times, after `warm_ups` that are discarded.
     pub(crate) fn run(
         &mut self,
-        plan: &Plan,
+        experiment: &Experiment,
         sizes: &Sizes,
         warm_ups: usize,
         repeats: usize,
     ) -> Result<(Measured, Film)> {
-        let mut stages = self.on.stages(&self.required, &plan.settings)?;
+        let mut stages = self.on.stages(&self.required, &experiment.settings)?;
         let mut film = self.on.film(&self.source.view(), self.view.width, self.view.height)?;
         let pixels = u64::from(self.view.width) * u64::from(self.view.height);
         let splits = self.required.features.splits_camera_paths();
@@ -79,8 +79,8 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
         let (mut walls, mut timings, mut stored) = (Vec::new(), Vec::new(), [0; 2]);
         for repeat in 0..warm_ups + repeats {
             let begun = Instant::now();
-            let pass = |index| Pass { seed: plan.settings.seed, index, random: plan.settings.random };
-            if plan.together {
+            let pass = |index| Pass { seed: experiment.settings.seed, index, random: experiment.settings.random };
+            if experiment.together {
                 let [caustic, global] = &mut lanes;
                 self.fill(&mut stages, pass(0), global.paths, &mut rays, [&mut caustic.photons, &mut global.photons])?;
             } else {
@@ -93,17 +93,17 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
             stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass(0), &mut film, &mut queries)?;
             if let Some(direct) = &mut stages.direct {
                 self.on.mark(Some(Stage::Direct));
-                let rays = plan.settings.shadow_rays;
+                let rays = experiment.settings.shadow_rays;
                 direct.light(&mut self.on, &self.scene, pass(0), &queries, rays, &mut film)?;
             }
-            let maps = [(&plan.caustic, Layer::Caustic), (&plan.global, Layer::Indirect)];
+            let maps = [(&experiment.caustic, Layer::Caustic), (&experiment.global, Layer::Indirect)];
             for (lane, (lane_plan, layer)) in maps.into_iter().enumerate() {
                 let (Some(map_plan), Some(photons)) = (lane_plan, lanes[lane].photons.take()) else { continue };
                 stored[lane] = self.on.fill(&photons)?.length;
                 self.on.mark(Some(Stage::Build));
                 let map = stages.map.builder.build(&mut self.on, photons)?;
                 self.on.mark(Some(Stage::Estimate));
-                let gather = plan.gather(map_plan, lanes[lane].radius);
+                let gather = experiment.gather(map_plan, lanes[lane].radius);
                 stages.map.estimator.estimate(&mut self.on, &map, &queries, &gather, &mut estimates)?;
                 self.on.mark(Some(Stage::Film));
                 self.on.accumulate(&mut film, layer, &queries, &estimates, u64::from(lanes[lane].paths))?;
@@ -118,7 +118,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
                 timings.push(seconds);
             }
         }
-        let paths = if plan.together { lanes[1].paths } else { lanes[0].paths + lanes[1].paths };
+        let paths = if experiment.together { lanes[1].paths } else { lanes[0].paths + lanes[1].paths };
         let film = self.on.read_film(&film)?;
         let layers = Layer::ALL.map(|layer| {
             let radiance = film.layer(layer);
@@ -173,13 +173,13 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
     }
 
     /// Photons of a few paths, to determine the sizes of a map.
-    pub(crate) fn sample(&mut self, plan: &Plan, paths: u32) -> Result<[B::Buffer<Photon>; 2]> {
-        let mut stages = self.on.stages(&self.required, &plan.settings)?;
+    pub(crate) fn sample(&mut self, experiment: &Experiment, paths: u32) -> Result<[B::Buffer<Photon>; 2]> {
+        let mut stages = self.on.stages(&self.required, &experiment.settings)?;
         let mut rays = self.on.alloc::<PhotonRay>("photon rays", u64::from(self.on.batch()))?;
         let capacity = u64::from(paths) * 16;
         let mut caustic = Some(self.on.alloc::<Photon>("photons", capacity)?);
         let mut global = Some(self.on.alloc::<Photon>("photons", capacity)?);
-        let pass = Pass { seed: plan.settings.seed, index: 2, random: photon_core::RandomKind::Counter };
+        let pass = Pass { seed: experiment.settings.seed, index: 2, random: photon_core::RandomKind::Counter };
         self.fill(&mut stages, pass, paths, &mut rays, [&mut caustic, &mut global])?;
         match (caustic, global) {
             (Some(caustic), Some(global)) => Ok([caustic, global]),

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use photon_core::{Settings, Stage};
 
-use crate::plan::Plan;
+use crate::experiment::Experiment;
 use crate::studio::Measured;
 
 /// A table of text cells.
@@ -87,17 +87,17 @@ pub(crate) fn csv_heading() -> String {
 }
 
 /// One row of it.
-pub(crate) fn csv_row(backend: &str, device: &str, plan: &Plan, measured: &Measured) -> String {
-    let wanted = |map: Option<crate::plan::MapPlan>| map.map_or(0, |map| map.photons);
-    let Settings { index, scheduling, random, .. } = plan.settings;
+pub(crate) fn csv_row(backend: &str, device: &str, experiment: &Experiment, measured: &Measured) -> String {
+    let wanted = |map: Option<crate::experiment::MapParams>| map.map_or(0, |map| map.photons);
+    let Settings { index, scheduling, random, .. } = experiment.settings;
     let stages: Vec<String> = Stage::ALL.iter().map(|&stage| format!("{:.9}", measured.stages.get(stage))).collect();
     format!(
         "{backend},\"{}\",{},{},{},{},{},{},{},{index:?},{scheduling:?},{random:?},{:.9},{:.9},{},{}\n",
         device.replace('"', "'"),
-        plan.table,
-        plan.name,
-        wanted(plan.caustic),
-        wanted(plan.global),
+        experiment.table,
+        experiment.name,
+        wanted(experiment.caustic),
+        wanted(experiment.global),
         measured.stored[0],
         measured.stored[1],
         measured.paths,

@@ -1,7 +1,7 @@
 //! Estimates from the nearest photon of each query.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Estimate, EstimateParams, Query, Result};
+use photon_core::{Estimate, EstimateParams, PhotonFormat, Query, Result};
 
 use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
@@ -40,6 +40,10 @@ pushed!(
     padding
 );
 
+specialized!(
+    nearest_photon_constants: NearestPhotonConstants => SEARCH_NEAREST_PHOTON, 2 ordered: bool, 3 format: PhotonFormat
+);
+
 /// Evaluates all queries; `order` is the address of the order to process them in, or 0.
 pub(super) fn ask(
     on: &mut Vulkan,
@@ -49,8 +53,8 @@ pub(super) fn ask(
     order: u64,
     estimates: &VulkanBuffer<Estimate>,
 ) -> Result<()> {
-    let kernel =
-        on.kernel(&shaders::SEARCH_NEAREST_PHOTON, &[0, GROUP, u32::from(order != 0), map.photon_format().number()])?;
+    let constants = NearestPhotonConstants { ordered: order != 0, format: map.photon_format() };
+    let kernel = on.kernel(&shaders::SEARCH_NEAREST_PHOTON, GROUP, &constants)?;
     let mut push = Push {
         nodes: map.nodes.address(),
         positions: map.positions.address(),

@@ -27,14 +27,9 @@ pub(crate) struct VulkanEstimator {
     search: MapSearch,
 }
 
-impl Vulkan {
-    /// An estimator that never sorts queries, however many there are: the baseline for measuring the gain of
-    /// sorting.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn estimator_without_sorting() -> Box<dyn RadianceEstimator<Self>> {
-        Box::new(VulkanEstimator { search: MapSearch { worth_order: u64::MAX, ..MapSearch::default() } })
-    }
+/// [`crate::low_level::estimator_without_sorting`].
+pub(crate) fn estimator_without_sorting() -> Box<dyn RadianceEstimator<Vulkan>> {
+    Box::new(VulkanEstimator { search: MapSearch { worth_order: u64::MAX, ..MapSearch::default() } })
 }
 
 impl RadianceEstimator<Vulkan> for VulkanEstimator {
@@ -134,6 +129,7 @@ fn radius_question(gather: &EstimateParams) -> Question {
         kernel: gather.kernel,
         filter: gather.min_normal_cosine > -1.0,
         flat: gather.is_flat(),
+        shading: gather.shading_normals,
         k: 0,
         radius: gather.radius_scale,
         min_cosine: gather.min_normal_cosine,

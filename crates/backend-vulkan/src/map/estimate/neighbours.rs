@@ -34,6 +34,8 @@ struct OrderPush {
 
 pushed!(order_push_layout: OrderPush => SEARCH_ORDER, rows ids order first count k room);
 
+specialized!(order_constants: OrderConstants => SEARCH_ORDER, 2 room: u32, 3 ordered: bool);
+
 impl Vulkan {
     /// Finds the `k` nearest photons of every query within `max_radius`, which may be infinite, regardless of
     /// normals. Returns one row per query: photon indices in the order in which the photons were stored,
@@ -77,7 +79,8 @@ impl Vulkan {
             let threads = (in_shared / 2).min(256).min(self.limits().max_workgroup);
             let rows_each = u64::from((in_shared / room).max(1));
             let order = search.order(self, map, queries)?;
-            let sort = self.kernel(&shaders::SEARCH_ORDER, &[0, threads, in_shared, u32::from(order != 0)])?;
+            let sort =
+                self.kernel(&shaders::SEARCH_ORDER, threads, &OrderConstants { room: in_shared, ordered: order != 0 })?;
             let mut first = 0;
             while first < count {
                 let end = count.min(first + portion);
@@ -152,6 +155,7 @@ fn question(mode: Mode, k: u32, radius: f32) -> Question {
         kernel: Kernel::Constant,
         filter: false,
         flat: false,
+        shading: false,
         k,
         radius,
         min_cosine: -1.0,

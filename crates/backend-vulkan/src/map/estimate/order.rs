@@ -67,7 +67,7 @@ impl Order {
             count: count as u32,
             reserved: 0,
         };
-        let kernel = on.kernel(&shaders::SEARCH_CODES, &[0, 128])?;
+        let kernel = on.kernel(&shaders::SEARCH_CODES, 128, &())?;
         on.dispatch(&kernel, &push, count.div_ceil(128))?;
         let pairs = Pairs {
             keys: [self.keys[0].address(), self.keys[1].address()],

@@ -2,13 +2,12 @@
 
 use photon_core::Result;
 
+use crate::constants::{PAUSE_SUBGROUPS, PAUSE_WORDS};
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
 
-/// Maximum number of subgroups per dispatch: the shader's `PAUSE_SUBGROUPS`.
-pub(super) const SUBGROUPS: u64 = 4096;
-/// Words of saved state per invocation: the shader's `PAUSE_WORDS`.
-const WORDS: u64 = 160;
+/// Maximum number of subgroups per dispatch.
+pub(super) const SUBGROUPS: u64 = PAUSE_SUBGROUPS as u64;
 /// Size of the header: the count of paused traversals, and one word for each subgroup.
 const HEAD: u64 = (1 + SUBGROUPS) * 4;
 
@@ -21,12 +20,12 @@ pub(super) struct PausedSearches {
 impl PausedSearches {
     /// Allocates and clears storage for the given number of invocations; returns its address.
     pub(super) fn room(&mut self, on: &mut Vulkan, invocations: u64) -> Result<u64> {
-        let bytes = HEAD + invocations * WORDS * 4;
+        let bytes = HEAD + invocations * u64::from(PAUSE_WORDS) * 4;
         let memory = match self.memory.take().filter(|memory| memory.bytes() >= bytes) {
             Some(memory) => memory,
             None => on.memory("paused searches", bytes)?,
         };
-        on.fill(&memory, 0, HEAD, 0)?;
+        on.fill_words(&memory, 0, HEAD, 0)?;
         Ok(self.memory.insert(memory).address())
     }
 
@@ -40,7 +39,7 @@ impl PausedSearches {
             if paused[0] == 0 {
                 return Ok(());
             }
-            on.fill(memory, 0, 4, 0)?;
+            on.fill_words(memory, 0, 4, 0)?;
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Error, Kernel, Query, Result};
+use photon_core::{Error, Kernel, PhotonFormat, Query, Result};
 
 use super::order::Order;
 use super::pause::{PausedSearches, SUBGROUPS};
@@ -54,6 +54,8 @@ pub(super) struct Question {
     pub(super) filter: bool,
     /// Whether photons are rejected by their distance from the query's plane.
     pub(super) flat: bool,
+    /// Whether photons are weighted by the cosine to the query's shading normal.
+    pub(super) shading: bool,
     pub(super) k: u32,
     /// Rows and counts: the radius. Otherwise a factor on every query's radius.
     pub(super) radius: f32,
@@ -114,6 +116,24 @@ struct SamplePush {
 
 pushed!(sample_push_layout: SamplePush => SEARCH_SAMPLE, photons queries points count radius reserved);
 
+specialized!(
+    radius_constants: RadiusConstants => SEARCH_RADIUS,
+    2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 filter: bool, 6 error_moments: bool, 7 flat: bool, 8 turns: u32,
+    9 format: PhotonFormat, 10 shading: bool
+);
+
+specialized!(
+    nearest_constants: NearestConstants => SEARCH_K_NEAREST,
+    2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 filter: bool, 6 mode: u32, 7 wide: bool, 8 turns: u32,
+    9 format: PhotonFormat, 10 shading: bool
+);
+
+specialized!(
+    count_constants: CountConstants => SEARCH_COUNT, 2 tiles: u32, 3 ordered: bool, 8 turns: u32; default format
+);
+
+specialized!(sample_constants: SampleConstants => SEARCH_SAMPLE, 2 format: PhotonFormat);
+
 /// Runs searches on maps.
 #[derive(Debug)]
 pub(super) struct MapSearch {
@@ -169,30 +189,45 @@ impl MapSearch {
         let workgroup = (TILES * subgroup as u32).min(on.limits().max_workgroup);
         // An empty map must not be traversed.
         let points = if map.node_count == 0 { 0 } else { map.length };
-        let ordered = u32::from(order != 0);
+        let ordered = order != 0;
         // The other half is reserved for loops outside of the traversal.
         let turns = if self.turns > 0 { self.turns } else { on.limits().loop_turns / 2 };
         if turns > 0 && on.limits().loop_turns > 0 && question.k > MAX_PAUSING {
             let hint = "must be at most 131072 on this device, whose driver limits loop iterations";
             return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), hint });
         }
-        let format = map.photon_format().number();
+        let format = map.photon_format();
         let kernel = match question.mode {
             Mode::Radius => {
-                let filter = u32::from(question.filter);
-                let moments = u32::from(question.error_moments != 0);
-                let flat = u32::from(question.flat);
-                let kernel = question.kernel.number();
-                let constants = [0, workgroup, TILES, ordered, kernel, filter, moments, flat, turns, format];
-                on.kernel(&shaders::SEARCH_RADIUS, &constants)?
+                let constants = RadiusConstants {
+                    tiles: TILES,
+                    ordered,
+                    kernel: question.kernel.number(),
+                    filter: question.filter,
+                    error_moments: question.error_moments != 0,
+                    flat: question.flat,
+                    turns,
+                    format,
+                    shading: question.shading,
+                };
+                on.kernel(&shaders::SEARCH_RADIUS, workgroup, &constants)?
             }
-            Mode::Count => on.kernel(&shaders::SEARCH_COUNT, &[0, workgroup, TILES, 0, 0, 0, 0, 0, turns])?,
+            Mode::Count => {
+                on.kernel(&shaders::SEARCH_COUNT, workgroup, &CountConstants { tiles: TILES, ordered: false, turns })?
+            }
             Mode::Nearest | Mode::Paper | Mode::Rows => {
-                let mode = question.mode as u32 - Mode::Nearest as u32;
-                let (filter, wide) = (u32::from(question.filter), u32::from(question.k > self.narrow_bins));
-                let constants =
-                    [0, workgroup, TILES, ordered, question.kernel.number(), filter, mode, wide, turns, format];
-                on.kernel(&shaders::SEARCH_K_NEAREST, &constants)?
+                let constants = NearestConstants {
+                    tiles: TILES,
+                    ordered,
+                    kernel: question.kernel.number(),
+                    filter: question.filter,
+                    mode: question.mode as u32 - Mode::Nearest as u32,
+                    wide: question.k > self.narrow_bins,
+                    turns,
+                    format,
+                    shading: question.shading,
+                };
+                on.kernel(&shaders::SEARCH_K_NEAREST, workgroup, &constants)?
             }
         };
         let span = u64::from(workgroup);
@@ -253,7 +288,7 @@ pub(super) fn sample(
     radius: f32,
 ) -> Result<()> {
     let (photons, queries) = (map.photons.data_address(), queries.data_address());
-    let kernel = on.kernel(&shaders::SEARCH_SAMPLE, &[0, 64, map.photon_format().number()])?;
+    let kernel = on.kernel(&shaders::SEARCH_SAMPLE, 64, &SampleConstants { format: map.photon_format() })?;
     on.dispatch(
         &kernel,
         &SamplePush { photons, queries, points: map.length, count, radius, reserved: 0 },

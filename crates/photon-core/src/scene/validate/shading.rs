@@ -52,7 +52,7 @@ fn check_texture(texture: &Texture) -> Check {
 }
 
 fn check_use(used: &TextureUse, textures: usize, sets: usize) -> Check {
-    index("texture", used.texture, textures)?;
+    index("texture", used.texture_index, textures)?;
     index("UV set", used.uv_set, sets)?;
     require(used.transform.as_flattened().iter().all(|c| c.is_finite()), || {
         format!("its transform {:?} must be finite", used.transform)

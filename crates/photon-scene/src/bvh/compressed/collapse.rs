@@ -13,13 +13,13 @@ const NONE: u8 = u8::MAX;
 /// For each binary node, how it is best replaced by a forest of 1, of up to 2, … up to 7 trees: the
 /// number of these trees that come from its first child.
 #[derive(Debug)]
-pub(crate) struct Plan {
+pub(crate) struct Collapse {
     /// Entry 0: how many of eight slots the first child gets, where the node is a tree by itself.
     firsts: Vec<[u8; MAX_CHILDREN]>,
 }
 
-impl Plan {
-    /// Plans a tree with leaves of up to `leaf` triangles.
+impl Collapse {
+    /// The cheapest tree with leaves of up to `leaf` triangles.
     pub(crate) fn of(nodes: &[Binary], leaf: u32) -> Self {
         let mut firsts = vec![[NONE; MAX_CHILDREN]; nodes.len()];
         let mut costs = vec![[0.0_f32; MAX_CHILDREN]; nodes.len()];

@@ -24,7 +24,7 @@ pub struct CompressedTree {
 
 impl CompressedTree {
     /// Levels of the deepest tree that [`CompressedTree::build`] produces: a traversal needs a stack of
-    /// that many entries; `TREE_DEPTH` in intersect.glsl.
+    /// that many entries; `BVH_MAX_DEPTH` in GLSL.
     pub const MAX_DEPTH: u32 = 32;
 
     /// Builds the tree. The result is deterministic, on any number of threads.
@@ -47,22 +47,22 @@ fn widen(binary: &BinaryTree) -> (CompressedTree, u32) {
     if binary.nodes.is_empty() {
         return (tree, 0);
     }
-    let plan = collapse::Plan::of(&binary.nodes, LEAF);
+    let collapse = collapse::Collapse::of(&binary.nodes, LEAF);
     // Wide nodes in breadth-first order: the binary node that each replaces, and its depth.
     let mut roots = vec![(0_u32, 1_u32)];
     let mut next = 0;
     while next < roots.len() {
         let (root, depth) = roots[next];
         next += 1;
-        let slots = node::slots(&binary.nodes, root, &plan.children(&binary.nodes, root));
+        let slots = node::slots(&binary.nodes, root, &collapse.children(&binary.nodes, root));
         let (first_child, first_triangle) = (roots.len() as u32, tree.order.len() as u32);
         let mut wide = CompressedNode::around(&binary.nodes[root as usize], first_child, first_triangle);
         for (slot, child) in slots.iter().enumerate() {
             let Some(child) = *child else { continue };
             let inside = &binary.nodes[child as usize];
-            if plan.is_leaf(child) {
+            if collapse.is_leaf(child) {
                 let before = tree.order.len() as u32;
-                plan.triangles(binary, child, &mut tree.order);
+                collapse.triangles(binary, child, &mut tree.order);
                 wide.put_leaf(slot, inside, before - first_triangle, tree.order.len() as u32 - before);
             } else {
                 roots.push((child, depth + 1));

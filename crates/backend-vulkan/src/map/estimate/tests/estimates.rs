@@ -79,8 +79,13 @@ fn check(
                 // A `max_plane_distance` below 1 is tested only for radius searches.
                 let shares: &[f32] = if search == Search::Radius { &[1.0, 0.2] } else { &[1.0] };
                 for &max_plane_distance in shares {
-                    let gather =
-                        EstimateParams { search, kernel, radius_scale: 0.9, min_normal_cosine, max_plane_distance };
+                    let gather = EstimateParams {
+                        kernel,
+                        radius_scale: 0.9,
+                        min_normal_cosine,
+                        max_plane_distance,
+                        ..EstimateParams::new(search)
+                    };
                     let expected = on_cpu(&photons, &queries, &gather, IndexKind::Morton);
                     let found = on_device(on, &photons, &queries, &gather, IndexKind::Morton);
                     // The largest kernel weight is 3.

@@ -1,4 +1,4 @@
-//! The plans to render: the paper's grid in both interpretations, and a larger one of our own.
+//! The experiments to render: the paper's grid in both interpretations, and a larger one of our own.
 
 use photon_core::{EstimateParams, IndexKind, Kernel, RandomKind, Scheduling, Search, Settings};
 
@@ -50,7 +50,7 @@ impl Reading {
 
 /// One map: how many photons, and how radiance is estimated from them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct MapPlan {
+pub(crate) struct MapParams {
     /// Required number of photons.
     pub(crate) photons: u32,
     /// Estimator.
@@ -61,15 +61,15 @@ pub(crate) struct MapPlan {
 
 /// One picture to render and time.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Plan {
+pub(crate) struct Experiment {
     /// `pictures`, `photons`, `gather` or `large`.
     pub(crate) table: &'static str,
     /// Name in its table.
     pub(crate) name: String,
     /// The map of photons that were reflected and refracted by specular surfaces only.
-    pub(crate) caustic: Option<MapPlan>,
+    pub(crate) caustic: Option<MapParams>,
     /// The map of photons with at least one diffuse scattering.
-    pub(crate) global: Option<MapPlan>,
+    pub(crate) global: Option<MapParams>,
     /// Whether one emission fills both maps, so that the number of caustic photons is not free.
     pub(crate) together: bool,
     pub(crate) settings: Settings,
@@ -83,13 +83,13 @@ fn paper_settings() -> Settings {
     Settings { shadow_rays: 4, ..Settings::paper() }
 }
 
-impl Plan {
+impl Experiment {
     /// A cell of the paper's table.
     pub(crate) fn cell(reading: Reading, caustic: u32, global: u32) -> Self {
         let map = |photons: u32, max: u32| {
             // If a map holds little more than an estimate takes, the estimate shall still be local.
             let neighbours = max.min(photons / 8).max(8);
-            (photons > 0).then_some(MapPlan { photons, search: paper_search(max), neighbours })
+            (photons > 0).then_some(MapParams { photons, search: paper_search(max), neighbours })
         };
         let read = match reading {
             Reading::Photons => map(global, MAX),
@@ -109,10 +109,10 @@ impl Plan {
     /// The paper's three pictures, and one by our defaults with the same number of photons. The name is that of
     /// the file.
     pub(crate) fn pictures() -> Vec<Self> {
-        let picture = |name: &str, plan: Self| Self { table: "pictures", name: name.to_owned(), ..plan };
+        let picture = |name: &str, experiment: Self| Self { table: "pictures", name: name.to_owned(), ..experiment };
         let both = Self::cell(Reading::Gather, 100_000, 1000);
         let global = Self { caustic: None, ..both.clone() };
-        let map = |photons, neighbours| Some(MapPlan { photons, search: Search::Radius, neighbours });
+        let map = |photons, neighbours| Some(MapParams { photons, search: Search::Radius, neighbours });
         let defaults = Self {
             caustic: map(100_000, 50),
             global: map(GLOBAL_MAP, 200),
@@ -139,21 +139,21 @@ impl Plan {
             ("counter-based numbers", Settings { random: RandomKind::Counter, ..paper }),
             ("our defaults", Settings { shadow_rays: 4, ..Settings::default() }),
         ];
-        let plan = |(name, settings): (&str, Settings)| {
+        let experiment = |(name, settings): (&str, Settings)| {
             let ours = settings == Settings { shadow_rays: 4, ..Settings::default() };
             let map = |neighbours| {
                 let search = if ours { Search::Radius } else { paper_search(MAX) };
-                Some(MapPlan { photons, search, neighbours: if ours { neighbours } else { MAX } })
+                Some(MapParams { photons, search, neighbours: if ours { neighbours } else { MAX } })
             };
             // The defaults of a picture: see `photon_core`'s pipeline.
             let (caustic, global) = (map(12), map(64));
             Self { table: "large", name: name.to_owned(), caustic, global, together: true, settings }
         };
-        variants.into_iter().map(plan).collect()
+        variants.into_iter().map(experiment).collect()
     }
 
     /// The estimate parameters of a map, for a radius in normalised space.
-    pub(crate) fn gather(&self, map: &MapPlan, radius: f32) -> EstimateParams {
+    pub(crate) fn gather(&self, map: &MapParams, radius: f32) -> EstimateParams {
         let kernel = if map.search == Search::Radius { self.settings.kernel } else { Kernel::Constant };
         // The paper tests normals only by its equation (2).
         let min_normal_cosine = if map.search == Search::Radius { self.settings.min_normal_cosine } else { -1.0 };
@@ -167,17 +167,17 @@ mod tests {
 
     #[test]
     fn readings_differ_in_what_global_counts() {
-        let photons = Plan::cell(Reading::Photons, 20_000, 1000);
-        let gather = Plan::cell(Reading::Gather, 20_000, 1000);
+        let photons = Experiment::cell(Reading::Photons, 20_000, 1000);
+        let gather = Experiment::cell(Reading::Gather, 20_000, 1000);
         assert_eq!(photons.caustic, gather.caustic);
         assert_eq!(photons.global.unwrap().photons, 1000);
         assert_eq!(gather.global.unwrap().search, paper_search(1000));
-        assert!(Plan::cell(Reading::Gather, 0, 0).global.is_none());
+        assert!(Experiment::cell(Reading::Gather, 0, 0).global.is_none());
     }
 
     #[test]
     fn each_variant_exchanges_one_habit() {
-        let all = Plan::large(1000);
+        let all = Experiment::large(1000);
         let base = &all[0].settings;
         for other in &all[1..5] {
             let s = &other.settings;

@@ -1,0 +1,144 @@
+//! The selection of lights compared with photon-core's, which sums and divides in f64.
+
+use photon_core::glam::Vec3;
+use photon_core::light_sampler::{LightSampler, weigh};
+use photon_core::{Requirements, Settings};
+
+use super::compare::Bound;
+use super::draw::{Draw, inputs};
+use super::scene::SCENE;
+use super::table::{Row, output};
+use super::{Input, Output, run_row, worst_of};
+use crate::scene::VulkanScene;
+use crate::{Vulkan, shaders};
+
+/// The functions, their twins and their bounds.
+pub(super) fn rows() -> Vec<Row> {
+    let row = |name, function, condition, twin| Row {
+        name,
+        module: &shaders::PROBE_LIGHT_SAMPLER,
+        function,
+        bound: Bound::Conditioned(8e-6, "its condition", condition),
+        draw: point,
+        twin,
+    };
+    vec![
+        row("weigh", 0, |i| condition_of_weight(i, i.0[3]), |i| output([weight(place(i), i.0[3])])),
+        row("light_sampler_at", 1, condition, cumulative),
+        row("light_sampler_pick", 2, condition_of_pick, picked),
+    ]
+}
+
+/// A point with a normal, a light, a random word, and the number of lights to be weighted: all or none.
+fn point(d: &mut Draw) -> Input {
+    let lights = SCENE.view().lights.len() as u32;
+    let (position, normal) = (d.point(), d.direction());
+    let mut input = Input::default();
+    for axis in 0..3 {
+        (input.0[axis], input.0[4 + axis]) = (position[axis].to_bits(), normal[axis].to_bits());
+    }
+    input.0[3] = d.word() % lights;
+    input.0[8] = if d.now_and_then() { d.pick(&[0, 1, u32::MAX]) } else { d.word() };
+    input.0[9] = if d.word().is_multiple_of(8) { 0 } else { lights };
+    input
+}
+
+/// Position and normal.
+type Place = (Vec3, Vec3);
+
+fn place(i: &Input) -> Place {
+    (i.vector(0), i.vector(4))
+}
+
+fn weight((position, normal): Place, index: u32) -> f32 {
+    let view = SCENE.view();
+    let light = &view.lights[index as usize];
+    let triangle = || {
+        let primitive = light.primitive as usize;
+        let corners = view.triangles[primitive].map(|vertex| Vec3::from(view.positions[vertex as usize]));
+        (corners, view.primitives[primitive].normal.into())
+    };
+    weigh(light, triangle, position, normal)
+}
+
+fn sampler(i: &Input) -> LightSampler {
+    LightSampler::new(i.0[9] as usize, |index| weight(place(i), index as u32))
+}
+
+fn cumulative(i: &Input) -> Output {
+    let sampler = sampler(i);
+    output::<8>(std::array::from_fn(|index| sampler.cdf().get(index).map_or(0.0, |&sum| sum as f32)))
+}
+
+fn picked(i: &Input) -> Output {
+    let (index, share) = sampler(i).pick(SCENE.view().light_cdf, i.0[8]);
+    output([index as f32, share as f32])
+}
+
+/// Condition number of a weight: its change for a position or a normal changed by 1e-6, divided by 1e-6; at least the
+/// weight.
+fn condition_of_weight(i: &Input, index: u32) -> f64 {
+    const CHANGE: f32 = 1e-6;
+    let (position, normal) = place(i);
+    let before = f64::from(weight((position, normal), index));
+    let steps = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis * CHANGE);
+    let places = steps.into_iter().chain(steps.map(|step| -step));
+    let moved = places.flat_map(|step| [(position + step, normal), (position, normal + step)]);
+    let change = moved.map(|place| (f64::from(weight(place, index)) - before).abs()).fold(0.0, f64::max);
+    before.abs().max(change / f64::from(CHANGE))
+}
+
+/// Condition number of cumulative probabilities: that of the weights, divided by their sum; infinite where rounding
+/// may decide whether any weight is positive.
+fn condition(i: &Input) -> f64 {
+    let lights = 0..i.0[9];
+    let total: f64 = lights.clone().map(|index| f64::from(weight(place(i), index))).sum();
+    let all: f64 = lights.map(|index| condition_of_weight(i, index)).sum();
+    match all / total {
+        _ if i.0[9] == 0 => 1.0,
+        relative if relative < 1e4 => 1.0 + relative,
+        _ => f64::INFINITY,
+    }
+}
+
+/// The same for the light that is picked and its probability; infinite where rounding may decide which one it is.
+fn condition_of_pick(i: &Input) -> f64 {
+    let condition = condition(i);
+    let at = f64::from(i.0[8]) / 4_294_967_296.0;
+    let near = |&end: &f64| (end - at).abs() < 2.0 * 8e-6 * condition;
+    if sampler(i).cdf().iter().any(near) { f64::INFINITY } else { 2.0 * condition }
+}
+
+#[test]
+fn lights_are_selected_as_in_rust() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let scene = VulkanScene::new(&mut on, &SCENE.view(), &Requirements::everything(&Settings::default())).unwrap();
+    let address = [scene.address() as u32, (scene.address() >> 32) as u32];
+    // The table is meaningful: few inputs are undecided.
+    let decided = inputs(point).iter().filter(|input| condition_of_pick(input).is_finite()).count();
+    assert!(decided > 15_000, "{decided}");
+    for mut row in rows() {
+        let (inputs, outputs) = run_row(&mut on, &row, &address);
+        let share = worst_of(&mut on, &row, &inputs, &outputs).unwrap();
+        eprintln!("{:<24} {share:>9.3e} of {}", row.name, row.bound);
+        // The weight without the cosine, and probabilities by power alone: both are detected.
+        row.twin = match row.function {
+            0 => |i| output([weight((i.vector(0), -i.vector(4)), i.0[3])]),
+            1 => |i| {
+                cumulative(&Input({
+                    let mut words = i.0;
+                    words[9] = 0;
+                    words
+                }))
+            },
+            _ => |i| {
+                picked(&Input({
+                    let mut words = i.0;
+                    words[9] = 0;
+                    words
+                }))
+            },
+        };
+        assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
+    }
+}

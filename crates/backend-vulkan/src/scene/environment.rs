@@ -1,0 +1,39 @@
+//! An environment map on the device.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::{Result, SceneView};
+
+use super::Upload;
+
+/// `EnvironmentRef` of scene.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Record {
+    texels: u64,
+    rows: u64,
+    starts: u64,
+    width: u32,
+    height: u32,
+    rows_count: u32,
+    columns: u32,
+    step_texels: u32,
+    rotation: f32,
+}
+
+/// Uploads [`SceneView::environment`]; returns the address of its record, or 0 without one.
+pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>) -> Result<u64> {
+    let Some(map) = view.environment else { return Ok(0) };
+    let starts = [map.row_starts(), map.column_starts()].concat();
+    let record = Record {
+        texels: upload.table("environment", map.texels())?,
+        rows: upload.table("environment", map.rows())?,
+        starts: upload.table("environment", &starts)?,
+        width: map.width(),
+        height: map.height(),
+        rows_count: map.rows().len() as u32,
+        columns: map.columns(),
+        step_texels: map.step(),
+        rotation: map.rotation(),
+    };
+    upload.table("scene", &[record])
+}

@@ -1,0 +1,95 @@
+//! Vertex attributes and textures on the device.
+
+use bytemuck::{Pod, Zeroable};
+use photon_core::texture::byte_values;
+use photon_core::{Result, SceneView, Texture};
+
+use super::{BLOCK, Upload};
+
+/// `ShadingRef` of scene.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Record {
+    normals: u64,
+    tangents: u64,
+    colors: u64,
+    uvs: u64,
+    material_textures: u64,
+    uses: u64,
+    textures: u64,
+    values: u64,
+    has_normals: u32,
+    reserved: [u32; 3],
+}
+
+/// `Texture` of texture.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Image {
+    texels: u64,
+    width: u32,
+    height: u32,
+    format: u32,
+    wrap_u: u32,
+    wrap_v: u32,
+    filter_mode: u32,
+}
+
+/// Uploads the tables in [`SceneView::shading`], those of triangles in BVH order; returns the address of their record,
+/// or 0 for a scene without any.
+pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32]) -> Result<u64> {
+    let tables = &view.shading;
+    if tables.is_empty() {
+        return Ok(0);
+    }
+    let mut record = Record::zeroed();
+    record.has_normals = u32::from(!tables.normals.is_empty());
+    record.normals = attribute(upload, "vertex normals", tables.normals, order)?;
+    record.tangents = attribute(upload, "vertex tangents", tables.tangents, order)?;
+    record.colors = attribute(upload, "vertex colours", tables.colors, order)?;
+    record.uvs = uvs(upload, view, order)?;
+    if !tables.material_textures.is_empty() {
+        let images = tables.textures.iter().map(|texture| image(upload, texture)).collect::<Result<Vec<_>>>()?;
+        record.textures = upload.table("textures", &images)?;
+        record.uses = upload.table("textures", tables.uses)?;
+        record.material_textures = upload.table("textures", tables.material_textures)?;
+        record.values = upload.table("textures", byte_values().as_flattened())?;
+    }
+    upload.table("scene", &[record])
+}
+
+/// A table with an entry for each triangle, in BVH order; 0 if it is empty.
+fn attribute<T: Pod>(upload: &mut Upload<'_>, label: &'static str, table: &[T], order: &[u32]) -> Result<u64> {
+    if table.is_empty() {
+        return Ok(0);
+    }
+    upload.by_triangle(label, order, |id| table[id as usize])
+}
+
+/// The UV sets, one after another, each in BVH order.
+fn uvs(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32]) -> Result<u64> {
+    let (table, triangles) = (view.shading.uvs, view.triangles.len());
+    if table.is_empty() {
+        return Ok(0);
+    }
+    let address = upload.room::<[[f32; 2]; 3]>("texture coordinates", table.len())?;
+    for (set, table) in table.chunks(triangles).enumerate() {
+        for (block, ids) in order.chunks(BLOCK).enumerate() {
+            let part: Vec<[[f32; 2]; 3]> = ids.iter().map(|&id| table[id as usize]).collect();
+            upload.write(set * triangles + block * BLOCK, &part)?;
+        }
+    }
+    Ok(address)
+}
+
+fn image(upload: &mut Upload<'_>, texture: &Texture) -> Result<Image> {
+    Ok(Image {
+        texels: upload.table("textures", &texture.texels)?,
+        width: texture.width,
+        height: texture.height,
+        format: texture.format as u32,
+        wrap_u: texture.wrap[0] as u32,
+        wrap_v: texture.wrap[1] as u32,
+        filter_mode: texture.filter as u32,
+    })
+}

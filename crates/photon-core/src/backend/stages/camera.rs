@@ -1,0 +1,62 @@
+//! Stages of camera paths, and of rays from where they end.
+
+use crate::backend::TransportBackend;
+use crate::backend::stages::{EstimateBuffers, EstimateParams, Pass, View};
+use crate::error::Result;
+use crate::scene::layout::Query;
+
+/// Traces camera paths to the first diffuse surface.
+pub trait EyeTracer<B: TransportBackend>: Send {
+    /// Adds the emission seen by the camera to the film, with depth, normal and albedo, and replaces the
+    /// contents of `queries` with the visible points.
+    ///
+    /// # Errors
+    /// Errors of the backend.
+    fn trace_eye(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        view: &View,
+        pass: Pass,
+        film: &mut B::Film,
+        queries: &mut B::Buffer<Query>,
+    ) -> Result<()>;
+}
+
+/// Direct light by next-event estimation.
+pub trait DirectLight<B: TransportBackend>: Send {
+    /// Adds the direct light found by `shadow_rays` rays per query to [`crate::Layer::Direct`] of the film.
+    ///
+    /// # Errors
+    /// Errors of the backend.
+    fn light(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        pass: Pass,
+        queries: &B::Buffer<Query>,
+        shadow_rays: u32,
+        film: &mut B::Film,
+    ) -> Result<()>;
+}
+
+/// Estimates which part of an estimate's disc lies on the surface.
+pub trait AreaProbe<B: TransportBackend>: Send {
+    /// Multiplies each [`crate::Estimate::radius_squared`] by the share of its disc that lies on the query's
+    /// surface and is visible from above the query, as [`crate::area`] defines it; `gather` are the
+    /// parameters of the estimates. Error statistics, if present, are divided by the shares of their own
+    /// discs: [`crate::ErrorMoments::wide`] and [`crate::ErrorMoments::narrow`] are multiplied by the ratio of the first
+    /// share to theirs.
+    ///
+    /// # Errors
+    /// Errors of the backend.
+    fn correct(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        pass: Pass,
+        queries: &B::Buffer<Query>,
+        gather: &EstimateParams,
+        buffers: EstimateBuffers<'_, B>,
+    ) -> Result<()>;
+}

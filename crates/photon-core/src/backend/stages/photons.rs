@@ -1,0 +1,50 @@
+//! Stages of light paths.
+
+use crate::backend::stages::Batch;
+use crate::backend::tally::Tally;
+use crate::backend::{Backend, TransportBackend};
+use crate::error::Result;
+use crate::requirements::map_kind::PerMap;
+use crate::requirements::photon_format::PhotonFormat;
+use crate::scene::layout::{Photon, PhotonRay};
+
+/// Emits photons from the lights.
+pub trait Emitter<B: TransportBackend>: Send {
+    /// Replaces `rays` with one ray per path of the batch.
+    ///
+    /// # Errors
+    /// Errors of the backend.
+    fn emit(&mut self, on: &mut B, scene: &B::Scene, batch: &Batch, rays: &mut B::Buffer<PhotonRay>) -> Result<()>;
+}
+
+/// Traces photons through the scene.
+pub trait Tracer<B: TransportBackend>: Send {
+    /// Traces `rays`, and appends a photon to one of `deposits` at each diffuse surface met, ordered by
+    /// path, then bounce; of each photon the fields that the buffer stores.
+    ///
+    /// # Errors
+    /// Errors of the backend. A full buffer is not an error here; it shows in [`Backend::fill`].
+    fn trace(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        batch: &Batch,
+        rays: &B::Buffer<PhotonRay>,
+        deposits: Deposits<'_, B>,
+    ) -> Result<()>;
+
+    /// Counts and flux of all paths since the last call. Blocks.
+    ///
+    /// # Errors
+    /// Deferred errors surface here.
+    fn take_tally(&mut self, on: &mut B) -> Result<Tally>;
+
+    /// The smallest photon format that this stage can work with. Stages of users get full photons unless
+    /// they override this; see [`Backend::alloc_photons`].
+    fn required_format(&self) -> PhotonFormat {
+        PhotonFormat::Full
+    }
+}
+
+/// The buffer for the photons of each map; `None` for a map that is not required.
+pub type Deposits<'a, B> = PerMap<Option<&'a mut <B as Backend>::Buffer<Photon>>>;

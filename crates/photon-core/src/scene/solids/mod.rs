@@ -1,0 +1,90 @@
+//! The solids of a scene: whether their bounding boxes overlap, and which of them contain a point.
+
+mod components;
+mod locator;
+#[cfg(test)]
+mod tests;
+
+use glam::{DVec3, Vec3};
+
+use crate::scene::SceneView;
+use crate::scene::material::MaterialKind;
+use crate::scene::media::{MediaFeatures, MediumStack};
+
+pub use locator::Locator;
+
+/// A connected set of boundary triangles of one medium.
+#[derive(Debug)]
+struct Solid {
+    medium: u32,
+    triangles: Vec<u32>,
+    low: Vec3,
+    high: Vec3,
+}
+
+/// All solids of a scene.
+#[derive(Debug)]
+pub struct Solids<'a> {
+    scene: SceneView<'a>,
+    solids: Vec<Solid>,
+}
+
+impl<'a> Solids<'a> {
+    /// Groups the dielectric triangles of a scene into connected boundaries, in one pass over all triangles if there
+    /// are none. Triangles are connected if they share a vertex and a medium. In a scene that
+    /// [`SceneView::validate`] refuses, triangles with indices out of range are skipped.
+    #[must_use]
+    pub fn of(scene: &SceneView<'a>) -> Self {
+        let boundary: Vec<(u32, u32)> = (0..)
+            .zip(scene.primitives)
+            .filter_map(|(triangle, primitive)| {
+                let material = scene.materials.get(primitive.material as usize)?;
+                let corners = scene.triangles.get(triangle as usize)?;
+                let fits = corners.iter().all(|&vertex| (vertex as usize) < scene.positions.len());
+                (fits && material.kind() == MaterialKind::Dielectric).then_some((triangle, material.medium))
+            })
+            .collect();
+        if boundary.is_empty() {
+            return Self { scene: *scene, solids: Vec::new() };
+        }
+        Self { scene: *scene, solids: components::group(scene, &boundary) }
+    }
+
+    /// What kernels have to support for these solids: [`MediaFeatures::NESTED`] if the bounding boxes of
+    /// two of them overlap.
+    #[must_use]
+    pub fn features(&self) -> MediaFeatures {
+        if boxes_meet(&self.solids) { MediaFeatures::NESTED } else { MediaFeatures::NONE }
+    }
+
+    /// Builds the structure that finds the solids around a point.
+    #[must_use]
+    pub fn locate(&self) -> Locator<'_> {
+        Locator::new(self)
+    }
+
+    /// The same as `locate().at(point)`, without building the locator if the point is outside of all bounding boxes.
+    #[must_use]
+    pub fn at(&self, point: [f32; 3]) -> MediumStack {
+        let at = Vec3::from(point);
+        let near = |solid: &Solid| at.cmpge(solid.low).all() && at.cmple(solid.high).all();
+        if self.solids.iter().any(near) { self.locate().at(point) } else { MediumStack::VACUUM }
+    }
+}
+
+impl Solids<'_> {
+    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.scene.triangles[triangle as usize]
+            .map(|vertex| Vec3::from(self.scene.positions[vertex as usize]).as_dvec3())
+    }
+}
+
+/// Whether the bounding boxes of two of them overlap.
+fn boxes_meet(solids: &[Solid]) -> bool {
+    let mut by_place: Vec<&Solid> = solids.iter().collect();
+    by_place.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+    by_place.iter().enumerate().any(|(index, solid)| {
+        let mut beside = by_place[index + 1..].iter().take_while(|other| other.low.x <= solid.high.x);
+        beside.any(|other| solid.low.cmple(other.high).all() && other.low.cmple(solid.high).all())
+    })
+}

@@ -1,0 +1,197 @@
+//! Environment maps: the radiance from a direction, and sampling of directions.
+
+use glam::Vec3;
+
+use crate::scene::environment::EnvironmentMap;
+use crate::scene::pick_light;
+use crate::shading::math::{sin_cos_turns, turns_of};
+
+/// A sampled direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnvironmentSample {
+    /// Unit vector towards the environment.
+    pub direction: Vec3,
+    /// Radiance from there over the probability per solid angle of the direction, linear RGB.
+    pub weight: Vec3,
+}
+
+impl EnvironmentMap {
+    /// Radiance that arrives from `direction`, a unit vector.
+    #[inline]
+    #[must_use]
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        let across = (direction.x * direction.x + direction.z * direction.z).sqrt();
+        let from_centre = turns_of(direction.x.abs(), -direction.z);
+        let u = 0.5 + from_centre.copysign(direction.x) + self.rotation();
+        self.bilinear(u - u.floor(), 2.0 * turns_of(across, direction.y))
+    }
+
+    /// The image at (u, v), both in `[0, 1]`.
+    #[inline]
+    fn bilinear(&self, u: f32, v: f32) -> Vec3 {
+        let (width, height) = (self.width(), self.height());
+        let (x, y) = (u * width as f32 - 0.5, v * height as f32 - 0.5);
+        let (left, above) = (x.floor(), y.floor());
+        let (across, down) = (x - left, y - above);
+        let first = if left < 0.0 { width - 1 } else { (left as u32).min(width - 1) };
+        let second = if first + 1 == width { 0 } else { first + 1 };
+        let upper = (above.max(0.0) as u32).min(height - 1);
+        let lower = ((above + 1.0) as u32).min(height - 1);
+        let row = |y: u32| {
+            let at = |x: u32| {
+                let [r, g, b, _] = self.texels()[y as usize * width as usize + x as usize];
+                Vec3::new(r, g, b)
+            };
+            at(first) * (1.0 - across) + at(second) * across
+        };
+        row(upper) * (1.0 - down) + row(lower) * down
+    }
+
+    /// A direction for two random words.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, words: [u32; 2]) -> EnvironmentSample {
+        let (row, within_row, _) = interval(self.row_starts(), words[0]);
+        let columns = self.columns() as usize;
+        let starts = &self.column_starts()[row * columns..(row + 1) * columns];
+        let (column, within_column, column_probability) = interval(starts, words[1]);
+        let cell = self.rows()[row];
+        // From the nearer pole, where differences are small.
+        let height = cell.extent * within_row;
+        let from_top = cell.above + height;
+        let from_bottom = cell.below + (cell.extent - height);
+        let upper = from_top < 0.5;
+        let (low, high) = if upper { (from_top, 1.0 - from_top) } else { (1.0 - from_bottom, from_bottom) };
+        let cosine = if upper { 1.0 - 2.0 * low } else { 2.0 * high - 1.0 };
+        let sine = 2.0 * (low * high).max(0.0).sqrt();
+        let span = 1.0 / self.width() as f32;
+        let first = (column as u32 * self.step()) as f32;
+        let texels = ((column as u32 + 1) * self.step()).min(self.width()) as f32 - first;
+        let turns = (first + 0.5 + texels * within_column) * span - 0.5 - self.rotation();
+        let (sin, cos) = sin_cos_turns(turns - turns.floor());
+        let direction = Vec3::new(sin * sine, cosine, -cos * sine);
+        let solid_angle = 4.0 * std::f32::consts::PI * cell.extent * (texels * span);
+        let weight = self.radiance(direction) * (solid_angle / (cell.probability * column_probability));
+        EnvironmentSample { direction, weight }
+    }
+}
+
+/// The interval of `starts` that contains `random`: its index, the position in it, in `(0, 1)`, and its probability.
+#[inline]
+fn interval(starts: &[u32], random: u32) -> (usize, f32, f32) {
+    let index = pick_light(starts, random);
+    // The last interval ends at 2³², so that the difference wraps around; a single one is the whole range.
+    let end = starts.get(index + 1).copied().unwrap_or(0);
+    let span = end.wrapping_sub(starts[index]);
+    let span = if span == 0 { 4_294_967_296.0 } else { span as f32 };
+    // 24 bits are exact in f32.
+    let within = ((random - starts[index]) as f32 + 0.5) / span;
+    (index, within.min(1.0 - f32::EPSILON), span * (1.0 / 4_294_967_296.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::SplitMix64;
+
+    fn gradient(width: usize, height: usize) -> EnvironmentMap {
+        let mut numbers = SplitMix64(7);
+        let texels: Vec<[f32; 3]> =
+            (0..width * height).map(|_| std::array::from_fn(|_| (numbers.word() % 1000) as f32 * 0.01)).collect();
+        EnvironmentMap::new(width, &texels, 0.0).unwrap()
+    }
+
+    /// The axes: the centre is −z, a quarter to the right +x, the top +y; a quarter turn counter-clockwise as seen from
+    /// +y moves the centre to −x.
+    #[test]
+    fn axes_and_rotation() {
+        let mut texels = vec![[0.0; 3]; 8 * 4];
+        texels[8 + 5] = [1.0, 0.0, 0.0];
+        let direction = |u: f32, v: f32| {
+            let (sin, cos) = (std::f32::consts::TAU * (u - 0.5)).sin_cos();
+            let (sine, cosine) = (std::f32::consts::PI * v).sin_cos();
+            Vec3::new(sin * sine, cosine, -cos * sine)
+        };
+        let map = EnvironmentMap::new(8, &texels, 0.0).unwrap();
+        let at = direction(5.5 / 8.0, 1.5 / 4.0);
+        assert!((map.radiance(at).x - 1.0).abs() < 1e-5 && at.x > 0.5 && at.y > 0.3);
+        let turned = EnvironmentMap::new(8, &texels, 0.25).unwrap();
+        // (x, z) of a vector turned by a quarter counter-clockwise, seen from +y, where x is to the right and z down.
+        let there = Vec3::new(at.z, at.y, -at.x);
+        assert!((turned.radiance(there).x - 1.0).abs() < 1e-5);
+        assert!(
+            (EnvironmentMap::constant([0.5, 1.0, 2.0]).unwrap().radiance(at) - Vec3::new(0.5, 1.0, 2.0)).length()
+                < 1e-6
+        );
+    }
+
+    /// G10: L = 1 + a ω_y: the mean of weights is 4π, that of weights times max(n·ω, 0) is π (1 + ⅔ a n_y); the map is
+    /// bilinear in θ, hence fine. Weights are bounded.
+    #[test]
+    fn samples_integrate_to_the_whole() {
+        let (width, height, a) = (64, 512, 0.8);
+        let texel = |i: usize| 1.0 + a * (std::f64::consts::PI * ((i / width) as f64 + 0.5) / height as f64).cos();
+        let texels: Vec<[f32; 3]> = (0..width * height).map(|i| [texel(i) as f32; 3]).collect();
+        let map = EnvironmentMap::new(width, &texels, 0.1).unwrap();
+        let normal = Vec3::new(0.6, 0.64, -0.48);
+        let (mut whole, mut half) = (0.0, 0.0);
+        let n = 512_u32;
+        for i in 0..n * n {
+            let step = u32::MAX / n;
+            let sample = map.sample([(i % n) * step + step / 2, (i / n) * step + step / 2]);
+            assert!((sample.direction.length() - 1.0).abs() < 1e-5);
+            whole += f64::from(sample.weight.x);
+            half += f64::from(sample.weight.x * sample.direction.dot(normal).max(0.0));
+        }
+        let count = f64::from(n) * f64::from(n);
+        let pi = std::f64::consts::PI;
+        assert!((whole / count / (4.0 * pi) - 1.0).abs() < 1e-3, "{}", whole / count);
+        assert!((half / count / (pi * (1.0 + 2.0 / 3.0 * a * 0.64)) - 1.0).abs() < 1e-3, "{}", half / count);
+        assert!((map.mean_radiance()[0] - 1.0).abs() < 1e-4);
+    }
+
+    /// For any map, also one with joined cells, the mean of weights is the integral; and no weight is above four times
+    /// the brightest sum of channels that its cell's share of the probability allows.
+    #[test]
+    fn weights_are_exact_and_bounded() {
+        for (width, height) in [(1, 1), (2, 1), (1, 5), (7, 3), (33, 16), (4100, 8), (3, 2500)] {
+            let map = gradient(width, height);
+            let mut numbers = SplitMix64(width as u64);
+            let (mut sum, mut squares) = (0.0_f64, 0.0_f64);
+            let count = 200_000;
+            for _ in 0..count {
+                let word = numbers.word();
+                let sample = map.sample([word as u32, (word >> 32) as u32]);
+                let weight = f64::from(sample.weight.element_sum() / 3.0);
+                sum += weight;
+                squares += weight * weight;
+            }
+            let truth = map.mean_radiance().iter().sum::<f64>() / 3.0 * 4.0 * std::f64::consts::PI;
+            let mean = sum / f64::from(count);
+            let error = ((squares / f64::from(count) - mean * mean).max(0.0) / f64::from(count)).sqrt();
+            // The corners' mean stands for a cell's: exact in u, and to second order in θ.
+            let bound = truth * (1e-4 + 0.3 / (height * height) as f64);
+            assert!((mean - truth).abs() < 4.5 * error + bound, "{width} × {height}: {mean} {truth} {error}");
+        }
+    }
+
+    /// V13: black, one texel, a pole row alone, extremes.
+    #[test]
+    fn odd_maps() {
+        let black = EnvironmentMap::constant([0.0; 3]).unwrap();
+        assert_eq!(black.sample([5, 7]).weight, Vec3::ZERO);
+        for scale in [1e-30, 1.0, 1e30] {
+            let mut texels = vec![[0.0_f32; 3]; 64 * 32];
+            texels[..64].fill([scale; 3]);
+            let map = EnvironmentMap::new(64, &texels, 0.7).unwrap();
+            for word in [0, 1, u32::MAX / 3, u32::MAX] {
+                let sample = map.sample([word, u32::MAX - word]);
+                assert!(sample.weight.is_finite() && sample.weight.min_element() >= 0.0, "{scale} {word}");
+            }
+        }
+        for (width, texels) in [(0, vec![]), (3, vec![[0.0; 3]; 4]), (1, vec![[f32::NAN; 3]]), (1, vec![[-1.0; 3]])] {
+            assert!(EnvironmentMap::new(width, &texels, 0.0).is_err());
+        }
+        assert!(EnvironmentMap::new(1, &[[1.0; 3]], f64::NAN).is_err());
+    }
+}

@@ -1,0 +1,131 @@
+//! Evaluates vertex attributes and textures at a hit.
+
+use glam::Vec3;
+
+use crate::scene::caster::Hit;
+use crate::scene::material::Material;
+use crate::scene::texture::{MaterialTextures, ShadingTables};
+use crate::shading::interaction::SurfaceInteraction;
+use crate::shading::octahedral;
+use crate::shading::shading_normal::bend;
+use crate::shading::texture::{ByteValues, lookup, transform};
+
+/// A surface's material and normal at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct Shaded {
+    /// The material, with colours from textures and vertices.
+    pub material: Material,
+    /// Unit shading normal on the side that the ray came from, with a cosine of at least 0.001 to the geometric one.
+    pub normal: Vec3,
+}
+
+/// The tables of a scene that shading reads, with those that decode texels.
+#[derive(Clone, Copy, Debug)]
+pub struct Shading<'a> {
+    /// The scene's.
+    pub tables: ShadingTables<'a>,
+    /// From [`crate::texture::byte_values`].
+    pub values: &'a ByteValues,
+    /// Number of triangles.
+    pub triangles: usize,
+}
+
+impl Shading<'_> {
+    /// Material and normal at `hit`, where `surface` has the material `material`.
+    #[inline]
+    #[must_use]
+    pub fn shade(&self, surface: &SurfaceInteraction, hit: &Hit, material: &Material) -> Shaded {
+        let corners = Corners { triangle: hit.primitive as usize, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] };
+        let mut shaded = *material;
+        if let Some(colors) = self.tables.colors.get(corners.triangle) {
+            let color = corners.interpolate(colors.map(unpack_color));
+            shaded.albedo = (Vec3::from(shaded.albedo) * color).to_array();
+        }
+        let front = if surface.front { surface.normal } else { -surface.normal };
+        let mut normal = self.vertex_normal(&corners, front);
+        if let Some(textures) = self.textures_of(material) {
+            if let Some(color) = self.sample(textures.base_color, &corners) {
+                shaded.albedo = (Vec3::from(shaded.albedo) * color).to_array();
+            }
+            if let Some(color) = self.sample(textures.emission, &corners) {
+                shaded.emission = (Vec3::from(shaded.emission) * color).to_array();
+            }
+            if let Some(texel) = self.sample(textures.normal, &corners) {
+                normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
+            }
+        }
+        let normal = bend(normal, front);
+        Shaded { material: shaded, normal: if surface.front { normal } else { -normal } }
+    }
+
+    /// Radiance that `material` emits at barycentric coordinates (u, v) of `triangle`.
+    #[inline]
+    #[must_use]
+    pub fn emission(&self, triangle: usize, (u, v): (f32, f32), material: &Material) -> Vec3 {
+        let emission = Vec3::from(material.emission);
+        let corners = Corners { triangle, weights: [1.0 - u - v, u, v] };
+        let used = self.textures_of(material).map_or(MaterialTextures::NONE, |textures| textures.emission);
+        self.sample(used, &corners).map_or(emission, |color| emission * color)
+    }
+
+    #[inline]
+    fn textures_of(&self, material: &Material) -> Option<&MaterialTextures> {
+        self.tables.material_textures.get((material.textures as usize).wrapping_sub(1))
+    }
+
+    /// Red, green and blue of the texture of a use; `None` for [`MaterialTextures::NONE`].
+    #[inline]
+    fn sample(&self, index: u32, corners: &Corners) -> Option<Vec3> {
+        let used = self.tables.uses.get(index as usize)?;
+        let uvs = self.tables.uvs.get(used.uv_set as usize * self.triangles + corners.triangle)?;
+        let [a, b, c] = corners.weights;
+        let uv = std::array::from_fn(|axis| uvs[0][axis] * a + uvs[1][axis] * b + uvs[2][axis] * c);
+        let [red, green, blue, _] =
+            lookup(&self.tables.textures[used.texture_index as usize], self.values, transform(used, uv));
+        Some(Vec3::new(red, green, blue))
+    }
+
+    /// The interpolated vertex normal on the front; the geometric one, `front`, without vertex normals.
+    #[inline]
+    fn vertex_normal(&self, corners: &Corners, front: Vec3) -> Vec3 {
+        match self.tables.normals.get(corners.triangle) {
+            Some(&[ShadingTables::FLAT, ..]) | None => front,
+            Some(packed) => corners.interpolate(packed.map(octahedral::unpack)).normalize_or(front),
+        }
+    }
+
+    /// `normal` turned by a texel of a normal map, in the frame of the vertex tangents (glTF 2.0, section 3.9.3).
+    #[inline]
+    fn mapped_normal(&self, corners: &Corners, normal: Vec3, texel: Vec3, scale: f32) -> Vec3 {
+        let Some(packed) = self.tables.tangents.get(corners.triangle) else { return normal };
+        let tangent = corners.interpolate(packed.map(octahedral::unpack));
+        let tangent = (tangent - normal * normal.dot(tangent)).normalize_or(Vec3::ZERO);
+        if tangent == Vec3::ZERO {
+            return normal;
+        }
+        let sign = if packed[0] & 1 == 1 { -1.0 } else { 1.0 };
+        let bitangent = normal.cross(tangent) * sign;
+        let [x, y, z] = (texel * 2.0 - Vec3::ONE).to_array();
+        (tangent * (x * scale) + bitangent * (y * scale) + normal * z).normalize_or(normal)
+    }
+}
+
+/// A point of a triangle: its barycentric coordinates.
+struct Corners {
+    triangle: usize,
+    weights: [f32; 3],
+}
+
+impl Corners {
+    #[inline]
+    fn interpolate(&self, [a, b, c]: [Vec3; 3]) -> Vec3 {
+        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
+    }
+}
+
+/// Red, green and blue of a vertex colour.
+#[inline]
+fn unpack_color([red_green, blue_alpha]: [u32; 2]) -> Vec3 {
+    const STEP: f32 = 1.0 / 65_535.0;
+    Vec3::new((red_green & 0xFFFF) as f32, (red_green >> 16) as f32, (blue_alpha & 0xFFFF) as f32) * STEP
+}

@@ -1,0 +1,39 @@
+// Evaluates the functions of media.glsl.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+
+layout(local_size_x_id = 1) in;
+layout(constant_id = 3) const uint MEDIA = 1u;
+
+#include "probe/probe.glsl"
+#include "shading/media.glsl"
+
+// Two stacks, a medium and a distance; a material and whether its front is hit; address of the scene.
+Output probe(vec4 a, vec4 b, vec4 c, Input words) {
+    SceneRef scene = SceneRef(words.c.zw);
+    uint stack = words.a.x, other = words.a.y, medium = words.a.z;
+    Material material;
+    material.kind = words.b.x;
+    material.medium = words.b.y;
+    material.ior = b.z;
+    Interface sides = media_interface(scene, material, words.b.w != 0u, stack);
+    switch (FUNCTION) {
+        case 0u:
+            return Output(
+                uvec4(
+                    media_enter(stack, medium), media_leave(stack, medium), uint(media_contains(stack, medium)),
+                    uint(media_is_full(stack))),
+                uvec4(0u));
+        case 1u: return Output(uvec4(media_current(scene, stack), 0u, 0u, 0u), uvec4(0u));
+        case 2u:
+            return Output(
+                uvec4(sides.before, sides.transmitted, uint(sides.is_active), uint(sides.is_too_deep)), uvec4(0u));
+        case 3u: return floats(vec4(sides.eta, 0.0, 0.0, 0.0), vec4(0.0));
+        case 4u: return floats(vec4(radiance_scale(scene, stack, other), 0.0, 0.0, 0.0), vec4(0.0));
+        default: return floats(vec4(transmittance(scene, stack, a.w), 0.0), vec4(0.0));
+    }
+}

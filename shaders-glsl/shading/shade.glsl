@@ -1,0 +1,145 @@
+// Vertex attributes and textures at a hit: twin of photon-core's shade.rs. The including kernel declares FEATURES;
+// scenes without textures and vertex attributes compile none of this.
+#ifndef SHADE_GLSL
+#define SHADE_GLSL
+
+#include "shading/octahedral.glsl"
+#include "shading/scene.glsl"
+#include "shading/shading_normal.glsl"
+#include "shading/texture.glsl"
+
+const bool TEXTURES = (FEATURES & FEATURE_TEXTURES) != 0u;
+const bool SHADING_NORMALS = (FEATURES & FEATURE_SHADING_NORMALS) != 0u;
+const bool NORMAL_MAPS = (FEATURES & FEATURE_NORMAL_MAPS) != 0u;
+const bool VERTEX_COLORS = (FEATURES & FEATURE_VERTEX_COLORS) != 0u;
+const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS;
+const bool TEXTURED_LIGHTS = (FEATURES & FEATURE_TEXTURED_LIGHTS) != 0u;
+
+vec3 shade_interpolate(vec3 a, vec3 b, vec3 c, vec3 weights) {
+    precise vec3 sum = a * weights.x + b * weights.y + c * weights.z;
+    return sum;
+}
+
+vec2 shade_uv(vec2 a, vec2 b, vec2 c, vec3 weights) {
+    precise vec2 sum = a * weights.x + b * weights.y + c * weights.z;
+    return sum;
+}
+
+vec2 shade_transform(TextureUse used, vec2 uv) {
+    precise vec2 moved = vec2(
+        used.transform[0].x * uv.x + used.transform[0].y * uv.y + used.transform[0].z,
+        used.transform[1].x * uv.x + used.transform[1].y * uv.y + used.transform[1].z);
+    return moved;
+}
+
+vec3 shade_weights(float u, float v) {
+    precise float first = 1.0 - u - v;
+    return vec3(first, u, v);
+}
+
+// Red, green and blue of the texture of a use; 1 for NO_TEXTURE. `slot` is the triangle's position in the tables.
+vec3 shade_sample(SceneRef scene, uint index, uint slot, vec3 weights) {
+    if (index == NO_TEXTURE) return vec3(1.0);
+    TextureUse used = scene.shading.uses[index].at;
+    Uvs uvs = scene.shading.uvs + int(used.uv_set * scene.triangles + slot);
+    vec2 uv = shade_uv(uvs.a, uvs.b, uvs.c, weights);
+    Texture image = scene.shading.textures[used.texture_index].at;
+    ByteValues values = scene.shading.values;
+    return texture_lookup(image, values, shade_transform(used, uv)).xyz;
+}
+
+vec3 shade_color(uvec2 packed) {
+    vec3 color = vec3(packed.x & 0xFFFFu, packed.x >> 16, packed.y & 0xFFFFu);
+    precise vec3 scaled = color * (1.0 / 65535.0);
+    return scaled;
+}
+
+vec3 shade_multiply(vec3 a, vec3 b) {
+    precise vec3 product = a * b;
+    return product;
+}
+
+// `normal` turned by a texel of a normal map: `sign` is that of the bitangent.
+vec3 shade_turned(vec3 tangent, float sign, vec3 normal, vec3 texel, float scale) {
+    precise vec3 across = tangent - normal * dot3(normal, tangent);
+    across = normalize_or(across, vec3(0.0));
+    if (across == vec3(0.0)) return normal;
+    precise vec3 bitangent = cross3(normal, across) * sign;
+    precise vec3 offset = texel * 2.0 - vec3(1.0);
+    precise vec3 turned = across * (offset.x * scale) + bitangent * (offset.y * scale) + normal * offset.z;
+    return normalize_or(turned, normal);
+}
+
+// The normal of a normal map, from a texel of it.
+vec3 shade_mapped_normal(SceneRef scene, uint slot, vec3 weights, vec3 normal, vec3 texel, float scale) {
+    CornerWords packed = scene.shading.tangents + int(slot);
+    vec3 tangent =
+        shade_interpolate(octahedral_unpack(packed.a), octahedral_unpack(packed.b), octahedral_unpack(packed.c), weights);
+    return shade_turned(tangent, (packed.a & 1u) == 1u ? -1.0 : 1.0, normal, texel, scale);
+}
+
+// Evaluates the surface `at` of a hit: replaces the colours of `material`, and returns the shading normal.
+vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material) {
+    vec3 weights = shade_weights(hit.u, hit.v);
+    uint slot = hit.slot;
+    if (VERTEX_COLORS) {
+        CornerColors colors = scene.shading.colors + int(slot);
+        vec3 color =
+            shade_interpolate(shade_color(colors.a), shade_color(colors.b), shade_color(colors.c), weights);
+        material.albedo = shade_multiply(material.albedo, color);
+    }
+    vec3 front = at.front ? at.normal : -at.normal;
+    vec3 normal = front;
+    if (SHADING_NORMALS && scene.shading.has_normals != 0u) {
+        CornerWords packed = scene.shading.normals + int(slot);
+        if (packed.a != FLAT_TRIANGLE) {
+            normal = shade_interpolate(
+                octahedral_unpack(packed.a), octahedral_unpack(packed.b), octahedral_unpack(packed.c), weights);
+            normal = normalize_or(normal, front);
+        }
+    }
+    if ((TEXTURES || NORMAL_MAPS) && material.textures != 0u) {
+        MaterialTextures textures = scene.shading.material_textures[material.textures - 1u].at;
+        if (TEXTURES) {
+            material.albedo =
+                shade_multiply(material.albedo, shade_sample(scene, textures.base_color, slot, weights));
+            material.emission =
+                shade_multiply(material.emission, shade_sample(scene, textures.emission, slot, weights));
+        }
+        if (NORMAL_MAPS && textures.normal != NO_TEXTURE) {
+            vec3 texel = shade_sample(scene, textures.normal, slot, weights);
+            normal = shade_mapped_normal(scene, slot, weights, normal, texel, textures.normal_scale);
+        }
+    }
+    if (!SHADING_NORMALS) return at.normal;
+    normal = shading_bend(normal, front);
+    return at.front ? normal : -normal;
+}
+
+// The surface as a mirror or glass with the shading normal `normal` sees it: the cosine is to that normal, which is
+// bent towards the ray.
+void shade_specular(inout Surface at, vec3 direction, inout vec3 normal) {
+    normal = shading_bend(normal, -direction);
+    at.cosine = -dot3(direction, normal);
+}
+
+// A channel of the ratio of a flux to the light's power.
+float shade_ratio(float flux, float power) { return power > 0.0 ? flux / power : 0.0; }
+
+vec3 shade_ratios(vec3 emission, vec3 power, float sides, float area) {
+    precise vec3 flux = emission * (sides * 3.14159265 * area);
+    return vec3(shade_ratio(flux.x, power.x), shade_ratio(flux.y, power.y), shade_ratio(flux.z, power.z));
+}
+
+// Ratio of the radiance that an area light emits at barycentric coordinates (u, v) to its mean.
+vec3 shade_emission_ratio(SceneRef scene, Light light, uint slot, float u, float v) {
+    Material material = scene.materials[scene.primitives[slot].at.material].at;
+    vec3 emission = material.emission;
+    if (material.textures != 0u) {
+        uint used = scene.shading.material_textures[material.textures - 1u].at.emission;
+        emission = shade_multiply(emission, shade_sample(scene, used, slot, shade_weights(u, v)));
+    }
+    return shade_ratios(emission, light.power, (light.flags & LIGHT_BOTH_SIDES) != 0u ? 2.0 : 1.0, light.area);
+}
+
+#endif

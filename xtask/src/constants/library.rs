@@ -1,0 +1,107 @@
+//! Numbers of algorithms in photon-core and photon-scene that have a twin in GLSL.
+
+use photon_core::{
+    Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, area, kd_tree, light_sampler, neighbour_radius, octahedral,
+    offset, shading_normal, solid_angle,
+};
+use photon_scene::CompressedTree;
+
+use super::file::{Group, Number};
+
+/// They follow the numbers of records in `shading/constants.glsl`.
+pub(super) fn groups() -> Vec<Group> {
+    vec![
+        (
+            "Lobe.",
+            vec![
+                ("LOBE_DIFFUSE", (Lobe::Diffuse as u32).into()),
+                ("LOBE_SPECULAR_REFLECTION", (Lobe::SpecularReflection as u32).into()),
+                ("LOBE_SPECULAR_TRANSMISSION", (Lobe::SpecularTransmission as u32).into()),
+            ],
+        ),
+        (
+            "Fate; the maximum power of a path; one over the unit of flux in sums.",
+            vec![
+                ("FATE_ABSORBED", (Fate::Absorbed as u32).into()),
+                ("FATE_ESCAPED", (Fate::Escaped as u32).into()),
+                ("FATE_TRUNCATED", (Fate::Truncated as u32).into()),
+                ("FATE_DROPPED", (Fate::Dropped as u32).into()),
+                ("FATE_TERMINATED", (Fate::Terminated as u32).into()),
+                ("FATE_COUNT", (Fate::COUNT as u32).into()),
+                ("FATE_MAX_POWER", Fate::MAX_POWER.into()),
+                ("FATE_FLUX_ONE", FixedFlux::ONE.into()),
+            ],
+        ),
+        (
+            "PhotonFormat::number.",
+            vec![
+                ("FORMAT_MONO", PhotonFormat::Mono.number().into()),
+                ("FORMAT_NO_DIRECTION", PhotonFormat::NoDirection.number().into()),
+                ("FORMAT_FULL", PhotonFormat::Full.number().into()),
+            ],
+        ),
+        (
+            "area.",
+            vec![
+                ("AREA_SPOKES", area::SPOKES.into()),
+                ("AREA_RINGS", area::RINGS.into()),
+                ("AREA_HEIGHT", area::HEIGHT.into()),
+                ("AREA_MIN_SHARE", area::MIN_SHARE.into()),
+                ("AREA_MIN_RADIUS", area::MIN_RADIUS.into()),
+                ("AREA_SHEETS", area::SHEETS.into()),
+                ("AREA_OUTER", area::OUTER.into()),
+            ],
+        ),
+        (
+            "light_sampler.",
+            vec![
+                ("LIGHT_SAMPLER_MAX_LIGHTS", (light_sampler::MAX_LIGHTS as u32).into()),
+                ("LIGHT_SAMPLER_DEFENSIVE_SHARE", Number::Float(light_sampler::DEFENSIVE_SHARE)),
+            ],
+        ),
+        ("octahedral.", vec![("OCTAHEDRAL_STEPS", octahedral::STEPS.into())]),
+        (
+            "offset.",
+            vec![
+                ("OFFSET_STEP", offset::STEP.into()),
+                ("OFFSET_MARGIN", offset::MARGIN.into()),
+                ("OFFSET_MAX_SLOPE", offset::MAX_SLOPE.into()),
+            ],
+        ),
+        (
+            "shading_normal.",
+            vec![
+                ("SHADING_MAX_RATIO", shading_normal::MAX_RATIO.into()),
+                ("SHADING_MIN_COSINE", shading_normal::MIN_COSINE.into()),
+            ],
+        ),
+        (
+            "solid_angle.",
+            vec![
+                ("SOLID_ANGLE_NEAR", solid_angle::NEAR.into()),
+                ("SOLID_ANGLE_MIN_HEIGHT", solid_angle::MIN_HEIGHT.into()),
+            ],
+        ),
+        (
+            "Minimum squared radius that an estimate divides by: neighbour_radius.",
+            vec![(
+                "NEIGHBOUR_MIN_RADIUS_SQUARED",
+                (neighbour_radius::MIN_RADIUS * neighbour_radius::MIN_RADIUS).into(),
+            )],
+        ),
+        ("PhotonMoments.", vec![("ERROR_MOMENTS_OFF_PLANE", PhotonMoments::OFF_PLANE.into())]),
+        (
+            "kd_tree.",
+            vec![
+                ("KD_TREE_WIDTH", kd_tree::WIDTH.into()),
+                ("KD_TREE_LEAF", kd_tree::LEAF.into()),
+                ("KD_TREE_MAX_DEPTH", kd_tree::MAX_DEPTH.into()),
+                ("VVH_SLABS", kd_tree::SLABS.into()),
+                ("VVH_SAMPLE", kd_tree::SAMPLE.into()),
+                ("VVH_HEURISTIC_DEPTH", kd_tree::HEURISTIC_DEPTH.into()),
+                ("MORTON_BITS", Number::Int(kd_tree::MORTON_BITS as i32)),
+            ],
+        ),
+        ("CompressedTree.", vec![("BVH_MAX_DEPTH", CompressedTree::MAX_DEPTH.into())]),
+    ]
+}

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use photon_core::{Filter, TexelFormat, Texture, Wrap};
 use serde_json::{Value, json};
 
-use super::File;
+use super::{File, single};
 use crate::describe::MaterialDesc;
 use crate::error::SceneError;
 use crate::extras::{Extras, ImageExtras, fallback};
@@ -124,7 +124,9 @@ fn transform(used: &TextureRef, material: &MaterialDesc) -> Result<Value, SceneE
             hint: "glTF has offset, rotation and scale; leave out the shear, or apply it to the texture coordinates",
         });
     }
-    Ok(json!({ "offset": [x as f32, y as f32], "rotation": angle as f32, "scale": [first as f32, across as f32] }))
+    let what = || format!("a texture of material '{}'", material.name);
+    let scale = [single(first, what)?, single(across, what)?];
+    Ok(json!({ "offset": [single(x, what)?, single(y, what)?], "rotation": angle as f32, "scale": scale }))
 }
 
 fn encode(image: &Texture, words: &[u32]) -> Result<Vec<u8>, png::EncodingError> {

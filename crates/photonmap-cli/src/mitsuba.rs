@@ -50,6 +50,16 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> R
             text += &shape(scene, index, material, &format!("{folder_name}/{name}"))?;
         }
     }
+    let shading = view.shading;
+    if !(shading.textures.is_empty() && shading.normals.is_empty() && shading.colors.is_empty()) {
+        written.warnings.push(format!(
+            "textures, vertex normals and vertex colours are not written: {} textures, {} triangles with normals, {} with \
+             colours; a .glb has them",
+            shading.textures.len(),
+            shading.normals.len(),
+            shading.colors.len()
+        ));
+    }
     for light in view.lights {
         text += &emitter(scene, light, &mut written.warnings);
     }

@@ -27,11 +27,13 @@ use crate::extras::{CameraExtras, LightExtras, MaterialExtras, NodeExtras};
 /// as they agree with the standard glTF content.
 ///
 /// # Errors
-/// The errors of [`SceneBuilder::build`], and [`SceneError::Extreme`] for numbers beyond single precision or a file
+/// The errors of [`SceneBuilder::build`]; [`SceneError::Export`] for textures, vertex attributes and an environment,
+/// which are not written; [`SceneError::Extreme`] for numbers beyond single precision or a file
 /// beyond 4 GiB.
 pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     scene.clone().build()?;
     refuse_textures(scene)?;
+    refuse_environment(scene)?;
     let mut file = File::default();
     let materials: Vec<Value> = scene.materials.iter().map(material).collect::<Result<_, _>>()?;
     for mesh in &scene.meshes {
@@ -55,6 +57,18 @@ fn refuse_textures(scene: &SceneBuilder) -> Result<(), SceneError> {
         None => return Ok(()),
     };
     Err(SceneError::Export { what, hint: "remove them from the scene first" })
+}
+
+/// glTF has no environment in its core or in a ratified extension.
+fn refuse_environment(scene: &SceneBuilder) -> Result<(), SceneError> {
+    if scene.environment.is_none() && scene.sun.is_none() {
+        return Ok(());
+    }
+    let what = scene.environment_text.as_ref().map_or_else(String::new, |text| format!(" ({text})"));
+    Err(SceneError::Export {
+        what: format!("the environment{what}"),
+        hint: "write the scene without it, and give it again when the file is rendered",
+    })
 }
 
 #[derive(Default)]

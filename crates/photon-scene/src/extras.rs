@@ -8,15 +8,22 @@
 //! ```
 //!
 //! Numbers are decimal strings, since JSON readers may round numbers. `positions` is the index of a buffer view
-//! with three 64-bit floats per vertex. The extras only refine the standard glTF content: if another program changes a
+//! with three 64-bit floats per vertex; `normals`, `tangents`, `colors` and `uvs` are such views too. `floats` of an image
+//! is the view with its texels as four 32-bit floats each, of which the PNG is an approximation. The extras only refine the standard glTF content: if another program changes a
 //! scene but keeps the extras, its changes take precedence, see [`Agrees`].
 
+pub(crate) mod standard;
+mod texture;
+
+use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+pub(crate) use self::texture::{ImageExtras, TexturesExtras, agreeing_floats, fallback};
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::texture::TexturesDesc;
 
 /// An f64 that is serialized without loss, as a string.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,11 +67,15 @@ pub(crate) enum MaterialExtras {
         albedo: Triple,
         emission: Triple,
         emits_both_sides: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        textures: Option<TexturesExtras>,
     },
     Mirror {
         albedo: Triple,
         emission: Triple,
         emits_both_sides: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        textures: Option<TexturesExtras>,
     },
     Glass {
         ior: Exact,
@@ -74,22 +85,31 @@ pub(crate) enum MaterialExtras {
         priority: u32,
         emission: Triple,
         emits_both_sides: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        textures: Option<TexturesExtras>,
     },
     Thin {
         ior: Exact,
         tint: Triple,
         emission: Triple,
         emits_both_sides: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        textures: Option<TexturesExtras>,
     },
 }
 
 impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
-        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority, textures: _ } = desc;
+        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority, textures } = desc;
+        let textures = TexturesExtras::new(textures);
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
-            Surface::Lambert { albedo } => Self::Lambert { albedo: exact(albedo), emission, emits_both_sides },
-            Surface::Mirror { reflectance } => Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides },
+            Surface::Lambert { albedo } => {
+                Self::Lambert { albedo: exact(albedo), emission, emits_both_sides, textures }
+            }
+            Surface::Mirror { reflectance } => {
+                Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides, textures }
+            }
             Surface::Dielectric { ior, absorption, tint } => Self::Glass {
                 ior: Exact(ior),
                 absorption: exact(absorption),
@@ -97,32 +117,40 @@ impl MaterialExtras {
                 priority: *priority,
                 emission,
                 emits_both_sides,
+                textures,
             },
             Surface::Thin { ior, tint } => {
-                Self::Thin { ior: Exact(ior), tint: exact(tint), emission, emits_both_sides }
+                Self::Thin { ior: Exact(ior), tint: exact(tint), emission, emits_both_sides, textures }
             }
         }
     }
 
-    pub(crate) fn desc(self, name: String) -> MaterialDesc {
+    /// The material, if its textures agree with those of the file.
+    pub(crate) fn desc(self, name: String, found: TexturesDesc) -> Option<MaterialDesc> {
+        let (Self::Lambert { textures, .. }
+        | Self::Mirror { textures, .. }
+        | Self::Glass { textures, .. }
+        | Self::Thin { textures, .. }) = &self;
+        let textures = textures.as_ref().map_or(Some(found), |textures| textures.refine(found))?;
         // Priority applies only to solids.
         let priority = if let Self::Glass { priority, .. } = self { priority } else { 0 };
         let (surface, emission, emits_both_sides) = match self {
-            Self::Lambert { albedo, emission, emits_both_sides } => {
+            Self::Lambert { albedo, emission, emits_both_sides, .. } => {
                 (Surface::Lambert { albedo: plain(albedo) }, emission, emits_both_sides)
             }
-            Self::Mirror { albedo, emission, emits_both_sides } => {
+            Self::Mirror { albedo, emission, emits_both_sides, .. } => {
                 (Surface::Mirror { reflectance: plain(albedo) }, emission, emits_both_sides)
             }
             Self::Glass { ior, absorption, tint, emission, emits_both_sides, .. } => {
                 let surface = Surface::Dielectric { ior: ior.0, absorption: plain(absorption), tint: plain(tint) };
                 (surface, emission, emits_both_sides)
             }
-            Self::Thin { ior, tint, emission, emits_both_sides } => {
+            Self::Thin { ior, tint, emission, emits_both_sides, .. } => {
                 (Surface::Thin { ior: ior.0, tint: plain(tint) }, emission, emits_both_sides)
             }
         };
-        MaterialDesc { emission: plain(emission), emits_both_sides, priority, ..MaterialDesc::new(name, surface) }
+        let emission = plain(emission);
+        Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..MaterialDesc::new(name, surface) })
     }
 }
 
@@ -217,12 +245,21 @@ impl CameraExtras {
     }
 }
 
-/// Extras of a primitive.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// Extras of a primitive: indices of buffer views with values in double precision.
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub(crate) struct PrimitiveExtras {
-    /// Index of the buffer view with the positions in double precision.
-    pub(crate) positions: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) positions: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) normals: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) tangents: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) colors: Option<usize>,
+    /// By the number of the UV set.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) uvs: BTreeMap<String, usize>,
 }
 
 /// Whether the extras refine the single-precision glTF content, or are stale because that was changed.

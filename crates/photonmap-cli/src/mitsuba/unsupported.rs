@@ -19,14 +19,17 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
         let Some(textures) = textures(material.textures) else { continue };
         let uses = [("base colour", textures.base_color), ("emission", textures.emission), ("normal", textures.normal)];
         if let Some((slot, _)) = uses.into_iter().find(|(_, used)| *used != MaterialTextures::NONE) {
-            return refused(format!("the {slot} texture of material '{name}'"), "remove it first");
+            return refused(
+                format!("the {slot} texture of material '{name}'"),
+                "write a .glb, which has it, or remove it first",
+            );
         }
     }
     if !view.shading.normals.is_empty() {
-        return refused("vertex normals".to_owned(), "remove them from the meshes first");
+        return refused("vertex normals".to_owned(), "write a .glb, which has them, or remove them first");
     }
     if !view.shading.colors.is_empty() {
-        return refused("vertex colours".to_owned(), "remove them from the meshes first");
+        return refused("vertex colours".to_owned(), "write a .glb, which has them, or remove them first");
     }
     if let Some(map) = view.environment.filter(|map| map.texels().len() > 1) {
         let name =

@@ -12,6 +12,10 @@ use photon_scene::CompressedTree;
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
 
+/// Features with tables of their own. Kernels are specialized to those that the scene has: what only the requirements
+/// have would be read at address 0.
+pub(crate) const WITH_TABLES: Features = Features::SHADED.union(Features::TEXTURED_LIGHTS).union(Features::ENVIRONMENT);
+
 /// Triangles uploaded at a time.
 const BLOCK: usize = 1 << 20;
 
@@ -116,9 +120,7 @@ impl VulkanScene {
         let Upload { mut tables, bytes, .. } = upload;
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
         let light_count = view.lights.len() as u32;
-        // Kernels read tables that exist: what only the requirements have would be read at address 0.
-        let with_tables = Features::SHADED.union(Features::TEXTURED_LIGHTS).union(Features::ENVIRONMENT);
-        let absent = with_tables.without(present);
+        let absent = WITH_TABLES.without(present);
         let (features, media) = (required.features.without(absent), required.media);
         Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
     }

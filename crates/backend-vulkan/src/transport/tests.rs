@@ -8,6 +8,7 @@ use photon_core::{
 use photon_scene::{Scene, builtin};
 
 use crate::Vulkan;
+use crate::scene::WITH_TABLES;
 
 /// Runs all stages once and returns the kernels that are specialized to scene features, with these.
 fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec<(&'static str, Features)> {
@@ -67,7 +68,7 @@ fn kernels_are_built_for_what_the_scene_requires() {
     let scene = builtin("cornell").unwrap().build().unwrap();
     let everything = Requirements::everything(&settings);
     // Tables that the scene lacks are not read, whatever is required.
-    let expected = everything.features.without(Features::SHADED.union(Features::TEXTURED_LIGHTS));
+    let expected = everything.features.without(WITH_TABLES);
     for (kernel, features) in built_for(&scene, &settings, &everything) {
         assert_eq!(features, expected, "{kernel}");
     }

@@ -59,7 +59,7 @@ impl EnvironmentMap {
     pub fn new(width: usize, radiance: &[[f32; 3]], rotation: f64) -> Result<Self> {
         let invalid =
             |index: usize, why: String| Error::InvalidInput { what: "environment texel", index: index as u64, why };
-        if width == 0 || radiance.is_empty() || radiance.len() % width != 0 {
+        if width == 0 || radiance.is_empty() || !radiance.len().is_multiple_of(width) {
             return Err(invalid(0, format!("{} texels do not fill rows of {width}", radiance.len())));
         }
         let height = radiance.len() / width;

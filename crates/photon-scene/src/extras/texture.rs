@@ -1,9 +1,9 @@
 //! Extras of textures: transforms in double precision, and texels as floats.
 
-use photon_core::TexelFormat;
 use serde::{Deserialize, Serialize};
 
-use super::{Exact, close};
+use super::Exact;
+use super::agrees::close;
 use crate::color::linear_to_srgb;
 use crate::texture::{TextureRef, TexturesDesc};
 
@@ -82,5 +82,3 @@ pub(crate) fn agreeing_floats(texels: &[u32], bytes: &[u8]) -> Option<Vec<u32>> 
     let agrees = |is_linear| floats.iter().map(|texel| fallback(texel, is_linear)).eq(texels.iter().copied());
     (agrees(false) || agrees(true)).then_some(words)
 }
-
-const _: () = assert!(TexelFormat::Float32.words() == 4);

@@ -15,7 +15,8 @@ use super::mean::Mean;
 use super::uri;
 use crate::builder::SceneBuilder;
 use crate::extras::{self, ImageExtras, agreeing_floats};
-use crate::load::image::Image;
+use crate::load::image::{Image, Room};
+use crate::report::LoadReport;
 use crate::texture::TextureId;
 
 /// The textures of a file, whose images are decoded on first use.
@@ -25,6 +26,7 @@ pub(super) struct Textures<'a> {
     images: Vec<RefCell<Entry>>,
     /// The textures of the scene, by number and encoding of bytes.
     added: RefCell<BTreeMap<(usize, bool), TextureId>>,
+    room: RefCell<Room>,
 }
 
 /// What is known of an image.
@@ -38,7 +40,7 @@ struct Entry {
 impl<'a> Textures<'a> {
     pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>) -> Self {
         let images = root.images.iter().map(|_| RefCell::default()).collect();
-        Self { root, buffers, images, added: RefCell::default() }
+        Self { root, buffers, images, added: RefCell::default(), room: RefCell::default() }
     }
 
     /// Name of a texture in messages: its number, and its own name or that of its image.
@@ -122,8 +124,16 @@ impl<'a> Textures<'a> {
         let (wrap, filter) = self.sampler(texture)?;
         let desc = image.texture(self.plain_name(texture), bytes).wrapped(wrap).filtered(filter);
         let id = builder.texture(desc);
+        if self.room.borrow_mut().make(builder) {
+            self.images.iter().for_each(|entry| entry.borrow_mut().image = None);
+        }
         self.added.borrow_mut().insert(key, id);
         Ok(Ok(id))
+    }
+
+    /// Says in the report what was reduced for want of memory.
+    pub(super) fn report(&self, builder: &SceneBuilder, report: &mut LoadReport) {
+        self.room.borrow().report(builder, report);
     }
 
     /// What the report should say of an image that could be read, but not exactly.

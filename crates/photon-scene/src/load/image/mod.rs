@@ -12,7 +12,10 @@ mod exr;
 mod hdr;
 mod jpeg;
 mod png;
+mod room;
 mod webp;
+
+pub(super) use self::room::Room;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -134,7 +134,7 @@ def main():
     parser.add_argument("--samples", type=int, default=256, help="paths per pixel and run of Mitsuba")
     parser.add_argument("--runs", type=int, default=4, help="runs of each with different seeds, at least 2")
     parser.add_argument("--passes", type=int, default=64)
-    parser.add_argument("arguments", nargs="*", help="further options of photonmap, after --")
+    parser.add_argument("arguments", nargs=argparse.REMAINDER, help="further options of photonmap")
     args = parser.parse_args()
 
     import mitsuba as mi
@@ -152,8 +152,8 @@ def main():
         command = [args.program, "render", folder / "scene.obj", "--overrides", folder / "scene.toml", "--size"]
         command += [f"{SIZE}x{SIZE}", "--passes", str(args.passes), "--seed", str(seed), "-o", picture]
         subprocess.run([*map(str, command), *args.arguments], check=True, stderr=subprocess.DEVNULL)
-        bitmap = mi.Bitmap(str(picture)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
-        ours.append(np.array(bitmap, dtype=np.float64))
+        layers = dict(mi.Bitmap(str(picture)).split())
+        ours.append(np.array(layers["<root>"], dtype=np.float64)[..., :3])
     means = [np.array([picture.mean(axis=(0, 1)) for picture in pictures]) for pictures in (ours, theirs)]
     ratio = means[0].mean(axis=0) / means[1].mean(axis=0)
     print("mean, ours / theirs:", ratio.round(4))

@@ -1,5 +1,7 @@
 //! Violates each rule once, and checks that the message names the culprit.
 
+mod shading;
+
 use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind, Primitive};
 use crate::scene::medium::Medium;
@@ -56,8 +58,8 @@ impl Tables {
         }
     }
 
-    fn check(&self) -> Result<(), String> {
-        let view = SceneView {
+    fn view(&self) -> SceneView<'_> {
+        SceneView {
             positions: &self.positions,
             triangles: &self.triangles,
             primitives: &self.primitives,
@@ -68,8 +70,11 @@ impl Tables {
             radius: self.radius,
             units: self.units,
             ..SceneView::default()
-        };
-        view.validate().map_err(|error| error.to_string())
+        }
+    }
+
+    fn check(&self) -> Result<(), String> {
+        self.view().validate().map_err(|error| error.to_string())
     }
 }
 
@@ -179,7 +184,7 @@ fn materials() {
 fn lights() {
     all_fail(&[
         (|t| t.lights[1].kind = 5, "light 1: its kind 5 is unknown"),
-        (|t| t.lights[1].kind = 4, "environment is 1 lights of kind Light::ENVIRONMENT"),
+        (|t| t.lights[1].kind = 4, "scene view: environment is 1 lights of kind"),
         (|t| t.lights[0].primitive = 2, "light 0: triangle 2 is out of range"),
         (|t| t.lights[0].primitive = u32::MAX, "light 0: triangle 4294967295"),
         (|t| t.lights[0].area = 0.0, "light 0: its area 0"),

@@ -1,0 +1,87 @@
+//! Invalid vertex attributes and textures.
+
+use super::Tables;
+use crate::scene::SceneView;
+use crate::scene::texture::{Filter, MaterialTextures, ShadingTables, TexelFormat, Texture, TextureUse, Wrap};
+
+/// Vertex attributes of two triangles, and a texture that the first material uses.
+struct Shading {
+    tables: Tables,
+    normals: Vec<[u32; 3]>,
+    tangents: Vec<[u32; 3]>,
+    uvs: Vec<[[f32; 2]; 3]>,
+    material_textures: Vec<MaterialTextures>,
+    uses: Vec<TextureUse>,
+    textures: Vec<Texture>,
+}
+
+impl Shading {
+    fn new() -> Self {
+        let mut tables = Tables::new();
+        tables.materials[0].textures = 1;
+        let texture = Texture {
+            texels: vec![0; 6].into(),
+            width: 3,
+            height: 2,
+            format: TexelFormat::Srgb8,
+            wrap: [Wrap::Repeat; 2],
+            filter: Filter::Linear,
+        };
+        Self {
+            tables,
+            normals: vec![[ShadingTables::FLAT; 3]; 2],
+            tangents: vec![[0; 3]; 2],
+            uvs: vec![[[0.0; 2]; 3]; 4],
+            material_textures: vec![MaterialTextures { base_color: 0, normal: 0, ..MaterialTextures::default() }],
+            uses: vec![TextureUse { uv_set: 1, ..TextureUse::new(0) }],
+            textures: vec![texture],
+        }
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let shading = ShadingTables {
+            normals: &self.normals,
+            tangents: &self.tangents,
+            uvs: &self.uvs,
+            material_textures: &self.material_textures,
+            uses: &self.uses,
+            textures: &self.textures,
+            ..ShadingTables::default()
+        };
+        let view = SceneView { shading, ..self.tables.view() };
+        view.validate().map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn invalid_attributes_and_textures_are_named() {
+    Shading::new().check().unwrap();
+    let cases: [(fn(&mut Shading), &str); 14] = [
+        (|s| s.normals.truncate(1), "scene view: shading.normals is 1 entries for 2 triangles"),
+        (|s| s.tangents.truncate(1), "scene view: shading.tangents is 1"),
+        (|s| s.tangents.clear(), "material_textures entry 0: it has a normal map, but the scene has no tangents"),
+        (|s| s.uvs.truncate(3), "scene view: shading.uvs is 3"),
+        (|s| s.uvs.truncate(2), "texture use 0: UV set 1 is out of range, 1 exist"),
+        (|s| s.uvs[3][2][1] = f32::NAN, "texture coordinate 3: "),
+        (|s| s.tables.materials[2].textures = 2, "material 2: its textures 2 are out of range"),
+        (|s| s.material_textures[0].emission = 1, "material_textures entry 0: its emission texture 1 is out of range"),
+        (|s| s.material_textures[0].normal_scale = f32::NAN, "material_textures entry 0: its normal_scale NaN"),
+        (|s| s.uses[0].texture_index = 1, "texture use 0: texture 1 is out of range"),
+        (|s| s.uses[0].transform[1][2] = f32::INFINITY, "texture use 0: its transform"),
+        (|s| s.textures[0].width = 0, "texture 0: its size 0 × 2"),
+        (|s| s.textures[0].height = 4, "texture 0: it has 6 words of texels; 3 × 4 need 12"),
+        (
+            |s| {
+                s.textures[0].format = TexelFormat::Float32;
+                s.textures[0].texels = vec![f32::NAN.to_bits(); 24].into();
+            },
+            "texture 0: a texel is negative or not a finite number",
+        ),
+    ];
+    for (number, (spoil, expected)) in cases.into_iter().enumerate() {
+        let mut shading = Shading::new();
+        spoil(&mut shading);
+        let found = shading.check().expect_err(expected);
+        assert!(found.starts_with(expected), "case {number}: {found:?} instead of {expected:?}");
+    }
+}

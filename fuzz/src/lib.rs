@@ -36,6 +36,7 @@ pub fn check(loaded: Result<(Scene, LoadReport), SceneError>) {
         Err(error) => return assert!(!error.to_string().is_empty()),
     };
     let view = scene.view();
+    view.validate().expect("tables that backends accept");
     let vertices = view.positions.len();
     assert!(view.positions.iter().flatten().all(|x| x.is_finite() && x.abs() <= 0.5001));
     assert!(view.triangles.iter().flatten().all(|&index| (index as usize) < vertices));

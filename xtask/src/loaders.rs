@@ -6,7 +6,7 @@ use crate::shell;
 const BACKENDS: [&str; 2] = ["backend-cpu", "backend-vulkan"];
 
 /// The dependencies of photon-scene's loaders (feature `files`).
-const LOADERS: [&str; 5] = ["gltf", "png", "ply-rs-bw", "serde", "toml"];
+const LOADERS: [&str; 8] = ["exr", "gltf", "image-webp", "ply-rs-bw", "png", "serde", "toml", "zune-jpeg"];
 
 /// Fails if a backend, built by itself, depends on a loader.
 pub(crate) fn step() -> Result<(), String> {

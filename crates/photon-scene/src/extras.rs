@@ -8,15 +8,24 @@
 //! ```
 //!
 //! Numbers are decimal strings, since JSON readers may round numbers. `positions` is the index of a buffer view
-//! with three 64-bit floats per vertex. The extras only refine the standard glTF content: if another program changes a
+//! with three 64-bit floats per vertex; `normals`, `tangents`, `colors` and `uvs` are such views too. `floats` of an image
+//! is the view with its texels as four 32-bit floats each, of which the PNG is an approximation. The extras only refine the standard glTF content: if another program changes a
 //! scene but keeps the extras, its changes take precedence, see [`Agrees`].
 
+mod agrees;
+pub(crate) mod standard;
+mod texture;
+
+use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+pub(crate) use self::agrees::Agrees;
+pub(crate) use self::texture::{ImageExtras, TexturesExtras, agreeing_floats, fallback};
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::texture::TexturesDesc;
 
 /// An f64 that is serialized without loss, as a string.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,11 +69,15 @@ pub(crate) enum MaterialExtras {
         albedo: Triple,
         emission: Triple,
         emits_both_sides: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        textures: Option<TexturesExtras>,
     },
     Mirror {
         albedo: Triple,
         emission: Triple,
         emits_both_sides: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        textures: Option<TexturesExtras>,
     },
     Glass {
         ior: Exact,
@@ -74,22 +87,31 @@ pub(crate) enum MaterialExtras {
         priority: u32,
         emission: Triple,
         emits_both_sides: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        textures: Option<TexturesExtras>,
     },
     Thin {
         ior: Exact,
         tint: Triple,
         emission: Triple,
         emits_both_sides: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        textures: Option<TexturesExtras>,
     },
 }
 
 impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
-        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority, textures: _ } = desc;
+        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority, textures } = desc;
+        let textures = TexturesExtras::new(textures);
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
-            Surface::Lambert { albedo } => Self::Lambert { albedo: exact(albedo), emission, emits_both_sides },
-            Surface::Mirror { reflectance } => Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides },
+            Surface::Lambert { albedo } => {
+                Self::Lambert { albedo: exact(albedo), emission, emits_both_sides, textures }
+            }
+            Surface::Mirror { reflectance } => {
+                Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides, textures }
+            }
             Surface::Dielectric { ior, absorption, tint } => Self::Glass {
                 ior: Exact(ior),
                 absorption: exact(absorption),
@@ -97,32 +119,40 @@ impl MaterialExtras {
                 priority: *priority,
                 emission,
                 emits_both_sides,
+                textures,
             },
             Surface::Thin { ior, tint } => {
-                Self::Thin { ior: Exact(ior), tint: exact(tint), emission, emits_both_sides }
+                Self::Thin { ior: Exact(ior), tint: exact(tint), emission, emits_both_sides, textures }
             }
         }
     }
 
-    pub(crate) fn desc(self, name: String) -> MaterialDesc {
+    /// The material, if its textures agree with those of the file.
+    pub(crate) fn desc(self, name: String, found: TexturesDesc) -> Option<MaterialDesc> {
+        let (Self::Lambert { textures, .. }
+        | Self::Mirror { textures, .. }
+        | Self::Glass { textures, .. }
+        | Self::Thin { textures, .. }) = &self;
+        let textures = textures.as_ref().map_or(Some(found), |textures| textures.refine(found))?;
         // Priority applies only to solids.
         let priority = if let Self::Glass { priority, .. } = self { priority } else { 0 };
         let (surface, emission, emits_both_sides) = match self {
-            Self::Lambert { albedo, emission, emits_both_sides } => {
+            Self::Lambert { albedo, emission, emits_both_sides, .. } => {
                 (Surface::Lambert { albedo: plain(albedo) }, emission, emits_both_sides)
             }
-            Self::Mirror { albedo, emission, emits_both_sides } => {
+            Self::Mirror { albedo, emission, emits_both_sides, .. } => {
                 (Surface::Mirror { reflectance: plain(albedo) }, emission, emits_both_sides)
             }
             Self::Glass { ior, absorption, tint, emission, emits_both_sides, .. } => {
                 let surface = Surface::Dielectric { ior: ior.0, absorption: plain(absorption), tint: plain(tint) };
                 (surface, emission, emits_both_sides)
             }
-            Self::Thin { ior, tint, emission, emits_both_sides } => {
+            Self::Thin { ior, tint, emission, emits_both_sides, .. } => {
                 (Surface::Thin { ior: ior.0, tint: plain(tint) }, emission, emits_both_sides)
             }
         };
-        MaterialDesc { emission: plain(emission), emits_both_sides, priority, ..MaterialDesc::new(name, surface) }
+        let emission = plain(emission);
+        Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..MaterialDesc::new(name, surface) })
     }
 }
 
@@ -217,88 +247,21 @@ impl CameraExtras {
     }
 }
 
-/// Extras of a primitive.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// Extras of a primitive: indices of buffer views with values in double precision.
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub(crate) struct PrimitiveExtras {
-    /// Index of the buffer view with the positions in double precision.
-    pub(crate) positions: usize,
-}
-
-/// Whether the extras refine the single-precision glTF content, or are stale because that was changed.
-pub(crate) trait Agrees {
-    fn agrees(&self, exact: &Self) -> bool;
-}
-
-/// Equal up to single precision, a few operations and a logarithm.
-fn close(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-4 * a.abs().max(b.abs()) + 1e-30
-}
-
-/// Each component equal up to the rounding error of the largest one.
-fn all_close(a: [f64; 3], b: [f64; 3]) -> bool {
-    let greatest = a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
-    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-4 * greatest + 1e-30)
-}
-
-fn parallel(a: [f64; 3], b: [f64; 3]) -> bool {
-    let unit = |v: [f64; 3]| glam::DVec3::from(v).normalize_or_zero();
-    unit(a).distance(unit(b)) <= 1e-4
-}
-
-impl Agrees for MaterialDesc {
-    fn agrees(&self, exact: &Self) -> bool {
-        let surface = match (&self.surface, &exact.surface) {
-            (Surface::Lambert { albedo: a }, Surface::Lambert { albedo: b })
-            | (Surface::Mirror { reflectance: a }, Surface::Mirror { reflectance: b }) => all_close(*a, *b),
-            (
-                Surface::Dielectric { ior, absorption, tint },
-                Surface::Dielectric { ior: exact_ior, absorption: exact_absorption, tint: exact_tint },
-            ) => close(*ior, *exact_ior) && all_close(*absorption, *exact_absorption) && all_close(*tint, *exact_tint),
-            (Surface::Thin { ior, tint }, Surface::Thin { ior: exact_ior, tint: exact_tint }) => {
-                close(*ior, *exact_ior) && all_close(*tint, *exact_tint)
-            }
-            _ => false,
-        };
-        // Whether a non-emissive surface is double-sided does not matter.
-        let sides = !self.is_emissive() || !exact.is_emissive() || self.emits_both_sides == exact.emits_both_sides;
-        surface && sides && all_close(self.emission, exact.emission)
-    }
-}
-
-impl Agrees for LightDesc {
-    fn agrees(&self, exact: &Self) -> bool {
-        match (self, exact) {
-            (Self::Point { position: a, intensity: i }, Self::Point { position: b, intensity: j }) => {
-                all_close(*a, *b) && all_close(*i, *j)
-            }
-            (
-                Self::Spot { position, direction, intensity, inner_angle, outer_angle },
-                Self::Spot { position: p, direction: d, intensity: i, inner_angle: inner, outer_angle: outer },
-            ) => {
-                let angles = close(*inner_angle, *inner) && close(*outer_angle, *outer);
-                all_close(*position, *p) && parallel(*direction, *d) && all_close(*intensity, *i) && angles
-            }
-            (Self::Directional { direction: a, irradiance: i }, Self::Directional { direction: b, irradiance: j }) => {
-                parallel(*a, *b) && all_close(*i, *j)
-            }
-            _ => false,
-        }
-    }
-}
-
-impl Agrees for CameraDesc {
-    fn agrees(&self, exact: &Self) -> bool {
-        let projection = match (self.projection, exact.projection) {
-            (Projection::Perspective { vertical_fov: a }, Projection::Perspective { vertical_fov: b })
-            | (Projection::Orthographic { half_height: a }, Projection::Orthographic { half_height: b }) => close(a, b),
-            _ => false,
-        };
-        // The up vector in the file is perpendicular to the direction.
-        let right = |camera: &Self| glam::DVec3::from(camera.direction).cross(glam::DVec3::from(camera.up)).to_array();
-        let axes = parallel(self.direction, exact.direction) && parallel(right(self), right(exact));
-        projection && axes && all_close(self.position, exact.position)
-    }
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) positions: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) normals: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) tangents: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) colors: Option<usize>,
+    /// By the number of the UV set.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) uvs: BTreeMap<String, usize>,
 }
 
 /// Parses the extras of an object; `None` if it has none of ours.

@@ -1,12 +1,20 @@
 //! Writes scenes as glTF 2.0 binary files.
 
+mod container;
+mod material;
+mod mesh;
+mod texture;
+
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::{Value, json};
 
+use self::container::pack;
+use self::texture::Textures;
 use crate::builder::SceneBuilder;
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::describe::{CameraDesc, LightDesc, Projection};
 use crate::error::SceneError;
-use crate::extras::{CameraExtras, LightExtras, MaterialExtras, NodeExtras};
+use crate::extras::{CameraExtras, LightExtras, NodeExtras};
+use crate::shading;
 
 /// Writes the scene as a glTF 2.0 binary file (`.glb`), which [`crate::load_gltf`] reads back as the same scene: its
 /// picture is the same, bit for bit.
@@ -20,24 +28,34 @@ use crate::extras::{CameraExtras, LightExtras, MaterialExtras, NodeExtras};
 /// | solid dielectric | `KHR_materials_transmission`, `KHR_materials_ior`, `KHR_materials_volume` with its absorption |
 /// | thin sheet | the same without a volume |
 /// | emission | `emissiveFactor` × `KHR_materials_emissive_strength` |
+/// | textures | PNG, with samplers and `KHR_texture_transform`; textures of one colour become factors |
+/// | vertex attributes | normals and tangents of unit length, colours in `[0, 1]`, UV sets |
 ///
 /// glTF has single precision. `extras.photonmap` of materials, of nodes with lights or cameras and of primitives store
 /// the same numbers in double precision, as decimal strings, or as the index of a buffer view with 64-bit floats; also
-/// the priority of a solid, and whether a non-emissive surface would emit from both sides. The loader uses them as long
+/// the priority of a solid, and whether a non-emissive surface would emit from both sides. Textures of floats are written
+/// as floats beside their PNG. The loader uses them as long
 /// as they agree with the standard glTF content.
 ///
 /// # Errors
 /// The errors of [`SceneBuilder::build`], and [`SceneError::Extreme`] for numbers beyond single precision or a file
-/// beyond 4 GiB.
+/// beyond 4 GiB. [`SceneError::Export`] for what glTF has no place for: an environment, base colours and emission of
+/// linear bytes, normal maps in sRGB, and transforms of textures with shear.
 pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
+    refuse_environment(scene)?;
     scene.clone().build()?;
-    refuse_textures(scene)?;
     let mut file = File::default();
-    let materials: Vec<Value> = scene.materials.iter().map(material).collect::<Result<_, _>>()?;
+    let mut descs = scene.materials.clone();
+    shading::fold(&mut descs, &scene.textures);
+    let mut materials = Vec::with_capacity(descs.len());
+    for desc in &descs {
+        let textures = file.textures(desc, &scene.textures)?;
+        materials.push(material::material(desc, &textures)?);
+    }
     for mesh in &scene.meshes {
         // glTF does not allow meshes without triangles.
         if !mesh.triangles.is_empty() {
-            file.mesh(&mesh.name, &mesh.positions, &mesh.triangles, mesh.material.0)?;
+            file.mesh(mesh)?;
         }
     }
     let lights: Vec<Value> =
@@ -47,14 +65,16 @@ pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     file.finish(materials, lights, cameras)
 }
 
-/// Textures and vertex attributes are not written yet; they must not be lost silently.
-fn refuse_textures(scene: &SceneBuilder) -> Result<(), SceneError> {
-    let what = match scene.meshes.iter().find(|mesh| !mesh.attributes.is_empty()) {
-        _ if !scene.textures.is_empty() => format!("{} textures", scene.textures.len()),
-        Some(mesh) => format!("the vertex attributes of mesh '{}'", mesh.name),
-        None => return Ok(()),
-    };
-    Err(SceneError::Export { what, hint: "remove them from the scene first" })
+/// glTF has no environment in its core or in a ratified extension.
+fn refuse_environment(scene: &SceneBuilder) -> Result<(), SceneError> {
+    if scene.environment.is_none() && scene.sun.is_none() {
+        return Ok(());
+    }
+    let what = scene.environment_text.as_ref().map_or_else(String::new, |text| format!(" ({text})"));
+    Err(SceneError::Export {
+        what: format!("the environment{what}"),
+        hint: "write the scene without it, and give it again when the file is rendered",
+    })
 }
 
 #[derive(Default)]
@@ -64,6 +84,7 @@ struct File {
     accessors: Vec<Value>,
     meshes: Vec<Value>,
     nodes: Vec<Value>,
+    images: Textures,
     lights: usize,
     cameras: usize,
 }
@@ -78,49 +99,6 @@ impl File {
         self.bin.extend(bytes);
         self.views.push(json!({ "buffer": 0, "byteOffset": start, "byteLength": self.bin.len() - start }));
         self.views.len() - 1
-    }
-
-    fn mesh(
-        &mut self,
-        name: &str,
-        positions: &[[f64; 3]],
-        triangles: &[[u32; 3]],
-        material: u32,
-    ) -> Result<(), SceneError> {
-        let what = || format!("mesh '{name}'");
-        let rounded: Vec<[f32; 3]> = positions.iter().map(|at| singles(*at, what)).collect::<Result<_, _>>()?;
-        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-        for at in &rounded {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(at[axis]);
-                high[axis] = high[axis].max(at[axis]);
-            }
-        }
-        let view = self.view(rounded.iter().flatten().flat_map(|c| c.to_le_bytes()));
-        let floats = 5126;
-        self.accessors.push(json!({
-            "bufferView": view, "componentType": floats, "type": "VEC3", "count": positions.len(), "min": low, "max": high
-        }));
-        let view = self.view(triangles.iter().flatten().flat_map(|index| index.to_le_bytes()));
-        let unsigned = 5125;
-        self.accessors.push(json!({
-            "bufferView": view, "componentType": unsigned, "type": "SCALAR", "count": 3 * triangles.len()
-        }));
-        let mut primitive = json!({
-            "attributes": { "POSITION": self.accessors.len() - 2 },
-            "indices": self.accessors.len() - 1,
-            "material": material,
-        });
-        let is_exact = |(exact, rounded): (&[f64; 3], &[f32; 3])| {
-            rounded.map(|c| f64::from(c).to_bits()) == exact.map(f64::to_bits)
-        };
-        if !positions.iter().zip(&rounded).all(is_exact) {
-            let view = self.view(positions.iter().flatten().flat_map(|c| c.to_le_bytes()));
-            primitive["extras"] = json!({ "photonmap": { "positions": view } });
-        }
-        self.nodes.push(json!({ "name": name, "mesh": self.meshes.len() }));
-        self.meshes.push(json!({ "name": name, "primitives": [primitive] }));
-        Ok(())
     }
 
     fn light(&mut self, name: &str, desc: &LightDesc) -> Result<Value, SceneError> {
@@ -185,6 +163,9 @@ impl File {
             ("meshes", self.meshes),
             ("accessors", self.accessors),
             ("bufferViews", self.views),
+            ("textures", self.images.textures),
+            ("samplers", self.images.samplers),
+            ("images", self.images.images),
             ("cameras", cameras),
         ];
         for (key, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
@@ -206,6 +187,9 @@ impl File {
                 used.push(extension);
             }
         }
+        if self.images.has_transforms {
+            used.push("KHR_texture_transform");
+        }
         if !lights.is_empty() {
             root["extensions"] = json!({ "KHR_lights_punctual": { "lights": lights } });
             used.push("KHR_lights_punctual");
@@ -219,80 +203,6 @@ impl File {
         }
         pack(&text, &self.bin)
     }
-}
-
-/// Assembles header and chunks (glTF 2.0 specification, section 4.4).
-fn pack(json: &[u8], bin: &[u8]) -> Result<Vec<u8>, SceneError> {
-    let length = 12 + 8 + json.len() + if bin.is_empty() { 0 } else { 8 + bin.len() };
-    let Ok(total) = u32::try_from(length) else {
-        return Err(SceneError::Extreme {
-            what: "the size of the file".to_owned(),
-            value: format!("{length} bytes"),
-            hint: "a .glb holds at most 4 GiB; split the scene",
-        });
-    };
-    let mut file = Vec::with_capacity(length);
-    file.extend(b"glTF");
-    file.extend(2_u32.to_le_bytes());
-    file.extend(total.to_le_bytes());
-    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", bin)].into_iter().filter(|(_, chunk)| !chunk.is_empty()) {
-        file.extend((chunk.len() as u32).to_le_bytes());
-        file.extend(kind);
-        file.extend(chunk);
-    }
-    Ok(file)
-}
-
-fn material(desc: &MaterialDesc) -> Result<Value, SceneError> {
-    let what = || format!("material '{}'", desc.name);
-    let (base, metallic, roughness) = match desc.surface {
-        Surface::Lambert { albedo } => (albedo, 0.0, 1.0),
-        Surface::Mirror { reflectance } => (reflectance, 1.0, 0.0),
-        Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => (tint, 0.0, 0.0),
-    };
-    let [r, g, b] = singles(base, what)?;
-    let mut extensions = json!({});
-    match desc.surface {
-        Surface::Lambert { .. } => extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 }),
-        Surface::Mirror { .. } => {}
-        Surface::Dielectric { ior, .. } | Surface::Thin { ior, .. } => {
-            extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
-            extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
-        }
-    }
-    if let Surface::Dielectric { absorption, .. } = desc.surface {
-        let mut volume = json!({ "thicknessFactor": 1.0 });
-        // Distance at which the strongest channel falls to 1/e; an absorption that underflows f32 is invisible.
-        let (greatest, relative) = scaled(absorption);
-        let distance = 1.0 / greatest;
-        if greatest > 0.0 && (distance as f32).is_finite() {
-            volume["attenuationDistance"] = json!(single(distance, what)?);
-            volume["attenuationColor"] = json!(relative.map(|share| (-share).exp() as f32));
-        }
-        extensions["KHR_materials_volume"] = volume;
-    }
-    let (strength, factor) = scaled(desc.emission);
-    if strength > 0.0 {
-        extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": single(strength, what)? });
-    }
-    // Other programs cull the back of surfaces that are not double-sided; here every surface has two sides.
-    let both =
-        if desc.is_emissive() { desc.emits_both_sides } else { !matches!(desc.surface, Surface::Dielectric { .. }) };
-    let mut material = json!({
-        "name": desc.name,
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [r, g, b, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness
-        },
-        "doubleSided": both,
-        "extras": { "photonmap": MaterialExtras::new(desc) },
-    });
-    if strength > 0.0 {
-        material["emissiveFactor"] = json!(singles(factor, what)?);
-    }
-    if extensions.as_object().is_some_and(|all| !all.is_empty()) {
-        material["extensions"] = extensions;
-    }
-    Ok(material)
 }
 
 /// A node at `position` whose −Z axis is `direction`.

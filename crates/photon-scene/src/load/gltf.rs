@@ -82,6 +82,7 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
         materials.push(builder.material(desc));
     }
 
+    textures.report(&builder, &mut report);
     let mut meshes = Meshes {
         root: &root,
         accessors: Accessors::new(&root, &buffers),

@@ -85,7 +85,9 @@ impl Library {
     pub(super) fn describe(&self, builder: &mut SceneBuilder, report: &mut LoadReport) -> Vec<MaterialDesc> {
         let mut images = Images::default();
         let describe = |material| Translation { material, images: &mut images, builder, report }.describe();
-        self.entries.iter().map(describe).collect()
+        let descs = self.entries.iter().map(describe).collect();
+        images.room.report(builder, report);
+        descs
     }
 }
 

@@ -5,9 +5,11 @@
 
 mod census;
 mod group;
+mod statements;
 
 use self::census::Census;
 use self::group::{Corner, Group, NONE, Pools};
+use self::statements::{resolve, statements};
 use super::mtl::Library;
 use super::{default_material, read_text, stem};
 use crate::builder::{MaterialId, SceneBuilder};
@@ -54,30 +56,6 @@ pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
         reader.statement(&statement, line)?;
     }
     Ok(reader.finish())
-}
-
-/// The statements of a file, each with the number of its first line: a backslash at the end joins a line with the next.
-fn statements(text: &str) -> impl Iterator<Item = (Cow<'_, str>, usize)> {
-    let begun = |line: &'_ str| line.trim_end().strip_suffix('\\').map(str::len);
-    let mut lines = text.lines().enumerate();
-    std::iter::from_fn(move || {
-        let (index, line) = lines.next()?;
-        let Some(end) = begun(line) else {
-            return Some((Cow::Borrowed(line), index + 1));
-        };
-        let mut joined = line[..end].to_owned();
-        for (_, line) in lines.by_ref() {
-            joined.push(' ');
-            match begun(line) {
-                Some(end) => joined.push_str(&line[..end]),
-                None => {
-                    joined.push_str(line);
-                    break;
-                }
-            }
-        }
-        Some((Cow::Owned(joined), index + 1))
-    })
 }
 
 struct Reader<'a> {
@@ -264,11 +242,4 @@ impl Reader<'_> {
         self.census.report(&mut self.report);
         (builder, self.report)
     }
-}
-
-/// Converts a reference, from 1 or backwards from -1, to an index from 0; `None` if it is out of range.
-fn resolve(word: &str, before: usize, all: usize) -> Option<usize> {
-    let number: i64 = word.parse().ok()?;
-    let index = if number > 0 { number - 1 } else { (before as i64).checked_add(number)? };
-    usize::try_from(index).ok().filter(|&index| number != 0 && index < all)
 }

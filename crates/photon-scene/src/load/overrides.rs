@@ -1,13 +1,17 @@
 //! Override files: additions and changes to a scene file.
 
-use super::schema::{Camera, File, Kind, Light, Material, Quad};
+mod frame;
+
+use self::frame::Frame;
+use super::schema::{Camera, Environment, File, Kind, Light, Material, Quad};
 use crate::builder::{MaterialId, SceneBuilder};
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::environment::EnvironmentDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
 use std::path::{Path, PathBuf};
 
-/// Materials, lights, cameras and quadrilaterals that change or extend a scene, read from TOML.
+/// Materials, lights, an environment, cameras and quadrilaterals that change or extend a scene, read from TOML.
 ///
 /// A given albedo or tint replaces the texture of the base colour too, a given emission that of the emission.
 ///
@@ -51,14 +55,14 @@ impl Overrides {
         }
     }
 
-    /// Modifies a scene: changes materials first, then adds quadrilaterals, lights and cameras. The
-    /// new cameras are inserted before existing ones, so that the first of them is the default.
+    /// Modifies a scene: changes materials first, then adds quadrilaterals, lights and cameras, and sets the environment.
+    /// The new cameras are inserted before existing ones, so that the first of them is the default.
     ///
     /// Removes report lines about materials whose surface is now given by the override file.
     ///
     /// # Errors
     /// A material that does not exist, a property that its kind does not have, a camera without or
-    /// with two projections; the error has the name.
+    /// with two projections, an environment that cannot be read or is invalid; the error has the name.
     pub fn apply(&self, scene: &mut SceneBuilder, report: &mut LoadReport) -> Result<(), SceneError> {
         let frame = Frame::of(scene);
         for (name, material) in &self.file.materials {
@@ -73,6 +77,9 @@ impl Overrides {
         }
         for (index, light) in self.file.lights.iter().enumerate() {
             add_light(index, light, frame, scene);
+        }
+        if let Some(environment) = &self.file.environment {
+            scene.environment_from(&self.environment(environment, report)?)?;
         }
         let mut cameras = Vec::new();
         for camera in &self.file.cameras {
@@ -175,6 +182,25 @@ impl Overrides {
         Ok(())
     }
 
+    fn environment(&self, with: &Environment, report: &mut LoadReport) -> Result<EnvironmentDesc, SceneError> {
+        let desc = match (&with.file, with.radiance, with.sky) {
+            (Some(file), None, None) => {
+                let folder = self.path.parent().unwrap_or(Path::new(""));
+                EnvironmentDesc::read(&folder.join(file), report)?
+            }
+            (None, Some(radiance), None) => EnvironmentDesc::constant(radiance.rgb()),
+            (None, None, Some(sky)) => EnvironmentDesc::sky(sky.elevation, sky.turbidity),
+            (None, None, None) => {
+                return Err(self.fault("[environment] is empty".to_owned(), "give it file, radiance or sky"));
+            }
+            _ => {
+                let what = "[environment] has more than one of file, radiance and sky".to_owned();
+                return Err(self.fault(what, "give one of them"));
+            }
+        };
+        Ok(desc.rotated(with.rotate_degrees).scaled(with.scale))
+    }
+
     fn camera(&self, camera: &Camera, frame: Frame) -> Result<CameraDesc, SceneError> {
         let projection = match (camera.fov_degrees, camera.half_height) {
             (Some(degrees), None) => Projection::Perspective { vertical_fov: degrees.to_radians() },
@@ -239,38 +265,5 @@ fn add_light(index: usize, light: &Light, frame: Frame, scene: &mut SceneBuilder
             let area_light = scene.material(area_light);
             scene.quad(name, frame.corners(*relative, *corner, *edges), area_light);
         }
-    }
-}
-
-/// The bounding box of the scene's triangles, as far as `relative` coordinates need it.
-#[derive(Clone, Copy)]
-struct Frame {
-    center: [f64; 3],
-    size: f64,
-}
-
-impl Frame {
-    fn of(scene: &SceneBuilder) -> Self {
-        let (low, high) = scene.bounds().unwrap_or(([-0.5; 3], [0.5; 3]));
-        let extents: [f64; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);
-        let size = extents.into_iter().fold(0.0, f64::max);
-        Self {
-            center: std::array::from_fn(|axis| low[axis] + 0.5 * extents[axis]),
-            size: if size > 0.0 { size } else { 1.0 },
-        }
-    }
-
-    fn place(self, relative: bool, at: [f64; 3]) -> [f64; 3] {
-        if !relative {
-            return at;
-        }
-        std::array::from_fn(|axis| self.center[axis] + self.size * at[axis])
-    }
-
-    /// A parallelogram, counter-clockwise as seen from the side to which the cross product of its edges points.
-    fn corners(self, relative: bool, corner: [f64; 3], [first, second]: [[f64; 3]; 2]) -> [[f64; 3]; 4] {
-        let sum = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|axis| a[axis] + b[axis]);
-        let next = sum(corner, first);
-        [corner, next, sum(next, second), sum(corner, second)].map(|at| self.place(relative, at))
     }
 }

@@ -20,6 +20,8 @@ use crate::normalise::{Frame, Geometry};
 use crate::texture::{TextureDesc, TextureId, TextureRef};
 
 pub(crate) use self::fold::fold;
+#[cfg(feature = "files")]
+pub(crate) use self::normals::unit;
 pub(crate) use self::radiance::Radiances;
 
 /// The tables that [`ShadingTables`] borrows.

@@ -47,7 +47,7 @@ impl Corners {
 }
 
 /// The direction of a vector; `None` if it is zero or not finite.
-pub(super) fn unit(vector: [f64; 3]) -> Option<DVec3> {
+pub(crate) fn unit(vector: [f64; 3]) -> Option<DVec3> {
     let vector = DVec3::from_array(vector);
     // The square of an extreme component could overflow or underflow.
     (vector / vector.abs().max_element()).try_normalize()

@@ -69,11 +69,11 @@ impl<'a> Accessors<'a> {
         self.read(index, user, Type::Scalar, &unsigned, 0, |elements, at| elements.unsigned(at))
     }
 
-    /// Reads a whole buffer view as vectors of three 64-bit floats, which glTF accessors cannot describe.
-    pub(super) fn doubles(&self, view: usize, user: &str) -> Result<Vec<[f64; 3]>, Fault> {
+    /// Reads a whole buffer view as vectors of 64-bit floats, which glTF accessors cannot describe.
+    pub(super) fn doubles<const N: usize>(&self, view: usize, user: &str) -> Result<Vec<[f64; N]>, Fault> {
         let number = |bytes: &[u8], axis: usize| f64::from_le_bytes(std::array::from_fn(|byte| bytes[8 * axis + byte]));
         let bytes = self.buffers.view(view, user)?;
-        Ok(bytes.chunks_exact(24).map(|vertex| std::array::from_fn(|axis| number(vertex, axis))).collect())
+        Ok(bytes.chunks_exact(8 * N).map(|vertex| std::array::from_fn(|axis| number(vertex, axis))).collect())
     }
 
     fn find(&self, index: usize, user: &str) -> Result<&'a Accessor, Fault> {

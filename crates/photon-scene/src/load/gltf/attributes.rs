@@ -8,18 +8,19 @@ use gltf::json::mesh::{Primitive, Semantic};
 
 use super::accessor::Accessors;
 use super::fault::Fault;
-use super::primitive::attribute;
+use super::primitive::{attribute, refined};
 use crate::describe::MaterialDesc;
+use crate::extras::{PrimitiveExtras, standard};
 use crate::mesh::VertexAttributes;
 use crate::report::LoadReport;
 
-/// Reads the attributes of `vertices` vertices, in the space of the node. A UV set that the primitive does not have is
+/// Reads the attributes of that many vertices, with exact values where the extras have them, in the space of the node. A UV set that the primitive does not have is
 /// reported, and all of its coordinates are 0.
 pub(super) fn read(
     accessors: &Accessors<'_>,
     primitive: &Primitive,
     material: &MaterialDesc,
-    vertices: usize,
+    (vertices, extras): (usize, &PrimitiveExtras),
     part: &str,
     report: &mut LoadReport,
 ) -> Result<VertexAttributes, Fault> {
@@ -33,6 +34,13 @@ pub(super) fn read(
     if material.textures.normal.is_some() {
         attributes.tangents = reader.list(Semantic::Tangents, &[Type::Vec4], [0.0; 4])?.unwrap_or_default();
     }
+    let (normals, colors) = (std::mem::take(&mut attributes.normals), std::mem::take(&mut attributes.colors));
+    attributes.normals = refined(accessors, extras.normals, normals, standard::normal, part, reader.report);
+    attributes.colors = refined(accessors, extras.colors, colors, standard::color, part, reader.report);
+    if !attributes.tangents.is_empty() {
+        let tangents = std::mem::take(&mut attributes.tangents);
+        attributes.tangents = refined(accessors, extras.tangents, tangents, standard::tangent, part, reader.report);
+    }
     let sets: BTreeSet<u32> = material.textures.all().map(|(_, used)| used.uv_set).collect();
     for &set in &sets {
         let found = reader.list(Semantic::TexCoords(set), &[Type::Vec2], [0.0; 2])?;
@@ -44,6 +52,8 @@ pub(super) fn read(
             reader.report.approximated(part, text);
             vec![[0.0; 2]; vertices]
         });
+        let view = extras.uvs.get(&set.to_string()).copied();
+        let uvs = refined(accessors, view, uvs, standard::uv, part, reader.report);
         let set = set as usize;
         attributes.uvs.resize(attributes.uvs.len().max(set + 1), Vec::new());
         attributes.uvs[set] = uvs;

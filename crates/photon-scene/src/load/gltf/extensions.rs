@@ -13,7 +13,7 @@ const KNOWN: &[&str] = &[
     "KHR_materials_transmission",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
-    // The mean of a texture does not depend on its transform.
+    "KHR_node_visibility",
     "KHR_texture_transform",
     // Images that cannot be decoded are reported where they are used.
     "KHR_texture_basisu",

@@ -48,8 +48,8 @@ pub(super) fn describe(
     match extras::read::<MaterialExtras>(material.extras.as_deref().map(|raw| raw.get())) {
         Ok(None) => {}
         Ok(Some(extras)) => {
-            let exact = MaterialDesc { textures: desc.textures, ..extras.desc(desc.name.clone()) };
-            if desc.agrees(&exact) {
+            let exact = extras.desc(desc.name.clone(), desc.textures);
+            if let Some(exact) = exact.filter(|exact| desc.agrees(exact)) {
                 // The lines are about what glTF cannot express, and the extras can.
                 return Ok(exact);
             }

@@ -85,7 +85,8 @@ impl Meshes<'_> {
             self.census.morphed += u64::from(source.targets.iter().flatten().next().is_some());
 
             let desc = &builder.materials[material.0 as usize];
-            let mut attributes = attributes::read(&self.accessors, source, desc, read.positions.len(), &part, report)?;
+            let mut attributes =
+                attributes::read(&self.accessors, source, desc, (read.positions.len(), &read.extras), &part, report)?;
             let mut triangles = read.triangles;
             let is_mirrored = is_mirrored(transform);
             if is_mirrored {

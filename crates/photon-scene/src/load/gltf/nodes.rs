@@ -19,7 +19,8 @@ pub(super) fn node_label(root: &Root, index: usize) -> String {
     label("node", index, root.nodes.get(index).and_then(|node| node.name.as_deref()))
 }
 
-/// The nodes of the scene, parents before children, siblings in order.
+/// The nodes of the scene, parents before children, siblings in order; those that `KHR_node_visibility` hides are left
+/// out, with all below them.
 pub(super) fn place(root: &Root) -> Result<Vec<Placed>, Fault> {
     let parents = parents(root)?;
     refuse_cycles(root, &parents)?;
@@ -36,6 +37,9 @@ pub(super) fn place(root: &Root) -> Result<Vec<Placed>, Fault> {
                 "list it once, at the root of the scene or below one parent",
             ));
         }
+        if is_hidden(&root.nodes[node]) {
+            continue;
+        }
         let transform = above * local(&root.nodes[node], &node_label(root, node))?;
         if !transform.is_finite() {
             return Err(Fault::new(
@@ -48,6 +52,11 @@ pub(super) fn place(root: &Root) -> Result<Vec<Placed>, Fault> {
         placed.push(Placed { node, transform });
     }
     Ok(placed)
+}
+
+fn is_hidden(node: &Node) -> bool {
+    let extension = node.extensions.as_ref().and_then(|all| all.others.get("KHR_node_visibility"));
+    extension.and_then(|extension| extension.get("visible")?.as_bool()) == Some(false)
 }
 
 /// The root nodes: those of the default scene, else of the first scene, else every node

@@ -14,6 +14,8 @@ pub(super) struct Triangles {
     pub(super) positions: Vec<[f64; 3]>,
     /// Vertex indices, all in range; counter-clockwise seen from the front.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Where exact values of attributes are.
+    pub(super) extras: PrimitiveExtras,
     /// Number of vertices at the end of the list that do not form a whole triangle.
     pub(super) stray: usize,
 }
@@ -60,7 +62,14 @@ pub(super) fn read(
             "every coordinate must be a finite number; repair the mesh and export it again",
         ));
     }
-    let positions = refined(accessors, primitive, positions, part, report);
+    let extras = extras::read::<PrimitiveExtras>(primitive.extras.as_deref().map(|raw| raw.get()));
+    let extras = extras.unwrap_or_else(|why| {
+        report.note(part, why);
+        None
+    });
+    let extras = extras.unwrap_or_default();
+    let rounded = |exact: [f64; 3]| exact.map(|c| c as f32);
+    let positions = refined(accessors, extras.positions, positions, rounded, part, report);
     let Ok(vertices) = u32::try_from(positions.len()) else {
         return Err(Fault::new(part, "has more vertices than 32 bits can number", "split it"));
     };
@@ -85,33 +94,28 @@ pub(super) fn read(
     }
 
     let (triangles, stray) = assemble(&order, primitive.mode);
-    Ok(Triangles { positions, triangles, stray })
+    Ok(Triangles { positions, triangles, extras, stray })
 }
 
-/// The positions in double precision, if the extras refer to them and they round to the f32 positions.
-fn refined(
+/// Values in double precision, if the extras refer to them and they round to those of the file.
+pub(super) fn refined<const N: usize>(
     accessors: &Accessors<'_>,
-    primitive: &Primitive,
-    positions: Vec<[f64; 3]>,
+    view: Option<usize>,
+    values: Vec<[f64; N]>,
+    rounded: fn([f64; N]) -> [f32; N],
     part: &str,
     report: &mut LoadReport,
-) -> Vec<[f64; 3]> {
-    let extras = extras::read::<PrimitiveExtras>(primitive.extras.as_deref().map(|raw| raw.get()));
-    let found = match extras {
-        Ok(None) => return positions,
-        Ok(Some(extras)) => accessors.doubles(extras.positions, part).map_err(|fault| fault.to_string()),
-        Err(why) => Err(why),
-    };
-    let rounded = |exact: &[f64; 3]| exact.map(|c| f64::from(c as f32));
-    match found {
-        Ok(exact) if exact.iter().map(rounded).eq(positions.iter().copied()) => exact,
+) -> Vec<[f64; N]> {
+    let Some(view) = view else { return values };
+    match accessors.doubles(view, part) {
+        Ok(exact) if exact.iter().map(|exact| rounded(*exact).map(f64::from)).eq(values.iter().copied()) => exact,
         Ok(_) => {
             report.note(part, CHANGED);
-            positions
+            values
         }
         Err(why) => {
-            report.note(part, why);
-            positions
+            report.note(part, why.to_string());
+            values
         }
     }
 }

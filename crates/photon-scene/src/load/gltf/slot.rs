@@ -50,7 +50,8 @@ impl Slot {
         let angle = extension.get("rotation").and_then(Value::as_f64).unwrap_or(0.0);
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
         // Translation · rotation · scale; the rotation is counter-clockwise with v downwards.
-        let transform = [[cos * sx, sin * sy, x], [-sin * sx, cos * sy, y]];
+        // Zeros without a sign, so that equal transforms have equal bits.
+        let transform = [[cos * sx, sin * sy, x], [-sin * sx, cos * sy, y]].map(|row| row.map(|part| part + 0.0));
         let uv_set = extension.get("texCoord").map_or(uv_set, |set| number(Some(set)));
         Self { texture, uv_set, transform, is_turned: angle != 0.0 }
     }

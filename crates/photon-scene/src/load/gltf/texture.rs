@@ -10,11 +10,13 @@ use gltf::json::validation::Checked;
 use photon_core::{Filter, TexelFormat, Wrap};
 
 use super::buffers::Buffers;
-use super::fault::{Fault, label};
+use super::fault::{Fault, label, name_or_number};
 use super::mean::Mean;
 use super::uri;
 use crate::builder::SceneBuilder;
-use crate::load::image::Image;
+use crate::extras::{self, ImageExtras, agreeing_floats};
+use crate::load::image::{Image, Room};
+use crate::report::LoadReport;
 use crate::texture::TextureId;
 
 /// The textures of a file, whose images are decoded on first use.
@@ -24,6 +26,7 @@ pub(super) struct Textures<'a> {
     images: Vec<RefCell<Entry>>,
     /// The textures of the scene, by number and encoding of bytes.
     added: RefCell<BTreeMap<(usize, bool), TextureId>>,
+    room: RefCell<Room>,
 }
 
 /// What is known of an image.
@@ -37,18 +40,26 @@ struct Entry {
 impl<'a> Textures<'a> {
     pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>) -> Self {
         let images = root.images.iter().map(|_| RefCell::default()).collect();
-        Self { root, buffers, images, added: RefCell::default() }
+        Self { root, buffers, images, added: RefCell::default(), room: RefCell::default() }
     }
 
-    /// Name of a texture in messages: its own name, or that of its image.
+    /// Name of a texture in messages: its number, and its own name or that of its image.
     pub(super) fn name(&self, texture: usize) -> String {
+        label("texture", texture, self.given_name(texture))
+    }
+
+    /// The name of a texture in the scene.
+    fn plain_name(&self, texture: usize) -> String {
+        name_or_number("texture", texture, self.given_name(texture))
+    }
+
+    fn given_name(&self, texture: usize) -> Option<&str> {
         let found = self.root.textures.get(texture);
         let image = found.and_then(|found| self.root.images.get(self.source(found)?));
-        let name = found.and_then(|texture| texture.name.as_deref()).or_else(|| {
+        found.and_then(|texture| texture.name.as_deref()).or_else(|| {
             let uri = image.and_then(|image| image.uri.as_deref());
             image.and_then(|image| image.name.as_deref()).or(uri.filter(|uri| !uri.starts_with("data:")))
-        });
-        label("texture", texture, name)
+        })
     }
 
     /// The mean of a texture, or the reason why there is none: an image that cannot be read only loses its
@@ -111,10 +122,18 @@ impl<'a> Textures<'a> {
         };
         self.images[index].borrow_mut().image = Some(Rc::clone(&image));
         let (wrap, filter) = self.sampler(texture)?;
-        let desc = image.texture(self.name(texture), bytes).wrapped(wrap).filtered(filter);
+        let desc = image.texture(self.plain_name(texture), bytes).wrapped(wrap).filtered(filter);
         let id = builder.texture(desc);
+        if self.room.borrow_mut().make(builder) {
+            self.images.iter().for_each(|entry| entry.borrow_mut().image = None);
+        }
         self.added.borrow_mut().insert(key, id);
         Ok(Ok(id))
+    }
+
+    /// Says in the report what was reduced for want of memory.
+    pub(super) fn report(&self, builder: &SceneBuilder, report: &mut LoadReport) {
+        self.room.borrow().report(builder, report);
     }
 
     /// What the report should say of an image that could be read, but not exactly.
@@ -151,6 +170,20 @@ impl<'a> Textures<'a> {
             _ => Filter::Linear,
         };
         Ok((wrap, filter))
+    }
+
+    /// The image with the floats that the extras refer to, if it is still the image that stands for them.
+    fn with_floats(&self, decoded: Image, image: &gltf::json::Image) -> Image {
+        let extras = extras::read::<ImageExtras>(image.extras.as_deref().map(|raw| raw.get()));
+        let view = extras.ok().flatten().map(|extras| extras.floats);
+        let floats = view.and_then(|view| {
+            let bytes = self.buffers.view(view, "an image").ok()?;
+            agreeing_floats(&decoded.texels, bytes)
+        });
+        match floats {
+            Some(floats) => Image { texels: floats.into(), is_float: true, ..decoded },
+            None => decoded,
+        }
     }
 
     /// Index of the image of a texture, or why there is none.
@@ -195,6 +228,7 @@ impl<'a> Textures<'a> {
             }
             (None, None) => return Err("its image has no data".to_owned()),
         };
+        let decoded = decoded.map(|decoded| self.with_floats(decoded, image));
         decoded.map_err(|why| match image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) {
             Some(uri) => format!("its image, {uri}, {why}"),
             None => format!("its image {why}"),

@@ -7,7 +7,10 @@ use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read};
 
-use super::{Image, ImageError, check_size};
+use super::{Image, ImageError, check_density, check_size};
+
+/// Deflate packs up to 1032 bytes into one, and a channel takes at least two bytes of each texel.
+const DENSEST: u64 = 516;
 
 /// Texels while a file is read.
 struct Pixels {
@@ -36,7 +39,8 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let damaged = |why: Error| ImageError::new(format!("cannot be decoded as OpenEXR: {why}"));
     let meta = MetaData::read_from_buffered(Cursor::new(file), false).map_err(damaged)?;
     for header in &meta.headers {
-        check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, 4)?;
+        let size = check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, 4)?;
+        check_density(size, file.len(), DENSEST)?;
     }
     let has = |name: &str| {
         let named = |channel: &exr::meta::attribute::ChannelDescription| channel.name.eq_case_insensitive(name);

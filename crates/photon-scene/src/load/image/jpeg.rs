@@ -5,7 +5,10 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::{Image, ImageError, MAX_SIDE, bytes, check_size};
+use super::{Image, ImageError, MAX_SIDE, bytes, check_density, check_size};
+
+/// A progressive file needs a bit for each block of 64 texels.
+const DENSEST: u64 = 512;
 
 pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let options = DecoderOptions::default()
@@ -18,6 +21,7 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let unreadable = || ImageError::new("cannot be decoded as JPEG: it has no header");
     let (width, height) = decoder.dimensions().ok_or_else(unreadable)?;
     let size = check_size(width as u64, height as u64, 1)?;
+    check_density(size, file.len(), DENSEST)?;
     if matches!(decoder.input_colorspace(), Some(ColorSpace::CMYK | ColorSpace::YCCK)) {
         return Err(ImageError::new("is a JPEG in CMYK, a colour space of printers; convert it to RGB"));
     }

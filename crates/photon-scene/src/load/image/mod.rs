@@ -12,7 +12,10 @@ mod exr;
 mod hdr;
 mod jpeg;
 mod png;
+mod room;
 mod webp;
+
+pub(super) use self::room::Room;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -68,7 +71,8 @@ impl Image {
     /// Decodes a PNG, JPEG, WebP, `OpenEXR` or Radiance HDR file.
     ///
     /// # Errors
-    /// An unknown format, an image larger than 65536 × 65536 texels or 1 GiB of memory, or damaged data.
+    /// An unknown format, an image of more than 65536 texels on one side, 1 GiB of memory (`WebP`: 256 MiB) or than the
+    /// file can hold, or damaged data.
     pub fn decode(bytes: &[u8]) -> Result<Self, ImageError> {
         match Format::of(bytes) {
             Format::Png => png::decode(bytes),
@@ -187,6 +191,15 @@ fn check_size(width: u64, height: u64, words: u64) -> Result<[u32; 2], ImageErro
     Err(ImageError::new(format!(
         "has {width} × {height} texels; it must have between 1 and {MAX_SIDE} on each side, and take up at most 1 GiB"
     )))
+}
+
+/// Checks that a file of `bytes` bytes can hold an image of that size at all, if it holds at most `densest` texels in
+/// each: a few bytes cannot take up a gigabyte.
+fn check_density([width, height]: [u32; 2], bytes: usize, densest: u64) -> Result<(), ImageError> {
+    if u64::from(width) * u64::from(height) <= densest * bytes as u64 {
+        return Ok(());
+    }
+    Err(ImageError::new(format!("promises {width} × {height} texels, more than its {bytes} bytes can hold")))
 }
 
 #[cfg(test)]

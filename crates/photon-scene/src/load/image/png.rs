@@ -4,7 +4,10 @@ use std::io::Cursor;
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Transformations};
 
-use super::{Image, ImageError, bytes, check_size};
+use super::{Image, ImageError, bytes, check_density, check_size};
+
+/// Deflate packs up to 1032 bytes into one, each with up to 8 texels.
+const DENSEST: u64 = 8256;
 
 pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let damaged = |why: DecodingError| ImageError::new(format!("cannot be decoded as PNG: {why}"));
@@ -29,6 +32,7 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     };
     if is_interlaced {
         // Rows of an interlaced image are scattered.
+        check_density(size, file.len(), DENSEST)?;
         let length = reader.output_buffer_size().ok_or_else(|| ImageError::new("is too large"))?;
         let mut whole = vec![0; length];
         reader.next_frame(&mut whole).map_err(damaged)?;

@@ -10,7 +10,8 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let damaged = |why: DecodingError| ImageError::new(format!("cannot be decoded as WebP: {why}"));
     let mut decoder = WebPDecoder::new(Cursor::new(file)).map_err(damaged)?;
     let (width, height) = decoder.dimensions();
-    let size = check_size(width.into(), height.into(), 1)?;
+    // Stricter than for other formats: the length of a file says nothing about the size of its image.
+    let size = check_size(width.into(), height.into(), 4)?;
     if decoder.is_animated() {
         return Err(ImageError::new("is an animated WebP; export one frame of it"));
     }

@@ -8,7 +8,7 @@ use photon_core::TexelFormat;
 use super::map::Map;
 use crate::builder::SceneBuilder;
 use crate::load::gltf::leaves_folder;
-use crate::load::image::{Image, load_image};
+use crate::load::image::{Image, Room, load_image};
 use crate::report::LoadReport;
 use crate::texture::{TextureId, TextureRef};
 
@@ -17,6 +17,7 @@ use crate::texture::{TextureId, TextureRef};
 pub(super) struct Images {
     decoded: HashMap<PathBuf, Result<Image, String>>,
     added: HashMap<(PathBuf, bool, bool), TextureId>,
+    pub(super) room: Room,
 }
 
 impl Images {
@@ -51,6 +52,9 @@ impl Images {
                         report.approximated(subject, text);
                     }
                     let texture = builder.texture(image.texture(&map.file, bytes).wrapped(map.wrap()));
+                    if self.room.make(builder) {
+                        self.decoded.clear();
+                    }
                     self.added.insert(key, texture);
                     texture
                 }

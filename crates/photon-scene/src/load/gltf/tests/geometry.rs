@@ -199,3 +199,13 @@ fn what_meshes_lose_is_said_once() {
     }
     assert!(builder.materials.iter().any(|material| material.name == "default"));
 }
+
+#[test]
+fn hidden_nodes_are_left_out_with_their_children() {
+    let hide = |visible: bool| format!(r#""extensions": {{"KHR_node_visibility": {{"visible": {visible}}}}}"#);
+    for visible in [true, false] {
+        let nodes = format!(r#"[{{"children": [1], {}}}, {{"mesh": 0, "name": "child"}}]"#, hide(visible));
+        let file = File::new().with("nodes", nodes).with("extensionsRequired", r#"["KHR_node_visibility"]"#);
+        assert_eq!(file.load().0.meshes.len(), usize::from(visible));
+    }
+}

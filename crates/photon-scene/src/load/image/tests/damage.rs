@@ -83,6 +83,17 @@ fn sizes_are_checked_in_the_header() {
     let frame = jpeg.windows(2).position(|marker| marker == [0xff, 0xc0]).unwrap();
     jpeg[frame + 5..frame + 9].copy_from_slice(&[0xff; 4]);
     assert!(refused(&jpeg).contains("65535 × 65535 texels"));
+    // 4095 × 4095 is within it, but not of 292 bytes.
+    jpeg[frame + 5..frame + 9].copy_from_slice(&[0x0f, 0xff, 0x0f, 0xff]);
+    assert!(refused(&jpeg).contains("more than its 292 bytes can hold"));
+    let mut file = exr(&[("Y", &[1.0])]);
+    let windows: Vec<usize> =
+        file.windows(6).enumerate().filter(|(_, text)| text == b"box2i\0").map(|(at, _)| at).collect();
+    for at in windows {
+        // The type, four bytes of length, and the lower corner come before the upper one.
+        file[at + 18..at + 26].copy_from_slice(&[0xff, 0x0f, 0, 0, 0xff, 0x0f, 0, 0]);
+    }
+    assert!(refused(&file).contains("bytes can hold"), "{}", refused(&file));
 }
 
 /// The checksum of PNG chunks (ISO 3309).

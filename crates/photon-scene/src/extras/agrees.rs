@@ -1,0 +1,79 @@
+//! Whether extras still belong to the object that they are attached to.
+
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+
+/// Whether the extras refine the single-precision glTF content, or are stale because that was changed.
+pub(crate) trait Agrees {
+    fn agrees(&self, exact: &Self) -> bool;
+}
+
+/// Equal up to single precision, a few operations and a logarithm.
+pub(super) fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-4 * a.abs().max(b.abs()) + 1e-30
+}
+
+/// Each component equal up to the rounding error of the largest one.
+fn all_close(a: [f64; 3], b: [f64; 3]) -> bool {
+    let greatest = a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-4 * greatest + 1e-30)
+}
+
+fn parallel(a: [f64; 3], b: [f64; 3]) -> bool {
+    let unit = |v: [f64; 3]| glam::DVec3::from(v).normalize_or_zero();
+    unit(a).distance(unit(b)) <= 1e-4
+}
+
+impl Agrees for MaterialDesc {
+    fn agrees(&self, exact: &Self) -> bool {
+        let surface = match (&self.surface, &exact.surface) {
+            (Surface::Lambert { albedo: a }, Surface::Lambert { albedo: b })
+            | (Surface::Mirror { reflectance: a }, Surface::Mirror { reflectance: b }) => all_close(*a, *b),
+            (
+                Surface::Dielectric { ior, absorption, tint },
+                Surface::Dielectric { ior: exact_ior, absorption: exact_absorption, tint: exact_tint },
+            ) => close(*ior, *exact_ior) && all_close(*absorption, *exact_absorption) && all_close(*tint, *exact_tint),
+            (Surface::Thin { ior, tint }, Surface::Thin { ior: exact_ior, tint: exact_tint }) => {
+                close(*ior, *exact_ior) && all_close(*tint, *exact_tint)
+            }
+            _ => false,
+        };
+        // Whether a non-emissive surface is double-sided does not matter.
+        let sides = !self.is_emissive() || !exact.is_emissive() || self.emits_both_sides == exact.emits_both_sides;
+        surface && sides && all_close(self.emission, exact.emission)
+    }
+}
+
+impl Agrees for LightDesc {
+    fn agrees(&self, exact: &Self) -> bool {
+        match (self, exact) {
+            (Self::Point { position: a, intensity: i }, Self::Point { position: b, intensity: j }) => {
+                all_close(*a, *b) && all_close(*i, *j)
+            }
+            (
+                Self::Spot { position, direction, intensity, inner_angle, outer_angle },
+                Self::Spot { position: p, direction: d, intensity: i, inner_angle: inner, outer_angle: outer },
+            ) => {
+                let angles = close(*inner_angle, *inner) && close(*outer_angle, *outer);
+                all_close(*position, *p) && parallel(*direction, *d) && all_close(*intensity, *i) && angles
+            }
+            (Self::Directional { direction: a, irradiance: i }, Self::Directional { direction: b, irradiance: j }) => {
+                parallel(*a, *b) && all_close(*i, *j)
+            }
+            _ => false,
+        }
+    }
+}
+
+impl Agrees for CameraDesc {
+    fn agrees(&self, exact: &Self) -> bool {
+        let projection = match (self.projection, exact.projection) {
+            (Projection::Perspective { vertical_fov: a }, Projection::Perspective { vertical_fov: b })
+            | (Projection::Orthographic { half_height: a }, Projection::Orthographic { half_height: b }) => close(a, b),
+            _ => false,
+        };
+        // The up vector in the file is perpendicular to the direction.
+        let right = |camera: &Self| glam::DVec3::from(camera.direction).cross(glam::DVec3::from(camera.up)).to_array();
+        let axes = parallel(self.direction, exact.direction) && parallel(right(self), right(exact));
+        projection && axes && all_close(self.position, exact.position)
+    }
+}

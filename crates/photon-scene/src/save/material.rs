@@ -1,0 +1,68 @@
+//! Materials as glTF.
+
+use serde_json::{Value, json};
+
+use super::{scaled, single, singles};
+use crate::describe::{MaterialDesc, Surface};
+use crate::error::SceneError;
+use crate::extras::MaterialExtras;
+
+/// The material; `textures` are those that it uses, with their slots.
+pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) -> Result<Value, SceneError> {
+    let what = || format!("material '{}'", desc.name);
+    let (base, metallic, roughness) = match desc.surface {
+        Surface::Lambert { albedo } => (albedo, 0.0, 1.0),
+        Surface::Mirror { reflectance } => (reflectance, 1.0, 0.0),
+        Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => (tint, 0.0, 0.0),
+    };
+    let [r, g, b] = singles(base, what)?;
+    let mut extensions = json!({});
+    match desc.surface {
+        Surface::Lambert { .. } => extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 }),
+        Surface::Mirror { .. } => {}
+        Surface::Dielectric { ior, .. } | Surface::Thin { ior, .. } => {
+            extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
+            extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
+        }
+    }
+    if let Surface::Dielectric { absorption, .. } = desc.surface {
+        let mut volume = json!({ "thicknessFactor": 1.0 });
+        // Distance at which the strongest channel falls to 1/e; an absorption that underflows f32 is invisible.
+        let (greatest, relative) = scaled(absorption);
+        let distance = 1.0 / greatest;
+        if greatest > 0.0 && (distance as f32).is_finite() {
+            volume["attenuationDistance"] = json!(single(distance, what)?);
+            volume["attenuationColor"] = json!(relative.map(|share| (-share).exp() as f32));
+        }
+        extensions["KHR_materials_volume"] = volume;
+    }
+    let (strength, factor) = scaled(desc.emission);
+    if strength > 0.0 {
+        extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": single(strength, what)? });
+    }
+    // Other programs cull the back of surfaces that are not double-sided; here every surface has two sides.
+    let both =
+        if desc.is_emissive() { desc.emits_both_sides } else { !matches!(desc.surface, Surface::Dielectric { .. }) };
+    let mut material = json!({
+        "name": desc.name,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [r, g, b, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness
+        },
+        "doubleSided": both,
+        "extras": { "photonmap": MaterialExtras::new(desc) },
+    });
+    if strength > 0.0 {
+        material["emissiveFactor"] = json!(singles(factor, what)?);
+    }
+    for (slot, info) in textures {
+        match *slot {
+            "base_color" => material["pbrMetallicRoughness"]["baseColorTexture"] = info.clone(),
+            "emission" => material["emissiveTexture"] = info.clone(),
+            _ => material["normalTexture"] = info.clone(),
+        }
+    }
+    if extensions.as_object().is_some_and(|all| !all.is_empty()) {
+        material["extensions"] = extensions;
+    }
+    Ok(material)
+}

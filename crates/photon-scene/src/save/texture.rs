@@ -1,0 +1,141 @@
+//! Textures as glTF: PNG, and beside it the floats of images that have them.
+
+use std::collections::BTreeMap;
+
+use photon_core::{Filter, TexelFormat, Texture, Wrap};
+use serde_json::{Value, json};
+
+use super::{File, single};
+use crate::describe::MaterialDesc;
+use crate::error::SceneError;
+use crate::extras::{Extras, ImageExtras, fallback};
+use crate::texture::{TextureDesc, TextureId, TextureRef};
+
+/// The textures of a file.
+#[derive(Default)]
+pub(super) struct Textures {
+    pub(super) textures: Vec<Value>,
+    pub(super) samplers: Vec<Value>,
+    pub(super) images: Vec<Value>,
+    indices: BTreeMap<TextureId, usize>,
+    /// Images by address and format: textures may share them.
+    shared: BTreeMap<(usize, u32), usize>,
+    /// Whether `KHR_texture_transform` is used.
+    pub(super) has_transforms: bool,
+}
+
+impl File {
+    /// The references of a material to its textures, by slot.
+    pub(super) fn textures(
+        &mut self,
+        desc: &MaterialDesc,
+        all: &[TextureDesc],
+    ) -> Result<Vec<(&'static str, Value)>, SceneError> {
+        let mut infos = Vec::new();
+        for (slot, used) in desc.textures.all() {
+            let texture = self.texture(used.texture, slot, &all[used.texture.0 as usize])?;
+            let mut info = json!({ "index": texture, "texCoord": used.uv_set });
+            if used.transform != TextureRef::IDENTITY {
+                info["extensions"] = json!({ "KHR_texture_transform": transform(&used, desc)? });
+                self.images.has_transforms = true;
+            }
+            if slot == "normal" {
+                info["scale"] = json!(desc.textures.normal_scale as f32);
+            }
+            infos.push((slot, info));
+        }
+        Ok(infos)
+    }
+
+    fn texture(&mut self, id: TextureId, slot: &str, desc: &TextureDesc) -> Result<usize, SceneError> {
+        let refused = |why: &str, hint| SceneError::Export { what: format!("texture '{}', {why}", desc.name), hint };
+        let is_linear = desc.image.format == TexelFormat::Linear8;
+        if slot == "normal" && desc.image.format == TexelFormat::Srgb8 {
+            return Err(refused("a normal map in sRGB", "glTF has linear normal maps: convert it"));
+        }
+        if slot != "normal" && is_linear {
+            return Err(refused("a colour of linear bytes", "glTF has colours in sRGB: convert it, or use floats"));
+        }
+        if let Some(&known) = self.images.indices.get(&id) {
+            return Ok(known);
+        }
+        let key = (desc.image.texels.as_ptr() as usize, desc.image.format as u32);
+        let image = match self.images.shared.get(&key) {
+            Some(&known) => known,
+            None => {
+                let image = self.image(desc, slot == "normal")?;
+                self.images.images.push(image);
+                let index = self.images.images.len() - 1;
+                self.images.shared.insert(key, index);
+                index
+            }
+        };
+        let wrap = desc.image.wrap.map(|wrap| match wrap {
+            Wrap::Repeat => 10_497,
+            Wrap::Mirror => 33_648,
+            Wrap::Clamp => 33_071,
+        });
+        let filter = if desc.image.filter == Filter::Nearest { 9728 } else { 9729 };
+        let sampler = json!({ "wrapS": wrap[0], "wrapT": wrap[1], "magFilter": filter });
+        let known = self.images.samplers.iter().position(|known| *known == sampler);
+        let sampler = known.unwrap_or_else(|| {
+            self.images.samplers.push(sampler);
+            self.images.samplers.len() - 1
+        });
+        self.images.textures.push(json!({ "name": desc.name, "sampler": sampler, "source": image }));
+        self.images.indices.insert(id, self.images.textures.len() - 1);
+        Ok(self.images.textures.len() - 1)
+    }
+
+    /// A PNG of the image, and its floats if it has some.
+    fn image(&mut self, desc: &TextureDesc, is_linear: bool) -> Result<Value, SceneError> {
+        let image = &desc.image;
+        let is_float = image.format == TexelFormat::Float32;
+        let words: Vec<u32> = match image.format {
+            TexelFormat::Linear8 | TexelFormat::Srgb8 => image.texels.to_vec(),
+            TexelFormat::Float32 => image.texels.as_chunks().0.iter().map(|texel| fallback(texel, is_linear)).collect(),
+        };
+        let png = encode(image, &words).map_err(|why| SceneError::Export {
+            what: format!("texture '{}' as PNG: {why}", desc.name),
+            hint: "use a smaller image",
+        })?;
+        let view = self.view(png.into_iter());
+        let mut value = json!({ "name": desc.name, "bufferView": view, "mimeType": "image/png" });
+        if is_float {
+            let floats = self.view(image.texels.iter().flat_map(|word| word.to_le_bytes()));
+            value["extras"] = json!(Extras { photonmap: ImageExtras { floats } });
+        }
+        Ok(value)
+    }
+}
+
+/// `KHR_texture_transform`: offset, rotation and scale of which the matrix is the product.
+fn transform(used: &TextureRef, material: &MaterialDesc) -> Result<Value, SceneError> {
+    let [[a, b, x], [c, d, y]] = used.transform;
+    // The first column is (cos, −sin) times its scale, the second (sin, cos) times its own.
+    let (first, second) = (a.hypot(c), b.hypot(d));
+    let angle = if first > 0.0 { libm::atan2(-c, a) } else { libm::atan2(b, d) };
+    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+    let across = sin * b + cos * d;
+    let is_close = |left: f64, right: f64| (left - right).abs() <= 1e-9 * (first + second);
+    if !(is_close(across * sin, b) && is_close(across * cos, d)) {
+        return Err(SceneError::Export {
+            what: format!("the transform {:?} of a texture of material '{}'", used.transform, material.name),
+            hint: "glTF has offset, rotation and scale; leave out the shear, or apply it to the texture coordinates",
+        });
+    }
+    let what = || format!("a texture of material '{}'", material.name);
+    let scale = [single(first, what)?, single(across, what)?];
+    Ok(json!({ "offset": [single(x, what)?, single(y, what)?], "rotation": angle as f32, "scale": scale }))
+}
+
+fn encode(image: &Texture, words: &[u32]) -> Result<Vec<u8>, png::EncodingError> {
+    let is_opaque = words.iter().all(|word| word >> 24 == 255);
+    let channels = if is_opaque { 3 } else { 4 };
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes().into_iter().take(channels)).collect();
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, image.width, image.height);
+    encoder.set_color(if is_opaque { png::ColorType::Rgb } else { png::ColorType::Rgba });
+    encoder.write_header()?.write_image_data(&bytes)?;
+    Ok(file)
+}

@@ -1,0 +1,161 @@
+//! Round trips of textures and vertex attributes through .glb files.
+#![cfg(feature = "files")]
+#![expect(clippy::unwrap_used, reason = "test code")]
+
+use std::path::PathBuf;
+
+use photon_core::{Filter, Wrap};
+use photon_scene::{
+    LoadReport, MaterialDesc, SceneBuilder, Surface, TextureDesc, TextureRef, VertexAttributes, glb, load_gltf,
+};
+
+fn reload(name: &str, bytes: &[u8]) -> (SceneBuilder, LoadReport) {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("glb-textures-{name}.glb"));
+    std::fs::write(&path, bytes).unwrap();
+    load_gltf(&path).unwrap()
+}
+
+/// All tables of the scene, without names.
+fn tables(scene: &SceneBuilder) -> String {
+    let scene = scene.clone().build().unwrap();
+    scene.view().validate().unwrap();
+    // Numbers are printed such that different ones differ.
+    format!("{:#?}", scene.view())
+}
+
+const SQUARE: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
+
+/// Textures of every format and role, and attributes that single precision cannot represent.
+fn everything() -> SceneBuilder {
+    let third = 1.0 / 3.0;
+    let mut scene = SceneBuilder::new();
+    let tiles = TextureDesc::srgb8("tiles", 2, 1, &[[1, 2, 3, 255], [200, 100, 50, 255]]);
+    let tiles = scene.texture(tiles.wrapped([Wrap::Mirror, Wrap::Clamp]).filtered(Filter::Nearest));
+    let holes = scene.texture(TextureDesc::srgb8("holes", 1, 2, &[[9, 8, 7, 6], [0, 255, 0, 128]]));
+    let bumps = scene.texture(TextureDesc::linear8("bumps", 2, 1, &[[128, 128, 255, 255], [180, 90, 230, 255]]));
+    let glow =
+        scene.texture(TextureDesc::float32("glow", 2, 1, &[[1e5, 0.25, 1e-20, 1.0], [0.0, third as f32, 7.0, 0.5]]));
+    let even = scene.texture(TextureDesc::srgb8("even", 1, 1, &[[188, 255, 255, 255]]));
+
+    let mut wall = MaterialDesc::lambert("wall", [third, 0.5, 1.0]);
+    let turned = [[0.0, 2.0 * third, third], [-2.0 * third, 0.0, 7.0 + third]];
+    wall.textures.base_color = Some(TextureRef { uv_set: 1, transform: turned, ..TextureRef::new(tiles) });
+    wall.textures.normal = Some(TextureRef::new(bumps));
+    wall.textures.normal_scale = third;
+    let mut screen = MaterialDesc::emissive("screen", [0.5; 3], [third, 2.0, 3.0]);
+    screen.textures.emission = Some(TextureRef::new(glow));
+    screen.textures.base_color = Some(TextureRef::new(even));
+    let mut mirror = MaterialDesc::mirror("mirror", [0.9, 0.8, third]);
+    mirror.textures.base_color =
+        Some(TextureRef { transform: [[-2.0, 0.0, 0.1], [0.0, third, -3.0]], ..TextureRef::new(holes) });
+    let mut pane = MaterialDesc::thin("pane", 1.5);
+    pane.textures.base_color = Some(TextureRef::new(tiles));
+
+    let uvs: Vec<[f64; 2]> = vec![[0.1, third], [1e6 + third, 1.0], [-third, 0.0], [third, -5.5]];
+    let attributes = VertexAttributes {
+        normals: vec![[0.1, third, 1.0], [0.0, 0.0, 3.0], [f64::NAN, 0.0, 1.0], [0.0; 3]],
+        tangents: vec![[1.0, third, 0.0, -2.0], [1.0, 0.0, 0.0, 1.0], [2.0, 0.1, 0.0, 1.0], [0.0; 4]],
+        colors: vec![[third, 1.0, 0.0, 0.5], [2.0, -1.0, 0.5, 1.0], [1.0; 4], [0.1; 4]],
+        uvs: vec![uvs.clone(), uvs.iter().map(|[u, v]| [*v, 0.5 * u]).collect()],
+    };
+    for (at, desc) in [wall, screen, mirror, pane].into_iter().enumerate() {
+        let name = desc.name.clone();
+        let material = scene.material(desc);
+        let positions = SQUARE.map(|[x, y, _]| [x + 1.1 * at as f64, y, third * at as f64]).to_vec();
+        // One mesh has a set that nothing uses, one lacks the lower set, and one has no attribute but coordinates.
+        let mut attributes = attributes.clone();
+        match at {
+            1 => attributes.uvs.truncate(1),
+            2 => attributes.tangents.clear(),
+            3 => attributes = VertexAttributes { uvs: vec![uvs.clone()], ..VertexAttributes::default() },
+            _ => attributes.uvs[0] = uvs.clone(),
+        }
+        scene.mesh_with(name, positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
+    }
+    scene
+}
+
+#[test]
+fn textures_and_attributes_come_back_bit_by_bit() {
+    let scene = everything();
+    let bytes = glb(&scene).unwrap();
+    let (again, report) = reload("all", &bytes);
+    assert!(report.is_exact() && !report.to_string().contains("changed"), "{report}");
+    assert_eq!(tables(&scene), tables(&again));
+    // Once more, from what was loaded.
+    let (third, _) = reload("again", &glb(&again).unwrap());
+    assert_eq!(tables(&third), tables(&again));
+    gltf::Gltf::from_slice(&bytes).unwrap_or_else(|why| panic!("{why:?}"));
+}
+
+/// Without the extras it is the same scene in single precision, and floats are bytes.
+#[test]
+fn the_comparison_sees_what_is_lost() {
+    let scene = everything();
+    let bytes = glb(&scene).unwrap();
+    let plain = replaced(&bytes, b"\"photonmap\"", b"\"something\"");
+    let (again, _) = reload("plain", &plain);
+    assert_ne!(tables(&scene), tables(&again));
+    let (ours, theirs) = (scene.build().unwrap(), again.build().unwrap());
+    assert_eq!(ours.view().shading.textures.len(), theirs.view().shading.textures.len());
+    assert_eq!(ours.view().shading.uvs.len(), theirs.view().shading.uvs.len());
+}
+
+/// Replaces all occurrences by a text of equal length, so that no chunk length changes.
+fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let mut all = bytes.to_vec();
+    let mut at = 0;
+    while let Some(found) = all[at..].windows(from.len()).position(|window| window == from) {
+        all[at + found..][..to.len()].copy_from_slice(to);
+        at += found + to.len();
+    }
+    assert!(at > 0, "there is something to replace");
+    all
+}
+
+/// Changes by another program take precedence, even if it keeps the extras.
+#[test]
+fn changed_attributes_and_textures_are_followed() {
+    let bytes = glb(&everything()).unwrap();
+    let third = ((1.0 / 3.0) as f32).to_le_bytes();
+    let (_, report) = reload("moved", &replaced(&bytes, &third, &0.5_f32.to_le_bytes()));
+    assert!(report.to_string().contains("was changed after"), "{report}");
+    // Another rotation, and another scale of the normal map.
+    let (_, report) = reload("turned", &replaced(&bytes, b"\"texCoord\":1", b"\"texCoord\":0"));
+    assert!(!report.to_string().contains("was changed after"), "the set is not part of the extras: {report}");
+    let (changed, report) = reload("scaled", &replaced(&bytes, b"\"scale\":0.33333334", b"\"scale\":0.53333334"));
+    assert!(report.to_string().contains("material 'wall'") && report.to_string().contains("was changed"), "{report}");
+    assert_ne!(tables(&changed), tables(&everything()));
+}
+
+#[test]
+fn what_gltf_has_no_place_for_is_refused_by_name() {
+    let with = |image: TextureDesc, change: fn(&mut MaterialDesc, TextureRef)| {
+        let mut scene = SceneBuilder::new();
+        let image = scene.texture(image);
+        let mut material = MaterialDesc::new("wall", Surface::Lambert { albedo: [0.5; 3] });
+        change(&mut material, TextureRef::new(image));
+        let material = scene.material(material);
+        let attributes = VertexAttributes { uvs: vec![vec![[0.0; 2]; 4]], ..VertexAttributes::default() };
+        scene.mesh_with("square", SQUARE.to_vec(), vec![[0, 1, 2]], attributes, material);
+        scene.clone().build().unwrap();
+        glb(&scene).map(drop).map_err(|error| error.to_string())
+    };
+    let texels = [[1, 2, 3, 255], [4, 5, 6, 255]];
+    let (srgb, linear) = (TextureDesc::srgb8("x", 2, 1, &texels), TextureDesc::linear8("x", 2, 1, &texels));
+    let base = |material: &mut MaterialDesc, used| material.textures.base_color = Some(used);
+    let normal = |material: &mut MaterialDesc, used| material.textures.normal = Some(used);
+    let sheared = |material: &mut MaterialDesc, used: TextureRef| {
+        material.textures.base_color = Some(TextureRef { transform: [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0]], ..used });
+    };
+    assert!(with(srgb.clone(), base).is_ok() && with(linear.clone(), normal).is_ok());
+    for (result, words) in [
+        (with(linear, base), ["texture 'x'", "linear bytes"]),
+        (with(srgb.clone(), normal), ["texture 'x'", "sRGB"]),
+        (with(srgb, sheared), ["material 'wall'", "shear"]),
+    ] {
+        let why = result.unwrap_err();
+        assert!(words.iter().all(|word| why.contains(word)), "{why}");
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use photon_core::glam::Quat;
 use photon_core::random::SplitMix64;
 use photon_core::{EnvironmentMap, Requirements, Settings};
 use photon_scene::{MaterialDesc, Scene, SceneBuilder};
@@ -28,6 +29,15 @@ static SCENES: LazyLock<[Scene; 3]> = LazyLock::new(|| {
     })
 });
 
+/// The brightest texel of each map, times the sum of its width and height.
+static SLOPES: LazyLock<[f64; 3]> = LazyLock::new(|| {
+    SCENES.each_ref().map(|scene| {
+        let map = scene.view().environment.unwrap();
+        let brightest = map.texels().iter().flatten().fold(0.0_f32, |a, &b| a.max(b));
+        f64::from(brightest) * f64::from(map.width() + map.height())
+    })
+});
+
 /// The functions, their twins and their bounds.
 pub(super) fn rows() -> Vec<Row> {
     let module = &shaders::PROBE_ENVIRONMENT;
@@ -36,24 +46,28 @@ pub(super) fn rows() -> Vec<Row> {
         row("environment_bilinear", 0, Bound::Bits, coordinates, |i| {
             output(map(i).bilinear(i.float(0), i.float(1)).to_array())
         }),
-        // Two angles, which are off by 3.5e-7 and 9e-7 of the whole, and roundings.
-        row("environment_radiance", 1, Bound::Conditioned(1e-6, "its condition", slope), direction, |i| {
+        // Two angles, each off by a division of at most an eighth of a turn, one of them by a square root too.
+        row("environment_radiance", 1, Bound::Conditioned(2e-7, "its condition", slope), direction, |i| {
             output(map(i).radiance(i.vector(0)).to_array())
         }),
         // A division.
         row("environment_interval", 2, Bound::Relative(4e-7), random, intervals),
         // 2π times an error in the angle of two divisions.
-        row("environment_sample, direction", 3, Bound::Within(4e-6), random, |i| {
-            output(map(i).sample([i.0[4], i.0[5]]).direction.to_array())
-        }),
-        row("environment_sample, weight", 4, Bound::Conditioned(3e-6, "its condition", slope_of_weight), random, |i| {
+        row(
+            "environment_sample, direction",
+            3,
+            Bound::Conditioned(4e-6, "its condition", near_the_pole),
+            random,
+            |i| output(map(i).sample([i.0[4], i.0[5]]).direction.to_array()),
+        ),
+        row("environment_sample, weight", 4, Bound::Conditioned(6e-7, "its condition", slope_of_weight), random, |i| {
             output(map(i).sample([i.0[4], i.0[5]]).weight.to_array())
         }),
     ]
 }
 
 /// The map of an input.
-fn map(i: &Input) -> &'static EnvironmentMap {
+pub(super) fn map(i: &Input) -> &'static EnvironmentMap {
     SCENES[i.0[9] as usize].view().environment.unwrap()
 }
 
@@ -102,13 +116,22 @@ fn intervals(i: &Input) -> Output {
     output([row as f32, within, probability, 0.0, column as f32, within_column, probability_of_column, 0.0])
 }
 
-/// The change of the radiance for a change of both coordinates, at most: the brightest texel times the sum of the sizes.
+/// The change of the radiance for a change of both coordinates, at most.
 fn slope(i: &Input) -> f64 {
-    let brightest = map(i).texels().iter().flatten().fold(0.0_f32, |a, &b| a.max(b));
-    f64::from(brightest) * f64::from(map(i).width() + map(i).height())
+    SLOPES[i.0[9] as usize]
 }
 
-/// The same for the weight of a sample, which is the radiance times a factor.
+/// Condition number of a sampled direction: the height in the cell is a quotient near 1 at the lower pole, and the sine
+/// is the square root of what is left.
+fn near_the_pole(i: &Input) -> f64 {
+    let words = [i.0[4], i.0[5]];
+    let (row, ..) = EnvironmentMap::interval(map(i).row_starts(), words[0]);
+    let direction = map(i).sample(words).direction;
+    let sine = f64::from(direction.x).hypot(f64::from(direction.z));
+    if direction.y > 0.0 { 1.0 } else { 1.0 + f64::from(map(i).rows()[row].extent) / sine }
+}
+
+/// [`slope`] for the weight of a sample, which is the radiance times a factor.
 fn slope_of_weight(i: &Input) -> f64 {
     let sample = map(i).sample([i.0[4], i.0[5]]);
     slope(i) * f64::from(sample.weight.x) / f64::from(map(i).radiance(sample.direction).x)
@@ -140,9 +163,7 @@ fn environment_maps_are_read_and_sampled_as_in_rust() {
         row.twin = match row.function {
             0 => |i| output(map(i).bilinear(1.0 - i.float(0), i.float(1)).to_array()),
             1 => |i| {
-                let [x, y, z] = i.vector(0).to_array();
-                let turns = map(i).rotation() * std::f32::consts::TAU;
-                let turned = photon_core::glam::Quat::from_rotation_y(turns) * photon_core::glam::Vec3::new(x, y, z);
+                let turned = Quat::from_rotation_y(map(i).rotation() * std::f32::consts::TAU) * i.vector(0);
                 output(map(i).radiance(turned).to_array())
             },
             2 => |i| intervals(&exchanged(i)),

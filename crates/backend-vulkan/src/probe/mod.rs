@@ -8,6 +8,7 @@ mod bias;
 mod compare;
 mod draw;
 mod environment;
+mod environment_limits;
 mod flushed;
 mod layout;
 mod light_sampler;

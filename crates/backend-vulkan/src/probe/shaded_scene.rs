@@ -94,8 +94,9 @@ impl ShadedScene {
         }
         // Normals up to 40 degrees from the vertical.
         for wrap in wraps {
+            let mut byte = |least: u32, most: u32| least + d.word() % (most - least + 1);
             let texels =
-                (0..12).map(|_| 77 + d.word() % 102 | (77 + d.word() % 102) << 8 | (217 + d.word() % 39) << 16);
+                (0..12).map(|_| u32::from_le_bytes([byte(77, 178), byte(77, 178), byte(217, 255), 0].map(|b| b as u8)));
             let (format, filter) = (TexelFormat::Linear8, Filter::Linear);
             let texels = texels.collect();
             self.textures.push(Texture { texels, width: 4, height: 3, format, wrap: [wrap; 2], filter });

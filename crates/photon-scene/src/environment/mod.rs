@@ -136,7 +136,7 @@ impl EnvironmentDesc {
                 let height = radiance.len().checked_div(*width).unwrap_or(0);
                 // Other projections, such as cube maps and light probes, have other shapes.
                 let (long, high) = (*width as f64, height as f64);
-                if !(long >= 1.9 * high && long <= 2.1 * high) {
+                if height == 0 || !(1.9 * high..=2.1 * high).contains(&long) {
                     return Err(self.fault(
                         format!("it has {width} × {height} texels"),
                         "an image in latitude and longitude is twice as wide as it is high; convert cube maps and light \

@@ -9,7 +9,6 @@ mod sun;
 #[cfg(all(test, feature = "sky"))]
 mod tests;
 
-use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
@@ -166,7 +165,7 @@ impl EnvironmentDesc {
         let irradiance = sun::irradiance(elevation, turbidity);
         let map = self.map(sky::WIDTH, &sky.texels(irradiance))?;
         let irradiance = irradiance.map(|c| c * self.scale);
-        let turn = TAU * f64::from(map.rotation());
+        let turn = std::f64::consts::TAU * f64::from(map.rotation());
         let (height, beside) = (libm::sin(elevation), libm::cos(elevation));
         let direction = [beside * libm::sin(turn), -height, beside * libm::cos(turn)];
         let sun = (irradiance != [0.0; 3]).then_some(LightDesc::Directional { direction, irradiance });

@@ -39,7 +39,6 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-#[track_caller]
 fn close(found: [f64; 3], truth: [f64; 3], tolerance: f64) -> bool {
     (0..3).all(|c| (found[c] / truth[c] - 1.0).abs() < tolerance)
 }

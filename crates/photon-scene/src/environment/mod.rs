@@ -9,7 +9,6 @@ mod sun;
 #[cfg(all(test, feature = "sky"))]
 mod tests;
 
-use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
@@ -136,7 +135,7 @@ impl EnvironmentDesc {
                 let height = radiance.len().checked_div(*width).unwrap_or(0);
                 // Other projections, such as cube maps and light probes, have other shapes.
                 let (long, high) = (*width as f64, height as f64);
-                if !(long >= 1.9 * high && long <= 2.1 * high) {
+                if height == 0 || !(1.9 * high..=2.1 * high).contains(&long) {
                     return Err(self.fault(
                         format!("it has {width} × {height} texels"),
                         "an image in latitude and longitude is twice as wide as it is high; convert cube maps and light \
@@ -166,7 +165,7 @@ impl EnvironmentDesc {
         let irradiance = sun::irradiance(elevation, turbidity);
         let map = self.map(sky::WIDTH, &sky.texels(irradiance))?;
         let irradiance = irradiance.map(|c| c * self.scale);
-        let turn = TAU * f64::from(map.rotation());
+        let turn = std::f64::consts::TAU * f64::from(map.rotation());
         let (height, beside) = (libm::sin(elevation), libm::cos(elevation));
         let direction = [beside * libm::sin(turn), -height, beside * libm::cos(turn)];
         let sun = (irradiance != [0.0; 3]).then_some(LightDesc::Directional { direction, irradiance });

@@ -10,7 +10,7 @@ const HDR: &[u8] = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x
 /// An uncompressed EXR of 2 × 1 texels with equal channels.
 fn exr(folder: &Folder, name: &str, values: [f32; 2]) -> std::path::PathBuf {
     let path = folder.0.join(name);
-    exr::prelude::write_rgb_file(&path, 2, 1, |x, _| (values[x], values[x], values[x])).unwrap();
+    exr::prelude::write_rgb_file(&path, 2, 1, |x, _| (values[x], values[x], values[x])).expect("an image");
     path
 }
 

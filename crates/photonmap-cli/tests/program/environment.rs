@@ -34,7 +34,6 @@ fn mean(folder: &Path, scene: &[&str]) -> [f64; 3] {
     ["R", "G", "B"].map(|name| all[name].iter().map(|&v| f64::from(v)).sum::<f64>() / all[name].len() as f64)
 }
 
-#[track_caller]
 fn close(found: [f64; 3], truth: [f64; 3]) -> bool {
     (0..3).all(|c| (found[c] - truth[c]).abs() <= 0.01 * truth[c])
 }
@@ -96,7 +95,7 @@ fn the_command_line_has_precedence() {
         assert_eq!(json(&report)["environment"].as_str(), expected);
         let meta = exr::meta::MetaData::read_from_file(&picture, false).unwrap();
         let attributes = &meta.headers[0].own_attributes.other;
-        let written = attributes.iter().find(|(name, _)| name.to_string() == "photon:environment").unwrap().1;
+        let written = attributes.iter().find(|(name, _)| *name == "photon:environment").unwrap().1;
         assert_eq!(Some(written.to_text().unwrap().to_string().as_str()), expected);
         let explained = stdout(&run("explain", &[&scene[..], arguments].concat()));
         assert!(explained.contains(&format!("environment: {}\n", expected.unwrap())), "{explained}");

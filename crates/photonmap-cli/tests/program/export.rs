@@ -133,14 +133,23 @@ fn what_cannot_be_exported_is_named() {
     let far = path("far.toml");
     let light = "[[lights]]\ntype = \"point\"\nposition = [0, 0, 0]\nintensity = 1e60\n";
     std::fs::write(&far, light).unwrap();
+    let shaded = |name: &str, text: &str| {
+        std::fs::write(path(name), text).unwrap();
+        path(name)
+    };
+    let colors = shaded("colors.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n");
+    let normals = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0.1 0 1\nvn 0 0.1 1\nvn 0 0 1\nf 1//1 2//2 3//3\n";
+    let normals = shaded("normals.obj", normals);
     let (glb, xml, nowhere) = (path("a.glb"), path("a.xml"), path("no/such/a.glb"));
-    let cases: [(&[&str], &str); 7] = [
+    let cases: [(&[&str], &str); 9] = [
         (&["no-such-scene", "-o", &glb], "no-such-scene"),
         (&["ring", "-o", "a.obj"], "a.obj"),
         (&["ring", "-o", &nowhere], "no/such"),
         (&["ring"], "--output"),
         (&["ring", "--size", "0x0", "-o", &xml], "0x0"),
         (&["cornell", "--overrides", &glow, "-o", &xml], "both sides"),
+        (&[&colors, "-o", &xml], "vertex colours cannot be written for Mitsuba"),
+        (&[&normals, "-o", &xml], "vertex normals cannot be written for Mitsuba"),
         (&["cornell", "--overrides", &far, "-o", &glb], "override light 0"),
     ];
     for (arguments, culprit) in cases {

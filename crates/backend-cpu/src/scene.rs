@@ -111,12 +111,8 @@ impl CpuScene {
     #[inline]
     pub(crate) fn emission_ratio(&self, light: &Light, u: f32, v: f32) -> Vec3 {
         let Some(shading) = &self.shading else { return Vec3::ONE };
-        let triangle = light.primitive as usize;
-        let material = &self.materials[self.primitives[triangle].material as usize];
-        let sides = if light.flags & Light::BOTH_SIDES != 0 { 2.0 } else { 1.0 };
-        let flux = shading.view().emission(triangle, (u, v), material) * (sides * std::f32::consts::PI * light.area);
-        let power = Vec3::from(light.power);
-        Vec3::select(power.cmpgt(Vec3::ZERO), flux / power, Vec3::ZERO)
+        let material = &self.materials[self.primitives[light.primitive as usize].material as usize];
+        shading.view().emission_ratio(light, (u, v), material)
     }
 
     /// The interface that a path in `media` meets at `surface`: the media on its two sides.

@@ -83,6 +83,9 @@ pub(crate) static PROBE_BIAS: Module = Module { name: "probe_bias", bytes: inclu
 
 pub(crate) static PROBE_BSDF: Module = Module { name: "probe_bsdf", bytes: include_bytes!("../spirv/probe_bsdf.spv") };
 
+pub(crate) static PROBE_ENVIRONMENT: Module =
+    Module { name: "probe_environment", bytes: include_bytes!("../spirv/probe_environment.spv") };
+
 pub(crate) static PROBE_KERNEL: Module =
     Module { name: "probe_kernel", bytes: include_bytes!("../spirv/probe_kernel.spv") };
 
@@ -115,8 +118,17 @@ pub(crate) static PROBE_RANDOM: Module =
 pub(crate) static PROBE_SAMPLING: Module =
     Module { name: "probe_sampling", bytes: include_bytes!("../spirv/probe_sampling.spv") };
 
+pub(crate) static PROBE_SHADE: Module =
+    Module { name: "probe_shade", bytes: include_bytes!("../spirv/probe_shade.spv") };
+
+pub(crate) static PROBE_SHADING_NORMAL: Module =
+    Module { name: "probe_shading_normal", bytes: include_bytes!("../spirv/probe_shading_normal.spv") };
+
 pub(crate) static PROBE_SOLID_ANGLE: Module =
     Module { name: "probe_solid_angle", bytes: include_bytes!("../spirv/probe_solid_angle.spv") };
+
+pub(crate) static PROBE_TEXTURE: Module =
+    Module { name: "probe_texture", bytes: include_bytes!("../spirv/probe_texture.spv") };
 
 pub(crate) static PROBE_TRIANGLE: Module =
     Module { name: "probe_triangle", bytes: include_bytes!("../spirv/probe_triangle.spv") };
@@ -204,7 +216,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 71] = [
+pub(crate) static ALL: [&Module; 75] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -234,6 +246,7 @@ pub(crate) static ALL: [&Module; 71] = [
     &PROBE_AREA,
     &PROBE_BIAS,
     &PROBE_BSDF,
+    &PROBE_ENVIRONMENT,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,
     &PROBE_LIGHT_SAMPLER,
@@ -245,7 +258,10 @@ pub(crate) static ALL: [&Module; 71] = [
     &PROBE_PROJECTION,
     &PROBE_RANDOM,
     &PROBE_SAMPLING,
+    &PROBE_SHADE,
+    &PROBE_SHADING_NORMAL,
     &PROBE_SOLID_ANGLE,
+    &PROBE_TEXTURE,
     &PROBE_TRIANGLE,
     &RAYS_NEAREST,
     &SCAN_ALONE,

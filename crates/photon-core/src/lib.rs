@@ -67,6 +67,6 @@ pub use shading::environment::EnvironmentSample;
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    area, fresnel, light_sampler, math, octahedral, offset, random, sampling, shading_normal, sobol, solid_angle,
-    texture,
+    area, fresnel, light_sampler, math, octahedral, offset, random, sampling, shade, shading_normal, sobol,
+    solid_angle, texture,
 };

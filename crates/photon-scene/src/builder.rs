@@ -1,6 +1,7 @@
 //! [`SceneBuilder`]: assembles a scene from materials, meshes, lights and cameras.
 
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
+use crate::environment::EnvironmentDesc;
 use crate::error::SceneError;
 use crate::mesh::{Mesh, VertexAttributes};
 use crate::scene::Scene;
@@ -36,6 +37,9 @@ pub struct SceneBuilder {
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) lights: Vec<(String, LightDesc)>,
     pub(crate) environment: Option<EnvironmentMap>,
+    /// The sun of the environment, and how that was described.
+    pub(crate) sun: Option<LightDesc>,
+    pub(crate) environment_text: Option<String>,
     pub(crate) cameras: Vec<(String, CameraDesc)>,
 }
 
@@ -96,6 +100,19 @@ impl SceneBuilder {
     /// none.
     pub fn environment(&mut self, map: EnvironmentMap) {
         self.environment = (map.mean_radiance() != [0.0; 3]).then_some(map);
+        (self.sun, self.environment_text) = (None, None);
+    }
+
+    /// As [`Self::environment`], from a description; its sun, if it has one, replaces that of an earlier description.
+    ///
+    /// # Errors
+    /// As [`EnvironmentDesc::bake`].
+    pub fn environment_from(&mut self, desc: &EnvironmentDesc) -> Result<(), SceneError> {
+        let baked = desc.bake()?;
+        self.environment(baked.map);
+        self.sun = baked.sun;
+        self.environment_text = Some(desc.to_string());
+        Ok(())
     }
 
     /// Adds a camera; the first one is the default.
@@ -118,7 +135,7 @@ impl SceneBuilder {
     #[must_use]
     pub fn has_light(&self) -> bool {
         let emits = |mesh: &Mesh| self.materials.get(mesh.material.0 as usize).is_some_and(MaterialDesc::is_emissive);
-        !self.lights.is_empty() || self.environment.is_some() || self.meshes.iter().any(emits)
+        !self.lights.is_empty() || self.environment.is_some() || self.sun.is_some() || self.meshes.iter().any(emits)
     }
 
     /// Bounding box of the triangles in user space: lower and upper corner. `None` without triangles.
@@ -141,6 +158,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError`] for any value out of range; it names the material, mesh, light or camera.
     pub fn build(mut self) -> Result<Scene, SceneError> {
+        self.lights.extend(self.sun.take().map(|sun| ("sun".to_owned(), sun)));
         validate::check(&self)?;
         shading::fold(&mut self.materials, &self.textures);
         let frame = normalise::Frame::new(&self.meshes, &self.lights)?;
@@ -176,6 +194,7 @@ impl SceneBuilder {
         let radius = lit.lights.iter().map(|light| normalise::length(light.position)).fold(geometry.radius, f64::max);
         Ok(Scene {
             environment: self.environment.filter(|_| lit.shows_environment()).map(|map| map.scaled(lit.per_power())),
+            environment_text: self.environment_text,
             light_cdf: light_cdf(&lit.means),
             units,
             shading,

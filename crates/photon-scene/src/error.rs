@@ -30,6 +30,16 @@ pub enum SceneError {
         /// The valid range.
         hint: &'static str,
     },
+    /// An environment has a property out of range, or an unsuitable image.
+    #[error("environment '{environment}': {what}; {hint}")]
+    Environment {
+        /// Name of the environment: its file, or its description.
+        environment: String,
+        /// What is wrong.
+        what: String,
+        /// What would be valid.
+        hint: &'static str,
+    },
     /// A property of a camera is out of range.
     #[error("camera '{camera}': {property} is {value}, but {hint}")]
     Camera {

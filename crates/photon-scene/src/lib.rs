@@ -12,6 +12,7 @@ mod camera;
 mod color;
 mod describe;
 mod edges;
+mod environment;
 mod error;
 #[cfg(feature = "files")]
 mod extras;
@@ -34,6 +35,7 @@ pub use builder::{MaterialId, SceneBuilder};
 pub use builtin::{FurnaceShape, IntegratingSphere, builtin, builtin_names, furnace, plates};
 pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode, CompressedTree};
 pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+pub use environment::{Environment, EnvironmentDesc, EnvironmentSource};
 pub use error::SceneError;
 #[cfg(feature = "files")]
 pub use load::{Image, ImageError, Overrides, load, load_builder, load_gltf, load_image, load_obj, load_ply};

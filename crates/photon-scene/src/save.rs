@@ -39,9 +39,10 @@ use crate::shading;
 ///
 /// # Errors
 /// The errors of [`SceneBuilder::build`], and [`SceneError::Extreme`] for numbers beyond single precision or a file
-/// beyond 4 GiB. [`SceneError::Export`] for what glTF has no place for: base colours and emission of linear bytes, normal
-/// maps in sRGB, and transforms of textures with shear.
+/// beyond 4 GiB. [`SceneError::Export`] for what glTF has no place for: an environment, base colours and emission of
+/// linear bytes, normal maps in sRGB, and transforms of textures with shear.
 pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
+    refuse_environment(scene)?;
     scene.clone().build()?;
     let mut file = File::default();
     let mut descs = scene.materials.clone();
@@ -62,6 +63,18 @@ pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     let cameras: Vec<Value> =
         scene.cameras.iter().map(|(name, desc)| file.camera(name, desc)).collect::<Result<_, _>>()?;
     file.finish(materials, lights, cameras)
+}
+
+/// glTF has no environment in its core or in a ratified extension.
+fn refuse_environment(scene: &SceneBuilder) -> Result<(), SceneError> {
+    if scene.environment.is_none() && scene.sun.is_none() {
+        return Ok(());
+    }
+    let what = scene.environment_text.as_ref().map_or_else(String::new, |text| format!(" ({text})"));
+    Err(SceneError::Export {
+        what: format!("the environment{what}"),
+        hint: "write the scene without it, and give it again when the file is rendered",
+    })
 }
 
 #[derive(Default)]

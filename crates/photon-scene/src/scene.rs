@@ -22,6 +22,7 @@ pub struct Scene {
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
     pub(crate) environment: Option<EnvironmentMap>,
+    pub(crate) environment_text: Option<String>,
     pub(crate) shading: Tables,
     pub(crate) radius: f32,
     pub(crate) units: Units,
@@ -80,6 +81,13 @@ impl Scene {
     #[must_use]
     pub fn units(&self) -> Units {
         self.units
+    }
+
+    /// The description of the environment ([`crate::EnvironmentDesc`]), for headers of files; `None` without one, or with
+    /// one that was set as a map.
+    #[must_use]
+    pub fn environment_text(&self) -> Option<&str> {
+        self.environment_text.as_deref()
     }
 
     /// Names of the materials, by index.

@@ -8,11 +8,13 @@ use photon_core::{Bandwidth, Budget, Estimator, IndexKind, Indirect, Paper, Plan
 
 use crate::fault::Fault;
 
+mod environment;
 mod groups;
 #[cfg(test)]
 mod tests;
 mod values;
 
+pub use environment::{EnvironmentArgs, EnvironmentName};
 pub use groups::{BudgetArgs, EstimateArgs, LightArgs, MachineArgs, OutputArgs, PhotonArgs, PictureArgs, SceneArgs};
 
 /// Parser of the names of photon map data structures.

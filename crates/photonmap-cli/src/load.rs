@@ -37,11 +37,20 @@ pub fn print(report: &LoadReport, strict: bool) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The description of a scene, with the overrides applied; not validated yet.
+/// The description of a scene, with the overrides and the environment of the command line applied; not validated yet.
 ///
 /// # Errors
-/// [`Fault::Input`] for an unknown name, or a file that cannot be read or is invalid.
+/// [`Fault::Input`] for an unknown name, a file that cannot be read or is invalid, or an invalid environment.
 pub fn builder(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
+    let (mut builder, mut report) = described(args)?;
+    if let Some(desc) = args.environment.desc(&mut report)? {
+        builder.environment_from(&desc)?;
+    }
+    Ok((builder, report))
+}
+
+/// The description of a scene with the overrides applied.
+fn described(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
     let overrides = args.overrides.as_deref().map(Overrides::read).transpose()?;
     match photon_scene::builtin(&args.scene) {
         Some(mut builder) => {

@@ -5,6 +5,7 @@
 //! it cannot express an error.
 
 mod ply;
+mod unsupported;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -29,9 +30,11 @@ pub struct Written {
 /// Writes the scene with the given camera.
 ///
 /// # Errors
-/// [`Fault::Input`] for a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
+/// [`Fault::Input`] for what is not written: textures, vertex normals and colours, an environment that is not constant,
+/// a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> Result<Written, Fault> {
     let view = scene.view();
+    unsupported::refuse(scene)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder_name = format!("{stem}-meshes");
     let folder = path.with_file_name(&folder_name);
@@ -50,15 +53,10 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> R
             text += &shape(scene, index, material, &format!("{folder_name}/{name}"))?;
         }
     }
-    let shading = view.shading;
-    if !(shading.textures.is_empty() && shading.normals.is_empty() && shading.colors.is_empty()) {
-        written.warnings.push(format!(
-            "textures, vertex normals and vertex colours are not written: {} textures, {} triangles with normals, {} with \
-             colours; a .glb has them",
-            shading.textures.len(),
-            shading.normals.len(),
-            shading.colors.len()
-        ));
+    if let Some([r, g, b, _]) = view.environment.and_then(|map| map.texels().first()) {
+        // Of a constant environment, all others are refused.
+        let radiance = [r, g, b].map(|c| f64::from(*c) * scene.units().radiance_to_user());
+        let _ = writeln!(text, "    <emitter type=\"constant\">{}</emitter>", rgb("radiance", radiance));
     }
     for light in view.lights {
         text += &emitter(scene, light, &mut written.warnings);
@@ -173,7 +171,7 @@ fn shape(scene: &Scene, index: usize, material: &Material, file: &str) -> Result
     Ok(text)
 }
 
-/// The emitter of a light; empty for triangles, which are exported as shapes.
+/// The emitter of a light; empty for triangles, which are exported as shapes, and for the environment.
 fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
     let units = scene.units();
     let watts = light.power.map(|c| f64::from(c) * units.power);

@@ -9,6 +9,8 @@ use serde_json::{Value, json};
 pub struct Details<'a> {
     /// Name of the scene, as given.
     pub scene: &'a str,
+    /// The environment, in words.
+    pub environment: Option<&'a str>,
     /// Width and height in pixels.
     pub size: (u32, u32),
     /// The settings.
@@ -60,6 +62,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
     let last = outcome.last.as_ref();
     json!({
         "scene": details.scene,
+        "environment": details.environment,
         "size": [details.size.0, details.size.1],
         "backend": facts.backend,
         "device": facts.device,

@@ -7,6 +7,7 @@ mod area;
 mod bias;
 mod compare;
 mod draw;
+mod environment;
 mod flushed;
 mod layout;
 mod light_sampler;
@@ -16,10 +17,14 @@ mod projection;
 pub(crate) mod push;
 mod rules;
 mod scene;
+mod shade;
+mod shaded_scene;
+mod shading_normal;
 mod solid_angle;
 pub(crate) mod specialization;
 mod spirv;
 mod table;
+mod texture;
 mod triangle;
 
 use bytemuck::{Pod, Zeroable};
@@ -49,15 +54,16 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL
-        PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SOLID_ANGLE PROBE_TRIANGLE,
+    push_layout: Push => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_MEDIA
+        PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SHADE
+        PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     inputs outputs count padding
 );
 
 specialized!(
-    probe_constants: ProbeConstants => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH
-        PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING
-        PROBE_SOLID_ANGLE PROBE_TRIANGLE,
+    probe_constants: ProbeConstants => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_KERNEL
+        PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM
+        PROBE_SAMPLING PROBE_SHADE PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     2 function: u32; default features shared_groups
 );
 
@@ -108,7 +114,8 @@ fn worst_of(on: &mut Vulkan, row: &Row, inputs: &[Input], outputs: &[Output]) ->
 /// All functions that are compared.
 fn all_rows() -> Vec<Row> {
     let single = vec![triangle::row(), photon_format::row()];
-    [table::rows(), light_sampler::rows(), media::rows(), projection::rows(), single].concat()
+    let shading = [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows()].concat();
+    [table::rows(), light_sampler::rows(), media::rows(), projection::rows(), shading, single].concat()
 }
 
 /// Checks every row of the table and reports all that fail.

@@ -71,16 +71,17 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             (false, ..) => "there are none",
             (_, true, _) => "the paper's estimator needs full photons of 32 bytes",
             (_, _, PhotonFormat::Mono) => "lights and surfaces are grey: one power per photon is stored, in 20 bytes",
-            _ => "a light or a surface is not grey: 12 of the 28 bytes of each photon",
+            _ => "a light or a surface is not grey: 12 of the bytes of each photon",
         },
     );
     say(
         "directions of photons",
         any_map && required.photon_format == PhotonFormat::Full,
-        match (any_map, paper) {
-            (false, _) => "there are none",
-            (true, true) => "the paper's estimator reads them",
-            (true, false) => "only the paper's estimator reads them",
+        match (any_map, paper, required.photon_format == PhotonFormat::Full) {
+            (false, ..) => "there are none",
+            (true, true, _) => "the paper's estimator reads them",
+            (true, false, true) => "shading normals: photons count by their angle to them",
+            (true, false, false) => "only the paper's estimator and shading normals need them",
         },
     );
     let pilot = any_map && radii::need_pilot(settings);

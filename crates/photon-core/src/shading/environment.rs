@@ -26,9 +26,10 @@ impl EnvironmentMap {
         self.bilinear(u - u.floor(), 2.0 * turns_of(across, direction.y))
     }
 
-    /// The image at (u, v), both in `[0, 1]`.
+    /// The image at (u, v), both in `[0, 1]`: radiance without the map's rotation.
     #[inline]
-    fn bilinear(&self, u: f32, v: f32) -> Vec3 {
+    #[must_use]
+    pub fn bilinear(&self, u: f32, v: f32) -> Vec3 {
         let (width, height) = (self.width(), self.height());
         let (x, y) = (u * width as f32 - 0.5, v * height as f32 - 0.5);
         let (left, above) = (x.floor(), y.floor());
@@ -47,14 +48,29 @@ impl EnvironmentMap {
         row(upper) * (1.0 - down) + row(lower) * down
     }
 
+    /// The interval of `starts` that contains `random`: its index, the position in it, in `(0, 1)`, and its probability.
+    /// `starts` are those of the rows or of the cells of a row, and begin with 0.
+    #[inline]
+    #[must_use]
+    pub fn interval(starts: &[u32], random: u32) -> (usize, f32, f32) {
+        let index = pick_light(starts, random);
+        // The last interval ends at 2³², so that the difference wraps around; a single one is the whole range.
+        let end = starts.get(index + 1).copied().unwrap_or(0);
+        let span = end.wrapping_sub(starts[index]);
+        let span = if span == 0 { 4_294_967_296.0 } else { span as f32 };
+        // 24 bits are exact in f32.
+        let within = ((random - starts[index]) as f32 + 0.5) / span;
+        (index, within.min(1.0 - f32::EPSILON), span * (1.0 / 4_294_967_296.0))
+    }
+
     /// A direction for two random words.
     #[inline]
     #[must_use]
     pub fn sample(&self, words: [u32; 2]) -> EnvironmentSample {
-        let (row, within_row, _) = interval(self.row_starts(), words[0]);
+        let (row, within_row, _) = Self::interval(self.row_starts(), words[0]);
         let columns = self.columns() as usize;
         let starts = &self.column_starts()[row * columns..(row + 1) * columns];
-        let (column, within_column, column_probability) = interval(starts, words[1]);
+        let (column, within_column, column_probability) = Self::interval(starts, words[1]);
         let cell = self.rows()[row];
         // From the nearer pole, where differences are small.
         let height = cell.extent * within_row;
@@ -74,19 +90,6 @@ impl EnvironmentMap {
         let weight = self.radiance(direction) * (solid_angle / (cell.probability * column_probability));
         EnvironmentSample { direction, weight }
     }
-}
-
-/// The interval of `starts` that contains `random`: its index, the position in it, in `(0, 1)`, and its probability.
-#[inline]
-fn interval(starts: &[u32], random: u32) -> (usize, f32, f32) {
-    let index = pick_light(starts, random);
-    // The last interval ends at 2³², so that the difference wraps around; a single one is the whole range.
-    let end = starts.get(index + 1).copied().unwrap_or(0);
-    let span = end.wrapping_sub(starts[index]);
-    let span = if span == 0 { 4_294_967_296.0 } else { span as f32 };
-    // 24 bits are exact in f32.
-    let within = ((random - starts[index]) as f32 + 0.5) / span;
-    (index, within.min(1.0 - f32::EPSILON), span * (1.0 / 4_294_967_296.0))
 }
 
 #[cfg(test)]

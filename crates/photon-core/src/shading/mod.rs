@@ -12,7 +12,7 @@ pub mod octahedral;
 pub mod offset;
 pub mod random;
 pub mod sampling;
-pub(crate) mod shade;
+pub mod shade;
 pub mod shading_normal;
 pub mod sobol;
 pub mod solid_angle;

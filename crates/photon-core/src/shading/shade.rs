@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::scene::caster::Hit;
+use crate::scene::light::Light;
 use crate::scene::material::Material;
 use crate::scene::texture::{MaterialTextures, ShadingTables};
 use crate::shading::interaction::SurfaceInteraction;
@@ -38,7 +39,7 @@ impl Shading<'_> {
         let corners = Corners { triangle: hit.primitive as usize, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] };
         let mut shaded = *material;
         if let Some(colors) = self.tables.colors.get(corners.triangle) {
-            let color = corners.interpolate(colors.map(unpack_color));
+            let color = interpolate(colors.map(unpack_color), corners.weights);
             shaded.albedo = (Vec3::from(shaded.albedo) * color).to_array();
         }
         let front = if surface.front { surface.normal } else { -surface.normal };
@@ -68,6 +69,18 @@ impl Shading<'_> {
         self.sample(used, &corners).map_or(emission, |color| emission * color)
     }
 
+    /// Ratio of the radiance that the triangle of `light` emits at barycentric coordinates (u, v) to its mean, where
+    /// `material` is the triangle's; 0 in a channel that it does not emit.
+    #[inline]
+    #[must_use]
+    pub fn emission_ratio(&self, light: &Light, (u, v): (f32, f32), material: &Material) -> Vec3 {
+        let sides = if light.flags & Light::BOTH_SIDES != 0 { 2.0 } else { 1.0 };
+        let emission = self.emission(light.primitive as usize, (u, v), material);
+        let flux = emission * (sides * std::f32::consts::PI * light.area);
+        let power = Vec3::from(light.power);
+        Vec3::select(power.cmpgt(Vec3::ZERO), flux / power, Vec3::ZERO)
+    }
+
     #[inline]
     fn textures_of(&self, material: &Material) -> Option<&MaterialTextures> {
         self.tables.material_textures.get((material.textures as usize).wrapping_sub(1))
@@ -90,23 +103,16 @@ impl Shading<'_> {
     fn vertex_normal(&self, corners: &Corners, front: Vec3) -> Vec3 {
         match self.tables.normals.get(corners.triangle) {
             Some(&[ShadingTables::FLAT, ..]) | None => front,
-            Some(packed) => corners.interpolate(packed.map(octahedral::unpack)).normalize_or(front),
+            Some(packed) => interpolate(packed.map(octahedral::unpack), corners.weights).normalize_or(front),
         }
     }
 
-    /// `normal` turned by a texel of a normal map, in the frame of the vertex tangents (glTF 2.0, section 3.9.3).
+    /// `normal` turned by a texel of a normal map, in the frame of the vertex tangents.
     #[inline]
     fn mapped_normal(&self, corners: &Corners, normal: Vec3, texel: Vec3, scale: f32) -> Vec3 {
         let Some(packed) = self.tables.tangents.get(corners.triangle) else { return normal };
-        let tangent = corners.interpolate(packed.map(octahedral::unpack));
-        let tangent = (tangent - normal * normal.dot(tangent)).normalize_or(Vec3::ZERO);
-        if tangent == Vec3::ZERO {
-            return normal;
-        }
-        let sign = if packed[0] & 1 == 1 { -1.0 } else { 1.0 };
-        let bitangent = normal.cross(tangent) * sign;
-        let [x, y, z] = (texel * 2.0 - Vec3::ONE).to_array();
-        (tangent * (x * scale) + bitangent * (y * scale) + normal * z).normalize_or(normal)
+        let tangent = interpolate(packed.map(octahedral::unpack), corners.weights);
+        turned(tangent, if packed[0] & 1 == 1 { -1.0 } else { 1.0 }, normal, texel, scale)
     }
 }
 
@@ -116,16 +122,32 @@ struct Corners {
     weights: [f32; 3],
 }
 
-impl Corners {
-    #[inline]
-    fn interpolate(&self, [a, b, c]: [Vec3; 3]) -> Vec3 {
-        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
-    }
+/// The sum of the values at three vertices, weighted.
+#[inline]
+#[must_use]
+pub fn interpolate([a, b, c]: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
+    a * weights[0] + b * weights[1] + c * weights[2]
 }
 
-/// Red, green and blue of a vertex colour.
+/// The unit vector `normal` turned by a texel of a normal map (glTF 2.0, section 3.9.3): `tangent` is made perpendicular
+/// to it, `sign` is 1 or -1 for the direction of the bitangent, and `scale` multiplies x and y of the texel. `normal`
+/// itself where `tangent` is parallel to it or the result is 0.
 #[inline]
-fn unpack_color([red_green, blue_alpha]: [u32; 2]) -> Vec3 {
+#[must_use]
+pub fn turned(tangent: Vec3, sign: f32, normal: Vec3, texel: Vec3, scale: f32) -> Vec3 {
+    let tangent = (tangent - normal * normal.dot(tangent)).normalize_or(Vec3::ZERO);
+    if tangent == Vec3::ZERO {
+        return normal;
+    }
+    let bitangent = normal.cross(tangent) * sign;
+    let [x, y, z] = (texel * 2.0 - Vec3::ONE).to_array();
+    (tangent * (x * scale) + bitangent * (y * scale) + normal * z).normalize_or(normal)
+}
+
+/// Red, green and blue of a vertex colour, an entry of [`ShadingTables::colors`].
+#[inline]
+#[must_use]
+pub fn unpack_color([red_green, blue_alpha]: [u32; 2]) -> Vec3 {
     const STEP: f32 = 1.0 / 65_535.0;
     Vec3::new((red_green & 0xFFFF) as f32, (red_green >> 16) as f32, (blue_alpha & 0xFFFF) as f32) * STEP
 }

@@ -43,9 +43,11 @@ pub fn lookup(texture: &Texture, values: &ByteValues, uv: [f32; 2]) -> [f32; 4] 
     if down == 0.0 { first } else { mix(first, row(lower), down) }
 }
 
-/// The two texels on either side of a coordinate, and the weight of the second.
+/// The two texels of `size` on either side of a coordinate, and the weight of the second, in `[0, 1)`; one texel and 0
+/// for [`Filter::Nearest`].
 #[inline]
-fn axis(coordinate: f32, size: u32, wrap: Wrap, filter: Filter) -> (u32, u32, f32) {
+#[must_use]
+pub fn axis(coordinate: f32, size: u32, wrap: Wrap, filter: Filter) -> (u32, u32, f32) {
     let t = if coordinate.is_finite() { coordinate } else { 0.0 };
     let inside = match wrap {
         Wrap::Repeat => t - t.floor(),

@@ -3,14 +3,15 @@
 mod frame;
 
 use self::frame::Frame;
-use super::schema::{Camera, File, Kind, Light, Material, Quad};
+use super::schema::{Camera, Environment, File, Kind, Light, Material, Quad};
 use crate::builder::{MaterialId, SceneBuilder};
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::environment::EnvironmentDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
 use std::path::{Path, PathBuf};
 
-/// Materials, lights, cameras and quadrilaterals that change or extend a scene, read from TOML.
+/// Materials, lights, an environment, cameras and quadrilaterals that change or extend a scene, read from TOML.
 ///
 /// A given albedo or tint replaces the texture of the base colour too, a given emission that of the emission.
 ///
@@ -54,14 +55,14 @@ impl Overrides {
         }
     }
 
-    /// Modifies a scene: changes materials first, then adds quadrilaterals, lights and cameras. The
-    /// new cameras are inserted before existing ones, so that the first of them is the default.
+    /// Modifies a scene: changes materials first, then adds quadrilaterals, lights and cameras, and sets the environment.
+    /// The new cameras are inserted before existing ones, so that the first of them is the default.
     ///
     /// Removes report lines about materials whose surface is now given by the override file.
     ///
     /// # Errors
     /// A material that does not exist, a property that its kind does not have, a camera without or
-    /// with two projections; the error has the name.
+    /// with two projections, an environment that cannot be read or is invalid; the error has the name.
     pub fn apply(&self, scene: &mut SceneBuilder, report: &mut LoadReport) -> Result<(), SceneError> {
         let frame = Frame::of(scene);
         for (name, material) in &self.file.materials {
@@ -76,6 +77,9 @@ impl Overrides {
         }
         for (index, light) in self.file.lights.iter().enumerate() {
             add_light(index, light, frame, scene);
+        }
+        if let Some(environment) = &self.file.environment {
+            scene.environment_from(&self.environment(environment, report)?)?;
         }
         let mut cameras = Vec::new();
         for camera in &self.file.cameras {
@@ -176,6 +180,25 @@ impl Overrides {
         let corners = frame.corners(quad.relative, quad.corner, quad.edges);
         scene.quad(name, corners, MaterialId(material as u32));
         Ok(())
+    }
+
+    fn environment(&self, with: &Environment, report: &mut LoadReport) -> Result<EnvironmentDesc, SceneError> {
+        let desc = match (&with.file, with.radiance, with.sky) {
+            (Some(file), None, None) => {
+                let folder = self.path.parent().unwrap_or(Path::new(""));
+                EnvironmentDesc::read(&folder.join(file), report)?
+            }
+            (None, Some(radiance), None) => EnvironmentDesc::constant(radiance.rgb()),
+            (None, None, Some(sky)) => EnvironmentDesc::sky(sky.elevation, sky.turbidity),
+            (None, None, None) => {
+                return Err(self.fault("[environment] is empty".to_owned(), "give it file, radiance or sky"));
+            }
+            _ => {
+                let what = "[environment] has more than one of file, radiance and sky".to_owned();
+                return Err(self.fault(what, "give one of them"));
+            }
+        };
+        Ok(desc.rotated(with.rotate_degrees).scaled(with.scale))
     }
 
     fn camera(&self, camera: &Camera, frame: Frame) -> Result<CameraDesc, SceneError> {

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// The whole file.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -11,6 +12,7 @@ pub(super) struct File {
     pub(super) lights: Vec<Light>,
     pub(super) quads: Vec<Quad>,
     pub(super) cameras: Vec<Camera>,
+    pub(super) environment: Option<Environment>,
 }
 
 /// `[materials."name"]`: the given properties replace those of the scene.
@@ -124,4 +126,29 @@ pub(super) struct Camera {
 
 fn upwards() -> [f64; 3] {
     [0.0, 1.0, 0.0]
+}
+
+/// `[environment]`: one of `file`, `radiance` and `sky`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Environment {
+    pub(super) file: Option<PathBuf>,
+    pub(super) radiance: Option<Colour>,
+    pub(super) sky: Option<Sky>,
+    #[serde(default)]
+    pub(super) rotate_degrees: f64,
+    #[serde(default = "unscaled")]
+    pub(super) scale: f64,
+}
+
+/// The clear sky of an environment.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Sky {
+    pub(super) elevation: f64,
+    pub(super) turbidity: f64,
+}
+
+fn unscaled() -> f64 {
+    1.0
 }

@@ -1,5 +1,6 @@
 //! Files of the supported formats, written by the tests themselves.
 
+mod environment;
 mod obj;
 mod obj_textures;
 mod overrides;

@@ -9,6 +9,7 @@ use photon_core::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Scheduling,
 };
 
+use super::environment::EnvironmentArgs;
 use super::values::{caustic_photons, choice, count, size, total};
 use crate::backend::BackendName;
 use crate::tonemap::ToneMap;
@@ -23,6 +24,9 @@ pub struct SceneArgs {
     /// File with lights, materials and cameras to add or change (see docs/scene-files.md).
     #[arg(long, value_name = "FILE.toml")]
     pub overrides: Option<PathBuf>,
+    /// Light from infinitely far away.
+    #[command(flatten)]
+    pub environment: EnvironmentArgs,
     /// Treat everything that the loader approximates or leaves out as an error.
     #[arg(long, hide_short_help = true)]
     pub strict: bool,

@@ -17,6 +17,9 @@ pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
     // A camera that does not exist is an error here too.
     scene.camera(args.settings.picture.camera.as_deref(), width, height)?;
     let mut text = format!("{}: {} triangles\n", args.scene.scene, scene.view().triangles.len());
+    if let Some(environment) = scene.environment_text() {
+        let _ = writeln!(text, "environment: {environment}");
+    }
     let needs = photon_core::explain(&scene.view(), &settings);
     for (heading, needed) in [("needed", true), ("left out", false)] {
         let _ = writeln!(text, "\n{heading}:");

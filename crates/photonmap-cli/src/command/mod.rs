@@ -35,7 +35,9 @@ Examples:
   photonmap render                                       the default scene, to cornell-glass.png
   photonmap render ring --preset final -o ring.exr
   photonmap render room.glb --time 60 -o room.png
-  photonmap render room.obj --overrides room.toml --target-error 0.03 -o room.exr";
+  photonmap render room.obj --overrides room.toml --target-error 0.03 -o room.exr
+  photonmap render car.glb --environment studio.exr --environment-rotate 90 -o car.png
+  photonmap render house.glb --environment sky:30,3 --exposure -5 -o house.png";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -53,6 +53,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
 
     let details = Details {
         scene: &args.scene.scene,
+        environment: scene.environment_text(),
         size: args.settings.picture.size,
         settings: &settings,
         outcome: &outcome,
@@ -248,7 +249,7 @@ fn save(
         .into_iter()
         .map(|stage| format!("{} {:.3}", stage.name(), details.outcome.seconds.get(stage)))
         .collect();
-    let attributes = [
+    let mut attributes = vec![
         ("photon:scene", args.scene.scene.clone()),
         ("photon:seed", args.settings.photon.seed.to_string()),
         ("photon:passes", film.passes.to_string()),
@@ -259,5 +260,8 @@ fn save(
         ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
         ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
     ];
-    exr_file::write(path, film, &attributes.map(|(name, value)| (name.to_owned(), value)))
+    attributes.extend(details.environment.map(|text| ("photon:environment", text.to_owned())));
+    let attributes: Vec<(String, String)> =
+        attributes.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    exr_file::write(path, film, &attributes)
 }

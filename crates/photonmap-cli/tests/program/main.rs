@@ -4,6 +4,7 @@
 mod backends;
 mod commands;
 mod compare;
+mod environment;
 mod export;
 mod files;
 mod map;

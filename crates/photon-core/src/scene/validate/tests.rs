@@ -178,7 +178,8 @@ fn materials() {
 #[test]
 fn lights() {
     all_fail(&[
-        (|t| t.lights[1].kind = 4, "light 1: its kind 4 is unknown"),
+        (|t| t.lights[1].kind = 5, "light 1: its kind 5 is unknown"),
+        (|t| t.lights[1].kind = 4, "environment is 1 lights of kind Light::ENVIRONMENT"),
         (|t| t.lights[0].primitive = 2, "light 0: triangle 2 is out of range"),
         (|t| t.lights[0].primitive = u32::MAX, "light 0: triangle 4294967295"),
         (|t| t.lights[0].area = 0.0, "light 0: its area 0"),

@@ -1,0 +1,160 @@
+//! Environment maps compared with photon-core's.
+
+use std::sync::LazyLock;
+
+use photon_core::random::SplitMix64;
+use photon_core::{EnvironmentMap, Requirements, Settings};
+use photon_scene::{MaterialDesc, Scene, SceneBuilder};
+
+use super::compare::Bound;
+use super::draw::{Draw, LAST, input, inputs};
+use super::table::{Row, four, output};
+use super::{Input, Output, run, worst_of};
+use crate::scene::VulkanScene;
+use crate::{Vulkan, shaders};
+
+/// Scenes with a small map, with one that is rotated, and with one whose cells span several texels.
+static SCENES: LazyLock<[Scene; 3]> = LazyLock::new(|| {
+    [(7, 5, 0.0), (9, 4, 0.3), (4100, 2, 0.77)].map(|(width, height, rotation)| {
+        let mut numbers = SplitMix64(width as u64);
+        let texels: Vec<[f32; 3]> = (0..width * height)
+            .map(|_| std::array::from_fn(|_| 0.05 + (numbers.word() % 1000) as f32 * 0.01))
+            .collect();
+        let mut scene = SceneBuilder::new();
+        let floor = scene.material(MaterialDesc::lambert("floor", [0.5; 3]));
+        scene.quad("floor", [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0]], floor);
+        scene.environment(EnvironmentMap::new(width, &texels, rotation).unwrap());
+        scene.build().unwrap()
+    })
+});
+
+/// The functions, their twins and their bounds.
+pub(super) fn rows() -> Vec<Row> {
+    let module = &shaders::PROBE_ENVIRONMENT;
+    let row = |name, function, bound, draw, twin| Row { name, module, function, bound, draw, twin };
+    vec![
+        row("environment_bilinear", 0, Bound::Bits, coordinates, |i| {
+            output(map(i).bilinear(i.float(0), i.float(1)).to_array())
+        }),
+        // Two angles, which are off by 3.5e-7 and 9e-7 of the whole, and roundings.
+        row("environment_radiance", 1, Bound::Conditioned(1e-6, "its condition", slope), direction, |i| {
+            output(map(i).radiance(i.vector(0)).to_array())
+        }),
+        // A division.
+        row("environment_interval", 2, Bound::Relative(4e-7), random, intervals),
+        // 2π times an error in the angle of two divisions.
+        row("environment_sample, direction", 3, Bound::Within(4e-6), random, |i| {
+            output(map(i).sample([i.0[4], i.0[5]]).direction.to_array())
+        }),
+        row("environment_sample, weight", 4, Bound::Conditioned(3e-6, "its condition", slope_of_weight), random, |i| {
+            output(map(i).sample([i.0[4], i.0[5]]).weight.to_array())
+        }),
+    ]
+}
+
+/// The map of an input.
+fn map(i: &Input) -> &'static EnvironmentMap {
+    SCENES[i.0[9] as usize].view().environment.unwrap()
+}
+
+fn of_map(d: &mut Draw, mut made: Input) -> Input {
+    made.0[9] = d.word() % SCENES.len() as u32;
+    made
+}
+
+/// Coordinates, among them edges and centres of texels, their neighbours, 0 and 1.
+fn coordinates(d: &mut Draw) -> Input {
+    let made = of_map(d, Input::default());
+    let sizes = [map(&made).width(), map(&made).height()];
+    let mut at = |size: u32| {
+        let edge = (0.5 * (d.word() % (2 * size + 1)) as f32) / size as f32;
+        let beside = d.pick(&[edge, (edge - LAST).max(0.0), (edge + LAST).min(1.0)]);
+        let unit = d.unit();
+        d.pick(&[beside, unit, 1.0, 1e-9]).to_bits()
+    };
+    let mut words = made.0;
+    (words[0], words[1]) = (at(sizes[0]), at(sizes[1]));
+    Input(words)
+}
+
+fn direction(d: &mut Draw) -> Input {
+    let made = input(four(d.direction()), [0.0; 4], [0.0; 4]);
+    of_map(d, made)
+}
+
+/// Random words, among them 0, 1, the largest, and the first words of cells and those before.
+fn random(d: &mut Draw) -> Input {
+    let mut made = of_map(d, Input::default());
+    let map = map(&made);
+    for (word, starts) in made.0[4..6].iter_mut().zip([map.row_starts(), map.column_starts()]) {
+        let start = d.pick(starts);
+        *word = if d.now_and_then() { d.pick(&[0, 1, u32::MAX, start, start.wrapping_sub(1)]) } else { d.word() };
+    }
+    made
+}
+
+/// The intervals of a row and of a cell in it.
+fn intervals(i: &Input) -> Output {
+    let (row, within, probability) = EnvironmentMap::interval(map(i).row_starts(), i.0[4]);
+    let columns = map(i).columns() as usize;
+    let starts = &map(i).column_starts()[row * columns..(row + 1) * columns];
+    let (column, within_column, probability_of_column) = EnvironmentMap::interval(starts, i.0[5]);
+    output([row as f32, within, probability, 0.0, column as f32, within_column, probability_of_column, 0.0])
+}
+
+/// The change of the radiance for a change of both coordinates, at most: the brightest texel times the sum of the sizes.
+fn slope(i: &Input) -> f64 {
+    let brightest = map(i).texels().iter().flatten().fold(0.0_f32, |a, &b| a.max(b));
+    f64::from(brightest) * f64::from(map(i).width() + map(i).height())
+}
+
+/// The same for the weight of a sample, which is the radiance times a factor.
+fn slope_of_weight(i: &Input) -> f64 {
+    let sample = map(i).sample([i.0[4], i.0[5]]);
+    slope(i) * f64::from(sample.weight.x) / f64::from(map(i).radiance(sample.direction).x)
+}
+
+/// Inputs with the addresses of their maps' scenes, and what the device returns for them.
+fn run_maps(on: &mut Vulkan, row: &Row, scenes: &[VulkanScene]) -> (Vec<Input>, Vec<Output>) {
+    let mut inputs = inputs(row.draw);
+    for input in &mut inputs {
+        let address = scenes[input.0[9] as usize].address();
+        input.0[10..].copy_from_slice(&[address as u32, (address >> 32) as u32]);
+    }
+    let outputs = run(on, row.module, row.function, &inputs).unwrap();
+    (inputs, outputs)
+}
+
+#[test]
+fn environment_maps_are_read_and_sampled_as_in_rust() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let everything = Requirements::everything(&Settings::default());
+    let scenes = SCENES.each_ref().map(|scene| VulkanScene::new(&mut on, &scene.view(), &everything).unwrap());
+    assert!(SCENES[1].view().environment.unwrap().rotation() > 0.2);
+    assert!(SCENES[2].view().environment.unwrap().step() > 1);
+    for mut row in rows() {
+        let (inputs, outputs) = run_maps(&mut on, &row, &scenes);
+        let share = worst_of(&mut on, &row, &inputs, &outputs).unwrap();
+        eprintln!("{:<24} {share:>9.3e} of {}", row.name, row.bound);
+        // A mirrored image, the image without its rotation, and exchanged words: all are detected.
+        row.twin = match row.function {
+            0 => |i| output(map(i).bilinear(1.0 - i.float(0), i.float(1)).to_array()),
+            1 => |i| {
+                let [x, y, z] = i.vector(0).to_array();
+                let turns = map(i).rotation() * std::f32::consts::TAU;
+                let turned = photon_core::glam::Quat::from_rotation_y(turns) * photon_core::glam::Vec3::new(x, y, z);
+                output(map(i).radiance(turned).to_array())
+            },
+            2 => |i| intervals(&exchanged(i)),
+            3 => |i| output(map(i).sample([i.0[5], i.0[4]]).direction.to_array()),
+            _ => |i| output(map(i).sample([i.0[5], i.0[4]]).weight.to_array()),
+        };
+        assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
+    }
+}
+
+fn exchanged(i: &Input) -> Input {
+    let mut words = i.0;
+    words.swap(4, 5);
+    Input(words)
+}

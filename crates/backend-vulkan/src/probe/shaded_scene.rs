@@ -1,0 +1,164 @@
+//! A scene of triangles with vertex attributes and textures, for probes of functions that read them.
+
+use std::sync::LazyLock;
+
+use photon_core::glam::Vec3;
+use photon_core::{
+    Filter, Light, Material, MaterialTextures, Primitive, SceneView, ShadingTables, TexelFormat, Texture, TextureUse,
+    Wrap, octahedral, sampling,
+};
+use photon_scene::CompressedTree;
+
+use super::draw::Draw;
+
+/// Number of triangles.
+pub(super) const TRIANGLES: u32 = 40;
+
+/// Number of lights, the first triangles.
+pub(super) const LIGHTS: u32 = 8;
+
+/// The tables of the scene.
+#[derive(Debug, Default)]
+pub(super) struct ShadedScene {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    pub(super) primitives: Vec<Primitive>,
+    pub(super) materials: Vec<Material>,
+    pub(super) lights: Vec<Light>,
+    light_cdf: Vec<u32>,
+    normals: Vec<[u32; 3]>,
+    tangents: Vec<[u32; 3]>,
+    colors: Vec<[[u32; 2]; 3]>,
+    uvs: Vec<[[f32; 2]; 3]>,
+    material_textures: Vec<MaterialTextures>,
+    uses: Vec<TextureUse>,
+    pub(super) textures: Vec<Texture>,
+    /// The position of each triangle in BVH order.
+    pub(super) slots: Vec<u32>,
+}
+
+pub(super) static SHADED: LazyLock<ShadedScene> = LazyLock::new(|| {
+    let mut scene = ShadedScene::default();
+    let mut d = Draw::of(0, 3);
+    scene.add_textures(&mut d);
+    scene.add_materials(&mut d);
+    for index in 0..TRIANGLES {
+        scene.add_triangle(&mut d, index);
+    }
+    scene.uvs = (0..2 * TRIANGLES).map(|_| [[(); 2]; 3].map(|uv| uv.map(|()| d.between(-2.0, 2.0)))).collect();
+    let tree = CompressedTree::build(&scene.positions, &scene.triangles).unwrap();
+    let slot = |id: u32| tree.order.iter().position(|&other| other == id).unwrap() as u32;
+    scene.slots = (0..TRIANGLES).map(slot).collect();
+    scene
+});
+
+impl ShadedScene {
+    pub(super) fn view(&self) -> SceneView<'_> {
+        SceneView {
+            positions: &self.positions,
+            triangles: &self.triangles,
+            primitives: &self.primitives,
+            materials: &self.materials,
+            lights: &self.lights,
+            light_cdf: &self.light_cdf,
+            shading: ShadingTables {
+                normals: &self.normals,
+                tangents: &self.tangents,
+                colors: &self.colors,
+                uvs: &self.uvs,
+                material_textures: &self.material_textures,
+                uses: &self.uses,
+                textures: &self.textures,
+            },
+            ..SceneView::default()
+        }
+    }
+
+    /// All formats, wrap modes and filters, in several sizes; then three normal maps, with a use of each texture.
+    fn add_textures(&mut self, d: &mut Draw) {
+        let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+        for format in TexelFormat::ALL {
+            for filter in [Filter::Linear, Filter::Nearest] {
+                for wrap in wraps.iter().flat_map(|&u| wraps.map(|v| [u, v])) {
+                    let (width, height) = d.pick(&[(7, 5), (4, 4), (1, 1), (3, 1), (2, 8)]);
+                    let count = (width * height) as usize * format.words();
+                    let texel = |_| match format {
+                        TexelFormat::Float32 if d.now_and_then() => d.pick(&[0.0, 1e20_f32, 1e-20]).to_bits(),
+                        TexelFormat::Float32 => d.magnitude(-10, 10).to_bits(),
+                        _ => d.word(),
+                    };
+                    let texels = (0..count).map(texel).collect();
+                    self.textures.push(Texture { texels, width, height, format, wrap, filter });
+                }
+            }
+        }
+        // Normals up to 40 degrees from the vertical.
+        for wrap in wraps {
+            let texels =
+                (0..12).map(|_| 77 + d.word() % 102 | (77 + d.word() % 102) << 8 | (217 + d.word() % 39) << 16);
+            let (format, filter) = (TexelFormat::Linear8, Filter::Linear);
+            let texels = texels.collect();
+            self.textures.push(Texture { texels, width: 4, height: 3, format, wrap: [wrap; 2], filter });
+        }
+        for texture_index in 0..self.textures.len() as u32 {
+            let transform = [[(); 3]; 2].map(|row| row.map(|()| d.between(-1.5, 1.5)));
+            self.uses.push(TextureUse { transform, texture_index, uv_set: d.word() % 2 });
+        }
+    }
+
+    /// Materials with and without textures.
+    fn add_materials(&mut self, d: &mut Draw) {
+        let none = MaterialTextures::NONE;
+        let images = self.textures.len() as u32 - 3;
+        for index in 0..12 {
+            let mut image = || if d.now_and_then() { none } else { d.word() % images };
+            let (base_color, emission) = (image(), image());
+            let normal = if d.now_and_then() { none } else { images + d.word() % 3 };
+            let normal_scale = d.pick(&[1.0, 0.5, -0.8]);
+            let entry = MaterialTextures { base_color, emission, normal, normal_scale, ..MaterialTextures::default() };
+            self.material_textures.push(entry);
+            let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];
+            let emission = [d.between(0.5, 9.0), d.between(0.5, 9.0), d.between(0.5, 9.0)];
+            let textures = if index == 0 { 0 } else { index + 1 };
+            self.materials.push(Material { albedo, emission, textures, ..Material::default() });
+        }
+    }
+
+    /// A triangle with vertex normals within 25 degrees of its own, every fifth without, and tangents to match.
+    fn add_triangle(&mut self, d: &mut Draw, index: u32) {
+        let corners = [d.point(), d.point(), d.point()];
+        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let normal = cross.normalize_or(Vec3::Z);
+        let first = self.positions.len() as u32;
+        self.positions.extend(corners.map(|corner| corner.to_array()));
+        self.triangles.push([first, first + 1, first + 2]);
+        self.primitives.push(Primitive { normal: normal.to_array(), material: d.word() % self.materials.len() as u32 });
+        let mut tilted = |axis: Vec3| octahedral::pack((axis + d.direction() * 0.4).normalize());
+        let mut normals = [normal; 3].map(&mut tilted);
+        if index % 5 == 4 {
+            normals[0] = ShadingTables::FLAT;
+        }
+        self.normals.push(normals);
+        let tangents = [sampling::basis(normal).0; 3].map(&mut tilted);
+        let sign = index % 2;
+        self.tangents.push(tangents.map(|word| word & !1 | sign));
+        self.colors.push([[(); 2]; 3].map(|color| color.map(|()| d.word())));
+        if index < LIGHTS {
+            let power = [d.between(0.1, 1.0), d.pick(&[0.0, 0.2]), d.between(0.1, 1.0)];
+            let area = 0.5 * cross.length();
+            self.lights.push(Light { primitive: index, power, area, flags: index % 2, ..Light::default() });
+            self.light_cdf.push(index * (u32::MAX / LIGHTS));
+        }
+    }
+}
+
+#[test]
+fn the_scene_has_what_is_read() {
+    use photon_core::Features;
+    let view = SHADED.view();
+    view.validate().unwrap();
+    assert!(Features::of(&view).contains(Features::SHADED.union(Features::TEXTURED_LIGHTS)));
+    let mut slots = SHADED.slots.clone();
+    slots.sort_unstable();
+    assert!(slots.iter().copied().eq(0..TRIANGLES) && slots != SHADED.slots, "{slots:?}");
+}

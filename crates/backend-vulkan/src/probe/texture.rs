@@ -1,0 +1,84 @@
+//! Texture lookups compared with photon-core's.
+
+use std::sync::LazyLock;
+
+use photon_core::texture::{ByteValues, axis, byte_values, lookup};
+use photon_core::{Filter, Requirements, Settings, Wrap};
+
+use super::compare::Bound;
+use super::draw::{Draw, LAST};
+use super::shaded_scene::SHADED;
+use super::table::{Row, output};
+use super::{Input, run_row, worst_of};
+use crate::scene::VulkanScene;
+use crate::{Vulkan, shaders};
+
+pub(super) static VALUES: LazyLock<ByteValues> = LazyLock::new(byte_values);
+
+const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+
+/// The functions, their twins and their bounds.
+pub(super) fn rows() -> Vec<Row> {
+    let module = &shaders::PROBE_TEXTURE;
+    let row = |name, function, draw, twin| Row { name, module, function, bound: Bound::Bits, draw, twin };
+    vec![
+        row("texture_axis", 0, coordinate, |i| output(along(i, 0))),
+        row("texture_lookup", 1, coordinates, |i| output(texel(i, [i.float(4), i.float(5)]))),
+    ]
+}
+
+/// A coordinate of a texture of `size` texels: numbers of any size, and edges and centres of texels of several
+/// repetitions with their neighbours.
+fn along_axis(d: &mut Draw, size: u32) -> u32 {
+    let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, f32::MAX, -1e-9, 1e-9, -0.0, 1e-40, 1e6, -7.5];
+    let half = (d.word() % (10 * size)) as f32 - 5.0 * size as f32;
+    let edge = 0.5 * half / size as f32;
+    let beside = f32::from_bits(d.pick(&[edge.to_bits() + 1, edge.to_bits().saturating_sub(1)]));
+    let (odd, any, unit) = (d.pick(&odd), d.between(-3.0, 3.0), d.unit());
+    d.pick(&[odd, edge, beside, any, any, unit]).to_bits()
+}
+
+/// A coordinate, a number of texels, a wrap mode and a filter.
+fn coordinate(d: &mut Draw) -> Input {
+    let size = d.pick(&[1, 2, 3, 4, 5, 7, 256, 4096, 65_535]);
+    let mut input = Input::default();
+    input.0[..4].copy_from_slice(&[along_axis(d, size), size, d.pick(&[0, 1, 2]), d.pick(&[0, 1])]);
+    input
+}
+
+/// Coordinates and a texture.
+fn coordinates(d: &mut Draw) -> Input {
+    let index = d.word() % SHADED.textures.len() as u32;
+    let texture = &SHADED.textures[index as usize];
+    let mut input = Input::default();
+    input.0[4..7].copy_from_slice(&[along_axis(d, texture.width), along_axis(d, texture.height), index]);
+    input
+}
+
+/// The texels and the weight of an input, in another wrap mode if `shift` is not 0.
+fn along(i: &Input, shift: u32) -> [f32; 3] {
+    let filter = if i.0[3] == Filter::Linear as u32 { Filter::Linear } else { Filter::Nearest };
+    let (first, second, weight) = axis(i.float(0), i.0[1], WRAPS[((i.0[2] + shift) % 3) as usize], filter);
+    [first as f32, second as f32, weight]
+}
+
+fn texel(i: &Input, uv: [f32; 2]) -> [f32; 4] {
+    lookup(&SHADED.textures[i.0[6] as usize], &VALUES, uv)
+}
+
+#[test]
+fn textures_are_read_as_in_rust() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let scene = VulkanScene::new(&mut on, &SHADED.view(), &Requirements::everything(&Settings::default())).unwrap();
+    let address = [scene.address() as u32, (scene.address() >> 32) as u32];
+    for mut row in rows() {
+        let (inputs, outputs) = run_row(&mut on, &row, &address);
+        worst_of(&mut on, &row, &inputs, &outputs).unwrap();
+        // Another wrap mode, and a coordinate that is slightly different: both are detected.
+        row.twin = match row.function {
+            0 => |i| output(along(i, 1)),
+            _ => |i| output(texel(i, [i.float(4) + 4.0 * LAST, i.float(5)])),
+        };
+        assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
+    }
+}

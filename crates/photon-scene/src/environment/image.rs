@@ -1,0 +1,45 @@
+//! Environments from image files.
+
+use std::path::Path;
+
+use super::EnvironmentDesc;
+use crate::error::SceneError;
+use crate::load::{Image, load_image};
+use crate::report::LoadReport;
+
+impl EnvironmentDesc {
+    /// Reads an image in latitude and longitude: `OpenEXR` or Radiance HDR with radiance in W/(m²·sr), or PNG, JPEG or
+    /// WebP, whose sRGB colours become radiances from 0 to 1. The report gets a note if the image has only 8 or 16 bits,
+    /// and a line if it had texels that were negative or NaN, which become 0.
+    ///
+    /// # Errors
+    /// As [`load_image`]; [`SceneError::Environment`] for an infinite texel.
+    pub fn read(path: &Path, report: &mut LoadReport) -> Result<Self, SceneError> {
+        Self::of_image(path.display().to_string(), &load_image(path)?, report)
+    }
+
+    fn of_image(name: String, image: &Image, report: &mut LoadReport) -> Result<Self, SceneError> {
+        let subject = format!("environment '{name}'");
+        let radiance = image.linear_rgb();
+        let desc = Self::image(name, image.width as usize, radiance);
+        if !image.is_float {
+            report.note(
+                subject,
+                "is an image of display colours: they are decoded from sRGB to radiances of at most 1, and light sources \
+                 in it are too dim; use an OpenEXR or Radiance HDR file",
+            );
+            return Ok(desc);
+        }
+        let super::EnvironmentSource::Image { radiance, .. } = &desc.source else { return Ok(desc) };
+        if image.repaired > 0 {
+            // The decoder replaces infinities by the largest number.
+            if let Some(at) = radiance.iter().position(|texel| texel.contains(&f32::MAX)) {
+                let (column, row) = (at as u32 % image.width, at as u32 / image.width);
+                let what = format!("the texel in column {column}, row {row} is infinite");
+                return Err(desc.fault(what, "limit the values of the image, to 65504 for instance"));
+            }
+            report.approximated(subject, format!("{} texels were negative or not a number, and are 0", image.repaired));
+        }
+        Ok(desc)
+    }
+}

@@ -1,0 +1,43 @@
+//! What is not written for Mitsuba is refused, so that nothing is lost silently.
+
+use photon_core::MaterialTextures;
+use photon_scene::Scene;
+
+use crate::fault::Fault;
+
+/// Checks the whole scene.
+///
+/// # Errors
+/// [`Fault::Input`], which names the first material with a texture, the vertex attributes, or the environment.
+pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
+    let view = scene.view();
+    let refused =
+        |what: String, remedy: &str| Err(Fault::input(format!("{what} cannot be written for Mitsuba; {remedy}")));
+    let textures =
+        |index: u32| index.checked_sub(1).and_then(|index| view.shading.material_textures.get(index as usize));
+    for (name, material) in scene.material_names().zip(view.materials) {
+        let Some(textures) = textures(material.textures) else { continue };
+        let uses = [("base colour", textures.base_color), ("emission", textures.emission), ("normal", textures.normal)];
+        if let Some((slot, _)) = uses.into_iter().find(|(_, used)| *used != MaterialTextures::NONE) {
+            return refused(
+                format!("the {slot} texture of material '{name}'"),
+                "write a .glb, which has it, or remove it first",
+            );
+        }
+    }
+    if !view.shading.normals.is_empty() {
+        return refused("vertex normals".to_owned(), "write a .glb, which has them, or remove them first");
+    }
+    if !view.shading.colors.is_empty() {
+        return refused("vertex colours".to_owned(), "write a .glb, which has them, or remove them first");
+    }
+    if let Some(map) = view.environment.filter(|map| map.texels().len() > 1) {
+        let name =
+            scene.environment_text().map_or_else(|| format!("{} × {}", map.width(), map.height()), str::to_owned);
+        return refused(
+            format!("the environment ({name})"),
+            "only a constant one can; leave it out, and add an emitter to the .xml",
+        );
+    }
+    Ok(())
+}

@@ -2,6 +2,7 @@
 
 use std::io::Cursor;
 
+use exr::compression::Compression;
 use exr::error::Error;
 use exr::math::Vec2;
 use exr::meta::MetaData;
@@ -35,12 +36,26 @@ impl Pixels {
     }
 }
 
+/// Refuses what the decoder does not support, and B44, in which damaged files make it panic.
+fn check_compression(compression: Compression) -> Result<(), ImageError> {
+    match compression {
+        Compression::Uncompressed
+        | Compression::RLE
+        | Compression::ZIP1
+        | Compression::ZIP16
+        | Compression::PIZ
+        | Compression::PXR24 => Ok(()),
+        other => Err(ImageError::new(format!("is an OpenEXR file with {other}; save it with ZIP or PIZ"))),
+    }
+}
+
 pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let damaged = |why: Error| ImageError::new(format!("cannot be decoded as OpenEXR: {why}"));
     let meta = MetaData::read_from_buffered(Cursor::new(file), false).map_err(damaged)?;
     for header in &meta.headers {
         let size = check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, 4)?;
         check_density(size, file.len(), DENSEST)?;
+        check_compression(header.compression)?;
     }
     let has = |name: &str| {
         let named = |channel: &exr::meta::attribute::ChannelDescription| channel.name.eq_case_insensitive(name);

@@ -94,6 +94,21 @@ fn exr_is_read_with_or_without_alpha_and_grey() {
     assert!(refused(&exr(&[("Z", r)])).contains("channels"));
 }
 
+/// A damaged file of this compression made the decoder panic. Found by fuzzing.
+#[test]
+fn exr_by_b44_is_refused() {
+    let mut bytes = exr(&[("Y", &[1.0, 2.0])]);
+    let name = b"compression\0compression\0";
+    let start = bytes.windows(name.len()).position(|window| window == name).unwrap() + name.len();
+    // The length, and the number of the method.
+    assert_eq!(bytes[start..start + 4], [1, 0, 0, 0]);
+    for method in [6, 7] {
+        bytes[start + 4] = method;
+        let why = refused(&bytes);
+        assert!(why.contains("b44") && why.contains("ZIP or PIZ"), "{why}");
+    }
+}
+
 /// V7: NaN and negative values become 0, infinities the largest number, each texel counted once.
 #[test]
 fn invalid_floats_are_replaced_and_counted() {

@@ -53,10 +53,13 @@ impl Shading {
     }
 }
 
+/// A modification, and how the resulting message begins.
+type Case = (fn(&mut Shading), &'static str);
+
 #[test]
 fn invalid_attributes_and_textures_are_named() {
     Shading::new().check().unwrap();
-    let cases: [(fn(&mut Shading), &str); 14] = [
+    let cases: [Case; 14] = [
         (|s| s.normals.truncate(1), "scene view: shading.normals is 1 entries for 2 triangles"),
         (|s| s.tangents.truncate(1), "scene view: shading.tangents is 1"),
         (|s| s.tangents.clear(), "material_textures entry 0: it has a normal map, but the scene has no tangents"),

@@ -11,7 +11,7 @@ use photon_core::{
 };
 use photon_scene::{Scene, builtin};
 
-const SCENES: [&str; 4] = ["cornell", "cornell-glass", "ring", "pool"];
+const SCENES: [&str; 5] = ["cornell", "cornell-glass", "ring", "pool", "textures"];
 const PATHS: u32 = 20_000;
 
 fn scene(name: &str) -> Scene {

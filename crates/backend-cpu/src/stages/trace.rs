@@ -315,8 +315,9 @@ fn scattered(
 fn russian_roulette(power: Vec3, weight: Vec3, choice: f32, grows: bool) -> Option<Vec3> {
     let next = power * weight;
     let mut chance = next.max_element() / power.max_element();
-    if grows {
-        chance = chance.min(1.0);
+    // Not `min`, which would turn 0/0 into 1.
+    if grows && chance > 1.0 {
+        chance = 1.0;
     }
     // Also false for 0/0.
     if choice < chance { Some(next / chance) } else { None }

@@ -10,8 +10,17 @@ fn scenes_are_listed() {
     for output in [run("scenes", &[]), run("render", &["--list"])] {
         succeeded(&output);
         let text = stdout(&output);
-        for name in ["cornell", "cornell-glass", "ring", "pool", "two-rooms", "furnace", "integrating-sphere", "plates"]
-        {
+        for name in [
+            "cornell",
+            "cornell-glass",
+            "ring",
+            "pool",
+            "textures",
+            "two-rooms",
+            "furnace",
+            "integrating-sphere",
+            "plates",
+        ] {
             assert!(text.lines().any(|line| line.split_whitespace().next() == Some(name)), "{name}: {text}");
         }
     }

@@ -8,7 +8,7 @@ use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read};
 
-use super::{Image, ImageError, check_density, check_size};
+use super::{Image, ImageError, check_density, check_size, dwa};
 
 /// Deflate packs up to 1032 bytes into one, and a channel takes at least two bytes of each texel.
 const DENSEST: u64 = 516;
@@ -44,7 +44,9 @@ fn check_compression(compression: Compression) -> Result<(), ImageError> {
         | Compression::ZIP1
         | Compression::ZIP16
         | Compression::PIZ
-        | Compression::PXR24 => Ok(()),
+        | Compression::PXR24
+        | Compression::DWAA(_)
+        | Compression::DWAB(_) => Ok(()),
         other => Err(ImageError::new(format!("is an OpenEXR file with {other}; save it with ZIP or PIZ"))),
     }
 }
@@ -57,6 +59,7 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
         check_density(size, file.len(), DENSEST)?;
         check_compression(header.compression)?;
     }
+    dwa::check(file, &meta.headers)?;
     let has = |name: &str| {
         let named = |channel: &exr::meta::attribute::ChannelDescription| channel.name.eq_case_insensitive(name);
         meta.headers.iter().any(|header| header.channels.list.iter().any(named))

@@ -8,6 +8,7 @@
 //! Colour profiles and gamma are ignored, as glTF prescribes.
 
 mod bytes;
+mod dwa;
 mod exr;
 mod hdr;
 mod jpeg;

@@ -94,6 +94,46 @@ fn exr_is_read_with_or_without_alpha_and_grey() {
     assert!(refused(&exr(&[("Z", r)])).contains("channels"));
 }
 
+/// DWA is lossy: a smooth image comes back within a few percent. Damaged files are errors or other images, never panics.
+#[test]
+fn exr_by_dwa_is_read_and_may_be_damaged() {
+    use exr::prelude::{Compression, Encoding, Image as Layers, SpecificChannels, WritableImage, f16};
+    let value = |x: usize, y: usize| 1.0 + 0.02 * x as f32 + 0.01 * y as f32;
+    for compression in [Compression::DWAA(None), Compression::DWAB(None)] {
+        let pixel = |at: exr::math::Vec2<usize>| {
+            let value = value(at.x(), at.y());
+            (f16::from_f32(value), f16::from_f32(2.0 * value), f16::from_f32(0.5))
+        };
+        let encoding = Encoding { compression, ..Encoding::SMALL_LOSSLESS };
+        let layers = Layers::from_encoded_channels((64, 48), encoding, SpecificChannels::rgb(pixel));
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        layers.write().non_parallel().to_buffered(&mut bytes).unwrap();
+        let bytes = bytes.into_inner();
+        let image = decoded(&bytes);
+        for (i, color) in image.linear_rgb().iter().enumerate() {
+            let truth = value(i % 64, i / 64);
+            let close = |found: f32, truth: f32| (found / truth - 1.0).abs() < 0.05;
+            assert!(close(color[0], truth) && close(color[1], 2.0 * truth) && close(color[2], 0.5), "{i} {color:?}");
+        }
+        let mut random = photon_core::random::SplitMix64(5);
+        // Eight pixels do not shrink.
+        let few = Layers::from_encoded_channels((2, 4), encoding, SpecificChannels::rgb(pixel));
+        let mut small = std::io::Cursor::new(Vec::new());
+        few.write().non_parallel().to_buffered(&mut small).unwrap();
+        assert_eq!(decoded(&small.into_inner()).linear_rgb().len(), 8);
+        let mut errors = 0;
+        for _ in 0..2000 {
+            let mut damaged = bytes.clone();
+            for _ in 0..1 + random.word() % 4 {
+                let place = random.word() as usize % damaged.len();
+                damaged[place] = random.word() as u8;
+            }
+            errors += usize::from(Image::decode(&damaged).is_err());
+        }
+        assert!(errors > 100, "{errors}");
+    }
+}
+
 /// A damaged file of this compression made the decoder panic. Found by fuzzing.
 #[test]
 fn exr_by_b44_is_refused() {

@@ -20,7 +20,7 @@ fn image(color: impl Fn(u32, u32) -> [u8; 4]) -> Vec<[u8; 4]> {
 /// Tiles of two colours with light joints.
 fn tiles(x: u32, y: u32) -> [u8; 4] {
     let half = SIDE / 2;
-    match (x % half == 0 || y % half == 0, (x < half) == (y < half)) {
+    match (x.is_multiple_of(half) || y.is_multiple_of(half), (x < half) == (y < half)) {
         (true, _) => [205, 200, 190, 255],
         (false, true) => [150, 70, 45, 255],
         (false, false) => [190, 140, 95, 255],

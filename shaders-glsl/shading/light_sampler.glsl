@@ -1,4 +1,4 @@
-// Selects the light that a shadow ray samples. Twin of backend-cpu's light_sampler.rs, in f32.
+// Selects the light that a shadow ray samples. Twin of photon-core's light_sampler.rs, in f32.
 #ifndef LIGHT_SAMPLER_GLSL
 #define LIGHT_SAMPLER_GLSL
 

@@ -22,7 +22,7 @@ vec3 shading_bend(vec3 normal, vec3 axis) {
     return normalize_or(bent, axis);
 }
 
-// `direction` mirrored in the facet if it is on the other side of it than it should be.
+// `direction`, reflected in the triangle's plane if it is on the wrong side.
 vec3 shading_on_side(bool transmits, vec3 direction, vec3 geometric) {
     float height = dot3(direction, geometric);
     if (transmits ? height <= 0.0 : height >= 0.0) return direction;

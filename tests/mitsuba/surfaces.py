@@ -4,7 +4,7 @@
     cargo build --release
     python tests/mitsuba/surfaces.py target/release/photonmap
 
-Writes a scene of its own (a ball of few facets with the normals of a sphere, on a textured floor, under a sky), renders
+Writes a scene of its own (a coarse sphere with smooth vertex normals, on a textured floor, under a sky), renders
 it with both programs, and compares the means of the pictures and of blocks of pixels. Fails if the means differ by more
 than 1 %, or a block by more than 3 % and 4.5 standard errors.
 """

@@ -112,7 +112,7 @@ pub fn light_inside_glass<T: TestBackend>() {
 }
 
 /// Equilibrium: where walls outside shine with e and those inside with n²e, radiance over n² is `e/(1−ρ)` everywhere, by
-/// maps and by gather rays that enter glass and leave it. Balls have no edges, at which estimates lose area; facets are
+/// maps and by gather rays that enter glass and leave it. Balls have no edges, at which estimates lose area; triangles are
 /// up to 2e-3 off.
 pub fn furnace_with_glass<T: TestBackend>() {
     let (n, albedo, e) = (1.5_f64, 0.5, 1.0);
@@ -187,7 +187,7 @@ pub fn light_through_an_absorber<T: TestBackend>() {
 
 /// A diffuse sphere full of an absorber, and a light at its centre: irradiance is `E₀ = I·e^(−σ)` straight from the light,
 /// and `E₀/(1−ρK)` in all, with `K = 2(1−(1+a)e^(−a))/a²`, a = 2σ, as a chord at angle θ is 2cos θ long. Shadow rays,
-/// photons and gather rays all start inside. Facets are up to 1e-3 off the sphere.
+/// photons and gather rays all start inside. Triangles are up to 1e-3 off the sphere.
 pub fn light_in_an_absorber<T: TestBackend>() {
     let (sigma, albedo) = (0.7_f64, 0.8);
     let a = 2.0 * sigma;

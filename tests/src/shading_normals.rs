@@ -43,7 +43,7 @@ fn agrees<T: TestBackend>(what: &str, builder: SceneBuilder, settings: &Settings
     assert_agrees(what, moments(&values).0, truth, standard_error(&values), bound * truth);
 }
 
-/// G9: parallel light along the facet's normal on a shading normal tilted by t: `ρE₀ cos t/π`, by shadow rays and by
+/// G9: parallel light along the geometric normal on a shading normal tilted by t: `ρE₀ cos t/π`, by shadow rays and by
 /// photons, from vertex normals and from a normal map. Normals have 16 bits a coordinate.
 pub fn g9_parallel_light<T: TestBackend>() {
     let albedo = 0.6;
@@ -61,7 +61,7 @@ pub fn g9_parallel_light<T: TestBackend>() {
 }
 
 /// Parallel light from the side that the normal is tilted to, and from the other: `cos` of the angle to the normal, 0 if
-/// that is beyond a right angle, although the facet is lit.
+/// that is beyond a right angle, although the triangle is lit.
 pub fn g9_light_from_the_sides<T: TestBackend>() {
     let (tilt, height) = (40.0_f64, 20.0_f64);
     for (side, truth) in [(1.0, (90.0 - height - tilt).to_radians().cos()), (-1.0, 0.0)] {
@@ -79,10 +79,10 @@ pub fn g9_light_from_the_sides<T: TestBackend>() {
     }
 }
 
-/// G9: an even sky, a closed shell that emits 1 and reflects a half, hence shines with 2: on a small facet tilted by t,
-/// `2 (1 + cos t)/2` less the share that the limit of 32 takes (shading_normal.rs), directly and by gather rays, which
-/// look for what the shell reflects. By photons the directions of 1/(i·n_g) near the horizon are rare: a fourth of the
-/// light that they bring is within 4.5 standard errors of nothing, so that the tilt is smaller there.
+/// G9: a closed shell that emits 1 and reflects a half has radiance 2: on a small plate whose normal is tilted by t the
+/// result is `2 (1 + cos t)/2`, less the share that the limit of 32 takes (shading_normal.rs). Direct light is by shadow
+/// rays or by photons, and gather rays find what the shell reflects. Photons have a larger variance, since their weight
+/// grows towards the horizon, so their tilt is smaller.
 pub fn g9_even_sky<T: TestBackend>() {
     for (name, direct, degrees, lost) in
         [("shadow rays", Direct::Nee, 45.0, 0.004_679), ("photons", Direct::Photons, 15.0, 0.000_549)]
@@ -91,7 +91,7 @@ pub fn g9_even_sky<T: TestBackend>() {
         let glow = builder.material(MaterialDesc::emissive("shell", [0.5; 3], [1.0; 3]));
         let (positions, triangles) = shapes::flip(shapes::icosphere(4, [0.0; 3], 1.0));
         builder.mesh("shell", positions, triangles, glow);
-        tilted(&mut builder, MaterialDesc::lambert("facet", [1.0; 3]), (0.1, 0.0), degrees, false);
+        tilted(&mut builder, MaterialDesc::lambert("plate", [1.0; 3]), (0.1, 0.0), degrees, false);
         look_at_point(&mut builder, [0.0; 3], [0.0, 1.0, 0.0], 0.5, 0.02);
         let estimator = Estimator::Radius { radius: Some(0.05) };
         let s = Settings {
@@ -105,7 +105,7 @@ pub fn g9_even_sky<T: TestBackend>() {
             ..settings()
         };
         let truth = (1.0 + degrees.to_radians().cos()) * (1.0 - lost);
-        // The facet takes away light in proportion to its area, of 0.02 in 12.6.
+        // The plate absorbs and reflects light in proportion to its area, of 0.02 in 12.6.
         agrees::<T>(name, builder, &s, truth, 4e-3);
     }
 }
@@ -173,7 +173,7 @@ pub fn a_mirror_with_tilted_normals<T: TestBackend>() {
     }
 }
 
-/// A ball of few facets with the normals of a sphere, of glass or of mirror, in a shell that shines evenly: every camera
+/// A coarse sphere with smooth vertex normals, of glass or a mirror, in a shell of uniform radiance: every camera
 /// path ends at the shell, so that the ball is as bright in every pixel; and the shell, which reflects a half of the
 /// photons that reach it past the ball, is `e/(1−ρ)` bright.
 pub fn smooth_balls_in_an_even_shell<T: TestBackend>() {
@@ -199,7 +199,7 @@ pub fn smooth_balls_in_an_even_shell<T: TestBackend>() {
         look_at_point(&mut wall, [0.0, 0.0, -1.0], [0.0, 0.0, 1.0], 0.3, 0.1);
         let estimator = Estimator::Radius { radius: Some(0.15) };
         let s = Settings { max_bounces: 4096, photons: 20_000, estimator, ..settings() };
-        // Facets of the shell are up to 2e-3 off a sphere.
+        // The triangles of the shell are up to 2e-3 off a sphere.
         agrees::<T>(name, wall, &s, 2.0, 3e-3);
     }
 }

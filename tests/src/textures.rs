@@ -43,6 +43,14 @@ fn red(film: &Film) -> Vec<f64> {
     film.beauty().iter().map(|pixel| f64::from(pixel[0])).collect()
 }
 
+/// Mean weights of a texel and its neighbours over the area of the texel, with the linear filter.
+const BLUR: [f64; 3] = [0.125, 0.75, 0.125];
+
+/// Weights of a texel and its neighbours at a position across the texel, from 0 to 1, with the linear filter.
+fn weights(across: f64) -> [f64; 3] {
+    [(0.5 - across).max(0.0), 1.0 - (across - 0.5).abs(), (across - 0.5).max(0.0)]
+}
+
 /// G8: each pixel of a floor under parallel light is the mean of the texture there: a texel, or with the linear filter
 /// `(1, 6, 1)/8` of it and its neighbours in each direction, which wrap around, are mirrored or end at the edge.
 pub fn g8_textured_floor<T: TestBackend>() {
@@ -70,17 +78,26 @@ pub fn g8_textured_floor<T: TestBackend>() {
         };
         for (pixel, &found) in seen.iter().enumerate() {
             let (x, y) = ((pixel % 4) as i64, (pixel / 4) as i64);
-            let blurred = |weights: [f64; 3]| -> f64 {
-                let at = |i: usize, j: usize| weights[i] * weights[j] * texel(x + i as i64 - 1, y + j as i64 - 1);
-                (0..9).map(|k| at(k % 3, k / 3)).sum()
-            };
             if filter == Filter::Nearest {
                 assert!((found - texel(x, y)).abs() < 1e-6, "{wrap:?} {pixel}: {found}");
                 continue;
             }
-            // The value varies by less than 1 over a pixel: a variance of at most 1/4 (Popoviciu 1935).
-            let error = (0.25 / f64::from(passes)).sqrt();
-            assert_agrees(&format!("{wrap:?} {pixel}"), found, blurred([0.125, 0.75, 0.125]), 0.3 * error, 0.0);
+            // Mean and variance over a fine grid of points of the pixel.
+            let grid = 64;
+            let values: Vec<f64> = (0..grid * grid)
+                .map(|k| {
+                    let [across, down] = [k % grid, k / grid].map(|i| weights((f64::from(i) + 0.5) / f64::from(grid)));
+                    let at = |i: usize, j: usize| across[i] * down[j] * texel(x + i as i64 - 1, y + j as i64 - 1);
+                    (0..9).map(|k| at(k % 3, k / 3)).sum()
+                })
+                .collect();
+            let (mean, variance) = moments(&values);
+            let blurred: f64 =
+                (0..9).map(|k| BLUR[k % 3] * BLUR[k / 3] * texel(x + (k % 3) as i64 - 1, y + (k / 3) as i64 - 1)).sum();
+            assert!((mean - blurred).abs() < 1e-4, "the grid: {mean} {blurred}");
+            // The camera rays of the passes are independent: s/√n.
+            let error = (variance / f64::from(passes)).sqrt();
+            assert_agrees(&format!("{wrap:?} {pixel}"), found, blurred, error, 1e-6);
         }
     }
 }

@@ -53,7 +53,9 @@ pub use scene::material::{Material, MaterialKind, Primitive};
 pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radiance_scale};
 pub use scene::medium::Medium;
 pub use scene::solids::{Locator, Solids};
-pub use scene::texture::{Filter, MaterialTextures, ShadingTables, TexelFormat, Texture, TextureUse, Wrap};
+pub use scene::texture::{
+    Filter, MaterialTextures, OwnedShadingTables, ShadingTables, TexelFormat, Texture, TextureUse, Wrap,
+};
 pub use scene::units::Units;
 pub use scene::{SceneView, light_cdf, light_probability, pick_light};
 pub use settings::budget::{Budget, Plan};

@@ -3,8 +3,7 @@
 use crate::camera;
 use crate::describe::CameraDesc;
 use crate::error::SceneError;
-use crate::shading::Tables;
-use photon_core::{Camera, EnvironmentMap, Light, Material, Medium, Primitive, SceneView, Units};
+use photon_core::{Camera, EnvironmentMap, Light, Material, Medium, OwnedShadingTables, Primitive, SceneView, Units};
 
 /// The result of [`crate::SceneBuilder::build`]: the tables that backends read, and the names and units for
 /// messages and results.
@@ -23,7 +22,7 @@ pub struct Scene {
     pub(crate) light_cdf: Vec<u32>,
     pub(crate) environment: Option<EnvironmentMap>,
     pub(crate) environment_text: Option<String>,
-    pub(crate) shading: Tables,
+    pub(crate) shading: OwnedShadingTables,
     pub(crate) radius: f32,
     pub(crate) units: Units,
     pub(crate) mesh_starts: Vec<u32>,

@@ -148,10 +148,10 @@ fn the_box_is_of_unit_size_about_the_origin() {
 fn both_sides_emit_twice() {
     let build = |emits_both_sides| {
         let mut builder = SceneBuilder::new();
-        let area_light = MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]).with_both_sides(emits_both_sides);
+        let area_light = MaterialDesc::emissive("area light", [0.0; 3], [1.0; 3]).with_both_sides(emits_both_sides);
         let area_light = builder.material(area_light);
-        builder.quad("lamp", [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], area_light);
-        builder.build().expect("a lamp")
+        builder.quad("area light", [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], area_light);
+        builder.build().expect("an area light")
     };
     let (one, two) = (build(false), build(true));
     assert_eq!(two.units().power, 2.0 * one.units().power);

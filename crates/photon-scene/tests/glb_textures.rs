@@ -2,6 +2,10 @@
 #![cfg(feature = "files")]
 #![expect(clippy::unwrap_used, reason = "test code")]
 
+#[path = "common/replaced.rs"]
+mod replaced;
+
+use replaced::replaced;
 use std::path::PathBuf;
 
 use photon_core::{Filter, Wrap};
@@ -99,19 +103,6 @@ fn the_comparison_sees_what_is_lost() {
     let (ours, theirs) = (scene.build().unwrap(), again.build().unwrap());
     assert_eq!(ours.view().shading.textures.len(), theirs.view().shading.textures.len());
     assert_eq!(ours.view().shading.uvs.len(), theirs.view().shading.uvs.len());
-}
-
-/// Replaces all occurrences by a text of equal length, so that no chunk length changes.
-fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
-    assert_eq!(from.len(), to.len());
-    let mut all = bytes.to_vec();
-    let mut at = 0;
-    while let Some(found) = all[at..].windows(from.len()).position(|window| window == from) {
-        all[at + found..][..to.len()].copy_from_slice(to);
-        at += found + to.len();
-    }
-    assert!(at > 0, "there is something to replace");
-    all
 }
 
 /// Changes by another program take precedence, even if it keeps the extras.

@@ -12,6 +12,7 @@ mod environment_limits;
 mod flushed;
 mod layout;
 mod light_sampler;
+mod listed;
 mod media;
 mod photon_format;
 mod projection;

@@ -1,8 +1,6 @@
 //! The layout of push constants in the committed SPIR-V compared with Rust's: called by the tests of `pushed!`.
 
-use std::fs;
-use std::path::Path;
-
+use super::listed::listed;
 use super::spirv::push_members;
 use crate::shaders;
 
@@ -29,29 +27,10 @@ pub(crate) fn check(words: &[u32], size: usize, members: &[(&str, u32, u32)]) ->
     Ok(())
 }
 
-/// Collects the names of modules listed after `pushed!` in the sources below a folder.
-fn listed(folder: &Path, names: &mut Vec<String>) {
-    for entry in fs::read_dir(folder).unwrap().flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            listed(&path, names);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            let text = fs::read_to_string(&path).unwrap();
-            for call in text.split("\npushed!(").skip(1) {
-                let modules = call.split_once("=>").and_then(|(_, rest)| rest.split_once(',')).map_or("", |it| it.0);
-                names.extend(modules.split_whitespace().map(str::to_lowercase));
-            }
-        }
-    }
-}
-
 /// Every kernel with push constants is checked.
 #[test]
 fn every_kernel_is_listed() {
-    // Read at run time: a moved target folder must not refer to the old checkout.
-    let folder = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| "crates/backend-vulkan".into());
-    let mut names = Vec::new();
-    listed(&Path::new(&folder).join("src"), &mut names);
+    let names = listed("pushed!");
     // The example's kernel belongs to a host, which runs it without this backend.
     for module in shaders::ALL.iter().filter(|module| !module.name.starts_with("example_")) {
         let pushes = push_members(&module.words()).unwrap().is_some();

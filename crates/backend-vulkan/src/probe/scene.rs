@@ -10,13 +10,13 @@ use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 pub(super) static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let mut scene = SceneBuilder::new();
     let floor = scene.material(MaterialDesc::lambert("floor", [0.5; 3]));
-    let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [9.0, 5.0, 2.0]));
+    let area_light = scene.material(MaterialDesc::emissive("area light", [0.0; 3], [9.0, 5.0, 2.0]));
     let mut both = MaterialDesc::emissive("both", [0.0; 3], [1.0, 2.0, 4.0]);
     both.emits_both_sides = true;
     let both = scene.material(both);
     let glass = scene.material(MaterialDesc::glass("glass", 1.5));
     scene.quad("floor", [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0]], floor);
-    scene.quad("lamp", [[-0.5, 3.0, -0.5], [0.5, 3.0, -0.5], [0.5, 3.0, 0.5], [-0.5, 3.0, 0.5]], lamp);
+    scene.quad("area light", [[-0.5, 3.0, -0.5], [0.5, 3.0, -0.5], [0.5, 3.0, 0.5], [-0.5, 3.0, 0.5]], area_light);
     scene.quad("both", [[-1.5, 0.5, -1.0], [-1.5, 0.5, 1.0], [-1.5, 1.5, 1.0], [-1.5, 1.5, -1.0]], both);
     let (positions, triangles) = icosphere(2, [0.5, 0.8, 0.2], 0.5);
     scene.mesh("ball", positions, triangles, glass);

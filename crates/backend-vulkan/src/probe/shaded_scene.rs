@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Filter, Light, Material, MaterialTextures, Primitive, SceneView, ShadingTables, TexelFormat, Texture, TextureUse,
-    Wrap, octahedral, sampling,
+    Filter, Light, Material, MaterialTextures, OwnedShadingTables, Primitive, SceneView, ShadingTables, TexelFormat,
+    Texture, TextureUse, Wrap, octahedral, sampling,
 };
 use photon_scene::CompressedTree;
 
@@ -26,13 +26,7 @@ pub(super) struct ShadedScene {
     pub(super) materials: Vec<Material>,
     pub(super) lights: Vec<Light>,
     light_cdf: Vec<u32>,
-    normals: Vec<[u32; 3]>,
-    tangents: Vec<[u32; 3]>,
-    colors: Vec<[[u32; 2]; 3]>,
-    uvs: Vec<[[f32; 2]; 3]>,
-    material_textures: Vec<MaterialTextures>,
-    uses: Vec<TextureUse>,
-    pub(super) textures: Vec<Texture>,
+    pub(super) shading: OwnedShadingTables,
     /// The position of each triangle in BVH order.
     pub(super) slots: Vec<u32>,
 }
@@ -45,7 +39,7 @@ pub(super) static SHADED: LazyLock<ShadedScene> = LazyLock::new(|| {
     for index in 0..TRIANGLES {
         scene.add_triangle(&mut d, index);
     }
-    scene.uvs = (0..2 * TRIANGLES).map(|_| [[(); 2]; 3].map(|uv| uv.map(|()| d.between(-2.0, 2.0)))).collect();
+    scene.shading.uvs = (0..2 * TRIANGLES).map(|_| [[(); 2]; 3].map(|uv| uv.map(|()| d.between(-2.0, 2.0)))).collect();
     let tree = CompressedTree::build(&scene.positions, &scene.triangles).unwrap();
     let slot = |id: u32| tree.order.iter().position(|&other| other == id).unwrap() as u32;
     scene.slots = (0..TRIANGLES).map(slot).collect();
@@ -61,15 +55,7 @@ impl ShadedScene {
             materials: &self.materials,
             lights: &self.lights,
             light_cdf: &self.light_cdf,
-            shading: ShadingTables {
-                normals: &self.normals,
-                tangents: &self.tangents,
-                colors: &self.colors,
-                uvs: &self.uvs,
-                material_textures: &self.material_textures,
-                uses: &self.uses,
-                textures: &self.textures,
-            },
+            shading: self.shading.view(),
             ..SceneView::default()
         }
     }
@@ -88,7 +74,7 @@ impl ShadedScene {
                         _ => d.word(),
                     };
                     let texels = (0..count).map(texel).collect();
-                    self.textures.push(Texture { texels, width, height, format, wrap, filter });
+                    self.shading.textures.push(Texture { texels, width, height, format, wrap, filter });
                 }
             }
         }
@@ -99,25 +85,25 @@ impl ShadedScene {
                 (0..12).map(|_| u32::from_le_bytes([byte(77, 178), byte(77, 178), byte(217, 255), 0].map(|b| b as u8)));
             let (format, filter) = (TexelFormat::Linear8, Filter::Linear);
             let texels = texels.collect();
-            self.textures.push(Texture { texels, width: 4, height: 3, format, wrap: [wrap; 2], filter });
+            self.shading.textures.push(Texture { texels, width: 4, height: 3, format, wrap: [wrap; 2], filter });
         }
-        for texture_index in 0..self.textures.len() as u32 {
+        for texture_index in 0..self.shading.textures.len() as u32 {
             let transform = [[(); 3]; 2].map(|row| row.map(|()| d.between(-1.5, 1.5)));
-            self.uses.push(TextureUse { transform, texture_index, uv_set: d.word() % 2 });
+            self.shading.uses.push(TextureUse { transform, texture_index, uv_set: d.word() % 2 });
         }
     }
 
     /// Materials with and without textures.
     fn add_materials(&mut self, d: &mut Draw) {
         let none = MaterialTextures::NONE;
-        let images = self.textures.len() as u32 - 3;
+        let images = self.shading.textures.len() as u32 - 3;
         for index in 0..12 {
             let mut image = || if d.now_and_then() { none } else { d.word() % images };
             let (base_color, emission) = (image(), image());
             let normal = if d.now_and_then() { none } else { images + d.word() % 3 };
             let normal_scale = d.pick(&[1.0, 0.5, -0.8]);
             let entry = MaterialTextures { base_color, emission, normal, normal_scale, ..MaterialTextures::default() };
-            self.material_textures.push(entry);
+            self.shading.material_textures.push(entry);
             let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];
             let emission = [d.between(0.5, 9.0), d.between(0.5, 9.0), d.between(0.5, 9.0)];
             let textures = if index == 0 { 0 } else { index + 1 };
@@ -139,11 +125,11 @@ impl ShadedScene {
         if index % 5 == 4 {
             normals[0] = ShadingTables::FLAT;
         }
-        self.normals.push(normals);
+        self.shading.normals.push(normals);
         let tangents = [sampling::basis(normal).0; 3].map(&mut tilted);
         let sign = index % 2;
-        self.tangents.push(tangents.map(|word| word & !1 | sign));
-        self.colors.push([[(); 2]; 3].map(|color| color.map(|()| d.word())));
+        self.shading.tangents.push(tangents.map(|word| word & !1 | sign));
+        self.shading.colors.push([[(); 2]; 3].map(|color| color.map(|()| d.word())));
         if index < LIGHTS {
             let power = [d.between(0.1, 1.0), d.pick(&[0.0, 0.2]), d.between(0.1, 1.0)];
             let area = 0.5 * cross.length();

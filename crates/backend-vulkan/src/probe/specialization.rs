@@ -1,8 +1,6 @@
 //! The specialization constants in the committed SPIR-V compared with Rust's: called by the tests of `specialized!`.
 
-use std::fs;
-use std::path::Path;
-
+use super::listed::listed;
 use super::spirv::specialization_constants;
 use crate::shaders;
 
@@ -35,30 +33,11 @@ pub(crate) fn check(words: &[u32], set: &[(u32, &str, bool)], unset: &[&str]) ->
     Ok(())
 }
 
-/// Collects the names of modules listed after `specialized!` in the sources below a folder.
-fn listed(folder: &Path, names: &mut Vec<String>) {
-    for entry in fs::read_dir(folder).unwrap().flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            listed(&path, names);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            let text = fs::read_to_string(&path).unwrap();
-            for call in text.split("\nspecialized!(").skip(1) {
-                let modules = call.split_once("=>").and_then(|(_, rest)| rest.split_once(',')).map_or("", |it| it.0);
-                names.extend(modules.split_whitespace().map(str::to_lowercase));
-            }
-        }
-    }
-}
-
 /// Every kernel with constants besides the workgroup size is checked. Kernels over lists of photons that read no
 /// photon have an unused `FORMAT` from an included file.
 #[test]
 fn every_kernel_with_constants_is_listed() {
-    // Read at run time: a moved target folder must not refer to the old checkout.
-    let folder = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| "crates/backend-vulkan".into());
-    let mut names = Vec::new();
-    listed(&Path::new(&folder).join("src"), &mut names);
+    let names = listed("specialized!");
     for module in shaders::ALL {
         let constants = specialization_constants(&module.words()).unwrap();
         let named: Vec<_> = constants.iter().filter(|(id, ..)| *id != WORKGROUP).map(|(_, name, _)| name).collect();

@@ -48,8 +48,8 @@ fn coordinate(d: &mut Draw) -> Input {
 
 /// Coordinates and a texture.
 fn coordinates(d: &mut Draw) -> Input {
-    let index = d.word() % SHADED.textures.len() as u32;
-    let texture = &SHADED.textures[index as usize];
+    let index = d.word() % SHADED.shading.textures.len() as u32;
+    let texture = &SHADED.shading.textures[index as usize];
     let mut input = Input::default();
     input.0[4..7].copy_from_slice(&[along_axis(d, texture.width), along_axis(d, texture.height), index]);
     input
@@ -63,7 +63,7 @@ fn along(i: &Input, shift: u32) -> [f32; 3] {
 }
 
 fn texel(i: &Input, uv: [f32; 2]) -> [f32; 4] {
-    lookup(&SHADED.textures[i.0[6] as usize], &VALUES, uv)
+    lookup(&SHADED.shading.textures[i.0[6] as usize], &VALUES, uv)
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
     if keeps { Ok(()) } else { Err(Error::NoReceiver) }
 }
 
-/// Precomputed irradiance is that of facets, and would lose the shading normals.
+/// Precomputed irradiance is relative to the geometric normal, and would lose the shading normals.
 pub(super) fn check_irradiance(scene: &SceneView<'_>, settings: &Settings) -> Result<()> {
     match settings.irradiance_every {
         Some(every)

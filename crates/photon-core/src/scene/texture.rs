@@ -149,6 +149,57 @@ pub struct ShadingTables<'a> {
     pub textures: &'a [Texture],
 }
 
+/// The tables that a [`ShadingTables`] borrows, owned; their contents are documented there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OwnedShadingTables {
+    /// [`ShadingTables::normals`].
+    pub normals: Vec<[u32; 3]>,
+    /// [`ShadingTables::tangents`].
+    pub tangents: Vec<[u32; 3]>,
+    /// [`ShadingTables::colors`].
+    pub colors: Vec<[[u32; 2]; 3]>,
+    /// [`ShadingTables::uvs`].
+    pub uvs: Vec<[[f32; 2]; 3]>,
+    /// [`ShadingTables::material_textures`].
+    pub material_textures: Vec<MaterialTextures>,
+    /// [`ShadingTables::uses`].
+    pub uses: Vec<TextureUse>,
+    /// [`ShadingTables::textures`].
+    pub textures: Vec<Texture>,
+}
+
+impl OwnedShadingTables {
+    /// The tables, borrowed.
+    #[inline]
+    #[must_use]
+    pub fn view(&self) -> ShadingTables<'_> {
+        ShadingTables {
+            normals: &self.normals,
+            tangents: &self.tangents,
+            colors: &self.colors,
+            uvs: &self.uvs,
+            material_textures: &self.material_textures,
+            uses: &self.uses,
+            textures: &self.textures,
+        }
+    }
+}
+
+/// Copies the tables, but shares the texels.
+impl From<&ShadingTables<'_>> for OwnedShadingTables {
+    fn from(tables: &ShadingTables<'_>) -> Self {
+        Self {
+            normals: tables.normals.to_vec(),
+            tangents: tables.tangents.to_vec(),
+            colors: tables.colors.to_vec(),
+            uvs: tables.uvs.to_vec(),
+            material_textures: tables.material_textures.to_vec(),
+            uses: tables.uses.to_vec(),
+            textures: tables.textures.to_vec(),
+        }
+    }
+}
+
 impl ShadingTables<'_> {
     /// The first entry of [`Self::normals`] of a triangle without vertex normals.
     pub const FLAT: u32 = 0x8000_8000;

@@ -1,7 +1,7 @@
 //! Shading normals: cosines, and the factors by which they differ for light and for importance.
 //!
-//! A surface with a shading normal n_s on a facet with the geometric normal n_g scatters light from direction i with
-//! the cosine `c(i) = min(max(i·n_s, 0), 32 i·n_g)`, 0 below the facet. All techniques use it: shadow rays and gather
+//! A surface with shading normal n_s and geometric normal n_g scatters light from direction i with the cosine
+//! `c(i) = min(max(i·n_s, 0), 32 i·n_g)`, 0 below the triangle's plane. All techniques use it: shadow rays and gather
 //! rays by [`cosine`], photons, which arrive with a density in proportion to i·n_g, by [`cosine_ratio`] (Veach 1997,
 //! section 5.3). The limit keeps the weight of a photon finite.
 
@@ -22,7 +22,7 @@ pub fn cosine(direction: Vec3, geometric: Vec3, shading: Vec3) -> f32 {
     direction.dot(shading).max(0.0).min(MAX_RATIO * direction.dot(geometric).max(0.0))
 }
 
-/// [`cosine`] over `direction · geometric`, in `[0, 32]`; 0 below the facet.
+/// [`cosine`] over `direction · geometric`, in `[0, 32]`; 0 below the triangle's plane.
 #[inline]
 #[must_use]
 pub fn cosine_ratio(direction: Vec3, geometric: Vec3, shading: Vec3) -> f32 {
@@ -39,7 +39,7 @@ pub fn bend(normal: Vec3, axis: Vec3) -> Vec3 {
     if cosine >= MIN_COSINE { normal } else { (normal + axis * (MIN_COSINE - cosine)).normalize_or(axis) }
 }
 
-/// `direction`, mirrored in the facet if it leaves it on the other side than `lobe` says. At mirrors and glass a
+/// `direction`, reflected in the triangle's plane if it is on the other side than `lobe` requires. At mirrors and glass a
 /// shading normal can send light through the surface, or back.
 #[inline]
 #[must_use]
@@ -75,7 +75,7 @@ mod tests {
         Vec3::new(sin, 0.0, cos)
     }
 
-    /// G9: an even sky above a facet with a tilted shading normal: π (1 + cos t)/2 less the share that the limit takes,
+    /// G9: a uniform sky above a triangle with a tilted shading normal: π (1 + cos t)/2 less the share that the limit takes,
     /// which is .055, .215, .468 and .794 % at 15, 30, 45 and 60 degrees.
     #[test]
     fn even_sky_over_a_tilted_normal() {

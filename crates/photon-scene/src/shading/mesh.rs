@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec3};
+use photon_core::{OwnedShadingTables, ShadingTables};
 
 use super::normals::Corners;
 use super::uvs::{self, UvSet};
-use super::{Source, Tables, tangents};
+use super::{Source, tangents};
 use crate::mesh::Mesh;
 use crate::normalise::Geometry;
 use crate::texture::TextureRef;
@@ -40,49 +41,48 @@ impl Census {
     }
 }
 
-impl Tables {
-    pub(super) fn add_meshes(
-        &mut self,
-        source: Source<'_>,
-        geometry: &Geometry,
-        sets: &BTreeMap<u32, u32>,
-        census: &mut Census,
-    ) {
-        let count = geometry.triangles.len();
-        let mut triangles = Triangles { source, geometry, census };
-        let has_maps = geometry.primitives.iter().any(|&(_, m)| source.materials[m as usize].textures.normal.is_some());
-        let has_colors = source.meshes.iter().any(|mesh| !mesh.attributes.colors.is_empty());
-        self.uvs.resize(count * sets.len(), [[0.0; 2]; 3]);
-        self.normals.reserve_exact(count);
-        for (index, mesh) in source.meshes.iter().enumerate() {
-            let range = geometry.range(index);
-            if range.is_empty() {
-                continue;
-            }
-            let normals = triangles.normals(mesh, range.clone());
-            self.normals.extend(normals.iter().map(Corners::pack));
-            if has_maps {
-                self.tangents.extend(triangles.tangents(mesh, range.clone(), &normals));
-            }
-            if has_colors {
-                self.colors.extend(triangles.colors(mesh, range.clone()));
-            }
-            for (&set, &row) in sets {
-                if let Some(packed) = triangles.uvs(mesh, range.clone(), set) {
-                    let start = row as usize * count + range.start;
-                    self.uvs[start..start + range.len()].copy_from_slice(&packed);
-                }
+/// Adds the vertex attributes of all meshes.
+pub(super) fn add_meshes(
+    tables: &mut OwnedShadingTables,
+    source: Source<'_>,
+    geometry: &Geometry,
+    sets: &BTreeMap<u32, u32>,
+    census: &mut Census,
+) {
+    let count = geometry.triangles.len();
+    let mut triangles = Triangles { source, geometry, census };
+    let has_maps = geometry.primitives.iter().any(|&(_, m)| source.materials[m as usize].textures.normal.is_some());
+    let has_colors = source.meshes.iter().any(|mesh| !mesh.attributes.colors.is_empty());
+    tables.uvs.resize(count * sets.len(), [[0.0; 2]; 3]);
+    tables.normals.reserve_exact(count);
+    for (index, mesh) in source.meshes.iter().enumerate() {
+        let range = geometry.range(index);
+        if range.is_empty() {
+            continue;
+        }
+        let normals = triangles.normals(mesh, range.clone());
+        tables.normals.extend(normals.iter().map(Corners::pack));
+        if has_maps {
+            tables.tangents.extend(triangles.tangents(mesh, range.clone(), &normals));
+        }
+        if has_colors {
+            tables.colors.extend(triangles.colors(mesh, range.clone()));
+        }
+        for (&set, &row) in sets {
+            if let Some(packed) = triangles.uvs(mesh, range.clone(), set) {
+                let start = row as usize * count + range.start;
+                tables.uvs[start..start + range.len()].copy_from_slice(&packed);
             }
         }
-        // Tables that say nothing cost nothing.
-        let flat = photon_core::ShadingTables::FLAT;
-        if self.normals.iter().all(|corners| corners[0] == flat) {
-            self.normals = Vec::new();
-        }
-        const BLUE: u32 = 0xFFFF;
-        if self.colors.as_flattened().iter().all(|&[red_green, blue]| red_green == WHITE[0] && blue & BLUE == BLUE) {
-            self.colors = Vec::new();
-        }
+    }
+    // Tables that say nothing cost nothing.
+    let flat = ShadingTables::FLAT;
+    if tables.normals.iter().all(|corners| corners[0] == flat) {
+        tables.normals = Vec::new();
+    }
+    const BLUE: u32 = 0xFFFF;
+    if tables.colors.as_flattened().iter().all(|&[red_green, blue]| red_green == WHITE[0] && blue & BLUE == BLUE) {
+        tables.colors = Vec::new();
     }
 }
 

@@ -1,6 +1,7 @@
 //! Means of an image over ever larger squares.
 
 use glam::{DVec2, DVec3};
+use photon_core::texture::axis;
 use photon_core::{Filter, Texture, Wrap};
 
 use super::texel::Decoder;
@@ -67,41 +68,11 @@ impl Level {
 
     /// The colour at texture coordinates, which must be finite.
     pub(super) fn lookup(&self, place: DVec2, wrap: [Wrap; 2], filter: Filter) -> DVec3 {
-        let (left, right, across) = axis(place.x, self.width, wrap[0], filter);
-        let (upper, lower, down) = axis(place.y, self.height, wrap[1], filter);
-        let row = |y: usize| self.texel(left, y).lerp(self.texel(right, y), across);
-        row(upper).lerp(row(lower), down)
+        // As the renderer looks textures up.
+        let (left, right, across) = axis(place.x as f32, self.width as u32, wrap[0], filter);
+        let (upper, lower, down) = axis(place.y as f32, self.height as u32, wrap[1], filter);
+        let texel = |x: u32, y: u32| self.texel(x as usize, y as usize);
+        let row = |y: u32| texel(left, y).lerp(texel(right, y), f64::from(across));
+        row(upper).lerp(row(lower), f64::from(down))
     }
-}
-
-/// The two texels on either side of a coordinate, and the weight of the second.
-fn axis(coordinate: f64, size: usize, wrap: Wrap, filter: Filter) -> (usize, usize, f64) {
-    let inside = match wrap {
-        Wrap::Repeat => coordinate - coordinate.floor(),
-        Wrap::Mirror => {
-            let twice = coordinate - 2.0 * (0.5 * coordinate).floor();
-            if twice > 1.0 { 2.0 - twice } else { twice }
-        }
-        Wrap::Clamp => coordinate.clamp(0.0, 1.0),
-    };
-    let last = size - 1;
-    let place = inside * size as f64;
-    if filter == Filter::Nearest {
-        let texel = (place as usize).min(last);
-        return (texel, texel, 0.0);
-    }
-    let from_centre = place - 0.5;
-    let below = from_centre.floor();
-    let repeats = wrap == Wrap::Repeat;
-    let first = match below < 0.0 {
-        true if repeats => last,
-        true => 0,
-        false => (below as usize).min(last),
-    };
-    let second = match (below + 1.0) as usize {
-        second if second <= last => second,
-        _ if repeats => 0,
-        _ => last,
-    };
-    (first, second, from_centre - below)
 }

@@ -9,7 +9,7 @@ use crate::{UVS, built, with_uvs};
 
 const CLAMP: [Wrap; 2] = [Wrap::Clamp; 2];
 
-fn lamp(image: TextureDesc, uvs: [[f64; 2]; 4], radiance: [f64; 3]) -> Scene {
+fn area_light(image: TextureDesc, uvs: [[f64; 2]; 4], radiance: [f64; 3]) -> Scene {
     let mut builder = SceneBuilder::new();
     let image = builder.texture(image);
     let mut material = MaterialDesc::emissive("screen", [0.0; 3], radiance);
@@ -28,7 +28,7 @@ fn watts(scene: &Scene) -> Vec<f64> {
 fn a_ramp_has_the_power_of_its_integral() {
     for width in [4_u32, 64, 1000] {
         let ramp: Vec<[f32; 4]> = (0..width).map(|x| [(x as f32 + 0.5) / width as f32, 0.0, 0.0, 1.0]).collect();
-        let scene = lamp(TextureDesc::float32("ramp", width, 1, &ramp).wrapped(CLAMP), UVS, [3.0; 3]);
+        let scene = area_light(TextureDesc::float32("ramp", width, 1, &ramp).wrapped(CLAMP), UVS, [3.0; 3]);
         let found = watts(&scene);
         // Half a texel at each edge is constant instead of linear: h²/2 of an integral of 1/6 or 1/3, h = 1/(2 width).
         let width = f64::from(width);
@@ -46,7 +46,7 @@ fn one_bright_texel_counts() {
     for bright in [1e6_f32, 1e20] {
         let mut texels = vec![[1e-3_f32; 4]; 256 * 256];
         texels[100 * 256 + 200] = [bright; 4];
-        let scene = lamp(TextureDesc::float32("spark", 256, 256, &texels), UVS, [1.0; 3]);
+        let scene = area_light(TextureDesc::float32("spark", 256, 256, &texels), UVS, [1.0; 3]);
         let expected = PI * (f64::from(bright) + 1e-3 * 65_535.0) / 65_536.0;
         let sum: f64 = watts(&scene).iter().sum();
         assert!((sum / expected - 1.0).abs() < 1e-3, "{bright}: {sum} for {expected}");
@@ -61,16 +61,16 @@ fn where_the_texture_is_black_is_no_light() {
         *texel = if index % 4 >= 2 { [255; 4] } else { *texel };
     }
     let image = || TextureDesc::srgb8("half", 4, 4, &texels).wrapped(CLAMP);
-    assert_eq!(lamp(image(), UVS, [1.0; 3]).view().lights.len(), 2);
+    assert_eq!(area_light(image(), UVS, [1.0; 3]).view().lights.len(), 2);
     for filter in [Filter::Linear, Filter::Nearest] {
         // The outer quarter of the texture does not touch the bright texels, filtered or not.
         let left = UVS.map(|[u, v]| [0.3 * u, v]);
-        assert!(lamp(image().filtered(filter), left, [1.0; 3]).view().lights.is_empty(), "{filter:?}");
+        assert!(area_light(image().filtered(filter), left, [1.0; 3]).view().lights.is_empty(), "{filter:?}");
     }
     // Between the centres of the second and the third column the filter brightens black texels.
     let middle = UVS.map(|[u, v]| [0.374 + 0.002 * u, v]);
-    assert_eq!(lamp(image(), middle, [1.0; 3]).view().lights.len(), 2);
-    assert!(lamp(image().filtered(Filter::Nearest), middle, [1.0; 3]).view().lights.is_empty());
+    assert_eq!(area_light(image(), middle, [1.0; 3]).view().lights.len(), 2);
+    assert!(area_light(image().filtered(Filter::Nearest), middle, [1.0; 3]).view().lights.is_empty());
 }
 
 /// A lone bright texel under the tip of a triangle, between the evaluated points, is a light with some power.
@@ -82,7 +82,7 @@ fn a_tip_in_a_bright_texel_is_a_light() {
     let tip = 63.0 / 64.0 + 1e-6;
     // The second triangle's corner reaches the texel in the upper right by a millionth of the texture.
     let uvs = [[0.0, 1.0], [0.0, 1.0], [0.2, 0.9], [tip, 1.0 / 64.0 - 1e-6]];
-    let scene = lamp(image, uvs, [1.0; 3]);
+    let scene = area_light(image, uvs, [1.0; 3]);
     let lights = scene.view().lights;
     assert!(lights.len() == 1 && lights[0].primitive == 1 && watts(&scene)[0] > 0.0, "{lights:?}");
 }
@@ -92,12 +92,12 @@ fn a_tip_in_a_bright_texel_is_a_light() {
 fn many_repetitions_have_the_mean_power() {
     let image = || TextureDesc::linear8("stripes", 2, 1, &[[255, 255, 255, 255], [0, 0, 0, 255]]);
     for far in [1.0, 100.0, 12_345.0, 1e9] {
-        let scene = lamp(image(), UVS.map(|[u, v]| [u * far, v * far]), [1.0; 3]);
+        let scene = area_light(image(), UVS.map(|[u, v]| [u * far, v * far]), [1.0; 3]);
         let sum: f64 = watts(&scene).iter().sum();
         assert!((sum / (0.5 * PI) - 1.0).abs() < 5e-3, "{far}: {sum}");
     }
     for far in [1e30, 1e300, f64::NAN, f64::INFINITY] {
-        let scene = lamp(image(), UVS.map(|[u, v]| [u * far, v * far]), [1.0; 3]);
+        let scene = area_light(image(), UVS.map(|[u, v]| [u * far, v * far]), [1.0; 3]);
         assert!(watts(&scene).iter().all(|watts| watts.is_finite()));
     }
 }
@@ -107,6 +107,6 @@ fn many_repetitions_have_the_mean_power() {
 fn large_textures_are_reduced_first() {
     let mut texels = vec![[0_u8; 4]; 4096 * 2048];
     texels.iter_mut().skip(1).step_by(2).for_each(|texel| *texel = [255; 4]);
-    let sum: f64 = watts(&lamp(TextureDesc::linear8("large", 4096, 2048, &texels), UVS, [1.0; 3])).iter().sum();
+    let sum: f64 = watts(&area_light(TextureDesc::linear8("large", 4096, 2048, &texels), UVS, [1.0; 3])).iter().sum();
     assert!((sum / (0.5 * PI) - 1.0).abs() < 1e-3, "{sum}");
 }

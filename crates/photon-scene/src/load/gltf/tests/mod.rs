@@ -6,4 +6,5 @@ mod fuzz;
 mod geometry;
 mod lights;
 mod materials;
+mod pose;
 mod textures;

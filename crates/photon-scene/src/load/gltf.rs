@@ -16,6 +16,7 @@
 //! | other textures | their mean |
 //! | normals, tangents, colours, UV sets | those in use; normals by the inverse transpose of the node's matrix |
 //! | alpha below one half | thin sheet |
+//! | `KHR_meshopt_compression`, `EXT_` | decoded; Draco is refused |
 //! | `extras.photonmap` | the same in double precision, as [`crate::glb`] writes it |
 //!
 //! Everything that is left out is a line of the report. The document is read without the parser's own
@@ -31,6 +32,7 @@ mod fault;
 mod material;
 mod mean;
 mod meshes;
+mod meshopt;
 mod morph;
 mod nodes;
 mod parameters;

@@ -1,7 +1,7 @@
 //! Tests with generated files.
 
 mod damage;
-mod file;
+pub(super) mod file;
 mod fuzz;
 mod geometry;
 mod lights;

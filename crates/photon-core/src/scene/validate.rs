@@ -151,6 +151,14 @@ fn check_material(material: &Material, media: &[Medium]) -> Check {
     match kind {
         MaterialKind::Lambert | MaterialKind::Mirror => Ok(()),
         MaterialKind::Thin => refracts(),
+        MaterialKind::Glossy => {
+            for (name, value) in
+                [("metallic", material.metallic), ("roughness", material.roughness), ("specular", material.specular)]
+            {
+                require((0.0..=1.0).contains(&value), || format!("its {name} {value} must lie between 0 and 1"))?;
+            }
+            require(ior.is_finite() && ior >= 0.0, || format!("its ior {ior} must be finite and at least 0"))
+        }
         MaterialKind::Dielectric => {
             refracts()?;
             let inside = material.medium;

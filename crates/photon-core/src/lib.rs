@@ -66,9 +66,11 @@ pub use settings::{
 };
 pub use shading::bsdf::{Bsdf, Lobe};
 pub use shading::environment::EnvironmentSample;
+pub use shading::albedo_table::AlbedoTable;
+pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    area, fresnel, light_sampler, math, octahedral, offset, random, sampling, shade, shading_normal, sobol,
+    area, fresnel, ggx, glossy, light_sampler, math, octahedral, offset, random, sampling, shade, shading_normal, sobol,
     solid_angle, texture,
 };

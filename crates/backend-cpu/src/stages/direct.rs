@@ -51,7 +51,7 @@ const SHADED: Features = Features::SHADING_NORMALS.union(Features::TEXTURED_LIGH
 /// Direct irradiance: the mean over `rays` shadow rays.
 fn irradiance<const SHADED: bool>(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
     let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
-    let light_sampler = LightSampler::at(scene, query);
+    let light_sampler = LightSampler::at(scene, query.position.into(), query.normal.into());
     let mut sum = [0.0; 3];
     for ray in 0..rays {
         let [choice, u, v, _] = sampler.words(ray);

@@ -105,8 +105,10 @@ pub struct MaterialTextures {
     pub normal: u32,
     /// Factor on the x and y of the normal map, finite.
     pub normal_scale: f32,
+    /// Green multiplies [`crate::Material::roughness`], blue [`crate::Material::metallic`].
+    pub metallic_roughness: u32,
     /// [`Self::NONE`].
-    pub reserved: [u32; 12],
+    pub reserved: [u32; 11],
 }
 
 impl MaterialTextures {
@@ -121,7 +123,8 @@ impl Default for MaterialTextures {
             emission: Self::NONE,
             normal: Self::NONE,
             normal_scale: 1.0,
-            reserved: [Self::NONE; 12],
+            metallic_roughness: Self::NONE,
+            reserved: [Self::NONE; 11],
         }
     }
 }

@@ -47,8 +47,9 @@ const uint FEATURE_NORMAL_MAPS = 2048u;
 const uint FEATURE_VERTEX_COLORS = 4096u;
 const uint FEATURE_TEXTURED_LIGHTS = 8192u;
 const uint FEATURE_ENVIRONMENT = 16384u;
+const uint FEATURE_THIN_LENS = 524288u;
 const uint FEATURE_SPECULAR = 14u;
-const uint FEATURE_ALL = 32767u;
+const uint FEATURE_ALL = 589823u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;

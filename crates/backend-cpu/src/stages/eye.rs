@@ -4,7 +4,7 @@ use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Bsdf, Camera, EyeTracer, Features, FilmPixel, Layer, Lobe, Material, MediumStack, Pass, QUERIES_PER_PIXEL, Query,
-    RandomKind, Ray, Result, View, octahedral, shading_normal,
+    RandomKind, Ray, Result, View, octahedral, sampling, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -35,7 +35,13 @@ impl EyeTracer<Cpu> for CpuEye {
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
         let eye = Eye { scene, view, pass, max_bounces: self.max_bounces, max_splits };
-        let look = if scene.features.intersects(Features::SHADED) { Eye::look::<true> } else { Eye::look::<false> };
+        let is_shaded = scene.features.intersects(Features::SHADED);
+        let look = match (is_shaded, view.camera.features().contains(Features::THIN_LENS)) {
+            (false, false) => Eye::look::<false, false>,
+            (false, true) => Eye::look::<false, true>,
+            (true, false) => Eye::look::<true, false>,
+            (true, true) => Eye::look::<true, true>,
+        };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
                 .par_chunks_mut(view.width as usize)
@@ -79,18 +85,26 @@ struct Path {
 }
 
 impl Eye<'_> {
-    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals.
-    fn look<const SHADED: bool>(&self, x: u32, y: u32, pixel: &mut FilmPixel, queries: &mut Vec<Query>) {
+    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals. `LENS`: the camera has a lens.
+    fn look<const SHADED: bool, const LENS: bool>(
+        &self,
+        x: u32,
+        y: u32,
+        pixel: &mut FilmPixel,
+        queries: &mut Vec<Query>,
+    ) {
         let number = y * self.view.width + x;
         let sampler = |branch: u32| {
             let key = number * QUERIES_PER_PIXEL + branch;
             Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Eye, key)
         };
-        let [a, b, ..] = sampler(0).words(BLOCK_START);
+        let [a, b, c, d] = sampler(0).words(BLOCK_START);
         let across = 2.0 * (x as f32 + unit_f32(a)) / self.view.width as f32 - 1.0;
         let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;
+        let camera = &self.view.camera;
+        let ray = if LENS { lens_ray(camera, across, -down, [c, d]) } else { camera_ray(camera, across, -down) };
         let first = Path {
-            ray: camera_ray(&self.view.camera, across, -down),
+            ray,
             throughput: Vec3::ONE,
             media: MediumStack::from_bits(self.view.camera.media),
             surfaces: 0,
@@ -230,4 +244,15 @@ fn camera_ray(camera: &Camera, x: f32, y: f32) -> Ray {
         (origin, (forward + offset).normalize_or(forward))
     };
     Ray { origin, direction, t_max: f32::INFINITY }
+}
+
+/// The ray through a point of the image and a uniformly distributed point of the lens: all rays through a point of the
+/// image meet in the plane that is in focus.
+fn lens_ray(camera: &Camera, x: f32, y: f32, words: [u32; 2]) -> Ray {
+    let (right, up) = (Vec3::from(camera.right), Vec3::from(camera.up));
+    let (u, v) = sampling::disc(unit_f32(words[0]), unit_f32(words[1]));
+    let lens = (right.normalize_or_zero() * u + up.normalize_or_zero() * v) * camera.lens_radius;
+    let (origin, forward) = (Vec3::from(camera.origin), Vec3::from(camera.forward));
+    let towards = forward + (right * x + up * y) - lens / camera.focus_distance;
+    Ray { origin: origin + lens, direction: towards.normalize_or(forward), t_max: f32::INFINITY }
 }

@@ -119,7 +119,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
         queries: &mut VulkanBuffer<Query>,
     ) -> Result<()> {
         film.check_size(view.width, view.height)?;
-        let features = scene.features();
+        // The lens is that of the view.
+        let features = scene.features().without(Features::THIN_LENS).union(view.camera.features());
         let splits = if features.splits_camera_paths() { SPLITS } else { 0 };
         let pixels = view.width * view.height;
         let places = u64::from(pixels) << splits;

@@ -43,6 +43,8 @@ bitflags! {
         const ENVIRONMENT = 1 << 14;
         /// Glossy reflection: rough metals and coats.
         const GLOSSY = 1 << 15;
+        /// A camera with a lens: decided with the view, not with the scene.
+        const THIN_LENS = 1 << 19;
     }
 }
 
@@ -78,6 +80,7 @@ impl Features {
         "textured-lights",
         "environment",
         "glossy",
+        "thin-lens",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

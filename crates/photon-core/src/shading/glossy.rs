@@ -285,8 +285,8 @@ mod tests {
                         let (u, v) = (number(), number());
                         let (wi, found) = glossy.sample(wo, Vec3::Z, u, v);
                         let base = sampling::cosine_hemisphere(Vec3::Z, u, v);
-                        let whole = found.weight(wi, Vec3::Z, Vec3::Z).x
-                            + glossy.diffuse().x * glossy.coat().entering(base.z);
+                        let whole =
+                            found.weight(wi, Vec3::Z, Vec3::Z).x + glossy.diffuse().x * glossy.coat().entering(base.z);
                         sum += f64::from(whole);
                         squares += f64::from(whole * whole);
                     }
@@ -342,7 +342,10 @@ mod tests {
                         let (u, v) = (k as f32 / 64.0, ((k * 29) % 64) as f32 / 64.0);
                         let (wi, found) = glossy.sample(towards(cosine, 0.2), Vec3::Z, u, v);
                         let weight = found.weight(wi, Vec3::Z, Vec3::Z);
-                        assert!(weight.is_finite() && weight.min_element() >= 0.0 && weight.max_element() < 4.0, "{weight}");
+                        assert!(
+                            weight.is_finite() && weight.min_element() >= 0.0 && weight.max_element() < 4.0,
+                            "{weight}"
+                        );
                     }
                     assert!(glossy.diffuse().is_finite() && (0.0..=1.0).contains(&glossy.specular_probability()));
                 }
@@ -353,9 +356,7 @@ mod tests {
     #[test]
     fn what_is_left_of_a_choice_is_uniform() {
         let n = 1000;
-        let below: usize = (0..n)
-            .filter(|&k| rest_of((k as f32 + 0.5) / n as f32, 0.3) < 0.5)
-            .count();
+        let below: usize = (0..n).filter(|&k| rest_of((k as f32 + 0.5) / n as f32, 0.3) < 0.5).count();
         assert!(below.abs_diff(n / 2) <= 2, "{below}");
         assert!(rest_of(0.999_999_94, 0.3) < 1.0 && rest_of(0.0, 0.0) == 0.0);
     }

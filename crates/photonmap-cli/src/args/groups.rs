@@ -7,7 +7,9 @@ use std::path::PathBuf;
 use clap::Args;
 use photon_core::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Scheduling,
+    View,
 };
+use photon_scene::{Scene, SceneError, ThinLens};
 
 use super::environment::EnvironmentArgs;
 use super::values::{caustic_photons, choice, count, size, total};
@@ -42,6 +44,15 @@ pub struct PictureArgs {
     /// Name of the camera [default: the scene's first].
     #[arg(long, value_name = "NAME", hide_short_help = true)]
     pub camera: Option<String>,
+    /// Diameter of the lens of a perspective camera, in units of the scene; 0 is a pinhole [default: that of the camera].
+    ///
+    /// What is not at the distance of --focus is blurred: at distance z to a disc of the diameter
+    /// `DIAMETER · |z - DISTANCE| / DISTANCE`.
+    #[arg(long, value_name = "DIAMETER", requires = "focus", allow_negative_numbers = true, hide_short_help = true)]
+    pub aperture: Option<f64>,
+    /// Distance along the direction of view of the plane that is in focus, in units of the scene.
+    #[arg(long, value_name = "DISTANCE", requires = "aperture", allow_negative_numbers = true, hide_short_help = true)]
+    pub focus: Option<f64>,
 }
 
 /// The output files.
@@ -206,4 +217,21 @@ pub struct MachineArgs {
     /// Limit on the memory of the process, such as 2GiB; passes then have fewer photons, and there are more passes.
     #[arg(long, value_name = "SIZE", value_parser = crate::memory::parse, hide_short_help = true)]
     pub memory: Option<u64>,
+}
+
+impl PictureArgs {
+    /// The camera of a scene, with the lens of the options.
+    ///
+    /// # Errors
+    /// [`SceneError`] for an unknown camera or a lens out of range.
+    pub fn view(&self, scene: &Scene) -> Result<View, SceneError> {
+        let ((width, height), name) = (self.size, self.camera.as_deref());
+        let camera = match self.aperture.zip(self.focus) {
+            Some((diameter, focus_distance)) => {
+                scene.camera_with_lens(name, ThinLens { diameter, focus_distance }, width, height)?
+            }
+            None => scene.camera(name, width, height)?,
+        };
+        Ok(View { camera, width, height })
+    }
 }

@@ -34,9 +34,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let begun = Instant::now();
     let (scene, loaded) = load::scene(&args.scene)?;
     let seconds_load = begun.elapsed().as_secs_f64();
-    let (width, height) = args.settings.picture.size;
-    let camera = scene.camera(args.settings.picture.camera.as_deref(), width, height)?;
-    let mut renderer = start(args, &scene, View { camera, width, height }, &settings)?;
+    let view = args.settings.picture.view(&scene)?;
+    let mut renderer = start(args, &scene, view, &settings)?;
     let mut warnings = scene.warnings().to_vec();
     let starving = starving(&scene, &*renderer);
     starving.iter().for_each(|warning| eprintln!("warning: {warning}"));

@@ -106,19 +106,26 @@ pub struct TexturesDesc {
     pub normal: Option<TextureRef>,
     /// Factor on the x and y of the normal map; finite.
     pub normal_scale: f64,
+    /// Green multiplies the roughness and blue the metallic share of a [`crate::Surface::Glossy`]; linear.
+    pub metallic_roughness: Option<TextureRef>,
 }
 
 impl Default for TexturesDesc {
     /// No texture.
     fn default() -> Self {
-        Self { base_color: None, emission: None, normal: None, normal_scale: 1.0 }
+        Self { base_color: None, emission: None, normal: None, normal_scale: 1.0, metallic_roughness: None }
     }
 }
 
 impl TexturesDesc {
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
-        let all = [("base_color", self.base_color), ("emission", self.emission), ("normal", self.normal)];
+        let all = [
+            ("base_color", self.base_color),
+            ("emission", self.emission),
+            ("normal", self.normal),
+            ("metallic_roughness", self.metallic_roughness),
+        ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))
     }
 }

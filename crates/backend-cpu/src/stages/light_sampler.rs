@@ -25,4 +25,9 @@ impl LightSampler {
     pub(crate) fn pick(&self, scene: &CpuScene, random: u32) -> (usize, f64) {
         self.0.pick(&scene.light_cdf, random)
     }
+
+    /// The probability with which [`Self::pick`] returns a light.
+    pub(crate) fn probability(&self, scene: &CpuScene, index: usize) -> f64 {
+        self.0.probability(&scene.light_cdf, index)
+    }
 }

@@ -19,7 +19,7 @@ use crate::scene::media::Interface;
 pub enum Lobe {
     /// Lambertian reflection. Camera paths end here, and photons are stored unless the surface is black.
     Diffuse,
-    /// Reflection in the mirror direction only.
+    /// Reflection in the mirror direction; at glossy surfaces also about it, by [`crate::Glossy`].
     SpecularReflection,
     /// Transmission in the refracted direction only.
     SpecularTransmission,

@@ -220,17 +220,17 @@ impl Glossy {
 }
 
 impl Reflected {
-    /// The weight of a path that was sampled in direction `wi`: value over density, 0 below the triangle's plane. The
-    /// cosine is that of [`shading_normal::cosine`], like in all other techniques.
+    /// The weight of a path that was sampled: value over density, times `factor`, for [`limited`] on camera paths or
+    /// [`shading_normal::photon_factor`]. 0 if the factor is 0, or the direction is below the surface.
     #[inline]
     #[must_use]
-    pub fn weight(&self, wi: Vec3, geometric: Vec3, shading: Vec3) -> Vec3 {
-        let bounded = limited(wi, geometric, shading);
-        if self.pdf > 0.0 && bounded > 0.0 { self.value * (bounded / self.pdf) } else { Vec3::ZERO }
+    pub fn weight(&self, factor: f32) -> Vec3 {
+        if self.pdf > 0.0 && factor > 0.0 { self.value * (factor / self.pdf) } else { Vec3::ZERO }
     }
 }
 
-/// [`shading_normal::cosine`] over the cosine to the shading normal, in `[0, 1]`.
+/// [`shading_normal::cosine`] over the cosine to the shading normal, in `[0, 1]`: the factor on [`Reflected::value`] by
+/// which all techniques count light from `direction` alike; 0 below the triangle's plane.
 #[inline]
 #[must_use]
 pub fn limited(direction: Vec3, geometric: Vec3, shading: Vec3) -> f32 {
@@ -285,8 +285,8 @@ mod tests {
                         let (u, v) = (number(), number());
                         let (wi, found) = glossy.sample(wo, Vec3::Z, u, v);
                         let base = sampling::cosine_hemisphere(Vec3::Z, u, v);
-                        let whole =
-                            found.weight(wi, Vec3::Z, Vec3::Z).x + glossy.diffuse().x * glossy.coat().entering(base.z);
+                        let whole = found.weight(limited(wi, Vec3::Z, Vec3::Z)).x
+                            + glossy.diffuse().x * glossy.coat().entering(base.z);
                         sum += f64::from(whole);
                         squares += f64::from(whole * whole);
                     }
@@ -341,7 +341,7 @@ mod tests {
                     for k in 0..64 {
                         let (u, v) = (k as f32 / 64.0, ((k * 29) % 64) as f32 / 64.0);
                         let (wi, found) = glossy.sample(towards(cosine, 0.2), Vec3::Z, u, v);
-                        let weight = found.weight(wi, Vec3::Z, Vec3::Z);
+                        let weight = found.weight(limited(wi, Vec3::Z, Vec3::Z));
                         assert!(
                             weight.is_finite() && weight.min_element() >= 0.0 && weight.max_element() < 4.0,
                             "{weight}"

@@ -97,6 +97,7 @@ fn add_materials(
             emission: add(textures.emission),
             normal: add(textures.normal),
             normal_scale: textures.normal_scale as f32,
+            metallic_roughness: add(textures.metallic_roughness),
             ..MaterialTextures::default()
         };
         tables.material_textures.push(textures);

@@ -15,6 +15,8 @@ layout(constant_id = 3) const uint PATHS_LOG2 = 2;
 // Neighbouring invocations process tiles of 32 pixels; log2 of the number of rows of a tile.
 layout(constant_id = 4) const uint TILE_ROWS_LOG2 = 2;
 layout(constant_id = 5) const uint MEDIA = 1;
+// Camera rays that hit nothing do not see the environment.
+layout(constant_id = 6) const bool HIDES_BACKGROUND = false;
 
 #include "shading/bsdf.glsl"
 #include "shading/constants.glsl"
@@ -210,7 +212,7 @@ void main() {
                 }
             }
         }
-        if (ENVIRONMENT && escaped) {
+        if (ENVIRONMENT && escaped && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
             emission += throughput * environment_radiance(push.scene, path.ray.direction);

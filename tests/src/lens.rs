@@ -81,8 +81,8 @@ fn agree(found: &[f64], truth: &[f64], samples: f64) -> bool {
 /// An edge beyond and before the plane in focus.
 pub fn l1_edge_out_of_focus<T: TestBackend>() {
     let (scene, passes) = (screen(), 128);
-    for focus_distance in [2.0, 8.0] {
-        let lens = ThinLens { diameter: 1.0, focus_distance };
+    for (diameter, focus_distance) in [(1.0, 2.0), (2.0, 8.0)] {
+        let lens = ThinLens { diameter, focus_distance };
         let camera = scene.camera_with_lens(None, lens, SIZE, SIZE).unwrap();
         let found = columns(&picture::<T>(camera, passes));
         let samples = f64::from(SIZE * passes);
@@ -106,8 +106,7 @@ pub fn l2_in_focus<T: TestBackend>() {
     let lens = |diameter| ThinLens { diameter, focus_distance: DISTANCE };
     let focused = picture::<T>(scene.camera_with_lens(None, lens(1.0), SIZE, SIZE).unwrap(), 4);
     assert!(agree(&columns(&focused), &sharp, 1.0), "{:?}", columns(&focused));
-    assert_eq!(sharp[0], 1.0);
-    assert_eq!(sharp[SIZE as usize - 1], 0.0);
+    assert!((sharp[0] - 1.0).abs() < 1e-6 && sharp[SIZE as usize - 1] == 0.0, "{sharp:?}");
     assert_ne!(focused.depth(), pinhole.depth(), "rays through a lens are longer");
     let closed = picture::<T>(scene.camera_with_lens(None, lens(0.0), SIZE, SIZE).unwrap(), 4);
     assert!(closed == pinhole);

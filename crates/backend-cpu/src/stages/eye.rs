@@ -27,6 +27,8 @@ use crate::stages::light_sampler::LightSampler;
 #[derive(Debug)]
 pub(crate) struct CpuEye {
     pub(crate) max_bounces: u32,
+    /// Whether camera rays that hit nothing do not see the environment.
+    pub(crate) hides_background: bool,
 }
 
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
@@ -42,7 +44,8 @@ impl EyeTracer<Cpu> for CpuEye {
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let eye = Eye { scene, view, pass, max_bounces: self.max_bounces, max_splits };
+        let Self { max_bounces, hides_background } = *self;
+        let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits };
         let is_shaded = scene.features.intersects(Features::SHADED);
         let look = match (is_shaded, view.camera.features().contains(Features::THIN_LENS)) {
             (false, false) => Eye::look::<false, false>,
@@ -76,6 +79,7 @@ struct Eye<'a> {
     view: &'a View,
     pass: Pass,
     max_bounces: u32,
+    hides_background: bool,
     max_splits: u32,
 }
 
@@ -157,7 +161,8 @@ impl Eye<'_> {
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
         let Some((mut surface, hit)) = self.scene.hit(&path.ray) else {
-            if let Some(environment) = &self.scene.environment {
+            let is_hidden = self.hides_background && path.surfaces == 0;
+            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
                 let mut radiance = environment.radiance(path.ray.direction);

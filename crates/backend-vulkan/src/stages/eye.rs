@@ -25,6 +25,7 @@ const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 #[derive(Debug)]
 pub(crate) struct VulkanEye {
     max_bounces: u32,
+    hides_background: bool,
     scan: Scan,
     camera: Memory,
     scratch: Option<EyeScratch>,
@@ -94,17 +95,19 @@ pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offset
 
 specialized!(
     eye_constants: EyeConstants => STAGES_EYE,
-    0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures;
+    0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures,
+    6 hides_background: bool;
     default shared_groups
 );
 
 specialized!(compact_constants: CompactConstants => STAGES_EYE_COMPACT, 2 places_log2: u32);
 
 impl VulkanEye {
-    /// Constructs a tracer for paths of at most `max_bounces` surfaces.
-    pub(crate) fn new(on: &mut Vulkan, max_bounces: u32) -> Result<Self> {
+    /// Constructs a tracer for paths of at most `max_bounces` surfaces; with `hides_background`, camera rays that hit
+    /// nothing do not see the environment.
+    pub(crate) fn new(on: &mut Vulkan, max_bounces: u32, hides_background: bool) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
-        Ok(Self { max_bounces, scan: Scan::new(on)?, camera, scratch: None })
+        Ok(Self { max_bounces, hides_background, scan: Scan::new(on)?, camera, scratch: None })
     }
 }
 
@@ -145,6 +148,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
             paths_log2: SPLITS,
             tile_rows_log2: tile_rows,
             media: scene.media(),
+            hides_background: self.hides_background,
         };
         let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);

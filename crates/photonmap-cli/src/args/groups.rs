@@ -14,6 +14,7 @@ use photon_scene::{Scene, SceneError, ThinLens};
 use super::environment::EnvironmentArgs;
 use super::values::{caustic_photons, choice, count, size, total};
 use crate::backend::BackendName;
+use crate::exposure::Exposure;
 use crate::tonemap::ToneMap;
 
 /// The scene to render.
@@ -62,12 +63,21 @@ pub struct OutputArgs {
     /// Picture to write, .exr or .png; may be given more than once [default: SCENE.png in the current folder].
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// Exposure of the PNG, in stops.
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, hide_short_help = true)]
-    pub exposure: f32,
+    /// Exposure of the PNG, in stops, or `auto`.
+    ///
+    /// `auto` makes the mean of the logarithm of the luminance that of a grey of 18 %: of the pixels that are not black,
+    /// without the darkest and the brightest tenth. It is printed. An EXR is not affected.
+    #[arg(long, value_name = "EV|auto", default_value = "0", allow_negative_numbers = true, hide_short_help = true)]
+    pub exposure: Exposure,
     /// Tone curve of the PNG.
     #[arg(long, value_enum, default_value_t = ToneMap::Neutral, hide_short_help = true)]
     pub tonemap: ToneMap,
+    /// Make the background transparent: alpha is the share of camera rays that hit a surface.
+    ///
+    /// An environment still lights the scene, but is seen in mirrors and through glass alone. In an EXR, channel A is added,
+    /// and colours are premultiplied; in a PNG, they are not.
+    #[arg(long, hide_short_help = true)]
+    pub transparent: bool,
     /// Write a report in JSON: counters, times, memory, warnings; `-` for standard output.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub json: Option<PathBuf>,

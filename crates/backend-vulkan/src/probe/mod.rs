@@ -10,6 +10,7 @@ mod draw;
 mod environment;
 mod environment_limits;
 mod flushed;
+mod glossy;
 mod layout;
 mod light_sampler;
 mod listed;
@@ -116,7 +117,8 @@ fn worst_of(on: &mut Vulkan, row: &Row, inputs: &[Input], outputs: &[Output]) ->
 /// All functions that are compared.
 fn all_rows() -> Vec<Row> {
     let single = vec![triangle::row(), photon_format::row()];
-    let shading = [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows()].concat();
+    let shading =
+        [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows(), glossy::rows()].concat();
     [table::rows(), light_sampler::rows(), media::rows(), projection::rows(), shading, single].concat()
 }
 

@@ -29,7 +29,7 @@ struct Query {
     uint wo;
     uint path;
     uint shading_normal;
-    uint reserved;
+    uint coat;
 };
 
 struct Estimate {
@@ -65,7 +65,10 @@ struct Material {
     uint medium;
     float ior;
     uint textures;
-    uint reserved[5];
+    float metallic;
+    float roughness;
+    float specular;
+    uint reserved[2];
 };
 
 struct Medium {
@@ -110,7 +113,8 @@ struct MaterialTextures {
     uint emission;
     uint normal;
     float normal_scale;
-    uint reserved[12];
+    uint metallic_roughness;
+    uint reserved[11];
 };
 
 // Every record is a multiple of 16 bytes long, and every buffer begins at a multiple of 16.

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Filter, Light, Material, MaterialTextures, OwnedShadingTables, Primitive, SceneView, ShadingTables, TexelFormat,
-    Texture, TextureUse, Wrap, octahedral, sampling,
+    Filter, Light, Material, MaterialKind, MaterialTextures, OwnedShadingTables, Primitive, SceneView, ShadingTables,
+    TexelFormat, Texture, TextureUse, Wrap, octahedral, sampling,
 };
 use photon_scene::CompressedTree;
 
@@ -99,15 +99,25 @@ impl ShadedScene {
         let images = self.shading.textures.len() as u32 - 3;
         for index in 0..12 {
             let mut image = || if d.now_and_then() { none } else { d.word() % images };
-            let (base_color, emission) = (image(), image());
+            let (base_color, emission, metallic_roughness) = (image(), image(), image());
             let normal = if d.now_and_then() { none } else { images + d.word() % 3 };
             let normal_scale = d.pick(&[1.0, 0.5, -0.8]);
-            let entry = MaterialTextures { base_color, emission, normal, normal_scale, ..MaterialTextures::default() };
+            let entry = MaterialTextures {
+                base_color,
+                emission,
+                normal,
+                normal_scale,
+                metallic_roughness,
+                ..MaterialTextures::default()
+            };
             self.shading.material_textures.push(entry);
             let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];
             let emission = [d.between(0.5, 9.0), d.between(0.5, 9.0), d.between(0.5, 9.0)];
             let textures = if index == 0 { 0 } else { index + 1 };
-            self.materials.push(Material { albedo, emission, textures, ..Material::default() });
+            let kind = if index % 2 == 0 { MaterialKind::Lambert } else { MaterialKind::Glossy };
+            let (metallic, roughness) = (d.unit(), d.unit());
+            let surface = Material { kind: kind as u32, metallic, roughness, ior: 1.5, ..Material::default() };
+            self.materials.push(Material { albedo, emission, textures, ..surface });
         }
     }
 

@@ -10,6 +10,7 @@ const uint MATERIAL_THIN = 3u;
 
 // Material::flags.
 const uint MATERIAL_EMITS_BOTH_SIDES = 1u;
+const uint MATERIAL_ALPHA = 2u;
 
 // Light::kind.
 const uint LIGHT_TRIANGLE = 0u;
@@ -47,8 +48,9 @@ const uint FEATURE_NORMAL_MAPS = 2048u;
 const uint FEATURE_VERTEX_COLORS = 4096u;
 const uint FEATURE_TEXTURED_LIGHTS = 8192u;
 const uint FEATURE_ENVIRONMENT = 16384u;
+const uint FEATURE_ALPHA = 131072u;
 const uint FEATURE_SPECULAR = 14u;
-const uint FEATURE_ALL = 32767u;
+const uint FEATURE_ALL = 163839u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;

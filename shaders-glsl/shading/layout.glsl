@@ -65,7 +65,9 @@ struct Material {
     uint medium;
     float ior;
     uint textures;
-    uint reserved[5];
+    uint reserved[3];
+    float alpha;
+    float alpha_cutoff;
 };
 
 struct Medium {
@@ -110,7 +112,8 @@ struct MaterialTextures {
     uint emission;
     uint normal;
     float normal_scale;
-    uint reserved[12];
+    uint alpha;
+    uint reserved[11];
 };
 
 // Every record is a multiple of 16 bytes long, and every buffer begins at a multiple of 16.

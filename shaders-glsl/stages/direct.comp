@@ -181,7 +181,7 @@ void main() {
         vec3 value;
         Ray ray;
         if (sample_light(index, position, normal, shading, words, value, ray)
-            && !occluded(push.scene, ray)) {
+            && !occluded(push.scene, ray, words.w)) {
             // The shadow ray is unoccluded, so that it lies entirely in the query's medium.
             if ((FEATURES & FEATURE_ABSORPTION) != 0 && push.queries[i].at.media != VACUUM) {
                 value *= transmittance(push.scene, push.queries[i].at.media, ray.t_max);

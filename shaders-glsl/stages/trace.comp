@@ -108,6 +108,11 @@ vec3 tinted(vec3 power, vec3 by) {
     return left;
 }
 
+vec3 over(vec3 power, float share) {
+    precise vec3 left = power / share;
+    return left;
+}
+
 // Russian roulette by the brightest channel; returns false if the photon is absorbed. With shading normals, weights
 // may be above 1.
 bool russian_roulette(inout vec3 power, vec3 weight, float choice) {
@@ -144,6 +149,12 @@ struct Path {
     bool too_deep;
     uint stored[MAP_COUNT];
 };
+
+// The path's random word for surfaces with alpha.
+uint layer(Path path) {
+    if (!ALPHA) return 0u;
+    return sampler_words(path.numbers, BLOCK_SURFACES + path.bounce).w;
+}
 
 Path begin(uint number) {
     Path path;
@@ -199,7 +210,8 @@ uint stored_in(uint stored[MAP_COUNT], uint map) {
     return count;
 }
 
-void store(inout Path path, Surface at) {
+// `arriving` is the power of the photon.
+void store(inout Path path, Surface at, vec3 arriving) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
     uint ordinal = stored_in(path.stored, map);
@@ -208,7 +220,7 @@ void store(inout Path path, Surface at) {
         Photon photon;
         photon.position = at.point;
         photon.direction = octahedral_pack(-path.ray.direction);
-        photon.power = path.power;
+        photon.power = arriving;
         photon.normal = octahedral_pack(at.normal);
         push.photons[place].at = photon;
         push.owners[place].at = uvec2(path.index, ordinal << MAP_BITS | map);
@@ -243,7 +255,12 @@ uint step_path(inout Path path, Hit hit) {
     Bsdf bsdf = bsdf_new(material, at.cosine, sides);
     uint lobe = bsdf_choose(bsdf, choice);
     if (lobe == LOBE_DIFFUSE) {
-        if (stores && !(AIMED && path.bounce == 0u)) store(path, at);
+        if (stores && !(AIMED && path.bounce == 0u)) {
+            vec3 arriving = path.power;
+            // Where a surface is there for a share of the photons, each stands for those that passed.
+            if (ALPHA) arriving = over(arriving, alpha_coverage_of(push.scene, hit.slot, hit.u, hit.v));
+            store(path, at, arriving);
+        }
         if (AIMED) {
             ++path.bounce;
             return FATE_TERMINATED;
@@ -324,8 +341,8 @@ void main() {
         while (any) {
             uint fate = FATE_DROPPED;
             if (is_sane(path)) {
-                bool under_way = walk_begin(push.scene, path.ray, walk);
-                while (under_way) under_way = walk_step(walk, false);
+                bool under_way = walk_begin(push.scene, path.ray, layer(path), walk);
+                while (under_way) under_way = walk_step(push.scene, walk, false);
                 fate = step_path(path, walk.best);
             }
             --path.left;
@@ -349,12 +366,12 @@ void main() {
                 state = goes_on ? READY : IDLE;
             }
             if (state == READY) {
-                bool starts = is_sane(path) && walk_begin(push.scene, path.ray, walk);
+                bool starts = is_sane(path) && walk_begin(push.scene, path.ray, layer(path), walk);
                 state = starts ? UNDER_WAY : ARRIVED;
                 if (!starts) walk.best.primitive = NO_PRIMITIVE;
             }
         } else if (state == UNDER_WAY) {
-            if (!walk_step(walk, false)) state = ARRIVED;
+            if (!walk_step(push.scene, walk, false)) state = ARRIVED;
         }
     }
 }

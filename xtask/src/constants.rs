@@ -28,7 +28,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("MATERIAL_THIN", MaterialKind::Thin as u32),
             ],
         ),
-        ("Material::flags.", vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES)]),
+        ("Material::flags.", vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES), ("MATERIAL_ALPHA", Material::ALPHA)]),
         (
             "Light::kind.",
             vec![
@@ -64,6 +64,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_VERTEX_COLORS", Features::VERTEX_COLORS.bits()),
                 ("FEATURE_TEXTURED_LIGHTS", Features::TEXTURED_LIGHTS.bits()),
                 ("FEATURE_ENVIRONMENT", Features::ENVIRONMENT.bits()),
+                ("FEATURE_ALPHA", Features::ALPHA.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],

@@ -35,7 +35,11 @@ impl EyeTracer<Cpu> for CpuEye {
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
         let eye = Eye { scene, view, pass, max_bounces: self.max_bounces, max_splits };
-        let look = if scene.features.intersects(Features::SHADED) { Eye::look::<true> } else { Eye::look::<false> };
+        let look = match (scene.features.intersects(Features::SHADED), scene.present.contains(Features::ALPHA)) {
+            (_, true) => Eye::look::<true, true>,
+            (true, false) => Eye::look::<true, false>,
+            (false, false) => Eye::look::<false, false>,
+        };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
                 .par_chunks_mut(view.width as usize)
@@ -79,8 +83,8 @@ struct Path {
 }
 
 impl Eye<'_> {
-    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals.
-    fn look<const SHADED: bool>(&self, x: u32, y: u32, pixel: &mut FilmPixel, queries: &mut Vec<Query>) {
+    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha.
+    fn look<const SHADED: bool, const ALPHA: bool>(&self, x: u32, y: u32, pixel: &mut FilmPixel, queries: &mut Vec<Query>) {
         let number = y * self.view.width + x;
         let sampler = |branch: u32| {
             let key = number * QUERIES_PER_PIXEL + branch;
@@ -102,7 +106,7 @@ impl Eye<'_> {
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
-            while let Some(branch) = self.step::<SHADED>(&mut path, number, pixel, queries, &sampler) {
+            while let Some(branch) = self.step::<SHADED, ALPHA>(&mut path, number, pixel, queries, &sampler) {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
                     count += 1;
@@ -113,7 +117,7 @@ impl Eye<'_> {
 
     /// Traces the path to its next surface. Returns `None` when the path has ended, `Some(Some(other))` when it has
     /// split.
-    fn step<const SHADED: bool>(
+    fn step<const SHADED: bool, const ALPHA: bool>(
         &self,
         path: &mut Path,
         number: u32,
@@ -121,7 +125,8 @@ impl Eye<'_> {
         queries: &mut Vec<Query>,
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
-        let Some((mut surface, hit)) = self.scene.hit(&path.ray) else {
+        let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
+        let Some((mut surface, hit)) = self.scene.hit_with::<ALPHA>(&path.ray, layer).ok()? else {
             if let Some(environment) = &self.scene.environment {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);

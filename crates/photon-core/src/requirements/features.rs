@@ -37,10 +37,12 @@ bitflags! {
         const NORMAL_MAPS = 1 << 11;
         /// Vertex colours.
         const VERTEX_COLORS = 1 << 12;
-        /// Area lights whose emission is textured.
+        /// Area lights whose emission varies over their surface: by a texture, or by alpha.
         const TEXTURED_LIGHTS = 1 << 13;
         /// An environment map.
         const ENVIRONMENT = 1 << 14;
+        /// Surfaces that are only partly there: alpha coverage.
+        const ALPHA = 1 << 17;
     }
 }
 
@@ -72,6 +74,7 @@ impl Features {
         "vertex-colors",
         "textured-lights",
         "environment",
+        "alpha",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits.

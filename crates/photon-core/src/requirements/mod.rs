@@ -151,7 +151,8 @@ pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features
             if absorbs { Features::DIELECTRIC.union(Features::ABSORPTION) } else { Features::DIELECTRIC }
         }
     };
-    lobes.union(shading_features(material, &scene.shading))
+    let shading = shading_features(material, &scene.shading);
+    lobes.union(shading).union(if material.has_alpha() { alpha_features(material) } else { Features::NONE })
 }
 
 /// The features that the vertex attributes and textures of a material need.
@@ -166,6 +167,11 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
         .union(when(used(textures.base_color) || used(textures.emission), Features::TEXTURES))
         .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
         .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))
+}
+
+/// The features that a material with alpha needs.
+fn alpha_features(material: &Material) -> Features {
+    if material.is_emissive() { Features::ALPHA.union(Features::TEXTURED_LIGHTS) } else { Features::ALPHA }
 }
 
 /// The features that a light needs.

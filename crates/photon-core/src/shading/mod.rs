@@ -1,5 +1,6 @@
 //! Scattering, sampling and the geometry of shading.
 
+pub mod alpha;
 pub mod area;
 mod bias;
 pub(crate) mod bsdf;

@@ -28,6 +28,8 @@ pub(super) struct Material {
     pub(super) absorption: Option<Colour>,
     pub(super) tint: Option<Colour>,
     pub(super) priority: Option<u32>,
+    /// Share of the light that meets the surface; the rest passes. 1 is opaque.
+    pub(super) alpha: Option<f64>,
     pub(super) emission: Option<Colour>,
     pub(super) emits_both_sides: Option<bool>,
 }

@@ -28,7 +28,10 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("MATERIAL_THIN", MaterialKind::Thin as u32),
             ],
         ),
-        ("Material::flags.", vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES), ("MATERIAL_ALPHA", Material::ALPHA)]),
+        (
+            "Material::flags.",
+            vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES), ("MATERIAL_ALPHA", Material::ALPHA)],
+        ),
         (
             "Light::kind.",
             vec![

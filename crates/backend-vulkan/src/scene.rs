@@ -14,10 +14,8 @@ use crate::vulkan::Vulkan;
 
 /// Features with tables of their own. Kernels are specialized to those that the scene has: what only the requirements
 /// have would be read at address 0.
-pub(crate) const WITH_TABLES: Features = Features::SHADED
-    .union(Features::TEXTURED_LIGHTS)
-    .union(Features::ENVIRONMENT)
-    .union(Features::ALPHA);
+pub(crate) const WITH_TABLES: Features =
+    Features::SHADED.union(Features::TEXTURED_LIGHTS).union(Features::ENVIRONMENT).union(Features::ALPHA);
 
 /// Triangles uploaded at a time.
 const BLOCK: usize = 1 << 20;

@@ -6,8 +6,8 @@ use photon_core::area::{self, HEIGHT, MIN_RADIUS, Probe, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    AreaProbe, EstimateBuffers, EstimateParams, Features, Lobe, Pass, Query, RandomKind, Ray, Result, SurfaceInteraction, math,
-    offset, sampling,
+    AreaProbe, EstimateBuffers, EstimateParams, Features, Lobe, Pass, Query, RandomKind, Ray, Result,
+    SurfaceInteraction, math, offset, sampling,
 };
 use rayon::prelude::*;
 

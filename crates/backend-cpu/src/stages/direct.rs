@@ -50,7 +50,12 @@ impl DirectLight<Cpu> for CpuDirect {
 const SHADED: Features = Features::SHADING_NORMALS.union(Features::TEXTURED_LIGHTS);
 
 /// Direct irradiance: the mean over `rays` shadow rays. `ALPHA`: surfaces are in their way with a probability.
-fn irradiance<const SHADED: bool, const ALPHA: bool>(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
+fn irradiance<const SHADED: bool, const ALPHA: bool>(
+    scene: &CpuScene,
+    pass: Pass,
+    query: &Query,
+    rays: u32,
+) -> [f64; 3] {
     let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
     let light_sampler = LightSampler::at(scene, query);
     let mut sum = [0.0; 3];

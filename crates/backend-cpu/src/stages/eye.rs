@@ -84,7 +84,13 @@ struct Path {
 
 impl Eye<'_> {
     /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha.
-    fn look<const SHADED: bool, const ALPHA: bool>(&self, x: u32, y: u32, pixel: &mut FilmPixel, queries: &mut Vec<Query>) {
+    fn look<const SHADED: bool, const ALPHA: bool>(
+        &self,
+        x: u32,
+        y: u32,
+        pixel: &mut FilmPixel,
+        queries: &mut Vec<Query>,
+    ) {
         let number = y * self.view.width + x;
         let sampler = |branch: u32| {
             let key = number * QUERIES_PER_PIXEL + branch;

@@ -260,11 +260,8 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                     if walk.wanted[kind] {
                         tally.stored[kind] += 1;
                         // Where a surface is there for a share of the photons, each stands for those that passed.
-                        let arriving = if features.contains(Features::ALPHA) {
-                            power / scene.coverage(&hit)
-                        } else {
-                            power
-                        };
+                        let arriving =
+                            if features.contains(Features::ALPHA) { power / scene.coverage(&hit) } else { power };
                         output.photons[kind].push(Photon {
                             position: surface.point.into(),
                             normal: octahedral::pack(surface.normal),

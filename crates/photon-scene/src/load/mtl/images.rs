@@ -125,7 +125,8 @@ fn means_as_alpha(image: &Texture) -> Texture {
             image.texels.iter().map(|&word| 0x00FF_FFFF | mean(word) << 24).collect()
         }
         TexelFormat::Float32 => {
-            let mean = |texel: &[u32; 4]| texel[..3].iter().map(|&word| f32::from_bits(word).min(1.0)).sum::<f32>() / 3.0;
+            let mean =
+                |texel: &[u32; 4]| texel[..3].iter().map(|&word| f32::from_bits(word).min(1.0)).sum::<f32>() / 3.0;
             let texels = image.texels.as_chunks().0.iter();
             texels.flat_map(|texel| [1.0, 1.0, 1.0, mean(texel)].map(f32::to_bits)).collect()
         }

@@ -24,6 +24,12 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         for (uint i = 0u; i < 8u; i++) cdf[i] = i < light_sampler.count ? light_sampler.cdf[i] : 0.0;
         return floats(vec4(cdf[0], cdf[1], cdf[2], cdf[3]), vec4(cdf[4], cdf[5], cdf[6], cdf[7]));
     }
+    if (FUNCTION == 3u) {
+        float sum = 0.0;
+        for (uint i = 0u; i < scene.light_count; i++) sum += light_sampler_probability(scene, light_sampler, i);
+        return floats(vec4(light_sampler_probability(scene, light_sampler, words.a.w), sum, 0.0, 0.0), vec4(0.0));
+    }
+    if (FUNCTION == 4u) return Output(uvec4(light_of_triangle(scene, words.c.x), 0u, 0u, 0u), uvec4(0u));
     float share;
     uint index = light_sampler_pick(scene, light_sampler, words.c.x, share);
     return floats(vec4(float(index), share, 0.0, 0.0), vec4(0.0));

@@ -29,7 +29,7 @@ struct Query {
     uint wo;
     uint path;
     uint shading_normal;
-    uint reserved;
+    uint coat;
 };
 
 struct Estimate {
@@ -65,7 +65,9 @@ struct Material {
     uint medium;
     float ior;
     uint textures;
-    uint reserved[3];
+    float metallic;
+    float roughness;
+    float specular;
     float alpha;
     float alpha_cutoff;
 };
@@ -112,8 +114,9 @@ struct MaterialTextures {
     uint emission;
     uint normal;
     float normal_scale;
+    uint metallic_roughness;
     uint alpha;
-    uint reserved[11];
+    uint reserved[10];
 };
 
 // Every record is a multiple of 16 bytes long, and every buffer begins at a multiple of 16.

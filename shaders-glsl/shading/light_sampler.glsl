@@ -8,6 +8,8 @@
 #include "shading/scene.glsl"
 #include "shading/solid_angle.glsl"
 
+const uint NO_LIGHT = 0xFFFFFFFFu;
+
 // Cumulative probabilities of the lights at one query; if the count is 0, lights are chosen by power alone.
 struct LightSampler {
     float cdf[LIGHT_SAMPLER_MAX_LIGHTS];
@@ -92,6 +94,28 @@ uint light_sampler_pick(SceneRef scene, LightSampler light_sampler, uint random,
     }
     share = (light_sampler.cdf[index] - before) / whole;
     return index;
+}
+
+// The probability with which light_sampler_pick returns light `index`.
+float light_sampler_probability(SceneRef scene, LightSampler light_sampler, uint index) {
+    if (light_sampler.count == 0) return scene.emissions[index].at.probability;
+    float before = index == 0 ? 0.0 : light_sampler.cdf[index - 1];
+    return (light_sampler.cdf[index] - before) / light_sampler.cdf[light_sampler.count - 1];
+}
+
+// The light that belongs to a triangle (Hit::primitive); NO_LIGHT if it is none.
+uint light_of_triangle(SceneRef scene, uint primitive) {
+    uint low = 0;
+    uint high = scene.light_count;
+    while (low < high) {
+        uint middle = low + (high - low) / 2;
+        Light light = scene.lights[middle].at;
+        if (light.kind == LIGHT_TRIANGLE && light.primitive < primitive) low = middle + 1;
+        else high = middle;
+    }
+    if (low == scene.light_count) return NO_LIGHT;
+    Light light = scene.lights[low].at;
+    return light.kind == LIGHT_TRIANGLE && light.primitive == primitive ? low : NO_LIGHT;
 }
 
 #endif

@@ -57,6 +57,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CornerWords 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CornerColors { uvec2 a; uvec2 b; uvec2 c; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uvs { vec2 a; vec2 b; vec2 c; };
 
+// Directional albedos of glossy surfaces.
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Vec2s { vec2 at; };
+
 // Vertex attributes and textures; those of triangles are in BVH order.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef {
     CornerWords normals;
@@ -67,8 +70,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     TextureUses uses;
     Textures textures;
     ByteValues values;
+    Vec2s albedos;
     uint has_normals;
-    uint reserved[3];
+    uint reserved;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };

@@ -89,6 +89,9 @@ pub(crate) static PROBE_BSDF: Module = Module { name: "probe_bsdf", bytes: inclu
 pub(crate) static PROBE_ENVIRONMENT: Module =
     Module { name: "probe_environment", bytes: include_bytes!("../spirv/probe_environment.spv") };
 
+pub(crate) static PROBE_GLOSSY: Module =
+    Module { name: "probe_glossy", bytes: include_bytes!("../spirv/probe_glossy.spv") };
+
 pub(crate) static PROBE_KERNEL: Module =
     Module { name: "probe_kernel", bytes: include_bytes!("../spirv/probe_kernel.spv") };
 
@@ -219,7 +222,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 76] = [
+pub(crate) static ALL: [&Module; 77] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -251,6 +254,7 @@ pub(crate) static ALL: [&Module; 76] = [
     &PROBE_BIAS,
     &PROBE_BSDF,
     &PROBE_ENVIRONMENT,
+    &PROBE_GLOSSY,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,
     &PROBE_LIGHT_SAMPLER,

@@ -64,11 +64,13 @@ pub use settings::preset::Preset;
 pub use settings::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Scheduling, Settings,
 };
+pub use shading::albedo_table::AlbedoTable;
 pub use shading::bsdf::{Bsdf, Lobe};
 pub use shading::environment::EnvironmentSample;
+pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    alpha, area, fresnel, light_sampler, math, octahedral, offset, random, sampling, shade, shading_normal, sobol,
-    solid_angle, texture,
+    alpha, area, fresnel, ggx, glossy, light_sampler, math, octahedral, offset, random, sampling, shade,
+    shading_normal, sobol, solid_angle, texture,
 };

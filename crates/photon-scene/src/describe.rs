@@ -37,6 +37,21 @@ pub enum Surface {
         /// Multiplies transmitted light.
         tint: [f64; 3],
     },
+    /// Rough reflection (GGX), on both sides: the metallic-roughness model of glTF 2.0. A metal reflects
+    /// `base_color`; all else has a diffuse base of that albedo under a colourless dielectric coat.
+    Glossy {
+        /// Reflectance of the metal, and albedo of the base.
+        base_color: [f64; 3],
+        /// Share of metal, in `[0, 1]`.
+        metallic: f64,
+        /// Roughness, in `[0, 1]`: the square root of the width α of the distribution. Widths below 0.001 are rendered
+        /// as 0.001, which blurs reflections by 0.06 degrees.
+        roughness: f64,
+        /// Factor on the reflection of the coat, in `[0, 1]`; 0 leaves a diffuse surface, where there is no metal.
+        specular: f64,
+        /// Refractive index of the coat, finite and ≥ 0; 0 stands for a coat that reflects all light.
+        ior: f64,
+    },
 }
 
 /// Which part of a surface is there (alpha coverage, as in glTF). The alpha of a point is [`MaterialDesc::alpha`] times the
@@ -109,6 +124,20 @@ impl MaterialDesc {
         Self::new(name, Surface::Mirror { reflectance })
     }
 
+    /// A metal of this reflectance, and roughness in `[0, 1]`.
+    #[must_use]
+    pub fn metal(name: impl Into<String>, reflectance: [f64; 3], roughness: f64) -> Self {
+        let surface = Surface::Glossy { base_color: reflectance, metallic: 1.0, roughness, specular: 1.0, ior: 1.5 };
+        Self::new(name, surface)
+    }
+
+    /// A diffuse base under a coat of refractive index 1.5, with roughness in `[0, 1]`.
+    #[must_use]
+    pub fn plastic(name: impl Into<String>, albedo: [f64; 3], roughness: f64) -> Self {
+        let surface = Surface::Glossy { base_color: albedo, metallic: 0.0, roughness, specular: 1.0, ior: 1.5 };
+        Self::new(name, surface)
+    }
+
     /// Clear glass inside a closed mesh.
     #[must_use]
     pub fn glass(name: impl Into<String>, ior: f64) -> Self {
@@ -167,7 +196,7 @@ impl MaterialDesc {
         let clear = match self.surface {
             Surface::Dielectric { ior, absorption, tint } => ior == 1.0 && absorption == [0.0; 3] && tint == [1.0; 3],
             Surface::Thin { ior, tint } => ior == 1.0 && tint == [1.0; 3],
-            Surface::Lambert { .. } | Surface::Mirror { .. } => false,
+            Surface::Lambert { .. } | Surface::Mirror { .. } | Surface::Glossy { .. } => false,
         };
         clear && !self.is_emissive() && self.textures.base_color.is_none()
     }

@@ -207,6 +207,18 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
             Material { albedo: colour(tint), ior: ior as f32, medium, ..of(MaterialKind::Dielectric) }
         }
         Surface::Thin { ior, tint } => Material { albedo: colour(tint), ior: ior as f32, ..of(MaterialKind::Thin) },
+        // Without metal and coat, what is left is diffuse.
+        Surface::Glossy { base_color, metallic: 0.0, specular: 0.0, .. } => {
+            Material { albedo: colour(base_color), ..of(MaterialKind::Lambert) }
+        }
+        Surface::Glossy { base_color, metallic, roughness, specular, ior } => Material {
+            albedo: colour(base_color),
+            ior: ior as f32,
+            metallic: metallic as f32,
+            roughness: roughness as f32,
+            specular: specular as f32,
+            ..of(MaterialKind::Glossy)
+        },
     }
 }
 

@@ -106,6 +106,8 @@ pub struct TexturesDesc {
     pub normal: Option<TextureRef>,
     /// Factor on the x and y of the normal map; finite.
     pub normal_scale: f64,
+    /// Green multiplies the roughness and blue the metallic share of a [`crate::Surface::Glossy`]; linear.
+    pub metallic_roughness: Option<TextureRef>,
     /// Its alpha multiplies [`crate::MaterialDesc::alpha`], unless the material is [`crate::AlphaMode::Opaque`]; its
     /// colours are not read. In glTF, this is the base colour.
     pub alpha: Option<TextureRef>,
@@ -114,7 +116,14 @@ pub struct TexturesDesc {
 impl Default for TexturesDesc {
     /// No texture.
     fn default() -> Self {
-        Self { base_color: None, emission: None, normal: None, normal_scale: 1.0, alpha: None }
+        Self {
+            base_color: None,
+            emission: None,
+            normal: None,
+            normal_scale: 1.0,
+            metallic_roughness: None,
+            alpha: None,
+        }
     }
 }
 
@@ -125,6 +134,7 @@ impl TexturesDesc {
             ("base_color", self.base_color),
             ("emission", self.emission),
             ("normal", self.normal),
+            ("metallic_roughness", self.metallic_roughness),
             ("alpha", self.alpha),
         ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))

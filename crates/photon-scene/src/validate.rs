@@ -59,6 +59,18 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
             refractive(ior)?;
             fractions("tint", tint)?;
         }
+        Surface::Glossy { base_color, metallic, roughness, specular, ior } => {
+            fractions("base_color", base_color)?;
+            for (name, share) in [("metallic", metallic), ("roughness", roughness), ("specular", specular)] {
+                require((0.0..=1.0).contains(&share), name, share, "it must lie between 0 and 1")?;
+            }
+            require(
+                (ior as f32).is_finite() && ior >= 0.0,
+                "ior",
+                ior,
+                "the refractive index of a coat must be finite and at least 0, such as 1.5",
+            )?;
+        }
     }
     not_negative("emission", desc.emission)?;
     require((0.0..=1.0).contains(&desc.alpha), "alpha", desc.alpha, "it must lie between 0 and 1")?;

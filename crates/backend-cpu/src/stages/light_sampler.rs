@@ -1,7 +1,7 @@
 //! Chooses the light for a shadow ray.
 
+use photon_core::glam::Vec3;
 use photon_core::light_sampler::{LightSampler as Probabilities, weigh};
-use photon_core::{Query, glam::Vec3};
 
 use crate::scene::CpuScene;
 
@@ -9,8 +9,8 @@ use crate::scene::CpuScene;
 pub(crate) struct LightSampler(Probabilities);
 
 impl LightSampler {
-    pub(crate) fn at(scene: &CpuScene, query: &Query) -> Self {
-        let (position, normal) = (Vec3::from(query.position), Vec3::from(query.normal));
+    /// At a surface point with this geometric normal, which faces the lit side.
+    pub(crate) fn at(scene: &CpuScene, position: Vec3, normal: Vec3) -> Self {
         Self(Probabilities::new(scene.lights.len(), |index| {
             let light = &scene.lights[index];
             let triangle = || {
@@ -24,5 +24,10 @@ impl LightSampler {
     /// Picks a light; returns its index and probability.
     pub(crate) fn pick(&self, scene: &CpuScene, random: u32) -> (usize, f64) {
         self.0.pick(&scene.light_cdf, random)
+    }
+
+    /// The probability with which [`Self::pick`] returns a light.
+    pub(crate) fn probability(&self, scene: &CpuScene, index: usize) -> f64 {
+        self.0.probability(&scene.light_cdf, index)
     }
 }

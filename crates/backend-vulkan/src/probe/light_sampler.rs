@@ -1,13 +1,13 @@
 //! The selection of lights compared with photon-core's, which sums and divides in f64.
 
 use photon_core::glam::Vec3;
-use photon_core::light_sampler::{LightSampler, weigh};
+use photon_core::light_sampler::{LightSampler, light_of_triangle, weigh};
 use photon_core::{Requirements, Settings};
 
 use super::compare::Bound;
 use super::draw::{Draw, inputs};
 use super::scene::SCENE;
-use super::table::{Row, output};
+use super::table::{Row, output, words};
 use super::{Input, Output, run_row, worst_of};
 use crate::scene::VulkanScene;
 use crate::{Vulkan, shaders};
@@ -26,6 +26,8 @@ pub(super) fn rows() -> Vec<Row> {
         row("weigh", 0, |i| condition_of_weight(i, i.0[3]), |i| output([weight(place(i), i.0[3])])),
         row("light_sampler_at", 1, condition, cumulative),
         row("light_sampler_pick", 2, condition_of_pick, picked),
+        row("light_sampler_probability", 3, |i| 2.0 * condition(i), probability),
+        Row { bound: Bound::Words, draw: triangle, ..row("light_of_triangle", 4, |_| 0.0, |i| words([light(i.0[8])])) },
     ]
 }
 
@@ -40,6 +42,15 @@ fn point(d: &mut Draw) -> Input {
     input.0[3] = d.word() % lights;
     input.0[8] = if d.now_and_then() { d.pick(&[0, 1, u32::MAX]) } else { d.word() };
     input.0[9] = if d.word().is_multiple_of(8) { 0 } else { lights };
+    input
+}
+
+/// Triangles around those that emit, and any others.
+fn triangle(d: &mut Draw) -> Input {
+    let near = SCENE.view().lights.iter().map(|light| light.primitive).filter(|&primitive| primitive != u32::MAX);
+    let near: Vec<u32> = near.flat_map(|primitive| [primitive - 1, primitive, primitive + 1]).collect();
+    let mut input = Input::default();
+    input.0[8] = if d.now_and_then() { d.pick(&[0, u32::MAX, d.index()]) } else { d.pick(&near) };
     input
 }
 
@@ -73,6 +84,18 @@ fn cumulative(i: &Input) -> Output {
 fn picked(i: &Input) -> Output {
     let (index, share) = sampler(i).pick(SCENE.view().light_cdf, i.0[8]);
     output([index as f32, share as f32])
+}
+
+/// Of light `i.0[3]`, and the sum over all lights.
+fn probability(i: &Input) -> Output {
+    let (sampler, view) = (sampler(i), SCENE.view());
+    let of = |index| sampler.probability(view.light_cdf, index) as f32;
+    output([of(i.0[3] as usize), (0..view.lights.len()).map(of).sum()])
+}
+
+/// The light of a triangle; `u32::MAX` if it is none.
+fn light(triangle: u32) -> u32 {
+    light_of_triangle(SCENE.view().lights, triangle).map_or(u32::MAX, |index| index as u32)
 }
 
 /// Condition number of a weight: its change for a position or a normal changed by 1e-6, divided by 1e-6; at least the
@@ -131,6 +154,14 @@ fn lights_are_selected_as_in_rust() {
                     words
                 }))
             },
+            3 => |i| {
+                probability(&Input({
+                    let mut words = i.0;
+                    words[9] = 0;
+                    words
+                }))
+            },
+            4 => |i| words([light(i.0[8]) ^ 1]),
             _ => |i| {
                 picked(&Input({
                     let mut words = i.0;

@@ -11,6 +11,7 @@ mod draw;
 mod environment;
 mod environment_limits;
 mod flushed;
+mod glossy;
 mod layout;
 mod light_sampler;
 mod listed;
@@ -57,14 +58,14 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_MEDIA
+    push_layout: Push => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_MEDIA
         PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SHADE
         PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     inputs outputs count padding
 );
 
 specialized!(
-    probe_constants: ProbeConstants => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_KERNEL
+    probe_constants: ProbeConstants => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL
         PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM
         PROBE_SAMPLING PROBE_SHADE PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     2 function: u32; default features shared_groups
@@ -117,7 +118,9 @@ fn worst_of(on: &mut Vulkan, row: &Row, inputs: &[Input], outputs: &[Output]) ->
 /// All functions that are compared.
 fn all_rows() -> Vec<Row> {
     let single = vec![triangle::row(), photon_format::row()];
-    let shading = [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows(), alpha::rows()].concat();
+    let shading =
+        [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows(), glossy::rows(), alpha::rows()]
+            .concat();
     [table::rows(), light_sampler::rows(), media::rows(), projection::rows(), shading, single].concat()
 }
 

@@ -149,7 +149,7 @@ fn shaded(i: &Input, [u, v]: [f32; 2]) -> Shaded {
 
 fn colors(shaded: &Shaded) -> Output {
     let ([r, g, b], [x, y, z]) = (shaded.material.albedo, shaded.material.emission);
-    output([r, g, b, 0.0, x, y, z, 0.0])
+    output([r, g, b, shaded.material.roughness, x, y, z, shaded.material.metallic])
 }
 
 /// [`shade::turned`] with lengths off by `error` of themselves, with signs by the bits of `signs`.

@@ -38,7 +38,8 @@ pub struct SceneView<'a> {
     pub materials: &'a [Material],
     /// Indexed by [`Material::medium`]; the first is [`Medium::VACUUM`], and at most 255 others follow.
     pub media: &'a [Medium],
-    /// All lights that emit photons.
+    /// All lights that emit photons: first those of kind [`Light::TRIANGLE`] by increasing [`Light::primitive`], at most
+    /// one per triangle, then all others.
     pub lights: &'a [Light],
     /// Where each light's interval in the range of a random `u32` begins; the first is 0, strictly
     /// increasing.

@@ -105,10 +105,12 @@ pub struct MaterialTextures {
     pub normal: u32,
     /// Factor on the x and y of the normal map, finite.
     pub normal_scale: f32,
+    /// Green multiplies [`crate::Material::roughness`], blue [`crate::Material::metallic`].
+    pub metallic_roughness: u32,
     /// Its alpha multiplies that of a material with [`crate::Material::ALPHA`]; in glTF, this is the base colour.
     pub alpha: u32,
     /// [`Self::NONE`].
-    pub reserved: [u32; 11],
+    pub reserved: [u32; 10],
 }
 
 impl MaterialTextures {
@@ -123,8 +125,9 @@ impl Default for MaterialTextures {
             emission: Self::NONE,
             normal: Self::NONE,
             normal_scale: 1.0,
+            metallic_roughness: Self::NONE,
             alpha: Self::NONE,
-            reserved: [Self::NONE; 11],
+            reserved: [Self::NONE; 10],
         }
     }
 }

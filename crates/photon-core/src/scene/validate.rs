@@ -39,6 +39,7 @@ impl SceneView<'_> {
         each("medium", self.media, check_medium)?;
         each("material", self.materials, |material| check_material(material, self.media))?;
         each("light", self.lights, |light| check_light(light, self.triangles.len(), self.radius))?;
+        check_order(self.lights)?;
         check_starts(self.light_cdf)?;
         shading::check(self)
     }
@@ -157,6 +158,14 @@ fn check_material(material: &Material, media: &[Medium]) -> Check {
     match kind {
         MaterialKind::Lambert | MaterialKind::Mirror => Ok(()),
         MaterialKind::Thin => refracts(),
+        MaterialKind::Glossy => {
+            for (name, value) in
+                [("metallic", material.metallic), ("roughness", material.roughness), ("specular", material.specular)]
+            {
+                require((0.0..=1.0).contains(&value), || format!("its {name} {value} must lie between 0 and 1"))?;
+            }
+            require(ior.is_finite() && ior >= 0.0, || format!("its ior {ior} must be finite and at least 0"))
+        }
         MaterialKind::Dielectric => {
             refracts()?;
             let inside = material.medium;
@@ -199,6 +208,21 @@ fn check_light(light: &Light, triangles: usize, radius: f32) -> Check {
             not_negative("radius", &[light.radius])
         }
     }
+}
+
+/// Lights are found by their triangle with a binary search: [`crate::light_sampler::light_of_triangle`].
+fn check_order(lights: &[Light]) -> Result<()> {
+    let in_order = |pair: &[Light]| {
+        pair[1].kind != Light::TRIANGLE || (pair[0].kind == Light::TRIANGLE && pair[0].primitive < pair[1].primitive)
+    };
+    lights.windows(2).position(|pair| !in_order(pair)).map_or(Ok(()), |before| {
+        let primitive = lights[before + 1].primitive;
+        let why = format!(
+            "triangle {primitive} is out of order: list lights of kind Light::TRIANGLE before all others, by \
+             increasing primitive, each once"
+        );
+        Err(Error::InvalidInput { what: "light", index: before as u64 + 1, why })
+    })
 }
 
 fn check_starts(starts: &[u32]) -> Result<()> {

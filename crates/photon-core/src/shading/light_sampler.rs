@@ -76,6 +76,33 @@ impl LightSampler {
         let before = if index == 0 { 0.0 } else { cdf[index - 1] };
         (index, (cdf[index] - before) / whole)
     }
+
+    /// The probability with which [`LightSampler::pick`] returns `index` for a uniform random word: equal to the one
+    /// that it returns with that light.
+    #[inline]
+    #[must_use]
+    pub fn probability(&self, light_cdf: &[u32], index: usize) -> f64 {
+        if self.count == 0 {
+            return light_probability(light_cdf, index);
+        }
+        let cdf = &self.cdf[..self.count];
+        let before = if index == 0 { 0.0 } else { cdf[index - 1] };
+        (cdf[index] - before) / cdf[self.count - 1]
+    }
+}
+
+/// The light that belongs to a triangle: the index in `lights` of the one of kind [`Light::TRIANGLE`] with this
+/// `primitive`, or `None` if the triangle is no light.
+///
+/// A binary search, which needs triangles to come first, in the order of their indices; [`crate::SceneView::validate`]
+/// checks that they do.
+#[inline]
+#[must_use]
+pub fn light_of_triangle(lights: &[Light], primitive: u32) -> Option<usize> {
+    let before = |light: &Light| light.kind == Light::TRIANGLE && light.primitive < primitive;
+    let index = lights.partition_point(before);
+    let light = lights.get(index)?;
+    (light.kind == Light::TRIANGLE && light.primitive == primitive).then_some(index)
 }
 
 /// Approximate unoccluded irradiance from a light at `position` on a surface with this normal, mean of RGB. 0 only if
@@ -144,6 +171,41 @@ mod tests {
             assert!(picked == light && (found - expected).abs() < 1e-12, "{share}: {picked} with {found}");
         }
         assert!((sampler.cdf()[2] - 1.0).abs() < 1e-12);
+    }
+
+    /// The probability of a light is the one with which it is picked, to the bit, and the probabilities add up to 1.
+    #[test]
+    fn probability_is_that_of_picking() {
+        let powers = [0.1, 4.0, 1e-9, 0.7, 2.0];
+        let cdf = crate::scene::light_cdf(&powers);
+        let weighted = LightSampler::new(powers.len(), |index| [0.3, 0.0, 2.0, 1e-5, 7.0][index]);
+        let by_power = LightSampler::new(powers.len(), |_| 0.0);
+        for (sampler, counted) in [(weighted, powers.len()), (by_power, 0)] {
+            assert_eq!(sampler.cdf().len(), counted);
+            let mut picked = [false; 5];
+            for step in 0..100_000_u32 {
+                let (index, found) = sampler.pick(&cdf, step * 42_949);
+                assert_eq!(found, sampler.probability(&cdf, index));
+                picked[index] = true;
+            }
+            assert_eq!(picked, [true; 5]);
+            let sum: f64 = (0..powers.len()).map(|index| sampler.probability(&cdf, index)).sum();
+            assert!((sum - 1.0).abs() < 1e-14, "{sum}");
+        }
+    }
+
+    #[test]
+    fn lights_are_found_by_triangle() {
+        let triangle = |primitive| Light { kind: Light::TRIANGLE, primitive, ..Light::default() };
+        let other = |kind| Light { kind, primitive: u32::MAX, ..Light::default() };
+        let others = [other(Light::POINT), other(Light::DIRECTIONAL), other(Light::SPOT), other(Light::ENVIRONMENT)];
+        for count in 0..5_u32 {
+            let lights: Vec<Light> = (0..count).map(|k| triangle(2 + 3 * k)).chain(others).collect();
+            for primitive in (0..20).chain([u32::MAX]) {
+                let expected = (0..count).find(|k| 2 + 3 * k == primitive).map(|k| k as usize);
+                assert_eq!(light_of_triangle(&lights, primitive), expected, "{count} lights, triangle {primitive}");
+            }
+        }
     }
 
     #[test]

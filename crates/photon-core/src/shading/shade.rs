@@ -52,6 +52,10 @@ impl Shading<'_> {
             if let Some(color) = self.sample(textures.emission, &corners) {
                 shaded.emission = (Vec3::from(shaded.emission) * color).to_array();
             }
+            if let Some(color) = self.sample(textures.metallic_roughness, &corners) {
+                shaded.roughness *= color.y;
+                shaded.metallic *= color.z;
+            }
             if let Some(texel) = self.sample(textures.normal, &corners) {
                 normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
             }

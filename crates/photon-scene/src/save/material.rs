@@ -14,6 +14,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         Surface::Lambert { albedo } => (albedo, 0.0, 1.0),
         Surface::Mirror { reflectance } => (reflectance, 1.0, 0.0),
         Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => (tint, 0.0, 0.0),
+        Surface::Glossy { base_color, metallic, roughness, .. } => (base_color, metallic, roughness),
     };
     let [r, g, b] = singles(base, what)?;
     let alpha = if desc.alpha_mode == AlphaMode::Opaque { 1.0 } else { single(desc.alpha, what)? };
@@ -21,6 +22,14 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
     match desc.surface {
         Surface::Lambert { .. } => extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 }),
         Surface::Mirror { .. } => {}
+        Surface::Glossy { specular, ior, .. } => {
+            if specular != 1.0 {
+                extensions["KHR_materials_specular"] = json!({ "specularFactor": single(specular, what)? });
+            }
+            if ior != 1.5 {
+                extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
+            }
+        }
         Surface::Dielectric { ior, .. } | Surface::Thin { ior, .. } => {
             extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
             extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
@@ -47,7 +56,9 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
     let mut material = json!({
         "name": desc.name,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [r, g, b, alpha], "metallicFactor": metallic, "roughnessFactor": roughness
+            "baseColorFactor": [r, g, b, alpha],
+            "metallicFactor": metallic as f32,
+            "roughnessFactor": roughness as f32
         },
         "doubleSided": both,
         "extras": { "photonmap": MaterialExtras::new(desc) },
@@ -59,6 +70,9 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         match *slot {
             "base_color" => material["pbrMetallicRoughness"]["baseColorTexture"] = info.clone(),
             "emission" => material["emissiveTexture"] = info.clone(),
+            "metallic_roughness" => {
+                material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = info.clone();
+            }
             _ => material["normalTexture"] = info.clone(),
         }
     }

@@ -55,10 +55,12 @@ impl File {
     fn texture(&mut self, id: TextureId, slot: &str, desc: &TextureDesc) -> Result<usize, SceneError> {
         let refused = |why: &str, hint| SceneError::Export { what: format!("texture '{}', {why}", desc.name), hint };
         let is_linear = desc.image.format == TexelFormat::Linear8;
-        if slot == "normal" && desc.image.format == TexelFormat::Srgb8 {
-            return Err(refused("a normal map in sRGB", "glTF has linear normal maps: convert it"));
+        let is_data = matches!(slot, "normal" | "metallic_roughness");
+        if is_data && desc.image.format == TexelFormat::Srgb8 {
+            let why = format!("a {} texture in sRGB", slot.replace('_', "-"));
+            return Err(refused(&why, "glTF has linear ones: convert it"));
         }
-        if slot != "normal" && is_linear {
+        if !is_data && is_linear {
             return Err(refused("a colour of linear bytes", "glTF has colours in sRGB: convert it, or use floats"));
         }
         if let Some(&known) = self.images.indices.get(&id) {
@@ -68,7 +70,7 @@ impl File {
         let image = match self.images.shared.get(&key) {
             Some(&known) => known,
             None => {
-                let image = self.image(desc, slot == "normal")?;
+                let image = self.image(desc, is_data)?;
                 self.images.images.push(image);
                 let index = self.images.images.len() - 1;
                 self.images.shared.insert(key, index);

@@ -104,6 +104,7 @@ fn add_materials(
             emission: add(textures.emission),
             normal: add(textures.normal),
             normal_scale: textures.normal_scale as f32,
+            metallic_roughness: add(textures.metallic_roughness),
             alpha: if textures.alpha == textures.base_color { base_color } else { add(textures.alpha) },
             ..MaterialTextures::default()
         };

@@ -65,6 +65,7 @@ fn check_material(textures: &MaterialTextures, tables: &ShadingTables<'_>) -> Ch
         ("base_color", textures.base_color),
         ("emission", textures.emission),
         ("normal", textures.normal),
+        ("metallic_roughness", textures.metallic_roughness),
         ("alpha", textures.alpha),
     ] {
         require(used == MaterialTextures::NONE || (used as usize) < uses, || {

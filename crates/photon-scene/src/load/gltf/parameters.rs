@@ -23,8 +23,11 @@ pub(super) struct Parameters {
     /// Factor on alpha, in `[0, 1]`.
     pub(super) alpha: f64,
     pub(super) alpha_mode: AlphaMode,
+    /// Factors, and those times the means of their texture.
     pub(super) metallic: f64,
     pub(super) roughness: f64,
+    pub(super) mean_metallic: f64,
+    pub(super) mean_roughness: f64,
     pub(super) transmission: f64,
     /// 0 means a surface that reflects all light (`KHR_materials_ior`).
     pub(super) ior: f64,
@@ -75,11 +78,16 @@ pub(super) fn read(
     }
     let base = means.image(base_texture, "base colour", TexelFormat::Srgb8)?;
     let texture = pbr.metallic_roughness_texture.as_ref().map(Slot::of);
-    let shown = |mean: &Mean| format!("metal {:.3}, roughness {:.3}", mean.plain[2], mean.plain[1]);
-    if let Some(mean) = means.mean(texture, "metal and roughness", shown)? {
-        roughness *= mean.plain[1];
-        metallic *= mean.plain[2];
-    }
+    let gloss = means.image(texture, "metal and roughness", TexelFormat::Linear8)?;
+    let (mean_metallic, mean_roughness) =
+        gloss.map_or((metallic, roughness), |gloss| (metallic * gloss.mean.plain[2], roughness * gloss.mean.plain[1]));
+    let metallic_roughness = match gloss {
+        Some(gloss) if gloss.mean.is_uniform => {
+            (metallic, roughness) = (mean_metallic, mean_roughness);
+            None
+        }
+        gloss => gloss.and_then(|gloss| gloss.used),
+    };
     let transmission = match &extensions.transmission {
         None => 0.0,
         Some(transmission) => {
@@ -121,6 +129,8 @@ pub(super) fn read(
         alpha_mode,
         metallic,
         roughness,
+        mean_metallic,
+        mean_roughness,
         transmission,
         ior: extensions.ior.as_ref().map_or(1.5, |ior| f64::from(ior.ior.0)),
         specular: color.map(|color| color * scale),
@@ -134,6 +144,7 @@ pub(super) fn read(
             emission: glow.and_then(|glow| glow.used),
             normal,
             normal_scale: normal_map.map_or(1.0, |info| f64::from(info.scale)),
+            metallic_roughness,
             alpha: base.filter(|base| !is_opaque && base.mean.alpha < 1.0).and_then(|base| base.used),
         },
     })

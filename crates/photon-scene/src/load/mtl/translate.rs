@@ -69,6 +69,7 @@ impl Translation<'_> {
             emission: self.texture("map_Ke", emissive_map.as_ref(), TexelFormat::Srgb8),
             normal: self.texture("norm", normal_map.as_ref(), TexelFormat::Linear8),
             normal_scale: normal_map.as_ref().map_or(1.0, |map| map.strength),
+            metallic_roughness: None,
             alpha: self.alpha_texture(),
         }
     }

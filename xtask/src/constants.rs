@@ -64,6 +64,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_VERTEX_COLORS", Features::VERTEX_COLORS.bits()),
                 ("FEATURE_TEXTURED_LIGHTS", Features::TEXTURED_LIGHTS.bits()),
                 ("FEATURE_ENVIRONMENT", Features::ENVIRONMENT.bits()),
+                ("FEATURE_LIGHT_TREE", Features::LIGHT_TREE.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],

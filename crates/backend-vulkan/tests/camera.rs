@@ -251,7 +251,7 @@ fn lights(count: usize) -> Scene {
     scene.build().unwrap()
 }
 
-/// A few lights are weighted at each query, many are chosen by power; both backends choose the same ones.
+/// A few lights are weighted at each query, many are chosen by a light tree; both backends choose the same ones.
 #[test]
 fn every_kind_of_light_is_chosen_alike() {
     let Some(mut gpu) = low_level::for_tests() else { return };

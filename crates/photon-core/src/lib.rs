@@ -69,6 +69,6 @@ pub use shading::environment::EnvironmentSample;
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    area, fresnel, light_sampler, math, octahedral, offset, random, sampling, shade, shading_normal, sobol,
+    area, fresnel, light_sampler, light_tree, math, octahedral, offset, random, sampling, shade, shading_normal, sobol,
     solid_angle, texture,
 };

@@ -54,10 +54,10 @@ fn irradiance<const SHADED: bool>(scene: &CpuScene, pass: Pass, query: &Query, r
     let light_sampler = LightSampler::at(scene, query.position.into(), query.normal.into());
     let mut sum = [0.0; 3];
     for ray in 0..rays {
-        let [choice, u, v, _] = sampler.words(ray);
+        let [choice, u, v, low] = sampler.words(ray);
         // Each ray samples its own stratum of the lights.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
-        let (index, share) = light_sampler.pick(scene, choice);
+        let (index, share) = light_sampler.pick([choice, low]);
         let sample = sample::<SHADED>(scene, &scene.lights[index], query, u, v);
         let Some((value, ray)) = sample else { continue };
         if !scene.caster.occluded(&ray) {

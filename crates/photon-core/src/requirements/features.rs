@@ -41,6 +41,8 @@ bitflags! {
         const TEXTURED_LIGHTS = 1 << 13;
         /// An environment map.
         const ENVIRONMENT = 1 << 14;
+        /// More lights than shadow rays weigh one by one: [`crate::light_tree`].
+        const LIGHT_TREE = 1 << 18;
     }
 }
 
@@ -72,6 +74,7 @@ impl Features {
         "vertex-colors",
         "textured-lights",
         "environment",
+        "light-tree",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits.

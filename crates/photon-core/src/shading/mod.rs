@@ -7,6 +7,7 @@ pub(crate) mod environment;
 pub mod fresnel;
 pub(crate) mod interaction;
 pub mod light_sampler;
+pub mod light_tree;
 pub mod math;
 pub mod octahedral;
 pub mod offset;

@@ -62,10 +62,10 @@ fn irradiance<const SHADED: bool>(scene: &CpuScene, pass: Pass, query: &Query, r
     };
     let mut sum = [0.0; 3];
     for ray in 0..rays {
-        let [choice, u, v, _] = sampler.words(ray);
+        let [choice, u, v, low] = sampler.words(ray);
         // Each ray samples its own stratum of the lights.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
-        let (index, share) = light_sampler.pick(scene, choice);
+        let (index, share) = light_sampler.pick([choice, low]);
         let Some(sampled) = sample::<SHADED>(scene, &scene.lights[index], from, u, v) else { continue };
         let ray = sampled.ray;
         let cosine = cosine_of(ray.direction);

@@ -43,6 +43,8 @@ bitflags! {
         const ENVIRONMENT = 1 << 14;
         /// Glossy reflection: rough metals and coats.
         const GLOSSY = 1 << 15;
+        /// More lights than shadow rays weigh one by one: [`crate::light_tree`].
+        const LIGHT_TREE = 1 << 18;
     }
 }
 
@@ -78,6 +80,7 @@ impl Features {
         "textured-lights",
         "environment",
         "glossy",
+        "light-tree",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

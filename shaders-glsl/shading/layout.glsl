@@ -1,4 +1,4 @@
-// The records of photon-core (layout.rs, material.rs, medium.rs, light.rs, camera.rs), member by member: offsets are checked against the SPIR-V.
+// The records of photon-core (layout.rs, material.rs, medium.rs, light.rs, light_tree.rs, camera.rs), member by member: offsets are checked against the SPIR-V.
 // `Photons p` is the address of an array; its element i is `p[i].at`.
 #ifndef LAYOUT_GLSL
 #define LAYOUT_GLSL
@@ -119,6 +119,15 @@ struct MaterialTextures {
     uint reserved[10];
 };
 
+struct LightNode {
+    vec3 center;
+    float radius;
+    float intensity;
+    uint axis;
+    uint cone;
+    uint next;
+};
+
 // Every record is a multiple of 16 bytes long, and every buffer begins at a multiple of 16.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Photons { Photon at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PhotonRays { PhotonRay at; };
@@ -131,6 +140,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Media { Med
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Lights { Light at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Cameras { Camera at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TextureUses { TextureUse at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer LightNodes { LightNode at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MaterialTextureTable { MaterialTextures at; };
 
 #endif

@@ -90,6 +90,14 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer En
     float rotation;
 };
 
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LightTrails { uvec2 at; };
+
+// A tree over many lights: its nodes, and the path from the root to the leaf of each light.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LightTreeRef {
+    LightNodes nodes;
+    LightTrails trails;
+};
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
     WideNodes nodes;
     Corners corners;
@@ -105,7 +113,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     ShadingRef shading;
     // 0 in a scene without one.
     EnvironmentRef environment;
-    uint reserved[2];
+    // 0 in a scene of few lights.
+    LightTreeRef light_tree;
 };
 
 #include "shading/alpha.glsl"

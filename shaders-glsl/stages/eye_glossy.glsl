@@ -27,7 +27,7 @@ vec3 light_reflection(Path path, uint pixel, Surface at, vec3 normal, uint media
     uvec4 random = words(pixel, path.branch, BLOCK_LIGHTS + path.surfaces);
     LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, at.start, at.normal);
     float share;
-    uint index = light_sampler_pick(push.scene, light_sampler, random.x, share);
+    uint index = light_sampler_pick(push.scene, light_sampler, random.xw, share);
     LightSample found;
     if (!light_sample(push.scene, index, off_surface(at.start, at.normal), random, found)) return vec3(0.0);
     vec3 direction = found.ray.direction;

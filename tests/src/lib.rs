@@ -24,6 +24,7 @@ pub mod gloss;
 pub mod harness;
 pub mod inside;
 pub mod interreflection;
+pub mod many_lights;
 pub mod nesting;
 pub mod numerics;
 pub mod paper;
@@ -87,6 +88,9 @@ macro_rules! whole_suite {
                 b1_point_light, b2_flux_through_a_disc, b3_lambertian_disc, b4_rectangle, b5_form_factors,
                 b8_power_of_emitters, b9_area_lights_near_by, b10_no_shadow_ray_outshines_its_area_light,
                 direct_light_by_photons_agrees,
+            }
+            many_lights::{
+                g14_grid_of_point_lights, v14_powers_apart_and_coincident_lights, sun_among_many_lights,
             }
             interreflection::{
                 c1_furnace, c1_furnace_of_high_albedo, c1_depth_cap, c2_integrating_sphere, c3_sphere_of_two_halves,

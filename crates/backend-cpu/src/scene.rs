@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use photon_core::glam::Vec3;
+use photon_core::light_tree::LightTree;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Primitive,
     Ray, RayCaster, Requirements, Result, SceneView, Shaded, SkipLimit, Solids, SurfaceInteraction, alpha, interface,
@@ -22,6 +23,8 @@ pub struct CpuScene {
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
+    /// For shadow rays in a scene with many lights.
+    pub(crate) light_tree: Option<LightTree>,
     pub(crate) environment: Option<EnvironmentMap>,
     media: Vec<Medium>,
     /// The media in which photons from each light start, on its front and on its back; empty if the scene needs no
@@ -63,6 +66,7 @@ impl CpuScene {
                     .map_err(|source| Error::Backend { backend: "cpu: building the BVH", source: Box::new(source) })
             })?,
         };
+        let by_tree = present.contains(Features::LIGHT_TREE) && required.shadow_rays;
         let vertex = |index: u32| Vec3::from(view.positions[index as usize]);
         let vertices: Vec<[Vec3; 3]> = view.triangles.iter().map(|triangle| triangle.map(vertex)).collect();
         Ok(Self {
@@ -72,6 +76,7 @@ impl CpuScene {
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
             light_cdf: view.light_cdf.to_vec(),
+            light_tree: by_tree.then(|| LightTree::new(view)),
             environment: view.environment.cloned(),
             media: view.media.to_vec(),
             light_media,

@@ -14,8 +14,11 @@ use crate::vulkan::Vulkan;
 
 /// Features with tables of their own. Kernels are specialized to those that the scene has: what only the requirements
 /// have would be read at address 0.
-pub(crate) const WITH_TABLES: Features =
-    Features::SHADED.union(Features::TEXTURED_LIGHTS).union(Features::ENVIRONMENT).union(Features::ALPHA);
+pub(crate) const WITH_TABLES: Features = Features::SHADED
+    .union(Features::TEXTURED_LIGHTS)
+    .union(Features::ENVIRONMENT)
+    .union(Features::LIGHT_TREE)
+    .union(Features::ALPHA);
 
 /// Triangles uploaded at a time.
 const BLOCK: usize = 1 << 20;
@@ -52,7 +55,7 @@ struct Record {
     light_count: u32,
     shading: u64,
     environment: u64,
-    reserved: [u32; 2],
+    light_tree: u64,
 }
 
 /// `Emission` of scene.glsl.
@@ -101,6 +104,7 @@ impl VulkanScene {
                 emission.slot = slots.get(light.primitive as usize).copied().unwrap_or(0);
             }
         }
+        let lit_by_tree = present.contains(Features::LIGHT_TREE) && required.shadow_rays;
         let shading = shading::upload(&mut upload, view, &tree.order)?;
         let record = Record {
             nodes,
@@ -115,13 +119,14 @@ impl VulkanScene {
             light_count: view.lights.len() as u32,
             shading,
             environment: environment::upload(&mut upload, view)?,
-            reserved: [0; 2],
+            light_tree: if lit_by_tree { light_tree::upload(&mut upload, view)? } else { 0 },
         };
         upload.table("scene", &[record])?;
         let Upload { mut tables, bytes, .. } = upload;
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
         let light_count = view.lights.len() as u32;
-        let absent = WITH_TABLES.without(present);
+        let unlit = if lit_by_tree { Features::NONE } else { Features::LIGHT_TREE };
+        let absent = WITH_TABLES.without(present).union(unlit);
         let (features, media) = (required.features.without(absent), required.media);
         Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
     }
@@ -228,6 +233,7 @@ impl Upload<'_> {
 }
 
 mod environment;
+mod light_tree;
 mod shading;
 #[cfg(test)]
 mod silhouette;

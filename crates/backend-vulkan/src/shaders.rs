@@ -101,6 +101,9 @@ pub(crate) static PROBE_LAYOUT: Module =
 pub(crate) static PROBE_LIGHT_SAMPLER: Module =
     Module { name: "probe_light_sampler", bytes: include_bytes!("../spirv/probe_light_sampler.spv") };
 
+pub(crate) static PROBE_LIGHT_TREE: Module =
+    Module { name: "probe_light_tree", bytes: include_bytes!("../spirv/probe_light_tree.spv") };
+
 pub(crate) static PROBE_MATH: Module = Module { name: "probe_math", bytes: include_bytes!("../spirv/probe_math.spv") };
 
 pub(crate) static PROBE_MEDIA: Module =
@@ -222,7 +225,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 77] = [
+pub(crate) static ALL: [&Module; 78] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -258,6 +261,7 @@ pub(crate) static ALL: [&Module; 77] = [
     &PROBE_KERNEL,
     &PROBE_LAYOUT,
     &PROBE_LIGHT_SAMPLER,
+    &PROBE_LIGHT_TREE,
     &PROBE_MATH,
     &PROBE_MEDIA,
     &PROBE_OCTAHEDRAL,

@@ -71,6 +71,6 @@ pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    alpha, area, fresnel, ggx, glossy, light_sampler, math, octahedral, offset, random, sampling, shade,
+    alpha, area, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset, random, sampling, shade,
     shading_normal, sobol, solid_angle, texture,
 };

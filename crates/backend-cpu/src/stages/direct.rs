@@ -68,10 +68,10 @@ fn irradiance<const SHADED: bool, const ALPHA: bool>(
     };
     let mut sum = [0.0; 3];
     for ray in 0..rays {
-        let [choice, u, v, layer] = sampler.words(ray);
+        let [choice, u, v, low] = sampler.words(ray);
         // Each ray samples its own stratum of the lights.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
-        let (index, share) = light_sampler.pick(scene, choice);
+        let (index, share) = light_sampler.pick([choice, low]);
         let Some(sampled) = sample::<SHADED>(scene, &scene.lights[index], from, u, v) else { continue };
         let ray = sampled.ray;
         let cosine = cosine_of(ray.direction);
@@ -82,7 +82,7 @@ fn irradiance<const SHADED: bool, const ALPHA: bool>(
         if SHADED && query.coat != 0 {
             value *= Coat::from_bits(query.coat).entering(ray.direction.dot(shading));
         }
-        if value != Vec3::ZERO && !scene.occluded_with::<ALPHA>(&ray, || layer) {
+        if value != Vec3::ZERO && !scene.occluded_with::<ALPHA>(&ray, || low) {
             // The segment is unoccluded, so all of it lies in the query's medium.
             let value = value * scene.attenuation(MediumStack::from_bits(query.media), ray.t_max);
             for c in 0..3 {

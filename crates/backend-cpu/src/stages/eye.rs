@@ -285,8 +285,8 @@ impl Eye<'_> {
         if scene.lights.is_empty() {
             return;
         }
-        let [choice, u, v, layer] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
-        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick(scene, choice);
+        let [choice, u, v, low] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
+        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick([choice, low]);
         let from = offset::off_surface(surface.start, surface.normal);
         let Some(sampled) = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v) else { return };
         let direction = sampled.ray.direction;
@@ -294,7 +294,7 @@ impl Eye<'_> {
         let limited = glossy::limited(direction, surface.normal, at.normal);
         let value = sampled.times(limited) * reflected.value;
         // NaN counts as no light.
-        if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || layer) {
+        if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || low) {
             return;
         }
         let share = share as f32;
@@ -351,7 +351,7 @@ impl Eye<'_> {
     fn share(&self, path: &Path, light: Option<usize>, pdf: f32) -> f32 {
         let Some(light) = light else { return 1.0 };
         let Reflection { position, normal, pdf: reflected } = path.reflected;
-        let chosen = LightSampler::at(self.scene, position, normal).probability(self.scene, light) as f32;
+        let chosen = LightSampler::at(self.scene, position, normal).probability(light) as f32;
         balance(reflected, pdf * chosen)
     }
 

@@ -3,6 +3,7 @@
 use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
+use photon_core::light_tree::LightNode;
 use photon_core::{
     Camera, Element, ErrorMoments, Estimate, Light, Material, MaterialTextures, Medium, Photon, PhotonRay, Primitive,
     Query, TextureUse,
@@ -56,6 +57,7 @@ fn records() -> Vec<Record> {
         record!(Camera: origin kind forward media right reserved2 up reserved3),
         record!(TextureUse: transform texture_index uv_set),
         record!(MaterialTextures: base_color emission normal normal_scale metallic_roughness alpha reserved),
+        record!(LightNode: center radius intensity axis cone next),
     ]
 }
 

@@ -14,6 +14,7 @@ mod flushed;
 mod glossy;
 mod layout;
 mod light_sampler;
+mod light_tree;
 mod listed;
 mod media;
 mod photon_format;
@@ -58,15 +59,17 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_MEDIA
-        PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SHADE
+    push_layout: Push => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL
+        PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
+        PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SHADE
         PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     inputs outputs count padding
 );
 
 specialized!(
     probe_constants: ProbeConstants => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL
-        PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM
+        PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
+        PROBE_PROJECTION PROBE_RANDOM
         PROBE_SAMPLING PROBE_SHADE PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     2 function: u32; default features shared_groups
 );
@@ -121,7 +124,8 @@ fn all_rows() -> Vec<Row> {
     let shading =
         [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows(), glossy::rows(), alpha::rows()]
             .concat();
-    [table::rows(), light_sampler::rows(), media::rows(), projection::rows(), shading, single].concat()
+    [table::rows(), light_sampler::rows(), light_tree::rows(), media::rows(), projection::rows(), shading, single]
+        .concat()
 }
 
 /// Checks every row of the table and reports all that fail.

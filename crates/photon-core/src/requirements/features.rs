@@ -45,6 +45,8 @@ bitflags! {
         const GLOSSY = 1 << 15;
         /// Surfaces that are only partly there: alpha coverage.
         const ALPHA = 1 << 17;
+        /// More lights than shadow rays weigh one by one: [`crate::light_tree`].
+        const LIGHT_TREE = 1 << 18;
     }
 }
 
@@ -81,6 +83,7 @@ impl Features {
         "environment",
         "glossy",
         "alpha",
+        "light-tree",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

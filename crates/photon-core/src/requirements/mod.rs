@@ -16,6 +16,7 @@ use crate::scene::media::MediaFeatures;
 use crate::scene::solids::Solids;
 use crate::scene::texture::{MaterialTextures, ShadingTables};
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
+use crate::shading::light_sampler::MAX_LIGHTS;
 
 /// The features, maps and stages that are needed for a scene.
 ///
@@ -125,7 +126,8 @@ impl Features {
         let materials = scene.materials_in_use().map(|material| material_features(material, scene));
         let all = materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union);
         let lit = if scene.lights.is_empty() { Self::TEXTURED_LIGHTS } else { Self::NONE };
-        all.without(lit)
+        let many = if scene.lights.len() > MAX_LIGHTS { Self::LIGHT_TREE } else { Self::NONE };
+        all.without(lit).union(many)
     }
 }
 

@@ -11,6 +11,7 @@ pub mod ggx;
 pub mod glossy;
 pub(crate) mod interaction;
 pub mod light_sampler;
+pub mod light_tree;
 pub mod math;
 pub mod octahedral;
 pub mod offset;

@@ -11,6 +11,7 @@ const uint MATERIAL_GLOSSY = 4u;
 
 // Material::flags.
 const uint MATERIAL_EMITS_BOTH_SIDES = 1u;
+const uint MATERIAL_ALPHA = 2u;
 
 // Light::kind.
 const uint LIGHT_TRIANGLE = 0u;
@@ -49,9 +50,11 @@ const uint FEATURE_VERTEX_COLORS = 4096u;
 const uint FEATURE_TEXTURED_LIGHTS = 8192u;
 const uint FEATURE_ENVIRONMENT = 16384u;
 const uint FEATURE_GLOSSY = 32768u;
+const uint FEATURE_ALPHA = 131072u;
+const uint FEATURE_LIGHT_TREE = 262144u;
 const uint FEATURE_THIN_LENS = 524288u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 589823u;
+const uint FEATURE_ALL = 983039u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;
@@ -140,6 +143,14 @@ const float AREA_OUTER = 0.75;
 // light_sampler.
 const uint LIGHT_SAMPLER_MAX_LIGHTS = 16u;
 const float LIGHT_SAMPLER_DEFENSIVE_SHARE = 0.1;
+
+// light_tree.
+const uint LIGHT_TREE_WORDS = 3865470566u;
+const uint LIGHT_TREE_LEAF = 2147483648u;
+const float LIGHT_TREE_COSINE_STEPS = 32767.0;
+const float LIGHT_TREE_MIN_SQUARED = 9.094947017729282e-13;
+const uint LIGHT_TREE_MULTIPLIER = 1664525u;
+const uint LIGHT_TREE_INCREMENT = 1013904223u;
 
 // octahedral.
 const float OCTAHEDRAL_STEPS = 32767.0;

@@ -1,4 +1,4 @@
-// The records of photon-core (layout.rs, material.rs, medium.rs, light.rs, camera.rs), member by member: offsets are checked against the SPIR-V.
+// The records of photon-core (layout.rs, material.rs, medium.rs, light.rs, light_tree.rs, camera.rs), member by member: offsets are checked against the SPIR-V.
 // `Photons p` is the address of an array; its element i is `p[i].at`.
 #ifndef LAYOUT_GLSL
 #define LAYOUT_GLSL
@@ -68,7 +68,8 @@ struct Material {
     float metallic;
     float roughness;
     float specular;
-    uint reserved[2];
+    float alpha;
+    float alpha_cutoff;
 };
 
 struct Medium {
@@ -114,7 +115,17 @@ struct MaterialTextures {
     uint normal;
     float normal_scale;
     uint metallic_roughness;
-    uint reserved[11];
+    uint alpha;
+    uint reserved[10];
+};
+
+struct LightNode {
+    vec3 center;
+    float radius;
+    float intensity;
+    uint axis;
+    uint cone;
+    uint next;
 };
 
 // Every record is a multiple of 16 bytes long, and every buffer begins at a multiple of 16.
@@ -129,6 +140,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Media { Med
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Lights { Light at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Cameras { Camera at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TextureUses { TextureUse at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer LightNodes { LightNode at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MaterialTextureTable { MaterialTextures at; };
 
 #endif

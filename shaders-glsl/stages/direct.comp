@@ -8,7 +8,7 @@
 layout(local_size_x_id = 1) in;
 
 layout(constant_id = 0) const uint FEATURES = 511;
-// Number of lights that are weighted at each query; 0 if lights are chosen by power alone.
+// Number of lights that are weighted at each query; 0 for one light and for a light tree.
 layout(constant_id = 2) const uint WEIGHED = 0;
 layout(constant_id = 3) const uint MEDIA = 1;
 
@@ -82,7 +82,8 @@ void main() {
     for (uint k = push.start_ray; k < push.end_ray; k++) {
         uvec4 words = philox4x32(uvec4(key, k, push.pass, DOMAIN_SHADOW), push.seed);
         float share;
-        uint index = light_sampler_pick(push.scene, light_sampler, stratum(k, push.rays, words.x), share);
+        uint index = light_sampler_pick(
+            push.scene, light_sampler, uvec2(stratum(k, push.rays, words.x), words.w), share);
         LightSample found;
         if (!light_sample(push.scene, index, from, words, found)) continue;
         Ray ray = found.ray;
@@ -91,7 +92,7 @@ void main() {
         if (!(cosine > 0.0)) continue;
         vec3 value = light_sample_times(found, cosine);
         if (GLOSSY) value *= glossy_entering(push.scene, coat, dot3(ray.direction, shading));
-        if (!occluded(push.scene, ray)) {
+        if (!occluded(push.scene, ray, words.w)) {
             // The shadow ray is unoccluded, so that it lies entirely in the query's medium.
             if ((FEATURES & FEATURE_ABSORPTION) != 0 && push.queries[i].at.media != VACUUM) {
                 value *= transmittance(push.scene, push.queries[i].at.media, ray.t_max);

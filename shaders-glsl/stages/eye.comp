@@ -180,7 +180,9 @@ void main() {
     bool alive = true;
     while (alive) {
         Hit hit;
-        alive = nearest(push.scene, path.ray, hit);
+        uint word = 0u;
+        if (ALPHA) word = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces).w;
+        alive = nearest(push.scene, path.ray, word, hit);
         bool escaped = !alive;
         if (alive) {
             Surface at = surface_of(push.scene, path.ray.direction, hit);

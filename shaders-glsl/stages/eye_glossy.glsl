@@ -27,13 +27,13 @@ vec3 light_reflection(Path path, uint pixel, Surface at, vec3 normal, uint media
     uvec4 random = words(pixel, path.branch, BLOCK_LIGHTS + path.surfaces);
     LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, at.start, at.normal);
     float share;
-    uint index = light_sampler_pick(push.scene, light_sampler, random.x, share);
+    uint index = light_sampler_pick(push.scene, light_sampler, random.xw, share);
     LightSample found;
     if (!light_sample(push.scene, index, off_surface(at.start, at.normal), random, found)) return vec3(0.0);
     vec3 direction = found.ray.direction;
     Reflected reflected = glossy_evaluate(push.scene, glossy, -path.ray.direction, direction, normal);
     vec3 value = light_sample_times(found, glossy_limited(direction, at.normal, normal)) * reflected.value;
-    if (!(glossy_greatest(value) > 0.0) || occluded(push.scene, found.ray)) return vec3(0.0);
+    if (!(glossy_greatest(value) > 0.0) || occluded(push.scene, found.ray, random.w)) return vec3(0.0);
     if ((FEATURES & FEATURE_ABSORPTION) != 0 && media != VACUUM) {
         value *= transmittance(push.scene, media, found.ray.t_max);
     }

@@ -69,7 +69,10 @@ void main() {
     Query landing =
         Query(vec3(NOWHERE), 1.0, normal, from, vec3(0.0), 0u, 0u, key, 0u, 0u);
     Hit hit;
-    for (uint bounce = 1; counts && bounce <= push.max_bounces && nearest(push.scene, ray, hit); bounce++) {
+    for (uint bounce = 1; counts && bounce <= push.max_bounces; bounce++) {
+        uint word = 0u;
+        if (ALPHA) word = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed).w;
+        if (!nearest(push.scene, ray, word, hit)) break;
         Surface at = surface_of(push.scene, ray.direction, hit);
         Material material = push.scene.materials[at.material].at;
         vec3 facing = at.normal;

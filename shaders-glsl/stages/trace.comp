@@ -109,6 +109,11 @@ vec3 tinted(vec3 power, vec3 by) {
     return left;
 }
 
+vec3 over(vec3 power, float share) {
+    precise vec3 left = power / share;
+    return left;
+}
+
 // Russian roulette by the brightest channel; returns false if the photon is absorbed. With shading normals and at
 // glossy surfaces, weights may be above 1.
 bool russian_roulette(inout vec3 power, vec3 weight, float choice) {
@@ -145,6 +150,12 @@ struct Path {
     bool too_deep;
     uint stored[MAP_COUNT];
 };
+
+// The path's random word for surfaces with alpha.
+uint layer(Path path) {
+    if (!ALPHA) return 0u;
+    return sampler_words(path.numbers, BLOCK_SURFACES + path.bounce).w;
+}
 
 Path begin(uint number) {
     Path path;
@@ -200,7 +211,8 @@ uint stored_in(uint stored[MAP_COUNT], uint map) {
     return count;
 }
 
-void store(inout Path path, Surface at, vec3 power) {
+// Where a surface is there for a share of the photons, its coverage, each stands for those that passed.
+void store(inout Path path, Surface at, vec3 power, float coverage) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
     uint ordinal = stored_in(path.stored, map);
@@ -209,7 +221,7 @@ void store(inout Path path, Surface at, vec3 power) {
         Photon photon;
         photon.position = at.point;
         photon.direction = octahedral_pack(-path.ray.direction);
-        photon.power = power;
+        photon.power = ALPHA ? over(power, coverage) : power;
         photon.normal = octahedral_pack(at.normal);
         push.photons[place].at = photon;
         push.owners[place].at = uvec2(path.index, ordinal << MAP_BITS | map);
@@ -225,11 +237,11 @@ bool is_sane(Path path) {
 
 // Continues a path at a glossy surface: stores a photon for the base, and follows the base or the reflection.
 uint step_glossy(
-    inout Path path, Surface at, vec3 normal, Material material, bool stores, float choice, float u, float v
+    inout Path path, Surface at, vec3 normal, Material material, bool stores, float coverage, float choice, float u, float v
 ) {
     Glossy glossy = glossy_new(push.scene, material, at.cosine);
     if (stores && !(AIMED && path.bounce == 0u)) {
-        store(path, at, tinted(path.power, vec3(glossy_entering(push.scene, glossy.coat, at.cosine))));
+        store(path, at, tinted(path.power, vec3(glossy_entering(push.scene, glossy.coat, at.cosine))), coverage);
     }
     ++path.bounce;
     float first = glossy.specular_probability;
@@ -262,6 +274,8 @@ uint step_path(inout Path path, Hit hit) {
     // Where no texture is black, photons are stored, so that estimates beside black texels have all of theirs.
     bool stores = material.albedo != vec3(0.0)
         && (material.kind != MATERIAL_GLOSSY || material.metallic < 1.0 || material.textures != 0u);
+    float coverage = 1.0;
+    if (ALPHA) coverage = alpha_coverage_at(push.scene, material, hit.slot, hit.u, hit.v);
     vec3 normal = at.normal;
     if (SHADED) {
         normal = shade(push.scene, at, hit, material);
@@ -274,12 +288,13 @@ uint step_path(inout Path path, Hit hit) {
     uvec4 words = sampler_words(path.numbers, BLOCK_SURFACES + path.bounce);
     float choice = unit_f32(words.x);
     if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
-        return step_glossy(path, at, normal, material, stores, choice, unit_f32(words.y), unit_f32(words.z));
+        return step_glossy(
+            path, at, normal, material, stores, coverage, choice, unit_f32(words.y), unit_f32(words.z));
     }
     Bsdf bsdf = bsdf_new(material, at.cosine, sides);
     uint lobe = bsdf_choose(bsdf, choice);
     if (lobe == LOBE_DIFFUSE) {
-        if (stores && !(AIMED && path.bounce == 0u)) store(path, at, path.power);
+        if (stores && !(AIMED && path.bounce == 0u)) store(path, at, path.power, coverage);
         if (AIMED) {
             ++path.bounce;
             return FATE_TERMINATED;
@@ -360,8 +375,8 @@ void main() {
         while (any) {
             uint fate = FATE_DROPPED;
             if (is_sane(path)) {
-                bool under_way = walk_begin(push.scene, path.ray, walk);
-                while (under_way) under_way = walk_step(walk, false);
+                bool under_way = walk_begin(push.scene, path.ray, layer(path), walk);
+                while (under_way) under_way = walk_step(push.scene, walk, false);
                 fate = step_path(path, walk.best);
             }
             --path.left;
@@ -385,12 +400,12 @@ void main() {
                 state = goes_on ? READY : IDLE;
             }
             if (state == READY) {
-                bool starts = is_sane(path) && walk_begin(push.scene, path.ray, walk);
+                bool starts = is_sane(path) && walk_begin(push.scene, path.ray, layer(path), walk);
                 state = starts ? UNDER_WAY : ARRIVED;
                 if (!starts) walk.best.primitive = NO_PRIMITIVE;
             }
         } else if (state == UNDER_WAY) {
-            if (!walk_step(walk, false)) state = ARRIVED;
+            if (!walk_step(push.scene, walk, false)) state = ARRIVED;
         }
     }
 }

@@ -29,7 +29,10 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("MATERIAL_GLOSSY", MaterialKind::Glossy as u32),
             ],
         ),
-        ("Material::flags.", vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES)]),
+        (
+            "Material::flags.",
+            vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES), ("MATERIAL_ALPHA", Material::ALPHA)],
+        ),
         (
             "Light::kind.",
             vec![
@@ -66,6 +69,8 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_TEXTURED_LIGHTS", Features::TEXTURED_LIGHTS.bits()),
                 ("FEATURE_ENVIRONMENT", Features::ENVIRONMENT.bits()),
                 ("FEATURE_GLOSSY", Features::GLOSSY.bits()),
+                ("FEATURE_ALPHA", Features::ALPHA.bits()),
+                ("FEATURE_LIGHT_TREE", Features::LIGHT_TREE.bits()),
                 ("FEATURE_THIN_LENS", Features::THIN_LENS.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),

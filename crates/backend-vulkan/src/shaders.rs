@@ -77,6 +77,9 @@ pub(crate) static INDEX_VVH_PLAN: Module =
 pub(crate) static INDEX_VVH_SIDES: Module =
     Module { name: "index_vvh_sides", bytes: include_bytes!("../spirv/index_vvh_sides.spv") };
 
+pub(crate) static PROBE_ALPHA: Module =
+    Module { name: "probe_alpha", bytes: include_bytes!("../spirv/probe_alpha.spv") };
+
 pub(crate) static PROBE_AREA: Module = Module { name: "probe_area", bytes: include_bytes!("../spirv/probe_area.spv") };
 
 pub(crate) static PROBE_BIAS: Module = Module { name: "probe_bias", bytes: include_bytes!("../spirv/probe_bias.spv") };
@@ -97,6 +100,9 @@ pub(crate) static PROBE_LAYOUT: Module =
 
 pub(crate) static PROBE_LIGHT_SAMPLER: Module =
     Module { name: "probe_light_sampler", bytes: include_bytes!("../spirv/probe_light_sampler.spv") };
+
+pub(crate) static PROBE_LIGHT_TREE: Module =
+    Module { name: "probe_light_tree", bytes: include_bytes!("../spirv/probe_light_tree.spv") };
 
 pub(crate) static PROBE_MATH: Module = Module { name: "probe_math", bytes: include_bytes!("../spirv/probe_math.spv") };
 
@@ -219,7 +225,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 76] = [
+pub(crate) static ALL: [&Module; 78] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -246,6 +252,7 @@ pub(crate) static ALL: [&Module; 76] = [
     &INDEX_VVH_PART,
     &INDEX_VVH_PLAN,
     &INDEX_VVH_SIDES,
+    &PROBE_ALPHA,
     &PROBE_AREA,
     &PROBE_BIAS,
     &PROBE_BSDF,
@@ -254,6 +261,7 @@ pub(crate) static ALL: [&Module; 76] = [
     &PROBE_KERNEL,
     &PROBE_LAYOUT,
     &PROBE_LIGHT_SAMPLER,
+    &PROBE_LIGHT_TREE,
     &PROBE_MATH,
     &PROBE_MEDIA,
     &PROBE_OCTAHEDRAL,

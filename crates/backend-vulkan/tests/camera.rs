@@ -201,7 +201,7 @@ fn light<B: TransportBackend, const N: usize>(
 fn direct_light_is_the_same_light() {
     let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
-    for name in ["two-rooms", "plates"].into_iter().chain(SCENES) {
+    for name in ["two-rooms", "plates", "many-lights"].into_iter().chain(SCENES) {
         let scene = scene(name);
         let (queries, _) = look(&mut cpu, &scene, &[1]);
         let all_a = light(&mut cpu, &scene, &queries, [(1, 1), (3, 1)]);
@@ -268,7 +268,7 @@ fn lit(count: usize) -> SceneBuilder {
     scene
 }
 
-/// A few lights are weighted at each query, many are chosen by power; both backends choose the same ones.
+/// A few lights are weighted at each query, many are chosen by a light tree; both backends choose the same ones.
 #[test]
 fn every_kind_of_light_is_chosen_alike() {
     let Some(mut gpu) = low_level::for_tests() else { return };

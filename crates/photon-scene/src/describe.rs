@@ -54,6 +54,24 @@ pub enum Surface {
     },
 }
 
+/// Which part of a surface is there (alpha coverage, as in glTF). The alpha of a point is [`MaterialDesc::alpha`] times the
+/// alpha of [`crate::TexturesDesc::alpha`] times that of the vertex colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum AlphaMode {
+    /// All of it: alpha is not read.
+    #[default]
+    Opaque,
+    /// The points whose alpha is at least `cutoff`.
+    Mask {
+        /// Finite and ≥ 0.
+        cutoff: f64,
+    },
+    /// Each point, for a share of all light and of all views that is its alpha. Which points are there for a ray is chosen
+    /// at random.
+    Blend,
+}
+
 /// A named material: a surface, its emission and its textures.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -69,6 +87,11 @@ pub struct MaterialDesc {
     /// Where solids overlap, the one of the highest priority applies; among equals, the one that light entered last.
     /// Only for [`Surface::Dielectric`].
     pub priority: u32,
+    /// Factor on the alpha of the surface, in `[0, 1]`.
+    pub alpha: f64,
+    /// What alpha does. Emitted light is covered like the surface. Not for [`Surface::Dielectric`], whose mesh must be
+    /// closed.
+    pub alpha_mode: AlphaMode,
     /// Textures that multiply the colours above, and a normal map.
     pub textures: TexturesDesc,
 }
@@ -83,6 +106,8 @@ impl MaterialDesc {
             emission: [0.0; 3],
             emits_both_sides: false,
             priority: 0,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
             textures: TexturesDesc::default(),
         }
     }
@@ -143,6 +168,12 @@ impl MaterialDesc {
         Self { textures, ..self }
     }
 
+    /// The material with this [`Self::alpha_mode`] and [`Self::alpha`].
+    #[must_use]
+    pub fn with_alpha(self, alpha_mode: AlphaMode, alpha: f64) -> Self {
+        Self { alpha, alpha_mode, ..self }
+    }
+
     /// The material with this [`Self::priority`].
     #[must_use]
     pub fn with_priority(self, priority: u32) -> Self {
@@ -156,9 +187,12 @@ impl MaterialDesc {
     }
 
     /// Whether light passes unchanged: a refractive index of 1 without absorption, tint or
-    /// emission.
+    /// emission, or [`AlphaMode::Blend`] with an alpha of 0.
     #[must_use]
     pub fn is_invisible(&self) -> bool {
+        if self.alpha_mode == AlphaMode::Blend && self.alpha == 0.0 {
+            return true;
+        }
         let clear = match self.surface {
             Surface::Dielectric { ior, absorption, tint } => ior == 1.0 && absorption == [0.0; 3] && tint == [1.0; 3],
             Surface::Thin { ior, tint } => ior == 1.0 && tint == [1.0; 3],

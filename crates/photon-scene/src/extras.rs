@@ -113,7 +113,7 @@ pub(crate) enum MaterialExtras {
 
 impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
-        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority, textures } = desc;
+        let MaterialDesc { surface, emission, emits_both_sides, priority, textures, .. } = desc;
         let textures = TexturesExtras::new(textures);
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {

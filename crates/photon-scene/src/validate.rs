@@ -3,7 +3,7 @@
 mod textures;
 
 use crate::builder::SceneBuilder;
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
+use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
 use crate::error::SceneError;
 use crate::mesh::Mesh;
 use glam::DVec3;
@@ -67,7 +67,19 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
             )?;
         }
     }
-    not_negative("emission", desc.emission)
+    not_negative("emission", desc.emission)?;
+    require((0.0..=1.0).contains(&desc.alpha), "alpha", desc.alpha, "it must lie between 0 and 1")?;
+    if let AlphaMode::Mask { cutoff } = desc.alpha_mode {
+        let fine = cutoff >= 0.0 && (cutoff as f32).is_finite();
+        require(fine, "the alpha cutoff", cutoff, "it must be a finite number, at least 0")?;
+    }
+    let is_solid = matches!(desc.surface, Surface::Dielectric { .. });
+    require(
+        !is_solid || desc.alpha_mode == AlphaMode::Opaque,
+        "the alpha mode",
+        desc.alpha_mode,
+        "the boundary of a solid must be closed; make it opaque, or a thin sheet",
+    )
 }
 
 fn refractive(ior: f64) -> Result<(), Fault> {

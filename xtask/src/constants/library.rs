@@ -2,7 +2,7 @@
 
 use photon_core::{
     AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, area, ggx, glossy, kd_tree, light_sampler,
-    neighbour_radius, octahedral, offset, shading_normal, solid_angle,
+    light_tree, neighbour_radius, octahedral, offset, shading_normal, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -57,6 +57,17 @@ pub(super) fn groups() -> Vec<Group> {
             vec![
                 ("LIGHT_SAMPLER_MAX_LIGHTS", (light_sampler::MAX_LIGHTS as u32).into()),
                 ("LIGHT_SAMPLER_DEFENSIVE_SHARE", Number::Float(light_sampler::DEFENSIVE_SHARE)),
+            ],
+        ),
+        (
+            "light_tree.",
+            vec![
+                ("LIGHT_TREE_WORDS", light_tree::TREE_WORDS.into()),
+                ("LIGHT_TREE_LEAF", light_tree::LEAF.into()),
+                ("LIGHT_TREE_COSINE_STEPS", light_tree::COSINE_STEPS.into()),
+                ("LIGHT_TREE_MIN_SQUARED", light_tree::MIN_SQUARED.into()),
+                ("LIGHT_TREE_MULTIPLIER", light_tree::NEXT_WORD[0].into()),
+                ("LIGHT_TREE_INCREMENT", light_tree::NEXT_WORD[1].into()),
             ],
         ),
         ("octahedral.", vec![("OCTAHEDRAL_STEPS", octahedral::STEPS.into())]),

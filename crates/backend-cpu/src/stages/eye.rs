@@ -46,13 +46,10 @@ impl EyeTracer<Cpu> for CpuEye {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
         let Self { max_bounces, hides_background } = *self;
         let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits };
-        let is_shaded = scene.features.intersects(Features::SHADED);
-        let look = match (is_shaded, view.camera.features().contains(Features::THIN_LENS)) {
-            (false, false) => Eye::look::<false, false>,
-            (false, true) => Eye::look::<false, true>,
-            (true, false) => Eye::look::<true, false>,
-            (true, true) => Eye::look::<true, true>,
-        };
+        let (is_shaded, has_alpha) =
+            (scene.features.intersects(Features::SHADED), scene.present.contains(Features::ALPHA));
+        let has_lens = view.camera.features().contains(Features::THIN_LENS);
+        let look = if has_lens { kernel::<true>(is_shaded, has_alpha) } else { kernel::<false>(is_shaded, has_alpha) };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
                 .par_chunks_mut(view.width as usize)
@@ -71,6 +68,18 @@ impl EyeTracer<Cpu> for CpuEye {
             queries.append(&row);
         }
         Ok(())
+    }
+}
+
+/// Traces the paths of a pixel.
+type Look<'a> = fn(&Eye<'a>, u32, u32, &mut FilmPixel, &mut Vec<Query>);
+
+/// The kernel for scenes with or without textures and shading normals, and alpha.
+fn kernel<'a, const LENS: bool>(is_shaded: bool, has_alpha: bool) -> Look<'a> {
+    match (is_shaded, has_alpha) {
+        (_, true) => Eye::look::<true, true, LENS>,
+        (true, false) => Eye::look::<true, false, LENS>,
+        (false, false) => Eye::look::<false, false, LENS>,
     }
 }
 
@@ -109,8 +118,9 @@ struct Reflection {
 }
 
 impl Eye<'_> {
-    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals. `LENS`: the camera has a lens.
-    fn look<const SHADED: bool, const LENS: bool>(
+    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha. `LENS`: the camera
+    /// has a lens.
+    fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool>(
         &self,
         x: u32,
         y: u32,
@@ -141,7 +151,7 @@ impl Eye<'_> {
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
-            while let Some(branch) = self.step::<SHADED>(&mut path, number, pixel, queries, &sampler) {
+            while let Some(branch) = self.step::<SHADED, ALPHA>(&mut path, number, pixel, queries, &sampler) {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
                     count += 1;
@@ -152,7 +162,7 @@ impl Eye<'_> {
 
     /// Traces the path to its next surface. Returns `None` when the path has ended, `Some(Some(other))` when it has
     /// split.
-    fn step<const SHADED: bool>(
+    fn step<const SHADED: bool, const ALPHA: bool>(
         &self,
         path: &mut Path,
         number: u32,
@@ -160,7 +170,8 @@ impl Eye<'_> {
         queries: &mut Vec<Query>,
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
-        let Some((mut surface, hit)) = self.scene.hit(&path.ray) else {
+        let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
+        let Some((mut surface, hit)) = self.scene.hit_with::<ALPHA>(&path.ray, layer).ok()? else {
             let is_hidden = self.hides_background && path.surfaces == 0;
             if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
@@ -225,7 +236,7 @@ impl Eye<'_> {
         if SHADED && material.kind() == MaterialKind::Glossy {
             let glossy = Glossy::new(material, surface.cosine);
             let at = GlossyPoint { surface: &surface, normal, media: interface.before, glossy: &glossy };
-            self.light_reflection(path, &at, seen(), pixel, sampler);
+            self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
             return self.reflect(path, &at, seen(), queries, query, sampler);
         }
         let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
@@ -281,7 +292,7 @@ impl Eye<'_> {
 impl Eye<'_> {
     /// Adds the light that a shadow ray from a glossy surface finds, as its reflection shows it. `seen` is the factor from
     /// radiance that leaves the surface to its contribution at the camera.
-    fn light_reflection(
+    fn light_reflection<const ALPHA: bool>(
         &self,
         path: &Path,
         at: &GlossyPoint<'_>,
@@ -293,8 +304,8 @@ impl Eye<'_> {
         if scene.lights.is_empty() {
             return;
         }
-        let [choice, u, v, _] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
-        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick(scene, choice);
+        let [choice, u, v, low] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
+        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick([choice, low]);
         let from = offset::off_surface(surface.start, surface.normal);
         let Some(sampled) = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v) else { return };
         let direction = sampled.ray.direction;
@@ -302,7 +313,7 @@ impl Eye<'_> {
         let limited = glossy::limited(direction, surface.normal, at.normal);
         let value = sampled.times(limited) * reflected.value;
         // NaN counts as no light.
-        if !(value.max_element() > 0.0) || scene.caster.occluded(&sampled.ray) {
+        if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || low) {
             return;
         }
         let share = share as f32;
@@ -359,7 +370,7 @@ impl Eye<'_> {
     fn share(&self, path: &Path, light: Option<usize>, pdf: f32) -> f32 {
         let Some(light) = light else { return 1.0 };
         let Reflection { position, normal, pdf: reflected } = path.reflected;
-        let chosen = LightSampler::at(self.scene, position, normal).probability(self.scene, light) as f32;
+        let chosen = LightSampler::at(self.scene, position, normal).probability(light) as f32;
         balance(reflected, pdf * chosen)
     }
 

@@ -59,7 +59,7 @@ fn weighted(d: &mut Draw) -> Input {
     made
 }
 
-fn barycentric(d: &mut Draw) -> [f32; 2] {
+pub(super) fn barycentric(d: &mut Draw) -> [f32; 2] {
     let (u, v) = (d.unit(), d.unit());
     if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] }
 }

@@ -41,6 +41,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 .count();
             let lights = scene.lights.iter().filter(|light| light_features(light).contains(feature)).count();
             let why = match (triangles, lights) {
+                _ if feature == Features::LIGHT_TREE => counted(scene.lights.len(), "light"),
                 (0, 0) => "nothing in the scene has it".to_owned(),
                 (0, lights) => counted(lights, "light"),
                 (triangles, _) => counted(triangles, "triangle"),

@@ -5,7 +5,7 @@ mod frame;
 use self::frame::Frame;
 use super::schema::{Camera, Environment, File, Kind, Light, Material, Quad};
 use crate::builder::{MaterialId, SceneBuilder};
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
+use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
 use crate::environment::EnvironmentDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Materials, lights, an environment, cameras and quadrilaterals that change or extend a scene, read from TOML.
 ///
-/// A given albedo or tint replaces the texture of the base colour too, a given emission that of the emission.
+/// A given albedo or tint replaces the texture of the base colour too, a given emission that of the emission, a given
+/// alpha that of the alpha.
 ///
 /// The format is described in the project's `docs/scene-files.md`.
 #[derive(Clone, Debug)]
@@ -117,8 +118,9 @@ impl Overrides {
     }
 
     fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
-        let kind = with.kind.unwrap_or(kind_of(&desc.surface));
-        if kind != kind_of(&desc.surface) {
+        let before = kind_of(&desc.surface);
+        let kind = with.kind.unwrap_or(before);
+        if kind != before {
             // A texture keeps its factor, and a sheet or solid that had one too.
             let color = desc.textures.base_color.map(|_| color_of(&desc.surface));
             desc.surface = match kind {
@@ -134,6 +136,14 @@ impl Overrides {
                     ior: 1.5,
                 },
             };
+        }
+        if kind == Kind::Glass || kind != before {
+            // Another kind of surface is there everywhere, and a solid always is.
+            (desc.alpha, desc.alpha_mode, desc.textures.alpha) = (1.0, AlphaMode::Opaque, None);
+        }
+        if let Some(alpha) = with.alpha {
+            let alpha_mode = if alpha == 1.0 { AlphaMode::Opaque } else { AlphaMode::Blend };
+            (desc.alpha, desc.alpha_mode, desc.textures.alpha) = (alpha, alpha_mode, None);
         }
         if with.albedo.is_some() || with.tint.is_some() {
             desc.textures.base_color = None;

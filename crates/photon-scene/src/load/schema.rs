@@ -31,6 +31,8 @@ pub(super) struct Material {
     pub(super) metallic: Option<f64>,
     pub(super) roughness: Option<f64>,
     pub(super) specular: Option<f64>,
+    /// Share of the light that meets the surface; the rest passes. 1 is opaque.
+    pub(super) alpha: Option<f64>,
     pub(super) emission: Option<Colour>,
     pub(super) emits_both_sides: Option<bool>,
 }

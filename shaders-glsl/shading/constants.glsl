@@ -52,8 +52,9 @@ const uint FEATURE_ENVIRONMENT = 16384u;
 const uint FEATURE_GLOSSY = 32768u;
 const uint FEATURE_ALPHA = 131072u;
 const uint FEATURE_LIGHT_TREE = 262144u;
+const uint FEATURE_THIN_LENS = 524288u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 458751u;
+const uint FEATURE_ALL = 983039u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;

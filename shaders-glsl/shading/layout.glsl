@@ -98,9 +98,9 @@ struct Camera {
     vec3 forward;
     uint media;
     vec3 right;
-    uint reserved2;
+    float lens_radius;
     vec3 up;
-    uint reserved3;
+    float focus_distance;
 };
 
 struct TextureUse {

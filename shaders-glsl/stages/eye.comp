@@ -17,6 +17,8 @@ layout(constant_id = 4) const uint TILE_ROWS_LOG2 = 2;
 layout(constant_id = 5) const uint MEDIA = 1;
 // Number of lights that are weighted at each glossy surface; 0 if lights are chosen by power alone.
 layout(constant_id = 6) const uint WEIGHED = 0;
+// Camera rays that hit nothing do not see the environment.
+layout(constant_id = 7) const bool HIDES_BACKGROUND = false;
 
 #include "shading/bsdf.glsl"
 #include "shading/constants.glsl"
@@ -29,6 +31,8 @@ layout(constant_id = 6) const uint WEIGHED = 0;
 #include "shading/shade.glsl"
 #include "shading/environment.glsl"
 #include "shading/glossy.glsl"
+
+const bool THIN_LENS = (FEATURES & FEATURE_THIN_LENS) != 0u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
@@ -81,6 +85,19 @@ Ray camera_ray(float x, float y) {
     }
     precise vec3 towards = camera.forward + offset;
     return Ray(camera.origin, normalize_or(towards, camera.forward), NO_LIMIT);
+}
+
+// The ray through a point of the image and a uniformly distributed point of the lens: all rays through a point of the
+// image meet in the plane that is in focus.
+Ray lens_ray(float x, float y, uvec2 random) {
+    Camera camera = push.camera.at;
+    vec2 point = sampling_disc(unit_f32(random.x), unit_f32(random.y));
+    vec3 right = normalize_or(camera.right, vec3(0.0));
+    vec3 up = normalize_or(camera.up, vec3(0.0));
+    precise vec3 lens = (right * point.x + up * point.y) * camera.lens_radius;
+    precise vec3 towards = camera.forward + (camera.right * x + camera.up * y) - lens / camera.focus_distance;
+    precise vec3 origin = camera.origin + lens;
+    return Ray(origin, normalize_or(towards, camera.forward), NO_LIMIT);
 }
 
 // Continues the path from `at`; if it splits there, the other path is returned in `other`.
@@ -150,7 +167,10 @@ void main() {
     uvec4 jitter = words(pixel, 0, BLOCK_START);
     precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
     precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
-    Path path = Path(camera_ray(across, -down), vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0));
+    Ray ray;
+    if (THIN_LENS) ray = lens_ray(across, -down, jitter.zw);
+    else ray = camera_ray(across, -down);
+    Path path = Path(ray, vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0));
 
     // No path splits more than twice, so that at most two wait.
     Path waiting[2];
@@ -215,7 +235,7 @@ void main() {
                 }
             }
         }
-        if (ENVIRONMENT && escaped) {
+        if (ENVIRONMENT && escaped && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
             if (GLOSSY && path.reflected_pdf > 0.0) {

@@ -24,6 +24,7 @@ pub mod gloss;
 pub mod harness;
 pub mod inside;
 pub mod interreflection;
+pub mod lens;
 pub mod many_lights;
 pub mod nesting;
 pub mod numerics;
@@ -136,8 +137,9 @@ macro_rules! whole_suite {
             }
             environment::{
                 g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,
-                even_light_through_glass,
+                even_light_through_glass, transparent_background,
             }
+            lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
             views::{ v1_hand_filled_views_are_checked }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,

@@ -266,13 +266,25 @@ pub struct CameraDesc {
     pub up: [f64; 3],
     /// Perspective or orthographic.
     pub projection: Projection,
+    /// A lens in place of the pinhole; perspective only.
+    pub lens: Option<ThinLens>,
+}
+
+/// A thin lens around the position of a camera, perpendicular to its direction: what is not at the distance of focus is
+/// blurred to discs. At distance z, their diameter is `diameter · |z − focus_distance| / focus_distance`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinLens {
+    /// Diameter of the lens, length of the scene, at least 0; 0 is a pinhole.
+    pub diameter: f64,
+    /// Distance along the direction of view of the plane that is in focus, length of the scene, above 0.
+    pub focus_distance: f64,
 }
 
 impl CameraDesc {
     /// A camera with the given fields.
     #[must_use]
     pub fn new(position: [f64; 3], direction: [f64; 3], up: [f64; 3], projection: Projection) -> Self {
-        Self { position, direction, up, projection }
+        Self { position, direction, up, projection, lens: None }
     }
 
     /// A perspective camera at `from` that looks at `to`; `vertical_fov` in radians.
@@ -286,5 +298,11 @@ impl CameraDesc {
     #[must_use]
     pub fn with_projection(self, projection: Projection) -> Self {
         Self { projection, ..self }
+    }
+
+    /// The camera with a lens.
+    #[must_use]
+    pub fn with_lens(self, lens: ThinLens) -> Self {
+        Self { lens: Some(lens), ..self }
     }
 }

@@ -26,6 +26,7 @@ const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 #[derive(Debug)]
 pub(crate) struct VulkanEye {
     max_bounces: u32,
+    hides_background: bool,
     scan: Scan,
     camera: Memory,
     scratch: Option<EyeScratch>,
@@ -95,17 +96,19 @@ pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offset
 
 specialized!(
     eye_constants: EyeConstants => STAGES_EYE,
-    0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures, 6 weighed: u32;
+    0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures,
+    6 weighed: u32, 7 hides_background: bool;
     default shared_groups
 );
 
 specialized!(compact_constants: CompactConstants => STAGES_EYE_COMPACT, 2 places_log2: u32);
 
 impl VulkanEye {
-    /// Constructs a tracer for paths of at most `max_bounces` surfaces.
-    pub(crate) fn new(on: &mut Vulkan, max_bounces: u32) -> Result<Self> {
+    /// Constructs a tracer for paths of at most `max_bounces` surfaces; with `hides_background`, camera rays that hit
+    /// nothing do not see the environment.
+    pub(crate) fn new(on: &mut Vulkan, max_bounces: u32, hides_background: bool) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
-        Ok(Self { max_bounces, scan: Scan::new(on)?, camera, scratch: None })
+        Ok(Self { max_bounces, hides_background, scan: Scan::new(on)?, camera, scratch: None })
     }
 }
 
@@ -120,7 +123,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
         queries: &mut VulkanBuffer<Query>,
     ) -> Result<()> {
         film.check_size(view.width, view.height)?;
-        let features = scene.features();
+        // The lens is that of the view.
+        let features = scene.features().without(Features::THIN_LENS).union(view.camera.features());
         let splits = if features.splits_camera_paths() { SPLITS } else { 0 };
         let pixels = view.width * view.height;
         let places = u64::from(pixels) << splits;
@@ -147,6 +151,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
             tile_rows_log2: tile_rows,
             media: scene.media(),
             weighed: if features.contains(Features::GLOSSY) { weighed(scene) } else { 0 },
+            hides_background: self.hides_background,
         };
         let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);

@@ -29,6 +29,8 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     let mut needs: Vec<Need> = Features::ALL
         .names()
         .zip(Features::ALL)
+        // The lens belongs to the view, which is not known here.
+        .filter(|&(_, feature)| feature != Features::THIN_LENS)
         .map(|(what, feature)| {
             let triangles = scene
                 .primitives

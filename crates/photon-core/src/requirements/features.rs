@@ -47,6 +47,8 @@ bitflags! {
         const ALPHA = 1 << 17;
         /// More lights than shadow rays weigh one by one: [`crate::light_tree`].
         const LIGHT_TREE = 1 << 18;
+        /// A camera with a lens: decided with the view, not with the scene.
+        const THIN_LENS = 1 << 19;
     }
 }
 
@@ -84,6 +86,7 @@ impl Features {
         "glossy",
         "alpha",
         "light-tree",
+        "thin-lens",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

@@ -207,7 +207,7 @@ mod tests {
             (offset_of!(Light, power), offset_of!(Light, versine_inner)),
             (offset_of!(Camera, origin), offset_of!(Camera, kind)),
             (offset_of!(Camera, forward), offset_of!(Camera, media)),
-            (offset_of!(Camera, right), offset_of!(Camera, reserved2)),
+            (offset_of!(Camera, right), offset_of!(Camera, lens_radius)),
         ];
         for (vector, scalar) in rows {
             assert_eq!(vector % 16, 0);

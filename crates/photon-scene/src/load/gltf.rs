@@ -4,6 +4,7 @@
 //! |---|---|
 //! | node | its matrix or translation, rotation and scale, in f64; a mirrored mesh keeps its front side |
 //! | primitive | one mesh for each node that refers to it; triangle lists, strips and fans |
+//! | skins, morph targets | in the default pose: joints as their nodes are, default weights of the targets |
 //! | base colour | albedo, reflectance of a mirror, or tint of transmitted light |
 //! | metal (≥ 0.5), roughness ≤ 0.1 | mirror |
 //! | `transmission` ≥ 0.5 | thin sheet; solid dielectric where `volume` gives a thickness |
@@ -15,6 +16,7 @@
 //! | other textures | their mean |
 //! | normals, tangents, colours, UV sets | those in use; normals by the inverse transpose of the node's matrix |
 //! | `alphaMode`, `alphaCutoff`, alpha of base colour, its texture and `COLOR_0` | alpha coverage; solids are opaque |
+//! | `KHR_meshopt_compression`, `EXT_` | decoded; Draco is refused |
 //! | `extras.photonmap` | the same in double precision, as [`crate::glb`] writes it |
 //!
 //! Everything that is left out is a line of the report. The document is read without the parser's own
@@ -30,14 +32,19 @@ mod fault;
 mod material;
 mod mean;
 mod meshes;
+mod meshopt;
+mod morph;
 mod nodes;
 mod parameters;
 mod primitive;
 mod punctual;
+mod skin;
 mod slot;
 mod texture;
 mod uri;
 
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use gltf::json::Root;
@@ -71,7 +78,7 @@ pub fn load_gltf(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> 
 fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), Fault> {
     let mut report = LoadReport::default();
     let mut builder = SceneBuilder::new();
-    let (root, bin) = container::open(bytes)?;
+    let (root, bin) = container::open(bytes, &mut report)?;
     extensions::check(&root, &mut report)?;
     let buffers = Buffers::new(&root, folder, bin);
 
@@ -89,6 +96,8 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
         materials,
         default_material: None,
         census: Census::default(),
+        globals: OnceCell::new(),
+        skins: BTreeMap::new(),
     };
     let mut camera_names = Vec::new();
     for placed in nodes::place(&root)? {
@@ -96,9 +105,6 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
         let part = nodes::node_label(&root, placed.node);
         if let Some(mesh) = node.mesh {
             meshes.add(placed.node, mesh.value(), &placed.transform, &mut builder, &mut report)?;
-            if node.skin.is_some() {
-                report.left_out(&part, "its skin; the mesh is rendered without its bones");
-            }
         }
         let exact = extras::read::<NodeExtras>(node.extras.as_deref().map(|raw| raw.get()));
         let exact = exact.unwrap_or_else(|why| {
@@ -131,7 +137,7 @@ fn report_rest(root: &Root, report: &mut LoadReport) {
     }
     match root.animations.len() {
         0 => {}
-        count => report.left_out("the file", format!("its {count} animations; it is rendered at rest")),
+        count => report.left_out("the file", format!("its {count} animations; the default pose is rendered")),
     }
 }
 

@@ -5,7 +5,7 @@ mod frame;
 use self::frame::Frame;
 use super::schema::{Camera, Environment, File, Kind, Light, Material, Quad};
 use crate::builder::{MaterialId, SceneBuilder};
-use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
 use crate::environment::EnvironmentDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
@@ -246,9 +246,21 @@ impl Overrides {
                 return Err(self.fault(what, "give one: fov_degrees for perspective, half_height for orthographic"));
             }
         };
+        let unit = if camera.relative { frame.size } else { 1.0 };
+        let lens = match (camera.aperture, camera.focus) {
+            (None, None) => None,
+            (Some(diameter), Some(distance)) => {
+                Some(ThinLens { diameter: diameter * unit, focus_distance: distance * unit })
+            }
+            (aperture, _) => {
+                let (has, lacks) = if aperture.is_some() { ("aperture", "focus") } else { ("focus", "aperture") };
+                let what = format!("camera '{}' has the key {has}, but not {lacks}", camera.name);
+                return Err(self.fault(what, "give both, or none for a camera without a lens"));
+            }
+        };
         let from = frame.place(camera.relative, camera.from);
         let to = frame.place(camera.relative, camera.to);
-        Ok(CameraDesc { projection, ..CameraDesc::look_at(from, to, camera.up, 1.0) })
+        Ok(CameraDesc { projection, lens, ..CameraDesc::look_at(from, to, camera.up, 1.0) })
     }
 }
 

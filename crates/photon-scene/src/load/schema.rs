@@ -128,6 +128,8 @@ pub(super) struct Camera {
     pub(super) up: [f64; 3],
     pub(super) fov_degrees: Option<f64>,
     pub(super) half_height: Option<f64>,
+    pub(super) aperture: Option<f64>,
+    pub(super) focus: Option<f64>,
 }
 
 fn upwards() -> [f64; 3] {

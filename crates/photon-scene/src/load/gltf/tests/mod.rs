@@ -1,9 +1,10 @@
 //! Tests with generated files.
 
 mod damage;
-mod file;
+pub(super) mod file;
 mod fuzz;
 mod geometry;
 mod lights;
 mod materials;
+mod pose;
 mod textures;

@@ -46,10 +46,16 @@ impl EyeTracer<Cpu> for CpuEye {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
         let Self { max_bounces, hides_background } = *self;
         let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits };
-        let (is_shaded, has_alpha) =
-            (scene.features.intersects(Features::SHADED), scene.present.contains(Features::ALPHA));
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
-        let look = if has_lens { kernel::<true>(is_shaded, has_alpha) } else { kernel::<false>(is_shaded, has_alpha) };
+        let is_shaded = scene.features.intersects(Features::SHADED);
+        let look = match (is_shaded, scene.present.contains(Features::ALPHA), has_lens) {
+            (_, true, true) => Eye::look::<true, true, true>,
+            (_, true, false) => Eye::look::<true, true, false>,
+            (true, false, true) => Eye::look::<true, false, true>,
+            (true, false, false) => Eye::look::<true, false, false>,
+            (false, false, true) => Eye::look::<false, false, true>,
+            (false, false, false) => Eye::look::<false, false, false>,
+        };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
                 .par_chunks_mut(view.width as usize)
@@ -68,18 +74,6 @@ impl EyeTracer<Cpu> for CpuEye {
             queries.append(&row);
         }
         Ok(())
-    }
-}
-
-/// Traces the paths of a pixel.
-type Look<'a> = fn(&Eye<'a>, u32, u32, &mut FilmPixel, &mut Vec<Query>);
-
-/// The kernel for scenes with or without textures and shading normals, and alpha.
-fn kernel<'a, const LENS: bool>(is_shaded: bool, has_alpha: bool) -> Look<'a> {
-    match (is_shaded, has_alpha) {
-        (_, true) => Eye::look::<true, true, LENS>,
-        (true, false) => Eye::look::<true, false, LENS>,
-        (false, false) => Eye::look::<false, false, LENS>,
     }
 }
 
@@ -118,8 +112,8 @@ struct Reflection {
 }
 
 impl Eye<'_> {
-    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha. `LENS`: the camera
-    /// has a lens.
+    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha; `LENS`: the
+    /// camera has a lens.
     fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool>(
         &self,
         x: u32,

@@ -29,7 +29,8 @@ float light_node_importance(LightNode node, vec3 position, vec3 normal) {
     precise vec3 gap = node.center - position;
     float square = dot3(gap, gap);
     precise float reach = node.radius * node.radius;
-    if (square <= max(reach, LIGHT_TREE_MIN_SQUARED)) return node.intensity / max(reach, LIGHT_TREE_MIN_SQUARED);
+    float divisor = max(max(square, reach * LIGHT_TREE_MIN_DISTANCE_SHARE), LIGHT_TREE_MIN_SQUARED);
+    if (square <= max(reach, LIGHT_TREE_MIN_SQUARED)) return node.intensity / divisor;
     precise vec3 direction = gap / sqrt(square);
     // Half angle under which the bounding sphere is seen.
     precise float seen = sqrt(max(1.0 - reach / square, 0.0));
@@ -37,7 +38,7 @@ float light_node_importance(LightNode node, vec3 position, vec3 normal) {
     float off = cosine_of_difference(-dot3(axis, direction), spread);
     float emitted = cosine_of_difference(off, seen);
     if (!(cosine > 0.0 && emitted > 0.0 && emitted >= emission)) return 0.0;
-    precise float importance = node.intensity * cosine * emitted / square;
+    precise float importance = node.intensity * cosine * emitted / divisor;
     return importance;
 }
 

@@ -7,9 +7,11 @@ const uint MATERIAL_LAMBERT = 0u;
 const uint MATERIAL_MIRROR = 1u;
 const uint MATERIAL_DIELECTRIC = 2u;
 const uint MATERIAL_THIN = 3u;
+const uint MATERIAL_GLOSSY = 4u;
 
 // Material::flags.
 const uint MATERIAL_EMITS_BOTH_SIDES = 1u;
+const uint MATERIAL_ALPHA = 2u;
 
 // Light::kind.
 const uint LIGHT_TRIANGLE = 0u;
@@ -47,9 +49,11 @@ const uint FEATURE_NORMAL_MAPS = 2048u;
 const uint FEATURE_VERTEX_COLORS = 4096u;
 const uint FEATURE_TEXTURED_LIGHTS = 8192u;
 const uint FEATURE_ENVIRONMENT = 16384u;
+const uint FEATURE_GLOSSY = 32768u;
+const uint FEATURE_ALPHA = 131072u;
 const uint FEATURE_LIGHT_TREE = 262144u;
-const uint FEATURE_SPECULAR = 14u;
-const uint FEATURE_ALL = 294911u;
+const uint FEATURE_SPECULAR = 32782u;
+const uint FEATURE_ALL = 458751u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;
@@ -82,6 +86,7 @@ const uint DOMAIN_AIMED = 5u;
 const uint BLOCK_LIGHT = 0u;
 const uint BLOCK_START = 1u;
 const uint BLOCK_SURFACES = 2u;
+const uint BLOCK_LIGHTS = 1073741824u;
 
 // Kernel::number.
 const uint KERNEL_CONSTANT = 0u;
@@ -158,6 +163,18 @@ const float OFFSET_MAX_SLOPE = 0.0625;
 // shading_normal.
 const float SHADING_MAX_RATIO = 32.0;
 const float SHADING_MIN_COSINE = 0.0010000000474974513;
+
+// ggx.
+const float GGX_MIN_ALPHA = 0.0010000000474974513;
+
+// AlbedoTable.
+const uint ALBEDO_TABLE_SIZE = 32u;
+
+// glossy.
+const float GLOSSY_MIN_SHARE = 9.999999974752427e-7;
+const float GLOSSY_COAT_ROUGHNESS = 1023.0;
+const float GLOSSY_COAT_F0 = 4095.0;
+const float GLOSSY_COAT_F90 = 1023.0;
 
 // solid_angle.
 const float SOLID_ANGLE_NEAR = 32.0;

@@ -29,7 +29,7 @@ struct Query {
     uint wo;
     uint path;
     uint shading_normal;
-    uint reserved;
+    uint coat;
 };
 
 struct Estimate {
@@ -65,7 +65,11 @@ struct Material {
     uint medium;
     float ior;
     uint textures;
-    uint reserved[5];
+    float metallic;
+    float roughness;
+    float specular;
+    float alpha;
+    float alpha_cutoff;
 };
 
 struct Medium {
@@ -110,7 +114,9 @@ struct MaterialTextures {
     uint emission;
     uint normal;
     float normal_scale;
-    uint reserved[12];
+    uint metallic_roughness;
+    uint alpha;
+    uint reserved[10];
 };
 
 struct LightNode {

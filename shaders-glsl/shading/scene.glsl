@@ -25,7 +25,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Wi
     uvec4 words[5];
 };
 
-// A triangle, in BVH order: three vertices; `w` of the first is its index, of the second its margin.
+// A triangle, in BVH order: three vertices; `w` of the first is its index, of the second its margin, of the third whether
+// its material has alpha.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Corners {
     vec4 a;
     vec4 b;
@@ -56,6 +57,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CornerWords 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CornerColors { uvec2 a; uvec2 b; uvec2 c; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uvs { vec2 a; vec2 b; vec2 c; };
 
+// Directional albedos of glossy surfaces.
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Vec2s { vec2 at; };
+
 // Vertex attributes and textures; those of triangles are in BVH order.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef {
     CornerWords normals;
@@ -66,8 +70,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     TextureUses uses;
     Textures textures;
     ByteValues values;
+    Vec2s albedos;
     uint has_normals;
-    uint reserved[3];
+    uint reserved;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };
@@ -112,6 +117,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     LightTreeRef light_tree;
 };
 
+#include "shading/alpha.glsl"
 #include "shading/intersect.glsl"
 
 // A surface point hit by a ray.
@@ -151,10 +157,10 @@ Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     return found;
 }
 
-// The nearest surface along a ray.
-bool surface(SceneRef scene, Ray ray, out Surface found) {
+// The nearest surface along a ray; `word` as for `nearest`.
+bool surface(SceneRef scene, Ray ray, uint word, out Surface found) {
     Hit hit;
-    if (!nearest(scene, ray, hit)) return false;
+    if (!nearest(scene, ray, word, hit)) return false;
     found = surface_of(scene, ray.direction, hit);
     return true;
 }

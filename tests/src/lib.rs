@@ -7,6 +7,7 @@
 
 pub mod accuracy;
 pub mod aiming;
+pub mod alpha;
 pub mod backends;
 pub mod debias;
 pub mod determinism;
@@ -19,6 +20,7 @@ pub mod estimators;
 pub mod extremes;
 pub mod fields;
 pub mod forecasts;
+pub mod gloss;
 pub mod harness;
 pub mod inside;
 pub mod interreflection;
@@ -117,8 +119,16 @@ macro_rules! whole_suite {
                 m1_grey_is_what_treats_channels_alike, m2_less_is_the_same_picture, m3_too_little_is_refused,
             }
             photon_formats::{ m4_the_same_photons_are_found }
+            gloss::{
+                g4_white_furnace, highlights_of_a_point_light, reflections_of_an_area_light, caustics_of_a_glossy_plate,
+                g5_closed_room,
+            }
             textures::{
                 g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,
+            }
+            alpha::{
+                g12_sheets_transmit, g12_masks_transmit, v15_a_thousand_sheets, a_sheet_reflects_its_share,
+                a_light_emits_its_share, holes_show_the_environment, g5_furnace_with_sheets, opaque_scenes_are_unchanged,
             }
             shading_normals::{
                 g9_parallel_light, g9_light_from_the_sides, g9_even_sky, photons_scattered_by_a_tilted_normal,

@@ -14,8 +14,11 @@ use crate::vulkan::Vulkan;
 
 /// Features with tables of their own. Kernels are specialized to those that the scene has: what only the requirements
 /// have would be read at address 0.
-pub(crate) const WITH_TABLES: Features =
-    Features::SHADED.union(Features::TEXTURED_LIGHTS).union(Features::ENVIRONMENT).union(Features::LIGHT_TREE);
+pub(crate) const WITH_TABLES: Features = Features::SHADED
+    .union(Features::TEXTURED_LIGHTS)
+    .union(Features::ENVIRONMENT)
+    .union(Features::LIGHT_TREE)
+    .union(Features::ALPHA);
 
 /// Triangles uploaded at a time.
 const BLOCK: usize = 1 << 20;
@@ -154,11 +157,13 @@ impl VulkanScene {
     }
 }
 
-/// Three vertices; `w` of the first holds the index of the triangle, of the second its margin.
+/// Three vertices; `w` of the first holds the index of the triangle, of the second its margin, of the third 1 if its
+/// material has alpha.
 fn corners(view: &SceneView<'_>, id: u32) -> [[f32; 4]; 3] {
     let [a, b, c] = view.triangles[id as usize].map(|vertex| view.positions[vertex as usize]);
     let with = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
-    [with(a, f32::from_bits(id)), with(b, margin([a, b, c])), with(c, 0.0)]
+    let has_alpha = view.materials[view.primitives[id as usize].material as usize].has_alpha();
+    [with(a, f32::from_bits(id)), with(b, margin([a, b, c])), with(c, f32::from_bits(has_alpha.into()))]
 }
 
 fn margin(corners: [[f32; 3]; 3]) -> f32 {

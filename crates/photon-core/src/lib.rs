@@ -44,7 +44,7 @@ pub use requirements::map_kind::{MapKind, PerMap};
 pub use requirements::photon_format::PhotonFormat;
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::camera::Camera;
-pub use scene::caster::{Hit, Ray, RayCaster};
+pub use scene::caster::{Hit, Ray, RayCaster, SkipLimit};
 pub use scene::environment::{EnvironmentMap, EnvironmentRow};
 pub use scene::layout::{Element, ErrorMoments, Estimate, Photon, PhotonRay, Query};
 pub use scene::light::Light;
@@ -64,11 +64,13 @@ pub use settings::preset::Preset;
 pub use settings::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Scheduling, Settings,
 };
+pub use shading::albedo_table::AlbedoTable;
 pub use shading::bsdf::{Bsdf, Lobe};
 pub use shading::environment::EnvironmentSample;
+pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    area, fresnel, light_sampler, light_tree, math, octahedral, offset, random, sampling, shade, shading_normal, sobol,
-    solid_angle, texture,
+    alpha, area, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset, random, sampling, shade,
+    shading_normal, sobol, solid_angle, texture,
 };

@@ -37,6 +37,39 @@ pub enum Surface {
         /// Multiplies transmitted light.
         tint: [f64; 3],
     },
+    /// Rough reflection (GGX), on both sides: the metallic-roughness model of glTF 2.0. A metal reflects
+    /// `base_color`; all else has a diffuse base of that albedo under a colourless dielectric coat.
+    Glossy {
+        /// Reflectance of the metal, and albedo of the base.
+        base_color: [f64; 3],
+        /// Share of metal, in `[0, 1]`.
+        metallic: f64,
+        /// Roughness, in `[0, 1]`: the square root of the width α of the distribution. Widths below 0.001 are rendered
+        /// as 0.001, which blurs reflections by 0.06 degrees.
+        roughness: f64,
+        /// Factor on the reflection of the coat, in `[0, 1]`; 0 leaves a diffuse surface, where there is no metal.
+        specular: f64,
+        /// Refractive index of the coat, finite and ≥ 0; 0 stands for a coat that reflects all light.
+        ior: f64,
+    },
+}
+
+/// Which part of a surface is there (alpha coverage, as in glTF). The alpha of a point is [`MaterialDesc::alpha`] times the
+/// alpha of [`crate::TexturesDesc::alpha`] times that of the vertex colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum AlphaMode {
+    /// All of it: alpha is not read.
+    #[default]
+    Opaque,
+    /// The points whose alpha is at least `cutoff`.
+    Mask {
+        /// Finite and ≥ 0.
+        cutoff: f64,
+    },
+    /// Each point, for a share of all light and of all views that is its alpha. Which points are there for a ray is chosen
+    /// at random.
+    Blend,
 }
 
 /// A named material: a surface, its emission and its textures.
@@ -54,6 +87,11 @@ pub struct MaterialDesc {
     /// Where solids overlap, the one of the highest priority applies; among equals, the one that light entered last.
     /// Only for [`Surface::Dielectric`].
     pub priority: u32,
+    /// Factor on the alpha of the surface, in `[0, 1]`.
+    pub alpha: f64,
+    /// What alpha does. Emitted light is covered like the surface. Not for [`Surface::Dielectric`], whose mesh must be
+    /// closed.
+    pub alpha_mode: AlphaMode,
     /// Textures that multiply the colours above, and a normal map.
     pub textures: TexturesDesc,
 }
@@ -68,6 +106,8 @@ impl MaterialDesc {
             emission: [0.0; 3],
             emits_both_sides: false,
             priority: 0,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
             textures: TexturesDesc::default(),
         }
     }
@@ -82,6 +122,20 @@ impl MaterialDesc {
     #[must_use]
     pub fn mirror(name: impl Into<String>, reflectance: [f64; 3]) -> Self {
         Self::new(name, Surface::Mirror { reflectance })
+    }
+
+    /// A metal of this reflectance, and roughness in `[0, 1]`.
+    #[must_use]
+    pub fn metal(name: impl Into<String>, reflectance: [f64; 3], roughness: f64) -> Self {
+        let surface = Surface::Glossy { base_color: reflectance, metallic: 1.0, roughness, specular: 1.0, ior: 1.5 };
+        Self::new(name, surface)
+    }
+
+    /// A diffuse base under a coat of refractive index 1.5, with roughness in `[0, 1]`.
+    #[must_use]
+    pub fn plastic(name: impl Into<String>, albedo: [f64; 3], roughness: f64) -> Self {
+        let surface = Surface::Glossy { base_color: albedo, metallic: 0.0, roughness, specular: 1.0, ior: 1.5 };
+        Self::new(name, surface)
     }
 
     /// Clear glass inside a closed mesh.
@@ -114,6 +168,12 @@ impl MaterialDesc {
         Self { textures, ..self }
     }
 
+    /// The material with this [`Self::alpha_mode`] and [`Self::alpha`].
+    #[must_use]
+    pub fn with_alpha(self, alpha_mode: AlphaMode, alpha: f64) -> Self {
+        Self { alpha, alpha_mode, ..self }
+    }
+
     /// The material with this [`Self::priority`].
     #[must_use]
     pub fn with_priority(self, priority: u32) -> Self {
@@ -127,13 +187,16 @@ impl MaterialDesc {
     }
 
     /// Whether light passes unchanged: a refractive index of 1 without absorption, tint or
-    /// emission.
+    /// emission, or [`AlphaMode::Blend`] with an alpha of 0.
     #[must_use]
     pub fn is_invisible(&self) -> bool {
+        if self.alpha_mode == AlphaMode::Blend && self.alpha == 0.0 {
+            return true;
+        }
         let clear = match self.surface {
             Surface::Dielectric { ior, absorption, tint } => ior == 1.0 && absorption == [0.0; 3] && tint == [1.0; 3],
             Surface::Thin { ior, tint } => ior == 1.0 && tint == [1.0; 3],
-            Surface::Lambert { .. } | Surface::Mirror { .. } => false,
+            Surface::Lambert { .. } | Surface::Mirror { .. } | Surface::Glossy { .. } => false,
         };
         clear && !self.is_emissive() && self.textures.base_color.is_none()
     }

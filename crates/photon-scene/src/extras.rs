@@ -98,11 +98,22 @@ pub(crate) enum MaterialExtras {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         textures: Option<TexturesExtras>,
     },
+    Glossy {
+        albedo: Triple,
+        metallic: Exact,
+        roughness: Exact,
+        specular: Exact,
+        ior: Exact,
+        emission: Triple,
+        emits_both_sides: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        textures: Option<TexturesExtras>,
+    },
 }
 
 impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
-        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority, textures } = desc;
+        let MaterialDesc { surface, emission, emits_both_sides, priority, textures, .. } = desc;
         let textures = TexturesExtras::new(textures);
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
@@ -124,6 +135,16 @@ impl MaterialExtras {
             Surface::Thin { ior, tint } => {
                 Self::Thin { ior: Exact(ior), tint: exact(tint), emission, emits_both_sides, textures }
             }
+            Surface::Glossy { base_color, metallic, roughness, specular, ior } => Self::Glossy {
+                albedo: exact(base_color),
+                metallic: Exact(metallic),
+                roughness: Exact(roughness),
+                specular: Exact(specular),
+                ior: Exact(ior),
+                emission,
+                emits_both_sides,
+                textures,
+            },
         }
     }
 
@@ -132,7 +153,8 @@ impl MaterialExtras {
         let (Self::Lambert { textures, .. }
         | Self::Mirror { textures, .. }
         | Self::Glass { textures, .. }
-        | Self::Thin { textures, .. }) = &self;
+        | Self::Thin { textures, .. }
+        | Self::Glossy { textures, .. }) = &self;
         let textures = textures.as_ref().map_or(Some(found), |textures| textures.refine(found))?;
         // Priority applies only to solids.
         let priority = if let Self::Glass { priority, .. } = self { priority } else { 0 };
@@ -149,6 +171,16 @@ impl MaterialExtras {
             }
             Self::Thin { ior, tint, emission, emits_both_sides, .. } => {
                 (Surface::Thin { ior: ior.0, tint: plain(tint) }, emission, emits_both_sides)
+            }
+            Self::Glossy { albedo, metallic, roughness, specular, ior, emission, emits_both_sides, .. } => {
+                let surface = Surface::Glossy {
+                    base_color: plain(albedo),
+                    metallic: metallic.0,
+                    roughness: roughness.0,
+                    specular: specular.0,
+                    ior: ior.0,
+                };
+                (surface, emission, emits_both_sides)
             }
         };
         let emission = plain(emission);

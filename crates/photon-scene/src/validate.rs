@@ -3,7 +3,7 @@
 mod textures;
 
 use crate::builder::SceneBuilder;
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 use crate::error::SceneError;
 use crate::mesh::Mesh;
 use glam::DVec3;
@@ -59,8 +59,32 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
             refractive(ior)?;
             fractions("tint", tint)?;
         }
+        Surface::Glossy { base_color, metallic, roughness, specular, ior } => {
+            fractions("base_color", base_color)?;
+            for (name, share) in [("metallic", metallic), ("roughness", roughness), ("specular", specular)] {
+                require((0.0..=1.0).contains(&share), name, share, "it must lie between 0 and 1")?;
+            }
+            require(
+                (ior as f32).is_finite() && ior >= 0.0,
+                "ior",
+                ior,
+                "the refractive index of a coat must be finite and at least 0, such as 1.5",
+            )?;
+        }
     }
-    not_negative("emission", desc.emission)
+    not_negative("emission", desc.emission)?;
+    require((0.0..=1.0).contains(&desc.alpha), "alpha", desc.alpha, "it must lie between 0 and 1")?;
+    if let AlphaMode::Mask { cutoff } = desc.alpha_mode {
+        let fine = cutoff >= 0.0 && (cutoff as f32).is_finite();
+        require(fine, "the alpha cutoff", cutoff, "it must be a finite number, at least 0")?;
+    }
+    let is_solid = matches!(desc.surface, Surface::Dielectric { .. });
+    require(
+        !is_solid || desc.alpha_mode == AlphaMode::Opaque,
+        "the alpha mode",
+        desc.alpha_mode,
+        "the boundary of a solid must be closed; make it opaque, or a thin sheet",
+    )
 }
 
 fn refractive(ior: f64) -> Result<(), Fault> {

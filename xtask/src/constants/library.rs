@@ -1,8 +1,8 @@
 //! Numbers of algorithms in photon-core and photon-scene that have a twin in GLSL.
 
 use photon_core::{
-    Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, area, kd_tree, light_sampler, light_tree, neighbour_radius,
-    octahedral, offset, shading_normal, solid_angle,
+    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, area, ggx, glossy, kd_tree, light_sampler,
+    light_tree, neighbour_radius, octahedral, offset, shading_normal, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -85,6 +85,17 @@ pub(super) fn groups() -> Vec<Group> {
             vec![
                 ("SHADING_MAX_RATIO", shading_normal::MAX_RATIO.into()),
                 ("SHADING_MIN_COSINE", shading_normal::MIN_COSINE.into()),
+            ],
+        ),
+        ("ggx.", vec![("GGX_MIN_ALPHA", ggx::MIN_ALPHA.into())]),
+        ("AlbedoTable.", vec![("ALBEDO_TABLE_SIZE", (AlbedoTable::SIZE as u32).into())]),
+        (
+            "glossy.",
+            vec![
+                ("GLOSSY_MIN_SHARE", glossy::MIN_SHARE.into()),
+                ("GLOSSY_COAT_ROUGHNESS", Coat::STEPS[0].into()),
+                ("GLOSSY_COAT_F0", Coat::STEPS[1].into()),
+                ("GLOSSY_COAT_F90", Coat::STEPS[2].into()),
             ],
         ),
         (

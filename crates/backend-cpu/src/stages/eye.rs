@@ -1,16 +1,24 @@
 //! Camera paths, traced to the first diffuse surface.
+//!
+//! At glossy surfaces, a path leaves a query for the base, samples a light for the reflection, and goes on by it. Light
+//! that it then finds itself, and light that was sampled, are weighted by the balance heuristic (Veach 1997, section
+//! 9.2.2).
 
 use photon_core::glam::Vec3;
-use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
+use photon_core::light_sampler::light_of_triangle;
+use photon_core::random::{BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, Camera, EyeTracer, Features, FilmPixel, Layer, Lobe, Material, MediumStack, Pass, QUERIES_PER_PIXEL, Query,
-    RandomKind, Ray, Result, View, octahedral, shading_normal,
+    Bsdf, Camera, Coat, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind,
+    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, SurfaceInteraction, View, glossy, octahedral,
+    offset, shading_normal,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
+use crate::stages::light_sample;
+use crate::stages::light_sampler::LightSampler;
 
 /// Traces camera paths through mirrors and glass.
 ///
@@ -35,7 +43,11 @@ impl EyeTracer<Cpu> for CpuEye {
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
         let eye = Eye { scene, view, pass, max_bounces: self.max_bounces, max_splits };
-        let look = if scene.features.intersects(Features::SHADED) { Eye::look::<true> } else { Eye::look::<false> };
+        let look = match (scene.features.intersects(Features::SHADED), scene.present.contains(Features::ALPHA)) {
+            (_, true) => Eye::look::<true, true>,
+            (true, false) => Eye::look::<true, false>,
+            (false, false) => Eye::look::<false, false>,
+        };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
                 .par_chunks_mut(view.width as usize)
@@ -76,11 +88,29 @@ struct Path {
     splits: u32,
     /// Index of this path among the pixel's paths; part of the random-number key.
     branch: u32,
+    /// The glossy surface that it left last, if nothing specular lies between.
+    reflected: Reflection,
+}
+
+/// A reflection at a glossy surface, from where lights are sampled too.
+#[derive(Clone, Copy, Default)]
+struct Reflection {
+    /// Density per solid angle of the direction; 0 without such a surface.
+    pdf: f32,
+    position: Vec3,
+    /// Geometric normal on the side of the path.
+    normal: Vec3,
 }
 
 impl Eye<'_> {
-    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals.
-    fn look<const SHADED: bool>(&self, x: u32, y: u32, pixel: &mut FilmPixel, queries: &mut Vec<Query>) {
+    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha.
+    fn look<const SHADED: bool, const ALPHA: bool>(
+        &self,
+        x: u32,
+        y: u32,
+        pixel: &mut FilmPixel,
+        queries: &mut Vec<Query>,
+    ) {
         let number = y * self.view.width + x;
         let sampler = |branch: u32| {
             let key = number * QUERIES_PER_PIXEL + branch;
@@ -96,13 +126,14 @@ impl Eye<'_> {
             surfaces: 0,
             splits: 0,
             branch: 0,
+            reflected: Reflection::default(),
         };
         let mut waiting = [first; QUERIES_PER_PIXEL as usize];
         let mut count = 1;
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
-            while let Some(branch) = self.step::<SHADED>(&mut path, number, pixel, queries, &sampler) {
+            while let Some(branch) = self.step::<SHADED, ALPHA>(&mut path, number, pixel, queries, &sampler) {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
                     count += 1;
@@ -113,7 +144,7 @@ impl Eye<'_> {
 
     /// Traces the path to its next surface. Returns `None` when the path has ended, `Some(Some(other))` when it has
     /// split.
-    fn step<const SHADED: bool>(
+    fn step<const SHADED: bool, const ALPHA: bool>(
         &self,
         path: &mut Path,
         number: u32,
@@ -121,11 +152,16 @@ impl Eye<'_> {
         queries: &mut Vec<Query>,
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
-        let Some((mut surface, hit)) = self.scene.hit(&path.ray) else {
+        let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
+        let Some((mut surface, hit)) = self.scene.hit_with::<ALPHA>(&path.ray, layer).ok()? else {
             if let Some(environment) = &self.scene.environment {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
-                let radiance = environment.radiance(path.ray.direction);
+                let mut radiance = environment.radiance(path.ray.direction);
+                if SHADED && path.reflected.pdf > 0.0 {
+                    let light = self.scene.lights.iter().rposition(|light| light.kind == Light::ENVIRONMENT);
+                    radiance *= self.share(path, light, environment.pdf(path.ray.direction));
+                }
                 deposit(pixel, Layer::Emission, throughput.into(), radiance.to_array().map(f64::from));
             }
             return None;
@@ -135,7 +171,7 @@ impl Eye<'_> {
         let mut normal = surface.normal;
         if let Some(evaluated) = &evaluated {
             (material, normal) = (&evaluated.material, evaluated.normal);
-            if !material.is_diffuse() {
+            if material.is_specular() {
                 normal = shading_normal::bend(normal, -path.ray.direction);
                 surface = surface.with_cosine_to(normal, path.ray.direction);
             }
@@ -156,26 +192,39 @@ impl Eye<'_> {
             path.throughput * self.scene.radiance_scale(camera, interface.before)
         };
         if material.is_emissive() && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
-            deposit(pixel, Layer::Emission, seen().into(), material.emission.map(f64::from));
+            let mut throughput = seen();
+            if SHADED && path.reflected.pdf > 0.0 {
+                let light = light_of_triangle(&self.scene.lights, hit.primitive);
+                throughput *= self.share(path, light, self.pdf_of_light(path, light, surface.t));
+            }
+            deposit(pixel, Layer::Emission, throughput.into(), material.emission.map(f64::from));
+        }
+        let wo = -path.ray.direction;
+        let query = |throughput: Vec3, branch: u32, coat: Coat| Query {
+            // Moved off edges: beside an edge, rounding may put the point behind the adjacent wall, outside
+            // its shadow.
+            position: surface.start.into(),
+            radius: 1.0,
+            normal: surface.normal.into(),
+            pixel: number,
+            throughput: throughput.into(),
+            media: interface.before.bits(),
+            wo: octahedral::pack(wo),
+            path: number * QUERIES_PER_PIXEL + branch,
+            shading_normal: if SHADED { octahedral::pack(normal) } else { 0 },
+            coat: coat.bits(),
+        };
+        if SHADED && material.kind() == MaterialKind::Glossy {
+            let glossy = Glossy::new(material, surface.cosine);
+            let at = GlossyPoint { surface: &surface, normal, media: interface.before, glossy: &glossy };
+            self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
+            return self.reflect(path, &at, seen(), queries, query, sampler);
         }
         let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
         if material.is_diffuse() {
             let throughput = bsdf.diffuse_throughput(seen());
             if throughput != Vec3::ZERO {
-                queries.push(Query {
-                    // Moved off edges: beside an edge, rounding may put the point behind the adjacent wall, outside
-                    // its shadow.
-                    position: surface.start.into(),
-                    radius: 1.0,
-                    normal: surface.normal.into(),
-                    pixel: number,
-                    throughput: throughput.into(),
-                    media: interface.before.bits(),
-                    wo: octahedral::pack(-path.ray.direction),
-                    path: number * QUERIES_PER_PIXEL + path.branch,
-                    shading_normal: if SHADED { octahedral::pack(normal) } else { 0 },
-                    reserved: 0,
-                });
+                queries.push(query(throughput, path.branch, Coat::default()));
             }
             return None;
         }
@@ -193,6 +242,7 @@ impl Eye<'_> {
                 ray: surface.spawn(lobe, direction),
                 throughput: path.throughput * bsdf.weight(lobe),
                 media,
+                reflected: Reflection::default(),
                 ..*path
             }
         };
@@ -218,6 +268,116 @@ impl Eye<'_> {
         *path = go_on(lobe);
         Some(None)
     }
+}
+
+impl Eye<'_> {
+    /// Adds the light that a shadow ray from a glossy surface finds, as its reflection shows it. `seen` is the factor from
+    /// radiance that leaves the surface to its contribution at the camera.
+    fn light_reflection<const ALPHA: bool>(
+        &self,
+        path: &Path,
+        at: &GlossyPoint<'_>,
+        seen: Vec3,
+        pixel: &mut FilmPixel,
+        sampler: &impl Fn(u32) -> Sampler,
+    ) {
+        let (scene, surface) = (self.scene, at.surface);
+        if scene.lights.is_empty() {
+            return;
+        }
+        let [choice, u, v, low] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
+        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick([choice, low]);
+        let from = offset::off_surface(surface.start, surface.normal);
+        let Some(sampled) = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v) else { return };
+        let direction = sampled.ray.direction;
+        let reflected = at.glossy.evaluate(-path.ray.direction, direction, at.normal);
+        let limited = glossy::limited(direction, surface.normal, at.normal);
+        let value = sampled.times(limited) * reflected.value;
+        // NaN counts as no light.
+        if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || low) {
+            return;
+        }
+        let share = share as f32;
+        let weight = balance(sampled.pdf * share, reflected.pdf);
+        let value = value * scene.attenuation(at.media, sampled.ray.t_max) * (weight / share);
+        deposit(pixel, Layer::Emission, seen.into(), value.to_array().map(f64::from));
+    }
+
+    /// Leaves a query for the base of a glossy surface, and continues the path by its reflection; or, where the path has
+    /// split as often as it may, one of the two.
+    fn reflect(
+        &self,
+        path: &mut Path,
+        at: &GlossyPoint<'_>,
+        seen: Vec3,
+        queries: &mut Vec<Query>,
+        query: impl Fn(Vec3, u32, Coat) -> Query,
+        sampler: &impl Fn(u32) -> Sampler,
+    ) -> Option<Option<Path>> {
+        let (glossy, surface, first) = (at.glossy, at.surface, at.glossy.specular_probability());
+        let [choice, u, v, _] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);
+        let splits = first > 0.0 && first < 1.0 && path.splits < self.max_splits;
+        let reflects = splits || unit_f32(choice) < first;
+        if splits || !reflects {
+            let share = if splits { 1.0 } else { 1.0 - first };
+            let throughput = glossy.diffuse() * seen * (std::f32::consts::FRAC_1_PI / share);
+            if throughput != Vec3::ZERO {
+                queries.push(query(throughput, path.branch, glossy.coat()));
+            }
+        }
+        path.surfaces += 1;
+        if !reflects || path.surfaces >= self.max_bounces {
+            return None;
+        }
+        let (direction, reflected) = glossy.sample(-path.ray.direction, at.normal, unit_f32(u), unit_f32(v));
+        let share = if splits { 1.0 } else { first };
+        let weight = reflected.weight(glossy::limited(direction, surface.normal, at.normal) / share);
+        path.throughput *= weight;
+        if path.throughput == Vec3::ZERO {
+            return None;
+        }
+        if splits {
+            path.branch |= 1 << path.splits;
+            path.splits += 1;
+        }
+        path.reflected = Reflection { pdf: reflected.pdf, position: surface.start, normal: surface.normal };
+        path.media = at.media;
+        path.ray = surface.spawn(Lobe::SpecularReflection, direction);
+        Some(None)
+    }
+
+    /// The weight of light that a reflected path has found itself: `pdf` is the density with which a shadow ray samples
+    /// its direction once it has chosen `light`.
+    fn share(&self, path: &Path, light: Option<usize>, pdf: f32) -> f32 {
+        let Some(light) = light else { return 1.0 };
+        let Reflection { position, normal, pdf: reflected } = path.reflected;
+        let chosen = LightSampler::at(self.scene, position, normal).probability(light) as f32;
+        balance(reflected, pdf * chosen)
+    }
+
+    /// The density with which a shadow ray samples the direction of a reflected path that hits the triangle of `light`.
+    fn pdf_of_light(&self, path: &Path, light: Option<usize>, distance: f32) -> f32 {
+        let Some(light) = light else { return 0.0 };
+        let from = offset::off_surface(path.reflected.position, path.reflected.normal);
+        let light = &self.scene.lights[light];
+        light_sample::pdf_of_triangle(self.scene, light, from, path.ray.direction, distance)
+    }
+}
+
+/// A glossy surface where a camera path arrives.
+struct GlossyPoint<'a> {
+    surface: &'a SurfaceInteraction,
+    /// Shading normal.
+    normal: Vec3,
+    /// The media in front of it.
+    media: MediumStack,
+    glossy: &'a Glossy,
+}
+
+/// The weight of a sample of density `mine` where another technique has density `other` (Veach 1997, equation 9.8). 1 for
+/// a light without extent, whose density of 0 stands for one that the other technique cannot reach.
+fn balance(mine: f32, other: f32) -> f32 {
+    if mine > 0.0 { mine / (mine + other) } else { 1.0 }
 }
 
 /// The ray through a point of the image; both coordinates are in `[-1, 1]`.

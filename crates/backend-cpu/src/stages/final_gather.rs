@@ -3,8 +3,9 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Layer, Lobe, MapKind, Maps, MediumStack, Pass,
-    PerMap, PhotonFormat, Query, RandomKind, Result, octahedral, offset, sampling, shading_normal,
+    Bsdf, Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Glossy, Layer, Lobe, MapKind, Maps,
+    MaterialKind, MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, glossy, octahedral, offset,
+    sampling, shading_normal,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -35,7 +36,11 @@ impl FinalGather<Cpu> for CpuGather {
             gather.validate_for(map.photon_format())?;
         }
         let max_bounces = self.max_bounces;
-        let follow = if scene.present.intersects(Features::SHADED) { follow::<true> } else { follow::<false> };
+        let follow = match (scene.present.intersects(Features::SHADED), scene.present.contains(Features::ALPHA)) {
+            (_, true) => follow::<true, true>,
+            (true, false) => follow::<true, false>,
+            (false, false) => follow::<false, false>,
+        };
         on.pool.install(|| {
             film.for_queries(queries.as_slice(), PerMap::<Neighbours>::default, |scratch, _, query, pixel, errors| {
                 let key = query.path;
@@ -112,8 +117,8 @@ impl Found {
 
 /// The contribution of one ray to the irradiance: π times the incoming radiance, since directions are sampled with
 /// density cos θ/π. Light that arrives straight from a light source, or from one through mirrors and glass only, is
-/// not counted here. `SHADED`: surfaces have textures or shading normals.
-fn follow<const SHADED: bool>(
+/// not counted here. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha.
+fn follow<const SHADED: bool, const ALPHA: bool>(
     scene: &CpuScene,
     maps: &Maps<'_, Cpu>,
     query: &Query,
@@ -145,28 +150,52 @@ fn follow<const SHADED: bool>(
         }
         throughput *= ratio.min(1.0);
     }
+    if SHADED && query.coat != 0 {
+        throughput *= Coat::from_bits(query.coat).entering(ray.direction.dot(axis));
+    }
     let start = MediumStack::from_bits(query.media);
     let mut media = start;
     for bounce in 1..=max_bounces {
-        let Some((mut surface, hit)) = scene.hit(&ray) else { break };
+        let Ok(Some((mut surface, hit))) = scene.hit_with::<ALPHA>(&ray, || sampler.words(block + bounce)[3]) else {
+            break;
+        };
         let mut material = &scene.materials[surface.material as usize];
         let evaluated = if SHADED { Some(scene.shade(&surface, &hit)) } else { None };
         let mut normal = surface.normal;
         if let Some(evaluated) = &evaluated {
             (material, normal) = (&evaluated.material, evaluated.normal);
-            if !material.is_diffuse() {
+            if material.is_specular() {
                 normal = shading_normal::bend(normal, -ray.direction);
                 surface = surface.with_cosine_to(normal, ray.direction);
             }
         }
         let interface = scene.interface(&surface, media);
         throughput *= scene.attenuation(interface.before, surface.t);
+        let mut base = Vec3::ZERO;
         let bsdf = Bsdf::new(scene.features, material, surface.cosine, &interface);
-        let lobe = match bsdf.split() {
-            None => bsdf.choose(0.0),
-            Some(_) => {
-                let [choice, ..] = sampler.words(block + bounce);
-                bsdf.choose(unit_f32(choice))
+        let lobe = if SHADED && material.kind() == MaterialKind::Glossy {
+            let glossy = Glossy::new(material, surface.cosine);
+            let [choice, u, v, _] = sampler.words(block + bounce);
+            let first = glossy.specular_probability();
+            if unit_f32(choice) < first {
+                let (direction, reflected) = glossy.sample(-ray.direction, normal, unit_f32(u), unit_f32(v));
+                throughput *= reflected.weight(glossy::limited(direction, surface.normal, normal) / first);
+                if throughput == Vec3::ZERO {
+                    break;
+                }
+                ray = surface.spawn(Lobe::SpecularReflection, direction);
+                continue;
+            }
+            base = glossy.diffuse() / (1.0 - first);
+            Lobe::Diffuse
+        } else {
+            base = if SHADED { material.albedo.into() } else { base };
+            match bsdf.split() {
+                None => bsdf.choose(0.0),
+                Some(_) => {
+                    let [choice, ..] = sampler.words(block + bounce);
+                    bsdf.choose(unit_f32(choice))
+                }
             }
         };
         match lobe {
@@ -182,7 +211,8 @@ fn follow<const SHADED: bool>(
                 }
             }
             Lobe::Diffuse => {
-                let throughput = throughput * scene.radiance_scale(start, interface.before) * bsdf.weight(lobe);
+                let albedo = if SHADED { base } else { bsdf.weight(lobe) };
+                let throughput = throughput * scene.radiance_scale(start, interface.before) * albedo;
                 let mut found = Found::default();
                 let at = |gather: &EstimateParams| VisiblePoint {
                     position: surface.point.into(),

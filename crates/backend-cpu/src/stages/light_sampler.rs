@@ -38,7 +38,6 @@ impl<'a> LightSampler<'a> {
     }
 
     /// The probability with which a light is picked.
-    #[cfg_attr(not(test), expect(dead_code, reason = "read by multiple importance sampling"))]
     pub(crate) fn probability(&self, index: usize) -> f64 {
         match self.tree {
             Some((tree, position, normal)) => tree.probability(self.light_cdf, position, normal, index),

@@ -8,5 +8,6 @@ pub(crate) mod estimate;
 pub(crate) mod eye;
 pub(crate) mod final_gather;
 pub(crate) mod irradiance;
+pub(crate) mod light_sample;
 pub(crate) mod light_sampler;
 pub(crate) mod trace;

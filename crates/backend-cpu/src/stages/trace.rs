@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
-    PhotonFormat, PhotonRay, Ray, Requirements, Result, Scheduling, Settings, Tally, Tracer, octahedral,
-    shading_normal,
+    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Lobe, MapKind, MaterialKind, MediaFeatures, MediumStack,
+    PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, Scheduling, Settings, SkipLimit, Tally, Tracer,
+    glossy, octahedral, sampling, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -140,8 +140,8 @@ const AIMED: u32 = 1 << 31;
 /// Flag beside the bits of the lobes: solids are nested or overlap.
 const NESTED: u32 = 1 << 30;
 
-/// Selects the kernel compiled for these lobes. Nested solids, and surfaces with textures or shading normals, have one
-/// kernel each with all lobes.
+/// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those with
+/// alpha have one kernel each with all lobes.
 fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     const D: Features = Features::DIFFUSE;
     const M: Features = D.union(Features::MIRROR);
@@ -151,8 +151,12 @@ fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     let mirrors = features.intersects(Features::MIRROR);
     let absorbs = features.intersects(Features::ABSORPTION);
     let lobes = (features.intersects(GLASS), absorbs, mirrors);
+    const SHADED: u32 = ALL | NESTED | Features::SHADED.bits();
+    if features.contains(Features::ALPHA) {
+        const ALPHA: u32 = SHADED | Features::ALPHA.bits();
+        return if aimed { follow::<{ ALPHA | AIMED }> } else { follow::<ALPHA> };
+    }
     if features.intersects(Features::SHADED) {
-        const SHADED: u32 = ALL | NESTED | Features::SHADED.bits();
         return if aimed { follow::<{ SHADED | AIMED }> } else { follow::<SHADED> };
     }
     if nested && lobes.0 {
@@ -203,13 +207,24 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         if !sane || power.is_nan() {
             return tally.end(Fate::Dropped, flux);
         }
-        let Some((mut surface, hit)) = scene.hit(&ray) else {
-            return tally.end(Fate::Escaped, flux);
+        let block = BLOCK_SURFACES + bounce;
+        let found = if features.contains(Features::ALPHA) {
+            // A copy, since a sequence must not advance twice.
+            let mut layer = sampler;
+            scene.hit_with::<true>(&ray, || layer.words(block)[3])
+        } else {
+            scene.hit_with::<false>(&ray, || 0)
+        };
+        let (mut surface, hit) = match found {
+            Ok(Some(found)) => found,
+            Ok(None) => return tally.end(Fate::Escaped, flux),
+            Err(SkipLimit) => return tally.end(Fate::Truncated, flux),
         };
         tally.surfaces += 1;
         let mut material = &scene.materials[surface.material as usize];
         // Where no texture is black, photons are stored, so that estimates beside black texels have all of theirs.
         let stores = material.albedo != [0.0; 3];
+        let is_base = material.is_diffuse();
         let (evaluated, mut normal) = if shaded {
             let found = scene.shade(&surface, &hit);
             (Some(found.material), found.normal)
@@ -218,7 +233,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         };
         if let Some(evaluated) = &evaluated {
             material = evaluated;
-            if !material.is_diffuse() {
+            if material.is_specular() {
                 normal = shading_normal::bend(normal, -ray.direction);
                 surface = surface.with_cosine_to(normal, ray.direction);
             }
@@ -233,26 +248,53 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             power *= scene.transmittance(interface.before, surface.t);
             carry(power, &mut flux, tally);
         }
-        let [choice, u, v, _] = sampler.words(BLOCK_SURFACES + bounce);
+        let [choice, u, v, _] = sampler.words(block);
         let (choice, u, v) = (unit_f32(choice), unit_f32(u), unit_f32(v));
+        // Aimed paths store no photon at the first surface: light straight from a light source is not theirs to count.
+        let mut store = |power: Vec3, tally: &mut Tally| {
+            if stores && !(aimed && bounce == 0) {
+                let kind = MapKind::of_path(specular_only, bounce);
+                if walk.wanted[kind] {
+                    tally.stored[kind] += 1;
+                    // Where a surface is there for a share of the photons, each stands for those that passed.
+                    let arriving =
+                        if features.contains(Features::ALPHA) { power / scene.coverage(&hit) } else { power };
+                    output.photons[kind].push(Photon {
+                        position: surface.point.into(),
+                        normal: octahedral::pack(surface.normal),
+                        power: arriving.into(),
+                        direction: octahedral::pack(-ray.direction),
+                    });
+                }
+            }
+        };
+        if features.contains(Features::GLOSSY) && material.kind() == MaterialKind::Glossy {
+            let glossy = Glossy::new(material, surface.cosine);
+            if is_base {
+                store(power * glossy.coat().entering(surface.cosine), tally);
+            }
+            let first = glossy.specular_probability();
+            let specular = choice < first;
+            if !specular {
+                if aimed {
+                    return tally.end(Fate::Terminated, flux);
+                }
+                specular_only = false;
+            }
+            let (onward, weight) = glossy_scattered(&glossy, specular, ray.direction, surface.normal, normal, (u, v));
+            let Some(next) = russian_roulette(power, weight, glossy::rest_of(choice, first), true) else {
+                return tally.end(Fate::Absorbed, flux);
+            };
+            power = next;
+            ray = surface.spawn(Lobe::SpecularReflection, onward);
+            carry(power, &mut flux, tally);
+            continue;
+        }
         let bsdf = Bsdf::new(features, material, surface.cosine, &interface);
         let lobe = bsdf.choose(choice);
         match lobe {
             Lobe::Diffuse => {
-                // Aimed paths store no photon at the first surface: light straight from a light source is not
-                // theirs to count.
-                if stores && !(aimed && bounce == 0) {
-                    let kind = MapKind::of_path(specular_only, bounce);
-                    if walk.wanted[kind] {
-                        tally.stored[kind] += 1;
-                        output.photons[kind].push(Photon {
-                            position: surface.point.into(),
-                            normal: octahedral::pack(surface.normal),
-                            power: power.into(),
-                            direction: octahedral::pack(-ray.direction),
-                        });
-                    }
-                }
+                store(power, tally);
                 if aimed {
                     return tally.end(Fate::Terminated, flux);
                 }
@@ -307,6 +349,30 @@ fn scattered(
         }
     };
     (outgoing, shading_normal::photon_factor(lobe, incoming, outgoing, geometric, shading))
+}
+
+/// The direction in which a photon leaves a glossy surface by its reflection, if `specular`, or by its base, and the
+/// weight, over the probability of that choice.
+#[inline]
+fn glossy_scattered(
+    glossy: &Glossy,
+    specular: bool,
+    incoming: Vec3,
+    geometric: Vec3,
+    shading: Vec3,
+    (u, v): (f32, f32),
+) -> (Vec3, Vec3) {
+    let first = glossy.specular_probability();
+    if specular {
+        let (onward, found) = glossy.sample(-incoming, shading, u, v);
+        let above = onward.dot(geometric) > 0.0 && incoming.dot(geometric) < 0.0;
+        let factor =
+            shading_normal::photon_factor(Lobe::SpecularReflection, incoming, onward, geometric, shading) / first;
+        return (onward, found.weight(if above { factor } else { 0.0 }));
+    }
+    let onward = sampling::cosine_hemisphere(geometric, u, v);
+    let factor = shading_normal::photon_factor(Lobe::Diffuse, incoming, onward, geometric, shading);
+    (onward, glossy.diffuse() * (glossy.coat().entering(onward.dot(shading)) * factor / (1.0 - first)))
 }
 
 /// Russian roulette (Arvo and Kirk 1990). A surviving photon keeps the power of its brightest channel, or, with

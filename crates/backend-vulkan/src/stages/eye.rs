@@ -9,6 +9,7 @@ use crate::film::VulkanFilm;
 use crate::scan::Scan;
 use crate::scene::VulkanScene;
 use crate::shaders;
+use crate::stages::direct::weighed;
 use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
@@ -94,7 +95,7 @@ pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offset
 
 specialized!(
     eye_constants: EyeConstants => STAGES_EYE,
-    0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures;
+    0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures, 6 weighed: u32;
     default shared_groups
 );
 
@@ -134,7 +135,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        let lit = features.intersects(Features::AREA_LIGHTS.union(Features::ENVIRONMENT));
+        let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::GLOSSY);
+        let lit = features.intersects(emits);
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as possible.
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
@@ -144,6 +146,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
             paths_log2: SPLITS,
             tile_rows_log2: tile_rows,
             media: scene.media(),
+            weighed: if features.contains(Features::GLOSSY) { weighed(scene) } else { 0 },
         };
         let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);

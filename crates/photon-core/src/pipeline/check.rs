@@ -3,9 +3,11 @@
 use crate::error::{Error, Result};
 use crate::requirements::features::Features;
 use crate::scene::SceneView;
+use crate::scene::material::MaterialKind;
 use crate::settings::{Indirect, Settings};
 
-/// At least one light has to emit power, and at least one surface has to store photons.
+/// At least one light has to emit power, and at least one surface has to scatter light towards the camera that is not
+/// a mirror image: to store photons, or to reflect light that shadow rays find.
 pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
     let lit = scene.lights.iter().any(|light| light.power.iter().any(|&p| p > 0.0));
     if !lit {
@@ -13,7 +15,8 @@ pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
     }
     let keeps = scene.primitives.iter().any(|primitive| {
         let material = &scene.materials[primitive.material as usize];
-        material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0)
+        let scatters = material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0);
+        scatters || material.kind() == MaterialKind::Glossy
     });
     if keeps { Ok(()) } else { Err(Error::NoReceiver) }
 }

@@ -26,7 +26,7 @@ pub(super) fn of(scene: &SceneView<'_>, most: usize) -> Vec<Sphere> {
     let specular = || {
         let primitives = scene.primitives.iter().zip(scene.triangles);
         primitives
-            .filter(|(primitive, _)| !scene.materials[primitive.material as usize].is_diffuse())
+            .filter(|(primitive, _)| scene.materials[primitive.material as usize].is_specular())
             .map(|(_, triangle)| triangle)
     };
     let count = specular().count();

@@ -37,10 +37,14 @@ bitflags! {
         const NORMAL_MAPS = 1 << 11;
         /// Vertex colours.
         const VERTEX_COLORS = 1 << 12;
-        /// Area lights whose emission is textured.
+        /// Area lights whose emission varies over their surface: by a texture, or by alpha.
         const TEXTURED_LIGHTS = 1 << 13;
         /// An environment map.
         const ENVIRONMENT = 1 << 14;
+        /// Glossy reflection: rough metals and coats.
+        const GLOSSY = 1 << 15;
+        /// Surfaces that are only partly there: alpha coverage.
+        const ALPHA = 1 << 17;
         /// More lights than shadow rays weigh one by one: [`crate::light_tree`].
         const LIGHT_TREE = 1 << 18;
     }
@@ -51,11 +55,14 @@ impl Features {
     pub const NONE: Self = Self::empty();
     /// All features.
     pub const ALL: Self = Self::all();
-    /// All that shading reads vertex attributes or textures for.
-    pub const SHADED: Self =
-        Self::TEXTURES.union(Self::SHADING_NORMALS).union(Self::NORMAL_MAPS).union(Self::VERTEX_COLORS);
+    /// All that shading reads tables for: vertex attributes, textures, and the albedos of glossy surfaces.
+    pub const SHADED: Self = Self::TEXTURES
+        .union(Self::SHADING_NORMALS)
+        .union(Self::NORMAL_MAPS)
+        .union(Self::VERTEX_COLORS)
+        .union(Self::GLOSSY);
     /// All lobes that are not diffuse.
-    pub const SPECULAR: Self = Self::MIRROR.union(Self::DIELECTRIC).union(Self::THIN);
+    pub const SPECULAR: Self = Self::MIRROR.union(Self::DIELECTRIC).union(Self::THIN).union(Self::GLOSSY);
 
     /// Of each flag, in the order of the bits.
     const NAMES: [&'static str; Self::FLAGS.len()] = [
@@ -74,13 +81,16 @@ impl Features {
         "vertex-colors",
         "textured-lights",
         "environment",
+        "glossy",
+        "alpha",
         "light-tree",
     ];
 
-    /// Whether camera paths may split in two: at glass, which reflects and transmits.
+    /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a
+    /// query for the base is one branch, and the reflection the other.
     #[must_use]
     pub const fn splits_camera_paths(self) -> bool {
-        self.intersects(Self::DIELECTRIC.union(Self::THIN))
+        self.intersects(Self::DIELECTRIC.union(Self::THIN).union(Self::GLOSSY))
     }
 
     /// The features that are not in `other`.

@@ -148,12 +148,15 @@ pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features
         MaterialKind::Lambert => Features::DIFFUSE,
         MaterialKind::Mirror => Features::MIRROR,
         MaterialKind::Thin => Features::THIN,
+        MaterialKind::Glossy if material.is_diffuse() => Features::GLOSSY.union(Features::DIFFUSE),
+        MaterialKind::Glossy => Features::GLOSSY,
         MaterialKind::Dielectric => {
             let absorbs = scene.media.get(material.medium as usize).is_some_and(|medium| medium.absorption != [0.0; 3]);
             if absorbs { Features::DIELECTRIC.union(Features::ABSORPTION) } else { Features::DIELECTRIC }
         }
     };
-    lobes.union(shading_features(material, &scene.shading))
+    let shading = shading_features(material, &scene.shading);
+    lobes.union(shading).union(if material.has_alpha() { alpha_features(material) } else { Features::NONE })
 }
 
 /// The features that the vertex attributes and textures of a material need.
@@ -165,9 +168,17 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
     let Some(textures) = index.and_then(|index| tables.material_textures.get(index)) else { return attributes };
     let used = |index: u32| index != MaterialTextures::NONE;
     attributes
-        .union(when(used(textures.base_color) || used(textures.emission), Features::TEXTURES))
+        .union(when(
+            used(textures.base_color) || used(textures.emission) || used(textures.metallic_roughness),
+            Features::TEXTURES,
+        ))
         .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
         .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))
+}
+
+/// The features that a material with alpha needs.
+fn alpha_features(material: &Material) -> Features {
+    if material.is_emissive() { Features::ALPHA.union(Features::TEXTURED_LIGHTS) } else { Features::ALPHA }
 }
 
 /// The features that a light needs.
@@ -189,7 +200,7 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
     let mut low = [f32::INFINITY; 3];
     let mut high = [f32::NEG_INFINITY; 3];
     for (triangle, primitive) in scene.triangles.iter().zip(scene.primitives) {
-        if scene.materials.get(primitive.material as usize).is_none_or(Material::is_diffuse) {
+        if !scene.materials.get(primitive.material as usize).is_some_and(Material::is_specular) {
             continue;
         }
         for p in triangle.iter().filter_map(|&vertex| scene.positions.get(vertex as usize)) {

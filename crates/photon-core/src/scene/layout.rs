@@ -80,8 +80,9 @@ pub struct Query {
     /// Unit shading normal on the visible side, packed by [`crate::octahedral::pack`]; read only in scenes with
     /// [`crate::Features::SHADING_NORMALS`].
     pub shading_normal: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// The coat over the base of a glossy surface: bits of a [`crate::Coat`], which reduces the light that reaches the
+    /// base; 0 without one.
+    pub coat: u32,
 }
 
 /// Result of a density estimate for one query.

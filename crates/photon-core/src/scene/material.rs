@@ -27,11 +27,14 @@ pub enum MaterialKind {
     Dielectric = 2,
     /// A smooth sheet without thickness: reflects, or transmits without changing the direction.
     Thin = 3,
+    /// GGX reflection: a rough metal, or a diffuse base under a rough dielectric coat, or a mixture of both: the
+    /// metallic-roughness model of glTF 2.0. Camera paths go on by the reflection, and photons are stored for the base.
+    Glossy = 4,
 }
 
 impl MaterialKind {
     /// All kinds, ordered by number.
-    pub const ALL: [Self; 4] = [Self::Lambert, Self::Mirror, Self::Dielectric, Self::Thin];
+    pub const ALL: [Self; 5] = [Self::Lambert, Self::Mirror, Self::Dielectric, Self::Thin, Self::Glossy];
 
     /// The kind with this number; `None` if there is none.
     #[inline]
@@ -42,6 +45,7 @@ impl MaterialKind {
             1 => Some(Self::Mirror),
             2 => Some(Self::Dielectric),
             3 => Some(Self::Thin),
+            4 => Some(Self::Glossy),
             _ => None,
         }
     }
@@ -51,7 +55,7 @@ impl MaterialKind {
     #[must_use]
     pub const fn transmits(self) -> bool {
         match self {
-            Self::Lambert | Self::Mirror => false,
+            Self::Lambert | Self::Mirror | Self::Glossy => false,
             Self::Dielectric | Self::Thin => true,
         }
     }
@@ -61,29 +65,44 @@ impl MaterialKind {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Material {
-    /// Lambert: albedo. Mirror: reflectance. Dielectric: tint of transmitted light. In `[0, 1]`, linear
-    /// RGB.
+    /// Lambert: albedo. Mirror: reflectance. Dielectric: tint of transmitted light. Glossy: base colour, the albedo of
+    /// the base and the reflectance of the metal. In `[0, 1]`, linear RGB.
     pub albedo: [f32; 3],
     /// Number of a [`MaterialKind`]; see [`Material::kind`].
     pub kind: u32,
     /// Emitted radiance, linear RGB, in units of total power per steradian and squared normalised
     /// length; from the front only unless [`Material::EMITS_BOTH_SIDES`].
     pub emission: [f32; 3],
-    /// Bits: [`Material::EMITS_BOTH_SIDES`].
+    /// Bits: [`Material::EMITS_BOTH_SIDES`], [`Material::ALPHA`].
     pub flags: u32,
     /// Dielectric: index of the solid's medium in the scene's table, ≥ 1. Otherwise 0.
     pub medium: u32,
-    /// Refractive index of a dielectric or a thin sheet relative to vacuum, > 0; 1 otherwise.
+    /// Refractive index of a dielectric or a thin sheet relative to vacuum, > 0; that of a glossy coat, ≥ 0, where 0
+    /// stands for a coat that reflects everything. 1 otherwise.
     pub ior: f32,
     /// Textures that multiply the colours: 1 + index into [`crate::ShadingTables::material_textures`]; 0 without any.
     pub textures: u32,
-    /// Zero.
-    pub reserved: [u32; 5],
+    /// Glossy: the share of metal, in `[0, 1]`; the rest has a base under a dielectric coat. Otherwise 0.
+    pub metallic: f32,
+    /// Glossy: roughness, in `[0, 1]`; the width of the distribution is its square, but at least
+    /// [`crate::ggx::MIN_ALPHA`]. Otherwise 0.
+    pub roughness: f32,
+    /// Glossy: factor on the reflection of the coat, in `[0, 1]`; 0 leaves a Lambertian base. Otherwise 0.
+    pub specular: f32,
+    /// With [`Material::ALPHA`]: factor on the alpha of the surface, in `[0, 1]`.
+    pub alpha: f32,
+    /// With [`Material::ALPHA`]: the surface is there where alpha is at least this, if it is above 0. If it is 0, the
+    /// surface is there with a probability of alpha. Finite, ≥ 0.
+    pub alpha_cutoff: f32,
 }
 
 impl Material {
     /// Flag: the back emits too.
     pub const EMITS_BOTH_SIDES: u32 = 1;
+    /// Flag: the surface is only partly there (alpha coverage). Its alpha is [`Material::alpha`] times that of the
+    /// texture [`crate::MaterialTextures::alpha`] times that of the vertex colours. Not for dielectrics, whose boundaries
+    /// must be closed. Emitted light is covered likewise; [`crate::Light::power`] does not include alpha.
+    pub const ALPHA: u32 = 1 << 1;
 
     /// The type of scattering. [`crate::SceneView::validate`] refuses unknown numbers; here they count as
     /// Lambert.
@@ -96,14 +115,33 @@ impl Material {
         }
     }
 
-    /// Whether camera paths end and photons are stored here; black surfaces store none.
+    /// Whether photons can be stored here: whether some of the scattering is diffuse. Black surfaces store none all the
+    /// same. Textures may make a glossy surface less metallic than its factor says.
     #[inline]
     #[must_use]
-    pub const fn is_diffuse(&self) -> bool {
+    pub fn is_diffuse(&self) -> bool {
         match self.kind() {
             MaterialKind::Lambert => true,
             MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin => false,
+            MaterialKind::Glossy => self.metallic < 1.0 || self.textures != 0,
         }
+    }
+
+    /// Whether camera paths go on here: whether some of the scattering is specular or glossy.
+    #[inline]
+    #[must_use]
+    pub const fn is_specular(&self) -> bool {
+        match self.kind() {
+            MaterialKind::Lambert => false,
+            MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin | MaterialKind::Glossy => true,
+        }
+    }
+
+    /// Whether the surface may be only partly there: [`Material::ALPHA`].
+    #[inline]
+    #[must_use]
+    pub const fn has_alpha(&self) -> bool {
+        self.flags & Self::ALPHA != 0
     }
 
     /// Whether it emits light.

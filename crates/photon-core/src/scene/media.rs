@@ -163,7 +163,7 @@ pub fn interface(
     nested: bool,
 ) -> Interface {
     match material.kind() {
-        MaterialKind::Lambert | MaterialKind::Mirror => around(1.0, media_here),
+        MaterialKind::Lambert | MaterialKind::Mirror | MaterialKind::Glossy => around(1.0, media_here),
         MaterialKind::Thin => around(material.ior, media_here),
         MaterialKind::Dielectric if nested => {
             let before = if front || media_here.contains(material.medium) {

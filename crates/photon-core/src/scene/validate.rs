@@ -147,11 +147,25 @@ fn check_material(material: &Material, media: &[Medium]) -> Check {
         format!("its albedo {:?} must lie between 0 and 1", material.albedo)
     })?;
     not_negative("emission", &material.emission)?;
+    let (alpha, cutoff) = (material.alpha, material.alpha_cutoff);
+    require((0.0..=1.0).contains(&alpha), || format!("its alpha {alpha} must lie between 0 and 1"))?;
+    not_negative("alpha_cutoff", &[cutoff])?;
+    require(!(material.has_alpha() && kind == MaterialKind::Dielectric), || {
+        "it has Material::ALPHA, but the boundary of a solid must be closed; use MaterialKind::Thin".to_owned()
+    })?;
     let ior = material.ior;
     let refracts = || require(ior.is_normal() && ior > 0.0, || format!("its ior {ior} must be finite and above 0"));
     match kind {
         MaterialKind::Lambert | MaterialKind::Mirror => Ok(()),
         MaterialKind::Thin => refracts(),
+        MaterialKind::Glossy => {
+            for (name, value) in
+                [("metallic", material.metallic), ("roughness", material.roughness), ("specular", material.specular)]
+            {
+                require((0.0..=1.0).contains(&value), || format!("its {name} {value} must lie between 0 and 1"))?;
+            }
+            require(ior.is_finite() && ior >= 0.0, || format!("its ior {ior} must be finite and at least 0"))
+        }
         MaterialKind::Dielectric => {
             refracts()?;
             let inside = material.medium;

@@ -19,7 +19,7 @@ use crate::scene::media::Interface;
 pub enum Lobe {
     /// Lambertian reflection. Camera paths end here, and photons are stored unless the surface is black.
     Diffuse,
-    /// Reflection in the mirror direction only.
+    /// Reflection in the mirror direction; at glossy surfaces also about it, by [`crate::Glossy`].
     SpecularReflection,
     /// Transmission in the refracted direction only.
     SpecularTransmission,
@@ -51,7 +51,8 @@ impl Bsdf {
             is_active: interface.is_active,
         };
         match material.kind() {
-            MaterialKind::Lambert => {}
+            // Glossy surfaces are `Glossy`'s: what is left of them here is Lambertian.
+            MaterialKind::Lambert | MaterialKind::Glossy => {}
             MaterialKind::Mirror => {
                 if features.contains(Features::MIRROR) {
                     bsdf.kind = MaterialKind::Mirror;
@@ -88,7 +89,7 @@ impl Bsdf {
     #[must_use]
     pub fn choose(&self, u: f32) -> Lobe {
         match self.kind {
-            MaterialKind::Lambert => Lobe::Diffuse,
+            MaterialKind::Lambert | MaterialKind::Glossy => Lobe::Diffuse,
             MaterialKind::Mirror => Lobe::SpecularReflection,
             MaterialKind::Dielectric | MaterialKind::Thin => {
                 if u < self.reflectance {

@@ -13,6 +13,8 @@ pub struct EnvironmentSample {
     pub direction: Vec3,
     /// Radiance from there over the probability per solid angle of the direction, linear RGB.
     pub weight: Vec3,
+    /// That probability density.
+    pub pdf: f32,
 }
 
 impl EnvironmentMap {
@@ -87,8 +89,34 @@ impl EnvironmentMap {
         let (sin, cos) = sin_cos_turns(turns - turns.floor());
         let direction = Vec3::new(sin * sine, cosine, -cos * sine);
         let solid_angle = 4.0 * std::f32::consts::PI * cell.extent * (texels * span);
-        let weight = self.radiance(direction) * (solid_angle / (cell.probability * column_probability));
-        EnvironmentSample { direction, weight }
+        let probability = cell.probability * column_probability;
+        let weight = self.radiance(direction) * (solid_angle / probability);
+        EnvironmentSample { direction, weight, pdf: probability / solid_angle }
+    }
+
+    /// The probability per solid angle with which [`Self::sample`] samples `direction`, a unit vector; that of a
+    /// neighbouring cell at most, where rounding moves a direction across an edge.
+    #[inline]
+    #[must_use]
+    pub fn pdf(&self, direction: Vec3) -> f32 {
+        let across = (direction.x * direction.x + direction.z * direction.z).sqrt();
+        let from_centre = turns_of(direction.x.abs(), -direction.z);
+        let u = 0.5 + from_centre.copysign(direction.x) + self.rotation();
+        // Cells begin at the centres of texels: the first row above the first centres, the first column at the first.
+        let x = (u - u.floor()) * self.width() as f32 - 0.5;
+        let column = if x < 0.0 { self.width() - 1 } else { (x as u32).min(self.width() - 1) } / self.step();
+        let y = 2.0 * turns_of(across, direction.y) * self.height() as f32 + 0.5;
+        let row = (y as u32).min(self.height()) / self.step();
+        let cell = self.rows()[row as usize];
+        let columns = self.columns() as usize;
+        let starts = &self.column_starts()[row as usize * columns..(row as usize + 1) * columns];
+        let column = column as usize;
+        let end = starts.get(column + 1).copied().unwrap_or(0);
+        let span = end.wrapping_sub(starts[column]);
+        let span = if span == 0 { 4_294_967_296.0 } else { span as f32 };
+        let texels = ((column as u32 + 1) * self.step()).min(self.width()) - column as u32 * self.step();
+        let solid_angle = 4.0 * std::f32::consts::PI * cell.extent * (texels as f32 / self.width() as f32);
+        cell.probability * (span * (1.0 / 4_294_967_296.0)) / solid_angle
     }
 }
 
@@ -98,10 +126,35 @@ mod tests {
     use crate::random::SplitMix64;
 
     fn gradient(width: usize, height: usize) -> EnvironmentMap {
+        rotated(width, height, 0.0)
+    }
+
+    fn rotated(width: usize, height: usize, rotation: f64) -> EnvironmentMap {
         let mut numbers = SplitMix64(7);
         let texels: Vec<[f32; 3]> =
             (0..width * height).map(|_| std::array::from_fn(|_| (numbers.word() % 1000) as f32 * 0.01)).collect();
-        EnvironmentMap::new(width, &texels, 0.0).unwrap()
+        EnvironmentMap::new(width, &texels, rotation).unwrap()
+    }
+
+    /// The density of a sampled direction is the same by [`EnvironmentMap::pdf`], except beside the edges of cells.
+    #[test]
+    fn densities_are_those_of_the_samples() {
+        for (width, height, rotation) in [(1, 1, 0.0), (7, 3, 0.3), (16, 8, 0.0), (3000, 5, 0.9)] {
+            let map = rotated(width, height, rotation);
+            let mut numbers = SplitMix64(11);
+            let different = (0..10_000)
+                .filter(|_| {
+                    let word = numbers.word();
+                    let found = map.sample([word as u32, (word >> 32) as u32]);
+                    assert!(
+                        found.pdf > 0.0 && (found.weight * found.pdf - map.radiance(found.direction)).length() < 1e-3
+                    );
+                    (map.pdf(found.direction) / found.pdf - 1.0).abs() > 1e-5
+                })
+                .count();
+            // Rounding of 2^-21 turns moves directions across the edges of 3000 columns.
+            assert!(different <= if width > 1000 { 60 } else { 5 }, "{width} × {height}: {different}");
+        }
     }
 
     /// The axes: the centre is −z, a quarter to the right +x, the top +y; a quarter turn counter-clockwise as seen from

@@ -1,10 +1,14 @@
 //! Scattering, sampling and the geometry of shading.
 
+pub(crate) mod albedo_table;
+pub mod alpha;
 pub mod area;
 mod bias;
 pub(crate) mod bsdf;
 pub(crate) mod environment;
 pub mod fresnel;
+pub mod ggx;
+pub mod glossy;
 pub(crate) mod interaction;
 pub mod light_sampler;
 pub mod light_tree;

@@ -134,6 +134,9 @@ pub const BLOCK_LIGHT: u32 = 0;
 pub const BLOCK_START: u32 = 1;
 /// Block of dimensions of the first surface; those of the next surfaces follow.
 pub const BLOCK_SURFACES: u32 = 2;
+/// Block of dimensions for the light that is sampled at the first surface of a camera path; those of the next surfaces
+/// follow.
+pub const BLOCK_LIGHTS: u32 = 1 << 30;
 
 #[cfg(test)]
 mod tests {

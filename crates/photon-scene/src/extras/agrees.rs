@@ -35,6 +35,24 @@ impl Agrees for MaterialDesc {
             (Surface::Thin { ior, tint }, Surface::Thin { ior: exact_ior, tint: exact_tint }) => {
                 close(*ior, *exact_ior) && all_close(*tint, *exact_tint)
             }
+            (
+                Surface::Glossy { base_color, metallic, roughness, specular, ior },
+                Surface::Glossy {
+                    base_color: exact_color,
+                    metallic: exact_metallic,
+                    roughness: exact_roughness,
+                    specular: exact_specular,
+                    ior: exact_ior,
+                },
+            ) => {
+                let pairs = [
+                    (metallic, exact_metallic),
+                    (roughness, exact_roughness),
+                    (specular, exact_specular),
+                    (ior, exact_ior),
+                ];
+                all_close(*base_color, *exact_color) && pairs.into_iter().all(|(a, b)| close(*a, *b))
+            }
             _ => false,
         };
         // Whether a non-emissive surface is double-sided does not matter.

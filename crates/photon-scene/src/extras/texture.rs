@@ -19,6 +19,8 @@ pub(crate) struct TexturesExtras {
     emission: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     normal: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    metallic_roughness: Option<Transform>,
     normal_scale: Exact,
 }
 
@@ -30,9 +32,16 @@ impl TexturesExtras {
             (transform != TextureRef::IDENTITY).then(|| transform.map(|row| row.map(Exact)))
         };
         let (base_color, emission, normal) = (of(textures.base_color), of(textures.emission), of(textures.normal));
-        let scale = textures.normal_scale;
-        let is_plain = base_color.is_none() && emission.is_none() && normal.is_none();
-        (!is_plain || scale != 1.0).then_some(Self { base_color, emission, normal, normal_scale: Exact(scale) })
+        let metallic_roughness = of(textures.metallic_roughness);
+        let normal_scale = Exact(textures.normal_scale);
+        let is_plain = [&base_color, &emission, &normal, &metallic_roughness].iter().all(|used| used.is_none());
+        (!is_plain || normal_scale.0 != 1.0).then_some(Self {
+            base_color,
+            emission,
+            normal,
+            metallic_roughness,
+            normal_scale,
+        })
     }
 
     /// The textures of the file with exact numbers; `None` if these disagree.
@@ -47,11 +56,15 @@ impl TexturesExtras {
         };
         // Without a normal map, its scale does not matter.
         let agrees = textures.normal.is_none() || close(textures.normal_scale, self.normal_scale.0);
+        let base_color = of(textures.base_color, &self.base_color)?;
         agrees.then_some(TexturesDesc {
-            base_color: of(textures.base_color, &self.base_color)?,
+            base_color,
             emission: of(textures.emission, &self.emission)?,
             normal: of(textures.normal, &self.normal)?,
+            metallic_roughness: of(textures.metallic_roughness, &self.metallic_roughness)?,
             normal_scale: self.normal_scale.0,
+            // In glTF, the same texture.
+            alpha: textures.alpha.and(base_color),
         })
     }
 }

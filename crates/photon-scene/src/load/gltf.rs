@@ -14,7 +14,7 @@
 //! | textures of base colour, emission and normals | with their UV sets, transforms, wrap modes and magnification filters |
 //! | other textures | their mean |
 //! | normals, tangents, colours, UV sets | those in use; normals by the inverse transpose of the node's matrix |
-//! | alpha below one half | thin sheet |
+//! | `alphaMode`, `alphaCutoff`, alpha of base colour, its texture and `COLOR_0` | alpha coverage; solids are opaque |
 //! | `extras.photonmap` | the same in double precision, as [`crate::glb`] writes it |
 //!
 //! Everything that is left out is a line of the report. The document is read without the parser's own

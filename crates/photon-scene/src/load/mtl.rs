@@ -52,6 +52,8 @@ struct Entry {
     emissive_map: Option<Map>,
     /// `norm`
     normal_map: Option<Map>,
+    /// `map_d`
+    dissolve_map: Option<Map>,
     /// The keyword and arguments of other texture statements.
     textures: Vec<String>,
     /// Other statements, verbatim.
@@ -158,6 +160,7 @@ impl Entry {
             "map_Kd" => self.diffuse_map = Some(Map::parse(rest)?),
             "map_Ke" => self.emissive_map = Some(Map::parse(rest)?),
             "norm" => self.normal_map = Some(Map::parse(rest)?),
+            "map_d" => self.dissolve_map = Some(Map::parse(rest)?),
             "bump" | "disp" | "decal" | "refl" => self.textures.push(format!("{keyword} {rest}")),
             _ if keyword.starts_with("map_") => self.textures.push(format!("{keyword} {rest}")),
             _ => self.others.push(format!("{keyword} {rest}")),

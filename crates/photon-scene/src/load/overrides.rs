@@ -5,7 +5,7 @@ mod frame;
 use self::frame::Frame;
 use super::schema::{Camera, Environment, File, Kind, Light, Material, Quad};
 use crate::builder::{MaterialId, SceneBuilder};
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
 use crate::environment::EnvironmentDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Materials, lights, an environment, cameras and quadrilaterals that change or extend a scene, read from TOML.
 ///
-/// A given albedo or tint replaces the texture of the base colour too, a given emission that of the emission.
+/// A given albedo or tint replaces the texture of the base colour too, a given emission that of the emission, a given
+/// alpha that of the alpha.
 ///
 /// The format is described in the project's `docs/scene-files.md`.
 #[derive(Clone, Debug)]
@@ -117,8 +118,9 @@ impl Overrides {
     }
 
     fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
-        let kind = with.kind.unwrap_or(kind_of(&desc.surface));
-        if kind != kind_of(&desc.surface) {
+        let before = kind_of(&desc.surface);
+        let kind = with.kind.unwrap_or(before);
+        if kind != before {
             // A texture keeps its factor, and a sheet or solid that had one too.
             let color = desc.textures.base_color.map(|_| color_of(&desc.surface));
             desc.surface = match kind {
@@ -126,7 +128,22 @@ impl Overrides {
                 Kind::Mirror => Surface::Mirror { reflectance: color.unwrap_or([1.0; 3]) },
                 Kind::Glass => Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3] },
                 Kind::Thin => Surface::Thin { ior: 1.5, tint: [1.0; 3] },
+                Kind::Glossy => Surface::Glossy {
+                    base_color: color.unwrap_or([0.5; 3]),
+                    metallic: 0.0,
+                    roughness: 0.5,
+                    specular: 1.0,
+                    ior: 1.5,
+                },
             };
+        }
+        if kind == Kind::Glass || kind != before {
+            // Another kind of surface is there everywhere, and a solid always is.
+            (desc.alpha, desc.alpha_mode, desc.textures.alpha) = (1.0, AlphaMode::Opaque, None);
+        }
+        if let Some(alpha) = with.alpha {
+            let alpha_mode = if alpha == 1.0 { AlphaMode::Opaque } else { AlphaMode::Blend };
+            (desc.alpha, desc.alpha_mode, desc.textures.alpha) = (alpha, alpha_mode, None);
         }
         if with.albedo.is_some() || with.tint.is_some() {
             desc.textures.base_color = None;
@@ -137,6 +154,10 @@ impl Overrides {
         let (mut new_albedo, mut new_ior) = (with.albedo, with.ior);
         let (mut new_tint, mut new_absorption) = (with.tint, with.absorption);
         let mut new_priority = with.priority;
+        let (mut new_metallic, mut new_roughness, mut new_specular) = (with.metallic, with.roughness, with.specular);
+        if with.metallic.is_some() || with.roughness.is_some() {
+            desc.textures.metallic_roughness = None;
+        }
         match &mut desc.surface {
             Surface::Lambert { albedo: colour } | Surface::Mirror { reflectance: colour } => {
                 *colour = new_albedo.take().map_or(*colour, |given| given.rgb());
@@ -151,6 +172,13 @@ impl Overrides {
                 *ior = new_ior.take().unwrap_or(*ior);
                 *tint = new_tint.take().map_or(*tint, |given| given.rgb());
             }
+            Surface::Glossy { base_color, metallic, roughness, specular, ior } => {
+                *base_color = new_albedo.take().map_or(*base_color, |given| given.rgb());
+                *metallic = new_metallic.take().unwrap_or(*metallic);
+                *roughness = new_roughness.take().unwrap_or(*roughness);
+                *specular = new_specular.take().unwrap_or(*specular);
+                *ior = new_ior.take().unwrap_or(*ior);
+            }
         }
         let left = [
             ("albedo", new_albedo.is_some()),
@@ -158,11 +186,15 @@ impl Overrides {
             ("tint", new_tint.is_some()),
             ("absorption", new_absorption.is_some()),
             ("priority", new_priority.is_some()),
+            ("metallic", new_metallic.is_some()),
+            ("roughness", new_roughness.is_some()),
+            ("specular", new_specular.is_some()),
         ];
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
-            let hint = "lambert and mirror have albedo, glass has ior, tint, absorption and priority, thin has ior and tint; \
+            let hint = "lambert and mirror have albedo, glass has ior, tint, absorption and priority, thin has ior and tint, \
+                        glossy has albedo, metallic, roughness, specular and ior; \
                         give another kind, or leave it out";
             return Err(self.fault(what, hint));
         }
@@ -226,6 +258,7 @@ fn color_of(surface: &Surface) -> [f64; 3] {
         Surface::Lambert { albedo } => albedo,
         Surface::Mirror { reflectance } => reflectance,
         Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => tint,
+        Surface::Glossy { base_color, .. } => base_color,
     }
 }
 
@@ -235,6 +268,7 @@ fn kind_of(surface: &Surface) -> Kind {
         Surface::Mirror { .. } => Kind::Mirror,
         Surface::Dielectric { .. } => Kind::Glass,
         Surface::Thin { .. } => Kind::Thin,
+        Surface::Glossy { .. } => Kind::Glossy,
     }
 }
 

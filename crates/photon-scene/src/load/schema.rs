@@ -28,6 +28,11 @@ pub(super) struct Material {
     pub(super) absorption: Option<Colour>,
     pub(super) tint: Option<Colour>,
     pub(super) priority: Option<u32>,
+    pub(super) metallic: Option<f64>,
+    pub(super) roughness: Option<f64>,
+    pub(super) specular: Option<f64>,
+    /// Share of the light that meets the surface; the rest passes. 1 is opaque.
+    pub(super) alpha: Option<f64>,
     pub(super) emission: Option<Colour>,
     pub(super) emits_both_sides: Option<bool>,
 }
@@ -39,6 +44,7 @@ pub(super) enum Kind {
     Mirror,
     Glass,
     Thin,
+    Glossy,
 }
 
 /// One number for all channels, or one for each.

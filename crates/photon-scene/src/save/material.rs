@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{scaled, single, singles};
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::extras::MaterialExtras;
 
@@ -14,12 +14,22 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         Surface::Lambert { albedo } => (albedo, 0.0, 1.0),
         Surface::Mirror { reflectance } => (reflectance, 1.0, 0.0),
         Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => (tint, 0.0, 0.0),
+        Surface::Glossy { base_color, metallic, roughness, .. } => (base_color, metallic, roughness),
     };
     let [r, g, b] = singles(base, what)?;
+    let alpha = if desc.alpha_mode == AlphaMode::Opaque { 1.0 } else { single(desc.alpha, what)? };
     let mut extensions = json!({});
     match desc.surface {
         Surface::Lambert { .. } => extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 }),
         Surface::Mirror { .. } => {}
+        Surface::Glossy { specular, ior, .. } => {
+            if specular != 1.0 {
+                extensions["KHR_materials_specular"] = json!({ "specularFactor": single(specular, what)? });
+            }
+            if ior != 1.5 {
+                extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
+            }
+        }
         Surface::Dielectric { ior, .. } | Surface::Thin { ior, .. } => {
             extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
             extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
@@ -46,7 +56,9 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
     let mut material = json!({
         "name": desc.name,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [r, g, b, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness
+            "baseColorFactor": [r, g, b, alpha],
+            "metallicFactor": metallic as f32,
+            "roughnessFactor": roughness as f32
         },
         "doubleSided": both,
         "extras": { "photonmap": MaterialExtras::new(desc) },
@@ -58,8 +70,19 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         match *slot {
             "base_color" => material["pbrMetallicRoughness"]["baseColorTexture"] = info.clone(),
             "emission" => material["emissiveTexture"] = info.clone(),
+            "metallic_roughness" => {
+                material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = info.clone();
+            }
             _ => material["normalTexture"] = info.clone(),
         }
+    }
+    match desc.alpha_mode {
+        AlphaMode::Opaque => {}
+        AlphaMode::Mask { cutoff } => {
+            material["alphaMode"] = json!("MASK");
+            material["alphaCutoff"] = json!(single(cutoff, what)?);
+        }
+        AlphaMode::Blend => material["alphaMode"] = json!("BLEND"),
     }
     if extensions.as_object().is_some_and(|all| !all.is_empty()) {
         material["extensions"] = extensions;

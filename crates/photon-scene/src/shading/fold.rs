@@ -32,10 +32,31 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], textures: &[TextureDesc]) {
                 textures.emission = None;
             }
         }
+        fold_roughness(&mut material.surface, &mut textures.metallic_roughness, color_of);
         let flat = |used: TextureRef| textures.normal_scale == 0.0 || color_of(used).is_some_and(is_flat);
         if textures.normal.is_some_and(flat) {
             textures.normal = None;
         }
+    }
+}
+
+/// The same for a texture of roughness and metal; surfaces that have neither do not use it.
+fn fold_roughness(
+    surface: &mut Surface,
+    texture: &mut Option<TextureRef>,
+    color_of: impl Fn(TextureRef) -> Option<[f64; 3]>,
+) {
+    let Some(used) = *texture else { return };
+    let Surface::Glossy { metallic, roughness, .. } = surface else {
+        *texture = None;
+        return;
+    };
+    if let Some([_, green, blue]) = color_of(used) {
+        *roughness *= green;
+        *metallic *= blue;
+        *texture = None;
+    } else if *metallic == 0.0 && *roughness == 0.0 {
+        *texture = None;
     }
 }
 
@@ -45,6 +66,7 @@ fn albedo_of(surface: &mut Surface) -> &mut [f64; 3] {
         Surface::Lambert { albedo } => albedo,
         Surface::Mirror { reflectance } => reflectance,
         Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => tint,
+        Surface::Glossy { base_color, .. } => base_color,
     }
 }
 

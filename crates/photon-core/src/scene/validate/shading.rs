@@ -61,9 +61,13 @@ fn check_use(used: &TextureUse, textures: usize, sets: usize) -> Check {
 
 fn check_material(textures: &MaterialTextures, tables: &ShadingTables<'_>) -> Check {
     let uses = tables.uses.len();
-    for (name, used) in
-        [("base_color", textures.base_color), ("emission", textures.emission), ("normal", textures.normal)]
-    {
+    for (name, used) in [
+        ("base_color", textures.base_color),
+        ("emission", textures.emission),
+        ("normal", textures.normal),
+        ("metallic_roughness", textures.metallic_roughness),
+        ("alpha", textures.alpha),
+    ] {
         require(used == MaterialTextures::NONE || (used as usize) < uses, || {
             format!("its {name} texture {used} is out of range, {uses} uses exist")
         })?;

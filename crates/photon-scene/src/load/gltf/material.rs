@@ -1,4 +1,4 @@
-//! Converts the metallic-roughness model to the supported surfaces.
+//! Converts the metallic-roughness model and its extensions to the supported surfaces.
 
 use gltf::json::Root;
 use gltf::json::material::Material;
@@ -7,14 +7,10 @@ use super::fault::{Fault, name_or_number};
 use super::parameters::{self, Parameters};
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::extras::{self, Agrees, CHANGED, MaterialExtras};
 use crate::report::LoadReport;
 
-/// Up to this roughness a metal becomes a mirror. A file's 0.1 is read as f32, which is slightly more.
-const SMOOTH: f64 = 0.1_f32 as f64;
-/// Up to this roughness the specular reflection of a non-metal is visible.
-const GLOSSY: f64 = 0.5;
 /// Below this fraction a surface is not reported as a metal: means of textures are rarely exactly 0.
 const SOME_METAL: f64 = 0.01;
 /// The darkest attenuation colour, since black would need infinite absorption: a millionth of the light
@@ -38,10 +34,13 @@ pub(super) fn describe(
     let mut lines = LoadReport::default();
     let mut parameters = parameters::read(root, index, textures, &subject, builder, &mut lines)?;
     let surface = surface(&mut parameters, &subject, &mut lines);
+    close_solid(&mut parameters, &surface, &subject, &mut lines);
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
         emits_both_sides: material.double_sided,
+        alpha: parameters.alpha,
+        alpha_mode: parameters.alpha_mode,
         textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
@@ -49,6 +48,8 @@ pub(super) fn describe(
         Ok(None) => {}
         Ok(Some(extras)) => {
             let exact = extras.desc(desc.name.clone(), desc.textures);
+            // These are in single precision everywhere.
+            let exact = exact.map(|exact| exact.with_alpha(desc.alpha_mode, desc.alpha));
             if let Some(exact) = exact.filter(|exact| desc.agrees(exact)) {
                 // The lines are about what glTF cannot express, and the extras can.
                 return Ok(exact);
@@ -67,17 +68,7 @@ fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surfa
         report.approximated(subject, "is unlit; it is rendered as a diffuse surface");
         return Surface::Lambert { albedo: of.base };
     }
-    if of.coverage < 0.5 {
-        return see_through(of, subject, report);
-    }
-    if of.coverage < 1.0 {
-        let text = format!("is {:.0} % opaque; it is rendered as opaque", of.coverage * 100.0);
-        report.approximated(subject, text);
-    }
-    if of.metallic >= 0.5 {
-        return metal(of, subject, report);
-    }
-    if of.transmission >= 0.5 {
+    if of.transmission >= 0.5 && of.mean_metallic < 0.5 {
         return glass(of, subject, report);
     }
     if of.transmission > 0.0 {
@@ -86,48 +77,30 @@ fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surfa
             format!("transmits {:.0} % of the light; it is rendered as opaque", of.transmission * 100.0),
         );
     }
-    if of.ior == 0.0 && of.roughness <= SMOOTH {
-        report
-            .approximated(subject, "has the refractive index 0, which reflects all light; it is rendered as a mirror");
-        // Its base colour is behind the mirror.
-        of.textures.base_color = None;
-        return Surface::Mirror { reflectance: of.specular.map(|part| part.clamp(0.0, 1.0)) };
-    }
-    if of.metallic > SOME_METAL {
-        let text = format!("is {:.0} % metal; it is rendered as a diffuse surface", of.metallic * 100.0);
-        report.approximated(subject, text);
-    }
-    if of.ior != 1.0 && of.specular != [0.0; 3] {
-        let roughness = of.roughness;
-        if roughness < GLOSSY {
-            let text = format!("its gloss (roughness {roughness:.2}) is left out; it is rendered as a diffuse surface");
-            report.approximated(subject, text);
-        } else {
-            let text = format!("its faint reflection (roughness {roughness:.2}) is not modelled");
-            report.note(subject, text);
-        }
-    }
-    Surface::Lambert { albedo: of.base }
+    glossy(of, subject, report)
 }
 
-/// A metal: a mirror if it is smooth enough.
-fn metal(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
-    let (metallic, roughness) = (of.metallic * 100.0, of.roughness);
-    if of.roughness > SMOOTH {
-        report.approximated(
-            subject,
-            format!(
-                "a metal ({metallic:.0} %) of roughness {roughness:.2} is rendered as a diffuse \
-                 surface of its colour; make it a mirror in an override file if it should reflect"
-            ),
-        );
-        return Surface::Lambert { albedo: of.base };
+/// The metallic-roughness model itself; a smooth metal is a mirror.
+fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
+    // The width of the distribution is the square of the roughness.
+    let is_smooth = of.roughness * of.roughness < f64::from(photon_core::ggx::MIN_ALPHA);
+    if is_smooth && of.metallic >= 1.0 && of.textures.metallic_roughness.is_none() {
+        return Surface::Mirror { reflectance: of.base };
     }
-    if of.metallic < 1.0 || of.roughness > 0.0 {
-        let text = format!("a metal ({metallic:.0} %) of roughness {roughness:.2} is rendered as a perfect mirror");
+    let specular = of.specular.iter().sum::<f64>() / 3.0;
+    if of.specular.iter().any(|part| (part - specular).abs() > 1e-6) && of.metallic < 1.0 {
+        let text = format!("its specular colour {:?} is replaced by its mean {specular:.3}", of.specular);
         report.approximated(subject, text);
     }
-    Surface::Mirror { reflectance: of.base }
+    if specular > 1.0 {
+        report.approximated(subject, format!("its specular factor {specular:.3} is replaced by 1"));
+    }
+    // Light passes a boundary between equal indices, and nothing is reflected.
+    let specular = if of.ior == 1.0 { 0.0 } else { specular.clamp(0.0, 1.0) };
+    if specular == 0.0 && of.metallic == 0.0 {
+        return Surface::Lambert { albedo: of.base };
+    }
+    Surface::Glossy { base_color: of.base, metallic: of.metallic, roughness: of.roughness, specular, ior: of.ior }
 }
 
 /// A transmissive material: a solid if it has a volume, otherwise a thin sheet.
@@ -142,12 +115,12 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
         let text = format!("transmits {:.0} % of the light; it is rendered as clear", of.transmission * 100.0);
         report.approximated(subject, text);
     }
-    if of.metallic > SOME_METAL {
-        let text = format!("is {:.0} % metal; it is rendered as clear", of.metallic * 100.0);
+    if of.mean_metallic > SOME_METAL {
+        let text = format!("is {:.0} % metal; it is rendered as clear", of.mean_metallic * 100.0);
         report.approximated(subject, text);
     }
-    if of.roughness > 0.0 {
-        let text = format!("transmits with roughness {:.2}; it is rendered as smooth", of.roughness);
+    if of.mean_roughness > 0.0 {
+        let text = format!("transmits with roughness {:.2}; it is rendered as smooth", of.mean_roughness);
         report.approximated(subject, text);
     }
     if of.specular != [1.0; 3] {
@@ -181,20 +154,15 @@ fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 
     of.attenuation_color.map(|color| (-libm::log(color.max(DARKEST)) / distance).max(0.0))
 }
 
-/// A surface with alpha below one half: a thin sheet that colours transmitted light.
-fn see_through(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface {
-    let has_texture = of.textures.base_color.take().is_some();
-    if of.coverage <= 0.0 {
-        report.note(subject, "is invisible: its alpha is 0");
-        // A refractive index of 1 reflects nothing.
-        return Surface::Thin { ior: 1.0, tint: [1.0; 3] };
+/// A solid is opaque: its boundary must be closed.
+fn close_solid(of: &mut Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
+    if !matches!(surface, Surface::Dielectric { .. }) || of.alpha_mode == AlphaMode::Opaque {
+        return;
     }
-    let mean = if has_texture { ", and its base colour texture as its mean" } else { "" };
-    let text = format!("is {:.0} % opaque; it is rendered as a thin clear sheet{mean}", of.coverage * 100.0);
-    report.approximated(subject, text);
-    let ior = if of.ior > 0.0 { of.ior } else { 1.5 };
-    let color = |channel: usize| of.base[channel] * of.base_mean[channel];
-    Surface::Thin { ior, tint: std::array::from_fn(|channel| 1.0 - of.coverage + of.coverage * color(channel)) }
+    if of.alpha < 1.0 || of.textures.alpha.is_some() {
+        report.left_out(subject, "its alpha: the boundary of a solid must be closed");
+    }
+    (of.alpha, of.alpha_mode, of.textures.alpha) = (1.0, AlphaMode::Opaque, None);
 }
 
 /// Reports properties that have no counterpart.

@@ -1,0 +1,164 @@
+//! Samples of lights, for shadow rays.
+
+use photon_core::glam::Vec3;
+use photon_core::random::unit_f32;
+use photon_core::solid_angle::{self, Seen};
+use photon_core::{Features, Light, Ray, offset, sampling};
+
+use crate::scene::CpuScene;
+
+/// A sampled direction towards a light.
+pub(crate) struct LightSample {
+    /// The shadow ray: from the surface to the light.
+    pub(crate) ray: Ray,
+    color: Vec3,
+    factor: f32,
+    divisor: f32,
+    /// Density per solid angle of the direction, if this light was chosen; 0 for a light without extent, which nothing
+    /// but a shadow ray can find.
+    pub(crate) pdf: f32,
+}
+
+impl LightSample {
+    /// Unoccluded radiance over the density of the sample, times `cosine`: its contribution to irradiance.
+    #[inline]
+    pub(crate) fn times(&self, cosine: f32) -> Vec3 {
+        self.color * (self.factor * cosine / self.divisor)
+    }
+}
+
+/// Samples a point on a light as seen from `from`, a point just above the surface. `None` if the light faces the other
+/// way. `SHADED`: the light may be textured.
+#[inline(always)]
+pub(crate) fn sample<const SHADED: bool>(
+    scene: &CpuScene,
+    light: &Light,
+    from: Vec3,
+    u: u32,
+    v: u32,
+) -> Option<LightSample> {
+    let mut power = Vec3::from(light.power);
+    if light.kind == Light::DIRECTIONAL {
+        let area = std::f32::consts::PI * light.radius * light.radius;
+        let ray = Ray { origin: from, direction: -Vec3::from(light.direction), t_max: f32::INFINITY };
+        return Some(LightSample { ray, color: power, factor: 1.0, divisor: area, pdf: 0.0 });
+    }
+    if let (Light::ENVIRONMENT, Some(environment)) = (light.kind, &scene.environment) {
+        let found = environment.sample([u, v]);
+        let ray = Ray { origin: from, direction: found.direction, t_max: f32::INFINITY };
+        return Some(LightSample { ray, color: found.weight, factor: 1.0, divisor: 1.0, pdf: found.pdf });
+    }
+    let (u, v) = (unit_f32(u), unit_f32(v));
+    let Target { to, front, solid_angle, at: (b, c) } = if light.kind == Light::TRIANGLE {
+        at_area_light(scene, light, from, u, v)?
+    } else {
+        Target { to: Vec3::from(light.position), front: Vec3::ZERO, solid_angle: 0.0, at: (0.0, 0.0) }
+    };
+    if SHADED && light.kind == Light::TRIANGLE && scene.present.contains(Features::TEXTURED_LIGHTS) {
+        power *= scene.emission_ratio(light, b, c);
+    }
+    let gap = to - from;
+    let squared = gap.length_squared();
+    let distance = squared.sqrt();
+    let direction = gap / distance;
+    let ray = Ray { origin: from, direction, t_max: distance };
+    // A two-sided light emits half its power on each side; only the side facing the query counts.
+    let sides = if light.flags & Light::BOTH_SIDES != 0 { 0.5 } else { 1.0 };
+    if solid_angle > 0.0 {
+        // Radiance is power / (π · area).
+        let per_power = solid_angle * std::f32::consts::FRAC_1_PI / light.area;
+        let pdf = 1.0 / solid_angle;
+        return Some(LightSample { ray, color: power * sides, factor: per_power, divisor: 1.0, pdf });
+    }
+    // Radiant intensity towards the query.
+    let (intensity, pdf) = match light.kind {
+        Light::POINT => (power * (0.25 * std::f32::consts::FRAC_1_PI), 0.0),
+        Light::SPOT => {
+            let off = sampling::versine(-direction, light.direction.into());
+            let falloff = sampling::spot_falloff(off, light.versine_inner, light.versine_outer);
+            let solid_angle = sampling::spot_solid_angle(light.versine_inner, light.versine_outer) as f32;
+            (power * (falloff / solid_angle), 0.0)
+        }
+        // The light's whole power, as if emitted from this point with a Lambertian cosine.
+        _ => {
+            let cosine = -direction.dot(front);
+            let intensity = power * sides * (cosine * std::f32::consts::FRAC_1_PI).max(0.0);
+            (intensity, squared / (light.area * cosine))
+        }
+    };
+    if intensity == Vec3::ZERO {
+        return None;
+    }
+    Some(LightSample { ray, color: intensity, factor: 1.0, divisor: squared, pdf })
+}
+
+/// The density per solid angle with which [`sample`] samples a direction from `from` that hits the triangle of `light` at
+/// `distance`, if this light is chosen; 0 if it does not sample the light from there.
+pub(crate) fn pdf_of_triangle(scene: &CpuScene, light: &Light, from: Vec3, direction: Vec3, distance: f32) -> f32 {
+    let View { corners, front, height, near } = View::of(scene, light, from);
+    if !(height > if near { solid_angle::MIN_HEIGHT } else { 0.0 }) {
+        return 0.0;
+    }
+    if near {
+        let whole = solid_angle::of(corners, height, light.area);
+        if whole > 0.0 {
+            return 1.0 / whole;
+        }
+    }
+    let cosine = -direction.dot(front);
+    if cosine > 0.0 { distance * distance / (light.area * cosine) } else { 0.0 }
+}
+
+/// The triangle of an area light as seen from a point.
+struct View {
+    /// Relative to the eye, which is as far behind the point as shadow rays end above the light.
+    corners: [Vec3; 3],
+    /// Normal of the triangle on the side of the point.
+    front: Vec3,
+    /// Distance of the eye from the plane, above 0 in front of the light.
+    height: f32,
+    near: bool,
+}
+
+impl View {
+    #[inline]
+    fn of(scene: &CpuScene, light: &Light, from: Vec3) -> Self {
+        let primitive = light.primitive as usize;
+        let vertices = scene.vertices[primitive];
+        let mut front = Vec3::from(scene.primitives[primitive].normal);
+        if light.flags & Light::BOTH_SIDES != 0 && front.dot(from - vertices[0]) < 0.0 {
+            front = -front;
+        }
+        let eye = offset::off_surface(from, -front);
+        let corners = vertices.map(|vertex| vertex - eye);
+        Self { corners, front, height: -front.dot(corners[0]), near: solid_angle::is_near(corners) }
+    }
+}
+
+/// The point on a light that a shadow ray goes to.
+struct Target {
+    to: Vec3,
+    /// Normal of an area light on the side where the ray arrives.
+    front: Vec3,
+    /// Solid angle of the whole area light if the point is uniform in solid angle; 0 if it is uniform in area.
+    solid_angle: f32,
+    /// Its barycentric coordinates on the triangle of an area light.
+    at: (f32, f32),
+}
+
+/// Samples a point of a triangle, on an emitting side that faces the query; `None` if there is none.
+#[inline]
+fn at_area_light(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Target> {
+    let View { corners, front, height, near } = View::of(scene, light, from);
+    if !(height > if near { solid_angle::MIN_HEIGHT } else { 0.0 }) {
+        return None;
+    }
+    let seen = if near { solid_angle::sample(corners, height, light.area, u, v) } else { None };
+    let ((b, c), solid_angle) = match seen {
+        Some(Seen { b, c, solid_angle }) => ((b, c), solid_angle),
+        None => (sampling::triangle(u, v), 0.0),
+    };
+    let vertices = scene.vertices[light.primitive as usize];
+    let to = offset::off_surface(offset::barycentric(vertices, b, c), front);
+    Some(Target { to, front, solid_angle, at: (b, c) })
+}

@@ -1,0 +1,371 @@
+//! Glossy surfaces: GGX reflection over a diffuse base; `glossy.glsl` is the twin.
+//!
+//! The metallic-roughness model of glTF 2.0 (appendix B) with the share of metal m, base colour c and, with the index n and
+//! weight w of the coat, `F0 = m c + (1 − m) w ((n−1)/(n+1))²` and `F90 = m + (1 − m) w` in Schlick's factor. Three parts
+//! add up:
+//! - single scattering, `F D G2 / (4 cos_o cos_i)` ([`crate::ggx`]);
+//! - multiple scattering of the metal, `m F_ms (1 − E_o)(1 − E_i) / (π (1 − Ē))` (Kulla and Conty 2017) with
+//!   `F_ms = F̄² Ē / (1 − F̄ (1 − Ē))`: a white metal loses nothing;
+//! - the base, `(1 − m) c/π (1 − S_o)(1 − S_i) / (1 − S̄)` with the directional albedo S of the coat (Kelemen and
+//!   Szirmay-Kalos 2001): a white base under any coat loses nothing.
+//!
+//! All are reciprocal. The base is Lambertian for photons that are stored with the factor `(1 − S_i)/(1 − S̄)`, that of
+//! [`Coat::entering`], so that density estimation needs no BSDF.
+
+use glam::{Vec2, Vec3};
+
+use crate::scene::material::Material;
+use crate::shading::albedo_table::AlbedoTable;
+use crate::shading::shading_normal;
+use crate::shading::{ggx, sampling};
+
+/// The coat over the base of a glossy surface, packed into 32 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Coat(u32);
+
+impl Coat {
+    /// Steps between 0 and 1 of roughness, of F0 and of F90.
+    pub const STEPS: [f32; 3] = [1023.0, 4095.0, 1023.0];
+
+    /// A coat of roughness, F0 and F90 in `[0, 1]`.
+    #[inline]
+    #[must_use]
+    pub fn new(roughness: f32, f0: f32, f90: f32) -> Self {
+        let bits = |value: f32, most: f32| (value * most + 0.5) as u32;
+        let [roughness_steps, f0_steps, f90_steps] = Self::STEPS;
+        Self(bits(roughness, roughness_steps) | bits(f0, f0_steps) << 10 | bits(f90, f90_steps) << 22)
+    }
+
+    /// The coat with these bits: [`crate::Query::coat`].
+    #[inline]
+    #[must_use]
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// The bits, for a record.
+    #[inline]
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// Roughness, F0 and F90.
+    #[inline]
+    fn unpack(self) -> (f32, f32, f32) {
+        let part = |bits: u32, most: f32| bits as f32 / most;
+        let [roughness_steps, f0_steps, f90_steps] = Self::STEPS;
+        (part(self.0 & 1023, roughness_steps), part(self.0 >> 10 & 4095, f0_steps), part(self.0 >> 22, f90_steps))
+    }
+
+    /// The factor on light that arrives at the base with `cosine` to the normal, compared with a base without a coat:
+    /// `(1 − S)/(1 − S̄)`, whose mean over the hemisphere is 1; 1 without a coat.
+    #[inline]
+    #[must_use]
+    pub fn entering(self, cosine: f32) -> f32 {
+        if self.0 == 0 {
+            return 1.0;
+        }
+        let (roughness, f0, f90) = self.unpack();
+        let table = AlbedoTable::get();
+        let mean = 1.0 - reflected(table.mean(roughness), f0, f90);
+        let through = 1.0 - reflected(table.directional(cosine.clamp(0.0, 1.0), roughness), f0, f90);
+        if mean > MIN_SHARE { through / mean } else { 0.0 }
+    }
+}
+
+/// Below this share of light, a division by it is left out, and nothing passes.
+pub const MIN_SHARE: f32 = 1e-6;
+
+/// `F0 A + F90 B`.
+#[inline]
+fn reflected(albedo: Vec2, f0: f32, f90: f32) -> f32 {
+    f0 * albedo.x + f90 * albedo.y
+}
+
+/// A glossy surface as a path meets it.
+#[derive(Clone, Copy, Debug)]
+pub struct Glossy {
+    alpha: f32,
+    roughness: f32,
+    f0: Vec3,
+    f90: f32,
+    /// Multiple scattering: `m F_ms (1 − E_o) / (1 − Ē)`.
+    multiple: Vec3,
+    /// Probability that multiple scattering is sampled rather than single scattering.
+    multiple_probability: f32,
+    diffuse: Vec3,
+    specular_probability: f32,
+    coat: Coat,
+}
+
+/// The reflection in one direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reflected {
+    /// BSDF times the cosine to the shading normal, linear RGB; without the base.
+    pub value: Vec3,
+    /// Density per solid angle with which [`Glossy::sample`] chooses the direction.
+    pub pdf: f32,
+}
+
+impl Glossy {
+    /// The surface of `material`, evaluated at the point, for a path that arrives with `cosine` > 0 to the shading normal.
+    #[inline]
+    #[must_use]
+    pub fn new(material: &Material, cosine: f32) -> Self {
+        let table = AlbedoTable::get();
+        let (roughness, metallic, weight) = (material.roughness, material.metallic, material.specular);
+        let color = Vec3::from(material.albedo);
+        let directional = table.directional(cosine.min(1.0), roughness);
+        let mean = table.mean(roughness);
+        let at_normal = (material.ior - 1.0) / (material.ior + 1.0);
+        let coat_f0 = at_normal * at_normal * weight;
+        let dielectric = 1.0 - metallic;
+        let f0 = color * metallic + Vec3::splat(coat_f0 * dielectric);
+        let f90 = metallic + weight * dielectric;
+        // Multiple scattering of the metal.
+        let lost = 1.0 - (directional.x + directional.y);
+        let mean_total = mean.x + mean.y;
+        let mean_lost = 1.0 - mean_total;
+        let average = color + (Vec3::ONE - color) * (1.0 / 21.0);
+        let repeated = average * average * mean_total / (Vec3::ONE - average * mean_lost);
+        let multiple =
+            if mean_lost > MIN_SHARE { repeated * (metallic * lost.max(0.0) / mean_lost) } else { Vec3::ZERO };
+        let multiple_albedo = multiple * mean_lost;
+        let specular = f0 * directional.x + Vec3::splat(f90 * directional.y) + multiple_albedo;
+        let through = 1.0 - reflected(directional, coat_f0, weight);
+        let diffuse = color * (dielectric * through.max(0.0));
+        let (most_specular, most_diffuse) = (specular.max_element(), diffuse.max_element());
+        let total = most_specular + most_diffuse;
+        Self {
+            alpha: (roughness * roughness).max(ggx::MIN_ALPHA),
+            roughness,
+            f0,
+            f90,
+            multiple,
+            multiple_probability: if most_specular > 0.0 { multiple_albedo.max_element() / most_specular } else { 0.0 },
+            diffuse,
+            specular_probability: if total > 0.0 { most_specular / total } else { 0.0 },
+            coat: Coat::new(roughness, coat_f0, weight),
+        }
+    }
+
+    /// Albedo of the base under its coat, for the direction that the path came from: what irradiance with the factor
+    /// [`Coat::entering`] is multiplied by, times π, for the radiance that leaves.
+    #[inline]
+    #[must_use]
+    pub fn diffuse(&self) -> Vec3 {
+        self.diffuse
+    }
+
+    /// Probability of following the reflection rather than the base, where one of them is chosen.
+    #[inline]
+    #[must_use]
+    pub fn specular_probability(&self) -> f32 {
+        self.specular_probability
+    }
+
+    /// Probability that [`Self::sample`] samples multiple scattering.
+    #[inline]
+    #[must_use]
+    pub fn multiple_probability(&self) -> f32 {
+        self.multiple_probability
+    }
+
+    /// The coat over the base.
+    #[inline]
+    #[must_use]
+    pub fn coat(&self) -> Coat {
+        self.coat
+    }
+
+    /// The reflection of light from `wi` towards `wo`; both point away from the surface, and `normal` is the shading
+    /// normal on the side of `wo`. 0 below it.
+    #[inline]
+    #[must_use]
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3, normal: Vec3) -> Reflected {
+        let (tangent, bitangent) = sampling::basis(normal);
+        let local = |w: Vec3| Vec3::new(w.dot(tangent), w.dot(bitangent), w.dot(normal));
+        let (o, i) = (local(wo), local(wi));
+        let half = o + i;
+        let length = half.length();
+        if !(o.z > 0.0 && i.z > 0.0 && length > 0.0) {
+            return Reflected::default();
+        }
+        let h = half / length;
+        let across = (1.0 - o.dot(h)).clamp(0.0, 1.0);
+        let grazing = across * across;
+        let grazing = grazing * grazing * across;
+        let fresnel = self.f0 * (1.0 - grazing) + Vec3::splat(self.f90 * grazing);
+        let single = ggx::distribution(self.alpha, h) * ggx::visibility(self.alpha, o.z, i.z) * i.z;
+        let mut value = fresnel * single;
+        let mut pdf = ggx::pdf(self.alpha, o, h);
+        if self.multiple_probability > 0.0 {
+            let albedo = AlbedoTable::get().directional(i.z.min(1.0), self.roughness);
+            let cosine = i.z * std::f32::consts::FRAC_1_PI;
+            value += self.multiple * ((1.0 - (albedo.x + albedo.y)).max(0.0) * cosine);
+            pdf = pdf * (1.0 - self.multiple_probability) + cosine * self.multiple_probability;
+        }
+        Reflected { value, pdf }
+    }
+
+    /// Samples a direction of the reflection, and its value and density: the weight of the path is their ratio. `u` and
+    /// `v` are uniform in `[0, 1)`.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, wo: Vec3, normal: Vec3, u: f32, v: f32) -> (Vec3, Reflected) {
+        let p = self.multiple_probability;
+        let wi = if u < p {
+            sampling::cosine_hemisphere(normal, u / p, v)
+        } else {
+            let (tangent, bitangent) = sampling::basis(normal);
+            let o = Vec3::new(wo.dot(tangent), wo.dot(bitangent), wo.dot(normal));
+            let i = ggx::sample(self.alpha, o, ((u - p) / (1.0 - p)).min(1.0 - f32::EPSILON), v);
+            tangent * i.x + bitangent * i.y + normal * i.z
+        };
+        (wi, self.evaluate(wo, wi, normal))
+    }
+}
+
+impl Reflected {
+    /// The weight of a path that was sampled: value over density, times `factor`, for [`limited`] on camera paths or
+    /// [`shading_normal::photon_factor`]. 0 if the factor is 0, or the direction is below the surface.
+    #[inline]
+    #[must_use]
+    pub fn weight(&self, factor: f32) -> Vec3 {
+        if self.pdf > 0.0 && factor > 0.0 { self.value * (factor / self.pdf) } else { Vec3::ZERO }
+    }
+}
+
+/// [`shading_normal::cosine`] over the cosine to the shading normal, in `[0, 1]`: the factor on [`Reflected::value`] by
+/// which all techniques count light from `direction` alike; 0 below the triangle's plane.
+#[inline]
+#[must_use]
+pub fn limited(direction: Vec3, geometric: Vec3, shading: Vec3) -> f32 {
+    let (below, above) = (direction.dot(geometric), direction.dot(shading));
+    if below > 0.0 && above > 0.0 { (shading_normal::MAX_RATIO * below / above).min(1.0) } else { 0.0 }
+}
+
+/// The uniform number that is left of `choice` after it has decided between two lobes, the first with probability `first`.
+#[inline]
+#[must_use]
+pub fn rest_of(choice: f32, first: f32) -> f32 {
+    let rest = if choice < first { choice / first } else { (choice - first) / (1.0 - first) };
+    rest.min(1.0 - f32::EPSILON)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{SplitMix64, unit_f32};
+    use crate::scene::material::MaterialKind;
+
+    fn material(metallic: f32, roughness: f32, color: [f32; 3]) -> Material {
+        Material {
+            kind: MaterialKind::Glossy as u32,
+            albedo: color,
+            metallic,
+            roughness,
+            specular: 1.0,
+            ior: 1.5,
+            ..Material::default()
+        }
+    }
+
+    fn towards(cosine: f32, turns: f32) -> Vec3 {
+        sampling::about(Vec3::Z, 1.0 - cosine, turns)
+    }
+
+    /// G4: what all parts together reflect of an even white surrounding, by sampling the reflection, and the base with the
+    /// coat's factor on each direction.
+    #[test]
+    fn white_surfaces_lose_nothing() {
+        for roughness in [0.0_f32, 0.2, 0.5, 0.77, 1.0] {
+            for metallic in [0.0, 0.4, 1.0] {
+                for cosine in [1.0_f32, 0.5, 0.1] {
+                    let glossy = Glossy::new(&material(metallic, roughness, [1.0; 3]), cosine);
+                    let wo = towards(cosine, 0.3);
+                    let n = 40_000;
+                    let (mut sum, mut squares) = (0.0_f64, 0.0);
+                    let mut numbers = SplitMix64(5);
+                    let mut number = || unit_f32(numbers.word() as u32);
+                    for _ in 0..n {
+                        let (u, v) = (number(), number());
+                        let (wi, found) = glossy.sample(wo, Vec3::Z, u, v);
+                        let base = sampling::cosine_hemisphere(Vec3::Z, u, v);
+                        let whole = found.weight(limited(wi, Vec3::Z, Vec3::Z)).x
+                            + glossy.diffuse().x * glossy.coat().entering(base.z);
+                        sum += f64::from(whole);
+                        squares += f64::from(whole * whole);
+                    }
+                    // Standard error of a mean: √((⟨x²⟩ − ⟨x⟩²)/n); beside it the error of the tables.
+                    let whole = sum / f64::from(n);
+                    let error = ((squares / f64::from(n) - whole * whole) / f64::from(n)).max(0.0).sqrt();
+                    let allowed = 4.5 * error + 2.5e-3;
+                    assert!((whole - 1.0).abs() < allowed, "m {metallic}, r {roughness}, cos {cosine}: {whole}");
+                }
+            }
+        }
+    }
+
+    /// G6: the reflection does not change if the two directions are exchanged.
+    #[test]
+    fn reflection_is_reciprocal() {
+        for (metallic, roughness) in [(1.0, 0.1), (1.0, 0.6), (0.0, 0.3), (0.5, 1.0)] {
+            let material = material(metallic, roughness, [0.9, 0.5, 0.2]);
+            for (a, b) in [(0.9_f32, 0.3_f32), (0.5, 0.05), (0.99, 0.98)] {
+                let (wo, wi) = (towards(a, 0.1), towards(b, 0.63));
+                let one = Glossy::new(&material, a);
+                let other = Glossy::new(&material, b);
+                let there = one.evaluate(wo, wi, Vec3::Z).value / b;
+                let back = other.evaluate(wi, wo, Vec3::Z).value / a;
+                // Half vectors are rounded to 1e-7, which is 1e-5 of a width of .01, to the fourth power.
+                assert!(((there - back) / there).abs().max_element() < 1e-4, "{there} {back}");
+                let base = one.diffuse() * one.coat().entering(b);
+                let base_back = other.diffuse() * other.coat().entering(a);
+                assert!((base - base_back).abs().max_element() <= 2e-3 * base.max_element(), "{base} {base_back}");
+            }
+        }
+    }
+
+    #[test]
+    fn coats_are_packed_within_half_a_step() {
+        let (roughness, f0, f90) = Coat::new(0.37, 0.04, 0.8).unpack();
+        assert!((roughness - 0.37).abs() < 5e-4 && (f0 - 0.04).abs() < 1.3e-4 && (f90 - 0.8).abs() < 5e-4);
+        assert_eq!(Coat::default().entering(0.3), 1.0);
+        assert_eq!(Coat::new(0.4, 0.0, 0.0).entering(0.3), 1.0);
+        // A coat that reflects everything leaves nothing for the base.
+        let mirror = Coat::new(0.0, 1.0, 1.0).entering(0.5);
+        assert!(mirror.is_finite() && mirror >= 0.0);
+    }
+
+    /// V3: grazing directions, the narrowest distributions and black surfaces are finite.
+    #[test]
+    fn extremes_are_finite() {
+        for roughness in [0.0, 1e-4, 0.0316, 0.5, 1.0] {
+            for (metallic, color) in [(1.0, [1.0; 3]), (0.0, [0.0; 3]), (1.0, [0.0; 3]), (0.3, [1e-20, 1.0, 0.5])] {
+                for cosine in [1e-7_f32, 1e-3, 0.5, 1.0] {
+                    let glossy = Glossy::new(&material(metallic, roughness, color), cosine);
+                    for k in 0..64 {
+                        let (u, v) = (k as f32 / 64.0, ((k * 29) % 64) as f32 / 64.0);
+                        let (wi, found) = glossy.sample(towards(cosine, 0.2), Vec3::Z, u, v);
+                        let weight = found.weight(limited(wi, Vec3::Z, Vec3::Z));
+                        assert!(
+                            weight.is_finite() && weight.min_element() >= 0.0 && weight.max_element() < 4.0,
+                            "{weight}"
+                        );
+                    }
+                    assert!(glossy.diffuse().is_finite() && (0.0..=1.0).contains(&glossy.specular_probability()));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_left_of_a_choice_is_uniform() {
+        let n = 1000;
+        let below: usize = (0..n).filter(|&k| rest_of((k as f32 + 0.5) / n as f32, 0.3) < 0.5).count();
+        assert!(below.abs_diff(n / 2) <= 2, "{below}");
+        assert!(rest_of(0.999_999_94, 0.3) < 1.0 && rest_of(0.0, 0.0) == 0.0);
+    }
+}

@@ -65,10 +65,10 @@ impl LightNode {
     #[inline]
     #[must_use]
     pub fn importance(&self, position: Vec3, normal: Vec3) -> f32 {
-        let axis = octahedral::unpack(self.axis);
+        let axis = || octahedral::unpack(self.axis);
         let [spread, emission] = [self.cone, self.cone >> 16].map(|half| f32::from(half as u16 as i16) / COSINE_STEPS);
         if self.radius < 0.0 {
-            return self.intensity * cosine_of_difference(normal.dot(axis), spread).max(0.0);
+            return self.intensity * cosine_of_difference(normal.dot(axis()), spread).max(0.0);
         }
         let gap = Vec3::from(self.center) - position;
         let squared = gap.length_squared();
@@ -81,8 +81,12 @@ impl LightNode {
         // Half angle under which the bounding sphere is seen.
         let seen = (1.0 - reach / squared).max(0.0).sqrt();
         let cosine = cosine_of_difference(normal.dot(direction), seen);
-        let off = cosine_of_difference(-axis.dot(direction), spread);
-        let emitted = cosine_of_difference(off, seen);
+        // Normals in all directions, as of point lights, need no axis.
+        let emitted = if spread > -1.0 {
+            cosine_of_difference(cosine_of_difference(-axis().dot(direction), spread), seen)
+        } else {
+            1.0
+        };
         if !(cosine > 0.0 && emitted > 0.0 && emitted >= emission) {
             return 0.0;
         }

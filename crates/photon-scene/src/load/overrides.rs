@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Materials, lights, an environment, cameras and quadrilaterals that change or extend a scene, read from TOML.
 ///
-/// A given albedo or tint replaces the texture of the base colour too, a given emission that of the emission.
+/// A given albedo or tint replaces the texture of the base colour too, a given metallic or roughness that of both, a given
+/// emission that of the emission.
 ///
 /// The format is described in the project's `docs/scene-files.md`.
 #[derive(Clone, Debug)]
@@ -145,7 +146,7 @@ impl Overrides {
         let (mut new_tint, mut new_absorption) = (with.tint, with.absorption);
         let mut new_priority = with.priority;
         let (mut new_metallic, mut new_roughness, mut new_specular) = (with.metallic, with.roughness, with.specular);
-        if with.metallic.is_some() || with.roughness.is_some() {
+        if with.metallic.is_some() || with.roughness.is_some() || kind != Kind::Glossy {
             desc.textures.metallic_roughness = None;
         }
         match &mut desc.surface {

@@ -19,7 +19,7 @@ use crate::mesh::Mesh;
 use crate::normalise::{Frame, Geometry};
 use crate::texture::{TextureDesc, TextureId, TextureRef};
 
-pub(crate) use self::fold::fold;
+pub(crate) use self::fold::{fold, simplest};
 #[cfg(feature = "files")]
 pub(crate) use self::normals::unit;
 pub(crate) use self::radiance::Radiances;

@@ -4,6 +4,7 @@ mod damage;
 mod file;
 mod fuzz;
 mod geometry;
+mod glossy;
 mod lights;
 mod materials;
 mod textures;

@@ -17,6 +17,8 @@ use crate::texture::{TextureId, TextureRef};
 pub(super) struct Images {
     decoded: HashMap<PathBuf, Result<Image, String>>,
     added: HashMap<(PathBuf, bool, bool), TextureId>,
+    /// Those of metal and roughness, by the paths of `map_Pr` and `map_Pm`, and whether they are clamped.
+    pub(super) combined: HashMap<(Option<PathBuf>, Option<PathBuf>, bool), TextureId>,
     pub(super) room: Room,
 }
 
@@ -52,9 +54,7 @@ impl Images {
                         report.approximated(subject, text);
                     }
                     let texture = builder.texture(image.texture(&map.file, bytes).wrapped(map.wrap()));
-                    if self.room.make(builder) {
-                        self.decoded.clear();
-                    }
+                    self.make_room(builder);
                     self.added.insert(key, texture);
                     texture
                 }
@@ -67,7 +67,14 @@ impl Images {
         Some(TextureRef { texture, uv_set: 0, transform: map.transform() })
     }
 
-    fn decode(&mut self, path: &Path, name: &str) -> Result<&Image, String> {
+    /// Keeps all textures of the scene within the memory that they may take up.
+    pub(super) fn make_room(&mut self, builder: &mut SceneBuilder) {
+        if self.room.make(builder) {
+            self.decoded.clear();
+        }
+    }
+
+    pub(super) fn decode(&mut self, path: &Path, name: &str) -> Result<&Image, String> {
         if leaves_folder(name) {
             return Err("it is outside the folder of the scene; put it into that folder or below it".to_owned());
         }

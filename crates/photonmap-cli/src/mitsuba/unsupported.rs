@@ -17,7 +17,12 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
         |index: u32| index.checked_sub(1).and_then(|index| view.shading.material_textures.get(index as usize));
     for (name, material) in scene.material_names().zip(view.materials) {
         let Some(textures) = textures(material.textures) else { continue };
-        let uses = [("base colour", textures.base_color), ("emission", textures.emission), ("normal", textures.normal)];
+        let uses = [
+            ("base colour", textures.base_color),
+            ("emission", textures.emission),
+            ("normal", textures.normal),
+            ("metallic-roughness", textures.metallic_roughness),
+        ];
         if let Some((slot, _)) = uses.into_iter().find(|(_, used)| *used != MaterialTextures::NONE) {
             return refused(
                 format!("the {slot} texture of material '{name}'"),

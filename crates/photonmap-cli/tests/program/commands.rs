@@ -16,6 +16,7 @@ fn scenes_are_listed() {
             "ring",
             "pool",
             "textures",
+            "gloss",
             "two-rooms",
             "furnace",
             "integrating-sphere",

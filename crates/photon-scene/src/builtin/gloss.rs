@@ -73,7 +73,7 @@ pub(super) fn gloss() -> SceneBuilder {
     scene.quad("ceiling light", [[-0.5, y, -0.5], [0.5, y, -0.5], [0.5, y, 0.3], [-0.5, y, 0.3]], area_light);
     let window = scene.material(MaterialDesc::emissive("window", [0.0; 3], [5.0, 6.5, 8.0]));
     let x = 0.01 - h;
-    scene.quad("window", [[x, 0.9, 1.2], [x, 0.9, 0.0], [x, 2.4, 0.0], [x, 2.4, 1.2]], window);
+    scene.quad("window", [[x, 0.9, 0.4], [x, 0.9, -1.0], [x, 2.4, -1.0], [x, 2.4, 0.4]], window);
 
     let half_metal =
         Surface::Glossy { base_color: [0.80, 0.45, 0.35], metallic: 0.5, roughness: 0.3, specular: 1.0, ior: 1.5 };

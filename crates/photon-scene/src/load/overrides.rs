@@ -120,8 +120,10 @@ impl Overrides {
     fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
         let kind = with.kind.unwrap_or(kind_of(&desc.surface));
         if kind != kind_of(&desc.surface) {
-            // A texture keeps its factor, and a sheet or solid that had one too.
-            let color = desc.textures.base_color.map(|_| color_of(&desc.surface));
+            // A texture keeps its factor, and a sheet or solid that had one too; diffuse and glossy surfaces their colour.
+            let has_base = |kind: Kind| matches!(kind, Kind::Lambert | Kind::Glossy);
+            let keeps = desc.textures.base_color.is_some() || has_base(kind) && has_base(kind_of(&desc.surface));
+            let color = keeps.then(|| color_of(&desc.surface));
             desc.surface = match kind {
                 Kind::Lambert => Surface::Lambert { albedo: color.unwrap_or([0.5; 3]) },
                 Kind::Mirror => Surface::Mirror { reflectance: color.unwrap_or([1.0; 3]) },

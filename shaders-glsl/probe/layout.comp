@@ -35,6 +35,7 @@ void main() {
         case 8u: COPY(Lights); break;
         case 9u: COPY(Cameras); break;
         case 10u: COPY(TextureUses); break;
-        default: COPY(MaterialTextureTable); break;
+        case 11u: COPY(MaterialTextureTable); break;
+        default: COPY(LightNodes); break;
     }
 }

@@ -9,7 +9,7 @@
 #include "shading/constants.glsl"
 
 layout(local_size_x_id = 1) in;
-layout(constant_id = 0) const uint FEATURES = FEATURE_ALL;
+layout(constant_id = 0) const uint FEATURES = FEATURE_ALL & ~FEATURE_LIGHT_TREE;
 
 #include "probe/probe.glsl"
 #include "shading/light_sampler.glsl"
@@ -31,6 +31,6 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     }
     if (FUNCTION == 4u) return Output(uvec4(light_of_triangle(scene, words.c.x), 0u, 0u, 0u), uvec4(0u));
     float share;
-    uint index = light_sampler_pick(scene, light_sampler, words.c.x, share);
+    uint index = light_sampler_pick(scene, light_sampler, words.c.xx, share);
     return floats(vec4(float(index), share, 0.0, 0.0), vec4(0.0));
 }

@@ -7,6 +7,7 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 
 layout(local_size_x_id = 1) in;
+const uint FEATURES = 0u;
 layout(constant_id = 3) const uint MEDIA = 1u;
 
 #include "probe/probe.glsl"

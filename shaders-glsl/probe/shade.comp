@@ -38,6 +38,8 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     hit.slot = slot;
     Material material = scene.materials[primitive.material].at;
     vec3 normal = shade(scene, at, hit, material);
-    if (FUNCTION == 4u) return floats(vec4(material.albedo, 0.0), vec4(material.emission, 0.0));
+    if (FUNCTION == 4u) {
+        return floats(vec4(material.albedo, material.roughness), vec4(material.emission, material.metallic));
+    }
     return floats(vec4(normal, 0.0), vec4(0.0));
 }

@@ -7,6 +7,7 @@
 #extension GL_EXT_scalar_block_layout : require
 
 layout(local_size_x_id = 1) in;
+const uint FEATURES = 0u;
 
 #include "probe/probe.glsl"
 #include "shading/scene.glsl"
@@ -18,7 +19,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     Hit best = Hit(ray.t_max, NO_PRIMITIVE, 0.0, 0.0, 0u);
     Sheared s;
     Corners corners = scene.corners;
-    if (sheared(ray, s)) test_triangle(corners, words.c.x, s, best);
+    if (sheared(ray, s)) test_triangle(scene, corners, words.c.x, s, 0u, best);
     if (best.primitive == NO_PRIMITIVE) return floats(vec4(0.0), vec4(0.0));
     return floats(vec4(best.t, best.u, best.v, 1.0), vec4(0.0));
 }

@@ -9,6 +9,8 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 
 layout(local_size_x_id = 1) in;
+// Of no scene: every surface counts as there.
+const uint FEATURES = 0u;
 
 #include "device/counter.glsl"
 #include "device/grid.glsl"
@@ -43,7 +45,7 @@ layout(push_constant, scalar) uniform Push {
 
 bool begin(uint index, out Walk walk) {
     Line line = push.lines[index].at;
-    return walk_begin(push.scene, Ray(line.origin, line.direction, line.t_max), walk);
+    return walk_begin(push.scene, Ray(line.origin, line.direction, line.t_max), 0u, walk);
 }
 
 void end(uint index, Hit hit) {
@@ -58,7 +60,7 @@ void main() {
         uint index = thread();
         if (index >= push.count) return;
         bool under_way = begin(index, walk);
-        while (under_way) under_way = walk_step(walk, SHADOW);
+        while (under_way) under_way = walk_step(push.scene, walk, SHADOW);
         end(index, walk.best);
         return;
     }
@@ -75,7 +77,7 @@ void main() {
             if (!under_way) end(index, walk.best);
         }
         while (under_way) {
-            under_way = walk_step(walk, SHADOW);
+            under_way = walk_step(push.scene, walk, SHADOW);
             if (!under_way) {
                 end(index, walk.best);
             } else if (subgroupBallotBitCount(subgroupBallot(true)) < BUSY) {

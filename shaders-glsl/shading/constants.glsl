@@ -7,9 +7,11 @@ const uint MATERIAL_LAMBERT = 0u;
 const uint MATERIAL_MIRROR = 1u;
 const uint MATERIAL_DIELECTRIC = 2u;
 const uint MATERIAL_THIN = 3u;
+const uint MATERIAL_GLOSSY = 4u;
 
 // Material::flags.
 const uint MATERIAL_EMITS_BOTH_SIDES = 1u;
+const uint MATERIAL_ALPHA = 2u;
 
 // Light::kind.
 const uint LIGHT_TRIANGLE = 0u;
@@ -47,8 +49,12 @@ const uint FEATURE_NORMAL_MAPS = 2048u;
 const uint FEATURE_VERTEX_COLORS = 4096u;
 const uint FEATURE_TEXTURED_LIGHTS = 8192u;
 const uint FEATURE_ENVIRONMENT = 16384u;
-const uint FEATURE_SPECULAR = 14u;
-const uint FEATURE_ALL = 32767u;
+const uint FEATURE_GLOSSY = 32768u;
+const uint FEATURE_ALPHA = 131072u;
+const uint FEATURE_LIGHT_TREE = 262144u;
+const uint FEATURE_THIN_LENS = 524288u;
+const uint FEATURE_SPECULAR = 32782u;
+const uint FEATURE_ALL = 983039u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;
@@ -81,6 +87,7 @@ const uint DOMAIN_AIMED = 5u;
 const uint BLOCK_LIGHT = 0u;
 const uint BLOCK_START = 1u;
 const uint BLOCK_SURFACES = 2u;
+const uint BLOCK_LIGHTS = 1073741824u;
 
 // Kernel::number.
 const uint KERNEL_CONSTANT = 0u;
@@ -137,6 +144,14 @@ const float AREA_OUTER = 0.75;
 const uint LIGHT_SAMPLER_MAX_LIGHTS = 16u;
 const float LIGHT_SAMPLER_DEFENSIVE_SHARE = 0.1;
 
+// light_tree.
+const uint LIGHT_TREE_WORDS = 3865470566u;
+const uint LIGHT_TREE_LEAF = 2147483648u;
+const float LIGHT_TREE_COSINE_STEPS = 32767.0;
+const float LIGHT_TREE_MIN_SQUARED = 9.094947017729282e-13;
+const uint LIGHT_TREE_MULTIPLIER = 1664525u;
+const uint LIGHT_TREE_INCREMENT = 1013904223u;
+
 // octahedral.
 const float OCTAHEDRAL_STEPS = 32767.0;
 
@@ -148,6 +163,18 @@ const float OFFSET_MAX_SLOPE = 0.0625;
 // shading_normal.
 const float SHADING_MAX_RATIO = 32.0;
 const float SHADING_MIN_COSINE = 0.0010000000474974513;
+
+// ggx.
+const float GGX_MIN_ALPHA = 0.0010000000474974513;
+
+// AlbedoTable.
+const uint ALBEDO_TABLE_SIZE = 32u;
+
+// glossy.
+const float GLOSSY_MIN_SHARE = 9.999999974752427e-7;
+const float GLOSSY_COAT_ROUGHNESS = 1023.0;
+const float GLOSSY_COAT_F0 = 4095.0;
+const float GLOSSY_COAT_F90 = 1023.0;
 
 // solid_angle.
 const float SOLID_ANGLE_NEAR = 32.0;

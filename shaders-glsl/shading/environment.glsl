@@ -86,6 +86,8 @@ EnvironmentInterval environment_interval(SceneRef scene, uint first, uint count,
 struct EnvironmentSample {
     vec3 direction;
     vec3 weight;
+    // Density per solid angle.
+    float pdf;
 };
 
 // The direction at a position within a cell, of `texels` texels from `first` on.
@@ -113,6 +115,12 @@ vec3 environment_weight(vec3 radiance, float extent, float share, float row, flo
     return weight;
 }
 
+float environment_density(float extent, float share, float row, float column) {
+    precise float solid_angle = 4.0 * 3.14159265 * extent * share;
+    precise float density = row * column / solid_angle;
+    return density;
+}
+
 // A direction for two random words.
 EnvironmentSample environment_sample(SceneRef scene, uvec2 words) {
     uint rows = scene.environment.rows_count, columns = scene.environment.columns;
@@ -128,7 +136,26 @@ EnvironmentSample environment_sample(SceneRef scene, uvec2 words) {
         cell.xyz, row.within, column.within, first, texels, span, scene.environment.rotation);
     found.weight = environment_weight(
         environment_radiance(scene, found.direction), cell.z, texels * span, cell.w, column.probability);
+    found.pdf = environment_density(cell.z, texels * span, cell.w, column.probability);
     return found;
+}
+
+// The density with which a direction is sampled.
+float environment_pdf(SceneRef scene, vec3 direction) {
+    uint width = scene.environment.width, height = scene.environment.height;
+    uint step = scene.environment.step_texels, columns = scene.environment.columns;
+    float from_centre = copysign(turns_of(abs(direction.x), -direction.z), direction.x);
+    float x = environment_place(environment_turns(from_centre, scene.environment.rotation), width);
+    uint column = (x < 0.0 ? width - 1u : min(uint(max(x, 0.0)), width - 1u)) / step;
+    precise float y = 2.0 * turns_of(environment_across(direction), direction.y) * float(height) + 0.5;
+    uint row = min(uint(y), height) / step;
+    vec4 cell = scene.environment.rows[row].at;
+    uint first = scene.environment.rows_count + row * columns;
+    uint start = scene.environment.starts[first + column].at;
+    uint end = column + 1u < columns ? scene.environment.starts[first + column + 1u].at : 0u;
+    float span = end == start ? 4294967296.0 : float(end - start);
+    precise float share = float(min((column + 1u) * step, width) - column * step) / float(width);
+    return environment_density(cell.z, share, cell.w, span * (1.0 / 4294967296.0));
 }
 
 #endif

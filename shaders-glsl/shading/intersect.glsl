@@ -116,13 +116,13 @@ float plane_distance(vec3 a, vec3 b, vec3 c, vec3 shear, float other) {
     return along != 0.0 ? away / along : other;
 }
 
-// Replaces `best` if the triangle is nearer, or at the same distance with a lower index. Both sides are hit;
-// edges and vertices belong to every triangle that has them.
+// Replaces `best` if the triangle is nearer, or at the same distance with a lower index, and if it is there for the
+// random word `word` (see alpha.glsl). Both sides are hit; edges and vertices belong to every triangle that has them.
 //
 // Distances to triangles around the origin are computed from their planes: as weighted means of the vertices'
 // distances, those of slivers would have errors larger than the offset of rays from surfaces, so that a ray
 // would hit the triangle that it just left.
-void test_triangle(Corners table, uint slot, Sheared s, inout Hit best) {
+void test_triangle(SceneRef scene, Corners table, uint slot, Sheared s, uint word, inout Hit best) {
     Corners corners = table[slot];
     vec4 first = corners.a;
     vec4 second = corners.b;
@@ -154,6 +154,7 @@ void test_triangle(Corners table, uint slot, Sheared s, inout Hit best) {
     uint primitive = floatBitsToUint(first.w);
     if (t >= 0.0 && (t < best.t || t == best.t && primitive < best.primitive)) {
         precise vec2 weights = vec2(v, w) / determinant;
+        if (ALPHA && floatBitsToUint(third.w) != 0u && !alpha_is_there(scene, slot, primitive, weights, word)) return;
         best = Hit(t, primitive, weights.x, weights.y, slot);
     }
 }
@@ -195,6 +196,8 @@ struct Walk {
     uvec2 group;
     // Number of groups on the stack.
     uint waiting;
+    // The ray's random word for surfaces with alpha.
+    uint word;
     Hit best;
 };
 
@@ -222,8 +225,9 @@ void pop_group(inout Walk walk) {
     }
 }
 
-// Initializes the traversal at the root. Returns false if there is nothing that the ray can hit.
-bool walk_begin(SceneRef scene, Ray ray, out Walk walk) {
+// Initializes the traversal at the root. Returns false if there is nothing that the ray can hit. `word` is the ray's
+// random word for surfaces with alpha.
+bool walk_begin(SceneRef scene, Ray ray, uint word, out Walk walk) {
     walk.nodes = scene.nodes;
     walk.corners = scene.corners;
     walk.best = Hit(min(ray.t_max, NO_LIMIT), NO_PRIMITIVE, 0.0, 0.0, 0u);
@@ -234,12 +238,13 @@ bool walk_begin(SceneRef scene, Ray ray, out Walk walk) {
     // The root is alone in its group.
     walk.group = uvec2(0u, 0x80000000u);
     walk.waiting = 0u;
+    walk.word = word;
     return sheared(ray, walk.sheared) && scene.triangles != 0u;
 }
 
 // Visits a node and its triangles. Returns false if that was the last one; with `shadow`, any hit suffices, and
 // the first one found ends the traversal.
-bool walk_step(inout Walk walk, const bool shadow) {
+bool walk_step(SceneRef scene, inout Walk walk, const bool shadow) {
     uint bit = uint(findMSB(walk.group.y));
     walk.group.y &= ~(1u << bit);
     uint slot = (bit - 24u) ^ walk.octant;
@@ -277,7 +282,7 @@ bool walk_step(inout Walk walk, const bool shadow) {
     while (triangles != 0u) {
         uint lowest = uint(findLSB(triangles));
         triangles &= triangles - 1u;
-        test_triangle(walk.corners, first.y + lowest, walk.sheared, walk.best);
+        test_triangle(scene, walk.corners, first.y + lowest, walk.sheared, walk.word, walk.best);
         if (shadow && walk.best.primitive != NO_PRIMITIVE) return false;
     }
     walk.group = uvec2(first.x, (hits & 0xFF000000u) | head.w >> 24);
@@ -288,20 +293,20 @@ bool walk_step(inout Walk walk, const bool shadow) {
 }
 
 // The nearest hit up to `ray.t_max`, on either side of a triangle; of several at the same distance, the one
-// with the lowest index.
-bool nearest(SceneRef scene, Ray ray, out Hit hit) {
+// with the lowest index. `word` is a random word, for surfaces with alpha.
+bool nearest(SceneRef scene, Ray ray, uint word, out Hit hit) {
     Walk walk;
-    bool under_way = walk_begin(scene, ray, walk);
-    while (under_way) under_way = walk_step(walk, false);
+    bool under_way = walk_begin(scene, ray, word, walk);
+    while (under_way) under_way = walk_step(scene, walk, false);
     hit = walk.best;
     return hit.primitive != NO_PRIMITIVE;
 }
 
-// Whether anything is hit up to `ray.t_max`.
-bool occluded(SceneRef scene, Ray ray) {
+// Whether anything is hit up to `ray.t_max`; `word` as for `nearest`.
+bool occluded(SceneRef scene, Ray ray, uint word) {
     Walk walk;
-    bool under_way = walk_begin(scene, ray, walk);
-    while (under_way) under_way = walk_step(walk, true);
+    bool under_way = walk_begin(scene, ray, word, walk);
+    while (under_way) under_way = walk_step(scene, walk, true);
     return walk.best.primitive != NO_PRIMITIVE;
 }
 

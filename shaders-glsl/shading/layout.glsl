@@ -1,4 +1,4 @@
-// The records of photon-core (layout.rs, material.rs, medium.rs, light.rs, camera.rs), member by member: offsets are checked against the SPIR-V.
+// The records of photon-core (layout.rs, material.rs, medium.rs, light.rs, light_tree.rs, camera.rs), member by member: offsets are checked against the SPIR-V.
 // `Photons p` is the address of an array; its element i is `p[i].at`.
 #ifndef LAYOUT_GLSL
 #define LAYOUT_GLSL
@@ -29,7 +29,7 @@ struct Query {
     uint wo;
     uint path;
     uint shading_normal;
-    uint reserved;
+    uint coat;
 };
 
 struct Estimate {
@@ -65,7 +65,11 @@ struct Material {
     uint medium;
     float ior;
     uint textures;
-    uint reserved[5];
+    float metallic;
+    float roughness;
+    float specular;
+    float alpha;
+    float alpha_cutoff;
 };
 
 struct Medium {
@@ -94,9 +98,9 @@ struct Camera {
     vec3 forward;
     uint media;
     vec3 right;
-    uint reserved2;
+    float lens_radius;
     vec3 up;
-    uint reserved3;
+    float focus_distance;
 };
 
 struct TextureUse {
@@ -110,7 +114,18 @@ struct MaterialTextures {
     uint emission;
     uint normal;
     float normal_scale;
-    uint reserved[12];
+    uint metallic_roughness;
+    uint alpha;
+    uint reserved[10];
+};
+
+struct LightNode {
+    vec3 center;
+    float radius;
+    float intensity;
+    uint axis;
+    uint cone;
+    uint next;
 };
 
 // Every record is a multiple of 16 bytes long, and every buffer begins at a multiple of 16.
@@ -125,6 +140,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Media { Med
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Lights { Light at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Cameras { Camera at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TextureUses { TextureUse at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer LightNodes { LightNode at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MaterialTextureTable { MaterialTextures at; };
 
 #endif

@@ -4,16 +4,21 @@
 
 #include "shading/constants.glsl"
 #include "shading/layout.glsl"
+#include "shading/light_tree.glsl"
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
 #include "shading/solid_angle.glsl"
 
 const uint NO_LIGHT = 0xFFFFFFFFu;
 
-// Cumulative probabilities of the lights at one query; if the count is 0, lights are chosen by power alone.
+// Cumulative probabilities of the lights at one query; if the count is 0, lights are chosen by the light tree if there
+// is one, otherwise by power alone.
 struct LightSampler {
     float cdf[LIGHT_SAMPLER_MAX_LIGHTS];
     uint count;
+    // Only read if there is a light tree.
+    vec3 position;
+    vec3 normal;
 };
 
 // Approximate unoccluded irradiance from a light, mean of RGB; 0 only where it is 0, or where the query lies in
@@ -61,6 +66,8 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
 LightSampler light_sampler_at(SceneRef scene, uint lights, vec3 position, vec3 normal) {
     LightSampler light_sampler;
     light_sampler.count = 0;
+    light_sampler.position = position;
+    light_sampler.normal = normal;
     float total = 0.0;
     for (uint i = 0; i < lights; i++) {
         light_sampler.cdf[i] = weigh(scene, i, position, normal);
@@ -76,8 +83,10 @@ LightSampler light_sampler_at(SceneRef scene, uint lights, vec3 position, vec3 n
     return light_sampler;
 }
 
-// Returns a light, and its probability in `share`.
-uint light_sampler_pick(SceneRef scene, LightSampler light_sampler, uint random, out float share) {
+// Picks a light by a random word, which a light tree extends by a second one. Returns it, and its probability in `share`.
+uint light_sampler_pick(SceneRef scene, LightSampler light_sampler, uvec2 words, out float share) {
+    if (LIGHT_TREE) return light_tree_pick(scene, light_sampler.position, light_sampler.normal, words, share);
+    uint random = words.x;
     if (light_sampler.count == 0) {
         uint index = pick_light(scene, random);
         share = scene.emissions[index].at.probability;
@@ -98,6 +107,7 @@ uint light_sampler_pick(SceneRef scene, LightSampler light_sampler, uint random,
 
 // The probability with which light_sampler_pick returns light `index`.
 float light_sampler_probability(SceneRef scene, LightSampler light_sampler, uint index) {
+    if (LIGHT_TREE) return light_tree_probability(scene, light_sampler.position, light_sampler.normal, index);
     if (light_sampler.count == 0) return scene.emissions[index].at.probability;
     float before = index == 0 ? 0.0 : light_sampler.cdf[index - 1];
     return (light_sampler.cdf[index] - before) / light_sampler.cdf[light_sampler.count - 1];

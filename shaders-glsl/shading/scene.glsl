@@ -25,7 +25,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Wi
     uvec4 words[5];
 };
 
-// A triangle, in BVH order: three vertices; `w` of the first is its index, of the second its margin.
+// A triangle, in BVH order: three vertices; `w` of the first is its index, of the second its margin, of the third whether
+// its material has alpha.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Corners {
     vec4 a;
     vec4 b;
@@ -56,6 +57,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CornerWords 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CornerColors { uvec2 a; uvec2 b; uvec2 c; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uvs { vec2 a; vec2 b; vec2 c; };
 
+// Directional albedos of glossy surfaces.
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Vec2s { vec2 at; };
+
 // Vertex attributes and textures; those of triangles are in BVH order.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef {
     CornerWords normals;
@@ -66,8 +70,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     TextureUses uses;
     Textures textures;
     ByteValues values;
+    Vec2s albedos;
     uint has_normals;
-    uint reserved[3];
+    uint reserved;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };
@@ -85,6 +90,14 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer En
     float rotation;
 };
 
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LightTrails { uvec2 at; };
+
+// A tree over many lights: its nodes, and the path from the root to the leaf of each light.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LightTreeRef {
+    LightNodes nodes;
+    LightTrails trails;
+};
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
     WideNodes nodes;
     Corners corners;
@@ -100,9 +113,11 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     ShadingRef shading;
     // 0 in a scene without one.
     EnvironmentRef environment;
-    uint reserved[2];
+    // 0 in a scene of few lights.
+    LightTreeRef light_tree;
 };
 
+#include "shading/alpha.glsl"
 #include "shading/intersect.glsl"
 
 // A surface point hit by a ray.
@@ -142,10 +157,10 @@ Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     return found;
 }
 
-// The nearest surface along a ray.
-bool surface(SceneRef scene, Ray ray, out Surface found) {
+// The nearest surface along a ray; `word` as for `nearest`.
+bool surface(SceneRef scene, Ray ray, uint word, out Surface found) {
     Hit hit;
-    if (!nearest(scene, ray, hit)) return false;
+    if (!nearest(scene, ray, word, hit)) return false;
     found = surface_of(scene, ray.direction, hit);
     return true;
 }

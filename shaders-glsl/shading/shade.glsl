@@ -12,6 +12,9 @@ const bool TEXTURES = (FEATURES & FEATURE_TEXTURES) != 0u;
 const bool SHADING_NORMALS = (FEATURES & FEATURE_SHADING_NORMALS) != 0u;
 const bool NORMAL_MAPS = (FEATURES & FEATURE_NORMAL_MAPS) != 0u;
 const bool VERTEX_COLORS = (FEATURES & FEATURE_VERTEX_COLORS) != 0u;
+const bool GLOSSY = (FEATURES & FEATURE_GLOSSY) != 0u;
+// Whether specular surfaces see a normal that is bent towards the ray.
+const bool BENT_NORMALS = SHADING_NORMALS || GLOSSY;
 const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS;
 const bool TEXTURED_LIGHTS = (FEATURES & FEATURE_TEXTURED_LIGHTS) != 0u;
 
@@ -20,32 +23,10 @@ vec3 shade_interpolate(vec3 a, vec3 b, vec3 c, vec3 weights) {
     return sum;
 }
 
-vec2 shade_uv(vec2 a, vec2 b, vec2 c, vec3 weights) {
-    precise vec2 sum = a * weights.x + b * weights.y + c * weights.z;
-    return sum;
-}
-
-vec2 shade_transform(TextureUse used, vec2 uv) {
-    precise vec2 moved = vec2(
-        used.transform[0].x * uv.x + used.transform[0].y * uv.y + used.transform[0].z,
-        used.transform[1].x * uv.x + used.transform[1].y * uv.y + used.transform[1].z);
-    return moved;
-}
-
-vec3 shade_weights(float u, float v) {
-    precise float first = 1.0 - u - v;
-    return vec3(first, u, v);
-}
-
 // Red, green and blue of the texture of a use; 1 for NO_TEXTURE. `slot` is the triangle's position in the tables.
 vec3 shade_sample(SceneRef scene, uint index, uint slot, vec3 weights) {
     if (index == NO_TEXTURE) return vec3(1.0);
-    TextureUse used = scene.shading.uses[index].at;
-    Uvs uvs = scene.shading.uvs + int(used.uv_set * scene.triangles + slot);
-    vec2 uv = shade_uv(uvs.a, uvs.b, uvs.c, weights);
-    Texture image = scene.shading.textures[used.texture_index].at;
-    ByteValues values = scene.shading.values;
-    return texture_lookup(image, values, shade_transform(used, uv)).xyz;
+    return texel_at(scene, index, slot, weights).xyz;
 }
 
 vec3 shade_color(uvec2 packed) {
@@ -80,7 +61,7 @@ vec3 shade_mapped_normal(SceneRef scene, uint slot, vec3 weights, vec3 normal, v
 
 // Evaluates the surface `at` of a hit: replaces the colours of `material`, and returns the shading normal.
 vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material) {
-    vec3 weights = shade_weights(hit.u, hit.v);
+    vec3 weights = texel_weights(hit.u, hit.v);
     uint slot = hit.slot;
     if (VERTEX_COLORS) {
         CornerColors colors = scene.shading.colors + int(slot);
@@ -105,6 +86,12 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material) {
                 shade_multiply(material.albedo, shade_sample(scene, textures.base_color, slot, weights));
             material.emission =
                 shade_multiply(material.emission, shade_sample(scene, textures.emission, slot, weights));
+            if (GLOSSY && textures.metallic_roughness != NO_TEXTURE) {
+                vec3 texel = shade_sample(scene, textures.metallic_roughness, slot, weights);
+                vec3 scaled = shade_multiply(vec3(0.0, material.roughness, material.metallic), texel);
+                material.roughness = scaled.y;
+                material.metallic = scaled.z;
+            }
         }
         if (NORMAL_MAPS && textures.normal != NO_TEXTURE) {
             vec3 texel = shade_sample(scene, textures.normal, slot, weights);
@@ -131,13 +118,16 @@ vec3 shade_ratios(vec3 emission, vec3 power, float sides, float area) {
     return vec3(shade_ratio(flux.x, power.x), shade_ratio(flux.y, power.y), shade_ratio(flux.z, power.z));
 }
 
-// Ratio of the radiance that an area light emits at barycentric coordinates (u, v) to its mean.
+// Ratio of the radiance that an area light emits at barycentric coordinates (u, v) to its mean; alpha multiplies it.
 vec3 shade_emission_ratio(SceneRef scene, Light light, uint slot, float u, float v) {
     Material material = scene.materials[scene.primitives[slot].at.material].at;
     vec3 emission = material.emission;
     if (material.textures != 0u) {
         uint used = scene.shading.material_textures[material.textures - 1u].at.emission;
-        emission = shade_multiply(emission, shade_sample(scene, used, slot, shade_weights(u, v)));
+        emission = shade_multiply(emission, shade_sample(scene, used, slot, texel_weights(u, v)));
+    }
+    if (ALPHA && (material.flags & MATERIAL_ALPHA) != 0u) {
+        emission = shade_multiply(emission, vec3(alpha_coverage_at(scene, material, slot, u, v)));
     }
     return shade_ratios(emission, light.power, (light.flags & LIGHT_BOTH_SIDES) != 0u ? 2.0 : 1.0, light.area);
 }

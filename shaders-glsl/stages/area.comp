@@ -15,6 +15,10 @@ layout(constant_id = 3) const uint FLAT = 0;
 // out.
 layout(constant_id = 4) const uint SECOND = 0;
 
+// Probes find all surfaces that may be there: the photons stored on those that are there with a probability stand for all
+// that arrive.
+#define ALPHA_EXTENT
+
 #include "shading/area.glsl"
 #include "shading/constants.glsl"
 #include "device/grid.glsl"
@@ -47,7 +51,7 @@ layout(push_constant, scalar) uniform Push {
 bool opaque(Ray ray, out Surface found) {
     float passed = 0.0;
     for (uint sheet = 0; sheet <= AREA_SHEETS; sheet++) {
-        if (!surface(push.scene, ray, found)) return false;
+        if (!surface(push.scene, ray, 0u, found)) return false;
         if ((FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) == 0) return true;
         uint kind = push.scene.materials[found.material].at.kind;
         float gone = found.t;
@@ -103,7 +107,9 @@ void main() {
             float away = probe.x * radius;
             if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
             Material material = push.scene.materials[at.material].at;
-            bool keeps = material.kind == MATERIAL_LAMBERT && material.albedo != vec3(0.0);
+            bool keeps = material.kind == MATERIAL_LAMBERT
+                || (material.kind == MATERIAL_GLOSSY && (material.metallic < 1.0 || material.textures != 0u));
+            keeps = keeps && material.albedo != vec3(0.0);
             if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
             if (FLAT != 0) {
                 float off = abs(dot3(at.point - push.queries[i].at.position, normal));

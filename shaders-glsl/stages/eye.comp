@@ -15,6 +15,10 @@ layout(constant_id = 3) const uint PATHS_LOG2 = 2;
 // Neighbouring invocations process tiles of 32 pixels; log2 of the number of rows of a tile.
 layout(constant_id = 4) const uint TILE_ROWS_LOG2 = 2;
 layout(constant_id = 5) const uint MEDIA = 1;
+// Number of lights that are weighted at each glossy surface; 0 if lights are chosen by power alone.
+layout(constant_id = 6) const uint WEIGHED = 0;
+// Camera rays that hit nothing do not see the environment.
+layout(constant_id = 7) const bool HIDES_BACKGROUND = false;
 
 #include "shading/bsdf.glsl"
 #include "shading/constants.glsl"
@@ -26,6 +30,9 @@ layout(constant_id = 5) const uint MEDIA = 1;
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
 #include "shading/environment.glsl"
+#include "shading/glossy.glsl"
+
+const bool THIN_LENS = (FEATURES & FEATURE_THIN_LENS) != 0u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
@@ -57,6 +64,11 @@ struct Path {
     uint splits;
     // Index of this path among the pixel's paths; a key of random numbers.
     uint branch;
+    // The glossy surface that it left last, if nothing specular lies between: density of the direction, or 0; position;
+    // geometric normal.
+    float reflected_pdf;
+    vec3 reflected_position;
+    vec3 reflected_normal;
 };
 
 uvec4 words(uint pixel, uint branch, uint block) {
@@ -73,6 +85,19 @@ Ray camera_ray(float x, float y) {
     }
     precise vec3 towards = camera.forward + offset;
     return Ray(camera.origin, normalize_or(towards, camera.forward), NO_LIMIT);
+}
+
+// The ray through a point of the image and a uniformly distributed point of the lens: all rays through a point of the
+// image meet in the plane that is in focus.
+Ray lens_ray(float x, float y, uvec2 random) {
+    Camera camera = push.camera.at;
+    vec2 point = sampling_disc(unit_f32(random.x), unit_f32(random.y));
+    vec3 right = normalize_or(camera.right, vec3(0.0));
+    vec3 up = normalize_or(camera.up, vec3(0.0));
+    precise vec3 lens = (right * point.x + up * point.y) * camera.lens_radius;
+    precise vec3 towards = camera.forward + (camera.right * x + camera.up * y) - lens / camera.focus_distance;
+    precise vec3 origin = camera.origin + lens;
+    return Ray(origin, normalize_or(towards, camera.forward), NO_LIMIT);
 }
 
 // Continues the path from `at`; if it splits there, the other path is returned in `other`.
@@ -92,6 +117,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
             other.throughput = share;
             other.branch |= 1u << path.splits;
             other.splits++;
+            other.reflected_pdf = 0.0;
             lobe = LOBE_SPECULAR_TRANSMISSION;
         } else {
             uvec4 choice = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
@@ -101,6 +127,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
     vec3 onward = bsdf_direction(bsdf, lobe, path.ray.direction, normal, 0.0, 0.0);
     if (SHADING_NORMALS) onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
     path.throughput *= bsdf_weight(bsdf, lobe);
+    path.reflected_pdf = 0.0;
     if (lobe == LOBE_SPECULAR_TRANSMISSION) {
         path.ray = surface_pass(at, onward);
         path.media = transmitted;
@@ -115,6 +142,19 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
     return split;
 }
 
+// Adds a query at a surface point, unless it has no effect.
+void leave_query(Path path, uint pixel, Surface at, vec3 normal, uint media, vec3 throughput, uint coat, inout uint found) {
+    if (throughput == vec3(0.0)) return;
+    uint key = (pixel << PATHS_LOG2) + path.branch;
+    // Moved away from edges, next to which rounding might put it behind the adjacent wall, out of its shadow.
+    push.found[(pixel << MAX_SPLITS) + found].at = Query(
+        at.start, 1.0, at.normal, pixel, throughput, media, octahedral_pack(-path.ray.direction), key,
+        SHADING_NORMALS ? octahedral_pack(normal) : 0u, coat);
+    found++;
+}
+
+#include "stages/eye_glossy.glsl"
+
 void main() {
     const uint columns_log2 = 5 - TILE_ROWS_LOG2;
     uint tile = thread() >> 5;
@@ -127,7 +167,10 @@ void main() {
     uvec4 jitter = words(pixel, 0, BLOCK_START);
     precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
     precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
-    Path path = Path(camera_ray(across, -down), vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0);
+    Ray ray;
+    if (THIN_LENS) ray = lens_ray(across, -down, jitter.zw);
+    else ray = camera_ray(across, -down);
+    Path path = Path(ray, vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0));
 
     // No path splits more than twice, so that at most two wait.
     Path waiting[2];
@@ -137,18 +180,16 @@ void main() {
     bool alive = true;
     while (alive) {
         Hit hit;
-        alive = nearest(push.scene, path.ray, hit);
+        uint word = 0u;
+        if (ALPHA) word = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces).w;
+        alive = nearest(push.scene, path.ray, word, hit);
         bool escaped = !alive;
         if (alive) {
             Surface at = surface_of(push.scene, path.ray.direction, hit);
             Material material = push.scene.materials[at.material].at;
             vec3 normal = at.normal;
-            if (SHADED) {
-                normal = shade(push.scene, at, hit, material);
-                if (SHADING_NORMALS && material.kind != MATERIAL_LAMBERT) {
-                    shade_specular(at, path.ray.direction, normal);
-                }
-            }
+            if (SHADED) normal = shade(push.scene, at, hit, material);
+            if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
             if (path.surfaces == 0) {
                 FirstPass first = push.first + pixel;
                 first.normal = normal;
@@ -164,37 +205,45 @@ void main() {
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
                 vec3 throughput = path.throughput;
                 if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                if (GLOSSY && path.reflected_pdf > 0.0) {
+                    throughput *= found_share(path, light_of_triangle(push.scene, hit.primitive), at.t);
+                }
                 emission += throughput * material.emission;
             }
-            Bsdf bsdf = bsdf_new(material, at.cosine, sides);
-            if (bsdf.kind == MATERIAL_LAMBERT) {
-                vec3 throughput = path.throughput;
-                if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
-                throughput = throughput * bsdf.albedo * 0.318309886;
-                if (throughput != vec3(0.0)) {
-                    uint key = (pixel << PATHS_LOG2) + path.branch;
-                    // Moved away from edges, next to which rounding might put it behind the adjacent wall, out
-                    // of its shadow.
-                    push.found[(pixel << MAX_SPLITS) + found].at = Query(
-                        at.start, 1.0, at.normal, pixel, throughput, sides.before,
-                        octahedral_pack(-path.ray.direction), key,
-                        SHADING_NORMALS ? octahedral_pack(normal) : 0u, 0u);
-                    found++;
-                }
-                alive = false;
+            if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
+                vec3 seen = path.throughput;
+                if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                Glossy glossy = glossy_new(push.scene, material, at.cosine);
+                emission += seen * light_reflection(path, pixel, at, normal, sides.before, glossy);
+                alive = reflect_path(path, pixel, at, normal, sides.before, glossy, seen, found);
             } else {
-                path.surfaces++;
-                alive = path.surfaces < push.max_bounces;
-                Path other;
-                if (alive && go_on(path, other, pixel, at, normal, bsdf, sides.transmitted)) {
-                    waiting[waits] = other;
-                    waits++;
+                Bsdf bsdf = bsdf_new(material, at.cosine, sides);
+                if (bsdf.kind == MATERIAL_LAMBERT) {
+                    vec3 throughput = path.throughput;
+                    if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                    throughput = throughput * bsdf.albedo * 0.318309886;
+                    leave_query(path, pixel, at, normal, sides.before, throughput, 0u, found);
+                    alive = false;
+                } else {
+                    path.surfaces++;
+                    alive = path.surfaces < push.max_bounces;
+                    Path other;
+                    if (alive && go_on(path, other, pixel, at, normal, bsdf, sides.transmitted)) {
+                        waiting[waits] = other;
+                        waits++;
+                    }
                 }
             }
         }
-        if (ENVIRONMENT && escaped) {
+        if (ENVIRONMENT && escaped && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
+            if (GLOSSY && path.reflected_pdf > 0.0) {
+                // It is among the last lights.
+                uint index = push.scene.light_count;
+                while (index > 0u && push.scene.lights[index - 1u].at.kind != LIGHT_ENVIRONMENT) --index;
+                throughput *= found_share(path, index > 0u ? index - 1u : NO_LIGHT, 0.0);
+            }
             emission += throughput * environment_radiance(push.scene, path.ray.direction);
         }
         if (!alive && waits > 0) {
@@ -204,7 +253,7 @@ void main() {
         }
     }
     push.counts[pixel].at = found;
-    if ((FEATURES & (FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT)) != 0 && emission != vec3(0.0)) {
+    if ((FEATURES & (FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_GLOSSY)) != 0 && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
             Planes place = film_place(push.emission, c, push.width * push.height, pixel);
             place.at += emission[c];

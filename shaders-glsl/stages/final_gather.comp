@@ -20,6 +20,7 @@ layout(constant_id = 2) const uint MEDIA = 1;
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
+#include "shading/glossy.glsl"
 #include "shading/shade.glsl"
 
 layout(push_constant, scalar) uniform Push {
@@ -61,26 +62,45 @@ void main() {
     if (SHADING_NORMALS) {
         throughput = vec3(min(shading_cosine(direction, normal, axis) / max(dot3(direction, axis), 1.17549435e-38), 1.0));
     }
+    if (GLOSSY) throughput *= glossy_entering(push.scene, push.queries[from].at.coat, dot3(direction, axis));
     bool counts = throughput.x > 0.0;
     uint start = GLASS ? push.queries[from].at.media : VACUUM;
     uint media = start;
     Query landing =
         Query(vec3(NOWHERE), 1.0, normal, from, vec3(0.0), 0u, 0u, key, 0u, 0u);
     Hit hit;
-    for (uint bounce = 1; counts && bounce <= push.max_bounces && nearest(push.scene, ray, hit); bounce++) {
+    for (uint bounce = 1; counts && bounce <= push.max_bounces; bounce++) {
+        uint word = 0u;
+        if (ALPHA) word = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed).w;
+        if (!nearest(push.scene, ray, word, hit)) break;
         Surface at = surface_of(push.scene, ray.direction, hit);
         Material material = push.scene.materials[at.material].at;
         vec3 facing = at.normal;
         if (SHADED) {
             facing = shade(push.scene, at, hit, material);
-            if (SHADING_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, ray.direction, facing);
         }
+        if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, ray.direction, facing);
         Interface sides = media_interface(push.scene, material, at.front, media);
         if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
             throughput *= transmittance(push.scene, sides.before, at.t);
         }
         Bsdf bsdf = bsdf_new(material, at.cosine, sides);
         uint lobe = bsdf_choose(bsdf, 0.0);
+        if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
+            Glossy glossy = glossy_new(push.scene, material, at.cosine);
+            uvec4 choice = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
+            float first = glossy.specular_probability;
+            if (unit_f32(choice.x) < first) {
+                vec3 onward;
+                Reflected reflected = glossy_sample(
+                    push.scene, glossy, -ray.direction, facing, unit_f32(choice.y), unit_f32(choice.z), onward);
+                throughput *= glossy_weight(reflected, glossy_limited(onward, at.normal, facing) / first);
+                if (throughput == vec3(0.0)) break;
+                ray = surface_leave(at, onward);
+                continue;
+            }
+            bsdf.albedo = glossy.diffuse / (1.0 - first);
+        }
         if (bsdf_splits(bsdf)) {
             uvec4 choice = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
             lobe = bsdf_choose(bsdf, unit_f32(choice.x));

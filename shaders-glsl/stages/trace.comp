@@ -34,6 +34,7 @@ layout(constant_id = 7) const uint MEDIA = 1;
 #include "shading/octahedral.glsl"
 #include "shading/random.glsl"
 #include "shading/scene.glsl"
+#include "shading/glossy.glsl"
 #include "shading/shade.glsl"
 #include "stages/tally.glsl"
 
@@ -108,14 +109,19 @@ vec3 tinted(vec3 power, vec3 by) {
     return left;
 }
 
-// Russian roulette by the brightest channel; returns false if the photon is absorbed. With shading normals, weights
-// may be above 1.
+vec3 over(vec3 power, float share) {
+    precise vec3 left = power / share;
+    return left;
+}
+
+// Russian roulette by the brightest channel; returns false if the photon is absorbed. With shading normals and at
+// glossy surfaces, weights may be above 1.
 bool russian_roulette(inout vec3 power, vec3 weight, float choice) {
     precise vec3 next = power * weight;
     precise float chance = greatest(next) / greatest(power);
     // Comparisons with NaN (0/0) are false.
     if (!(choice < chance) || is_nan(chance)) return false;
-    if (SHADING_NORMALS) chance = min(chance, 1.0);
+    if (SHADING_NORMALS || GLOSSY) chance = min(chance, 1.0);
     precise vec3 left = next / chance;
     power = left;
     return true;
@@ -144,6 +150,12 @@ struct Path {
     bool too_deep;
     uint stored[MAP_COUNT];
 };
+
+// The path's random word for surfaces with alpha.
+uint layer(Path path) {
+    if (!ALPHA) return 0u;
+    return sampler_words(path.numbers, BLOCK_SURFACES + path.bounce).w;
+}
 
 Path begin(uint number) {
     Path path;
@@ -199,7 +211,8 @@ uint stored_in(uint stored[MAP_COUNT], uint map) {
     return count;
 }
 
-void store(inout Path path, Surface at) {
+// Where a surface is there for a share of the photons, its coverage, each stands for those that passed.
+void store(inout Path path, Surface at, vec3 power, float coverage) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
     uint ordinal = stored_in(path.stored, map);
@@ -208,7 +221,7 @@ void store(inout Path path, Surface at) {
         Photon photon;
         photon.position = at.point;
         photon.direction = octahedral_pack(-path.ray.direction);
-        photon.power = path.power;
+        photon.power = ALPHA ? over(power, coverage) : power;
         photon.normal = octahedral_pack(at.normal);
         push.photons[place].at = photon;
         push.owners[place].at = uvec2(path.index, ordinal << MAP_BITS | map);
@@ -222,28 +235,66 @@ bool is_sane(Path path) {
         && greatest(abs(path.power)) <= FATE_MAX_POWER;
 }
 
+// Continues a path at a glossy surface: stores a photon for the base, and follows the base or the reflection.
+uint step_glossy(
+    inout Path path, Surface at, vec3 normal, Material material, bool stores, float coverage, float choice, float u, float v
+) {
+    Glossy glossy = glossy_new(push.scene, material, at.cosine);
+    if (stores && !(AIMED && path.bounce == 0u)) {
+        store(path, at, tinted(path.power, vec3(glossy_entering(push.scene, glossy.coat, at.cosine))), coverage);
+    }
+    ++path.bounce;
+    float first = glossy.specular_probability;
+    vec3 incoming = path.ray.direction;
+    vec3 onward, weight;
+    if (choice < first) {
+        Reflected reflected = glossy_sample(push.scene, glossy, -incoming, normal, u, v, onward);
+        bool above = dot3(onward, at.normal) > 0.0 && dot3(incoming, at.normal) < 0.0;
+        precise float factor = shading_specular_factor(incoming, onward, at.normal, normal) / first;
+        weight = glossy_weight(reflected, above ? factor : 0.0);
+    } else {
+        if (AIMED) return FATE_TERMINATED;
+        path.specular_only = false;
+        onward = cosine_hemisphere(at.normal, u, v);
+        float ratio = shading_cosine_ratio(-incoming, at.normal, normal);
+        precise float factor =
+            glossy_entering(push.scene, glossy.coat, dot3(onward, normal)) * ratio / (1.0 - first);
+        weight = tinted(glossy.diffuse, vec3(factor));
+    }
+    if (!russian_roulette(path.power, weight, glossy_rest(choice, first))) return FATE_ABSORBED;
+    path.ray = surface_leave(at, onward);
+    return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
+}
+
 // Processes one surface; returns how the path ended there, or FATE_NONE.
 uint step_path(inout Path path, Hit hit) {
     if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
     Surface at = surface_of(push.scene, path.ray.direction, hit);
     Material material = push.scene.materials[at.material].at;
     // Where no texture is black, photons are stored, so that estimates beside black texels have all of theirs.
-    bool stores = material.albedo != vec3(0.0);
+    bool stores = material.albedo != vec3(0.0)
+        && (material.kind != MATERIAL_GLOSSY || material.metallic < 1.0 || material.textures != 0u);
+    float coverage = 1.0;
+    if (ALPHA) coverage = alpha_coverage_at(push.scene, material, hit.slot, hit.u, hit.v);
     vec3 normal = at.normal;
     if (SHADED) {
         normal = shade(push.scene, at, hit, material);
-        if (SHADING_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
     }
+    if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
     Interface sides = media_interface(push.scene, material, at.front, path.media);
     if (ABSORPTION && sides.before != VACUUM) {
         path.power = tinted(path.power, transmittance(push.scene, sides.before, at.t));
     }
     uvec4 words = sampler_words(path.numbers, BLOCK_SURFACES + path.bounce);
     float choice = unit_f32(words.x);
+    if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
+        return step_glossy(
+            path, at, normal, material, stores, coverage, choice, unit_f32(words.y), unit_f32(words.z));
+    }
     Bsdf bsdf = bsdf_new(material, at.cosine, sides);
     uint lobe = bsdf_choose(bsdf, choice);
     if (lobe == LOBE_DIFFUSE) {
-        if (stores && !(AIMED && path.bounce == 0u)) store(path, at);
+        if (stores && !(AIMED && path.bounce == 0u)) store(path, at, path.power, coverage);
         if (AIMED) {
             ++path.bounce;
             return FATE_TERMINATED;
@@ -324,8 +375,8 @@ void main() {
         while (any) {
             uint fate = FATE_DROPPED;
             if (is_sane(path)) {
-                bool under_way = walk_begin(push.scene, path.ray, walk);
-                while (under_way) under_way = walk_step(walk, false);
+                bool under_way = walk_begin(push.scene, path.ray, layer(path), walk);
+                while (under_way) under_way = walk_step(push.scene, walk, false);
                 fate = step_path(path, walk.best);
             }
             --path.left;
@@ -349,12 +400,12 @@ void main() {
                 state = goes_on ? READY : IDLE;
             }
             if (state == READY) {
-                bool starts = is_sane(path) && walk_begin(push.scene, path.ray, walk);
+                bool starts = is_sane(path) && walk_begin(push.scene, path.ray, layer(path), walk);
                 state = starts ? UNDER_WAY : ARRIVED;
                 if (!starts) walk.best.primitive = NO_PRIMITIVE;
             }
         } else if (state == UNDER_WAY) {
-            if (!walk_step(walk, false)) state = ARRIVED;
+            if (!walk_step(push.scene, walk, false)) state = ARRIVED;
         }
     }
 }

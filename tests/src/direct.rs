@@ -10,7 +10,7 @@ use crate::stats::assert_agrees;
 const ALBEDO: f64 = 0.5;
 
 /// A floor of 8 by 8 at height 0, to which lights are added.
-fn floor() -> SceneBuilder {
+pub(crate) fn floor() -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [ALBEDO; 3]));
     let (positions, triangles) = shapes::quad([[-4.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, -4.0], [-4.0, 0.0, -4.0]]);
@@ -20,7 +20,7 @@ fn floor() -> SceneBuilder {
 
 /// Irradiance at a point of the floor by shadow rays, and its standard error: `√Σs²/n` over pixels, which use
 /// independent random numbers.
-fn irradiance<T: TestBackend>(builder: SceneBuilder, x: f64, shadow_rays: u32) -> (f64, f64) {
+pub(crate) fn irradiance<T: TestBackend>(builder: SceneBuilder, x: f64, shadow_rays: u32) -> (f64, f64) {
     let film = point::<T>(builder, x, shadow_rays, 16, 8);
     let pixels = film.layer(Layer::Direct);
     let n = pixels.len() as f64;

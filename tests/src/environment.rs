@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use photon_core::{Direct, EnvironmentMap, Estimator, Indirect, Settings};
+use photon_core::{Direct, EnvironmentMap, Estimator, Indirect, Layer, Pipeline, Render, Settings, View};
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, shapes};
 
 use crate::harness::{TestBackend, film, look_at_point, per_pass, trace, watts};
@@ -183,4 +183,43 @@ pub fn even_light_through_glass<T: TestBackend>() {
     // The ball keeps most of the sky from shadow rays.
     let shadows = per_pass::<T>(&scene, &Settings { caustics: false, ..s }, 4, 4);
     assert!(moments(&shadows).0 < 0.5 * albedo, "{shadows:?}");
+}
+
+/// With a transparent background, camera rays that miss see nothing in place of the environment: that, and nothing else, is
+/// missing from the picture; through glass the environment is seen.
+pub fn transparent_background<T: TestBackend>() {
+    let mut builder = plate([0.0, 0.0, 1.0], 0.5);
+    let glass = builder.material(MaterialDesc::thin("pane", 1.5));
+    builder.quad("pane", [[-2.0, -2.0, 0.2], [0.0, -2.0, 0.2], [0.0, 2.0, 0.2], [-2.0, 2.0, 0.2]], glass);
+    builder.camera(
+        "whole",
+        CameraDesc::new(
+            [0.0, 0.0, 3.0],
+            [0.0, 0.0, -1.0],
+            [0.0, 1.0, 0.0],
+            Projection::Orthographic { half_height: 3.1 },
+        ),
+    );
+    builder.environment(gradient(0.0));
+    let scene = builder.build().unwrap();
+    let view = View { camera: scene.camera(Some("whole"), 16, 16).unwrap(), width: 16, height: 16 };
+    let picture = |transparent_background: bool| {
+        let settings = Settings { transparent_background, ..settings(Direct::Nee) };
+        let mut renderer = Pipeline::new(T::make(2), &scene.view(), view, settings).unwrap();
+        (0..4).for_each(|pass| drop(renderer.pass(pass, &mut ()).unwrap()));
+        renderer.film().unwrap()
+    };
+    let (opaque, transparent) = (picture(false), picture(true));
+    let alpha = transparent.alpha();
+    assert_eq!(alpha, opaque.alpha());
+    assert!([0.0, 1.0].iter().all(|end| alpha.contains(end)) && alpha.iter().any(|a| *a > 0.0 && *a < 1.0));
+    for layer in Layer::ALL {
+        for (pixel, (whole, found)) in opaque.layer(layer).iter().zip(transparent.layer(layer)).enumerate() {
+            let missing = if layer == Layer::Emission { 1.0 - alpha[pixel] } else { 0.0 };
+            assert!((whole[0] - found[0] - missing).abs() < 1e-5, "{layer:?} {pixel}: {whole:?} {found:?} {missing}");
+        }
+    }
+    // Seen through the pane, beside the plate: as bright as the environment.
+    let through = transparent.layer(Layer::Emission)[16 * 3 + 4];
+    assert!((through[0] - 1.0).abs() < 1e-5, "{through:?}");
 }

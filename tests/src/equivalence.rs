@@ -195,6 +195,36 @@ pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>(
     }
 }
 
+/// Surfaces with alpha: the same paths, and pictures alike, as in the other scenes.
+pub fn alpha_is_the_same<A: TestBackend, B: TestBackend>() {
+    let scene = crate::alpha::leaves();
+    for (depth, least) in [(1, 0.999), (5, 0.99)] {
+        let (a, b) = (of_bounce::<A>(&scene, depth), of_bounce::<B>(&scene, depth));
+        let share = matched(&a, &b);
+        eprintln!("leaves, bounce {depth}: {share:.5} of {} match", a.len());
+        assert!(a.len() > 100 && share >= least, "bounce {depth}: {share} of {}", a.len());
+    }
+    for (way, settings) in [
+        ("map", Settings { photons: 50_000, seed: 4, ..Settings::default() }),
+        (
+            "gather",
+            Settings {
+                photons: 10_000,
+                indirect: Indirect::Gather,
+                gather_rays: 2,
+                area: Area::Surface,
+                ..Settings::default()
+            },
+        ),
+    ] {
+        let (a, b) = (film::<A>(&scene, &settings, 2, 48).beauty(), film::<B>(&scene, &settings, 2, 48).beauty());
+        let mean = a.iter().flatten().sum::<f32>() / (3 * a.len()) as f32;
+        let alike = share(&a, &b, |a, b| near(*a, *b, 0.01 * mean));
+        eprintln!("leaves, {way}: {alike:.4} of the pixels");
+        assert!(alike >= 0.99, "{way}: {alike}");
+    }
+}
+
 /// Two one-sided tests (Schuirmann 1987): with 95 % confidence the means differ by less than
 /// `margin` of their value. One-sided 95 % quantile of the normal distribution: 1.645.
 #[must_use]

@@ -7,6 +7,7 @@
 
 pub mod accuracy;
 pub mod aiming;
+pub mod alpha;
 pub mod backends;
 pub mod debias;
 pub mod determinism;
@@ -23,6 +24,8 @@ pub mod gloss;
 pub mod harness;
 pub mod inside;
 pub mod interreflection;
+pub mod lens;
+pub mod many_lights;
 pub mod nesting;
 pub mod numerics;
 pub mod paper;
@@ -87,6 +90,9 @@ macro_rules! whole_suite {
                 b8_power_of_emitters, b9_area_lights_near_by, b10_no_shadow_ray_outshines_its_area_light,
                 direct_light_by_photons_agrees,
             }
+            many_lights::{
+                g14_grid_of_point_lights, v14_powers_apart_and_coincident_lights, sun_among_many_lights,
+            }
             interreflection::{
                 c1_furnace, c1_furnace_of_high_albedo, c1_depth_cap, c2_integrating_sphere, c3_sphere_of_two_halves,
                 c6_plates_between_mirrors, c7_point_light_and_mirrors, c8_path_lengths, c9_conservation,
@@ -121,14 +127,19 @@ macro_rules! whole_suite {
             textures::{
                 g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,
             }
+            alpha::{
+                g12_sheets_transmit, g12_masks_transmit, v15_a_thousand_sheets, a_sheet_reflects_its_share,
+                a_light_emits_its_share, holes_show_the_environment, g5_furnace_with_sheets, opaque_scenes_are_unchanged,
+            }
             shading_normals::{
                 g9_parallel_light, g9_light_from_the_sides, g9_even_sky, photons_scattered_by_a_tilted_normal,
                 a_mirror_with_tilted_normals, smooth_balls_in_an_even_shell,
             }
             environment::{
                 g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,
-                even_light_through_glass,
+                even_light_through_glass, transparent_background,
             }
+            lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
             views::{ v1_hand_filled_views_are_checked }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,

@@ -23,4 +23,5 @@ both! {
     uniform_plane_replays,
     means_are_equivalent,
     pictures_are_alike,
+    alpha_is_the_same,
 }

@@ -7,7 +7,7 @@ mod library;
 
 use std::fs;
 
-use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain};
+use photon_core::random::{BLOCK_LIGHT, BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain};
 use photon_core::{
     Camera, Estimate, Features, Filter, Kernel, Layer, Light, MapKind, Material, MaterialKind, MaterialTextures,
     MediaFeatures, QUERIES_PER_PIXEL, RandomKind, ShadingTables, TexelFormat, Wrap,
@@ -26,9 +26,13 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("MATERIAL_MIRROR", MaterialKind::Mirror as u32),
                 ("MATERIAL_DIELECTRIC", MaterialKind::Dielectric as u32),
                 ("MATERIAL_THIN", MaterialKind::Thin as u32),
+                ("MATERIAL_GLOSSY", MaterialKind::Glossy as u32),
             ],
         ),
-        ("Material::flags.", vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES)]),
+        (
+            "Material::flags.",
+            vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES), ("MATERIAL_ALPHA", Material::ALPHA)],
+        ),
         (
             "Light::kind.",
             vec![
@@ -64,6 +68,10 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_VERTEX_COLORS", Features::VERTEX_COLORS.bits()),
                 ("FEATURE_TEXTURED_LIGHTS", Features::TEXTURED_LIGHTS.bits()),
                 ("FEATURE_ENVIRONMENT", Features::ENVIRONMENT.bits()),
+                ("FEATURE_GLOSSY", Features::GLOSSY.bits()),
+                ("FEATURE_ALPHA", Features::ALPHA.bits()),
+                ("FEATURE_LIGHT_TREE", Features::LIGHT_TREE.bits()),
+                ("FEATURE_THIN_LENS", Features::THIN_LENS.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],
@@ -106,7 +114,12 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
         ),
         (
             "Blocks of dimensions.",
-            vec![("BLOCK_LIGHT", BLOCK_LIGHT), ("BLOCK_START", BLOCK_START), ("BLOCK_SURFACES", BLOCK_SURFACES)],
+            vec![
+                ("BLOCK_LIGHT", BLOCK_LIGHT),
+                ("BLOCK_START", BLOCK_START),
+                ("BLOCK_SURFACES", BLOCK_SURFACES),
+                ("BLOCK_LIGHTS", BLOCK_LIGHTS),
+            ],
         ),
         (
             "Kernel::number.",

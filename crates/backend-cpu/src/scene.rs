@@ -3,10 +3,11 @@
 use std::time::Instant;
 
 use photon_core::glam::Vec3;
+use photon_core::light_tree::LightTree;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Primitive,
-    Ray, RayCaster, Requirements, Result, SceneView, Shaded, Solids, SurfaceInteraction, interface, math, offset,
-    radiance_scale,
+    Ray, RayCaster, Requirements, Result, SceneView, Shaded, SkipLimit, Solids, SurfaceInteraction, alpha, interface,
+    math, offset, radiance_scale,
 };
 
 use crate::cpu::Cpu;
@@ -22,14 +23,18 @@ pub struct CpuScene {
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
+    /// For shadow rays in a scene with many lights.
+    pub(crate) light_tree: Option<LightTree>,
     pub(crate) environment: Option<EnvironmentMap>,
     media: Vec<Medium>,
     /// The media in which photons from each light start, on its front and on its back; empty if the scene needs no
     /// media.
     light_media: Vec<[MediumStack; 2]>,
     pub(crate) nested: bool,
-    /// Vertex attributes and textures; `None` in a scene without any.
+    /// Vertex attributes and textures; `None` in a scene without any, and without alpha.
     shading: Option<Box<CpuShading>>,
+    /// A bit for each triangle, in words of 64: whether its material has alpha. Empty in a scene without alpha.
+    with_alpha: Vec<u64>,
     pub(crate) caster: Box<dyn RayCaster>,
     pub(crate) features: Features,
     /// The features that the scene has; a subset of `features`.
@@ -61,6 +66,7 @@ impl CpuScene {
                     .map_err(|source| Error::Backend { backend: "cpu: building the BVH", source: Box::new(source) })
             })?,
         };
+        let by_tree = present.contains(Features::LIGHT_TREE) && required.shadow_rays;
         let vertex = |index: u32| Vec3::from(view.positions[index as usize]);
         let vertices: Vec<[Vec3; 3]> = view.triangles.iter().map(|triangle| triangle.map(vertex)).collect();
         Ok(Self {
@@ -70,11 +76,13 @@ impl CpuScene {
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
             light_cdf: view.light_cdf.to_vec(),
+            light_tree: by_tree.then(|| LightTree::new(view)),
             environment: view.environment.cloned(),
             media: view.media.to_vec(),
             light_media,
             nested,
-            shading: CpuShading::new(view),
+            shading: CpuShading::new(view, present),
+            with_alpha: with_alpha(view, present),
             caster,
             features: required.features,
             present,
@@ -92,8 +100,69 @@ impl CpuScene {
     #[inline]
     pub(crate) fn hit(&self, ray: &Ray) -> Option<(SurfaceInteraction, Hit)> {
         let hit = self.caster.nearest(ray)?;
+        Some((self.interaction(ray, &hit), hit))
+    }
+
+    #[inline(always)]
+    fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         let (index, record) = (hit.primitive as usize, &self.primitives[hit.primitive as usize]);
-        Some((SurfaceInteraction::new(ray.direction, &hit, self.vertices[index], self.margins[index], record), hit))
+        SurfaceInteraction::new(ray.direction, hit, self.vertices[index], self.margins[index], record)
+    }
+
+    /// As [`Self::hit`], of the surfaces that are there for the random word `word`; it is not asked for without `ALPHA`.
+    #[inline]
+    pub(crate) fn hit_with<const ALPHA: bool>(
+        &self,
+        ray: &Ray,
+        word: impl FnOnce() -> u32,
+    ) -> std::result::Result<Option<(SurfaceInteraction, Hit)>, SkipLimit> {
+        if !ALPHA {
+            return Ok(self.hit(ray));
+        }
+        let word = word();
+        let keep = |hit: &Hit| {
+            let id = hit.primitive;
+            !self.has_alpha(id) || alpha::keep(self.coverage(hit), id, word)
+        };
+        Ok(self.caster.nearest_where(ray, &keep)?.map(|hit| (self.interaction(ray, &hit), hit)))
+    }
+
+    /// Whether something is in the way of `ray`, of the surfaces that are there for the random word `word`; it is not
+    /// asked for without `ALPHA`.
+    #[inline]
+    pub(crate) fn occluded_with<const ALPHA: bool>(&self, ray: &Ray, word: impl FnOnce() -> u32) -> bool {
+        if !ALPHA {
+            return self.caster.occluded(ray);
+        }
+        let word = word();
+        let keep = |hit: &Hit| {
+            let id = hit.primitive;
+            !self.has_alpha(id) || alpha::keep(self.coverage(hit), id, word)
+        };
+        self.caster.occluded_where(ray, &keep).unwrap_or(true)
+    }
+
+    /// As [`Self::surface`], of the surfaces that may be there: whose coverage is not 0.
+    #[inline]
+    pub(crate) fn covered_surface<const ALPHA: bool>(&self, ray: &Ray) -> Option<SurfaceInteraction> {
+        if !ALPHA {
+            return self.surface(ray);
+        }
+        let keep = |hit: &Hit| !self.has_alpha(hit.primitive) || self.coverage(hit) > 0.0;
+        let hit = self.caster.nearest_where(ray, &keep).ok().flatten()?;
+        Some(self.interaction(ray, &hit))
+    }
+
+    #[inline]
+    fn has_alpha(&self, triangle: u32) -> bool {
+        self.with_alpha.get(triangle as usize / 64).is_some_and(|bits| bits >> (triangle % 64) & 1 == 1)
+    }
+
+    /// The probability with which the surface at `hit` is there.
+    pub(crate) fn coverage(&self, hit: &Hit) -> f32 {
+        let Some(shading) = &self.shading else { return 1.0 };
+        let material = &self.materials[self.primitives[hit.primitive as usize].material as usize];
+        shading.view().coverage(hit, material)
     }
 
     /// Material and shading normal of `surface` at `hit`.
@@ -155,4 +224,14 @@ impl CpuScene {
     pub(crate) fn light_media(&self, light: usize, back: bool) -> MediumStack {
         self.light_media.get(light).map_or(MediumStack::VACUUM, |sides| sides[usize::from(back)])
     }
+}
+
+/// [`CpuScene::with_alpha`].
+fn with_alpha(view: &SceneView<'_>, present: Features) -> Vec<u64> {
+    if !present.contains(Features::ALPHA) {
+        return Vec::new();
+    }
+    let bit = |primitive: &Primitive| u64::from(view.materials[primitive.material as usize].has_alpha());
+    let word = |part: &[Primitive]| part.iter().rev().fold(0, |bits, primitive| bits << 1 | bit(primitive));
+    view.primitives.chunks(64).map(word).collect()
 }

@@ -1,7 +1,7 @@
 //! Vertex attributes and textures of a prepared scene.
 
 use photon_core::texture::{ByteValues, byte_values};
-use photon_core::{OwnedShadingTables, SceneView, Shading};
+use photon_core::{Features, OwnedShadingTables, SceneView, Shading};
 
 /// A copy of [`SceneView::shading`], with the tables that decode texels.
 pub(crate) struct CpuShading {
@@ -11,9 +11,9 @@ pub(crate) struct CpuShading {
 }
 
 impl CpuShading {
-    /// `None` for a scene without any.
-    pub(crate) fn new(view: &SceneView<'_>) -> Option<Box<Self>> {
-        if view.shading.is_empty() {
+    /// `None` for a scene without any, and without alpha.
+    pub(crate) fn new(view: &SceneView<'_>, present: Features) -> Option<Box<Self>> {
+        if view.shading.is_empty() && !present.contains(Features::ALPHA) {
             return None;
         }
         let tables = OwnedShadingTables::from(&view.shading);

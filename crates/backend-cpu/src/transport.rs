@@ -29,7 +29,10 @@ impl TransportBackend for Cpu {
         Ok(Stages {
             emitter: Box::new(CpuEmitter),
             tracer: Box::new(CpuTracer::new(settings, required)),
-            eye: Box::new(CpuEye { max_bounces: settings.max_bounces }),
+            eye: Box::new(CpuEye {
+                max_bounces: settings.max_bounces,
+                hides_background: settings.transparent_background,
+            }),
             direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
             gather: if required.final_gather {
                 Some(Box::new(CpuGather { max_bounces: settings.max_bounces }))

@@ -14,7 +14,11 @@ use crate::vulkan::Vulkan;
 
 /// Features with tables of their own. Kernels are specialized to those that the scene has: what only the requirements
 /// have would be read at address 0.
-pub(crate) const WITH_TABLES: Features = Features::SHADED.union(Features::TEXTURED_LIGHTS).union(Features::ENVIRONMENT);
+pub(crate) const WITH_TABLES: Features = Features::SHADED
+    .union(Features::TEXTURED_LIGHTS)
+    .union(Features::ENVIRONMENT)
+    .union(Features::LIGHT_TREE)
+    .union(Features::ALPHA);
 
 /// Triangles uploaded at a time.
 const BLOCK: usize = 1 << 20;
@@ -51,7 +55,7 @@ struct Record {
     light_count: u32,
     shading: u64,
     environment: u64,
-    reserved: [u32; 2],
+    light_tree: u64,
 }
 
 /// `Emission` of scene.glsl.
@@ -100,6 +104,7 @@ impl VulkanScene {
                 emission.slot = slots.get(light.primitive as usize).copied().unwrap_or(0);
             }
         }
+        let lit_by_tree = present.contains(Features::LIGHT_TREE) && required.shadow_rays;
         let shading = shading::upload(&mut upload, view, &tree.order)?;
         let record = Record {
             nodes,
@@ -114,13 +119,14 @@ impl VulkanScene {
             light_count: view.lights.len() as u32,
             shading,
             environment: environment::upload(&mut upload, view)?,
-            reserved: [0; 2],
+            light_tree: if lit_by_tree { light_tree::upload(&mut upload, view)? } else { 0 },
         };
         upload.table("scene", &[record])?;
         let Upload { mut tables, bytes, .. } = upload;
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
         let light_count = view.lights.len() as u32;
-        let absent = WITH_TABLES.without(present);
+        let unlit = if lit_by_tree { Features::NONE } else { Features::LIGHT_TREE };
+        let absent = WITH_TABLES.without(present).union(unlit);
         let (features, media) = (required.features.without(absent), required.media);
         Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
     }
@@ -151,11 +157,13 @@ impl VulkanScene {
     }
 }
 
-/// Three vertices; `w` of the first holds the index of the triangle, of the second its margin.
+/// Three vertices; `w` of the first holds the index of the triangle, of the second its margin, of the third 1 if its
+/// material has alpha.
 fn corners(view: &SceneView<'_>, id: u32) -> [[f32; 4]; 3] {
     let [a, b, c] = view.triangles[id as usize].map(|vertex| view.positions[vertex as usize]);
     let with = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
-    [with(a, f32::from_bits(id)), with(b, margin([a, b, c])), with(c, 0.0)]
+    let has_alpha = view.materials[view.primitives[id as usize].material as usize].has_alpha();
+    [with(a, f32::from_bits(id)), with(b, margin([a, b, c])), with(c, f32::from_bits(has_alpha.into()))]
 }
 
 fn margin(corners: [[f32; 3]; 3]) -> f32 {
@@ -225,6 +233,7 @@ impl Upload<'_> {
 }
 
 mod environment;
+mod light_tree;
 mod shading;
 #[cfg(test)]
 mod silhouette;

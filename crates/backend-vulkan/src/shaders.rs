@@ -77,6 +77,9 @@ pub(crate) static INDEX_VVH_PLAN: Module =
 pub(crate) static INDEX_VVH_SIDES: Module =
     Module { name: "index_vvh_sides", bytes: include_bytes!("../spirv/index_vvh_sides.spv") };
 
+pub(crate) static PROBE_ALPHA: Module =
+    Module { name: "probe_alpha", bytes: include_bytes!("../spirv/probe_alpha.spv") };
+
 pub(crate) static PROBE_AREA: Module = Module { name: "probe_area", bytes: include_bytes!("../spirv/probe_area.spv") };
 
 pub(crate) static PROBE_BIAS: Module = Module { name: "probe_bias", bytes: include_bytes!("../spirv/probe_bias.spv") };
@@ -86,6 +89,9 @@ pub(crate) static PROBE_BSDF: Module = Module { name: "probe_bsdf", bytes: inclu
 pub(crate) static PROBE_ENVIRONMENT: Module =
     Module { name: "probe_environment", bytes: include_bytes!("../spirv/probe_environment.spv") };
 
+pub(crate) static PROBE_GLOSSY: Module =
+    Module { name: "probe_glossy", bytes: include_bytes!("../spirv/probe_glossy.spv") };
+
 pub(crate) static PROBE_KERNEL: Module =
     Module { name: "probe_kernel", bytes: include_bytes!("../spirv/probe_kernel.spv") };
 
@@ -94,6 +100,9 @@ pub(crate) static PROBE_LAYOUT: Module =
 
 pub(crate) static PROBE_LIGHT_SAMPLER: Module =
     Module { name: "probe_light_sampler", bytes: include_bytes!("../spirv/probe_light_sampler.spv") };
+
+pub(crate) static PROBE_LIGHT_TREE: Module =
+    Module { name: "probe_light_tree", bytes: include_bytes!("../spirv/probe_light_tree.spv") };
 
 pub(crate) static PROBE_MATH: Module = Module { name: "probe_math", bytes: include_bytes!("../spirv/probe_math.spv") };
 
@@ -216,7 +225,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 75] = [
+pub(crate) static ALL: [&Module; 78] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -243,13 +252,16 @@ pub(crate) static ALL: [&Module; 75] = [
     &INDEX_VVH_PART,
     &INDEX_VVH_PLAN,
     &INDEX_VVH_SIDES,
+    &PROBE_ALPHA,
     &PROBE_AREA,
     &PROBE_BIAS,
     &PROBE_BSDF,
     &PROBE_ENVIRONMENT,
+    &PROBE_GLOSSY,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,
     &PROBE_LIGHT_SAMPLER,
+    &PROBE_LIGHT_TREE,
     &PROBE_MATH,
     &PROBE_MEDIA,
     &PROBE_OCTAHEDRAL,

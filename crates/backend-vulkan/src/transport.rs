@@ -34,7 +34,7 @@ impl TransportBackend for Vulkan {
         Ok(Stages {
             emitter: Box::new(VulkanEmitter),
             tracer: Box::new(VulkanTracer::new(self, settings)?),
-            eye: Box::new(VulkanEye::new(self, settings.max_bounces)?),
+            eye: Box::new(VulkanEye::new(self, settings.max_bounces, settings.transparent_background)?),
             direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
             gather: if required.final_gather {
                 Some(Box::new(VulkanGather::new(settings.max_bounces, Box::new(VulkanEstimator::default()))))

@@ -10,7 +10,7 @@ use photon_core::{
     Backend, Batch, EstimateParams, Film, FilmBackend, IndexKind, Indirect, Kernel, Layer, Maps, Pass, PerMap, Photon,
     PhotonRay, Query, RandomKind, Requirements, Search, Settings, TransportBackend, View,
 };
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, builtin};
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, ThinLens, builtin};
 
 const SCENES: [&str; 4] = ["cornell", "cornell-glass", "ring", "pool"];
 const SIZE: u32 = 64;
@@ -100,8 +100,12 @@ fn apart(a: &Film, b: &Film, layer: Layer, but_for: f64) -> (f64, f64) {
 fn camera_paths_are_the_same_paths() {
     let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
-    for name in ["two-rooms", "plates", "orthographic"].into_iter().chain(SCENES) {
-        let scene = if name == "orthographic" { lights(9) } else { scene(name) };
+    for name in ["two-rooms", "plates", "orthographic", "lens"].into_iter().chain(SCENES) {
+        let scene = match name {
+            "orthographic" => lights(9),
+            "lens" => through_a_lens(),
+            _ => scene(name),
+        };
         let (a, film_a) = look(&mut cpu, &scene, &[3]);
         let (b, film_b) = look(&mut gpu, &scene, &[3]);
         assert!(a.len() > 1000 && b.is_sorted_by_key(|query| query.pixel), "{name}: {}", a.len());
@@ -197,7 +201,7 @@ fn light<B: TransportBackend, const N: usize>(
 fn direct_light_is_the_same_light() {
     let Some(mut gpu) = low_level::for_tests() else { return };
     let mut cpu = Cpu::with_threads(2).unwrap();
-    for name in ["two-rooms", "plates"].into_iter().chain(SCENES) {
+    for name in ["two-rooms", "plates", "many-lights"].into_iter().chain(SCENES) {
         let scene = scene(name);
         let (queries, _) = look(&mut cpu, &scene, &[1]);
         let all_a = light(&mut cpu, &scene, &queries, [(1, 1), (3, 1)]);
@@ -217,6 +221,21 @@ fn direct_light_is_the_same_light() {
 /// A floor with a pane of glass above it, under the given number of lights: in turn a point light, spot lights
 /// with and without a soft edge, a two-sided area light, and one sun.
 fn lights(count: usize) -> Scene {
+    let mut scene = lit(count);
+    let above = CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8);
+    scene.camera("above", above.with_projection(Projection::Orthographic { half_height: 1.4 }));
+    scene.build().unwrap()
+}
+
+/// The same scene through a lens that is focused on its middle.
+fn through_a_lens() -> Scene {
+    let mut scene = lit(9);
+    let above = CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8);
+    scene.camera("above", above.with_lens(ThinLens { diameter: 0.4, focus_distance: 3.6 }));
+    scene.build().unwrap()
+}
+
+fn lit(count: usize) -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let floor = scene.material(MaterialDesc::lambert("floor", [0.8, 0.7, 0.6]));
     let sheet = scene.material(MaterialDesc::thin("sheet", 1.5));
@@ -246,12 +265,10 @@ fn lights(count: usize) -> Scene {
             ),
         }
     }
-    let above = CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8);
-    scene.camera("above", above.with_projection(Projection::Orthographic { half_height: 1.4 }));
-    scene.build().unwrap()
+    scene
 }
 
-/// A few lights are weighted at each query, many are chosen by power; both backends choose the same ones.
+/// A few lights are weighted at each query, many are chosen by a light tree; both backends choose the same ones.
 #[test]
 fn every_kind_of_light_is_chosen_alike() {
     let Some(mut gpu) = low_level::for_tests() else { return };

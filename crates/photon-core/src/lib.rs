@@ -44,7 +44,7 @@ pub use requirements::map_kind::{MapKind, PerMap};
 pub use requirements::photon_format::PhotonFormat;
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::camera::Camera;
-pub use scene::caster::{Hit, Ray, RayCaster};
+pub use scene::caster::{Hit, Ray, RayCaster, SkipLimit};
 pub use scene::environment::{EnvironmentMap, EnvironmentRow};
 pub use scene::layout::{Element, ErrorMoments, Estimate, Photon, PhotonRay, Query};
 pub use scene::light::Light;
@@ -71,6 +71,6 @@ pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    area, fresnel, ggx, glossy, light_sampler, math, octahedral, offset, random, sampling, shade, shading_normal,
-    sobol, solid_angle, texture,
+    alpha, area, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset, random, sampling, shade,
+    shading_normal, sobol, solid_angle, texture,
 };

@@ -71,6 +71,22 @@ fn only_materials_in_use_count() {
     assert!(required.maps == only([MapKind::Global]) && required.shadow_rays);
 }
 
+/// A light tree is needed from 17 lights on: with fewer, each query weighs all of them.
+#[test]
+fn a_light_tree_needs_many_lights() {
+    for (points, needed) in [(15, false), (16, true)] {
+        let mut tables = Tables::new(MaterialKind::Lambert as u32, 0.0);
+        let point = Light { kind: Light::POINT, primitive: u32::MAX, power: [1.0; 3], ..Light::default() };
+        tables.lights.extend(vec![point; points]);
+        tables.starts = light_cdf(&vec![1.0; points + 1]);
+        let required = Requirements::of(&tables.view(), &Settings::default());
+        assert_eq!(required.features.contains(Features::LIGHT_TREE), needed, "{points} points");
+        let need = photon_core::explain(&tables.view(), &Settings::default());
+        let need = need.into_iter().find(|need| need.what == "light-tree").unwrap();
+        assert!(need.needed == needed && need.why == format!("{} lights", points + 1), "{need:?}");
+    }
+}
+
 #[test]
 fn a_caustic_map_needs_a_specular_surface_that_a_light_can_reach() {
     let settings = Settings::default();

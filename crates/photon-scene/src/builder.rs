@@ -161,6 +161,7 @@ impl SceneBuilder {
         self.lights.extend(self.sun.take().map(|sun| ("sun".to_owned(), sun)));
         validate::check(&self)?;
         shading::fold(&mut self.materials, &self.textures);
+        shading::fold_alpha(&mut self.materials, &self.textures, &self.meshes);
         let frame = normalise::Frame::new(&self.meshes, &self.lights)?;
         let source =
             shading::Source { meshes: &self.meshes, materials: &self.materials, textures: &self.textures, frame };
@@ -184,7 +185,10 @@ impl SceneBuilder {
             warnings.push("the scene has no triangles, so that there is nothing to see".to_owned());
         }
         if geometry.invisible > 0 {
-            warnings.push(format!("{} triangles of an ior of 1 bound nothing and were left out", geometry.invisible));
+            warnings.push(format!(
+                "{} triangles of an ior of 1, or of an alpha of 0, bound nothing and were left out",
+                geometry.invisible
+            ));
         }
         if geometry.dropped > 0 {
             warnings.push(format!("{} triangles without area were dropped", geometry.dropped));

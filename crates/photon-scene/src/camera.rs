@@ -25,12 +25,18 @@ pub(crate) fn resolve(
         Projection::Orthographic { half_height } => (Camera::ORTHOGRAPHIC, half_height / units.scale),
     };
     let half_width = half_height * f64::from(width) / f64::from(height);
+    let lens = desc.lens.filter(|lens| lens.diameter > 0.0);
+    let (lens_radius, focus_distance) = lens.map_or((0.0, 0.0), |lens| {
+        ((0.5 * lens.diameter / units.scale) as f32, (lens.focus_distance / units.scale) as f32)
+    });
     let camera = Camera {
         origin: units.point(desc.position),
         kind,
         forward: forward.as_vec3().to_array(),
         right: (right * half_width).as_vec3().to_array(),
         up: (up * half_height).as_vec3().to_array(),
+        lens_radius,
+        focus_distance,
         ..Camera::default()
     };
     let rows = [camera.origin, camera.right, camera.up];
@@ -39,6 +45,13 @@ pub(crate) fn resolve(
             what: format!("camera '{name}'"),
             value: format!("at {:?} with {:?}", desc.position, desc.projection),
             hint: "move it nearer to the scene and make its view comparable to the scene in size",
+        });
+    }
+    if camera.check_lens().is_err() {
+        return Err(SceneError::Extreme {
+            what: format!("the lens of camera '{name}'"),
+            value: format!("{:?}", desc.lens),
+            hint: "make its diameter and its focus distance comparable to the scene in size",
         });
     }
     Ok(camera)
@@ -61,5 +74,6 @@ pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>) -> CameraDesc {
         direction: [0.0, 0.0, -1.0],
         up: [0.0, 1.0, 0.0],
         projection: Projection::Perspective { vertical_fov },
+        lens: None,
     }
 }

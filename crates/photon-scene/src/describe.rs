@@ -55,6 +55,24 @@ pub enum Surface {
     },
 }
 
+/// Which part of a surface is there (alpha coverage, as in glTF). The alpha of a point is [`MaterialDesc::alpha`] times the
+/// alpha of [`crate::TexturesDesc::alpha`] times that of the vertex colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum AlphaMode {
+    /// All of it: alpha is not read.
+    #[default]
+    Opaque,
+    /// The points whose alpha is at least `cutoff`.
+    Mask {
+        /// Finite and ≥ 0.
+        cutoff: f64,
+    },
+    /// Each point, for a share of all light and of all views that is its alpha. Which points are there for a ray is chosen
+    /// at random.
+    Blend,
+}
+
 /// A named material: a surface, its emission and its textures.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -70,6 +88,11 @@ pub struct MaterialDesc {
     /// Where solids overlap, the one of the highest priority applies; among equals, the one that light entered last.
     /// Only for [`Surface::Dielectric`].
     pub priority: u32,
+    /// Factor on the alpha of the surface, in `[0, 1]`.
+    pub alpha: f64,
+    /// What alpha does. Emitted light is covered like the surface. Not for [`Surface::Dielectric`], whose mesh must be
+    /// closed.
+    pub alpha_mode: AlphaMode,
     /// Textures that multiply the colours above, and a normal map.
     pub textures: TexturesDesc,
 }
@@ -84,6 +107,8 @@ impl MaterialDesc {
             emission: [0.0; 3],
             emits_both_sides: false,
             priority: 0,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
             textures: TexturesDesc::default(),
         }
     }
@@ -144,6 +169,12 @@ impl MaterialDesc {
         Self { textures, ..self }
     }
 
+    /// The material with this [`Self::alpha_mode`] and [`Self::alpha`].
+    #[must_use]
+    pub fn with_alpha(self, alpha_mode: AlphaMode, alpha: f64) -> Self {
+        Self { alpha, alpha_mode, ..self }
+    }
+
     /// The material with this [`Self::priority`].
     #[must_use]
     pub fn with_priority(self, priority: u32) -> Self {
@@ -157,9 +188,12 @@ impl MaterialDesc {
     }
 
     /// Whether light passes unchanged: a refractive index of 1 without absorption, tint or
-    /// emission.
+    /// emission, or [`AlphaMode::Blend`] with an alpha of 0.
     #[must_use]
     pub fn is_invisible(&self) -> bool {
+        if self.alpha_mode == AlphaMode::Blend && self.alpha == 0.0 {
+            return true;
+        }
         let clear = match self.surface {
             Surface::Dielectric { ior, absorption, tint } => ior == 1.0 && absorption == [0.0; 3] && tint == [1.0; 3],
             Surface::Thin { ior, tint } => ior == 1.0 && tint == [1.0; 3],
@@ -233,13 +267,25 @@ pub struct CameraDesc {
     pub up: [f64; 3],
     /// Perspective or orthographic.
     pub projection: Projection,
+    /// A lens in place of the pinhole; perspective only.
+    pub lens: Option<ThinLens>,
+}
+
+/// A thin lens around the position of a camera, perpendicular to its direction: what is not at the distance of focus is
+/// blurred to discs. At distance z, their diameter is `diameter · |z − focus_distance| / focus_distance`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinLens {
+    /// Diameter of the lens, length of the scene, at least 0; 0 is a pinhole.
+    pub diameter: f64,
+    /// Distance along the direction of view of the plane that is in focus, length of the scene, above 0.
+    pub focus_distance: f64,
 }
 
 impl CameraDesc {
     /// A camera with the given fields.
     #[must_use]
     pub fn new(position: [f64; 3], direction: [f64; 3], up: [f64; 3], projection: Projection) -> Self {
-        Self { position, direction, up, projection }
+        Self { position, direction, up, projection, lens: None }
     }
 
     /// A perspective camera at `from` that looks at `to`; `vertical_fov` in radians.
@@ -253,5 +299,11 @@ impl CameraDesc {
     #[must_use]
     pub fn with_projection(self, projection: Projection) -> Self {
         Self { projection, ..self }
+    }
+
+    /// The camera with a lens.
+    #[must_use]
+    pub fn with_lens(self, lens: ThinLens) -> Self {
+        Self { lens: Some(lens), ..self }
     }
 }

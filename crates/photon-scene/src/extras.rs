@@ -24,7 +24,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub(crate) use self::agrees::Agrees;
 pub(crate) use self::texture::{ImageExtras, TexturesExtras, agreeing_floats, fallback};
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
 use crate::texture::TexturesDesc;
 
 /// An f64 that is serialized without loss, as a string.
@@ -113,7 +113,7 @@ pub(crate) enum MaterialExtras {
 
 impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
-        let MaterialDesc { name: _, surface, emission, emits_both_sides, priority, textures } = desc;
+        let MaterialDesc { surface, emission, emits_both_sides, priority, textures, .. } = desc;
         let textures = TexturesExtras::new(textures);
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
@@ -254,17 +254,21 @@ pub(crate) struct CameraExtras {
     vertical_fov: Option<Exact>,
     #[serde(skip_serializing_if = "Option::is_none")]
     half_height: Option<Exact>,
+    /// Diameter and focus distance of the lens.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lens: Option<[Exact; 2]>,
 }
 
 impl CameraExtras {
     pub(crate) fn new(desc: &CameraDesc) -> Self {
-        let CameraDesc { position, direction, up, projection } = *desc;
+        let CameraDesc { position, direction, up, projection, lens } = *desc;
         let (vertical_fov, half_height) = match projection {
             Projection::Perspective { vertical_fov } => (Some(Exact(vertical_fov)), None),
             Projection::Orthographic { half_height } => (None, Some(Exact(half_height))),
         };
         let (position, direction, up) = (exact(position), exact(direction), exact(up));
-        Self { position, direction, up, vertical_fov, half_height }
+        let lens = lens.map(|lens| [lens.diameter, lens.focus_distance].map(Exact));
+        Self { position, direction, up, vertical_fov, half_height, lens }
     }
 
     /// The camera; `None` without a projection, or with two.
@@ -275,7 +279,8 @@ impl CameraExtras {
             _ => return None,
         };
         let (position, direction, up) = (plain(self.position), plain(self.direction), plain(self.up));
-        Some(CameraDesc { position, direction, up, projection })
+        let lens = self.lens.map(|[diameter, focus]| ThinLens { diameter: diameter.0, focus_distance: focus.0 });
+        Some(CameraDesc { position, direction, up, projection, lens })
     }
 }
 

@@ -34,7 +34,7 @@ mod validate;
 pub use builder::{MaterialId, SceneBuilder};
 pub use builtin::{FurnaceShape, IntegratingSphere, builtin, builtin_names, furnace, plates};
 pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode, CompressedTree};
-pub use describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+pub use describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
 pub use environment::{Environment, EnvironmentDesc, EnvironmentSource};
 pub use error::SceneError;
 #[cfg(feature = "files")]

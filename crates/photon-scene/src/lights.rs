@@ -1,6 +1,6 @@
 //! The tables of lights and materials, with powers relative to the scene's total power.
 
-use crate::describe::{LightDesc, MaterialDesc, Surface};
+use crate::describe::{AlphaMode, LightDesc, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::normalise::{Frame, Geometry};
 use crate::shading::Radiances;
@@ -171,7 +171,13 @@ pub(crate) fn materials(
             let emission =
                 if shines && lit.total > 0.0 { DVec3::from_array(desc.emission) / lit.total } else { DVec3::ZERO };
             let flags = if desc.emits_both_sides { Material::EMITS_BOTH_SIDES } else { 0 };
-            Material { emission: emission.as_vec3().to_array(), flags, ..surface }
+            let (coverage, alpha_cutoff) = match desc.alpha_mode {
+                AlphaMode::Opaque => (0, 0.0),
+                AlphaMode::Mask { cutoff } => (Material::ALPHA, cutoff as f32),
+                AlphaMode::Blend => (Material::ALPHA, 0.0),
+            };
+            let (flags, alpha) = (flags | coverage, desc.alpha as f32);
+            Material { emission: emission.as_vec3().to_array(), flags, alpha, alpha_cutoff, ..surface }
         })
         .collect();
     let count = media.len() - 1;

@@ -11,8 +11,8 @@ pub struct VertexAttributes {
     /// Tangents for normal maps, in the direction of increasing u, of any length, and the sign of the bitangent
     /// `sign · normal × tangent`. If there are none, `MikkTSpace` computes them from the normals and UVs.
     pub tangents: Vec<[f64; 4]>,
-    /// Colours, linear RGB and alpha, which multiply the albedo, reflectance or tint; clamped to `[0, 1]`. Alpha is not
-    /// read.
+    /// Colours, linear RGB and alpha, which multiply the albedo, reflectance or tint; clamped to `[0, 1]`. Alpha
+    /// multiplies that of the material, unless it is [`crate::AlphaMode::Opaque`].
     pub colors: Vec<[f64; 4]>,
     /// UV sets: texture coordinates.
     pub uvs: Vec<Vec<[f64; 2]>>,

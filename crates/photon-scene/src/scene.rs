@@ -1,8 +1,8 @@
 //! A validated scene in normalised space.
 
-use crate::camera;
-use crate::describe::CameraDesc;
+use crate::describe::{CameraDesc, ThinLens};
 use crate::error::SceneError;
+use crate::{camera, validate};
 use photon_core::{Camera, EnvironmentMap, Light, Material, Medium, OwnedShadingTables, Primitive, SceneView, Units};
 
 /// The result of [`crate::SceneBuilder::build`]: the tables that backends read, and the names and units for
@@ -60,9 +60,31 @@ impl Scene {
     /// No camera at all, none of that name (the message lists those that exist), a picture without
     /// pixels, or a camera beyond the range of f32 in units of the scene.
     pub fn camera(&self, name: Option<&str>, width: u32, height: u32) -> Result<Camera, SceneError> {
+        let (name, desc) = self.named_camera(name)?;
+        camera::resolve(name, desc, self.units, width, height)
+    }
+
+    /// As [`Scene::camera`], with another lens in place of that of the camera.
+    ///
+    /// # Errors
+    /// Those of [`Scene::camera`]; a lens with a number out of range, or for an orthographic camera.
+    pub fn camera_with_lens(
+        &self,
+        name: Option<&str>,
+        lens: ThinLens,
+        width: u32,
+        height: u32,
+    ) -> Result<Camera, SceneError> {
+        let (name, desc) = self.named_camera(name)?;
+        let desc = desc.clone().with_lens(lens);
+        validate::named_camera(name, &desc)?;
+        camera::resolve(name, &desc, self.units, width, height)
+    }
+
+    fn named_camera(&self, name: Option<&str>) -> Result<(&str, &CameraDesc), SceneError> {
         let wanted = |(known, _): &&(String, CameraDesc)| name.is_none_or(|name| name == known);
         match (self.cameras.iter().find(wanted), name) {
-            (Some((name, desc)), _) => camera::resolve(name, desc, self.units, width, height),
+            (Some((name, desc)), _) => Ok((name, desc)),
             (None, Some(name)) if !self.cameras.is_empty() => Err(SceneError::UnknownCamera {
                 name: name.to_owned(),
                 known: self.camera_names().map(str::to_owned).collect(),

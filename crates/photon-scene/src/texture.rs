@@ -97,7 +97,7 @@ impl TextureRef {
 /// The textures of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturesDesc {
-    /// Multiplies the albedo, reflectance or tint; alpha is not read.
+    /// Multiplies the albedo, reflectance or tint; its alpha is not read.
     pub base_color: Option<TextureRef>,
     /// Multiplies the emission.
     pub emission: Option<TextureRef>,
@@ -108,12 +108,22 @@ pub struct TexturesDesc {
     pub normal_scale: f64,
     /// Green multiplies the roughness and blue the metallic share of a [`crate::Surface::Glossy`]; linear.
     pub metallic_roughness: Option<TextureRef>,
+    /// Its alpha multiplies [`crate::MaterialDesc::alpha`], unless the material is [`crate::AlphaMode::Opaque`]; its
+    /// colours are not read. In glTF, this is the base colour.
+    pub alpha: Option<TextureRef>,
 }
 
 impl Default for TexturesDesc {
     /// No texture.
     fn default() -> Self {
-        Self { base_color: None, emission: None, normal: None, normal_scale: 1.0, metallic_roughness: None }
+        Self {
+            base_color: None,
+            emission: None,
+            normal: None,
+            normal_scale: 1.0,
+            metallic_roughness: None,
+            alpha: None,
+        }
     }
 }
 
@@ -125,6 +135,7 @@ impl TexturesDesc {
             ("emission", self.emission),
             ("normal", self.normal),
             ("metallic_roughness", self.metallic_roughness),
+            ("alpha", self.alpha),
         ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))
     }

@@ -3,7 +3,7 @@
 mod textures;
 
 use crate::builder::SceneBuilder;
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
 use crate::error::SceneError;
 use crate::mesh::Mesh;
 use glam::DVec3;
@@ -36,12 +36,7 @@ pub(crate) fn check(scene: &SceneBuilder) -> Result<(), SceneError> {
         })?;
     }
     for (name, desc) in &scene.cameras {
-        camera(desc).map_err(|(property, value, hint)| SceneError::Camera {
-            camera: name.clone(),
-            property,
-            value,
-            hint,
-        })?;
+        named_camera(name, desc)?;
     }
     Ok(())
 }
@@ -72,7 +67,19 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
             )?;
         }
     }
-    not_negative("emission", desc.emission)
+    not_negative("emission", desc.emission)?;
+    require((0.0..=1.0).contains(&desc.alpha), "alpha", desc.alpha, "it must lie between 0 and 1")?;
+    if let AlphaMode::Mask { cutoff } = desc.alpha_mode {
+        let fine = cutoff >= 0.0 && (cutoff as f32).is_finite();
+        require(fine, "the alpha cutoff", cutoff, "it must be a finite number, at least 0")?;
+    }
+    let is_solid = matches!(desc.surface, Surface::Dielectric { .. });
+    require(
+        !is_solid || desc.alpha_mode == AlphaMode::Opaque,
+        "the alpha mode",
+        desc.alpha_mode,
+        "the boundary of a solid must be closed; make it opaque, or a thin sheet",
+    )
 }
 
 fn refractive(ior: f64) -> Result<(), Fault> {
@@ -158,6 +165,16 @@ fn light(desc: &LightDesc) -> Result<(), Fault> {
     }
 }
 
+/// Checks a camera; `name` is named in errors.
+pub(crate) fn named_camera(name: &str, desc: &CameraDesc) -> Result<(), SceneError> {
+    camera(desc).map_err(|(property, value, hint)| SceneError::Camera {
+        camera: name.to_owned(),
+        property,
+        value,
+        hint,
+    })
+}
+
 fn camera(desc: &CameraDesc) -> Result<(), Fault> {
     finite("position", desc.position)?;
     heading("direction", desc.direction)?;
@@ -165,6 +182,14 @@ fn camera(desc: &CameraDesc) -> Result<(), Fault> {
     let sine = unit(desc.direction).cross(unit(desc.up)).length();
     // Below this, rounding would determine the roll of the picture.
     require(sine > 1e-9, "up", desc.up, "it must not be parallel to the direction of view")?;
+    if let Some(ThinLens { diameter, focus_distance }) = desc.lens {
+        let is_length = diameter >= 0.0 && diameter.is_finite();
+        require(is_length, "the diameter of its lens", diameter, "it must be a finite number, at least 0")?;
+        let is_length = focus_distance > 0.0 && focus_distance.is_finite();
+        require(is_length, "the distance of its focus", focus_distance, "it must be a finite number above 0")?;
+        let suits = diameter == 0.0 || matches!(desc.projection, Projection::Perspective { .. });
+        require(suits, "the diameter of its lens", diameter, "an orthographic camera has no lens: leave it out")?;
+    }
     match desc.projection {
         Projection::Perspective { vertical_fov } => require(
             vertical_fov > 0.0 && vertical_fov < PI && (vertical_fov as f32).is_normal(),

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 
 use photon_core::{Filter, Wrap};
 use photon_scene::{
-    LoadReport, MaterialDesc, SceneBuilder, Surface, TextureDesc, TextureRef, VertexAttributes, glb, load_gltf,
+    AlphaMode, LoadReport, MaterialDesc, SceneBuilder, Surface, TextureDesc, TextureRef, VertexAttributes, glb,
+    load_gltf,
 };
 
 fn reload(name: &str, bytes: &[u8]) -> (SceneBuilder, LoadReport) {
@@ -134,6 +135,38 @@ fn changed_attributes_and_textures_are_followed() {
     assert_ne!(tables(&changed), tables(&everything()));
 }
 
+/// Materials with alpha: a mask and a blend by a texture, one by its factor, one by an image without colours.
+#[test]
+fn alpha_comes_back() {
+    let mut scene = SceneBuilder::new();
+    let leaf = scene.texture(TextureDesc::srgb8("leaf", 2, 1, &[[1, 2, 3, 255], [200, 100, 50, 17]]));
+    let white = scene.texture(TextureDesc::srgb8("white", 2, 1, &[[255, 255, 255, 255], [255, 255, 255, 17]]));
+    let turned = [[0.0, 1.0, 1.0 / 3.0], [-1.0, 0.0, 0.0]];
+    let of = |texture| Some(TextureRef { transform: turned, ..TextureRef::new(texture) });
+    for (name, mode, alpha, base_color, used) in [
+        ("mask", AlphaMode::Mask { cutoff: 0.25 }, 1.0, of(leaf), of(leaf)),
+        ("blend", AlphaMode::Blend, 0.5, of(leaf), of(leaf)),
+        ("even", AlphaMode::Blend, 0.1_f32.into(), None, None),
+        ("white", AlphaMode::Blend, 1.0, None, of(white)),
+        ("opaque", AlphaMode::Opaque, 1.0, of(leaf), None),
+    ] {
+        let mut material = MaterialDesc::lambert(name, [0.5, 0.25, 1.0 / 3.0]).with_alpha(mode, alpha);
+        (material.textures.base_color, material.textures.alpha) = (base_color, used);
+        let material = scene.material(material);
+        let uvs = vec![vec![[0.0; 2], [1.0, 0.0], [1.0; 2], [0.0, 1.0]]];
+        let colors = vec![[1.0, 0.5, 1.0, 0.75]; 4];
+        let attributes = VertexAttributes { uvs, colors, ..VertexAttributes::default() };
+        scene.mesh_with(name, SQUARE.to_vec(), vec![[0, 1, 2], [0, 2, 3]], attributes, material);
+    }
+    let bytes = glb(&scene).unwrap();
+    let (again, report) = reload("alpha", &bytes);
+    assert!(report.is_exact() && !report.to_string().contains("changed"), "{report}");
+    assert_eq!(tables(&scene), tables(&again));
+    // Another program's cutoff is followed.
+    let (changed, _) = reload("cutoff", &replaced(&bytes, b"\"alphaCutoff\":0.25", b"\"alphaCutoff\":0.75"));
+    assert_ne!(tables(&scene), tables(&changed));
+}
+
 #[test]
 fn what_gltf_has_no_place_for_is_refused_by_name() {
     let with = |image: TextureDesc, change: fn(&mut MaterialDesc, TextureRef)| {
@@ -158,6 +191,13 @@ fn what_gltf_has_no_place_for_is_refused_by_name() {
     let sheared = |material: &mut MaterialDesc, used: TextureRef| {
         material.textures.base_color = Some(TextureRef { transform: [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0]], ..used });
     };
+    let holes = TextureDesc::srgb8("x", 2, 1, &[[1, 2, 3, 255], [4, 5, 6, 7]]);
+    let alone = |material: &mut MaterialDesc, used: TextureRef| {
+        (material.alpha_mode, material.textures.alpha) = (AlphaMode::Blend, Some(used));
+    };
+    let unused = |material: &mut MaterialDesc, used: TextureRef| {
+        (material.alpha_mode, material.alpha, material.textures.base_color) = (AlphaMode::Blend, 0.5, Some(used));
+    };
     assert!(
         with(srgb.clone(), base).is_ok() && with(linear.clone(), normal).is_ok() && with(linear.clone(), worn).is_ok()
     );
@@ -166,6 +206,8 @@ fn what_gltf_has_no_place_for_is_refused_by_name() {
         (with(srgb.clone(), normal), ["texture 'x'", "sRGB"]),
         (with(srgb.clone(), worn), ["texture 'x'", "a metallic-roughness texture in sRGB"]),
         (with(srgb, sheared), ["material 'wall'", "shear"]),
+        (with(holes.clone(), alone), ["material 'wall'", "combine the images"]),
+        (with(holes, unused), ["material 'wall'", "combine the images"]),
     ] {
         let why = result.unwrap_err();
         assert!(words.iter().all(|word| why.contains(word)), "{why}");

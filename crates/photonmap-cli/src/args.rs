@@ -6,6 +6,7 @@ use clap::Parser;
 use clap::builder::TypedValueParser;
 use photon_core::{Bandwidth, Budget, Estimator, IndexKind, Indirect, Paper, Plan, Preset, Settings};
 
+use crate::exposure::Exposure;
 use crate::fault::Fault;
 
 mod environment;
@@ -195,9 +196,11 @@ impl OutputArgs {
     /// # Errors
     /// [`Fault::Input`] for an exposure that is not finite.
     pub fn check(&self) -> Result<(), Fault> {
-        if self.exposure.is_finite() {
-            return Ok(());
+        match self.exposure {
+            Exposure::Stops(stops) if !stops.is_finite() => {
+                Err(Fault::input(format!("--exposure is {stops}, but must be finite")))
+            }
+            _ => Ok(()),
         }
-        Err(Fault::input(format!("--exposure is {}, but must be finite", self.exposure)))
     }
 }

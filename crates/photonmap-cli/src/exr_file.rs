@@ -11,11 +11,12 @@ use crate::fault::Fault;
 /// Writes one part of f32 channels: `R G B`, which is the sum of `emission.*`, `direct.*`,
 /// `caustic.*` and `indirect.*`, then `depth.Z`, `N.*`, `albedo.*` and `error.Y`, the standard error
 /// of the mean; if errors were asked for, `stderr.Y`, `bias.Y`, `claimed.Y` and `flag.Y` as in
-/// [`ConfidenceInterval`]; and `attributes`. The file is written atomically.
+/// [`ConfidenceInterval`]; with `alpha`, `A`, with which the colours are premultiplied as OpenEXR requires; and
+/// `attributes`. The file is written atomically.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
-pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::result::Result<(), Fault> {
+pub fn write(path: &Path, film: &Film, alpha: bool, attributes: &[(String, String)]) -> std::result::Result<(), Fault> {
     let mut channels: Vec<(String, Vec<f32>)> = Vec::new();
     let mut triple = |names: [String; 3], values: Vec<[f32; 3]>| {
         for (axis, name) in names.into_iter().enumerate() {
@@ -28,6 +29,9 @@ pub fn write(path: &Path, film: &Film, attributes: &[(String, String)]) -> std::
     }
     triple(["N.X", "N.Y", "N.Z"].map(str::to_owned), film.normal());
     triple(["albedo.R", "albedo.G", "albedo.B"].map(str::to_owned), film.albedo());
+    if alpha {
+        channels.push(("A".to_owned(), film.alpha()));
+    }
     channels.push(("depth.Z".to_owned(), film.depth()));
     channels.push(("error.Y".to_owned(), film.standard_error()));
     if let Some(intervals) = film.confidence_intervals() {

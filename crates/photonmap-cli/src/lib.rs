@@ -7,6 +7,7 @@ pub mod atomic_write;
 pub mod backend;
 pub mod command;
 pub mod difference;
+pub mod exposure;
 pub mod exr_file;
 pub mod fault;
 pub mod flip;

@@ -11,7 +11,7 @@ mod unsupported;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use photon_core::{Camera, Light, Material, MaterialKind};
+use photon_core::{Camera, Features, Light, Material, MaterialKind};
 use photon_scene::Scene;
 
 use crate::atomic_write;
@@ -83,7 +83,19 @@ fn sensor(scene: &Scene, camera: &Camera, (width, height): (u32, u32)) -> String
     let (half_width, half_height) = (length(camera.right), length(camera.up));
     let mut text = String::new();
     let perspective = camera.kind == Camera::PERSPECTIVE;
-    let _ = writeln!(text, "    <sensor type=\"{}\">", if perspective { "perspective" } else { "orthographic" });
+    let has_lens = camera.features().contains(Features::THIN_LENS);
+    let kind = match (perspective, has_lens) {
+        (true, true) => "thinlens",
+        (true, false) => "perspective",
+        (false, _) => "orthographic",
+    };
+    let _ = writeln!(text, "    <sensor type=\"{kind}\">");
+    if has_lens {
+        let [radius, focus] =
+            [camera.lens_radius, camera.focus_distance].map(|length| scene.units().length_to_user(length));
+        let _ = writeln!(text, "        <float name=\"aperture_radius\" value=\"{radius}\"/>");
+        let _ = writeln!(text, "        <float name=\"focus_distance\" value=\"{focus}\"/>");
+    }
     let mut scale = String::new();
     if perspective {
         let degrees = 2.0 * half_width.atan().to_degrees();

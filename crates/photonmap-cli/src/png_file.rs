@@ -8,14 +8,45 @@ use crate::atomic_write;
 use crate::fault::Fault;
 use crate::tonemap::{self, ToneMap};
 
-/// Writes the picture, tone-mapped, 8 bits, sRGB. The file is written atomically.
+/// A picture to be tone-mapped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Linear RGB, row by row from the top, not premultiplied.
+    pub colours: Vec<[f32; 3]>,
+    /// Opacity of each pixel, `[0, 1]`, for a picture with a transparent background.
+    pub alpha: Option<Vec<f32>>,
+}
+
+impl Picture {
+    /// The picture of a film, with alpha if the background is `transparent`.
+    #[must_use]
+    pub fn new(film: &Film, transparent: bool) -> Self {
+        let (mut colours, alpha) = (film.beauty(), transparent.then(|| film.alpha()));
+        for (colour, alpha) in colours.iter_mut().zip(alpha.iter().flatten()) {
+            *colour = colour.map(|part| if *alpha > 0.0 { part / alpha } else { 0.0 });
+        }
+        Self { width: film.width, height: film.height, colours, alpha }
+    }
+}
+
+/// Writes the picture, tone-mapped, 8 bits, sRGB; alpha is linear. The file is written atomically.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
-pub fn write(path: &Path, film: &Film, curve: ToneMap, exposure: f32) -> Result<(), Fault> {
-    let bytes: Vec<u8> =
-        film.beauty().into_iter().flat_map(|c| tonemap::map(curve, exposure, c).map(tonemap::encode)).collect();
-    write_bytes(path, film.width, film.height, &bytes)
+pub fn write(path: &Path, picture: &Picture, curve: ToneMap, exposure: f32) -> Result<(), Fault> {
+    let colours = picture.colours.iter().map(|&colour| tonemap::map(curve, exposure, colour).map(tonemap::encode));
+    let (bytes, color): (Vec<u8>, _) = match &picture.alpha {
+        None => (colours.flatten().collect(), png::ColorType::Rgb),
+        Some(alpha) => {
+            let opacity = alpha.iter().map(|alpha| (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+            (colours.zip(opacity).flat_map(|([r, g, b], a)| [r, g, b, a]).collect(), png::ColorType::Rgba)
+        }
+    };
+    write_colour(path, (picture.width, picture.height), color, &bytes)
 }
 
 /// Writes RGB of 8 bits, sRGB, row by row. The file is written atomically.
@@ -23,9 +54,13 @@ pub fn write(path: &Path, film: &Film, curve: ToneMap, exposure: f32) -> Result<
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
 pub fn write_bytes(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), Fault> {
+    write_colour(path, (width, height), png::ColorType::Rgb, bytes)
+}
+
+fn write_colour(path: &Path, (width, height): (u32, u32), color: png::ColorType, bytes: &[u8]) -> Result<(), Fault> {
     atomic_write::write(path, |file| {
         let mut encoder = png::Encoder::new(file, width, height);
-        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_color(color);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         let mut writer = encoder.write_header()?;

@@ -1,8 +1,8 @@
 //! Numbers of algorithms in photon-core and photon-scene that have a twin in GLSL.
 
 use photon_core::{
-    Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, area, kd_tree, light_sampler, neighbour_radius, octahedral,
-    offset, shading_normal, solid_angle,
+    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, area, ggx, glossy, kd_tree, light_sampler,
+    light_tree, neighbour_radius, octahedral, offset, shading_normal, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -59,6 +59,17 @@ pub(super) fn groups() -> Vec<Group> {
                 ("LIGHT_SAMPLER_DEFENSIVE_SHARE", Number::Float(light_sampler::DEFENSIVE_SHARE)),
             ],
         ),
+        (
+            "light_tree.",
+            vec![
+                ("LIGHT_TREE_WORDS", light_tree::TREE_WORDS.into()),
+                ("LIGHT_TREE_LEAF", light_tree::LEAF.into()),
+                ("LIGHT_TREE_COSINE_STEPS", light_tree::COSINE_STEPS.into()),
+                ("LIGHT_TREE_MIN_SQUARED", light_tree::MIN_SQUARED.into()),
+                ("LIGHT_TREE_MULTIPLIER", light_tree::NEXT_WORD[0].into()),
+                ("LIGHT_TREE_INCREMENT", light_tree::NEXT_WORD[1].into()),
+            ],
+        ),
         ("octahedral.", vec![("OCTAHEDRAL_STEPS", octahedral::STEPS.into())]),
         (
             "offset.",
@@ -73,6 +84,17 @@ pub(super) fn groups() -> Vec<Group> {
             vec![
                 ("SHADING_MAX_RATIO", shading_normal::MAX_RATIO.into()),
                 ("SHADING_MIN_COSINE", shading_normal::MIN_COSINE.into()),
+            ],
+        ),
+        ("ggx.", vec![("GGX_MIN_ALPHA", ggx::MIN_ALPHA.into())]),
+        ("AlbedoTable.", vec![("ALBEDO_TABLE_SIZE", (AlbedoTable::SIZE as u32).into())]),
+        (
+            "glossy.",
+            vec![
+                ("GLOSSY_MIN_SHARE", glossy::MIN_SHARE.into()),
+                ("GLOSSY_COAT_ROUGHNESS", Coat::STEPS[0].into()),
+                ("GLOSSY_COAT_F0", Coat::STEPS[1].into()),
+                ("GLOSSY_COAT_F90", Coat::STEPS[2].into()),
             ],
         ),
         (

@@ -6,8 +6,8 @@ use photon_core::area::{self, HEIGHT, MIN_RADIUS, Probe, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    AreaProbe, EstimateBuffers, EstimateParams, Lobe, Pass, Query, RandomKind, Ray, Result, SurfaceInteraction, math,
-    offset, sampling,
+    AreaProbe, EstimateBuffers, EstimateParams, Features, Lobe, Pass, Query, RandomKind, Ray, Result,
+    SurfaceInteraction, math, offset, sampling,
 };
 use rayon::prelude::*;
 
@@ -35,13 +35,17 @@ impl AreaProbe<Cpu> for CpuArea {
         buffers: EstimateBuffers<'_, Cpu>,
     ) -> Result<()> {
         let estimates = buffers.estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK));
+        let has_alpha = scene.present.contains(Features::ALPHA);
         on.pool.install(|| match buffers.error_moments {
             None => estimates.for_each(|(estimates, queries)| {
                 for (estimate, query) in estimates.iter_mut().zip(queries) {
                     // An estimate of 0 needs no correction.
                     if estimate.photons > 0 {
                         let radius = estimate.radius_squared.sqrt();
-                        estimate.radius_squared *= Disc { scene, pass, query, gather, radius }.shares::<false>()[0];
+                        let disc = Disc { scene, pass, query, gather, radius };
+                        let shares =
+                            if has_alpha { disc.shares::<false, true>() } else { disc.shares::<false, false>() };
+                        estimate.radius_squared *= shares[0];
                     }
                 }
             }),
@@ -51,8 +55,9 @@ impl AreaProbe<Cpu> for CpuArea {
                         for ((estimate, query), moments) in estimates.iter_mut().zip(queries).zip(error_moments) {
                             if moments.photons > 0 {
                                 let radius = estimate.radius_squared.sqrt();
+                                let disc = Disc { scene, pass, query, gather, radius };
                                 let [share, wide, narrow] =
-                                    Disc { scene, pass, query, gather, radius }.shares::<true>();
+                                    if has_alpha { disc.shares::<true, true>() } else { disc.shares::<true, false>() };
                                 estimate.radius_squared *= share;
                                 moments.wide = moments.wide.map(|flux| flux * (share / wide));
                                 moments.narrow = moments.narrow.map(|flux| flux * (share / narrow));
@@ -77,8 +82,9 @@ struct Disc<'a> {
 
 impl Disc<'_> {
     /// The share of the disc that lies on the query's surface. With `SECOND`, also the shares of the discs with √2
-    /// and 1/√2 times its radius; otherwise these are 1.
-    fn shares<const SECOND: bool>(&self) -> [f32; 3] {
+    /// and 1/√2 times its radius; otherwise these are 1. With `ALPHA`, surfaces may have holes; those that are there with
+    /// a probability count as there, since the photons stored on them stand for all that arrive.
+    fn shares<const SECOND: bool, const ALPHA: bool>(&self) -> [f32; 3] {
         let Self { scene, query, gather, radius, .. } = *self;
         if radius < MIN_RADIUS {
             return [1.0; 3];
@@ -90,7 +96,7 @@ impl Disc<'_> {
         let from = offset::off_surface(query.position.into(), normal);
         // Under a ceiling, the apex is at half the ceiling's height.
         let up = Ray { origin: from, direction: normal, t_max: HEIGHT * radius };
-        let height = opaque(scene, up).map_or(HEIGHT * radius, |(t, _)| 0.5 * t);
+        let height = opaque::<ALPHA>(scene, up).map_or(HEIGHT * radius, |(t, _)| 0.5 * t);
         let apex = from + normal * height;
         let far = if SECOND { SQRT_2 * radius } else { radius };
         let (mut found, mut all) = ([0.0; 3], [0.0; 3]);
@@ -98,7 +104,7 @@ impl Disc<'_> {
         for spoke in 0..SPOKES {
             let (sine, cosine) = math::sin_cos_turns(area::spoke_turns(spoke, turn));
             let direction = tangent * cosine + bitangent * sine;
-            let free = opaque(scene, Ray { origin: apex, direction, t_max: far }).map_or(far, |(t, _)| t);
+            let free = opaque::<ALPHA>(scene, Ray { origin: apex, direction, t_max: far }).map_or(far, |(t, _)| t);
             // From the outermost ring inwards: if a ring lies on the surface and is not occluded, so do all rings
             // inside it.
             let mut whole = false;
@@ -118,12 +124,12 @@ impl Disc<'_> {
                 }
                 let away = probe.distance * radius;
                 let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
-                let Some((_, surface)) = opaque(scene, down) else { continue };
+                let Some((_, surface)) = opaque::<ALPHA>(scene, down) else { continue };
                 let material = &scene.materials[surface.material as usize];
                 let keeps = material.is_diffuse() && material.albedo != [0.0; 3];
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
                 let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
-                if same && (away <= free || !enclosed(scene, &surface)) {
+                if same && (away <= free || !enclosed::<ALPHA>(scene, &surface)) {
                     // The outer probe exists only if error moments are requested. It must not decide for the rings
                     // inside it, since the image must be the same either way.
                     whole = ring < RINGS && !gather.is_flat() && away <= free;
@@ -139,20 +145,20 @@ impl Disc<'_> {
 }
 
 /// Whether the surface lies inside a solid, where no photon lands: the surface above it is seen from the back.
-fn enclosed(scene: &CpuScene, surface: &SurfaceInteraction) -> bool {
+fn enclosed<const ALPHA: bool>(scene: &CpuScene, surface: &SurfaceInteraction) -> bool {
     let up = Ray {
         origin: offset::off_surface(surface.point, surface.normal),
         direction: surface.normal,
         t_max: f32::INFINITY,
     };
-    opaque(scene, up).is_some_and(|(_, above)| !above.front)
+    opaque::<ALPHA>(scene, up).is_some_and(|(_, above)| !above.front)
 }
 
 /// The nearest intersection with a surface that does not transmit, and its distance.
-fn opaque(scene: &CpuScene, mut ray: Ray) -> Option<(f32, SurfaceInteraction)> {
+fn opaque<const ALPHA: bool>(scene: &CpuScene, mut ray: Ray) -> Option<(f32, SurfaceInteraction)> {
     let mut passed = 0.0;
     for _ in 0..=SHEETS {
-        let surface = scene.surface(&ray)?;
+        let surface = scene.covered_surface::<ALPHA>(&ray)?;
         if !scene.materials[surface.material as usize].kind().transmits() {
             return Some((passed + surface.t, surface));
         }

@@ -27,9 +27,10 @@ impl DirectLight<Cpu> for CpuDirect {
         shadow_rays: u32,
         film: &mut CpuFilm,
     ) -> Result<()> {
-        let irradiance = match scene.present.intersects(SHADED) {
-            true => irradiance::<true>,
-            false => irradiance::<false>,
+        let irradiance = match (scene.present.intersects(SHADED), scene.present.contains(Features::ALPHA)) {
+            (_, true) => irradiance::<true, true>,
+            (true, false) => irradiance::<true, false>,
+            (false, false) => irradiance::<false, false>,
         };
         on.pool.install(|| {
             film.for_queries(
@@ -48,8 +49,13 @@ impl DirectLight<Cpu> for CpuDirect {
 /// What shadow rays need a kernel of their own for.
 const SHADED: Features = Features::SHADING_NORMALS.union(Features::TEXTURED_LIGHTS).union(Features::GLOSSY);
 
-/// Direct irradiance: the mean over `rays` shadow rays.
-fn irradiance<const SHADED: bool>(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
+/// Direct irradiance: the mean over `rays` shadow rays. `ALPHA`: surfaces are in their way with a probability.
+fn irradiance<const SHADED: bool, const ALPHA: bool>(
+    scene: &CpuScene,
+    pass: Pass,
+    query: &Query,
+    rays: u32,
+) -> [f64; 3] {
     let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
     let light_sampler = LightSampler::at(scene, query.position.into(), query.normal.into());
     let normal = Vec3::from(query.normal);
@@ -62,10 +68,10 @@ fn irradiance<const SHADED: bool>(scene: &CpuScene, pass: Pass, query: &Query, r
     };
     let mut sum = [0.0; 3];
     for ray in 0..rays {
-        let [choice, u, v, _] = sampler.words(ray);
+        let [choice, u, v, low] = sampler.words(ray);
         // Each ray samples its own stratum of the lights.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
-        let (index, share) = light_sampler.pick(scene, choice);
+        let (index, share) = light_sampler.pick([choice, low]);
         let Some(sampled) = sample::<SHADED>(scene, &scene.lights[index], from, u, v) else { continue };
         let ray = sampled.ray;
         let cosine = cosine_of(ray.direction);
@@ -76,7 +82,7 @@ fn irradiance<const SHADED: bool>(scene: &CpuScene, pass: Pass, query: &Query, r
         if SHADED && query.coat != 0 {
             value *= Coat::from_bits(query.coat).entering(ray.direction.dot(shading));
         }
-        if value != Vec3::ZERO && !scene.caster.occluded(&ray) {
+        if value != Vec3::ZERO && !scene.occluded_with::<ALPHA>(&ray, || low) {
             // The segment is unoccluded, so all of it lies in the query's medium.
             let value = value * scene.attenuation(MediumStack::from_bits(query.media), ray.t_max);
             for c in 0..3 {

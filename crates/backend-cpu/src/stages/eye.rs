@@ -10,7 +10,7 @@ use photon_core::random::{BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain, Sam
 use photon_core::{
     Bsdf, Camera, Coat, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind,
     MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, SurfaceInteraction, View, glossy, octahedral,
-    offset, shading_normal,
+    offset, sampling, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -27,6 +27,8 @@ use crate::stages::light_sampler::LightSampler;
 #[derive(Debug)]
 pub(crate) struct CpuEye {
     pub(crate) max_bounces: u32,
+    /// Whether camera rays that hit nothing do not see the environment.
+    pub(crate) hides_background: bool,
 }
 
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
@@ -42,8 +44,18 @@ impl EyeTracer<Cpu> for CpuEye {
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let eye = Eye { scene, view, pass, max_bounces: self.max_bounces, max_splits };
-        let look = if scene.features.intersects(Features::SHADED) { Eye::look::<true> } else { Eye::look::<false> };
+        let Self { max_bounces, hides_background } = *self;
+        let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits };
+        let has_lens = view.camera.features().contains(Features::THIN_LENS);
+        let is_shaded = scene.features.intersects(Features::SHADED);
+        let look = match (is_shaded, scene.present.contains(Features::ALPHA), has_lens) {
+            (_, true, true) => Eye::look::<true, true, true>,
+            (_, true, false) => Eye::look::<true, true, false>,
+            (true, false, true) => Eye::look::<true, false, true>,
+            (true, false, false) => Eye::look::<true, false, false>,
+            (false, false, true) => Eye::look::<false, false, true>,
+            (false, false, false) => Eye::look::<false, false, false>,
+        };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
                 .par_chunks_mut(view.width as usize)
@@ -70,6 +82,7 @@ struct Eye<'a> {
     view: &'a View,
     pass: Pass,
     max_bounces: u32,
+    hides_background: bool,
     max_splits: u32,
 }
 
@@ -99,18 +112,27 @@ struct Reflection {
 }
 
 impl Eye<'_> {
-    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals.
-    fn look<const SHADED: bool>(&self, x: u32, y: u32, pixel: &mut FilmPixel, queries: &mut Vec<Query>) {
+    /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha; `LENS`: the
+    /// camera has a lens.
+    fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool>(
+        &self,
+        x: u32,
+        y: u32,
+        pixel: &mut FilmPixel,
+        queries: &mut Vec<Query>,
+    ) {
         let number = y * self.view.width + x;
         let sampler = |branch: u32| {
             let key = number * QUERIES_PER_PIXEL + branch;
             Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Eye, key)
         };
-        let [a, b, ..] = sampler(0).words(BLOCK_START);
+        let [a, b, c, d] = sampler(0).words(BLOCK_START);
         let across = 2.0 * (x as f32 + unit_f32(a)) / self.view.width as f32 - 1.0;
         let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;
+        let camera = &self.view.camera;
+        let ray = if LENS { lens_ray(camera, across, -down, [c, d]) } else { camera_ray(camera, across, -down) };
         let first = Path {
-            ray: camera_ray(&self.view.camera, across, -down),
+            ray,
             throughput: Vec3::ONE,
             media: MediumStack::from_bits(self.view.camera.media),
             surfaces: 0,
@@ -123,7 +145,7 @@ impl Eye<'_> {
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
-            while let Some(branch) = self.step::<SHADED>(&mut path, number, pixel, queries, &sampler) {
+            while let Some(branch) = self.step::<SHADED, ALPHA>(&mut path, number, pixel, queries, &sampler) {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
                     count += 1;
@@ -134,7 +156,7 @@ impl Eye<'_> {
 
     /// Traces the path to its next surface. Returns `None` when the path has ended, `Some(Some(other))` when it has
     /// split.
-    fn step<const SHADED: bool>(
+    fn step<const SHADED: bool, const ALPHA: bool>(
         &self,
         path: &mut Path,
         number: u32,
@@ -142,8 +164,10 @@ impl Eye<'_> {
         queries: &mut Vec<Query>,
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
-        let Some((mut surface, hit)) = self.scene.hit(&path.ray) else {
-            if let Some(environment) = &self.scene.environment {
+        let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
+        let Some((mut surface, hit)) = self.scene.hit_with::<ALPHA>(&path.ray, layer).ok()? else {
+            let is_hidden = self.hides_background && path.surfaces == 0;
+            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
                 let mut radiance = environment.radiance(path.ray.direction);
@@ -206,7 +230,7 @@ impl Eye<'_> {
         if SHADED && material.kind() == MaterialKind::Glossy {
             let glossy = Glossy::new(material, surface.cosine);
             let at = GlossyPoint { surface: &surface, normal, media: interface.before, glossy: &glossy };
-            self.light_reflection(path, &at, seen(), pixel, sampler);
+            self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
             return self.reflect(path, &at, seen(), queries, query, sampler);
         }
         let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
@@ -262,7 +286,7 @@ impl Eye<'_> {
 impl Eye<'_> {
     /// Adds the light that a shadow ray from a glossy surface finds, as its reflection shows it. `seen` is the factor from
     /// radiance that leaves the surface to its contribution at the camera.
-    fn light_reflection(
+    fn light_reflection<const ALPHA: bool>(
         &self,
         path: &Path,
         at: &GlossyPoint<'_>,
@@ -274,8 +298,8 @@ impl Eye<'_> {
         if scene.lights.is_empty() {
             return;
         }
-        let [choice, u, v, _] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
-        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick(scene, choice);
+        let [choice, u, v, low] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
+        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick([choice, low]);
         let from = offset::off_surface(surface.start, surface.normal);
         let Some(sampled) = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v) else { return };
         let direction = sampled.ray.direction;
@@ -283,7 +307,7 @@ impl Eye<'_> {
         let limited = glossy::limited(direction, surface.normal, at.normal);
         let value = sampled.times(limited) * reflected.value;
         // NaN counts as no light.
-        if !(value.max_element() > 0.0) || scene.caster.occluded(&sampled.ray) {
+        if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || low) {
             return;
         }
         let share = share as f32;
@@ -340,7 +364,7 @@ impl Eye<'_> {
     fn share(&self, path: &Path, light: Option<usize>, pdf: f32) -> f32 {
         let Some(light) = light else { return 1.0 };
         let Reflection { position, normal, pdf: reflected } = path.reflected;
-        let chosen = LightSampler::at(self.scene, position, normal).probability(self.scene, light) as f32;
+        let chosen = LightSampler::at(self.scene, position, normal).probability(light) as f32;
         balance(reflected, pdf * chosen)
     }
 
@@ -379,4 +403,15 @@ fn camera_ray(camera: &Camera, x: f32, y: f32) -> Ray {
         (origin, (forward + offset).normalize_or(forward))
     };
     Ray { origin, direction, t_max: f32::INFINITY }
+}
+
+/// The ray through a point of the image and a uniformly distributed point of the lens: all rays through a point of the
+/// image meet in the plane that is in focus.
+fn lens_ray(camera: &Camera, x: f32, y: f32, words: [u32; 2]) -> Ray {
+    let (right, up) = (Vec3::from(camera.right), Vec3::from(camera.up));
+    let (u, v) = sampling::disc(unit_f32(words[0]), unit_f32(words[1]));
+    let lens = (right.normalize_or_zero() * u + up.normalize_or_zero() * v) * camera.lens_radius;
+    let (origin, forward) = (Vec3::from(camera.origin), Vec3::from(camera.forward));
+    let towards = forward + (right * x + up * y) - lens / camera.focus_distance;
+    Ray { origin: origin + lens, direction: towards.normalize_or(forward), t_max: f32::INFINITY }
 }

@@ -36,7 +36,11 @@ impl FinalGather<Cpu> for CpuGather {
             gather.validate_for(map.photon_format())?;
         }
         let max_bounces = self.max_bounces;
-        let follow = if scene.present.intersects(Features::SHADED) { follow::<true> } else { follow::<false> };
+        let follow = match (scene.present.intersects(Features::SHADED), scene.present.contains(Features::ALPHA)) {
+            (_, true) => follow::<true, true>,
+            (true, false) => follow::<true, false>,
+            (false, false) => follow::<false, false>,
+        };
         on.pool.install(|| {
             film.for_queries(queries.as_slice(), PerMap::<Neighbours>::default, |scratch, _, query, pixel, errors| {
                 let key = query.path;
@@ -113,8 +117,8 @@ impl Found {
 
 /// The contribution of one ray to the irradiance: π times the incoming radiance, since directions are sampled with
 /// density cos θ/π. Light that arrives straight from a light source, or from one through mirrors and glass only, is
-/// not counted here. `SHADED`: surfaces have textures or shading normals.
-fn follow<const SHADED: bool>(
+/// not counted here. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha.
+fn follow<const SHADED: bool, const ALPHA: bool>(
     scene: &CpuScene,
     maps: &Maps<'_, Cpu>,
     query: &Query,
@@ -152,7 +156,9 @@ fn follow<const SHADED: bool>(
     let start = MediumStack::from_bits(query.media);
     let mut media = start;
     for bounce in 1..=max_bounces {
-        let Some((mut surface, hit)) = scene.hit(&ray) else { break };
+        let Ok(Some((mut surface, hit))) = scene.hit_with::<ALPHA>(&ray, || sampler.words(block + bounce)[3]) else {
+            break;
+        };
         let mut material = &scene.materials[surface.material as usize];
         let evaluated = if SHADED { Some(scene.shade(&surface, &hit)) } else { None };
         let mut normal = surface.normal;

@@ -6,8 +6,8 @@ use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Lobe, MapKind, MaterialKind, MediaFeatures, MediumStack,
-    PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, Scheduling, Settings, Tally, Tracer, glossy,
-    octahedral, sampling, shading_normal,
+    PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, Scheduling, Settings, SkipLimit, Tally, Tracer,
+    glossy, octahedral, sampling, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -140,8 +140,8 @@ const AIMED: u32 = 1 << 31;
 /// Flag beside the bits of the lobes: solids are nested or overlap.
 const NESTED: u32 = 1 << 30;
 
-/// Selects the kernel compiled for these lobes. Nested solids, and surfaces with textures or shading normals, have one
-/// kernel each with all lobes.
+/// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those with
+/// alpha have one kernel each with all lobes.
 fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     const D: Features = Features::DIFFUSE;
     const M: Features = D.union(Features::MIRROR);
@@ -151,8 +151,12 @@ fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     let mirrors = features.intersects(Features::MIRROR);
     let absorbs = features.intersects(Features::ABSORPTION);
     let lobes = (features.intersects(GLASS), absorbs, mirrors);
+    const SHADED: u32 = ALL | NESTED | Features::SHADED.bits();
+    if features.contains(Features::ALPHA) {
+        const ALPHA: u32 = SHADED | Features::ALPHA.bits();
+        return if aimed { follow::<{ ALPHA | AIMED }> } else { follow::<ALPHA> };
+    }
     if features.intersects(Features::SHADED) {
-        const SHADED: u32 = ALL | NESTED | Features::SHADED.bits();
         return if aimed { follow::<{ SHADED | AIMED }> } else { follow::<SHADED> };
     }
     if nested && lobes.0 {
@@ -203,8 +207,18 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         if !sane || power.is_nan() {
             return tally.end(Fate::Dropped, flux);
         }
-        let Some((mut surface, hit)) = scene.hit(&ray) else {
-            return tally.end(Fate::Escaped, flux);
+        let block = BLOCK_SURFACES + bounce;
+        let found = if features.contains(Features::ALPHA) {
+            // A copy, since a sequence must not advance twice.
+            let mut layer = sampler;
+            scene.hit_with::<true>(&ray, || layer.words(block)[3])
+        } else {
+            scene.hit_with::<false>(&ray, || 0)
+        };
+        let (mut surface, hit) = match found {
+            Ok(Some(found)) => found,
+            Ok(None) => return tally.end(Fate::Escaped, flux),
+            Err(SkipLimit) => return tally.end(Fate::Truncated, flux),
         };
         tally.surfaces += 1;
         let mut material = &scene.materials[surface.material as usize];
@@ -234,7 +248,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             power *= scene.transmittance(interface.before, surface.t);
             carry(power, &mut flux, tally);
         }
-        let [choice, u, v, _] = sampler.words(BLOCK_SURFACES + bounce);
+        let [choice, u, v, _] = sampler.words(block);
         let (choice, u, v) = (unit_f32(choice), unit_f32(u), unit_f32(v));
         // Aimed paths store no photon at the first surface: light straight from a light source is not theirs to count.
         let mut store = |power: Vec3, tally: &mut Tally| {
@@ -242,10 +256,13 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 let kind = MapKind::of_path(specular_only, bounce);
                 if walk.wanted[kind] {
                     tally.stored[kind] += 1;
+                    // Where a surface is there for a share of the photons, each stands for those that passed.
+                    let arriving =
+                        if features.contains(Features::ALPHA) { power / scene.coverage(&hit) } else { power };
                     output.photons[kind].push(Photon {
                         position: surface.point.into(),
                         normal: octahedral::pack(surface.normal),
-                        power: power.into(),
+                        power: arriving.into(),
                         direction: octahedral::pack(-ray.direction),
                     });
                 }

@@ -3,6 +3,7 @@
 use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
+use photon_core::light_tree::LightNode;
 use photon_core::{
     Camera, Element, ErrorMoments, Estimate, Light, Material, MaterialTextures, Medium, Photon, PhotonRay, Primitive,
     Query, TextureUse,
@@ -46,16 +47,17 @@ fn records() -> Vec<Record> {
     vec![
         record!(Photon: position normal power direction),
         record!(PhotonRay: origin path direction light power media),
-        record!(Query: position radius normal pixel throughput media wo path shading_normal reserved),
+        record!(Query: position radius normal pixel throughput media wo path shading_normal coat),
         record!(Estimate: flux radius_squared photons flags reserved),
         record!(ErrorMoments: wide power narrow power_squared slope quadrupole stray photons reserved),
         record!(Primitive: normal material),
-        record!(Material: albedo kind emission flags medium ior textures reserved),
+        record!(Material: albedo kind emission flags medium ior textures metallic roughness specular alpha alpha_cutoff),
         record!(Medium: absorption ior priority reserved),
         record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),
-        record!(Camera: origin kind forward media right reserved2 up reserved3),
+        record!(Camera: origin kind forward media right lens_radius up focus_distance),
         record!(TextureUse: transform texture_index uv_set),
-        record!(MaterialTextures: base_color emission normal normal_scale reserved),
+        record!(MaterialTextures: base_color emission normal normal_scale metallic_roughness alpha reserved),
+        record!(LightNode: center radius intensity axis cone next),
     ]
 }
 

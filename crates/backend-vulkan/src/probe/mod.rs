@@ -3,6 +3,7 @@
 //! The bounds are stated once for each function, in [`table`] or, for functions that read tables of a scene, in a
 //! module of their own; and in `docs/studies/shaders.md`.
 
+mod alpha;
 mod area;
 mod bias;
 mod compare;
@@ -10,8 +11,10 @@ mod draw;
 mod environment;
 mod environment_limits;
 mod flushed;
+mod glossy;
 mod layout;
 mod light_sampler;
+mod light_tree;
 mod listed;
 mod media;
 mod photon_format;
@@ -56,15 +59,17 @@ struct Push {
 }
 
 pushed!(
-    push_layout: Push => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_MEDIA
-        PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SHADE
+    push_layout: Push => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL
+        PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
+        PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SHADE
         PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     inputs outputs count padding
 );
 
 specialized!(
-    probe_constants: ProbeConstants => PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_KERNEL
-        PROBE_LIGHT_SAMPLER PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM
+    probe_constants: ProbeConstants => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL
+        PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
+        PROBE_PROJECTION PROBE_RANDOM
         PROBE_SAMPLING PROBE_SHADE PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     2 function: u32; default features shared_groups
 );
@@ -116,8 +121,11 @@ fn worst_of(on: &mut Vulkan, row: &Row, inputs: &[Input], outputs: &[Output]) ->
 /// All functions that are compared.
 fn all_rows() -> Vec<Row> {
     let single = vec![triangle::row(), photon_format::row()];
-    let shading = [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows()].concat();
-    [table::rows(), light_sampler::rows(), media::rows(), projection::rows(), shading, single].concat()
+    let shading =
+        [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows(), glossy::rows(), alpha::rows()]
+            .concat();
+    [table::rows(), light_sampler::rows(), light_tree::rows(), media::rows(), projection::rows(), shading, single]
+        .concat()
 }
 
 /// Checks every row of the table and reports all that fail.

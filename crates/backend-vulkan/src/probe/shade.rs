@@ -59,7 +59,7 @@ fn weighted(d: &mut Draw) -> Input {
     made
 }
 
-fn barycentric(d: &mut Draw) -> [f32; 2] {
+pub(super) fn barycentric(d: &mut Draw) -> [f32; 2] {
     let (u, v) = (d.unit(), d.unit());
     if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] }
 }
@@ -149,7 +149,7 @@ fn shaded(i: &Input, [u, v]: [f32; 2]) -> Shaded {
 
 fn colors(shaded: &Shaded) -> Output {
     let ([r, g, b], [x, y, z]) = (shaded.material.albedo, shaded.material.emission);
-    output([r, g, b, 0.0, x, y, z, 0.0])
+    output([r, g, b, shaded.material.roughness, x, y, z, shaded.material.metallic])
 }
 
 /// [`shade::turned`] with lengths off by `error` of themselves, with signs by the bits of `signs`.

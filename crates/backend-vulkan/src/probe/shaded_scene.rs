@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Filter, Light, Material, MaterialTextures, OwnedShadingTables, Primitive, SceneView, ShadingTables, TexelFormat,
-    Texture, TextureUse, Wrap, octahedral, sampling,
+    Filter, Light, Material, MaterialKind, MaterialTextures, OwnedShadingTables, Primitive, SceneView, ShadingTables,
+    TexelFormat, Texture, TextureUse, Wrap, octahedral, sampling,
 };
 use photon_scene::CompressedTree;
 
@@ -99,15 +99,30 @@ impl ShadedScene {
         let images = self.shading.textures.len() as u32 - 3;
         for index in 0..12 {
             let mut image = || if d.now_and_then() { none } else { d.word() % images };
-            let (base_color, emission) = (image(), image());
+            let (base_color, emission, metallic_roughness) = (image(), image(), image());
             let normal = if d.now_and_then() { none } else { images + d.word() % 3 };
             let normal_scale = d.pick(&[1.0, 0.5, -0.8]);
-            let entry = MaterialTextures { base_color, emission, normal, normal_scale, ..MaterialTextures::default() };
+            let alpha = if d.now_and_then() { none } else { d.word() % images };
+            let entry = MaterialTextures {
+                base_color,
+                emission,
+                normal,
+                normal_scale,
+                metallic_roughness,
+                alpha,
+                ..MaterialTextures::default()
+            };
             self.shading.material_textures.push(entry);
             let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];
             let emission = [d.between(0.5, 9.0), d.between(0.5, 9.0), d.between(0.5, 9.0)];
             let textures = if index == 0 { 0 } else { index + 1 };
-            self.materials.push(Material { albedo, emission, textures, ..Material::default() });
+            // Two of three have alpha: probabilities, and a cutoff.
+            let (flags, alpha_cutoff) = [(0, 0.0), (Material::ALPHA, 0.0), (Material::ALPHA, 0.2)][index as usize % 3];
+            let alpha = d.between(0.5, 1.0);
+            let kind = if index % 2 == 0 { MaterialKind::Lambert } else { MaterialKind::Glossy };
+            let (metallic, roughness) = (d.unit(), d.unit());
+            let surface = Material { kind: kind as u32, metallic, roughness, ior: 1.5, ..Material::default() };
+            self.materials.push(Material { albedo, emission, textures, flags, alpha, alpha_cutoff, ..surface });
         }
     }
 
@@ -144,7 +159,7 @@ fn the_scene_has_what_is_read() {
     use photon_core::Features;
     let view = SHADED.view();
     view.validate().unwrap();
-    assert!(Features::of(&view).contains(Features::SHADED.union(Features::TEXTURED_LIGHTS)));
+    assert!(Features::of(&view).contains(Features::SHADED.union(Features::TEXTURED_LIGHTS).union(Features::ALPHA)));
     let mut slots = SHADED.slots.clone();
     slots.sort_unstable();
     assert!(slots.iter().copied().eq(0..TRIANGLES) && slots != SHADED.slots, "{slots:?}");

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::texture::byte_values;
-use photon_core::{Result, SceneView, Texture};
+use photon_core::{AlbedoTable, Features, Result, SceneView, Texture};
 
 use super::{BLOCK, Upload};
 
@@ -18,8 +18,9 @@ struct Record {
     uses: u64,
     textures: u64,
     values: u64,
+    albedos: u64,
     has_normals: u32,
-    reserved: [u32; 3],
+    reserved: u32,
 }
 
 /// `Texture` of texture.glsl.
@@ -39,7 +40,8 @@ struct Image {
 /// or 0 for a scene without any.
 pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32]) -> Result<u64> {
     let tables = &view.shading;
-    if tables.is_empty() {
+    let glossy = Features::of(view).contains(Features::GLOSSY);
+    if tables.is_empty() && !glossy {
         return Ok(0);
     }
     let mut record = Record::zeroed();
@@ -54,6 +56,9 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
         record.uses = upload.table("textures", tables.uses)?;
         record.material_textures = upload.table("textures", tables.material_textures)?;
         record.values = upload.table("textures", byte_values().as_flattened())?;
+    }
+    if glossy {
+        record.albedos = upload.table("albedos of glossy surfaces", AlbedoTable::get().entries())?;
     }
     upload.table("scene", &[record])
 }

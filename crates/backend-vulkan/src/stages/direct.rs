@@ -44,6 +44,12 @@ specialized!(
     0 features: Features, 2 weighed: u32, 3 media: MediaFeatures; default shared_groups
 );
 
+/// Number of lights that kernels weight at each point; 0 if they are chosen by power alone.
+pub(crate) fn weighed(scene: &VulkanScene) -> u32 {
+    let lights = scene.light_count();
+    if (2..=MAX_LIGHTS).contains(&lights) { lights } else { 0 }
+}
+
 impl DirectLight<Vulkan> for VulkanDirect {
     fn light(
         &mut self,
@@ -57,9 +63,7 @@ impl DirectLight<Vulkan> for VulkanDirect {
         if shadow_rays == 0 {
             return Ok(());
         }
-        let lights = scene.light_count();
-        let weighed = if (2..=MAX_LIGHTS).contains(&lights) { lights } else { 0 };
-        let constants = DirectConstants { features: scene.features(), weighed, media: scene.media() };
+        let constants = DirectConstants { features: scene.features(), weighed: weighed(scene), media: scene.media() };
         let kernel = on.kernel(&shaders::STAGES_DIRECT, GROUP, &constants)?;
         // The number of queries is not needed on the host: dispatch for the full capacity.
         let capacity = queries.capacity();

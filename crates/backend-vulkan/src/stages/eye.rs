@@ -9,6 +9,7 @@ use crate::film::VulkanFilm;
 use crate::scan::Scan;
 use crate::scene::VulkanScene;
 use crate::shaders;
+use crate::stages::direct::weighed;
 use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
@@ -25,6 +26,7 @@ const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 #[derive(Debug)]
 pub(crate) struct VulkanEye {
     max_bounces: u32,
+    hides_background: bool,
     scan: Scan,
     camera: Memory,
     scratch: Option<EyeScratch>,
@@ -94,17 +96,19 @@ pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offset
 
 specialized!(
     eye_constants: EyeConstants => STAGES_EYE,
-    0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures;
+    0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures,
+    6 weighed: u32, 7 hides_background: bool;
     default shared_groups
 );
 
 specialized!(compact_constants: CompactConstants => STAGES_EYE_COMPACT, 2 places_log2: u32);
 
 impl VulkanEye {
-    /// Constructs a tracer for paths of at most `max_bounces` surfaces.
-    pub(crate) fn new(on: &mut Vulkan, max_bounces: u32) -> Result<Self> {
+    /// Constructs a tracer for paths of at most `max_bounces` surfaces; with `hides_background`, camera rays that hit
+    /// nothing do not see the environment.
+    pub(crate) fn new(on: &mut Vulkan, max_bounces: u32, hides_background: bool) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
-        Ok(Self { max_bounces, scan: Scan::new(on)?, camera, scratch: None })
+        Ok(Self { max_bounces, hides_background, scan: Scan::new(on)?, camera, scratch: None })
     }
 }
 
@@ -119,7 +123,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
         queries: &mut VulkanBuffer<Query>,
     ) -> Result<()> {
         film.check_size(view.width, view.height)?;
-        let features = scene.features();
+        // The lens is that of the view.
+        let features = scene.features().without(Features::THIN_LENS).union(view.camera.features());
         let splits = if features.splits_camera_paths() { SPLITS } else { 0 };
         let pixels = view.width * view.height;
         let places = u64::from(pixels) << splits;
@@ -134,7 +139,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        let lit = features.intersects(Features::AREA_LIGHTS.union(Features::ENVIRONMENT));
+        let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::GLOSSY);
+        let lit = features.intersects(emits);
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as possible.
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
@@ -144,6 +150,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
             paths_log2: SPLITS,
             tile_rows_log2: tile_rows,
             media: scene.media(),
+            weighed: if features.contains(Features::GLOSSY) { weighed(scene) } else { 0 },
+            hides_background: self.hides_background,
         };
         let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);

@@ -180,6 +180,14 @@ impl Film {
             .collect()
     }
 
+    /// Share of the camera rays that hit a surface, in `[0, 1]`. With [`crate::Settings::transparent_background`], or
+    /// without an environment, the picture is premultiplied with it: the rest of a pixel is black.
+    #[must_use]
+    pub fn alpha(&self) -> Vec<f32> {
+        let passes = f64::from(self.passes.max(1));
+        self.pixels.iter().map(|p| (p.hits as f64 / passes) as f32).collect()
+    }
+
     /// Mean distance to the first surface, user space; infinite where no surface was hit.
     #[must_use]
     pub fn depth(&self) -> Vec<f32> {

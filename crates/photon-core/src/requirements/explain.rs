@@ -33,6 +33,8 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     let mut needs: Vec<Need> = Features::ALL
         .names()
         .zip(Features::ALL)
+        // The lens belongs to the view, which is not known here.
+        .filter(|&(_, feature)| feature != Features::THIN_LENS)
         .map(|(what, feature)| {
             let triangles = scene
                 .primitives
@@ -43,6 +45,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 .count();
             let lights = scene.lights.iter().filter(|light| light_features(light).contains(feature)).count();
             let why = match (triangles, lights) {
+                _ if feature == Features::LIGHT_TREE => counted(scene.lights.len(), "light"),
                 (0, 0) => "nothing in the scene has it".to_owned(),
                 (0, lights) => counted(lights, "light"),
                 (triangles, _) if feature == Features::GLOSSY => {

@@ -37,12 +37,18 @@ bitflags! {
         const NORMAL_MAPS = 1 << 11;
         /// Vertex colours.
         const VERTEX_COLORS = 1 << 12;
-        /// Area lights whose emission is textured.
+        /// Area lights whose emission varies over their surface: by a texture, or by alpha.
         const TEXTURED_LIGHTS = 1 << 13;
         /// An environment map.
         const ENVIRONMENT = 1 << 14;
         /// Glossy reflection: rough metals and coats.
         const GLOSSY = 1 << 15;
+        /// Surfaces that are only partly there: alpha coverage.
+        const ALPHA = 1 << 17;
+        /// More lights than shadow rays weigh one by one: [`crate::light_tree`].
+        const LIGHT_TREE = 1 << 18;
+        /// A camera with a lens: decided with the view, not with the scene.
+        const THIN_LENS = 1 << 19;
     }
 }
 
@@ -78,6 +84,9 @@ impl Features {
         "textured-lights",
         "environment",
         "glossy",
+        "alpha",
+        "light-tree",
+        "thin-lens",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

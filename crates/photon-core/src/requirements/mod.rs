@@ -16,6 +16,7 @@ use crate::scene::media::MediaFeatures;
 use crate::scene::solids::Solids;
 use crate::scene::texture::{MaterialTextures, ShadingTables};
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
+use crate::shading::light_sampler::MAX_LIGHTS;
 
 /// The features, maps and stages that are needed for a scene.
 ///
@@ -125,7 +126,8 @@ impl Features {
         let materials = scene.materials_in_use().map(|material| material_features(material, scene));
         let all = materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union);
         let lit = if scene.lights.is_empty() { Self::TEXTURED_LIGHTS } else { Self::NONE };
-        all.without(lit)
+        let many = if scene.lights.len() > MAX_LIGHTS { Self::LIGHT_TREE } else { Self::NONE };
+        all.without(lit).union(many)
     }
 }
 
@@ -153,7 +155,8 @@ pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features
             if absorbs { Features::DIELECTRIC.union(Features::ABSORPTION) } else { Features::DIELECTRIC }
         }
     };
-    lobes.union(shading_features(material, &scene.shading))
+    let shading = shading_features(material, &scene.shading);
+    lobes.union(shading).union(if material.has_alpha() { alpha_features(material) } else { Features::NONE })
 }
 
 /// The features that the vertex attributes and textures of a material need.
@@ -171,6 +174,11 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
         ))
         .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
         .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))
+}
+
+/// The features that a material with alpha needs.
+fn alpha_features(material: &Material) -> Features {
+    if material.is_emissive() { Features::ALPHA.union(Features::TEXTURED_LIGHTS) } else { Features::ALPHA }
 }
 
 /// The features that a light needs.

@@ -29,6 +29,19 @@ pub struct Hit {
     pub v: f32,
 }
 
+/// The ray could not be followed: more surfaces than [`SkipLimit::HITS`] were not there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a ray passed more than 64 surfaces that are not there; implement RayCaster::nearest_where")]
+pub struct SkipLimit;
+
+impl SkipLimit {
+    /// Number of hits that the default of [`RayCaster::nearest_where`] passes.
+    pub const HITS: u32 = 64;
+}
+
+/// Step beyond a surface that is not there, relative to the distance and the coordinates, at least to 1.
+const STEP: f32 = 1.0 / 1_048_576.0;
+
 /// Nearest-hit queries, from many threads at once.
 pub trait RayCaster: Send + Sync {
     /// The nearest hit with `t` in `[0, t_max]`, on either side of the triangle; of several at the same
@@ -40,8 +53,79 @@ pub trait RayCaster: Send + Sync {
         self.nearest(ray).is_some()
     }
 
+    /// The nearest hit for which `keep` holds; otherwise as [`Self::nearest`]. Used for surfaces with alpha. `keep` is a
+    /// pure function, and may be called for any hit along the ray, in any order.
+    ///
+    /// The default calls [`Self::nearest`] again from beyond each hit that is not kept: of surfaces that are closer to
+    /// each other than about 10⁻⁶, those behind one that is not kept may be missed.
+    ///
+    /// # Errors
+    /// [`SkipLimit`] if more than [`SkipLimit::HITS`] hits are not kept; casters that test triangles with `keep`
+    /// during traversal need no limit. A photon ends there and counts as truncated, other paths find nothing, and
+    /// shadow rays count as occluded.
+    fn nearest_where(&self, ray: &Ray, keep: &dyn Fn(&Hit) -> bool) -> Result<Option<Hit>, SkipLimit> {
+        let (mut rest, mut passed) = (*ray, 0.0);
+        for _ in 0..=SkipLimit::HITS {
+            let Some(hit) = self.nearest(&rest) else { return Ok(None) };
+            let hit = Hit { t: passed + hit.t, ..hit };
+            if keep(&hit) {
+                return Ok(Some(hit));
+            }
+            let size = hit.t.max(ray.origin.abs().max_element()).max(1.0);
+            passed = hit.t + STEP * size;
+            rest = Ray { origin: ray.origin + ray.direction * passed, t_max: ray.t_max - passed, ..*ray };
+            // Infinity stays infinite, and NaN ends the search.
+            if !(rest.t_max >= 0.0) {
+                return Ok(None);
+            }
+        }
+        Err(SkipLimit)
+    }
+
+    /// Whether anything is hit for which `keep` holds, as [`Self::nearest_where`].
+    ///
+    /// # Errors
+    /// As [`Self::nearest_where`].
+    fn occluded_where(&self, ray: &Ray, keep: &dyn Fn(&Hit) -> bool) -> Result<bool, SkipLimit> {
+        self.nearest_where(ray, keep).map(|hit| hit.is_some())
+    }
+
     /// Memory of the acceleration structure in bytes, for reports; 0 if unknown.
     fn bytes(&self) -> u64 {
         0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Planes at z = 1, 2, 3 and so on; the index is the distance less 1.
+    struct Planes(u32);
+
+    impl RayCaster for Planes {
+        fn nearest(&self, ray: &Ray) -> Option<Hit> {
+            let next = (ray.origin.z.ceil()).max(1.0);
+            let t = next - ray.origin.z;
+            let there = next <= self.0 as f32 && t <= ray.t_max;
+            there.then_some(Hit { t, primitive: next as u32 - 1, u: 0.25, v: 0.5 })
+        }
+    }
+
+    #[test]
+    fn surfaces_are_skipped_one_by_one_up_to_a_limit() {
+        let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, t_max: f32::INFINITY };
+        let beyond = |count: u32| move |hit: &Hit| hit.primitive >= count;
+        for count in [0, 1, 7, SkipLimit::HITS] {
+            let hit = Planes(100).nearest_where(&ray, &beyond(count)).unwrap().unwrap();
+            assert_eq!(hit.primitive, count);
+            assert!((hit.t - (count + 1) as f32).abs() < 1e-4, "{hit:?}");
+        }
+        assert_eq!(Planes(100).nearest_where(&ray, &beyond(SkipLimit::HITS + 1)), Err(SkipLimit));
+        assert_eq!(Planes(100).occluded_where(&ray, &beyond(SkipLimit::HITS + 1)), Err(SkipLimit));
+        assert_eq!(Planes(9).nearest_where(&ray, &beyond(9)), Ok(None));
+        let short = Ray { t_max: 2.5, ..ray };
+        assert_eq!(Planes(9).occluded_where(&short, &beyond(1)), Ok(true));
+        assert_eq!(Planes(9).occluded_where(&short, &beyond(2)), Ok(false));
     }
 }

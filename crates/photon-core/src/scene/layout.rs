@@ -11,6 +11,7 @@ use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
 use crate::scene::texture::{MaterialTextures, TextureUse};
+use crate::shading::light_tree::LightNode;
 
 /// An element type of buffers; its GLSL counterpart has the same offsets.
 pub trait Element: Pod + Send + Sync {
@@ -170,6 +171,7 @@ elements!(
     Camera = 64,
     TextureUse = 32,
     MaterialTextures = 64,
+    LightNode = 32,
 );
 
 impl Element for u32 {
@@ -205,7 +207,7 @@ mod tests {
             (offset_of!(Light, power), offset_of!(Light, versine_inner)),
             (offset_of!(Camera, origin), offset_of!(Camera, kind)),
             (offset_of!(Camera, forward), offset_of!(Camera, media)),
-            (offset_of!(Camera, right), offset_of!(Camera, reserved2)),
+            (offset_of!(Camera, right), offset_of!(Camera, lens_radius)),
         ];
         for (vector, scalar) in rows {
             assert_eq!(vector % 16, 0);

@@ -73,7 +73,7 @@ pub struct Material {
     /// Emitted radiance, linear RGB, in units of total power per steradian and squared normalised
     /// length; from the front only unless [`Material::EMITS_BOTH_SIDES`].
     pub emission: [f32; 3],
-    /// Bits: [`Material::EMITS_BOTH_SIDES`].
+    /// Bits: [`Material::EMITS_BOTH_SIDES`], [`Material::ALPHA`].
     pub flags: u32,
     /// Dielectric: index of the solid's medium in the scene's table, ≥ 1. Otherwise 0.
     pub medium: u32,
@@ -89,13 +89,20 @@ pub struct Material {
     pub roughness: f32,
     /// Glossy: factor on the reflection of the coat, in `[0, 1]`; 0 leaves a Lambertian base. Otherwise 0.
     pub specular: f32,
-    /// Zero.
-    pub reserved: [u32; 2],
+    /// With [`Material::ALPHA`]: factor on the alpha of the surface, in `[0, 1]`.
+    pub alpha: f32,
+    /// With [`Material::ALPHA`]: the surface is there where alpha is at least this, if it is above 0. If it is 0, the
+    /// surface is there with a probability of alpha. Finite, ≥ 0.
+    pub alpha_cutoff: f32,
 }
 
 impl Material {
     /// Flag: the back emits too.
     pub const EMITS_BOTH_SIDES: u32 = 1;
+    /// Flag: the surface is only partly there (alpha coverage). Its alpha is [`Material::alpha`] times that of the
+    /// texture [`crate::MaterialTextures::alpha`] times that of the vertex colours. Not for dielectrics, whose boundaries
+    /// must be closed. Emitted light is covered likewise; [`crate::Light::power`] does not include alpha.
+    pub const ALPHA: u32 = 1 << 1;
 
     /// The type of scattering. [`crate::SceneView::validate`] refuses unknown numbers; here they count as
     /// Lambert.
@@ -128,6 +135,13 @@ impl Material {
             MaterialKind::Lambert => false,
             MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin | MaterialKind::Glossy => true,
         }
+    }
+
+    /// Whether the surface may be only partly there: [`Material::ALPHA`].
+    #[inline]
+    #[must_use]
+    pub const fn has_alpha(&self) -> bool {
+        self.flags & Self::ALPHA != 0
     }
 
     /// Whether it emits light.

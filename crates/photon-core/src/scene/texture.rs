@@ -97,7 +97,7 @@ impl TextureUse {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct MaterialTextures {
-    /// Multiplies [`crate::Material::albedo`]; alpha is not read.
+    /// Multiplies [`crate::Material::albedo`]; its alpha is not read.
     pub base_color: u32,
     /// Multiplies [`crate::Material::emission`].
     pub emission: u32,
@@ -107,8 +107,10 @@ pub struct MaterialTextures {
     pub normal_scale: f32,
     /// Green multiplies [`crate::Material::roughness`], blue [`crate::Material::metallic`].
     pub metallic_roughness: u32,
+    /// Its alpha multiplies that of a material with [`crate::Material::ALPHA`]; in glTF, this is the base colour.
+    pub alpha: u32,
     /// [`Self::NONE`].
-    pub reserved: [u32; 11],
+    pub reserved: [u32; 10],
 }
 
 impl MaterialTextures {
@@ -124,7 +126,8 @@ impl Default for MaterialTextures {
             normal: Self::NONE,
             normal_scale: 1.0,
             metallic_roughness: Self::NONE,
-            reserved: [Self::NONE; 11],
+            alpha: Self::NONE,
+            reserved: [Self::NONE; 10],
         }
     }
 }
@@ -140,7 +143,8 @@ pub struct ShadingTables<'a> {
     /// `sign · normal × tangent` in the lowest bit: 1 is negative. Empty without normal maps.
     pub tangents: &'a [[u32; 3]],
     /// Vertex colours of each triangle: red and green, blue and alpha, each times 65535 in 16 bits, red and blue in the
-    /// lower ones. Linear; they multiply the albedo. Empty without colours.
+    /// lower ones. Linear; they multiply the albedo, and alpha that of materials with [`crate::Material::ALPHA`]. Empty
+    /// without colours.
     pub colors: &'a [[[u32; 2]; 3]],
     /// Texture coordinates of each triangle's vertices; UV set `s` of triangle `t` is at `s · triangles + t`.
     pub uvs: &'a [[[f32; 2]; 3]],

@@ -147,6 +147,12 @@ fn check_material(material: &Material, media: &[Medium]) -> Check {
         format!("its albedo {:?} must lie between 0 and 1", material.albedo)
     })?;
     not_negative("emission", &material.emission)?;
+    let (alpha, cutoff) = (material.alpha, material.alpha_cutoff);
+    require((0.0..=1.0).contains(&alpha), || format!("its alpha {alpha} must lie between 0 and 1"))?;
+    not_negative("alpha_cutoff", &[cutoff])?;
+    require(!(material.has_alpha() && kind == MaterialKind::Dielectric), || {
+        "it has Material::ALPHA, but the boundary of a solid must be closed; use MaterialKind::Thin".to_owned()
+    })?;
     let ior = material.ior;
     let refracts = || require(ior.is_normal() && ior > 0.0, || format!("its ior {ior} must be finite and above 0"));
     match kind {

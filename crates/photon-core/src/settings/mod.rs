@@ -218,6 +218,9 @@ pub struct Settings {
     /// Whether the film stores the error statistics of each pixel: [`crate::ErrorPixel`]. Only with
     /// [`Estimator::Radius`]. The picture is the same.
     pub errors: bool,
+    /// Whether camera rays that hit no surface see nothing in place of the environment; mirrors, glass and light are
+    /// not affected. With [`crate::Film::alpha`], the picture can be put before another background.
+    pub transparent_background: bool,
 }
 
 impl Default for Settings {
@@ -247,6 +250,7 @@ impl Default for Settings {
             photon_capacity: None,
             memory: None,
             errors: false,
+            transparent_background: false,
         }
     }
 }

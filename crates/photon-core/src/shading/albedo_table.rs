@@ -10,9 +10,6 @@ use glam::{Vec2, Vec3};
 
 use crate::shading::ggx;
 
-/// Entries along each axis.
-pub(crate) const SIZE: usize = 32;
-
 /// Directional albedos A and B of single scattering, and their means over the hemisphere.
 #[derive(Debug)]
 pub struct AlbedoTable {
@@ -26,14 +23,20 @@ const AROUND: usize = 24;
 
 static TABLE: LazyLock<AlbedoTable> = LazyLock::new(AlbedoTable::compute);
 
+/// [`AlbedoTable::SIZE`].
+const SIZE: usize = AlbedoTable::SIZE;
+
 impl AlbedoTable {
+    /// Entries along each axis.
+    pub const SIZE: usize = 32;
+
     /// The table, computed at first use: some 50 milliseconds.
     #[must_use]
     pub fn get() -> &'static Self {
         &TABLE
     }
 
-    /// All entries: [`SIZE`] rows of [`SIZE`] columns, then [`SIZE`] means.
+    /// All entries: [`Self::SIZE`] rows of that many columns, then as many means.
     #[must_use]
     pub fn entries(&self) -> &[[f32; 2]] {
         &self.entries

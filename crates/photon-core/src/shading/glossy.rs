@@ -24,16 +24,16 @@ use crate::shading::{ggx, sampling};
 pub struct Coat(u32);
 
 impl Coat {
-    const ROUGHNESS: f32 = 1023.0;
-    const F0: f32 = 4095.0;
-    const F90: f32 = 1023.0;
+    /// Steps between 0 and 1 of roughness, of F0 and of F90.
+    pub const STEPS: [f32; 3] = [1023.0, 4095.0, 1023.0];
 
     /// A coat of roughness, F0 and F90 in `[0, 1]`.
     #[inline]
     #[must_use]
     pub fn new(roughness: f32, f0: f32, f90: f32) -> Self {
         let bits = |value: f32, most: f32| (value * most + 0.5) as u32;
-        Self(bits(roughness, Self::ROUGHNESS) | bits(f0, Self::F0) << 10 | bits(f90, Self::F90) << 22)
+        let [roughness_steps, f0_steps, f90_steps] = Self::STEPS;
+        Self(bits(roughness, roughness_steps) | bits(f0, f0_steps) << 10 | bits(f90, f90_steps) << 22)
     }
 
     /// The coat with these bits: [`crate::Query::coat`].
@@ -54,7 +54,8 @@ impl Coat {
     #[inline]
     fn unpack(self) -> (f32, f32, f32) {
         let part = |bits: u32, most: f32| bits as f32 / most;
-        (part(self.0 & 1023, Self::ROUGHNESS), part(self.0 >> 10 & 4095, Self::F0), part(self.0 >> 22, Self::F90))
+        let [roughness_steps, f0_steps, f90_steps] = Self::STEPS;
+        (part(self.0 & 1023, roughness_steps), part(self.0 >> 10 & 4095, f0_steps), part(self.0 >> 22, f90_steps))
     }
 
     /// The factor on light that arrives at the base with `cosine` to the normal, compared with a base without a coat:
@@ -74,7 +75,7 @@ impl Coat {
 }
 
 /// Below this share of light, a division by it is left out, and nothing passes.
-const MIN_SHARE: f32 = 1e-6;
+pub const MIN_SHARE: f32 = 1e-6;
 
 /// `F0 A + F90 B`.
 #[inline]
@@ -162,6 +163,13 @@ impl Glossy {
     #[must_use]
     pub fn specular_probability(&self) -> f32 {
         self.specular_probability
+    }
+
+    /// Probability that [`Self::sample`] samples multiple scattering.
+    #[inline]
+    #[must_use]
+    pub fn multiple_probability(&self) -> f32 {
+        self.multiple_probability
     }
 
     /// The coat over the base.

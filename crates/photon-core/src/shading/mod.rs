@@ -1,6 +1,7 @@
 //! Scattering, sampling and the geometry of shading.
 
 pub(crate) mod albedo_table;
+pub mod alpha;
 pub mod area;
 mod bias;
 pub(crate) mod bsdf;
@@ -10,6 +11,7 @@ pub mod ggx;
 pub mod glossy;
 pub(crate) mod interaction;
 pub mod light_sampler;
+pub mod light_tree;
 pub mod math;
 pub mod octahedral;
 pub mod offset;

@@ -6,6 +6,7 @@ use crate::scene::caster::Hit;
 use crate::scene::light::Light;
 use crate::scene::material::Material;
 use crate::scene::texture::{MaterialTextures, ShadingTables};
+use crate::shading::alpha;
 use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::octahedral;
 use crate::shading::shading_normal::bend;
@@ -63,7 +64,32 @@ impl Shading<'_> {
         Shaded { material: shaded, normal: if surface.front { normal } else { -normal } }
     }
 
-    /// Radiance that `material` emits at barycentric coordinates (u, v) of `triangle`.
+    /// The probability with which the surface, whose material is `material`, is there at `hit`: its alpha, or with a
+    /// cutoff 0 or 1 (see [`alpha::coverage`]).
+    #[inline]
+    #[must_use]
+    pub fn coverage(&self, hit: &Hit, material: &Material) -> f32 {
+        self.coverage_at(hit.primitive as usize, (hit.u, hit.v), material)
+    }
+
+    #[inline]
+    fn coverage_at(&self, triangle: usize, (u, v): (f32, f32), material: &Material) -> f32 {
+        if !material.has_alpha() {
+            return 1.0;
+        }
+        let corners = Corners { triangle, weights: [1.0 - u - v, u, v] };
+        let mut found = material.alpha;
+        if let Some(colors) = self.tables.colors.get(triangle) {
+            let ([a, b, c], weights) = (colors.map(unpack_alpha), corners.weights);
+            found *= a * weights[0] + b * weights[1] + c * weights[2];
+        }
+        if let Some([.., texel]) = self.textures_of(material).and_then(|used| self.texel(used.alpha, &corners)) {
+            found *= texel;
+        }
+        alpha::coverage(found, material.alpha_cutoff)
+    }
+
+    /// Radiance that `material` emits at barycentric coordinates (u, v) of `triangle`, without regard to alpha.
     #[inline]
     #[must_use]
     pub fn emission(&self, triangle: usize, (u, v): (f32, f32), material: &Material) -> Vec3 {
@@ -74,12 +100,16 @@ impl Shading<'_> {
     }
 
     /// Ratio of the radiance that the triangle of `light` emits at barycentric coordinates (u, v) to its mean, where
-    /// `material` is the triangle's; 0 in a channel that it does not emit.
+    /// `material` is the triangle's; 0 in a channel that it does not emit. Alpha multiplies it, but not the mean.
     #[inline]
     #[must_use]
     pub fn emission_ratio(&self, light: &Light, (u, v): (f32, f32), material: &Material) -> Vec3 {
         let sides = if light.flags & Light::BOTH_SIDES != 0 { 2.0 } else { 1.0 };
-        let emission = self.emission(light.primitive as usize, (u, v), material);
+        let triangle = light.primitive as usize;
+        let mut emission = self.emission(triangle, (u, v), material);
+        if material.has_alpha() {
+            emission *= self.coverage_at(triangle, (u, v), material);
+        }
         let flux = emission * (sides * std::f32::consts::PI * light.area);
         let power = Vec3::from(light.power);
         Vec3::select(power.cmpgt(Vec3::ZERO), flux / power, Vec3::ZERO)
@@ -93,13 +123,17 @@ impl Shading<'_> {
     /// Red, green and blue of the texture of a use; `None` for [`MaterialTextures::NONE`].
     #[inline]
     fn sample(&self, index: u32, corners: &Corners) -> Option<Vec3> {
+        self.texel(index, corners).map(|[red, green, blue, _]| Vec3::new(red, green, blue))
+    }
+
+    /// The texture of a use; `None` for [`MaterialTextures::NONE`].
+    #[inline]
+    fn texel(&self, index: u32, corners: &Corners) -> Option<[f32; 4]> {
         let used = self.tables.uses.get(index as usize)?;
         let uvs = self.tables.uvs.get(used.uv_set as usize * self.triangles + corners.triangle)?;
         let [a, b, c] = corners.weights;
         let uv = std::array::from_fn(|axis| uvs[0][axis] * a + uvs[1][axis] * b + uvs[2][axis] * c);
-        let [red, green, blue, _] =
-            lookup(&self.tables.textures[used.texture_index as usize], self.values, transform(used, uv));
-        Some(Vec3::new(red, green, blue))
+        Some(lookup(&self.tables.textures[used.texture_index as usize], self.values, transform(used, uv)))
     }
 
     /// The interpolated vertex normal on the front; the geometric one, `front`, without vertex normals.
@@ -148,10 +182,19 @@ pub fn turned(tangent: Vec3, sign: f32, normal: Vec3, texel: Vec3, scale: f32) -
     (tangent * (x * scale) + bitangent * (y * scale) + normal * z).normalize_or(normal)
 }
 
+/// Of 16 bits.
+const STEP: f32 = 1.0 / 65_535.0;
+
+/// Alpha of a vertex colour, an entry of [`ShadingTables::colors`].
+#[inline]
+#[must_use]
+pub fn unpack_alpha([_, blue_alpha]: [u32; 2]) -> f32 {
+    (blue_alpha >> 16) as f32 * STEP
+}
+
 /// Red, green and blue of a vertex colour, an entry of [`ShadingTables::colors`].
 #[inline]
 #[must_use]
 pub fn unpack_color([red_green, blue_alpha]: [u32; 2]) -> Vec3 {
-    const STEP: f32 = 1.0 / 65_535.0;
     Vec3::new((red_green & 0xFFFF) as f32, (red_green >> 16) as f32, (blue_alpha & 0xFFFF) as f32) * STEP
 }

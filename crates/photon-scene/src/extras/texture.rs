@@ -56,12 +56,15 @@ impl TexturesExtras {
         };
         // Without a normal map, its scale does not matter.
         let agrees = textures.normal.is_none() || close(textures.normal_scale, self.normal_scale.0);
+        let base_color = of(textures.base_color, &self.base_color)?;
         agrees.then_some(TexturesDesc {
-            base_color: of(textures.base_color, &self.base_color)?,
+            base_color,
             emission: of(textures.emission, &self.emission)?,
             normal: of(textures.normal, &self.normal)?,
             metallic_roughness: of(textures.metallic_roughness, &self.metallic_roughness)?,
             normal_scale: self.normal_scale.0,
+            // In glTF, the same texture.
+            alpha: textures.alpha.and(base_color),
         })
     }
 }

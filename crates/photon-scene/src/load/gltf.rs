@@ -7,6 +7,7 @@
 //! | base colour | base colour of a glossy surface, or tint of transmitted light |
 //! | metallic, roughness, `specular`, `ior` | glossy surface; a mirror if it is all metal and smooth, diffuse without specular reflection |
 //! | `pbrSpecularGlossiness` | glossy: a metal of its specular colour, or a coat over its diffuse colour |
+//! | skins, morph targets | in the default pose: joints as their nodes are, default weights of the targets |
 //! | `transmission` ≥ 0.5 | thin sheet; solid dielectric where `volume` gives a thickness |
 //! | `ior` | refractive index; default 1.5 |
 //! | `volume` | absorption `−ln(colour) / distance`, per length of the scene |
@@ -15,7 +16,8 @@
 //! | textures of base colour, metal and roughness, emission and normals | with their UV sets, transforms, wrap modes and magnification filters |
 //! | other textures | their mean |
 //! | normals, tangents, colours, UV sets | those in use; normals by the inverse transpose of the node's matrix |
-//! | alpha below one half | thin sheet |
+//! | `alphaMode`, `alphaCutoff`, alpha of base colour, its texture and `COLOR_0` | alpha coverage; solids are opaque |
+//! | `KHR_meshopt_compression`, `EXT_` | decoded; Draco is refused |
 //! | `extras.photonmap` | the same in double precision, as [`crate::glb`] writes it |
 //!
 //! Everything that is left out is a line of the report. The document is read without the parser's own
@@ -31,15 +33,20 @@ mod fault;
 mod material;
 mod mean;
 mod meshes;
+mod meshopt;
+mod morph;
 mod nodes;
 mod parameters;
 mod primitive;
 mod punctual;
+mod skin;
 mod slot;
 mod specular_glossiness;
 mod texture;
 mod uri;
 
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use gltf::json::Root;
@@ -73,7 +80,7 @@ pub fn load_gltf(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> 
 fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), Fault> {
     let mut report = LoadReport::default();
     let mut builder = SceneBuilder::new();
-    let (root, bin) = container::open(bytes)?;
+    let (root, bin) = container::open(bytes, &mut report)?;
     extensions::check(&root, &mut report)?;
     let buffers = Buffers::new(&root, folder, bin);
 
@@ -91,6 +98,8 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
         materials,
         default_material: None,
         census: Census::default(),
+        globals: OnceCell::new(),
+        skins: BTreeMap::new(),
     };
     let mut camera_names = Vec::new();
     for placed in nodes::place(&root)? {
@@ -98,9 +107,6 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
         let part = nodes::node_label(&root, placed.node);
         if let Some(mesh) = node.mesh {
             meshes.add(placed.node, mesh.value(), &placed.transform, &mut builder, &mut report)?;
-            if node.skin.is_some() {
-                report.left_out(&part, "its skin; the mesh is rendered without its bones");
-            }
         }
         let exact = extras::read::<NodeExtras>(node.extras.as_deref().map(|raw| raw.get()));
         let exact = exact.unwrap_or_else(|why| {
@@ -133,7 +139,7 @@ fn report_rest(root: &Root, report: &mut LoadReport) {
     }
     match root.animations.len() {
         0 => {}
-        count => report.left_out("the file", format!("its {count} animations; it is rendered at rest")),
+        count => report.left_out("the file", format!("its {count} animations; the default pose is rendered")),
     }
 }
 

@@ -62,6 +62,8 @@ struct Entry {
     roughness_map: Option<Map>,
     /// `map_Pm`
     metallic_map: Option<Map>,
+    /// `map_d`
+    dissolve_map: Option<Map>,
     /// The keyword and arguments of other texture statements.
     textures: Vec<String>,
     /// Other statements, verbatim.
@@ -172,6 +174,7 @@ impl Entry {
             "norm" => self.normal_map = Some(Map::parse(rest)?),
             "map_Pr" => self.roughness_map = Some(Map::parse(rest)?),
             "map_Pm" => self.metallic_map = Some(Map::parse(rest)?),
+            "map_d" => self.dissolve_map = Some(Map::parse(rest)?),
             "bump" | "disp" | "decal" | "refl" => self.textures.push(format!("{keyword} {rest}")),
             _ if keyword.starts_with("map_") => self.textures.push(format!("{keyword} {rest}")),
             _ => self.others.push(format!("{keyword} {rest}")),

@@ -5,7 +5,7 @@ mod frame;
 use self::frame::Frame;
 use super::schema::{Camera, Environment, File, Kind, Light, Material, Quad};
 use crate::builder::{MaterialId, SceneBuilder};
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
 use crate::environment::EnvironmentDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Materials, lights, an environment, cameras and quadrilaterals that change or extend a scene, read from TOML.
 ///
 /// A given albedo or tint replaces the texture of the base colour too, a given metallic or roughness that of both, a given
-/// emission that of the emission.
+/// emission that of the emission, a given alpha that of the alpha.
 ///
 /// The format is described in the project's `docs/scene-files.md`.
 #[derive(Clone, Debug)]
@@ -118,11 +118,12 @@ impl Overrides {
     }
 
     fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
-        let kind = with.kind.unwrap_or(kind_of(&desc.surface));
-        if kind != kind_of(&desc.surface) {
+        let before = kind_of(&desc.surface);
+        let kind = with.kind.unwrap_or(before);
+        if kind != before {
             // A texture keeps its factor, and a sheet or solid that had one too; diffuse and glossy surfaces their colour.
             let has_base = |kind: Kind| matches!(kind, Kind::Lambert | Kind::Glossy);
-            let keeps = desc.textures.base_color.is_some() || has_base(kind) && has_base(kind_of(&desc.surface));
+            let keeps = desc.textures.base_color.is_some() || has_base(kind) && has_base(before);
             let color = keeps.then(|| color_of(&desc.surface));
             desc.surface = match kind {
                 Kind::Lambert => Surface::Lambert { albedo: color.unwrap_or([0.5; 3]) },
@@ -137,6 +138,14 @@ impl Overrides {
                     ior: 1.5,
                 },
             };
+        }
+        if kind == Kind::Glass || kind != before {
+            // Another kind of surface is there everywhere, and a solid always is.
+            (desc.alpha, desc.alpha_mode, desc.textures.alpha) = (1.0, AlphaMode::Opaque, None);
+        }
+        if let Some(alpha) = with.alpha {
+            let alpha_mode = if alpha == 1.0 { AlphaMode::Opaque } else { AlphaMode::Blend };
+            (desc.alpha, desc.alpha_mode, desc.textures.alpha) = (alpha, alpha_mode, None);
         }
         if with.albedo.is_some() || with.tint.is_some() {
             desc.textures.base_color = None;
@@ -239,9 +248,21 @@ impl Overrides {
                 return Err(self.fault(what, "give one: fov_degrees for perspective, half_height for orthographic"));
             }
         };
+        let unit = if camera.relative { frame.size } else { 1.0 };
+        let lens = match (camera.aperture, camera.focus) {
+            (None, None) => None,
+            (Some(diameter), Some(distance)) => {
+                Some(ThinLens { diameter: diameter * unit, focus_distance: distance * unit })
+            }
+            (aperture, _) => {
+                let (has, lacks) = if aperture.is_some() { ("aperture", "focus") } else { ("focus", "aperture") };
+                let what = format!("camera '{}' has the key {has}, but not {lacks}", camera.name);
+                return Err(self.fault(what, "give both, or none for a camera without a lens"));
+            }
+        };
         let from = frame.place(camera.relative, camera.from);
         let to = frame.place(camera.relative, camera.to);
-        Ok(CameraDesc { projection, ..CameraDesc::look_at(from, to, camera.up, 1.0) })
+        Ok(CameraDesc { projection, lens, ..CameraDesc::look_at(from, to, camera.up, 1.0) })
     }
 }
 

@@ -31,6 +31,8 @@ pub(super) struct Material {
     pub(super) metallic: Option<f64>,
     pub(super) roughness: Option<f64>,
     pub(super) specular: Option<f64>,
+    /// Share of the light that meets the surface; the rest passes. 1 is opaque.
+    pub(super) alpha: Option<f64>,
     pub(super) emission: Option<Colour>,
     pub(super) emits_both_sides: Option<bool>,
 }
@@ -126,6 +128,8 @@ pub(super) struct Camera {
     pub(super) up: [f64; 3],
     pub(super) fov_degrees: Option<f64>,
     pub(super) half_height: Option<f64>,
+    pub(super) aperture: Option<f64>,
+    pub(super) focus: Option<f64>,
 }
 
 fn upwards() -> [f64; 3] {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{scaled, single, singles};
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::extras::MaterialExtras;
 
@@ -17,6 +17,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         Surface::Glossy { base_color, metallic, roughness, .. } => (base_color, metallic, roughness),
     };
     let [r, g, b] = singles(base, what)?;
+    let alpha = if desc.alpha_mode == AlphaMode::Opaque { 1.0 } else { single(desc.alpha, what)? };
     let mut extensions = json!({});
     match desc.surface {
         Surface::Lambert { .. } => extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 }),
@@ -55,7 +56,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
     let mut material = json!({
         "name": desc.name,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [r, g, b, 1.0],
+            "baseColorFactor": [r, g, b, alpha],
             "metallicFactor": metallic as f32,
             "roughnessFactor": roughness as f32
         },
@@ -74,6 +75,14 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             }
             _ => material["normalTexture"] = info.clone(),
         }
+    }
+    match desc.alpha_mode {
+        AlphaMode::Opaque => {}
+        AlphaMode::Mask { cutoff } => {
+            material["alphaMode"] = json!("MASK");
+            material["alphaCutoff"] = json!(single(cutoff, what)?);
+        }
+        AlphaMode::Blend => material["alphaMode"] = json!("BLEND"),
     }
     if extensions.as_object().is_some_and(|all| !all.is_empty()) {
         material["extensions"] = extensions;

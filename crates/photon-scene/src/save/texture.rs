@@ -6,10 +6,11 @@ use photon_core::{Filter, TexelFormat, Texture, Wrap};
 use serde_json::{Value, json};
 
 use super::{File, single};
-use crate::describe::MaterialDesc;
+use crate::describe::{AlphaMode, MaterialDesc};
 use crate::error::SceneError;
 use crate::extras::{Extras, ImageExtras, fallback};
-use crate::texture::{TextureDesc, TextureId, TextureRef};
+use crate::shading::{uniform, uniform_alpha};
+use crate::texture::{TextureDesc, TextureId, TextureRef, TexturesDesc};
 
 /// The textures of a file.
 #[derive(Default)]
@@ -32,7 +33,11 @@ impl File {
         all: &[TextureDesc],
     ) -> Result<Vec<(&'static str, Value)>, SceneError> {
         let mut infos = Vec::new();
-        for (slot, used) in desc.textures.all() {
+        check_alpha(desc, all)?;
+        // The alpha of a material is that of its base colour.
+        let alpha = desc.textures.alpha.filter(|_| desc.alpha_mode != AlphaMode::Opaque);
+        let textures = TexturesDesc { base_color: desc.textures.base_color.or(alpha), ..desc.textures };
+        for (slot, used) in textures.all().filter(|(slot, _)| *slot != "alpha") {
             let texture = self.texture(used.texture, slot, &all[used.texture.0 as usize])?;
             let mut info = json!({ "index": texture, "texCoord": used.uv_set });
             if used.transform != TextureRef::IDENTITY {
@@ -109,6 +114,26 @@ impl File {
         }
         Ok(value)
     }
+}
+
+/// Whether the alpha of the base colour's texture is that of the material.
+fn check_alpha(desc: &MaterialDesc, all: &[TextureDesc]) -> Result<(), SceneError> {
+    if desc.alpha_mode == AlphaMode::Opaque {
+        return Ok(());
+    }
+    let image = |used: TextureRef| &all[used.texture.0 as usize].image;
+    let fine = match (desc.textures.base_color, desc.textures.alpha) {
+        (Some(base), None) => uniform_alpha(image(base)) == Some(1.0),
+        (None, Some(alpha)) => uniform(image(alpha)) == Some([1.0; 3]),
+        (base, alpha) => base == alpha,
+    };
+    if fine {
+        return Ok(());
+    }
+    Err(SceneError::Export {
+        what: format!("material '{}', whose alpha is not that of its base colour's texture,", desc.name),
+        hint: "glTF has both in one image: combine the images, and use the result for both",
+    })
 }
 
 /// `KHR_texture_transform`: offset, rotation and scale of which the matrix is the product.

@@ -8,6 +8,7 @@ use photon_core::{OwnedShadingTables, ShadingTables};
 use super::normals::Corners;
 use super::uvs::{self, UvSet};
 use super::{Source, tangents};
+use crate::describe::AlphaMode;
 use crate::mesh::Mesh;
 use crate::normalise::Geometry;
 use crate::texture::TextureRef;
@@ -80,8 +81,7 @@ pub(super) fn add_meshes(
     if tables.normals.iter().all(|corners| corners[0] == flat) {
         tables.normals = Vec::new();
     }
-    const BLUE: u32 = 0xFFFF;
-    if tables.colors.as_flattened().iter().all(|&[red_green, blue]| red_green == WHITE[0] && blue & BLUE == BLUE) {
+    if tables.colors.as_flattened().iter().all(|color| *color == WHITE) {
         tables.colors = Vec::new();
     }
 }
@@ -140,7 +140,12 @@ impl Triangles<'_, '_> {
         if given.is_empty() {
             return vec![[WHITE; 3]; range.len()];
         }
-        self.corners(mesh, range).map(|corners| corners.map(|vertex| pack_color(given[vertex]))).collect()
+        let is_opaque = self.source.materials[mesh.material.0 as usize].alpha_mode == AlphaMode::Opaque;
+        let pack = |vertex: usize| {
+            let [r, g, b, a] = given[vertex];
+            pack_color([r, g, b, if is_opaque { 1.0 } else { a }])
+        };
+        self.corners(mesh, range).map(|corners| corners.map(pack)).collect()
     }
 
     fn tangents(&mut self, mesh: &Mesh, range: Range, normals: &[Corners]) -> Vec<[u32; 3]> {

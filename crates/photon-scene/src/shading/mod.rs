@@ -1,5 +1,6 @@
 //! Builds the tables of vertex attributes and textures, of which a scene without any of it has none.
 
+mod alpha;
 mod fold;
 mod mesh;
 mod normals;
@@ -19,6 +20,11 @@ use crate::mesh::Mesh;
 use crate::normalise::{Frame, Geometry};
 use crate::texture::{TextureDesc, TextureId, TextureRef};
 
+pub(crate) use self::alpha::fold_alpha;
+#[cfg(feature = "files")]
+pub(crate) use self::alpha::uniform_alpha;
+#[cfg(feature = "files")]
+pub(crate) use self::fold::uniform;
 pub(crate) use self::fold::{fold, simplest};
 #[cfg(feature = "files")]
 pub(crate) use self::normals::unit;
@@ -92,12 +98,14 @@ fn add_materials(
             tables.uses.push(TextureUse { transform, texture_index: texture, uv_set: sets[&used.uv_set] });
             tables.uses.len() as u32 - 1
         };
+        let base_color = add(textures.base_color);
         let textures = MaterialTextures {
-            base_color: add(textures.base_color),
+            base_color,
             emission: add(textures.emission),
             normal: add(textures.normal),
             normal_scale: textures.normal_scale as f32,
             metallic_roughness: add(textures.metallic_roughness),
+            alpha: if textures.alpha == textures.base_color { base_color } else { add(textures.alpha) },
             ..MaterialTextures::default()
         };
         tables.material_textures.push(textures);

@@ -1,7 +1,7 @@
 //! Textures, texture coordinates, normals and colours of OBJ and MTL.
 
 use crate::support::{Folder, names};
-use photon_core::{Filter, TexelFormat, Wrap, octahedral};
+use photon_core::{Filter, Material, TexelFormat, Wrap, octahedral};
 use photon_scene::{LoadReport, Scene, load};
 
 /// A PNG of 8-bit RGB texels in one row.
@@ -122,4 +122,29 @@ fn a_transparency_of_one_is_opaque() {
     let (scene, report) = square("obj-tr", "Kd 1 1 1\nTr 1.0\nmap_Kd wood grain.png", FACE);
     assert_eq!(scene.view().materials[0].kind, 0);
     names(&report.to_string(), &["note: material 'a': its Tr is 1"]);
+}
+
+/// `map_d`: the mean of the channels of an image without alpha, and alpha itself of one that has it, which may be the
+/// image of the colours too.
+#[test]
+fn dissolve_maps_are_alpha() {
+    let (scene, report) = square("obj-dissolve", "Kd 1 1 1\nd 0.5\nmap_d wood grain.png", FACE);
+    let material = scene.view().materials[0];
+    // Both texels have a mean of a third, so that the texture is a factor.
+    assert_eq!((material.flags, material.alpha_cutoff), (Material::ALPHA, 0.0));
+    assert!((material.alpha - 0.5 * 85.0 / 255.0).abs() < 1e-6 && scene.view().shading.textures.is_empty());
+    assert!(report.is_exact(), "{report}");
+
+    let folder = Folder::new("obj-dissolve-alpha");
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 2, 1);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.write_header().expect("a PNG").write_image_data(&[255, 0, 0, 255, 0, 0, 255, 0]).expect("a PNG");
+    folder.file("leaf.png", bytes);
+    folder.file("a.mtl", "newmtl a\nKd 1 1 1\nmap_Kd leaf.png\nmap_d leaf.png\n");
+    let obj = folder.file("a.obj", format!("mtllib a.mtl\nusemtl a\n{SQUARE}f {FACE}\n"));
+    let (scene, report) = load(&obj, None).expect("a scene");
+    let textures = scene.view().shading.material_textures[0];
+    assert_eq!((textures.base_color, textures.alpha, scene.view().shading.textures.len()), (0, 0, 1));
+    assert!(report.is_exact(), "{report}");
 }

@@ -166,6 +166,28 @@ fn glossy_surfaces_become_diffuse() {
     assert_eq!((mirror.kind, mirror.albedo), (MaterialKind::Mirror as u32, [0.5, 0.25, 1.0]));
 }
 
+/// `alpha` makes a surface see-through or opaque; another kind, and glass, are opaque.
+#[test]
+fn alpha_is_overridden() {
+    let folder = Folder::new("override-alpha");
+    folder.file("scene materials.mtl", MTL);
+    let obj = folder.file("scene.obj", OBJ);
+    let alpha_of = |text: &str, name: &str| {
+        let overrides = Overrides::parse(text, Path::new("over.toml")).expect("a sound file");
+        let (scene, _) = load(&obj, Some(&overrides)).expect("a scene");
+        let found = *material(&scene, name);
+        found.has_alpha().then_some(found.alpha)
+    };
+    assert_eq!(alpha_of("", "pane"), Some(0.2));
+    assert_eq!(alpha_of("[materials.pane]\nalpha = 0.5\n", "pane"), Some(0.5));
+    assert_eq!(alpha_of("[materials.pane]\nalpha = 1\n", "pane"), None);
+    assert_eq!(alpha_of("[materials.wall]\nalpha = 0.25\n", "wall"), Some(0.25));
+    assert_eq!(alpha_of("[materials.pane]\nkind = \"thin\"\n", "pane"), None);
+    assert_eq!(alpha_of("[materials.pane]\nkind = \"lambert\"\n", "pane"), Some(0.2));
+    let over = Overrides::parse("[materials.gem]\nalpha = 0.5\n", Path::new("over.toml"));
+    names(&message(over.and_then(|over| load(&obj, Some(&over)))), &["'gem'", "alpha mode", "closed"]);
+}
+
 #[test]
 fn override_faults() {
     let folder = Folder::new("override-faults");
@@ -181,7 +203,7 @@ fn override_faults() {
     names(&fault("[materials.wal]\n"), &["'wal'", "'wall'", "'lamp'", "new = true"]);
     names(&fault("[materials.wall]\nnew = true\n"), &["'wall'", "is new"]);
     names(&fault("[materials.wall]\nior = 1.5\n"), &["'wall'", "lambert", "no ior"]);
-    names(&fault("[materials.pane]\nabsorption = 1\n"), &["'pane'", "thin", "no absorption"]);
+    names(&fault("[materials.pane]\nkind = \"thin\"\nabsorption = 1\n"), &["'pane'", "thin", "no absorption"]);
     for key in ["metallic", "roughness", "specular"] {
         names(&fault(&format!("[materials.wall]\n{key} = 0.5\n")), &["'wall'", "lambert", key, "glossy has albedo"]);
         for value in ["-0.1", "1.1", "nan"] {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use photon_core::{ShadingTables, octahedral};
-use photon_scene::{MaterialDesc, SceneBuilder, TextureDesc, TextureRef, VertexAttributes};
+use photon_scene::{AlphaMode, MaterialDesc, SceneBuilder, TextureDesc, TextureRef, VertexAttributes};
 
 use crate::{SQUARE, TRIANGLES, UVS, built, with_uvs};
 
@@ -66,11 +66,13 @@ fn bad_normals_become_the_geometric_one_and_are_counted() {
 fn colours_are_packed_in_16_bits() {
     let colors = vec![[0.5, 0.25, 1.0, 0.0], [2.0, -1.0, 0.0, 1.0], [1.0; 4], [1.0; 4]];
     let attributes = VertexAttributes { colors, ..VertexAttributes::default() };
-    let scene = built(SceneBuilder::new(), attributes, grey());
+    let scene = built(SceneBuilder::new(), attributes.clone(), grey());
     let [first, second, third] = scene.view().shading.colors[0];
-    assert_eq!(first, [0x4000_8000, 0x0000_FFFF]);
+    assert_eq!(first, [0x4000_8000, 0xFFFF_FFFF], "alpha counts for materials that are not opaque alone");
     assert_eq!(second, [0x0000_FFFF, 0xFFFF_0000]);
     assert_eq!(third, [u32::MAX; 2]);
+    let scene = built(SceneBuilder::new(), attributes, grey().with_alpha(AlphaMode::Blend, 1.0));
+    assert_eq!(scene.view().shading.colors[0][0], [0x4000_8000, 0x0000_FFFF]);
 }
 
 /// A normal map that is not flat.

@@ -1,5 +1,6 @@
 //! Textures and vertex attributes of a builder, as tables.
 
+mod alpha;
 mod attributes;
 mod emission;
 mod invalid;

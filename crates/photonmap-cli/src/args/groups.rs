@@ -7,11 +7,14 @@ use std::path::PathBuf;
 use clap::Args;
 use photon_core::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Scheduling,
+    View,
 };
+use photon_scene::{Scene, SceneError, ThinLens};
 
 use super::environment::EnvironmentArgs;
 use super::values::{caustic_photons, choice, count, size, total};
 use crate::backend::BackendName;
+use crate::exposure::Exposure;
 use crate::tonemap::ToneMap;
 
 /// The scene to render.
@@ -42,6 +45,15 @@ pub struct PictureArgs {
     /// Name of the camera [default: the scene's first].
     #[arg(long, value_name = "NAME", hide_short_help = true)]
     pub camera: Option<String>,
+    /// Diameter of the lens of a perspective camera, in units of the scene; 0 is a pinhole [default: that of the camera].
+    ///
+    /// What is not at the distance of --focus is blurred: at distance z to a disc of the diameter
+    /// `DIAMETER · |z - DISTANCE| / DISTANCE`.
+    #[arg(long, value_name = "DIAMETER", requires = "focus", allow_negative_numbers = true, hide_short_help = true)]
+    pub aperture: Option<f64>,
+    /// Distance along the direction of view of the plane that is in focus, in units of the scene.
+    #[arg(long, value_name = "DISTANCE", requires = "aperture", allow_negative_numbers = true, hide_short_help = true)]
+    pub focus: Option<f64>,
 }
 
 /// The output files.
@@ -51,12 +63,21 @@ pub struct OutputArgs {
     /// Picture to write, .exr or .png; may be given more than once [default: SCENE.png in the current folder].
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// Exposure of the PNG, in stops.
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, hide_short_help = true)]
-    pub exposure: f32,
+    /// Exposure of the PNG, in stops, or `auto`.
+    ///
+    /// `auto` makes the mean of the logarithm of the luminance that of a grey of 18 %: of the pixels that are not black,
+    /// without the darkest and the brightest tenth. It is printed. An EXR is not affected.
+    #[arg(long, value_name = "EV|auto", default_value = "0", allow_negative_numbers = true, hide_short_help = true)]
+    pub exposure: Exposure,
     /// Tone curve of the PNG.
     #[arg(long, value_enum, default_value_t = ToneMap::Neutral, hide_short_help = true)]
     pub tonemap: ToneMap,
+    /// Make the background transparent: alpha is the share of camera rays that hit a surface.
+    ///
+    /// An environment still lights the scene, but is seen in mirrors and through glass alone. In an EXR, channel A is added,
+    /// and colours are premultiplied; in a PNG, they are not.
+    #[arg(long, hide_short_help = true)]
+    pub transparent: bool,
     /// Write a report in JSON: counters, times, memory, warnings; `-` for standard output.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub json: Option<PathBuf>,
@@ -206,4 +227,21 @@ pub struct MachineArgs {
     /// Limit on the memory of the process, such as 2GiB; passes then have fewer photons, and there are more passes.
     #[arg(long, value_name = "SIZE", value_parser = crate::memory::parse, hide_short_help = true)]
     pub memory: Option<u64>,
+}
+
+impl PictureArgs {
+    /// The camera of a scene, with the lens of the options.
+    ///
+    /// # Errors
+    /// [`SceneError`] for an unknown camera or a lens out of range.
+    pub fn view(&self, scene: &Scene) -> Result<View, SceneError> {
+        let ((width, height), name) = (self.size, self.camera.as_deref());
+        let camera = match self.aperture.zip(self.focus) {
+            Some((diameter, focus_distance)) => {
+                scene.camera_with_lens(name, ThinLens { diameter, focus_distance }, width, height)?
+            }
+            None => scene.camera(name, width, height)?,
+        };
+        Ok(View { camera, width, height })
+    }
 }

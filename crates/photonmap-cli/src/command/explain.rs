@@ -13,9 +13,8 @@ use crate::{load, stdout};
 pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
     let settings = args.settings.settings()?;
     let (scene, _) = load::scene(&args.scene)?;
-    let (width, height) = args.settings.picture.size;
     // A camera that does not exist is an error here too.
-    scene.camera(args.settings.picture.camera.as_deref(), width, height)?;
+    args.settings.picture.view(&scene)?;
     let mut text = format!("{}: {} triangles\n", args.scene.scene, scene.view().triangles.len());
     if let Some(environment) = scene.environment_text() {
         let _ = writeln!(text, "environment: {environment}");

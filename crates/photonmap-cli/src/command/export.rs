@@ -15,7 +15,7 @@ use crate::{atomic_write, load, mitsuba};
 /// express is in its extras, which other programs ignore; they read the same scene in single precision.
 ///
 /// An .xml is for Mitsuba 3, with its triangles in the folder F-meshes beside it, and has one camera, that of --camera
-/// for a picture of --size.
+/// for a picture of --size with the lens of --aperture and --focus.
 #[derive(Clone, Debug, Args)]
 pub struct ExportArgs {
     /// The scene to export.
@@ -50,8 +50,7 @@ pub fn run(args: &ExportArgs) -> Result<(), Fault> {
         return Ok(());
     }
     let (scene, _) = load::scene(&args.scene)?;
-    let (width, height) = args.picture.size;
-    let camera = scene.camera(args.picture.camera.as_deref(), width, height)?;
+    let camera = args.picture.view(&scene)?.camera;
     let written = mitsuba::write(path, &scene, &camera, args.picture.size)?;
     for warning in &written.warnings {
         eprintln!("warning: {warning}");

@@ -14,8 +14,10 @@ use photon_scene::Scene;
 
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen};
+use crate::exposure::Exposure;
 use crate::fault::Fault;
 use crate::forecast_text::{error_line, forecast_lines};
+use crate::png_file::Picture;
 use crate::progress::{Limit, Progress};
 use crate::report::{self, Details};
 use crate::{atomic_write, exr_file, load, memory, png_file, stdout};
@@ -27,16 +29,15 @@ use crate::{atomic_write, exr_file, load, memory, png_file, stdout};
 /// [`Fault::Failure`] if rendering or writing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     args.files.check()?;
-    let settings = args.settings.settings()?;
+    let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     let outputs = outputs(args)?;
     let json = args.files.json.iter().filter(|path| path.as_os_str() != "-");
     outputs.iter().chain(json).try_for_each(|path| atomic_write::check(path))?;
     let begun = Instant::now();
     let (scene, loaded) = load::scene(&args.scene)?;
     let seconds_load = begun.elapsed().as_secs_f64();
-    let (width, height) = args.settings.picture.size;
-    let camera = scene.camera(args.settings.picture.camera.as_deref(), width, height)?;
-    let mut renderer = start(args, &scene, View { camera, width, height }, &settings)?;
+    let view = args.settings.picture.view(&scene)?;
+    let mut renderer = start(args, &scene, view, &settings)?;
     let mut warnings = scene.warnings().to_vec();
     let starving = starving(&scene, &*renderer);
     starving.iter().for_each(|warning| eprintln!("warning: {warning}"));
@@ -242,7 +243,12 @@ fn save(
     details: &Details<'_>,
 ) -> Result<(), Fault> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-        return png_file::write(path, film, args.files.tonemap, args.files.exposure);
+        let picture = Picture::new(film, args.files.transparent);
+        let stops = args.files.exposure.stops(&picture.colours);
+        if args.files.exposure == Exposure::Auto {
+            eprintln!("exposure of {}: {stops:.2} stops", path.display());
+        }
+        return png_file::write(path, &picture, args.files.tonemap, stops);
     }
     let facts = renderer.facts();
     let seconds: Vec<String> = photon_core::Stage::ALL
@@ -263,5 +269,5 @@ fn save(
     attributes.extend(details.environment.map(|text| ("photon:environment", text.to_owned())));
     let attributes: Vec<(String, String)> =
         attributes.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    exr_file::write(path, film, &attributes)
+    exr_file::write(path, film, args.files.transparent, &attributes)
 }

@@ -16,6 +16,12 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
     let textures =
         |index: u32| index.checked_sub(1).and_then(|index| view.shading.material_textures.get(index as usize));
     for (name, material) in scene.material_names().zip(view.materials) {
+        if material.has_alpha() {
+            return refused(
+                format!("the alpha of material '{name}'"),
+                "write a .glb, which has it, or make the material opaque (alpha = 1 in an override file)",
+            );
+        }
         let Some(textures) = textures(material.textures) else { continue };
         let uses = [
             ("base colour", textures.base_color),

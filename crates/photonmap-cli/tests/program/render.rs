@@ -2,7 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use crate::support::{SMALL, channels, folder, photonmap, render};
+use photonmap_cli::exposure::Exposure;
+use photonmap_cli::tonemap::{self, ToneMap};
+
+use crate::support::{SMALL, channels, folder, photonmap, render, stderr, succeeded};
 
 #[test]
 fn layers_of_the_exr_sum_to_the_picture_and_the_report_balances() {
@@ -103,6 +106,12 @@ fn bad_input_is_named_with_code_2_within_seconds() {
         (&["--passes", "0"], "passes"),
         (&["--time", "nan"], "time"),
         (&["--exposure", "nan"], "exposure"),
+        (&["--exposure", "bright"], "auto"),
+        (&["--aperture", "0.1"], "--focus"),
+        (&["--focus", "1"], "--aperture"),
+        (&["--aperture", "-0.1", "--focus", "1"], "diameter of its lens is -0.1"),
+        (&["--aperture", "nan", "--focus", "1"], "diameter of its lens is NaN"),
+        (&["--aperture", "0.1", "--focus", "0"], "distance of its focus is 0"),
         (&["--threads", "0"], "threads"),
         (&["--kernel", "box"], "kernel"),
         (&["--max-bounces", "0"], "max-bounces"),
@@ -175,5 +184,52 @@ fn lights_that_get_too_few_photons_are_named() {
         let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
         assert_eq!(report["lights"][1]["starves"], serde_json::Value::Bool(starves), "{report:#}");
         assert_eq!(report["warnings"].as_array().unwrap().is_empty(), !starves);
+    }
+}
+
+/// A grey triangle before an even environment of radiance 1: where it covers a pixel, its radiance is its albedo.
+#[test]
+fn transparent_pictures_have_the_alpha_of_their_format() {
+    let folder = folder("transparent");
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    std::fs::write(path("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let scene = ["a.obj", "--environment", "constant", "--backend", "cpu", "--size", "16x16", "--passes", "8"];
+    let run = |more: &[&str]| {
+        let output = photonmap("render").args(scene).args(more).current_dir(&folder).output().unwrap();
+        succeeded(&output);
+        stderr(&output)
+    };
+    let printed = run(&["--transparent", "--exposure", "auto", "-o", "a.exr", "-o", "a.png"]);
+    run(&["-o", "b.exr"]);
+    let (with, without) = (channels(&folder.join("a.exr")), channels(&folder.join("b.exr")));
+    assert!(!without.contains_key("A"));
+    let alpha = &with["A"];
+    assert!(alpha.contains(&0.0) && alpha.contains(&1.0) && alpha.iter().any(|&a| a > 0.0 && a < 1.0), "{alpha:?}");
+    for (pixel, &alpha) in alpha.iter().enumerate() {
+        // The environment is what is missing, and nothing else.
+        let (found, opaque) = (with["R"][pixel], without["R"][pixel]);
+        assert!((found - (opaque - (1.0 - alpha))).abs() < 1e-5, "{pixel}: {found} {opaque} {alpha}");
+    }
+    let mean = with["R"].iter().sum::<f32>() / alpha.iter().sum::<f32>();
+    assert!((mean - 0.5).abs() < 0.05, "{mean}");
+    // About from the radiance 0.5 to 18 %; noise lowers a mean of logarithms.
+    let stops: f32 = printed.split("a.png: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((stops - (0.18_f32 / 0.5).log2()).abs() < 0.5, "{printed}");
+
+    // Colours of a PNG are not premultiplied.
+    let straight = |pixel: usize| if alpha[pixel] > 0.0 { with["R"][pixel] / alpha[pixel] } else { 0.0 };
+    let colours: Vec<[f32; 3]> = (0..alpha.len()).map(|pixel| [straight(pixel); 3]).collect();
+    let exposure = Exposure::Auto.stops(&colours);
+    let mut reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(folder.join("a.png")).unwrap()))
+        .read_info()
+        .unwrap();
+    assert_eq!(reader.info().color_type, png::ColorType::Rgba);
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut bytes).unwrap();
+    for (pixel, &[red, green, blue, opacity]) in bytes.as_chunks().0.iter().enumerate() {
+        let expected = tonemap::map(ToneMap::Neutral, exposure, colours[pixel]).map(tonemap::encode);
+        let found = [red, green, blue];
+        assert!(found.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{pixel}: {found:?} {expected:?}");
+        assert_eq!(opacity, (alpha[pixel] * 255.0 + 0.5) as u8);
     }
 }

@@ -154,7 +154,7 @@ fn measure<B: TransportBackend>(
         if experiment.table == "pictures" {
             film.clamp = true;
             let path = args.out.join(format!("{}-{}.png", experiment.name, results.backend));
-            png_file::write(&path, &film, ToneMap::None, 0.0)?;
+            png_file::write(&path, &png_file::Picture::new(&film, false), ToneMap::None, 0.0)?;
         }
         results.cells.push((experiment, measured));
     }

@@ -66,6 +66,7 @@ fn check_material(textures: &MaterialTextures, tables: &ShadingTables<'_>) -> Ch
         ("emission", textures.emission),
         ("normal", textures.normal),
         ("metallic_roughness", textures.metallic_roughness),
+        ("alpha", textures.alpha),
     ] {
         require(used == MaterialTextures::NONE || (used as usize) < uses, || {
             format!("its {name} texture {used} is out of range, {uses} uses exist")

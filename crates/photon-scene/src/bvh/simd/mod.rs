@@ -8,10 +8,11 @@ mod node;
 mod traverse;
 mod triangle;
 
-use photon_core::{Hit, Ray, RayCaster};
+use photon_core::{Hit, Ray, RayCaster, SkipLimit};
 
 use super::{AccelError, binary, check};
 use node::Node;
+use traverse::All;
 use triangle::Packet;
 
 /// Ray caster for scenes in normalised space.
@@ -46,11 +47,19 @@ impl Accel {
 
 impl RayCaster for Accel {
     fn nearest(&self, ray: &Ray) -> Option<Hit> {
-        traverse::nearest(&self.nodes, &self.packets, ray)
+        traverse::nearest(&self.nodes, &self.packets, ray, All)
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        traverse::occluded(&self.nodes, &self.packets, ray)
+        traverse::occluded(&self.nodes, &self.packets, ray, All)
+    }
+
+    fn nearest_where(&self, ray: &Ray, keep: &dyn Fn(&Hit) -> bool) -> Result<Option<Hit>, SkipLimit> {
+        Ok(traverse::nearest(&self.nodes, &self.packets, ray, keep))
+    }
+
+    fn occluded_where(&self, ray: &Ray, keep: &dyn Fn(&Hit) -> bool) -> Result<bool, SkipLimit> {
+        Ok(traverse::occluded(&self.nodes, &self.packets, ray, keep))
     }
 
     fn bytes(&self) -> u64 {
@@ -80,7 +89,11 @@ impl BruteForce {
 
 impl RayCaster for BruteForce {
     fn nearest(&self, ray: &Ray) -> Option<Hit> {
-        traverse::brute_force(&self.packets, ray)
+        traverse::brute_force(&self.packets, ray, All)
+    }
+
+    fn nearest_where(&self, ray: &Ray, keep: &dyn Fn(&Hit) -> bool) -> Result<Option<Hit>, SkipLimit> {
+        Ok(traverse::brute_force(&self.packets, ray, keep))
     }
 }
 

@@ -100,6 +100,46 @@ fn the_tree_agrees_with_every_triangle_to_the_bit() {
     }
 }
 
+/// Some triangles are not there: the tree and brute force find the same hits, which are those of the meshes without
+/// these triangles, apart from indices.
+#[test]
+fn triangles_that_are_not_kept_are_not_there() {
+    for (positions, triangles) in [soup(1), soup(3), soup(5), soup(700), sphere(16)] {
+        let accel = Accel::build(&positions, &triangles).unwrap();
+        let brute = BruteForce::build(&positions, &triangles).unwrap();
+        let there = |index: u32| index % 3 != 0;
+        let kept: Vec<u32> = (0..triangles.len() as u32).filter(|&index| there(index)).collect();
+        let fewer: Vec<[u32; 3]> = kept.iter().map(|&index| triangles[index as usize]).collect();
+        let fewer = BruteForce::build(&positions, &fewer).unwrap();
+        let keep = |hit: &Hit| there(hit.primitive);
+        let mut next = numbers(4);
+        for _ in 0..5_000 {
+            let origin = Vec3::new(next(), next(), next()) - 0.5;
+            let target = Vec3::from(positions[(next() * positions.len() as f32) as usize]);
+            let along = if next() < 0.3 { target - origin } else { direction(&mut next) };
+            let ray = Ray { origin, direction: along.normalize_or(Vec3::X), t_max: f32::INFINITY };
+            let expected = fewer.nearest(&ray).map(|hit| Hit { primitive: kept[hit.primitive as usize], ..hit });
+            assert_eq!(bits(accel.nearest_where(&ray, &keep).unwrap()), bits(expected), "{ray:?}");
+            assert_eq!(bits(brute.nearest_where(&ray, &keep).unwrap()), bits(expected), "{ray:?}");
+            assert_eq!(accel.occluded_where(&ray, &keep), Ok(expected.is_some()));
+            assert_eq!(accel.nearest_where(&ray, &|_| false), Ok(None));
+        }
+    }
+}
+
+/// V15: any number of surfaces at the same place that are not there.
+#[test]
+fn a_thousand_coincident_triangles_can_be_skipped() {
+    let positions = vec![[-0.1, -0.1, 0.0], [0.1, -0.1, 0.0], [0.0, 0.1, 0.0]];
+    let accel = Accel::build(&positions, &vec![[0, 1, 2]; 1_000]).unwrap();
+    let ray = Ray { origin: Vec3::new(0.0, 0.0, -1.0), direction: Vec3::Z, t_max: f32::INFINITY };
+    for there in [0, 17, 999] {
+        let hit = accel.nearest_where(&ray, &|hit| hit.primitive >= there).unwrap();
+        assert_eq!(hit.map(|hit| hit.primitive), Some(there));
+    }
+    assert_eq!(accel.nearest_where(&ray, &|_| false), Ok(None));
+}
+
 /// S2: no ray from inside a closed surface escapes, whatever its direction.
 #[test]
 fn no_cracks_at_edges_and_vertices() {

@@ -18,52 +18,82 @@ const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 const WIDER: f32 = 1.0 + 8.0 * f32::EPSILON;
 const NARROWER: f32 = 1.0 - 8.0 * f32::EPSILON;
 
-pub(crate) fn nearest(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
-        // SAFETY: the check above found that the processor has AVX2.
-        return unsafe { avx2::nearest(nodes, packets, ray) };
-    }
-    walk::<false>(nodes, packets, ray)
+/// Whether a hit counts: all of them, or those of surfaces that are there.
+pub(crate) trait Keep: Copy {
+    /// Whether some hits may not count.
+    const SKIPS: bool;
+
+    fn keeps(self, hit: &Hit) -> bool;
 }
 
-pub(crate) fn occluded(nodes: &[Node], packets: &[Packet], ray: &Ray) -> bool {
+/// Every hit counts; without a cost.
+#[derive(Clone, Copy)]
+pub(crate) struct All;
+
+impl Keep for All {
+    const SKIPS: bool = false;
+
+    #[inline(always)]
+    fn keeps(self, _: &Hit) -> bool {
+        true
+    }
+}
+
+impl Keep for &dyn Fn(&Hit) -> bool {
+    const SKIPS: bool = true;
+
+    #[inline(always)]
+    fn keeps(self, hit: &Hit) -> bool {
+        self(hit)
+    }
+}
+
+pub(crate) fn nearest<K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, keep: K) -> Option<Hit> {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
         // SAFETY: the check above found that the processor has AVX2.
-        return unsafe { avx2::occluded(nodes, packets, ray) };
+        return unsafe { avx2::nearest(nodes, packets, ray, keep) };
     }
-    walk::<true>(nodes, packets, ray).is_some()
+    walk::<false, K>(nodes, packets, ray, keep)
+}
+
+pub(crate) fn occluded<K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, keep: K) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code, reason = "a function compiled for more than the baseline can be called in no other way")]
+        // SAFETY: the check above found that the processor has AVX2.
+        return unsafe { avx2::occluded(nodes, packets, ray, keep) };
+    }
+    walk::<true, K>(nodes, packets, ray, keep).is_some()
 }
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use super::{Hit, Node, Packet, Ray, walk};
+    use super::{Hit, Keep, Node, Packet, Ray, walk};
 
     #[target_feature(enable = "avx2")]
-    pub(super) fn nearest(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
-        walk::<false>(nodes, packets, ray)
+    pub(super) fn nearest<K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, keep: K) -> Option<Hit> {
+        walk::<false, K>(nodes, packets, ray, keep)
     }
 
     #[target_feature(enable = "avx2")]
-    pub(super) fn occluded(nodes: &[Node], packets: &[Packet], ray: &Ray) -> bool {
-        walk::<true>(nodes, packets, ray).is_some()
+    pub(super) fn occluded<K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, keep: K) -> bool {
+        walk::<true, K>(nodes, packets, ray, keep).is_some()
     }
 }
 
 /// The baseline version, for tests of the AVX2 version.
 #[cfg(test)]
 pub(crate) fn portable(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
-    walk::<false>(nodes, packets, ray)
+    walk::<false, All>(nodes, packets, ray, All)
 }
 
-pub(crate) fn brute_force(packets: &[Packet], ray: &Ray) -> Option<Hit> {
+pub(crate) fn brute_force<K: Keep>(packets: &[Packet], ray: &Ray, keep: K) -> Option<Hit> {
     let sheared = Sheared::new(ray)?;
     let mut best = Best::new(ray)?;
     for packet in packets {
-        best.test(packet, &sheared);
+        best.test(packet, &sheared, keep);
     }
     best.hit()
 }
@@ -84,7 +114,7 @@ impl Best {
     }
 
     #[inline(always)]
-    fn test(&mut self, packet: &Packet, ray: &Sheared) {
+    fn test<K: Keep>(&mut self, packet: &Packet, ray: &Sheared, keep: K) {
         let found = intersect(packet, ray, self.t);
         let mut hits = found.hits;
         while hits != 0 {
@@ -93,7 +123,10 @@ impl Best {
             let (t, id) = (found.t[lane % LANES], packet.ids[lane % LANES]);
             if t < self.t || t == self.t && id < self.id {
                 let [u, v] = found.weights(lane);
-                *self = Self { t, id, u, v };
+                // A spare lane repeats the first triangle of its packet, which is nearer by its index if it is kept.
+                if !K::SKIPS || (id != u32::MAX && keep.keeps(&Hit { t, primitive: id, u, v })) {
+                    *self = Self { t, id, u, v };
+                }
             }
         }
     }
@@ -124,7 +157,7 @@ fn fetch<T>(soon: &T) {
 }
 
 #[inline(always)]
-fn walk<const ANY: bool>(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
+fn walk<const ANY: bool, K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, keep: K) -> Option<Hit> {
     let sheared = Sheared::new(ray)?;
     let mut best = Best::new(ray)?;
     if nodes.is_empty() {
@@ -148,7 +181,7 @@ fn walk<const ANY: bool>(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Optio
         }
         if child.packets > 0 {
             for packet in &packets[child.first as usize..(child.first + child.packets) as usize] {
-                best.test(packet, &sheared);
+                best.test(packet, &sheared, keep);
             }
             if ANY && best.id != u32::MAX {
                 return best.hit();

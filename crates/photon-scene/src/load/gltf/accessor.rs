@@ -66,7 +66,15 @@ impl<'a> Accessors<'a> {
     /// Reads vertex indices, of any unsigned type; `user` is named in errors.
     pub(super) fn indices(&self, index: usize, user: &str) -> Result<Vec<u32>, Fault> {
         let unsigned = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
-        self.read(index, user, Type::Scalar, &unsigned, 0, |elements, at| elements.unsigned(at))
+        self.read(index, user, Type::Scalar, &unsigned, 0, |elements, at| elements.unsigned(at, 0))
+    }
+
+    /// Reads groups of four unsigned integers, as joint numbers are; `user` is named in errors.
+    pub(super) fn joints(&self, index: usize, user: &str) -> Result<Vec<[u32; 4]>, Fault> {
+        let unsigned = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
+        self.read(index, user, Type::Vec4, &unsigned, [0; 4], |elements, at| {
+            std::array::from_fn(|axis| elements.unsigned(at, axis))
+        })
     }
 
     /// Reads a whole buffer view as vectors of 64-bit floats, which glTF accessors cannot describe.
@@ -137,7 +145,7 @@ impl<'a> Accessors<'a> {
             let bytes = self.span(view, sparse.values.byte_offset.0, entries, size, size, &part)?;
             let elements = Elements { bytes, stride: size, component, normalized };
             for entry in 0..entries as usize {
-                let place = places.unsigned(entry);
+                let place = places.unsigned(entry, 0);
                 let value = values.get_mut(place as usize).ok_or_else(|| {
                     wrong(format!("replaces element {place} (sparse entry {entry}), but has only {count}"))
                 })?;
@@ -212,11 +220,11 @@ impl Elements<'_> {
     }
 
     /// One unsigned integer.
-    fn unsigned(&self, at: usize) -> u32 {
+    fn unsigned(&self, at: usize, axis: usize) -> u32 {
         match self.component.size() {
-            1 => u32::from(u8::from_le_bytes(self.component(at, 0))),
-            2 => u32::from(u16::from_le_bytes(self.component(at, 0))),
-            _ => u32::from_le_bytes(self.component(at, 0)),
+            1 => u32::from(u8::from_le_bytes(self.component(at, axis))),
+            2 => u32::from(u16::from_le_bytes(self.component(at, axis))),
+            _ => u32::from_le_bytes(self.component(at, axis)),
         }
     }
 }

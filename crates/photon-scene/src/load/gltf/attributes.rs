@@ -91,21 +91,51 @@ impl Reader<'_, '_, '_> {
 }
 
 /// Transforms normals and tangents from the space of a node to that of the scene.
-pub(super) fn transform(attributes: &mut VertexAttributes, transform: &DMat4, is_mirrored: bool) {
-    // Directions do not depend on the size, whose square could overflow or underflow.
-    let matrix = DMat3::from_mat4(*transform);
-    let greatest = matrix.to_cols_array().iter().fold(0.0_f64, |most, part| most.max(part.abs()));
-    let matrix = if greatest > 0.0 { matrix * greatest.recip() } else { matrix };
-    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
-    // The inverse transpose but for its determinant, of which only the sign matters.
-    let sign = if is_mirrored { -1.0 } else { 1.0 };
-    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
-    for normal in &mut attributes.normals {
-        *normal = (cofactors * DVec3::from(*normal)).to_array();
+pub(super) fn transform(attributes: &mut VertexAttributes, transform: &DMat4) {
+    let directions = Directions::new(transform);
+    attributes.normals.iter_mut().for_each(|normal| *normal = directions.normal(*normal));
+    attributes.tangents.iter_mut().for_each(|tangent| *tangent = directions.tangent(*tangent));
+}
+
+/// How a transform acts on normals and tangents; their lengths are of no matter.
+pub(super) struct Directions {
+    matrix: DMat3,
+    cofactors: DMat3,
+    sign: f64,
+}
+
+impl Directions {
+    pub(super) fn new(transform: &DMat4) -> Self {
+        // Directions do not depend on the size, whose square could overflow or underflow.
+        let matrix = DMat3::from_mat4(*transform);
+        let greatest = matrix.to_cols_array().iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+        let matrix = if greatest > 0.0 { matrix * greatest.recip() } else { matrix };
+        let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+        // The inverse transpose but for its determinant, of which only the sign matters.
+        let sign = if is_mirrored(transform) { -1.0 } else { 1.0 };
+        let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
+        Self { matrix, cofactors, sign }
     }
-    for tangent in &mut attributes.tangents {
-        let [x, y, z, handedness] = *tangent;
-        let [x, y, z] = (matrix * DVec3::new(x, y, z)).to_array();
-        *tangent = [x, y, z, handedness * sign];
+
+    /// Whether the transform is a reflection.
+    pub(super) fn is_mirrored(&self) -> bool {
+        self.sign < 0.0
     }
+
+    pub(super) fn normal(&self, normal: [f64; 3]) -> [f64; 3] {
+        (self.cofactors * DVec3::from(normal)).to_array()
+    }
+
+    pub(super) fn tangent(&self, [x, y, z, handedness]: [f64; 4]) -> [f64; 4] {
+        let [x, y, z] = (self.matrix * DVec3::new(x, y, z)).to_array();
+        [x, y, z, handedness * self.sign]
+    }
+}
+
+/// Whether the transform is a reflection. Computed from the axes' directions only, since the determinant of
+/// very small or large scales could underflow or overflow.
+pub(super) fn is_mirrored(transform: &DMat4) -> bool {
+    let axis = |axis: glam::DVec4| axis.truncate().normalize_or_zero();
+    let [x, y, z] = [transform.x_axis, transform.y_axis, transform.z_axis].map(axis);
+    x.cross(y).dot(z) < 0.0
 }

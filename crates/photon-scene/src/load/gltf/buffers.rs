@@ -1,12 +1,13 @@
 //! The binary data of a file: buffers, read on first use, and views into them.
 
 use std::borrow::Cow;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::path::Path;
 
 use gltf::json::Root;
 
 use super::fault::{AGAIN, COPY_AGAIN, Fault, label};
+use super::meshopt::Compressed;
 use super::uri;
 
 /// The buffers of a file.
@@ -15,13 +16,22 @@ pub(super) struct Buffers<'a> {
     folder: &'a Path,
     bin: Option<&'a [u8]>,
     loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
+    /// The compressed views that were read.
+    decoded: Vec<OnceCell<Vec<u8>>>,
+    /// Their length in bytes.
+    decoded_length: Cell<u64>,
 }
+
+/// More decoded bytes than this are treated as damage: a few views of the same compressed bytes could otherwise request
+/// all available memory.
+const MAX_DECODED: u64 = 1 << 32;
 
 impl<'a> Buffers<'a> {
     /// The buffers of `root`, whose files are in `folder` and whose GLB chunk is `bin`.
     pub(super) fn new(root: &'a Root, folder: &'a Path, bin: Option<&'a [u8]>) -> Self {
         let loaded = root.buffers.iter().map(|_| OnceCell::new()).collect();
-        Self { root, folder, bin, loaded }
+        let decoded = root.buffer_views.iter().map(|_| OnceCell::new()).collect();
+        Self { root, folder, bin, loaded, decoded, decoded_length: Cell::new(0) }
     }
 
     /// The folder of the scene's files.
@@ -34,23 +44,39 @@ impl<'a> Buffers<'a> {
         let views = &self.root.buffer_views;
         let view = views.get(index).ok_or_else(|| Fault::dangling(user, "buffer view", index, views.len()))?;
         let part = label("buffer view", index, view.name.as_deref());
-        let buffer = self.buffer(view.buffer.value(), &part)?;
-        let offset = view.byte_offset.map_or(0, |offset| offset.0);
-        let end = offset.checked_add(view.byte_length.0);
+        if let Some(bytes) = self.decoded[index].get() {
+            return Ok(bytes);
+        }
+        if let Some(compressed) = Compressed::of(view, &part)? {
+            let bytes = self.decode(&compressed, &part)?;
+            return Ok(self.decoded[index].get_or_init(|| bytes));
+        }
+        self.range(view.buffer.value(), view.byte_offset.map_or(0, |offset| offset.0), view.byte_length.0, &part)
+    }
+
+    /// The bytes of a compressed view.
+    fn decode(&self, compressed: &Compressed, part: &str) -> Result<Vec<u8>, Fault> {
+        let length = self.decoded_length.get().saturating_add(compressed.decoded_length());
+        if length > MAX_DECODED {
+            let why = format!("brings the decoded buffer views to over {MAX_DECODED} bytes");
+            return Err(Fault::new(part, why, "split the scene"));
+        }
+        self.decoded_length.set(length);
+        let bytes = self.range(compressed.buffer, compressed.offset, compressed.length, part)?;
+        compressed.decode(bytes).map_err(|why| Fault::new(part, format!("is no valid stream: {why}"), AGAIN))
+    }
+
+    /// Bytes of a buffer; `part` is named in errors.
+    fn range(&self, index: usize, offset: u64, length: u64, part: &str) -> Result<&[u8], Fault> {
+        let buffer = self.buffer(index, part)?;
+        let end = offset.checked_add(length);
         let bytes = end
             .and_then(|end| usize::try_from(end).ok())
             .and_then(|end| buffer.get(usize::try_from(offset).ok()?..end));
         bytes.ok_or_else(|| {
-            Fault::new(
-                part,
-                format!(
-                    "takes {} bytes from byte {offset} of buffer {}, which has {}",
-                    view.byte_length.0,
-                    view.buffer.value(),
-                    buffer.len()
-                ),
-                AGAIN,
-            )
+            let has = buffer.len();
+            let why = format!("takes {length} bytes from byte {offset} of buffer {index}, which has {has}");
+            Fault::new(part, why, AGAIN)
         })
     }
 

@@ -3,18 +3,20 @@
 use gltf::json::{Root, Value, deserialize, serialize};
 
 use super::fault::{AGAIN, COPY_AGAIN, Fault};
+use super::morph;
+use crate::report::LoadReport;
 
 const MAGIC: &[u8] = b"glTF";
 const JSON_CHUNK: &[u8] = b"JSON";
 const BIN_CHUNK: &[u8] = b"BIN\0";
 
-/// Returns the document, and the binary chunk if there is one.
-pub(super) fn open(bytes: &[u8]) -> Result<(Root, Option<&[u8]>), Fault> {
+/// Returns the document, and the binary chunk if there is one; reports what the parser drops.
+pub(super) fn open<'a>(bytes: &'a [u8], report: &mut LoadReport) -> Result<(Root, Option<&'a [u8]>), Fault> {
     if bytes.is_empty() {
         return Err(Fault::new("the file", "is empty", COPY_AGAIN));
     }
     let (json, bin) = if bytes.starts_with(MAGIC) { split_glb(bytes)? } else { (bytes, None) };
-    let root = parse(json)?;
+    let root = parse(json, report)?;
     check_version(&root)?;
     Ok((root, bin))
 }
@@ -71,7 +73,7 @@ fn read_u32(bytes: &[u8], at: usize) -> Option<u32> {
 }
 
 /// Parses the JSON text to a document.
-fn parse(json: &[u8]) -> Result<Root, Fault> {
+fn parse(json: &[u8], report: &mut LoadReport) -> Result<Root, Fault> {
     const HINT: &str = "the file is damaged, or it is not a glTF file";
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut value: Value = deserialize::from_slice(json)
@@ -79,6 +81,7 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
     if let Some(place) = find_oversized_index(&value, "") {
         return Err(Fault::new(place.trim_start_matches('/'), "is above 4294967295, the largest index", AGAIN));
     }
+    morph::report_unread(&value, report);
     Root::from_slice(json).or_else(|error| {
         // The parser requires some things that the specification makes optional.
         fill_in_optional(&mut value);
@@ -126,6 +129,9 @@ fn find_oversized_index(value: &Value, key: &str) -> Option<String> {
         "mesh",
         "camera",
         "skin",
+        "joints",
+        "inverseBindMatrices",
+        "targets",
         "material",
         "attributes",
         "indices",
@@ -148,8 +154,8 @@ fn find_oversized_index(value: &Value, key: &str) -> Option<String> {
             .find_map(|(position, item)| find_oversized_index(item, key).map(|rest| format!("/{position}{rest}"))),
         Value::Object(fields) => {
             fields.iter().filter(|(name, _)| *name != "extras").find_map(|(name, field)| {
-                // The names within `attributes` are those of vertex attributes.
-                let key = if key == "attributes" { key } else { name };
+                // The names within `attributes` and `targets` are those of vertex attributes.
+                let key = if ["attributes", "targets"].contains(&key) { key } else { name };
                 find_oversized_index(field, key).map(|rest| format!("/{name}{rest}"))
             })
         }

@@ -12,6 +12,8 @@ const KNOWN: &[&str] = &[
     "KHR_materials_ior",
     "KHR_materials_transmission",
     "KHR_materials_volume",
+    "KHR_meshopt_compression",
+    "EXT_meshopt_compression",
     "KHR_mesh_quantization",
     "KHR_node_visibility",
     "KHR_texture_transform",
@@ -29,7 +31,6 @@ const HARMLESS: &[&str] = &["KHR_xmp", "KHR_xmp_json_ld"];
 fn hint(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" => "export the file without Draco mesh compression",
-        "EXT_meshopt_compression" | "KHR_meshopt_compression" => "export the file without meshopt compression",
         "EXT_mesh_gpu_instancing" => "make the instances real before the export",
         _ => "export the file without it",
     }

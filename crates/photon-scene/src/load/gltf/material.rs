@@ -8,7 +8,7 @@ use super::parameters::{self, Parameters};
 use super::specular_glossiness;
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::extras::{self, Agrees, CHANGED, MaterialExtras};
 use crate::report::LoadReport;
 use crate::shading::simplest;
@@ -36,10 +36,13 @@ pub(super) fn describe(
     let mut lines = LoadReport::default();
     let mut parameters = parameters::read(root, index, textures, &subject, builder, &mut lines)?;
     let surface = surface(&mut parameters, &subject, &mut lines);
+    close_solid(&mut parameters, &surface, &subject, &mut lines);
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
         emits_both_sides: material.double_sided,
+        alpha: parameters.alpha,
+        alpha_mode: parameters.alpha_mode,
         textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
@@ -47,6 +50,8 @@ pub(super) fn describe(
         Ok(None) => {}
         Ok(Some(extras)) => {
             let exact = extras.desc(desc.name.clone(), desc.textures);
+            // These are in single precision everywhere.
+            let exact = exact.map(|exact| exact.with_alpha(desc.alpha_mode, desc.alpha));
             if let Some(exact) = exact.filter(|exact| desc.agrees(exact)) {
                 // The lines are about what glTF cannot express, and the extras can.
                 return Ok(exact);
@@ -64,13 +69,6 @@ fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surfa
     if of.is_unlit {
         report.approximated(subject, "is unlit; it is rendered as a diffuse surface");
         return Surface::Lambert { albedo: of.base };
-    }
-    if of.coverage < 0.5 {
-        return see_through(of, subject, report);
-    }
-    if of.coverage < 1.0 {
-        let text = format!("is {:.0} % opaque; it is rendered as opaque", of.coverage * 100.0);
-        report.approximated(subject, text);
     }
     if of.transmission >= 0.5 && of.mean_metallic < 0.5 {
         return glass(of, subject, report);
@@ -171,20 +169,15 @@ fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 
     of.attenuation_color.map(|color| (-libm::log(color.max(DARKEST)) / distance).max(0.0))
 }
 
-/// A surface with alpha below one half: a thin sheet that colours transmitted light.
-fn see_through(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface {
-    let has_texture = of.textures.base_color.take().is_some();
-    if of.coverage <= 0.0 {
-        report.note(subject, "is invisible: its alpha is 0");
-        // A refractive index of 1 reflects nothing.
-        return Surface::Thin { ior: 1.0, tint: [1.0; 3] };
+/// A solid is opaque: its boundary must be closed.
+fn close_solid(of: &mut Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
+    if !matches!(surface, Surface::Dielectric { .. }) || of.alpha_mode == AlphaMode::Opaque {
+        return;
     }
-    let mean = if has_texture { ", and its base colour texture as its mean" } else { "" };
-    let text = format!("is {:.0} % opaque; it is rendered as a thin clear sheet{mean}", of.coverage * 100.0);
-    report.approximated(subject, text);
-    let ior = if of.ior > 0.0 { of.ior } else { 1.5 };
-    let color = |channel: usize| of.base[channel] * of.base_mean[channel];
-    Surface::Thin { ior, tint: std::array::from_fn(|channel| 1.0 - of.coverage + of.coverage * color(channel)) }
+    if of.alpha < 1.0 || of.textures.alpha.is_some() {
+        report.left_out(subject, "its alpha: the boundary of a solid must be closed");
+    }
+    (of.alpha, of.alpha_mode, of.textures.alpha) = (1.0, AlphaMode::Opaque, None);
 }
 
 /// Reports properties that have no counterpart.

@@ -1,11 +1,18 @@
 //! Meshes: each node that refers to one adds an instance, transformed by the node.
 
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
 use glam::{DMat4, DVec3};
 use gltf::json::Root;
+use gltf::json::mesh::Primitive;
 
 use super::accessor::Accessors;
 use super::fault::{Fault, label, name_or_number};
-use super::{attributes, primitive};
+use super::morph::{self, Morph};
+use super::skin::{self, Skin};
+use super::{attributes, nodes, primitive};
 use crate::builder::{MaterialId, SceneBuilder};
 use crate::load::default_material;
 use crate::report::LoadReport;
@@ -18,7 +25,6 @@ const MAX_ELEMENTS: u64 = 1 << 28;
 #[derive(Default)]
 pub(super) struct Census {
     elements: u64,
-    morphed: u64,
     without_material: u64,
 }
 
@@ -29,6 +35,17 @@ pub(super) struct Meshes<'a> {
     pub(super) materials: Vec<MaterialId>,
     pub(super) default_material: Option<MaterialId>,
     pub(super) census: Census,
+    /// Transforms of all nodes, and the skins read so far, both on first use.
+    pub(super) globals: OnceCell<Vec<DMat4>>,
+    pub(super) skins: BTreeMap<usize, Rc<Skin>>,
+}
+
+/// Where a mesh is: its vertices are at its node, or follow the joints of a skin.
+struct Placement<'a> {
+    transform: &'a DMat4,
+    skin: Option<Rc<Skin>>,
+    /// Default weights of the morph targets.
+    weights: &'a [f32],
 }
 
 impl Meshes<'_> {
@@ -41,70 +58,120 @@ impl Meshes<'_> {
         report: &mut LoadReport,
     ) -> Result<(), Fault> {
         let meshes = &self.root.meshes;
-        let node_name = self.root.nodes[node].name.as_deref();
-        let found = meshes
-            .get(mesh)
-            .ok_or_else(|| Fault::dangling(&label("node", node, node_name), "mesh", mesh, meshes.len()))?;
+        let source = &self.root.nodes[node];
+        let node_name = source.name.as_deref();
+        let node_label = label("node", node, node_name);
+        let found = meshes.get(mesh).ok_or_else(|| Fault::dangling(&node_label, "mesh", mesh, meshes.len()))?;
         let mesh_name = found.name.as_deref().filter(|name| !name.is_empty());
         let name = match node_name.filter(|name| !name.is_empty()).or(mesh_name) {
             Some(name) => name.to_owned(),
             None => name_or_number("mesh", mesh, None),
         };
+        let skin = match source.skin {
+            Some(skin) => Some(self.skin(skin.value(), &node_label)?),
+            None => None,
+        };
         // Some programs hide nodes by scaling them to zero.
-        if [transform.x_axis, transform.y_axis, transform.z_axis].iter().all(|x| x.truncate() == DVec3::ZERO) {
+        let axes = [transform.x_axis, transform.y_axis, transform.z_axis];
+        if skin.is_none() && axes.iter().all(|x| x.truncate() == DVec3::ZERO) {
             report.note(format!("mesh '{name}'"), "is scaled to zero, and so not rendered");
             return Ok(());
         }
+        let placement = Placement { transform, skin, weights: morph::weights(source, found) };
         for (number, source) in found.primitives.iter().enumerate() {
             let part = format!("{} primitive {number}", label("mesh", mesh, mesh_name));
             if !primitive::is_surface(source, &part)? {
                 report.left_out(part, "consists of points or lines, which have no surface");
                 continue;
             }
-            self.census.elements =
-                self.census.elements.saturating_add(primitive::size(&self.accessors, source, &part)?);
-            if self.census.elements > MAX_ELEMENTS {
-                return Err(Fault::new(
-                    part,
-                    format!("brings the scene to over {MAX_ELEMENTS} vertices and indices"),
-                    "leave out instances, or use coarser meshes",
-                ));
-            }
-            let material = match source.material {
-                None => self.default_material(builder),
-                Some(material) => *self
-                    .materials
-                    .get(material.value())
-                    .ok_or_else(|| Fault::dangling(&part, "material", material.value(), self.materials.len()))?,
-            };
-            let read = primitive::read(&self.accessors, source, &part, report)?;
-            if read.stray > 0 {
-                let text = format!("{} vertices at its end make no whole triangle", read.stray);
-                report.left_out(&part, text);
-            }
-            self.census.morphed += u64::from(source.targets.iter().flatten().next().is_some());
-
-            let desc = &builder.materials[material.0 as usize];
-            let mut attributes =
-                attributes::read(&self.accessors, source, desc, (read.positions.len(), &read.extras), &part, report)?;
-            let mut triangles = read.triangles;
-            let is_mirrored = is_mirrored(transform);
-            if is_mirrored {
-                // A mirrored mesh keeps its front side (glTF 2.0 specification, section 3.7.4).
-                triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-            }
-            let mut positions = read.positions;
-            if *transform != DMat4::IDENTITY {
-                positions.iter_mut().for_each(|at| *at = transform.transform_point3(DVec3::from(*at)).to_array());
-                attributes::transform(&mut attributes, transform, is_mirrored);
-            }
             let name = match found.primitives.len() {
                 1 => name.clone(),
                 _ => format!("{name} primitive {number}"),
             };
-            builder.mesh_with(name, positions, triangles, attributes, material);
+            self.add_primitive(source, &placement, (name, &part), builder, report)?;
         }
         Ok(())
+    }
+
+    fn add_primitive(
+        &mut self,
+        source: &Primitive,
+        placement: &Placement<'_>,
+        (name, part): (String, &str),
+        builder: &mut SceneBuilder,
+        report: &mut LoadReport,
+    ) -> Result<(), Fault> {
+        let Placement { transform, skin, weights } = placement;
+        let morph = Morph::new(source, weights, part, report)?;
+        let times = 1 + morph.len() as u64;
+        let size = primitive::size(&self.accessors, source, part)?.saturating_mul(times);
+        self.census.elements = self.census.elements.saturating_add(size);
+        if self.census.elements > MAX_ELEMENTS {
+            return Err(Fault::new(
+                part,
+                format!("brings the scene to over {MAX_ELEMENTS} vertices and indices"),
+                "leave out instances, or use coarser meshes",
+            ));
+        }
+        let material = match source.material {
+            None => self.default_material(builder),
+            Some(material) => *self
+                .materials
+                .get(material.value())
+                .ok_or_else(|| Fault::dangling(part, "material", material.value(), self.materials.len()))?,
+        };
+        let read = primitive::read(&self.accessors, source, part, report)?;
+        if read.stray > 0 {
+            let text = format!("{} vertices at its end make no whole triangle", read.stray);
+            report.left_out(part, text);
+        }
+
+        let desc = &builder.materials[material.0 as usize];
+        let (mut positions, mut triangles) = (read.positions, read.triangles);
+        let mut attributes =
+            attributes::read(&self.accessors, source, desc, (positions.len(), &read.extras), part, report)?;
+        morph.displace(&self.accessors, &mut positions, part)?;
+        morph.tilt(&self.accessors, &mut attributes, part)?;
+        let matrices = match skin {
+            Some(skin) => skin.matrices(&self.accessors, source, positions.len(), part, report)?,
+            None => None,
+        };
+        if let Some(matrices) = matrices {
+            skin::pose(&matrices, &mut positions, &mut triangles, &mut attributes);
+            builder.mesh_with(name, positions, triangles, attributes, material);
+            return Ok(());
+        }
+        if skin.is_some() {
+            let text = "has a skin, but no JOINTS_0 and WEIGHTS_0; its vertices are placed by its node";
+            report.approximated(part, text);
+        }
+        if attributes::is_mirrored(transform) {
+            // A mirrored mesh keeps its front side (glTF 2.0 specification, section 3.7.4).
+            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        if **transform != DMat4::IDENTITY {
+            positions.iter_mut().for_each(|at| *at = transform.transform_point3(DVec3::from(*at)).to_array());
+            attributes::transform(&mut attributes, transform);
+        }
+        builder.mesh_with(name, positions, triangles, attributes, material);
+        Ok(())
+    }
+
+    /// A skin in the default pose; several nodes may share it.
+    fn skin(&mut self, index: usize, user: &str) -> Result<Rc<Skin>, Fault> {
+        if let Some(skin) = self.skins.get(&index) {
+            return Ok(Rc::clone(skin));
+        }
+        let globals = match self.globals.get() {
+            Some(globals) => globals,
+            None => {
+                let globals = nodes::globals(self.root)?;
+                self.globals.get_or_init(|| globals)
+            }
+        };
+        let skin = Rc::new(Skin::read(self.root, &self.accessors, globals, index, user)?);
+        self.skins.insert(index, Rc::clone(&skin));
+        Ok(skin)
     }
 
     /// The grey default material of surfaces without one, the same as in the other loaders.
@@ -114,21 +181,10 @@ impl Meshes<'_> {
     }
 }
 
-/// Whether the transform is a reflection. Computed from the axes' directions only, since the determinant of
-/// very small or large scales could underflow or overflow.
-fn is_mirrored(transform: &DMat4) -> bool {
-    let axis = |axis: glam::DVec4| axis.truncate().normalize_or_zero();
-    let [x, y, z] = [transform.x_axis, transform.y_axis, transform.z_axis].map(axis);
-    x.cross(y).dot(z) < 0.0
-}
-
 impl Census {
     /// Adds the counts to the report.
     pub(super) fn report(&self, report: &mut LoadReport) {
-        let Self { morphed, without_material, .. } = self;
-        if *morphed > 0 {
-            report.left_out("the file", format!("the morph targets of {morphed} meshes; the base shape is rendered"));
-        }
+        let Self { without_material, .. } = self;
         if *without_material > 0 {
             report.approximated(
                 "the file",

@@ -54,6 +54,21 @@ pub(super) fn place(root: &Root) -> Result<Vec<Placed>, Fault> {
     Ok(placed)
 }
 
+/// From the space of each node to that of the scene, also of nodes outside of the scene and of hidden ones: a skin may
+/// refer to any node. May not be finite.
+pub(super) fn globals(root: &Root) -> Result<Vec<DMat4>, Fault> {
+    let parents = parents(root)?;
+    refuse_cycles(root, &parents)?;
+    let mut globals = vec![DMat4::IDENTITY; root.nodes.len()];
+    let mut pending: Vec<usize> = (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
+    while let Some(node) = pending.pop() {
+        let above = parents[node].map_or(DMat4::IDENTITY, |parent| globals[parent]);
+        globals[node] = above * local(&root.nodes[node], &node_label(root, node))?;
+        pending.extend(children(&root.nodes[node]));
+    }
+    Ok(globals)
+}
+
 fn is_hidden(node: &Node) -> bool {
     let extension = node.extensions.as_ref().and_then(|all| all.others.get("KHR_node_visibility"));
     extension.and_then(|extension| extension.get("visible")?.as_bool()) == Some(false)

@@ -1,7 +1,7 @@
 //! The parameters of a material: its factors, its textures, and the means of those that the scene has no place for.
 
 use gltf::json::extensions::material as extension;
-use gltf::json::material::AlphaMode;
+use gltf::json::material::AlphaMode as Mode;
 use gltf::json::validation::Checked;
 use gltf::json::{Root, Value};
 use photon_core::TexelFormat;
@@ -12,6 +12,7 @@ use super::slot::Slot;
 use super::specular_glossiness::{self, Converted, SpecularGlossiness};
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
+use crate::describe::AlphaMode;
 use crate::report::LoadReport;
 use crate::texture::{TextureRef, TexturesDesc};
 
@@ -20,10 +21,9 @@ use crate::texture::{TextureRef, TexturesDesc};
 pub(super) struct Parameters {
     /// Factor of the base colour, linear RGB.
     pub(super) base: [f64; 3],
-    /// The mean of the base colour's texture; 1 without one.
-    pub(super) base_mean: [f64; 3],
-    /// Fraction of the surface that is opaque (alpha), in `[0, 1]`.
-    pub(super) coverage: f64,
+    /// Factor on alpha, in `[0, 1]`.
+    pub(super) alpha: f64,
+    pub(super) alpha_mode: AlphaMode,
     /// Factors, and those times the means of their texture.
     pub(super) metallic: f64,
     pub(super) roughness: f64,
@@ -104,11 +104,16 @@ pub(super) fn read(
     }
 
     let base_mean = base.map(|base| base.mean);
-    let alpha = factor[3] * base_mean.map_or(1.0, |mean| mean.alpha);
-    let is_masked = matches!(material.alpha_mode, Checked::Valid(AlphaMode::Mask));
-    if is_masked && base_mean.is_some_and(|mean| mean.alpha < 1.0) {
-        means.report.left_out(subject, "its alpha mask; it is rendered as opaque");
-    }
+    let alpha_mode = match material.alpha_mode {
+        Checked::Valid(Mode::Opaque) => AlphaMode::Opaque,
+        Checked::Valid(Mode::Blend) => AlphaMode::Blend,
+        Checked::Valid(Mode::Mask) => {
+            AlphaMode::Mask { cutoff: material.alpha_cutoff.map_or(0.5, |cutoff| f64::from(cutoff.0)) }
+        }
+        Checked::Invalid => return Err(Fault::new(part, "has an unknown alphaMode", AGAIN)),
+    };
+    let is_opaque = alpha_mode == AlphaMode::Opaque;
+    let even = base.filter(|base| base.used.is_none()).map_or(1.0, |base| base.mean.alpha);
     let mut color = [factor[0], factor[1], factor[2]];
     let mut ior = extensions.ior.as_ref().map_or(1.5, |ior| f64::from(ior.ior.0));
     let mut color_texture = base.and_then(|base| base.used);
@@ -136,17 +141,8 @@ pub(super) fn read(
     let specular_color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
     Ok(Parameters {
         base: color,
-        base_mean: base.filter(|base| base.used.is_some()).map_or([1.0; 3], |base| base.mean.color),
-        coverage: match material.alpha_mode {
-            Checked::Valid(AlphaMode::Opaque) => 1.0,
-            Checked::Valid(AlphaMode::Blend) => alpha,
-            Checked::Valid(AlphaMode::Mask) => {
-                let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-                // A textured surface is always partly visible.
-                if base.is_some() || alpha >= f64::from(cutoff) { 1.0 } else { 0.0 }
-            }
-            Checked::Invalid => return Err(Fault::new(part, "has an unknown alphaMode", AGAIN)),
-        },
+        alpha: if is_opaque { 1.0 } else { factor[3] * even },
+        alpha_mode,
         metallic,
         roughness,
         mean_metallic,
@@ -166,6 +162,7 @@ pub(super) fn read(
             normal,
             normal_scale: normal_map.map_or(1.0, |info| f64::from(info.scale)),
             metallic_roughness,
+            alpha: base.filter(|base| !is_opaque && base.mean.alpha < 1.0).and_then(|base| base.used),
         },
     })
 }

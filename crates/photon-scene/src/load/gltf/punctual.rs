@@ -93,6 +93,7 @@ pub(super) fn add_camera(
         direction: axis(transform, DVec3::NEG_Z, node)?,
         up: axis(transform, DVec3::Y, node)?,
         projection,
+        lens: None,
     };
     let desc = refined(desc, exact.and_then(CameraExtras::desc), node, report);
     // Two nodes may refer to the same camera, and two cameras may have the same name.

@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use photon_core::TexelFormat;
+use photon_core::{TexelFormat, Texture};
 
 use super::map::Map;
 use crate::builder::SceneBuilder;
 use crate::load::gltf::leaves_folder;
 use crate::load::image::{Image, Room, load_image};
 use crate::report::LoadReport;
-use crate::texture::{TextureId, TextureRef};
+use crate::shading::uniform_alpha;
+use crate::texture::{TextureDesc, TextureId, TextureRef};
 
 /// The images of all materials, each decoded once.
 #[derive(Default)]
@@ -19,6 +20,8 @@ pub(super) struct Images {
     added: HashMap<(PathBuf, bool, bool), TextureId>,
     /// Those of metal and roughness, by the paths of `map_Pr` and `map_Pm`, and whether they are clamped.
     pub(super) combined: HashMap<(Option<PathBuf>, Option<PathBuf>, bool), TextureId>,
+    /// Images that became alpha, by path and whether they are clamped.
+    alphas: HashMap<(PathBuf, bool), TextureId>,
     pub(super) room: Room,
 }
 
@@ -74,6 +77,36 @@ impl Images {
         }
     }
 
+    /// The same of `map_d`, the alpha of a material: the alpha of its image if that is not 1 everywhere, else the mean of
+    /// its channels, as the numbers that they are.
+    pub(super) fn add_alpha(
+        &mut self,
+        folder: &Path,
+        map: &Map,
+        subject: &str,
+        builder: &mut SceneBuilder,
+        report: &mut LoadReport,
+    ) -> Option<TextureRef> {
+        let used = self.add(folder, ("map_d", map), TexelFormat::Srgb8, subject, builder, report)?;
+        let desc = &builder.textures[used.texture.0 as usize];
+        if uniform_alpha(&desc.image) != Some(1.0) {
+            return Some(used);
+        }
+        let key = (folder.join(&map.file), map.wrap()[0] == photon_core::Wrap::Clamp);
+        let texture = match self.alphas.get(&key) {
+            Some(known) => *known,
+            None => {
+                let name = format!("{} as alpha", desc.name);
+                let texture = TextureDesc { name, image: means_as_alpha(&desc.image) };
+                let texture = builder.texture(texture);
+                self.make_room(builder);
+                self.alphas.insert(key, texture);
+                texture
+            }
+        };
+        Some(TextureRef { texture, ..used })
+    }
+
     pub(super) fn decode(&mut self, path: &Path, name: &str) -> Result<&Image, String> {
         if leaves_folder(name) {
             return Err("it is outside the folder of the scene; put it into that folder or below it".to_owned());
@@ -86,4 +119,24 @@ impl Images {
         });
         decoded.as_ref().map_err(Clone::clone)
     }
+}
+
+/// White texels, whose alpha is the mean of the channels.
+fn means_as_alpha(image: &Texture) -> Texture {
+    let texels = match image.format {
+        TexelFormat::Linear8 | TexelFormat::Srgb8 => {
+            let mean = |word: u32| {
+                let [r, g, b, _] = word.to_le_bytes().map(u32::from);
+                (2 * (r + g + b) + 3) / 6
+            };
+            image.texels.iter().map(|&word| 0x00FF_FFFF | mean(word) << 24).collect()
+        }
+        TexelFormat::Float32 => {
+            let mean =
+                |texel: &[u32; 4]| texel[..3].iter().map(|&word| f32::from_bits(word).min(1.0)).sum::<f32>() / 3.0;
+            let texels = image.texels.as_chunks().0.iter();
+            texels.flat_map(|texel| [1.0, 1.0, 1.0, mean(texel)].map(f32::to_bits)).collect()
+        }
+    };
+    Texture { texels, ..image.clone() }
 }

@@ -4,7 +4,7 @@ use super::Entry;
 use super::images::Images;
 use super::map::Map;
 use crate::builder::SceneBuilder;
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::report::LoadReport;
 use crate::texture::{TextureRef, TexturesDesc};
 use photon_core::TexelFormat;
@@ -37,6 +37,7 @@ impl Translation<'_> {
         let surface = self.surface(&textures);
         let mut desc = MaterialDesc::new(&self.material.name, surface);
         desc.textures = textures;
+        self.set_alpha(&mut desc);
         // A texture of emission without a factor is the emission.
         let factor = if textures.emission.is_some() { [1.0; 3] } else { [0.0; 3] };
         desc.emission = self.material.emissive.unwrap_or(factor);
@@ -75,6 +76,7 @@ impl Translation<'_> {
             normal: self.texture("norm", normal_map.as_ref(), TexelFormat::Linear8),
             normal_scale: normal_map.as_ref().map_or(1.0, |map| map.strength),
             metallic_roughness: self.metallic_roughness(),
+            alpha: self.alpha_texture(),
         }
     }
 
@@ -83,6 +85,41 @@ impl Translation<'_> {
         let (subject, Entry { folder, roughness_map, metallic_map, .. }) = (self.subject(), self.material);
         let maps = [roughness_map.as_ref(), metallic_map.as_ref()];
         self.images.add_metallic_roughness(folder, maps, &subject, self.builder, self.report)
+    }
+
+    /// The texture of `map_d`.
+    fn alpha_texture(&mut self) -> Option<TextureRef> {
+        let (subject, Entry { folder, dissolve_map, .. }) = (self.subject(), self.material);
+        self.images.add_alpha(folder, dissolve_map.as_ref()?, &subject, self.builder, self.report)
+    }
+
+    /// `d`, `Tr` and `map_d`: alpha coverage, except for solids.
+    fn set_alpha(&mut self, desc: &mut MaterialDesc) {
+        let material = self.material;
+        if material.is_tr_one {
+            let text = "its Tr is 1, which would make it invisible; since some programs write that for opaque \
+                        materials, it is opaque";
+            self.report.note(self.subject(), text);
+        }
+        let dissolve = if material.is_tr_one { 1.0 } else { material.dissolve.unwrap_or(1.0) };
+        if dissolve >= 1.0 && desc.textures.alpha.is_none() {
+            return;
+        }
+        if matches!(desc.surface, Surface::Dielectric { .. }) {
+            // For glass, d says how clear it is in programs without refraction.
+            if desc.textures.alpha.take().is_some() {
+                self.left_out("its map_d: the boundary of a solid must be closed");
+            }
+            return;
+        }
+        if dissolve < 1.0 {
+            let text = format!(
+                "is there for a share of {dissolve} of the light (d); kind = \"thin\" in an override file makes it a \
+                 clear pane"
+            );
+            self.report.note(self.subject(), text);
+        }
+        (desc.alpha, desc.alpha_mode) = (dissolve, AlphaMode::Blend);
     }
 
     fn texture(&mut self, keyword: &str, map: Option<&Map>, bytes: TexelFormat) -> Option<TextureRef> {
@@ -96,12 +133,6 @@ impl Translation<'_> {
         let diffuse = material.diffuse;
         let specular = material.specular.unwrap_or_default();
         let reflects = specular != [0.0; 3];
-        if material.is_tr_one {
-            let text = "its Tr is 1, which would make it invisible; since some programs write that for opaque \
-                        materials, it is opaque";
-            self.report.note(self.subject(), text);
-        }
-        let dissolve = if material.is_tr_one { 1.0 } else { material.dissolve.unwrap_or(1.0) };
         let tint = material.filter.unwrap_or([1.0; 3]);
         if matches!(illumination, 4 | 6 | 7 | 9) {
             let ior = self.ior();
@@ -110,13 +141,6 @@ impl Translation<'_> {
                  enclose it"
             ));
             Surface::Dielectric { ior, absorption: [0.0; 3], tint }
-        } else if dissolve < 1.0 {
-            let ior = self.ior();
-            self.approximated(format!(
-                "is see-through (d {dissolve}) and taken as a clear thin pane; give another kind in an override file \
-                 if that is wrong"
-            ));
-            Surface::Thin { ior, tint }
         } else if self.is_physically_based() {
             self.physically_based(textures)
         } else if matches!(illumination, 3 | 5) && reflects {

@@ -10,10 +10,10 @@ use crate::report::LoadReport;
 
 /// The top-level parts of a file: by default one triangle, `(0,0,0) (1,0,0) (0,1,0)`, at one node.
 #[derive(Clone)]
-pub(super) struct File(BTreeMap<&'static str, String>);
+pub(in crate::load::gltf) struct File(BTreeMap<&'static str, String>);
 
 impl File {
-    pub(super) fn new() -> Self {
+    pub(in crate::load::gltf) fn new() -> Self {
         let mut data: Vec<u8> = floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
         for index in [0_u16, 1, 2, 0] {
             data.extend(index.to_le_bytes());
@@ -40,45 +40,45 @@ impl File {
     }
 
     /// Replaces or adds a part.
-    pub(super) fn with(mut self, key: &'static str, json: impl Into<String>) -> Self {
+    pub(in crate::load::gltf) fn with(mut self, key: &'static str, json: impl Into<String>) -> Self {
         self.0.insert(key, json.into());
         self
     }
 
     /// Removes a part.
-    pub(super) fn without(mut self, key: &str) -> Self {
+    pub(in crate::load::gltf) fn without(mut self, key: &str) -> Self {
         self.0.remove(key);
         self
     }
 
     /// Replaces the material, given by the JSON text between its braces.
-    pub(super) fn material(self, json: &str) -> Self {
+    pub(in crate::load::gltf) fn material(self, json: &str) -> Self {
         self.with("materials", format!(r#"[{{"name": "it", {json}}}]"#))
     }
 
     /// Replaces the bytes of the only buffer.
-    pub(super) fn data(self, bytes: &[u8]) -> Self {
+    pub(in crate::load::gltf) fn data(self, bytes: &[u8]) -> Self {
         let (length, uri) = (bytes.len(), data_uri("application/octet-stream", bytes));
         self.with("buffers", format!(r#"[{{"byteLength": {length}, "uri": "{uri}"}}]"#))
     }
 
-    pub(super) fn json(&self) -> String {
+    pub(in crate::load::gltf) fn json(&self) -> String {
         let parts: Vec<String> = self.0.iter().map(|(key, json)| format!("\"{key}\": {json}")).collect();
         format!("{{{}}}", parts.join(",\n"))
     }
 
-    pub(super) fn try_load(&self) -> Result<(SceneBuilder, LoadReport), Fault> {
+    pub(in crate::load::gltf) fn try_load(&self) -> Result<(SceneBuilder, LoadReport), Fault> {
         assemble(self.json().as_bytes(), Path::new("."))
     }
 
     #[track_caller]
-    pub(super) fn load(&self) -> (SceneBuilder, LoadReport) {
+    pub(in crate::load::gltf) fn load(&self) -> (SceneBuilder, LoadReport) {
         self.try_load().unwrap_or_else(|fault| panic!("{fault}"))
     }
 
     /// Loads the file and builds the scene, to see the errors that a user would see.
     #[track_caller]
-    pub(super) fn error(&self) -> String {
+    pub(in crate::load::gltf) fn error(&self) -> String {
         match self.try_load() {
             Err(fault) => fault.to_string(),
             Ok((builder, _)) => match builder.build() {
@@ -89,11 +89,11 @@ impl File {
     }
 }
 
-pub(super) fn floats(values: &[f32]) -> Vec<u8> {
+pub(in crate::load::gltf) fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
+pub(in crate::load::gltf) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = format!("data:{kind};base64,");
     for group in bytes.chunks(3) {
@@ -108,7 +108,7 @@ pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
 }
 
 /// A GLB of a JSON text and a binary chunk.
-pub(super) fn glb(json: &str, bin: &[u8]) -> Vec<u8> {
+pub(in crate::load::gltf) fn glb(json: &str, bin: &[u8]) -> Vec<u8> {
     let mut body = Vec::new();
     for (kind, contents, filler) in [(b"JSON", json.as_bytes(), b' '), (b"BIN\0", bin, 0)] {
         let mut contents = contents.to_vec();
@@ -125,7 +125,7 @@ pub(super) fn glb(json: &str, bin: &[u8]) -> Vec<u8> {
 }
 
 /// A PNG of 8-bit RGBA pixels in one row.
-pub(super) fn png(pixels: &[[u8; 4]]) -> Vec<u8> {
+pub(in crate::load::gltf) fn png(pixels: &[[u8; 4]]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, pixels.len() as u32, 1);
     encoder.set_color(png::ColorType::Rgba);
@@ -134,6 +134,6 @@ pub(super) fn png(pixels: &[[u8; 4]]) -> Vec<u8> {
 }
 
 /// Whether a line of the report contains both words.
-pub(super) fn says(report: &LoadReport, subject: &str, text: &str) -> bool {
+pub(in crate::load::gltf) fn says(report: &LoadReport, subject: &str, text: &str) -> bool {
     report.lines.iter().any(|line| line.subject.contains(subject) && line.text.contains(text))
 }

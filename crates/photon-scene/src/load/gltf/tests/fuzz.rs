@@ -14,22 +14,32 @@ fn rich() -> (File, Vec<u8>) {
     bin.extend([0, 0, 1, 0, 2, 0, 0, 0]);
     bin.extend(png(&[[9, 99, 199, 128], [0, 255, 255, 255]]));
     let image = bin.len() - 44;
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    let joints = bin.len();
+    bin.extend([0, 0, 1, 1].repeat(3));
+    let identity: [f32; 16] = std::array::from_fn(|at| if at % 5 == 0 { 1.0 } else { 0.0 });
+    bin.extend(floats(&[identity, identity].concat()));
     let uri = data_uri("image/png", &png(&[[1, 2, 3, 255]]));
     let file = File::new()
         .with("buffers", format!(r#"[{{"byteLength": {}}}]"#, bin.len()))
-        .with("bufferViews", format!(r#"[{{"buffer": 0, "byteLength": 36, "byteStride": 12}}, {{"buffer": 0, "byteOffset": 36, "byteLength": 6}}, {{"buffer": 0, "byteOffset": 44, "byteLength": {image}}}]"#))
+        .with("bufferViews", format!(r#"[{{"buffer": 0, "byteLength": 36, "byteStride": 12}}, {{"buffer": 0, "byteOffset": 36, "byteLength": 6}}, {{"buffer": 0, "byteOffset": 44, "byteLength": {image}}},
+            {{"buffer": 0, "byteOffset": {joints}, "byteLength": 140}}]"#))
         .with("accessors", r#"[{"bufferView": 0, "byteOffset": 0, "componentType": 5126, "count": 3, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5123}, "values": {"bufferView": 0}}},
             {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
             {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2"},
-            {"bufferView": 0, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4"}]"#)
+            {"bufferView": 0, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4"},
+            {"bufferView": 3, "componentType": 5121, "count": 3, "type": "VEC4"},
+            {"bufferView": 3, "byteOffset": 12, "componentType": 5126, "count": 2, "type": "MAT4"}]"#)
+        .with("skins", r#"[{"joints": [1, 2], "inverseBindMatrices": 5}]"#)
         .with("materials", r#"[{"name": "a", "alphaMode": "BLEND", "emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}, "emissiveTexture": {"index": 1}, "normalTexture": {"index": 0, "scale": 2, "texCoord": 1, "extensions": {"KHR_texture_transform": {"offset": [1, 2], "rotation": 1, "scale": [2, 3], "texCoord": 0}}},
             "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 1, "attenuationColor": [0.5, 0.5, 0.5]}, "KHR_materials_ior": {"ior": 1.5}, "KHR_materials_emissive_strength": {"emissiveStrength": 3}}}]"#)
         .with("textures", r#"[{"source": 0, "sampler": 0}, {"source": 1}]"#)
         .with("samplers", r#"[{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]"#)
         .with("images", format!(r#"[{{"bufferView": 2, "mimeType": "image/png"}}, {{"uri": "{uri}"}}]"#))
-        .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0, "TANGENT": 3, "COLOR_0": 3, "TEXCOORD_0": 2}, "indices": 1, "material": 0, "mode": 4}, {"attributes": {"POSITION": 0}, "mode": 5}]}]"#)
+        .with("meshes", r#"[{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0, "TANGENT": 3, "COLOR_0": 3, "TEXCOORD_0": 2, "JOINTS_0": 4, "WEIGHTS_0": 3}, "targets": [{"POSITION": 0, "NORMAL": 0, "TANGENT": 0}], "indices": 1, "material": 0, "mode": 4}, {"attributes": {"POSITION": 0}, "mode": 5}]}]"#)
         .with("cameras", r#"[{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}]"#)
-        .with("nodes", r#"[{"children": [1, 2]}, {"mesh": 0, "scale": [1, -1, 1]}, {"camera": 0, "rotation": [0, 0, 0, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}}]"#)
+        .with("nodes", r#"[{"children": [1, 2, 3]}, {"mesh": 0, "scale": [1, -1, 1]}, {"camera": 0, "rotation": [0, 0, 0, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+            {"mesh": 0, "skin": 0, "weights": [0.5]}]"#)
         .with("scene", "0")
         .with("extensions", r#"{"KHR_lights_punctual": {"lights": [{"type": "spot", "intensity": 1, "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.5}}]}}"#);
     (file, bin)

@@ -1,7 +1,7 @@
 //! Materials and textures.
 
 use super::file::{File, data_uri, png, says};
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::report::LoadReport;
 
 pub(super) fn read(json: &str) -> (MaterialDesc, LoadReport) {
@@ -111,24 +111,38 @@ fn nits_are_radiance() {
 }
 
 #[test]
-fn alpha_below_one_half_lets_light_through() {
+fn alpha_is_coverage() {
     let blend = |alpha: f64, mode: &str| {
-        read(&format!(
+        let (material, report) = read(&format!(
             r#""alphaMode": "{mode}", "pbrMetallicRoughness": {{"metallicFactor": 0, "baseColorFactor": [0.5, 0.5, 0.5, {alpha}]}}"#
-        ))
+        ));
+        assert!(report.is_exact() && matches!(material.surface, Surface::Glossy { .. }), "{report}");
+        (material.alpha_mode, material.alpha)
     };
-    let (sheet, report) = blend(0.25, "BLEND");
-    assert_eq!(sheet.surface, Surface::Thin { ior: 1.5, tint: [0.875; 3] });
-    assert!(says(&report, "it", "25 % opaque"));
-    let (sheet, report) = blend(0.0, "BLEND");
-    assert_eq!(sheet.surface, Surface::Thin { ior: 1.0, tint: [1.0; 3] });
-    assert!(report.is_exact() && says(&report, "it", "invisible"));
-    let (opaque, report) = blend(0.75, "BLEND");
-    assert!(matches!(opaque.surface, Surface::Glossy { .. }) && says(&report, "it", "75 % opaque"));
-    // A mask is either opaque or transparent, and an opaque material ignores alpha.
-    assert!(matches!(blend(0.25, "MASK").0.surface, Surface::Thin { ior: 1.0, .. }));
-    assert!(matches!(blend(0.75, "MASK").0.surface, Surface::Glossy { .. }));
-    assert!(blend(0.25, "OPAQUE").1.is_exact());
+    assert_eq!(blend(0.25, "BLEND"), (AlphaMode::Blend, 0.25));
+    assert_eq!(blend(0.0, "BLEND"), (AlphaMode::Blend, 0.0));
+    assert_eq!(blend(0.25, "MASK"), (AlphaMode::Mask { cutoff: 0.5 }, 0.25));
+    assert_eq!(blend(0.25, "MASK\", \"alphaCutoff\": 0.75, \"x\": \""), (AlphaMode::Mask { cutoff: 0.75 }, 0.25));
+    assert_eq!(blend(0.25, "OPAQUE"), (AlphaMode::Opaque, 1.0));
+    // The alpha of the base colour's texture, in its place.
+    let json =
+        r#""alphaMode": "BLEND", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}"#;
+    let alpha_of = |json: &str, pixels: &[[u8; 4]]| {
+        let (builder, report) = textured(json, pixels).load();
+        assert!(report.is_exact(), "{report}");
+        let MaterialDesc { alpha, textures, .. } = builder.materials[0].clone();
+        (alpha, textures.base_color.is_some(), textures.alpha == textures.base_color)
+    };
+    let holes = [[255, 0, 255, 0], [255, 255, 255, 204]];
+    assert_eq!(alpha_of(json, &holes), (1.0, true, true));
+    assert_eq!(alpha_of(&json.replace("BLEND", "MASK"), &holes), (1.0, true, true));
+    assert_eq!(alpha_of(&json.replace("BLEND", "OPAQUE"), &holes), (1.0, true, false));
+    assert_eq!(alpha_of(json, &[[255, 0, 255, 51]; 2]), (0.2, false, true));
+    // Solids are closed.
+    let json = r#""alphaMode": "BLEND", "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0, "baseColorFactor": [1, 1, 1, 0.5]}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": {"thicknessFactor": 1}}"#;
+    let (solid, report) = read(json);
+    assert!(matches!(solid.surface, Surface::Dielectric { .. }) && solid.alpha_mode == AlphaMode::Opaque);
+    assert!(says(&report, "it", "its alpha: the boundary of a solid must be closed"), "{report}");
 }
 
 #[test]
@@ -136,16 +150,6 @@ fn textures_without_a_place_become_their_mean() {
     let json = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": {"index": 0}}}"#;
     let (builder, _) = textured(json, &[[0, 255, 255, 255]]).load();
     assert!(matches!(builder.materials[0].surface, Surface::Glossy { .. }));
-    // Alpha of the base colour's texture, whose colour becomes that of the sheet.
-    let json =
-        r#""alphaMode": "BLEND", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}"#;
-    let (builder, report) = textured(json, &[[255, 0, 255, 0], [255, 255, 255, 204]]).load();
-    assert_eq!(builder.materials[0].surface, Surface::Thin { ior: 1.5, tint: [1.0, 0.8, 1.0] });
-    assert!(builder.materials[0].textures.base_color.is_none() && says(&report, "it", "as its mean"));
-    let json = &json.replace("BLEND", "MASK");
-    let (builder, report) = textured(json, &[[255, 255, 255, 0], [255, 255, 255, 204]]).load();
-    assert!(matches!(builder.materials[0].surface, Surface::Glossy { .. }));
-    assert!(says(&report, "it", "alpha mask"));
 }
 
 #[test]

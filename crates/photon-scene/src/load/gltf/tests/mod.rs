@@ -1,10 +1,11 @@
 //! Tests with generated files.
 
 mod damage;
-mod file;
+pub(super) mod file;
 mod fuzz;
 mod geometry;
 mod glossy;
 mod lights;
 mod materials;
+mod pose;
 mod textures;

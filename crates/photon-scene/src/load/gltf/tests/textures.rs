@@ -164,13 +164,13 @@ fn attributes_may_be_of_any_component_type() {
 
 /// A triangle whose vertices all have this normal, and this tangent with the sign 1, placed by a transform: its geometric
 /// normal, normal and tangent.
-fn placed(normal: DVec3, tangent: DVec3, matrix: DMat4, mirrored: bool) -> (DVec3, DVec3, f64) {
+fn placed(normal: DVec3, tangent: DVec3, matrix: DMat4) -> (DVec3, DVec3, f64) {
     let mut attributes = VertexAttributes {
         normals: vec![normal.to_array()],
         tangents: vec![tangent.extend(1.0).to_array()],
         ..VertexAttributes::default()
     };
-    attributes::transform(&mut attributes, &matrix, mirrored);
+    attributes::transform(&mut attributes, &matrix);
     let [x, y, z, sign] = attributes.tangents[0];
     (DVec3::from(attributes.normals[0]).normalize_or_zero(), DVec3::new(x, y, z).normalize_or_zero(), sign)
 }
@@ -184,7 +184,7 @@ fn normals_and_tangents_follow_their_node() {
         for flip in [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0), DVec3::splat(-1.0)] {
             let matrix = DMat4::from_rotation_y(0.7) * DMat4::from_scale(scale * flip);
             let mirrored = flip.element_product() < 0.0;
-            let (found, tangent, sign) = placed(normal, a.normalize_or_zero(), matrix, mirrored);
+            let (found, tangent, sign) = placed(normal, a.normalize_or_zero(), matrix);
             let place = |v: DVec3| matrix.transform_vector3(v).normalize_or_zero();
             // The front stays the front: the winding is reversed in a mirror.
             let front = place(a).cross(place(b)) * if mirrored { -1.0 } else { 1.0 };

@@ -1,0 +1,95 @@
+//! Alpha coverage compared with photon-core's.
+
+use photon_core::{Hit, Requirements, Settings, Shading, alpha};
+
+use super::compare::Bound;
+use super::draw::{Draw, LAST, input};
+use super::shade::barycentric;
+use super::shaded_scene::{SHADED, TRIANGLES};
+use super::table::{Row, output};
+use super::texture::VALUES;
+use super::{Input, Output, run_row, worst_of};
+use crate::scene::VulkanScene;
+use crate::{Vulkan, shaders};
+
+/// The functions, their twins and their bounds.
+pub(super) fn rows() -> Vec<Row> {
+    let module = &shaders::PROBE_ALPHA;
+    let row = |name, function, bound, draw, twin| Row { name, module, function, bound, draw, twin };
+    vec![
+        row(
+            "alpha_mix",
+            0,
+            Bound::Words,
+            |d| Input([d.word(), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+            |i| word(alpha::mix(i.0[0])),
+        ),
+        row("alpha_keep", 1, Bound::Words, ray, |i| word(alpha::keep(i.float(0), i.0[1], i.0[2]).into())),
+        row("alpha_coverage", 2, Bound::Bits, material, |i| output([alpha::coverage(i.float(0), i.float(1))])),
+        row("alpha_coverage_of", 3, Bound::Bits, hit, |i| output([covered(i, [i.float(0), i.float(1)])])),
+    ]
+}
+
+fn word(value: u32) -> Output {
+    let mut output = [0; 8];
+    output[0] = value;
+    output
+}
+
+/// A coverage, a triangle and a word: one that decides now and then.
+fn ray(d: &mut Draw) -> Input {
+    let (triangle, word) = (d.pick(&[0, 1, 7, u32::MAX, 0x8000_0000]), d.word());
+    let triangle = if d.now_and_then() { d.word() } else { triangle };
+    let mut made = Input::default();
+    made.0[..3].copy_from_slice(&[0, triangle, word]);
+    let (any, threshold) = (d.unit(), threshold(&made));
+    made.0[0] = d.pick(&[0.0, 1.0, any, threshold, threshold + 1.0 / 16_777_216.0]).to_bits();
+    made
+}
+
+/// An alpha and a cutoff, often equal.
+fn material(d: &mut Draw) -> Input {
+    let (any, small) = (d.unit(), d.magnitude(-30, 0));
+    let alpha = d.pick(&[0.0, 1.0, 1.0 / 255.0, any, small, 1.5]);
+    let other = d.unit();
+    input([alpha, d.pick(&[0.0, 0.0, alpha, 0.5, other, 2.0]), 0.0, 0.0], [0.0; 4], [0.0; 4])
+}
+
+/// A hit: barycentric coordinates, a triangle and its position in BVH order.
+fn hit(d: &mut Draw) -> Input {
+    let [u, v] = barycentric(d);
+    let triangle = d.word() % TRIANGLES;
+    let mut made = input([u, v, 0.0, 0.0], [0.0; 4], [0.0; 4]);
+    (made.0[3], made.0[5]) = (SHADED.slots[triangle as usize], triangle);
+    made
+}
+
+fn covered(i: &Input, [u, v]: [f32; 2]) -> f32 {
+    let tables = Shading { tables: SHADED.view().shading, values: &VALUES, triangles: TRIANGLES as usize };
+    let material = SHADED.primitives[i.0[5] as usize].material as usize;
+    tables.coverage(&Hit { t: 1.0, primitive: i.0[5], u, v }, &SHADED.materials[material])
+}
+
+#[test]
+fn coverage_is_that_of_rust() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let scene = VulkanScene::new(&mut on, &SHADED.view(), &Requirements::everything(&Settings::default())).unwrap();
+    let address = [scene.address() as u32, (scene.address() >> 32) as u32];
+    for mut row in rows() {
+        let (inputs, outputs) = run_row(&mut on, &row, &address);
+        worst_of(&mut on, &row, &inputs, &outputs).unwrap();
+        // Each time something slightly different, which is detected.
+        row.twin = match row.function {
+            0 => |i| word(alpha::mix(i.0[0] ^ 1)),
+            1 => |i| word((alpha::keep(i.float(0), i.0[1], i.0[2]) || i.float(0) > 0.999_999_9 * threshold(i)).into()),
+            2 => |i| output([if i.float(1) > 0.0 { alpha::coverage(i.float(0), i.float(1)) } else { i.float(0) }]),
+            _ => |i| output([covered(i, [i.float(0) + 4.0 * LAST, i.float(1)])]),
+        };
+        assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
+    }
+}
+
+/// The coverage above which the triangle is there.
+fn threshold(i: &Input) -> f32 {
+    (alpha::mix(i.0[2] ^ i.0[1].wrapping_mul(0x9E37_79B9)) >> 8) as f32 / 16_777_216.0
+}

@@ -1,0 +1,134 @@
+//! Glossy surfaces compared with photon-core's.
+
+use std::sync::LazyLock;
+
+use photon_core::glam::Vec3;
+use photon_core::{AlbedoTable, Glossy, Material, Requirements, Settings, ggx, glossy, sampling};
+use photon_scene::{MaterialDesc, Scene, SceneBuilder};
+
+use super::compare::Bound;
+use super::draw::{Draw, input};
+use super::table::{Row, output};
+use super::{Input, Output, run_row, worst_of};
+use crate::scene::VulkanScene;
+use crate::{Vulkan, shaders};
+
+const NORMAL: Vec3 = Vec3::new(0.48, 0.6, -0.64);
+const GEOMETRIC: Vec3 = Vec3::new(0.6, 0.48, -0.64);
+
+/// A plate of a metal; roughness and share of metal are those of each input.
+static SCENE: LazyLock<Scene> = LazyLock::new(|| {
+    let mut scene = SceneBuilder::new();
+    let plate = scene.material(MaterialDesc::metal("plate", [0.9, 0.6, 0.3], 0.5));
+    scene.quad("plate", [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0]], plate);
+    scene.light("point", photon_scene::LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [1.0; 3] });
+    scene.build().unwrap()
+});
+
+/// The functions, their twins and their bounds.
+pub(super) fn rows() -> Vec<Row> {
+    let module = &shaders::PROBE_GLOSSY;
+    let row = |name, function, bound, draw, twin| Row { name, module, function, bound, draw, twin };
+    // Devices may round divisions and square roots by 2.5 steps. A half vector that is off by 5e-7 changes the narrowest
+    // distribution drawn here, of a width of .04, by the fourth power of 1 + 5e-7/.04.
+    vec![
+        row("ggx_sample", 0, Bound::Within(1e-5), local, |i| {
+            let [x, y, z] = ggx::sample(alpha(i), i.vector(0), i.float(8), i.float(9)).to_array();
+            output([x, y, z])
+        }),
+        row("ggx_pdf", 1, Bound::Relative(4e-6), local, |i| {
+            let (o, h) = (i.vector(0), i.vector(4));
+            output([ggx::distribution(alpha(i), h), ggx::visibility(alpha(i), o.z, h.z), ggx::pdf(alpha(i), o, h)])
+        }),
+        row("albedo_directional", 2, Bound::Within(1e-5), local, |i| albedos(i, i.float(8))),
+        row("glossy_new", 3, Bound::Within(3e-5), world, |i| parts(i, i.float(8))),
+        row("glossy_evaluate", 4, Bound::Relative(1e-4), world, |i| evaluated(i, i.vector(0), i.vector(4))),
+        row("glossy_sample", 5, Bound::Within(1e-3), world, |i| sampled(i, i.float(8))),
+    ]
+}
+
+fn alpha(i: &Input) -> f32 {
+    (i.float(3) * i.float(3)).max(ggx::MIN_ALPHA)
+}
+
+/// Directions above the plane z = 0, a roughness, a share of metal, and two uniform numbers.
+fn local(d: &mut Draw) -> Input {
+    drawn(d, Vec3::Z)
+}
+
+/// The same above the plane of the normal.
+fn world(d: &mut Draw) -> Input {
+    drawn(d, NORMAL)
+}
+
+fn drawn(d: &mut Draw, normal: Vec3) -> Input {
+    let mut above = || sampling::about(normal, d.pick(&[0.001, 0.1, 0.5, 0.9, 0.98]) * d.between(0.9, 1.0), d.unit());
+    let (a, b) = (above(), above());
+    let roughness = d.pick(&[0.2, 0.3, 0.5, 1.0, 0.77]);
+    let metallic = d.pick(&[0.0, 1.0, 0.3]);
+    input(a.extend(roughness).to_array(), b.extend(metallic).to_array(), [d.unit(), d.unit(), 0.0, 0.0])
+}
+
+fn material(i: &Input) -> Material {
+    Material { roughness: i.float(3), metallic: i.float(7), ..SCENE.view().materials[0] }
+}
+
+fn glossy(i: &Input) -> Glossy {
+    Glossy::new(&material(i), i.vector(0).dot(NORMAL))
+}
+
+fn albedos(i: &Input, cosine: f32) -> Output {
+    let table = AlbedoTable::get();
+    let (directional, mean) = (table.directional(cosine, i.float(3)), table.mean(i.float(3)));
+    output([directional.x, directional.y, mean.x, mean.y])
+}
+
+fn parts(i: &Input, cosine: f32) -> Output {
+    let glossy = glossy(i);
+    let [r, g, b] = glossy.diffuse().to_array();
+    let first = glossy.specular_probability();
+    let rest = glossy::rest_of(i.float(9), first);
+    output([r, g, b, first, glossy.multiple_probability(), glossy.coat().entering(cosine), rest])
+}
+
+fn evaluated(i: &Input, wo: Vec3, wi: Vec3) -> Output {
+    let found = glossy(i).evaluate(wo, wi, NORMAL);
+    let [r, g, b] = found.value.to_array();
+    let limited = glossy::limited(i.vector(4), GEOMETRIC, NORMAL);
+    output([r, g, b, found.pdf, limited, limited, limited, limited])
+}
+
+fn sampled(i: &Input, u: f32) -> Output {
+    let (wi, found) = glossy(i).sample(i.vector(0), NORMAL, u, i.float(9));
+    let ([x, y, z], [r, g, b]) = (wi.to_array(), found.weight(1.0).to_array());
+    output([x, y, z, 0.0, r, g, b])
+}
+
+#[test]
+fn glossy_surfaces_are_those_of_rust() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let view = SCENE.view();
+    let scene = VulkanScene::new(&mut on, &view, &Requirements::of(&view, &Settings::default())).unwrap();
+    let address = [scene.address() as u32, (scene.address() >> 32) as u32];
+    for mut row in rows() {
+        let (inputs, outputs) = run_row(&mut on, &row, &address);
+        let share = worst_of(&mut on, &row, &inputs, &outputs).unwrap();
+        eprintln!("{:<24} {share:>9.3e} of {}", row.name, row.bound);
+        // Exchanged numbers and directions: all are detected.
+        row.twin = match row.function {
+            0 => |i| {
+                let [x, y, z] = ggx::sample(alpha(i), i.vector(0), i.float(9), i.float(8)).to_array();
+                output([x, y, z])
+            },
+            1 => |i| {
+                let (o, h) = (i.vector(4), i.vector(0));
+                output([ggx::distribution(alpha(i), h), ggx::visibility(alpha(i), o.z, h.z), ggx::pdf(alpha(i), o, h)])
+            },
+            2 => |i| albedos(i, i.float(9)),
+            3 => |i| parts(i, i.float(9)),
+            4 => |i| evaluated(i, i.vector(4), i.vector(0)),
+            _ => |i| sampled(i, i.float(8) * 0.99),
+        };
+        assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
+    }
+}

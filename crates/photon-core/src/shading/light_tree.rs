@@ -1,0 +1,209 @@
+//! Selection of the light that a shadow ray samples, among many: a binary tree over the lights, whose nodes bound
+//! positions and directions of emission (Conty Estevez and Kulla 2018).
+//!
+//! A shadow ray descends from the root: at each node it takes one of the two children with a probability
+//! proportional to [`LightNode::importance`], an estimate of the irradiance from all lights below the child. A tenth of
+//! the shadow rays choose by power instead: the importance ignores occlusion and textures, and without them a light that
+//! it underestimates would give rare and very bright samples.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::scene::{SceneView, light_probability, pick_light};
+use crate::shading::light_sampler::DEFENSIVE_SHARE;
+use crate::shading::{octahedral, offset};
+
+mod bounds;
+mod build;
+#[cfg(test)]
+mod tests;
+
+/// Random words below this descend the tree, the others choose by power.
+pub const TREE_WORDS: u32 = ((1.0 - DEFENSIVE_SHARE) * WORDS) as u32;
+/// Bit of [`LightNode::next`] that marks a leaf.
+pub const LEAF: u32 = 1 << 31;
+/// Largest number of levels below the root; the bits of a trail.
+pub const MAX_DEPTH: u32 = 64;
+/// Steps from 0 to 1 of the cosines in [`LightNode::cone`].
+pub const COSINE_STEPS: f32 = 32_767.0;
+/// Smallest squared distance of a light: shadow rays start this far off their surface.
+pub const MIN_SQUARED: f32 = offset::STEP * offset::STEP;
+/// Multiplier and increment of the generator of a descent's further random words.
+pub const NEXT_WORD: [u32; 2] = [1_664_525, 1_013_904_223];
+
+const WORDS: f64 = 4_294_967_296.0;
+
+/// A node: bounds of the lights below it. The first child follows its node.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightNode {
+    /// Centre of the bounding box, normalised space.
+    pub center: [f32; 3],
+    /// Half the diagonal of that box; −1 for directional lights and the environment.
+    pub radius: f32,
+    /// Sum of the lights' peak radiant intensities, mean of RGB; of directional lights and of the environment, their
+    /// irradiance on a surface that faces them.
+    pub intensity: f32,
+    /// Axis of the cone that contains the normals of all lights, packed by [`octahedral::pack`]; of directional lights,
+    /// the axis towards them.
+    pub axis: u32,
+    /// Low half: cosine of the half angle of that cone. High half: cosine of the angle about the normals within which
+    /// the lights emit. Both in steps of 1/[`COSINE_STEPS`], signed, rounded down.
+    pub cone: u32,
+    /// Index of the second child; of a leaf, [`LEAF`] and the index of its light.
+    pub next: u32,
+}
+
+impl LightNode {
+    /// Estimated irradiance on a surface at `position` from all lights of the node: intensity times cosine at the
+    /// surface times cosine at the lights, each for the most favourable direction that the bounds allow, divided by
+    /// the squared distance of the centre, or of the squared half diagonal if that is larger.
+    #[inline]
+    #[must_use]
+    pub fn importance(&self, position: Vec3, normal: Vec3) -> f32 {
+        let axis = octahedral::unpack(self.axis);
+        let [spread, emission] = [self.cone, self.cone >> 16].map(|half| f32::from(half as u16 as i16) / COSINE_STEPS);
+        if self.radius < 0.0 {
+            return self.intensity * cosine_of_difference(normal.dot(axis), spread).max(0.0);
+        }
+        let gap = Vec3::from(self.center) - position;
+        let squared = gap.length_squared();
+        let reach = self.radius * self.radius;
+        if squared <= reach.max(MIN_SQUARED) {
+            return self.intensity / reach.max(MIN_SQUARED);
+        }
+        let direction = gap / squared.sqrt();
+        // Half angle under which the bounding sphere is seen.
+        let seen = (1.0 - reach / squared).max(0.0).sqrt();
+        let cosine = cosine_of_difference(normal.dot(direction), seen);
+        let off = cosine_of_difference(-axis.dot(direction), spread);
+        let emitted = cosine_of_difference(off, seen);
+        if !(cosine > 0.0 && emitted > 0.0 && emitted >= emission) {
+            return 0.0;
+        }
+        self.intensity * cosine * emitted / squared
+    }
+}
+
+/// cos max(α − β, 0), from the cosines of two angles between 0 and π.
+#[inline]
+fn cosine_of_difference(a: f32, b: f32) -> f32 {
+    if a >= b {
+        return 1.0;
+    }
+    a * b + (1.0 - a * a).max(0.0).sqrt() * (1.0 - b * b).max(0.0).sqrt()
+}
+
+/// The part of 2³² random words that takes the first of two children; neither gets none.
+#[inline]
+#[must_use]
+pub fn threshold(children: [&LightNode; 2], position: Vec3, normal: Vec3) -> u32 {
+    let [mut first, mut second] = children.map(|node| node.importance(position, normal));
+    let usable = |sum: f32| sum >= f32::MIN_POSITIVE && sum <= f32::MAX;
+    if !usable(first + second) {
+        [first, second] = children.map(|node| node.intensity);
+    }
+    if !usable(first + second) {
+        [first, second] = [1.0; 2];
+    }
+    (first / (first + second) * 4_294_967_296.0).clamp(1.0, 4_294_967_040.0) as u32
+}
+
+/// ⌊(high · 2³² + low) / divisor⌋, for high < divisor: extends a random word below `divisor` by a second one to a
+/// word of the whole range.
+#[inline]
+#[must_use]
+pub fn extend_word(high: u32, low: u32, divisor: u32) -> u32 {
+    ((u64::from(high) << 32 | u64::from(low)) / u64::from(divisor)) as u32
+}
+
+/// A light tree, built once per scene; the same on every backend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightTree {
+    nodes: Vec<LightNode>,
+    trails: Vec<u64>,
+}
+
+impl LightTree {
+    /// Builds the tree of the lights of a scene that [`SceneView::validate`] accepts. Deterministic; ties are broken by
+    /// index. The number of lights must be above 0 and below 2³⁰.
+    #[must_use]
+    pub fn new(scene: &SceneView<'_>) -> Self {
+        build::tree(scene)
+    }
+
+    /// The nodes, the root first.
+    #[must_use]
+    pub fn nodes(&self) -> &[LightNode] {
+        &self.nodes
+    }
+
+    /// For each light, the path to its leaf: from the lowest bit, 1 for each second child.
+    #[must_use]
+    pub fn trails(&self) -> &[u64] {
+        &self.trails
+    }
+
+    /// Picks a light by two random words, the second of which extends the first; returns its index and probability.
+    /// `light_cdf` is [`SceneView::light_cdf`].
+    #[must_use]
+    pub fn pick(&self, light_cdf: &[u32], position: Vec3, normal: Vec3, random: [u32; 2]) -> (usize, f64) {
+        let [mut word, low] = random;
+        if word >= TREE_WORDS {
+            let index = pick_light(light_cdf, extend_word(word - TREE_WORDS, low, TREE_WORDS.wrapping_neg()));
+            return (index, self.probability(light_cdf, position, normal, index));
+        }
+        word = extend_word(word, low, TREE_WORDS);
+        let mut low = low;
+        let (index, by_tree) = self.descend(position, normal, |threshold| {
+            low = low.wrapping_mul(NEXT_WORD[0]).wrapping_add(NEXT_WORD[1]);
+            let second = word >= threshold;
+            word = if second {
+                extend_word(word - threshold, low, threshold.wrapping_neg())
+            } else {
+                extend_word(word, low, threshold)
+            };
+            second
+        });
+        (index, mixed(by_tree, light_probability(light_cdf, index)))
+    }
+
+    /// The probability with which [`LightTree::pick`] returns light `index`: equal to the one that it returns.
+    #[must_use]
+    pub fn probability(&self, light_cdf: &[u32], position: Vec3, normal: Vec3, index: usize) -> f64 {
+        let mut trail = self.trails[index];
+        let (_, by_tree) = self.descend(position, normal, |_| {
+            let second = trail & 1 != 0;
+            trail >>= 1;
+            second
+        });
+        mixed(by_tree, light_probability(light_cdf, index))
+    }
+
+    /// Descends to a leaf; `second` decides for the second child, by the threshold. Returns the light and the product of
+    /// the probabilities.
+    #[inline]
+    fn descend(&self, position: Vec3, normal: Vec3, mut second: impl FnMut(u32) -> bool) -> (usize, f64) {
+        let mut at = 0;
+        let mut probability = 1.0;
+        loop {
+            let next = self.nodes[at].next;
+            if next & LEAF != 0 {
+                return ((next & !LEAF) as usize, probability);
+            }
+            let children = [at + 1, next as usize];
+            let threshold = threshold(children.map(|child| &self.nodes[child]), position, normal);
+            let second = second(threshold);
+            let words = if second { threshold.wrapping_neg() } else { threshold };
+            probability *= f64::from(words) / WORDS;
+            at = children[usize::from(second)];
+        }
+    }
+}
+
+/// Probability of a light from those by the tree and by power.
+#[inline]
+fn mixed(by_tree: f64, by_power: f64) -> f64 {
+    let share = f64::from(TREE_WORDS) / WORDS;
+    share * by_tree + (1.0 - share) * by_power
+}

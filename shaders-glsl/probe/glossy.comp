@@ -1,0 +1,49 @@
+// Evaluates the functions of ggx.glsl, albedo_table.glsl and glossy.glsl.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+
+#include "shading/constants.glsl"
+
+layout(local_size_x_id = 1) in;
+layout(constant_id = 0) const uint FEATURES = FEATURE_ALL;
+
+#include "probe/probe.glsl"
+#include "shading/glossy.glsl"
+
+// A direction and the roughness, another direction and the share of metal, two uniform numbers; address of the scene,
+// whose first material has the rest.
+Output probe(vec4 a, vec4 b, vec4 c, Input words) {
+    SceneRef scene = SceneRef(words.c.zw);
+    Material material = scene.materials[0].at;
+    material.roughness = a.w;
+    material.metallic = b.w;
+    float alpha = max(a.w * a.w, GGX_MIN_ALPHA);
+    vec3 normal = vec3(0.48, 0.6, -0.64);
+    switch (FUNCTION) {
+        case 0u: return floats(vec4(ggx_sample(alpha, a.xyz, c.x, c.y), 0.0), vec4(0.0));
+        case 1u:
+            return floats(
+                vec4(ggx_distribution(alpha, b.xyz), ggx_visibility(alpha, a.z, b.z), ggx_pdf(alpha, a.xyz, b.xyz),
+                    0.0),
+                vec4(0.0));
+        case 2u:
+            return floats(vec4(albedo_directional(scene, c.x, a.w), albedo_mean(scene, a.w)), vec4(0.0));
+    }
+    Glossy glossy = glossy_new(scene, material, dot3(a.xyz, normal));
+    if (FUNCTION == 3u) {
+        float entering = glossy_entering(scene, glossy.coat, c.x);
+        return floats(vec4(glossy.diffuse, glossy.specular_probability),
+            vec4(glossy.multiple_probability, entering, glossy_rest(c.y, glossy.specular_probability), 0.0));
+    }
+    if (FUNCTION == 4u) {
+        Reflected reflected = glossy_evaluate(scene, glossy, a.xyz, b.xyz, normal);
+        return floats(vec4(reflected.value, reflected.pdf), vec4(glossy_limited(b.xyz, vec3(0.6, 0.48, -0.64), normal)));
+    }
+    vec3 wi;
+    Reflected reflected = glossy_sample(scene, glossy, a.xyz, normal, c.x, c.y, wi);
+    return floats(vec4(wi, 0.0), vec4(glossy_weight(reflected, 1.0), 0.0));
+}

@@ -1,0 +1,59 @@
+// The GGX distribution of microfacet normals: twin of photon-core's ggx.rs. Directions are in a frame whose z axis is the
+// surface normal.
+#ifndef GGX_GLSL
+#define GGX_GLSL
+
+#include "shading/constants.glsl"
+#include "shading/math.glsl"
+
+float ggx_distribution(float alpha, vec3 h) {
+    precise float squared = alpha * alpha;
+    precise float root = h.x * h.x + h.y * h.y + squared * (h.z * h.z);
+    precise float density = squared / (3.14159265 * (root * root));
+    return density;
+}
+
+float ggx_spread(float alpha, float cosine) {
+    precise float squared = alpha * alpha;
+    precise float spread = squared + (1.0 - squared) * (cosine * cosine);
+    return sqrt(spread);
+}
+
+float ggx_visibility(float alpha, float cos_o, float cos_i) {
+    precise float visibility = 0.5 / (cos_o * ggx_spread(alpha, cos_i) + cos_i * ggx_spread(alpha, cos_o));
+    return visibility;
+}
+
+float ggx_bound(float alpha, vec3 o) {
+    precise float squared = alpha * alpha;
+    precise float sine = o.x * o.x + o.y * o.y;
+    precise float s = 1.0 + sqrt(sine);
+    precise float stretched = s * s;
+    precise float bound = (1.0 - squared) * stretched / (stretched + squared * (o.z * o.z));
+    return bound;
+}
+
+// The reflection of `o` at a visible normal.
+vec3 ggx_sample(float alpha, vec3 o, float u, float v) {
+    precise float x = alpha * o.x;
+    precise float y = alpha * o.y;
+    precise float square = x * x + y * y + o.z * o.z;
+    precise float inverse = 1.0 / sqrt(square);
+    precise float top = o.z * inverse;
+    precise float b = ggx_bound(alpha, o) * top;
+    precise float z = (1.0 - u) * (1.0 + b) - b;
+    precise float rest = 1.0 - z * z;
+    float sine = sqrt(max(rest, 0.0));
+    vec2 sin_cos = sin_cos_turns(v);
+    precise vec3 h = vec3(alpha * (sine * sin_cos.y + x * inverse), alpha * (sine * sin_cos.x + y * inverse), z + top);
+    h = normalize_or(h, vec3(0.0, 0.0, 1.0));
+    precise vec3 reflected = h * (2.0 * dot3(o, h)) - o;
+    return reflected;
+}
+
+float ggx_pdf(float alpha, vec3 o, vec3 h) {
+    precise float pdf = ggx_distribution(alpha, h) / (2.0 * (ggx_bound(alpha, o) * o.z + ggx_spread(alpha, o.z)));
+    return pdf;
+}
+
+#endif

@@ -1,0 +1,166 @@
+// Glossy surfaces: twin of photon-core's glossy.rs. Kernels call it if GLOSSY of shade.glsl is true;
+// scenes without glossy surfaces compile none of this.
+#ifndef GLOSSY_GLSL
+#define GLOSSY_GLSL
+
+#include "shading/albedo_table.glsl"
+#include "shading/constants.glsl"
+#include "shading/ggx.glsl"
+#include "shading/layout.glsl"
+#include "shading/sampling.glsl"
+#include "shading/shade.glsl"
+#include "shading/shading_normal.glsl"
+
+struct Glossy {
+    float alpha;
+    float roughness;
+    vec3 f0;
+    float f90;
+    vec3 multiple;
+    float multiple_probability;
+    vec3 diffuse;
+    float specular_probability;
+    uint coat;
+};
+
+// The reflection in one direction: BSDF times cosine, and density.
+struct Reflected {
+    vec3 value;
+    float pdf;
+};
+
+float glossy_greatest(vec3 v) { return max(max(v.x, v.y), v.z); }
+
+float glossy_reflected(vec2 albedo, float f0, float f90) {
+    precise float reflected = f0 * albedo.x + f90 * albedo.y;
+    return reflected;
+}
+
+uint glossy_coat(float roughness, float f0, float f90) {
+    precise vec3 scaled =
+        vec3(roughness, f0, f90) * vec3(GLOSSY_COAT_ROUGHNESS, GLOSSY_COAT_F0, GLOSSY_COAT_F90) + vec3(0.5);
+    return uint(scaled.x) | uint(scaled.y) << 10 | uint(scaled.z) << 22;
+}
+
+// The factor on light that arrives at the base under a coat, compared with a base without one.
+float glossy_entering(SceneRef scene, uint coat, float cosine) {
+    if (coat == 0u) return 1.0;
+    precise float roughness = float(coat & 1023u) / GLOSSY_COAT_ROUGHNESS;
+    precise float f0 = float(coat >> 10 & 4095u) / GLOSSY_COAT_F0;
+    precise float f90 = float(coat >> 22) / GLOSSY_COAT_F90;
+    precise float mean = 1.0 - glossy_reflected(albedo_mean(scene, roughness), f0, f90);
+    precise float through =
+        1.0 - glossy_reflected(albedo_directional(scene, clamp(cosine, 0.0, 1.0), roughness), f0, f90);
+    precise float share = through / mean;
+    return mean > GLOSSY_MIN_SHARE ? share : 0.0;
+}
+
+Glossy glossy_new(SceneRef scene, Material material, float cosine) {
+    float roughness = material.roughness, metallic = material.metallic, weight = material.specular;
+    vec3 color = material.albedo;
+    vec2 directional = albedo_directional(scene, min(cosine, 1.0), roughness);
+    vec2 mean = albedo_mean(scene, roughness);
+    precise float at_normal = (material.ior - 1.0) / (material.ior + 1.0);
+    precise float coat_f0 = at_normal * at_normal * weight;
+    precise float dielectric = 1.0 - metallic;
+    precise vec3 f0 = color * metallic + vec3(coat_f0 * dielectric);
+    precise float f90 = metallic + weight * dielectric;
+    precise float lost = 1.0 - (directional.x + directional.y);
+    precise float mean_total = mean.x + mean.y;
+    precise float mean_lost = 1.0 - mean_total;
+    precise vec3 average = color + (vec3(1.0) - color) * (1.0 / 21.0);
+    precise vec3 repeated = average * average * mean_total / (vec3(1.0) - average * mean_lost);
+    precise vec3 multiple = repeated * (metallic * max(lost, 0.0) / mean_lost);
+    if (!(mean_lost > GLOSSY_MIN_SHARE)) multiple = vec3(0.0);
+    precise vec3 multiple_albedo = multiple * mean_lost;
+    precise vec3 specular = f0 * directional.x + vec3(f90 * directional.y) + multiple_albedo;
+    precise float through = 1.0 - glossy_reflected(directional, coat_f0, weight);
+    precise vec3 diffuse = color * (dielectric * max(through, 0.0));
+    float most_specular = glossy_greatest(specular), most_diffuse = glossy_greatest(diffuse);
+    precise float total = most_specular + most_diffuse;
+    precise float multiple_share = glossy_greatest(multiple_albedo) / most_specular;
+    precise float specular_share = most_specular / total;
+    precise float alpha = roughness * roughness;
+    Glossy glossy;
+    glossy.alpha = max(alpha, GGX_MIN_ALPHA);
+    glossy.roughness = roughness;
+    glossy.f0 = f0;
+    glossy.f90 = f90;
+    glossy.multiple = multiple;
+    glossy.multiple_probability = most_specular > 0.0 ? multiple_share : 0.0;
+    glossy.diffuse = diffuse;
+    glossy.specular_probability = total > 0.0 ? specular_share : 0.0;
+    glossy.coat = glossy_coat(roughness, coat_f0, weight);
+    return glossy;
+}
+
+// A direction in the frame of a normal.
+vec3 glossy_local(vec3 w, vec3 tangent, vec3 bitangent, vec3 normal) {
+    return vec3(dot3(w, tangent), dot3(w, bitangent), dot3(w, normal));
+}
+
+Reflected glossy_evaluate(SceneRef scene, Glossy glossy, vec3 wo, vec3 wi, vec3 normal) {
+    vec3 tangent, bitangent;
+    sampling_basis(normal, tangent, bitangent);
+    vec3 o = glossy_local(wo, tangent, bitangent, normal);
+    vec3 i = glossy_local(wi, tangent, bitangent, normal);
+    precise vec3 both = o + i;
+    float size = sqrt(dot3(both, both));
+    if (!(o.z > 0.0 && i.z > 0.0 && size > 0.0)) return Reflected(vec3(0.0), 0.0);
+    precise vec3 h = both / size;
+    precise float across = clamp(1.0 - dot3(o, h), 0.0, 1.0);
+    precise float square = across * across;
+    precise float grazing = square * square * across;
+    precise vec3 fresnel = glossy.f0 * (1.0 - grazing) + vec3(glossy.f90 * grazing);
+    precise float single = ggx_distribution(glossy.alpha, h) * ggx_visibility(glossy.alpha, o.z, i.z) * i.z;
+    precise vec3 value = fresnel * single;
+    precise float pdf = ggx_pdf(glossy.alpha, o, h);
+    float p = glossy.multiple_probability;
+    if (p > 0.0) {
+        vec2 albedo = albedo_directional(scene, min(i.z, 1.0), glossy.roughness);
+        precise float cosine = i.z * 0.318309886;
+        precise float lost = 1.0 - (albedo.x + albedo.y);
+        value = value + glossy.multiple * (max(lost, 0.0) * cosine);
+        pdf = pdf * (1.0 - p) + cosine * p;
+    }
+    return Reflected(value, pdf);
+}
+
+// Samples a direction of the reflection.
+Reflected glossy_sample(SceneRef scene, Glossy glossy, vec3 wo, vec3 normal, float u, float v, out vec3 wi) {
+    float p = glossy.multiple_probability;
+    if (u < p) {
+        precise float rest = u / p;
+        wi = cosine_hemisphere(normal, rest, v);
+    } else {
+        vec3 tangent, bitangent;
+        sampling_basis(normal, tangent, bitangent);
+        precise float rest = (u - p) / (1.0 - p);
+        vec3 i = ggx_sample(
+            glossy.alpha, glossy_local(wo, tangent, bitangent, normal), min(rest, 1.0 - 1.1920929e-7), v);
+        precise vec3 direction = tangent * i.x + bitangent * i.y + normal * i.z;
+        wi = direction;
+    }
+    return glossy_evaluate(scene, glossy, wo, wi, normal);
+}
+
+vec3 glossy_weight(Reflected reflected, float factor) {
+    precise float scale = factor / reflected.pdf;
+    precise vec3 weight = reflected.value * scale;
+    return reflected.pdf > 0.0 && factor > 0.0 ? weight : vec3(0.0);
+}
+
+// The cosine that counts over that to the shading normal.
+float glossy_limited(vec3 direction, vec3 geometric, vec3 shading) {
+    float below = dot3(direction, geometric), above = dot3(direction, shading);
+    precise float ratio = SHADING_MAX_RATIO * below / above;
+    return below > 0.0 && above > 0.0 ? min(ratio, 1.0) : 0.0;
+}
+
+// The uniform number that is left of `choice` after it has decided between two lobes, the first with probability `first`.
+float glossy_rest(float choice, float first) {
+    precise float rest = choice < first ? choice / first : (choice - first) / (1.0 - first);
+    return min(rest, 1.0 - 1.1920929e-7);
+}
+
+#endif

@@ -1,0 +1,75 @@
+// Glossy surfaces on camera paths: included by eye.comp, whose Path and push constants it uses.
+#ifndef EYE_GLOSSY_GLSL
+#define EYE_GLOSSY_GLSL
+
+#include "shading/glossy.glsl"
+#include "shading/light_sample.glsl"
+#include "shading/light_sampler.glsl"
+
+// The weight of a sample of density `mine` where another technique has density `other`: the balance heuristic.
+float balance(float mine, float other) { return mine > 0.0 ? mine / (mine + other) : 1.0; }
+
+// The weight of light that a reflected path has found itself: from light `index` at distance `far`.
+float found_share(Path path, uint index, float far) {
+    if (index == NO_LIGHT) return 1.0;
+    vec3 position = path.reflected_position, normal = path.reflected_normal;
+    LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, position, normal);
+    float chosen = light_sampler_probability(push.scene, light_sampler, index);
+    float pdf = ENVIRONMENT && push.scene.lights[index].at.kind == LIGHT_ENVIRONMENT
+        ? environment_pdf(push.scene, path.ray.direction)
+        : light_sample_pdf(push.scene, index, off_surface(position, normal), path.ray.direction, far);
+    return balance(path.reflected_pdf, pdf * chosen);
+}
+
+// The light that a shadow ray from a glossy surface finds, as its reflection shows it: radiance.
+vec3 light_reflection(Path path, uint pixel, Surface at, vec3 normal, uint media, Glossy glossy) {
+    if (push.scene.light_count == 0u) return vec3(0.0);
+    uvec4 random = words(pixel, path.branch, BLOCK_LIGHTS + path.surfaces);
+    LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, at.start, at.normal);
+    float share;
+    uint index = light_sampler_pick(push.scene, light_sampler, random.xw, share);
+    LightSample found;
+    if (!light_sample(push.scene, index, off_surface(at.start, at.normal), random, found)) return vec3(0.0);
+    vec3 direction = found.ray.direction;
+    Reflected reflected = glossy_evaluate(push.scene, glossy, -path.ray.direction, direction, normal);
+    vec3 value = light_sample_times(found, glossy_limited(direction, at.normal, normal)) * reflected.value;
+    if (!(glossy_greatest(value) > 0.0) || occluded(push.scene, found.ray, random.w)) return vec3(0.0);
+    if ((FEATURES & FEATURE_ABSORPTION) != 0 && media != VACUUM) {
+        value *= transmittance(push.scene, media, found.ray.t_max);
+    }
+    return value * (balance(found.pdf * share, reflected.pdf) / share);
+}
+
+// Leaves a query for the base of a glossy surface, and continues the path by its reflection; or, where the path has split
+// as often as it may, one of the two. Returns whether the path continues.
+bool reflect_path(
+    inout Path path, uint pixel, Surface at, vec3 normal, uint media, Glossy glossy, vec3 seen, inout uint found
+) {
+    float first = glossy.specular_probability;
+    uvec4 random = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
+    bool splits = first > 0.0 && first < 1.0 && path.splits < MAX_SPLITS;
+    bool reflects = splits || unit_f32(random.x) < first;
+    if (splits || !reflects) {
+        vec3 throughput = glossy.diffuse * seen * (0.318309886 / (splits ? 1.0 : 1.0 - first));
+        leave_query(path, pixel, at, normal, media, throughput, glossy.coat, found);
+    }
+    path.surfaces++;
+    if (!reflects || path.surfaces >= push.max_bounces) return false;
+    vec3 onward;
+    Reflected reflected = glossy_sample(
+        push.scene, glossy, -path.ray.direction, normal, unit_f32(random.y), unit_f32(random.z), onward);
+    path.throughput *= glossy_weight(reflected, glossy_limited(onward, at.normal, normal) / (splits ? 1.0 : first));
+    if (path.throughput == vec3(0.0)) return false;
+    if (splits) {
+        path.branch |= 1u << path.splits;
+        path.splits++;
+    }
+    path.reflected_pdf = reflected.pdf;
+    path.reflected_position = at.start;
+    path.reflected_normal = at.normal;
+    path.media = media;
+    path.ray = surface_leave(at, onward);
+    return true;
+}
+
+#endif

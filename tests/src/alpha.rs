@@ -1,0 +1,388 @@
+//! Alpha coverage: sheets that are there with a probability, and masks.
+
+use std::f64::consts::PI;
+
+use photon_core::{Direct, Estimator, Features, Film, Filter, Indirect, Settings};
+use photon_scene::{
+    AlphaMode, CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, TextureDesc,
+    TextureRef, TexturesDesc, VertexAttributes,
+};
+
+use crate::harness::{TestBackend, film, look_at_point, per_pass, trace, watts};
+use crate::stats::{agrees, assert_agrees, moments, standard_error};
+
+/// An albedo that is not seen, of surfaces that must not be black: pictures of black surfaces alone are refused.
+const FAINT: f64 = 1e-9;
+
+fn direct_light(direct: Direct) -> Settings {
+    Settings {
+        direct,
+        indirect: Indirect::None,
+        photons: 20_000,
+        alpha: 1.0,
+        estimator: Estimator::Radius { radius: Some(0.05) },
+        ..Settings::default()
+    }
+}
+
+/// A square of half side 2 at height `y`, facing up; texture coordinates run from 0 to 4 across it.
+fn sheet(builder: &mut SceneBuilder, y: f64, material: MaterialDesc) {
+    let material = builder.material(material);
+    let positions = vec![[-2.0, y, -2.0], [2.0, y, -2.0], [2.0, y, 2.0], [-2.0, y, 2.0]];
+    let uvs = positions.iter().map(|p: &[f64; 3]| [p[0] + 2.0, p[2] + 2.0]).collect();
+    let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+    builder.mesh_with("sheet", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
+}
+
+/// A camera at height `y` that looks down at a square of half side `half` about the origin.
+fn look_down(builder: &mut SceneBuilder, y: f64, half_height: f64) {
+    let projection = Projection::Orthographic { half_height };
+    builder.camera("above", CameraDesc::new([0.0, y, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0], projection));
+}
+
+fn sun(builder: &mut SceneBuilder) {
+    builder.light("sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [PI; 3] });
+}
+
+fn black(alpha: f64) -> MaterialDesc {
+    MaterialDesc::lambert("sheet", [0.0; 3]).with_alpha(AlphaMode::Blend, alpha)
+}
+
+/// A chessboard of 8 squares per unit: half of it is there.
+fn chequered(builder: &mut SceneBuilder, material: MaterialDesc, mode: AlphaMode) -> MaterialDesc {
+    let texels: Vec<[u8; 4]> = (0..64).map(|i| [255, 255, 255, if (i / 8 + i) % 2 == 0 { 255 } else { 0 }]).collect();
+    let image = builder.texture(TextureDesc::srgb8("board", 8, 8, &texels).filtered(Filter::Nearest));
+    let textures = TexturesDesc { alpha: Some(TextureRef::new(image)), ..TexturesDesc::default() };
+    material.with_textures(textures).with_alpha(mode, 1.0)
+}
+
+fn mean_red(film: &Film) -> f64 {
+    let beauty = film.beauty();
+    beauty.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / beauty.len() as f64
+}
+
+/// The light that arrives below `sheets`, as a share of what there is without them: of a sun by shadow rays and by
+/// photons, seen from below them; and of a glowing floor that is seen through them.
+fn check_transmitted<T: TestBackend>(what: &str, truth: f64, passes: u32, sheets: impl Fn(&mut SceneBuilder)) {
+    let size = 8;
+    // Independent rays that arrive or not: √(p(1 − p)/N).
+    let count = f64::from(passes * size * size);
+    let error = (truth * (1.0 - truth) / count).sqrt().max(1.0 / count);
+    for direct in [Direct::Nee, Direct::Photons] {
+        let mut builder = SceneBuilder::new();
+        sheets(&mut builder);
+        sheet(&mut builder, 0.0, MaterialDesc::lambert("floor", [1.0; 3]));
+        sun(&mut builder);
+        look_down(&mut builder, 0.05, 0.5);
+        let scene = builder.build().unwrap();
+        assert!(Features::of(&scene.view()).contains(Features::ALPHA));
+        if direct == Direct::Nee {
+            let found = mean_red(&film::<T>(&scene, &direct_light(direct), passes, size));
+            assert_agrees(&format!("{what}, shadow rays"), found, truth, error, 1e-6);
+            assert!(!agrees(found, 0.95 * truth - 0.1 * (1.0 - truth), error, 1e-6), "{what}: the error is too large");
+        } else {
+            let settings = Settings { photons: 400 * passes, ..direct_light(direct) };
+            let values = per_pass::<T>(&scene, &settings, 16, 4);
+            assert_agrees(&format!("{what}, photons"), moments(&values).0, truth, standard_error(&values), 1e-6);
+        }
+    }
+    let mut builder = SceneBuilder::new();
+    sheets(&mut builder);
+    sheet(&mut builder, 0.0, MaterialDesc::emissive("floor", [FAINT; 3], [1.0; 3]));
+    look_down(&mut builder, 1.0, 0.5);
+    let found = mean_red(&film::<T>(&builder.build().unwrap(), &direct_light(Direct::Nee), passes, size));
+    assert_agrees(&format!("{what}, camera"), found, truth, error, 1e-6);
+}
+
+/// G12: n sheets of alpha a transmit (1 − a)ⁿ.
+pub fn g12_sheets_transmit<T: TestBackend>() {
+    for (alpha, count) in [(0.3, 5), (0.5, 1)] {
+        let truth = (1.0_f64 - alpha).powi(count);
+        check_transmitted::<T>(&format!("{count} of {alpha}"), truth, 32, |builder| {
+            (0..count).for_each(|i| sheet(builder, 0.1 + 0.1 * f64::from(i), black(alpha)));
+        });
+    }
+}
+
+/// G12: a chequered mask transmits one half, and a sheet whose probability is 0 or 1 in the same squares too. The mean is
+/// over whole squares, so that the noise is at most that of independent rays.
+pub fn g12_masks_transmit<T: TestBackend>() {
+    for mode in [AlphaMode::Mask { cutoff: 0.5 }, AlphaMode::Blend] {
+        check_transmitted::<T>(&format!("{mode:?}"), 0.5, 32, |builder| {
+            let material = chequered(builder, MaterialDesc::lambert("sheet", [0.0; 3]), mode);
+            sheet(builder, 0.1, material);
+        });
+    }
+    // Vertex colours count too: from 0 at the left edge to 1 at the right one.
+    check_transmitted::<T>("vertex colours", 0.5, 32, |builder| {
+        let material = builder.material(black(1.0));
+        let positions = vec![[-2.0, 0.1, -2.0], [2.0, 0.1, -2.0], [2.0, 0.1, 2.0], [-2.0, 0.1, 2.0]];
+        let colors = positions.iter().map(|p: &[f64; 3]| [1.0, 1.0, 1.0, 0.25 * p[0] + 0.5]).collect();
+        let attributes = VertexAttributes { colors, ..VertexAttributes::default() };
+        builder.mesh_with("sheet", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
+    });
+}
+
+/// V15: 1000 sheets at the same place, of the smallest and the largest alpha that a byte can have short of 0 and 1.
+pub fn v15_a_thousand_sheets<T: TestBackend>() {
+    let alpha = 1.0 / 255.0;
+    check_transmitted::<T>("1000 thin sheets", (1.0_f64 - alpha).powi(1000), 8, |builder| {
+        (0..1000).for_each(|_| sheet(builder, 0.1, black(alpha)));
+    });
+    let mut builder = SceneBuilder::new();
+    (0..1000).for_each(|_| sheet(&mut builder, 0.1, black(254.0 / 255.0)));
+    sheet(&mut builder, 0.0, MaterialDesc::lambert("floor", [1.0; 3]));
+    sun(&mut builder);
+    look_down(&mut builder, 0.05, 0.5);
+    let scene = builder.build().unwrap();
+    for direct in [Direct::Nee, Direct::Photons] {
+        let settings = Settings { photons: 1000, ..direct_light(direct) };
+        assert_eq!(mean_red(&film::<T>(&scene, &settings, 2, 8)), 0.0, "{direct:?}");
+    }
+    let (_, tally) = trace::<T>(2, &scene, &direct_light(Direct::Photons), &[1000]);
+    assert!(tally.balances() && tally.emitted == 1000, "{tally:?}");
+}
+
+/// A white sheet of alpha a above a black floor reflects a of the light, by shadow rays and by photons: those stored on
+/// it stand for all that arrive. The mirror and the pane likewise.
+pub fn a_sheet_reflects_its_share<T: TestBackend>() {
+    for (alpha, direct) in [(0.2, Direct::Nee), (0.2, Direct::Photons), (0.75, Direct::Photons)] {
+        let mut builder = SceneBuilder::new();
+        sheet(&mut builder, 0.5, MaterialDesc::lambert("sheet", [1.0; 3]).with_alpha(AlphaMode::Blend, alpha));
+        sheet(&mut builder, 0.0, MaterialDesc::lambert("floor", [0.0; 3]));
+        sun(&mut builder);
+        look_down(&mut builder, 1.0, 0.5);
+        let values = per_pass::<T>(&builder.build().unwrap(), &direct_light(direct), 32, 8);
+        assert_agrees(&format!("{direct:?} {alpha}"), moments(&values).0, alpha, standard_error(&values), 1e-6);
+    }
+    // A mirror that is there for 0.4 of the views shows a lamp above the camera; a black floor is behind it.
+    let mut builder = SceneBuilder::new();
+    sheet(&mut builder, 0.0, MaterialDesc::mirror("mirror", [1.0; 3]).with_alpha(AlphaMode::Blend, 0.4));
+    sheet(&mut builder, -0.5, MaterialDesc::lambert("floor", [FAINT; 3]));
+    sheet(&mut builder, 2.0, MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]).with_both_sides(true));
+    look_down(&mut builder, 1.0, 0.5);
+    let found = mean_red(&film::<T>(&builder.build().unwrap(), &direct_light(Direct::Nee), 64, 8));
+    assert_agrees("mirror", found, 0.4, (0.24_f64 / 4096.0).sqrt(), 1e-6);
+}
+
+/// A light of alpha a emits a of its power, to photons, shadow rays and cameras; one that is a mask emits where it is.
+pub fn a_light_emits_its_share<T: TestBackend>() {
+    let lamp = MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]);
+    let area_light = |masked: bool| {
+        let mut builder = SceneBuilder::new();
+        let material = if masked {
+            chequered(&mut builder, lamp.clone(), AlphaMode::Mask { cutoff: 0.5 })
+        } else {
+            lamp.clone().with_alpha(AlphaMode::Blend, 0.5)
+        };
+        let material = builder.material(material);
+        let positions = vec![[-0.5, 1.0, -0.5], [0.5, 1.0, -0.5], [0.5, 1.0, 0.5], [-0.5, 1.0, 0.5]];
+        let uvs = positions.iter().map(|p: &[f64; 3]| [p[0], p[2]]).collect();
+        let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+        builder.mesh_with("lamp", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
+        builder
+    };
+    for masked in [false, true] {
+        let mut builder = area_light(masked);
+        sheet(&mut builder, 0.0, MaterialDesc::lambert("floor", [0.5; 3]));
+        let mut seen_above = builder.clone();
+        look_at_point(&mut builder, [0.0; 3], [0.0, 1.0, 0.0], 0.5, 0.02);
+        let scene = builder.build().unwrap();
+        let (_, tally) = trace::<T>(2, &scene, &direct_light(Direct::Nee), &[20_000]);
+        // Paths carry all or nothing of π at worst: a standard deviation of π/2.
+        let power = watts(&scene, &tally, &tally.flux_emitted);
+        assert_agrees("power", power, PI / 2.0, PI / 2.0 / 20_000.0_f64.sqrt(), 1e-6);
+        // B4: on the axis of a square of side 1, at distance 1; half of its irradiance.
+        let (a, s) = (0.5, 1.25_f64.sqrt());
+        let truth = 0.5 / PI * 0.5 * 4.0 * (a / s) * f64::atan(a / s);
+        for direct in [Direct::Nee, Direct::Photons] {
+            let values = per_pass::<T>(&scene, &direct_light(direct), 32, 4);
+            let what = format!("{direct:?}, masked: {masked}");
+            // The chessboard differs from an even light by less than a hundredth there.
+            let bound = if masked { 1e-2 } else { 2e-3 } * truth;
+            assert_agrees(&what, moments(&values).0, truth, standard_error(&values), bound);
+        }
+        let projection = Projection::Orthographic { half_height: 0.5 };
+        let (position, direction, up) = ([0.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        seen_above.camera("below", CameraDesc::new(position, direction, up, projection));
+        let found = mean_red(&film::<T>(&seen_above.build().unwrap(), &direct_light(Direct::Nee), 64, 8));
+        assert_agrees("seen", found, 0.5, (0.25_f64 / 4096.0).sqrt(), 1e-6);
+    }
+}
+
+/// A camera sees the environment through the holes of a mask.
+pub fn holes_show_the_environment<T: TestBackend>() {
+    let mut builder = SceneBuilder::new();
+    let material = chequered(&mut builder, MaterialDesc::lambert("board", [FAINT; 3]), AlphaMode::Mask { cutoff: 0.5 });
+    sheet(&mut builder, 0.0, material);
+    builder.environment_from(&EnvironmentDesc::constant([2.0; 3])).unwrap();
+    look_down(&mut builder, 1.0, 0.5);
+    let found = mean_red(&film::<T>(&builder.build().unwrap(), &direct_light(Direct::Nee), 16, 16));
+    // Independent rays of 0 or 2: 2 √(¼/N).
+    assert_agrees("sky", found, 1.0, (1.0_f64 / 4096.0).sqrt(), 1e-6);
+}
+
+/// G5: in a closed room with e = 1 and ρ = ½, sheets that absorb nothing change nothing, whatever their alpha: radiosity
+/// is 2, with shadow rays, photons and final gathering.
+pub fn g5_furnace_with_sheets<T: TestBackend>() {
+    let mut builder = SceneBuilder::new();
+    let wall = builder.material(MaterialDesc::emissive("wall", [0.5; 3], [1.0 / PI; 3]));
+    let (positions, triangles) = photon_scene::shapes::flip(photon_scene::shapes::cuboid([-1.0; 3], [1.0; 3]));
+    builder.mesh("room", positions, triangles, wall);
+    let mode = AlphaMode::Blend;
+    let mut quad = |name: &str, y: f64, half: f64, material: MaterialDesc| {
+        let material = builder.material(material.with_alpha(mode, 0.4));
+        builder.quad(name, [[-half, y, half], [half, y, half], [half, y, -half], [-half, y, -half]], material);
+    };
+    quad("white", 0.0, 0.7, MaterialDesc::lambert("white", [1.0; 3]));
+    quad("mirror", 0.4, 0.6, MaterialDesc::mirror("mirror", [1.0; 3]));
+    quad("pane", -0.4, 0.6, MaterialDesc::thin("pane", 1.5));
+    look_at_point(&mut builder, [0.0; 3], [0.0, 1.0, 0.0], 0.8, 0.2);
+    let scene = builder.build().unwrap();
+    let settings = || Settings {
+        photons: 10_000,
+        max_bounces: 4096,
+        alpha: 1.0,
+        estimator: Estimator::Radius { radius: Some(0.15) },
+        ..Settings::default()
+    };
+    for (way, settings) in [
+        ("shadow rays", settings()),
+        ("photons", Settings { direct: Direct::Photons, ..settings() }),
+        ("gather", Settings { indirect: Indirect::Gather, gather_rays: 4, ..settings() }),
+    ] {
+        let values: Vec<f64> = per_pass::<T>(&scene, &settings, 16, 8).iter().map(|l| l * PI).collect();
+        // Gathered light comes from edges too, where estimates lose area (A8): of the walls' light, and of one part in
+        // five of it.
+        let bound = if way == "gather" { 0.08 } else { 0.0 };
+        assert_agrees(way, moments(&values).0, 2.0, standard_error(&values), bound);
+    }
+}
+
+/// What is there everywhere needs nothing: the features, and every bit of the picture, are those of the scene without
+/// alpha. A mask that is there nowhere, and one whose holes no ray meets, are the scene without it.
+pub fn opaque_scenes_are_unchanged<T: TestBackend>() {
+    let scene = |change: fn(MaterialDesc) -> MaterialDesc| -> Scene {
+        let mut builder = photon_scene::builtin("cornell").unwrap();
+        let texels = [[200, 100, 50, 255], [50, 100, 200, 7]];
+        let image = TextureRef::new(builder.texture(TextureDesc::srgb8("two", 2, 1, &texels)));
+        let leaf = builder.texture(TextureDesc::srgb8("leaf", 2, 1, &[[200, 100, 50, 70], [50, 100, 200, 7]]));
+        let mut material = MaterialDesc::lambert("sheet", [0.5; 3]);
+        material.textures.base_color = Some(image);
+        material.textures.alpha = Some(TextureRef::new(leaf));
+        let material = builder.material(change(material));
+        let positions = vec![[-1.0, 3.0, 1.0], [1.0, 3.0, 1.0], [1.0, 3.5, -1.0], [-1.0, 3.5, -1.0]];
+        let uvs = vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
+        let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
+        builder.mesh_with("sheet", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
+        builder.build().unwrap()
+    };
+    let settings = Settings { photons: 2000, direct: Direct::Photons, ..Settings::default() };
+    let picture = |scene: &Scene| film::<T>(scene, &settings, 1, 16).beauty();
+    let plain = scene(|mut material| {
+        material.textures.alpha = None;
+        material
+    });
+    let kinds: [fn(MaterialDesc) -> MaterialDesc; 3] = [
+        |material| material.with_alpha(AlphaMode::Opaque, 0.5),
+        |material| material.with_alpha(AlphaMode::Mask { cutoff: 7.0 / 255.0 - 1e-6 }, 1.0),
+        |mut material| {
+            material.textures.alpha = None;
+            material.with_alpha(AlphaMode::Blend, 1.0)
+        },
+    ];
+    for (number, kind) in kinds.into_iter().enumerate() {
+        let scene = scene(kind);
+        // The mask alone has alpha: no hole is met, but that shows at the hits.
+        assert_eq!(Features::of(&scene.view()).contains(Features::ALPHA), number == 1);
+        assert!(picture(&scene) == picture(&plain), "{number}");
+    }
+    // Nowhere: dropped, or met and passed.
+    let nowhere = scene(|material| material.with_alpha(AlphaMode::Mask { cutoff: 1.0 }, 0.5));
+    assert!(
+        !Features::of(&nowhere.view()).contains(Features::ALPHA)
+            && nowhere.view().triangles.len() == plain.view().triangles.len() - 2
+    );
+    let holes = scene(|material| material.with_alpha(AlphaMode::Mask { cutoff: 0.9 }, 1.0));
+    assert!(Features::of(&holes.view()).contains(Features::ALPHA));
+    assert!(picture(&holes) == picture(&nowhere) && picture(&holes) != picture(&plain));
+}
+
+/// For the comparison of backends: the glass balls of the Cornell box, with leaves, a veil, a see-through mirror, a pane
+/// with holes and a masked light.
+pub(crate) fn leaves() -> Scene {
+    let mut builder = photon_scene::builtin("cornell-glass").unwrap();
+    let mut texels = crate::harness::Uniform::new(12);
+    let texels: Vec<[u8; 4]> = (0..256).map(|_| [(); 4].map(|()| (texels.draw() * 256.0) as u8)).collect();
+    let image = TextureRef::new(builder.texture(TextureDesc::srgb8("leaves", 16, 16, &texels)));
+    let textures = TexturesDesc { base_color: Some(image), alpha: Some(image), ..TexturesDesc::default() };
+    let mask = AlphaMode::Mask { cutoff: 0.5 };
+    let materials = [
+        MaterialDesc::lambert("leaves", [0.9; 3]).with_textures(textures).with_alpha(mask, 1.0),
+        MaterialDesc::lambert("veil", [0.9, 0.5, 0.5]).with_textures(textures).with_alpha(AlphaMode::Blend, 0.8),
+        MaterialDesc::mirror("mirror", [0.9; 3]).with_alpha(AlphaMode::Blend, 0.3),
+        MaterialDesc::thin("pane", 1.5).with_textures(textures).with_alpha(mask, 1.0),
+        MaterialDesc::emissive("lamp", [0.2; 3], [5.0; 3]).with_textures(textures).with_alpha(mask, 1.0),
+    ];
+    for (number, material) in materials.into_iter().enumerate() {
+        let (name, material) = (material.name.clone(), builder.material(material));
+        let (x, y) = (-2.0 + number as f64, 2.2 + 0.4 * number as f64);
+        let positions = vec![[x - 0.7, y, 0.7], [x + 0.7, y, 0.7], [x + 0.7, y + 0.5, -0.7], [x - 0.7, y + 0.5, -0.7]];
+        let uvs = vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
+        let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
+        builder.mesh_with(name, positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
+    }
+    builder.build().unwrap()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use photon_core::{Hit, Ray, RayCaster};
+    use photon_scene::Accel;
+
+    /// A caller's own caster, which only finds the nearest hit.
+    struct Foreign(Accel);
+
+    impl RayCaster for Foreign {
+        fn nearest(&self, ray: &Ray) -> Option<Hit> {
+            self.0.nearest(ray)
+        }
+    }
+
+    struct OnForeign;
+
+    impl TestBackend for OnForeign {
+        type On = backend_cpu::Cpu;
+
+        fn make(threads: usize) -> backend_cpu::Cpu {
+            backend_cpu::Cpu::with_threads(threads)
+                .unwrap()
+                .with_caster(|view| Ok(Box::new(Foreign(Accel::build(view.positions, view.triangles).unwrap()))))
+        }
+    }
+
+    /// G12 with a caller's own caster.
+    #[test]
+    fn own_casters_need_nothing_more() {
+        g12_sheets_transmit::<OnForeign>();
+        g12_masks_transmit::<OnForeign>();
+    }
+
+    /// Beyond the limit of skipped surfaces photons end, and are counted; shadow rays count as occluded.
+    #[test]
+    fn the_limit_of_own_casters_is_counted() {
+        let mut builder = SceneBuilder::new();
+        // Each pair is hit once or twice: 100 are beyond the limit of 64 either way.
+        (0..100).for_each(|i| sheet(&mut builder, 0.1 + 1e-3 * f64::from(i), black(1e-6)));
+        sheet(&mut builder, 0.0, MaterialDesc::lambert("floor", [1.0; 3]));
+        sun(&mut builder);
+        look_down(&mut builder, 0.05, 0.5);
+        let scene = builder.build().unwrap();
+        let (_, tally) = trace::<OnForeign>(2, &scene, &direct_light(Direct::Photons), &[1000]);
+        assert!(tally.balances() && tally.truncated > 500, "{tally:?}");
+        assert_eq!(mean_red(&film::<OnForeign>(&scene, &direct_light(Direct::Nee), 1, 4)), 0.0);
+        let (_, tally) = trace::<crate::backends::OnCpu>(2, &scene, &direct_light(Direct::Photons), &[1000]);
+        assert!(tally.balances() && tally.truncated == 0, "{tally:?}");
+    }
+}

@@ -31,7 +31,9 @@ impl TexturesExtras {
             let transform = used?.transform;
             (transform != TextureRef::IDENTITY).then(|| transform.map(|row| row.map(Exact)))
         };
-        let (base_color, emission, normal) = (of(textures.base_color), of(textures.emission), of(textures.normal));
+        // In glTF, alpha is that of the base colour's texture.
+        let base_color = of(textures.base_color.or(textures.alpha));
+        let (emission, normal) = (of(textures.emission), of(textures.normal));
         let metallic_roughness = of(textures.metallic_roughness);
         let normal_scale = Exact(textures.normal_scale);
         let is_plain = [&base_color, &emission, &normal, &metallic_roughness].iter().all(|used| used.is_none());

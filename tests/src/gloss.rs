@@ -130,7 +130,7 @@ fn towards(cosine: f64, azimuth: f64) -> DVec3 {
 /// shadow rays and with the light on the base by photons. The tables allow 2.5e-3.
 pub fn g4_white_furnace<T: TestBackend>() {
     let materials =
-        [(0.02, 1.0, 0.9), (0.5, 1.0, 0.3), (1.0, 1.0, 0.8), (0.3, 0.0, 0.2), (1.0, 0.0, 0.95), (0.6, 0.5, 0.3)];
+        [(0.035, 1.0, 0.9), (0.5, 1.0, 0.3), (1.0, 1.0, 0.8), (0.3, 0.0, 0.2), (1.0, 0.0, 0.95), (0.6, 0.5, 0.3)];
     for (roughness, metallic, cosine) in materials {
         let surface = Surface::Glossy { base_color: [1.0; 3], metallic, roughness, specular: 1.0, ior: 1.5 };
         let mut builder = plate(MaterialDesc::new("white", surface), towards(cosine, 0.4));

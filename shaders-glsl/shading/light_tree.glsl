@@ -22,22 +22,28 @@ float cosine_of_difference(float a, float b) {
 
 // Estimated irradiance from all lights of a node.
 float light_node_importance(LightNode node, vec3 position, vec3 normal) {
-    vec3 axis = octahedral_unpack(node.axis);
     float spread = float(bitfieldExtract(int(node.cone), 0, 16)) / LIGHT_TREE_COSINE_STEPS;
     float emission = float(bitfieldExtract(int(node.cone), 16, 16)) / LIGHT_TREE_COSINE_STEPS;
-    if (node.radius < 0.0) return node.intensity * max(cosine_of_difference(dot3(normal, axis), spread), 0.0);
+    if (node.radius < 0.0) {
+        return node.intensity * max(cosine_of_difference(dot3(normal, octahedral_unpack(node.axis)), spread), 0.0);
+    }
     precise vec3 gap = node.center - position;
     float square = dot3(gap, gap);
     precise float reach = node.radius * node.radius;
-    if (square <= max(reach, LIGHT_TREE_MIN_SQUARED)) return node.intensity / max(reach, LIGHT_TREE_MIN_SQUARED);
+    float divisor = max(max(square, reach * LIGHT_TREE_MIN_DISTANCE_SHARE), LIGHT_TREE_MIN_SQUARED);
+    if (square <= max(reach, LIGHT_TREE_MIN_SQUARED)) return node.intensity / divisor;
     precise vec3 direction = gap / sqrt(square);
     // Half angle under which the bounding sphere is seen.
     precise float seen = sqrt(max(1.0 - reach / square, 0.0));
     float cosine = cosine_of_difference(dot3(normal, direction), seen);
-    float off = cosine_of_difference(-dot3(axis, direction), spread);
-    float emitted = cosine_of_difference(off, seen);
+    // Normals in all directions, as of point lights, need no axis.
+    float emitted = 1.0;
+    if (spread > -1.0) {
+        float off = cosine_of_difference(-dot3(octahedral_unpack(node.axis), direction), spread);
+        emitted = cosine_of_difference(off, seen);
+    }
     if (!(cosine > 0.0 && emitted > 0.0 && emitted >= emission)) return 0.0;
-    precise float importance = node.intensity * cosine * emitted / square;
+    precise float importance = node.intensity * cosine * emitted / divisor;
     return importance;
 }
 

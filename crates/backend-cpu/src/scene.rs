@@ -66,7 +66,7 @@ impl CpuScene {
                     .map_err(|source| Error::Backend { backend: "cpu: building the BVH", source: Box::new(source) })
             })?,
         };
-        let by_tree = present.contains(Features::LIGHT_TREE) && required.shadow_rays;
+        let by_tree = present.contains(Features::LIGHT_TREE) && required.samples_lights(present);
         let vertex = |index: u32| Vec3::from(view.positions[index as usize]);
         let vertices: Vec<[Vec3; 3]> = view.triangles.iter().map(|triangle| triangle.map(vertex)).collect();
         Ok(Self {

@@ -104,7 +104,7 @@ impl VulkanScene {
                 emission.slot = slots.get(light.primitive as usize).copied().unwrap_or(0);
             }
         }
-        let lit_by_tree = present.contains(Features::LIGHT_TREE) && required.shadow_rays;
+        let lit_by_tree = present.contains(Features::LIGHT_TREE) && required.samples_lights(present);
         let shading = shading::upload(&mut upload, view, &tree.order)?;
         let record = Record {
             nodes,
@@ -126,7 +126,8 @@ impl VulkanScene {
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
         let light_count = view.lights.len() as u32;
         let unlit = if lit_by_tree { Features::NONE } else { Features::LIGHT_TREE };
-        let absent = WITH_TABLES.without(present).union(unlit);
+        // A lens is the view's: camera kernels add it.
+        let absent = WITH_TABLES.without(present).union(unlit).union(Features::THIN_LENS);
         let (features, media) = (required.features.without(absent), required.media);
         Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
     }

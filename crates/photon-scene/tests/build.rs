@@ -1,7 +1,7 @@
 //! What the builder makes of valid scenes: normalisation, powers, names.
 
 use photon_core::{Camera, Light, Material, Units};
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface};
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, ThinLens};
 use std::f64::consts::PI;
 
 /// A floor, an area light above it, a glass tetrahedron, and one light of each other kind; lengths times
@@ -243,6 +243,13 @@ fn cameras_follow_the_picture() {
     assert!(near(eye.forward, [0.0, 0.0, -1.0]));
     assert!((glam::Vec3::from(eye.right).length() - 2.0).abs() < 1e-6, "{eye:?}");
     assert!((glam::Vec3::from(eye.up).length() - 1.0).abs() < 1e-6);
+    // In units of the scene, of which 4 are one in normalised space.
+    assert_eq!((eye.lens_radius, eye.focus_distance), (0.0, 0.0));
+    let lens = ThinLens { diameter: 1.0, focus_distance: 8.0 };
+    let with = scene.camera_with_lens(Some("eye"), lens, 200, 100).expect("a lens");
+    assert_eq!(with, Camera { lens_radius: 0.125, focus_distance: 2.0, ..eye });
+    let without = scene.camera_with_lens(Some("eye"), ThinLens { diameter: 0.0, ..lens }, 200, 100).expect("none");
+    assert_eq!(without, eye);
     let flat = scene.camera(Some("flat"), 50, 100).expect("by name");
     assert_eq!((flat.kind, flat.up), (Camera::ORTHOGRAPHIC, [0.0, 0.5, 0.0]));
     assert!(near(flat.right, [0.25, 0.0, 0.0]));

@@ -1,6 +1,6 @@
 //! Every error of the builder names the object at fault, its value and a hint.
 
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, SceneError, Surface};
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, SceneError, Surface, ThinLens};
 
 const FLOOR: [[f64; 3]; 4] = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]];
 
@@ -130,7 +130,22 @@ fn cameras() {
         let projection = Projection::Orthographic { half_height };
         names(&camera(look(origin, up, 1.0).with_projection(projection)), &["'eye'", "half the height"]);
     }
+    let lens = |diameter, focus_distance| ThinLens { diameter, focus_distance };
+    for diameter in [-1.0, f64::NAN, f64::INFINITY] {
+        let text = camera(look(origin, up, 1.0).with_lens(lens(diameter, 1.0)));
+        names(&text, &["'eye'", "diameter of its lens", &format!("{diameter:?}")]);
+    }
+    for focus in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let text = camera(look(origin, up, 1.0).with_lens(lens(0.1, focus)));
+        names(&text, &["'eye'", "distance of its focus", &format!("{focus:?}")]);
+    }
+    let flat = look(origin, up, 1.0).with_projection(Projection::Orthographic { half_height: 1.0 });
+    names(&camera(flat.with_lens(lens(0.1, 1.0))), &["'eye'", "lens", "orthographic"]);
     let scene = build(|builder| builder.camera("eye", look(origin, up, 1.0))).expect("a scene");
+    let with = |diameter, focus| scene.camera_with_lens(None, lens(diameter, focus), 1, 1);
+    names(&with(0.1, 0.0).expect_err("no focus").to_string(), &["'eye'", "distance of its focus"]);
+    names(&with(1e300, 1.0).expect_err("too large").to_string(), &["the lens of camera 'eye'", "1e300"]);
+    names(&with(0.1, 1e-300).expect_err("too near").to_string(), &["the lens of camera 'eye'", "1e-300"]);
     let of = |name, width, height| scene.camera(name, width, height).expect_err("a fault").to_string();
     names(&of(Some("ear"), 1, 1), &["'ear'", "cameras are: eye"]);
     names(&of(None, 0, 3), &["0x3", "at least 1"]);

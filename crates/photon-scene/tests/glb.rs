@@ -9,8 +9,8 @@ use replaced::replaced;
 use std::path::PathBuf;
 
 use photon_scene::{
-    CameraDesc, LightDesc, LoadReport, MaterialDesc, Projection, SceneBuilder, Surface, builtin, builtin_names, glb,
-    load_gltf,
+    CameraDesc, LightDesc, LoadReport, MaterialDesc, Projection, SceneBuilder, Surface, ThinLens, builtin,
+    builtin_names, glb, load_gltf,
 };
 
 /// Writes the bytes to a file, and loads it.
@@ -58,7 +58,9 @@ fn everything() -> SceneBuilder {
         },
     );
     scene.light("sun", LightDesc::Directional { direction: [third, -3.0, 0.1], irradiance: [1e-3, third, 2.0] });
-    scene.camera("first", CameraDesc::look_at([0.1, 3.0, 9.0], [1.0, third, 0.0], [0.1, 1.0, 0.0], 0.7));
+    let lens = ThinLens { diameter: 0.1 * third, focus_distance: 5.0 * third };
+    let first = CameraDesc::look_at([0.1, 3.0, 9.0], [1.0, third, 0.0], [0.1, 1.0, 0.0], 0.7);
+    scene.camera("first", first.with_lens(lens));
     let projection = Projection::Orthographic { half_height: 10.0 * third };
     let along = CameraDesc::new([0.0; 3], [0.0, 0.0, -4.0], [third, 2.0, 1.0], projection);
     scene.camera("second", along);

@@ -65,6 +65,7 @@ pub(super) fn groups() -> Vec<Group> {
                 ("LIGHT_TREE_WORDS", light_tree::TREE_WORDS.into()),
                 ("LIGHT_TREE_LEAF", light_tree::LEAF.into()),
                 ("LIGHT_TREE_COSINE_STEPS", light_tree::COSINE_STEPS.into()),
+                ("LIGHT_TREE_MIN_DISTANCE_SHARE", light_tree::MIN_DISTANCE_SHARE.into()),
                 ("LIGHT_TREE_MIN_SQUARED", light_tree::MIN_SQUARED.into()),
                 ("LIGHT_TREE_MULTIPLIER", light_tree::NEXT_WORD[0].into()),
                 ("LIGHT_TREE_INCREMENT", light_tree::NEXT_WORD[1].into()),

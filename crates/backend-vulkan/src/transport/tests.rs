@@ -68,7 +68,7 @@ fn kernels_are_built_for_what_the_scene_requires() {
     let scene = builtin("cornell").unwrap().build().unwrap();
     let everything = Requirements::everything(&settings);
     // Tables that the scene lacks are not read, whatever is required.
-    let expected = everything.features.without(WITH_TABLES);
+    let expected = everything.features.without(WITH_TABLES).without(Features::THIN_LENS);
     for (kernel, features) in built_for(&scene, &settings, &everything) {
         assert_eq!(features, expected, "{kernel}");
     }

@@ -78,6 +78,13 @@ impl Requirements {
         }
     }
 
+    /// Whether lights are sampled: by shadow rays from queries, or from the glossy surfaces of a scene that has the
+    /// features `present`.
+    #[must_use]
+    pub fn samples_lights(&self, present: Features) -> bool {
+        self.shadow_rays || present.contains(Features::GLOSSY)
+    }
+
     /// Checks that stages built for `self` support the features `needed`.
     ///
     /// # Errors

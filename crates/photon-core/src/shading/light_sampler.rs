@@ -9,7 +9,8 @@ use crate::scene::light::Light;
 use crate::scene::{light_probability, pick_light};
 use crate::shading::{sampling, solid_angle};
 
-/// With at most this many lights, each query weights them individually; with more, they are chosen by power alone.
+/// With at most this many lights, each query weights them individually; with more, by a
+/// [light tree](super::light_tree).
 pub const MAX_LIGHTS: usize = 16;
 
 /// The share of the probability that is spread evenly over all lights whatever their weights: if an occluded light

@@ -62,6 +62,17 @@ name = "first"
 from = [1, 1, 8]
 to = [1, 1, 0]
 fov_degrees = 90
+aperture = 0.25
+focus = 6
+
+[[cameras]]
+name = "third"
+relative = true
+from = [0, 0, 2]
+to = [0, 0, 0]
+fov_degrees = 90
+aperture = 0.25
+focus = 1.5
 
 [[cameras]]
 name = "second"
@@ -106,7 +117,16 @@ fn overrides_are_laid_over() {
     assert!((bulb[2] - 2.0).abs() < 1e-6 && (bulb[0] - 1.0).abs() < 1e-6, "{bulb:?}");
     assert!((lights[4].versine_outer - 0.5).abs() < 1e-6 && lights[4].versine_inner == 0.0);
 
-    assert_eq!(scene.camera_names().collect::<Vec<_>>(), ["first", "second"]);
+    assert_eq!(scene.camera_names().collect::<Vec<_>>(), ["first", "third", "second"]);
+    let lens = |name| {
+        let camera = scene.camera(Some(name), 10, 10).expect("a camera");
+        [camera.lens_radius, camera.focus_distance].map(|length| scene.units().length_to_user(length))
+    };
+    assert_eq!(lens("second"), [0.0, 0.0]);
+    for (name, [radius, focus]) in [("first", [0.125, 6.0]), ("third", [0.25, 3.0])] {
+        let found = lens(name);
+        assert!((found[0] - radius).abs() < 1e-6 && (found[1] - focus).abs() < 1e-6, "{name}: {found:?}");
+    }
     let second = scene.camera(Some("second"), 10, 10).expect("a camera");
     let up = f64::from(glam::Vec3::from(second.up).length()) * scene.units().scale;
     assert!((up - 1.0).abs() < 1e-6, "half of an extent of 2: {up}");
@@ -167,6 +187,9 @@ fn override_faults() {
     names(&fault(camera), &["'eye'", "neither"]);
     names(&fault(&format!("{camera}fov_degrees = 40\nhalf_height = 1\n")), &["'eye'", "both"]);
     names(&fault(&format!("{camera}fov_degrees = 180\n")), &["'eye'", "field of view"]);
+    names(&fault(&format!("{camera}fov_degrees = 40\naperture = 1\n")), &["'eye'", "aperture, but not focus"]);
+    names(&fault(&format!("{camera}fov_degrees = 40\nfocus = 1\n")), &["'eye'", "focus, but not aperture"]);
+    names(&fault(&format!("{camera}fov_degrees = 40\naperture = -1\nfocus = 1\n")), &["'eye'", "diameter"]);
     names(&fault("not toml"), &["over.toml, line 1"]);
     assert!(parse("").and_then(|overrides| load(&obj, Some(&overrides))).is_ok());
 }

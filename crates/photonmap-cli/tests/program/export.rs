@@ -121,6 +121,14 @@ fn mitsubas_file_is_complete() {
     }
     let explained = String::from_utf8(run("explain", &["ring"]).stdout).unwrap();
     assert!(explained.contains(&format!("ring: {triangles} triangles")), "{triangles}: {explained}");
+    let lens = ["--aperture", "0.1", "--focus", "2", "-o", file.to_str().unwrap()];
+    succeeded(&run("export", &[&["ring"][..], &lens].concat()));
+    let text = std::fs::read_to_string(&file).unwrap();
+    for (name, expected) in [("aperture_radius", 0.05), ("focus_distance", 2.0)] {
+        let value = text.split(&format!("\"{name}\" value=\"")).nth(1).and_then(|rest| rest.split('"').next());
+        let value: f64 = value.unwrap().parse().unwrap();
+        assert!(text.contains("type=\"thinlens\"") && (value - expected).abs() < 1e-6, "{name}: {value}");
+    }
     assert!(stderr(&output).contains("spot"), "the falloff is approximated: {output:?}");
 }
 

@@ -190,7 +190,7 @@ fn what_shines_is_important() {
     assert!(lit > 3000, "{lit}");
 }
 
-/// Over a plane below 32² equal point lights, the variance is that by power alone divided by a factor of at least 3.
+/// Over a plane below 32² equal point lights, the variance is that by power alone divided by a factor of at least 10.
 #[test]
 fn variance_is_below_that_by_power() {
     let grid = (0..1024).map(|i| ([(i % 32) as f32 / 32.0 - 0.5, 0.02, (i / 32) as f32 / 32.0 - 0.5], 1.0 / 1024.0));
@@ -205,7 +205,7 @@ fn variance_is_below_that_by_power() {
         };
         let by_power = variance(&|i| light_probability(&lights.starts, i));
         let by_tree = variance(&|i| tree.probability(&lights.starts, at.0, at.1, i));
-        assert!(by_tree < by_power / 3.0, "{by_tree} against {by_power}");
+        assert!(by_tree < by_power / 10.0, "{by_tree} against {by_power}");
     }
 }
 

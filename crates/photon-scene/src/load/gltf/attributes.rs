@@ -97,7 +97,7 @@ pub(super) fn transform(attributes: &mut VertexAttributes, transform: &DMat4) {
     attributes.tangents.iter_mut().for_each(|tangent| *tangent = directions.tangent(*tangent));
 }
 
-/// How a transform acts on normals and tangents; their lengths are of no matter.
+/// How a transform acts on normals and tangents; their lengths do not matter.
 pub(super) struct Directions {
     matrix: DMat3,
     cofactors: DMat3,

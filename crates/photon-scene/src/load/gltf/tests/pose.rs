@@ -56,7 +56,7 @@ fn skinned(numbers: [u8; 4], weights: [f32; 4]) -> File {
         .with("skins", r#"[{"name": "s", "joints": [1, 2], "inverseBindMatrices": 4}]"#)
         .with(
             "nodes",
-            // The transform of the node of a skinned mesh is of no effect.
+            // The transform of the node of a skinned mesh has no effect.
             format!(
                 r#"[{{"mesh": 0, "skin": 0, "scale": [0, 0, 0]}}, {{"children": [2]}},
                     {{"translation": [1, 0, 0], "rotation": [0, 0, {half}, {half}]}}]"#

@@ -206,7 +206,9 @@ pub fn transparent_background<T: TestBackend>() {
     let picture = |transparent_background: bool| {
         let settings = Settings { transparent_background, ..settings(Direct::Nee) };
         let mut renderer = Pipeline::new(T::make(2), &scene.view(), view, settings).unwrap();
-        (0..4).for_each(|pass| drop(renderer.pass(pass, &mut ()).unwrap()));
+        for pass in 0..4 {
+            renderer.pass(pass, &mut ()).unwrap();
+        }
         renderer.film().unwrap()
     };
     let (opaque, transparent) = (picture(false), picture(true));

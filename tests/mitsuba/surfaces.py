@@ -126,6 +126,22 @@ def blocks(picture):
     return picture.reshape(SIZE // BLOCK, BLOCK, SIZE // BLOCK, BLOCK, 3).mean(axis=(1, 3))
 
 
+def compare(ours, theirs, folder):
+    """Fails if the pictures differ."""
+    means = [np.array([picture.mean(axis=(0, 1)) for picture in pictures]) for pictures in (ours, theirs)]
+    ratio = means[0].mean(axis=0) / means[1].mean(axis=0)
+    print("mean, ours / theirs:", ratio.round(4))
+    cells = [np.array([blocks(picture) for picture in pictures]) for pictures in (ours, theirs)]
+    middle = [cell.mean(axis=0) for cell in cells]
+    error = np.sqrt(sum(cell.var(axis=0, ddof=1) / len(cell) for cell in cells)) / middle[1]
+    off = middle[0] / middle[1] - 1
+    worst = np.unravel_index(np.abs(off).argmax(), off.shape)
+    print(f"blocks of {BLOCK} pixels: worst {off[worst]:+.4f} ± {error[worst]:.4f}, rms {np.sqrt((off**2).mean()):.4f}")
+    if np.abs(ratio - 1).max() > 0.01 or (np.abs(off) > 0.03 + 4.5 * error).any():
+        np.save(folder / "off.npy", off)
+        sys.exit("the pictures differ")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=pathlib.Path, help="the photonmap program")
@@ -154,18 +170,7 @@ def main():
         subprocess.run([*map(str, command), *args.arguments], check=True, stderr=subprocess.DEVNULL)
         layers = dict(mi.Bitmap(str(picture)).split())
         ours.append(np.array(layers["<root>"], dtype=np.float64)[..., :3])
-    means = [np.array([picture.mean(axis=(0, 1)) for picture in pictures]) for pictures in (ours, theirs)]
-    ratio = means[0].mean(axis=0) / means[1].mean(axis=0)
-    print("mean, ours / theirs:", ratio.round(4))
-    cells = [np.array([blocks(picture) for picture in pictures]) for pictures in (ours, theirs)]
-    middle = [cell.mean(axis=0) for cell in cells]
-    error = np.sqrt(sum(cell.var(axis=0, ddof=1) / len(cell) for cell in cells)) / middle[1]
-    off = middle[0] / middle[1] - 1
-    worst = np.unravel_index(np.abs(off).argmax(), off.shape)
-    print(f"blocks of {BLOCK} pixels: worst {off[worst]:+.4f} ± {error[worst]:.4f}, rms {np.sqrt((off**2).mean()):.4f}")
-    if np.abs(ratio - 1).max() > 0.01 or (np.abs(off) > 0.03 + 4.5 * error).any():
-        np.save(folder / "off.npy", off)
-        sys.exit("the pictures differ")
+    compare(ours, theirs, folder)
 
 
 if __name__ == "__main__":

@@ -50,6 +50,20 @@ fn materials() {
     names(&material(glass([0.0, -1.0, 0.0], [1.0; 3])), &["'ink'", "absorption", "-1.0", "at least 0"]);
     names(&material(glass([f64::INFINITY; 3], [1.0; 3])), &["'ink'", "absorption", "inf"]);
     names(&material(glass([0.0; 3], [1.1; 3])), &["'ink'", "tint", "1.1"]);
+    let brass = |base_color, metallic, roughness, specular, ior| {
+        let surface = Surface::Glossy { base_color, metallic, roughness, specular, ior };
+        material(MaterialDesc::new("brass", surface))
+    };
+    names(&brass([0.5, 1.5, 0.5], 1.0, 0.5, 1.0, 1.5), &["'brass'", "base_color", "1.5"]);
+    for bad in [-0.1, 1.1, f64::NAN] {
+        let shown = format!("{bad:?}");
+        names(&brass([0.5; 3], bad, 0.5, 1.0, 1.5), &["'brass'", "metallic", &shown, "between 0 and 1"]);
+        names(&brass([0.5; 3], 1.0, bad, 1.0, 1.5), &["'brass'", "roughness", &shown, "between 0 and 1"]);
+        names(&brass([0.5; 3], 1.0, 0.5, bad, 1.5), &["'brass'", "specular", &shown, "between 0 and 1"]);
+    }
+    for ior in [-0.1, f64::NAN, f64::INFINITY, 1e300] {
+        names(&brass([0.5; 3], 1.0, 0.5, 1.0, ior), &["'brass'", "ior", &format!("{ior:?}"), "finite and at least 0"]);
+    }
     for emission in [-1.0, f64::NAN, f64::INFINITY] {
         let area_light = MaterialDesc::emissive("lamp", [0.0; 3], [emission; 3]);
         names(&material(area_light), &["'lamp'", "emission", "finite"]);

@@ -39,6 +39,22 @@ fn everything() -> SceneBuilder {
         MaterialDesc::new("clear", Surface::Dielectric { ior: 0.9, absorption: [0.0; 3], tint: [1.0; 3] }),
         MaterialDesc::new("pane", Surface::Thin { ior: 1.33, tint: [0.2, 0.4, third] }),
         both,
+        MaterialDesc::metal("brass", [0.9, third, 0.1], 0.3 * third),
+        MaterialDesc::plastic("plastic", [third, 0.9, 0.1], third),
+        MaterialDesc::new(
+            "varnish",
+            Surface::Glossy {
+                base_color: [third; 3],
+                metallic: 0.1 * third,
+                roughness: 0.7,
+                specular: third,
+                ior: 1.0 + third,
+            },
+        ),
+        MaterialDesc::new(
+            "reflects all",
+            Surface::Glossy { base_color: [third; 3], metallic: 0.0, roughness: 0.0, specular: 0.9, ior: 0.0 },
+        ),
     ];
     for (at, desc) in all.into_iter().enumerate() {
         let name = desc.name.clone();
@@ -80,6 +96,31 @@ fn every_built_in_scene_comes_back_number_by_number() {
     }
 }
 
+/// Surfaces without a glossy reflection are written as what they are, and give the same picture.
+#[test]
+fn the_simplest_surface_is_written() {
+    let glossy = |metallic: f64, specular: f64, ior: f64| {
+        MaterialDesc::new("it", Surface::Glossy { base_color: [0.3; 3], metallic, roughness: 0.0, specular, ior })
+    };
+    for (desc, simplest) in [
+        (glossy(0.0, 0.0, 1.5), MaterialDesc::lambert("it", [0.3; 3])),
+        (glossy(0.0, 1.0, 1.0), MaterialDesc::lambert("it", [0.3; 3])),
+        (glossy(1.0, 0.5, 1.5), MaterialDesc::mirror("it", [0.3; 3])),
+    ] {
+        let scene = |desc: &MaterialDesc| {
+            let mut scene = SceneBuilder::new();
+            let material = scene.material(desc.clone());
+            scene.quad("it", [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], material);
+            scene
+        };
+        let (again, report) = reload("simplest", &glb(&scene(&desc)).unwrap());
+        assert!(report.is_exact() && !report.to_string().contains("changed"), "{report}");
+        assert_eq!(described(&again), described(&scene(&simplest)));
+        let materials = |scene: SceneBuilder| scene.build().unwrap().view().materials.to_vec();
+        assert_eq!(materials(scene(&desc)), materials(again));
+    }
+}
+
 /// A material that no triangle uses is exported, and does no harm.
 #[test]
 fn unused_glass_does_not_matter() {
@@ -104,7 +145,9 @@ fn the_comparison_sees_single_precision() {
     for (a, b) in [ours.0, ours.1].into_iter().flatten().zip([theirs.0, theirs.1].into_iter().flatten()) {
         assert!((a - b).abs() < 1e-6 && f64::from(b as f32) == b, "{a} {b}");
     }
-    assert!(described(&again).contains("Dielectric") && described(&again).contains("Thin"));
+    for kind in ["Dielectric", "Thin", "Glossy"] {
+        assert!(described(&again).contains(kind), "{kind}");
+    }
 }
 
 /// Changes by another program take precedence, even if it keeps the extras.
@@ -116,9 +159,12 @@ fn a_changed_file_is_followed() {
     scene.quad("wall", [[0.0, 0.0, 0.0], [at, 0.0, 0.0], [at, 1.0, 0.0], [0.0, 1.0, 0.0]], wall);
     scene.light("bulb", LightDesc::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
     scene.camera("camera", CameraDesc::look_at([0.0, 0.0, 3.0], [0.0; 3], [0.0, 1.0, 0.0], 0.5));
+    let brass = scene.material(MaterialDesc::metal("brass", [0.5; 3], at));
+    scene.quad("shelf", [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]], brass);
     let bytes = glb(&scene).unwrap();
     for (from, to, what) in [
         (&b"[0.25,0.5,0.75,1.0]"[..], &b"[0.75,0.5,0.25,1.0]"[..], "material 'wall'"),
+        (b"\"roughnessFactor\":0.33333334", b"\"roughnessFactor\":0.53333334", "material 'brass'"),
         (b"\"intensity\":4.0", b"\"intensity\":5.0", "bulb"),
         (b"\"yfov\":0.5", b"\"yfov\":0.7", "camera"),
         (b"\"translation\":[0.0,0.0,3.0]", b"\"translation\":[0.0,9.0,3.0]", "camera"),

@@ -40,6 +40,7 @@ fn everything() -> SceneBuilder {
     let bumps = scene.texture(TextureDesc::linear8("bumps", 2, 1, &[[128, 128, 255, 255], [180, 90, 230, 255]]));
     let glow =
         scene.texture(TextureDesc::float32("glow", 2, 1, &[[1e5, 0.25, 1e-20, 1.0], [0.0, third as f32, 7.0, 0.5]]));
+    let worn = scene.texture(TextureDesc::linear8("worn", 1, 2, &[[0, 200, 255, 255], [0, 33, 128, 255]]));
     let even = scene.texture(TextureDesc::srgb8("even", 1, 1, &[[188, 255, 255, 255]]));
 
     let mut wall = MaterialDesc::lambert("wall", [third, 0.5, 1.0]);
@@ -63,7 +64,17 @@ fn everything() -> SceneBuilder {
         colors: vec![[third, 1.0, 0.0, 0.5], [2.0, -1.0, 0.5, 1.0], [1.0; 4], [0.1; 4]],
         uvs: vec![uvs.clone(), uvs.iter().map(|[u, v]| [*v, 0.5 * u]).collect()],
     };
-    for (at, desc) in [wall, screen, mirror, pane].into_iter().enumerate() {
+    let mut brass = MaterialDesc::metal("brass", [0.9, third, 0.1], 0.7 * third);
+    brass.textures.metallic_roughness = Some(TextureRef { transform: turned, ..TextureRef::new(worn) });
+    let mut worn_paint = MaterialDesc::plastic("worn paint", [third, 0.9, 0.1], third);
+    worn_paint.textures.base_color = Some(TextureRef::new(tiles));
+    worn_paint.textures.metallic_roughness = Some(TextureRef::new(worn));
+    let mut even_paint = MaterialDesc::plastic("even paint", [third, 0.9, 0.1], third);
+    even_paint.textures.metallic_roughness =
+        Some(TextureRef::new(scene.texture(TextureDesc::linear8("even", 1, 1, &[[0, 100, 255, 255]]))));
+    let mut diffuse = MaterialDesc::lambert("diffuse", [third; 3]);
+    diffuse.textures.metallic_roughness = Some(TextureRef::new(worn));
+    for (at, desc) in [wall, screen, mirror, pane, brass, worn_paint, even_paint, diffuse].into_iter().enumerate() {
         let name = desc.name.clone();
         let material = scene.material(desc);
         let positions = SQUARE.map(|[x, y, _]| [x + 1.1 * at as f64, y, third * at as f64]).to_vec();
@@ -116,6 +127,9 @@ fn changed_attributes_and_textures_are_followed() {
     // Another rotation, and another scale of the normal map.
     let (_, report) = reload("turned", &replaced(&bytes, b"\"texCoord\":1", b"\"texCoord\":0"));
     assert!(!report.to_string().contains("was changed after"), "the set is not part of the extras: {report}");
+    let (_, report) =
+        reload("rough", &replaced(&bytes, b"\"roughnessFactor\":0.23333", b"\"roughnessFactor\":0.53333"));
+    assert!(report.to_string().contains("material 'brass'") && report.to_string().contains("was changed"), "{report}");
     let (changed, report) = reload("scaled", &replaced(&bytes, b"\"scale\":0.33333334", b"\"scale\":0.53333334"));
     assert!(report.to_string().contains("material 'wall'") && report.to_string().contains("was changed"), "{report}");
     assert_ne!(tables(&changed), tables(&everything()));
@@ -170,6 +184,10 @@ fn what_gltf_has_no_place_for_is_refused_by_name() {
     let (srgb, linear) = (TextureDesc::srgb8("x", 2, 1, &texels), TextureDesc::linear8("x", 2, 1, &texels));
     let base = |material: &mut MaterialDesc, used| material.textures.base_color = Some(used);
     let normal = |material: &mut MaterialDesc, used| material.textures.normal = Some(used);
+    let worn = |material: &mut MaterialDesc, used| {
+        *material = MaterialDesc::metal("wall", [0.5; 3], 1.0);
+        material.textures.metallic_roughness = Some(used);
+    };
     let sheared = |material: &mut MaterialDesc, used: TextureRef| {
         material.textures.base_color = Some(TextureRef { transform: [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0]], ..used });
     };
@@ -180,10 +198,13 @@ fn what_gltf_has_no_place_for_is_refused_by_name() {
     let unused = |material: &mut MaterialDesc, used: TextureRef| {
         (material.alpha_mode, material.alpha, material.textures.base_color) = (AlphaMode::Blend, 0.5, Some(used));
     };
-    assert!(with(srgb.clone(), base).is_ok() && with(linear.clone(), normal).is_ok());
+    assert!(
+        with(srgb.clone(), base).is_ok() && with(linear.clone(), normal).is_ok() && with(linear.clone(), worn).is_ok()
+    );
     for (result, words) in [
         (with(linear, base), ["texture 'x'", "linear bytes"]),
         (with(srgb.clone(), normal), ["texture 'x'", "sRGB"]),
+        (with(srgb.clone(), worn), ["texture 'x'", "a metallic-roughness texture in sRGB"]),
         (with(srgb, sheared), ["material 'wall'", "shear"]),
         (with(holes.clone(), alone), ["material 'wall'", "combine the images"]),
         (with(holes, unused), ["material 'wall'", "combine the images"]),

@@ -4,6 +4,7 @@
 //! W/(m²·sr), linear RGB. Surfaces scatter on both sides, as here. What Mitsuba handles differently is a warning, what
 //! it cannot express an error.
 
+mod metal;
 mod ply;
 mod unsupported;
 
@@ -31,7 +32,7 @@ pub struct Written {
 ///
 /// # Errors
 /// [`Fault::Input`] for what is not written: textures, vertex normals and colours, an environment that is not constant,
-/// a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
+/// glossy surfaces that are not all metal, a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> Result<Written, Fault> {
     let view = scene.view();
     unsupported::refuse(scene)?;
@@ -46,11 +47,12 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> R
     let _ = writeln!(text, "    <integrator type=\"{}\">", if absorbs { "volpath" } else { "path" });
     text += "        <integer name=\"max_depth\" value=\"-1\"/>\n    </integrator>\n";
     text += &sensor(scene, camera, size);
-    for (index, material) in view.materials.iter().enumerate() {
+    for (index, (material, material_name)) in view.materials.iter().zip(scene.material_names()).enumerate() {
         let name = format!("material-{index}.ply");
         if ply::write(scene, index as u32, &folder.join(&name))? > 0 {
             written.meshes += 1;
-            text += &shape(scene, index, material, &format!("{folder_name}/{name}"))?;
+            let file = format!("{folder_name}/{name}");
+            text += &shape(scene, (material_name, material), &file, &mut written.warnings)?;
         }
     }
     if let Some([r, g, b, _]) = view.environment.and_then(|map| map.texels().first()) {
@@ -133,7 +135,12 @@ fn sensor(scene: &Scene, camera: &Camera, (width, height): (u32, u32)) -> String
     text
 }
 
-fn shape(scene: &Scene, index: usize, material: &Material, file: &str) -> Result<String, Fault> {
+fn shape(
+    scene: &Scene,
+    (name, material): (&str, &Material),
+    file: &str,
+    warnings: &mut Vec<String>,
+) -> Result<String, Fault> {
     let colour = material.albedo;
     let ior = format!("<float name=\"int_ior\" value=\"{}\"/><float name=\"ext_ior\" value=\"1\"/>", material.ior);
     let two_sided = |inner: &str| format!("<bsdf type=\"twosided\">{inner}</bsdf>");
@@ -149,9 +156,16 @@ fn shape(scene: &Scene, index: usize, material: &Material, file: &str) -> Result
         MaterialKind::Thin => {
             format!("<bsdf type=\"thindielectric\">{ior}{}</bsdf>", rgb("specular_transmittance", colour))
         }
+        MaterialKind::Glossy if material.metallic == 1.0 => metal::rough_metal(name, material, warnings),
+        MaterialKind::Glossy => {
+            return Err(Fault::input(format!(
+                "material '{name}' has a glossy coat, which cannot be written for Mitsuba; make it all metal, or give \
+                 it specular = 0 in an override file"
+            )));
+        }
         other => {
             return Err(Fault::input(format!(
-                "material number {index} is of the kind {other:?}, which is not written for Mitsuba; give it another \
+                "material '{name}' is of the kind {other:?}, which cannot be written for Mitsuba; give it another \
                  surface"
             )));
         }
@@ -172,7 +186,7 @@ fn shape(scene: &Scene, index: usize, material: &Material, file: &str) -> Result
     if material.emission != [0.0; 3] {
         if material.flags & Material::EMITS_BOTH_SIDES != 0 {
             return Err(Fault::input(format!(
-                "material number {index} emits from both sides, which area lights of Mitsuba do not; give it two \
+                "material '{name}' emits from both sides, which area lights of Mitsuba do not; give it two \
                  meshes, one facing each way"
             )));
         }

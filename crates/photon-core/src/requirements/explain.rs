@@ -22,6 +22,10 @@ pub struct Need {
     pub why: String,
 }
 
+/// What glossy surfaces cost, and how to do without.
+const GLOSSY: &str = "camera paths follow their reflection, and sample a light at each; kind = \"lambert\", or specular = 0 \
+                      without metal, in an override file makes them diffuse";
+
 /// The needs of a scene: lobes and lights first, in the order of [`Features`], then maps, then stages.
 #[must_use]
 pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
@@ -44,6 +48,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 _ if feature == Features::LIGHT_TREE => counted(scene.lights.len(), "light"),
                 (0, 0) => "nothing in the scene has it".to_owned(),
                 (0, lights) => counted(lights, "light"),
+                (triangles, _) if feature == Features::GLOSSY => {
+                    format!("{}; {GLOSSY}", counted(triangles, "triangle"))
+                }
                 (triangles, _) => counted(triangles, "triangle"),
             };
             Need { what, needed: required.features.contains(feature), why }
@@ -138,7 +145,11 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
     say(
         "split camera paths",
         splits,
-        if splits { "glass reflects and transmits: up to four queries a pixel" } else { "no glass: one query a pixel" },
+        if splits {
+            "glass reflects and transmits, glossy surfaces reflect and scatter: up to four queries a pixel"
+        } else {
+            "no glass and no glossy surfaces: one query a pixel"
+        },
     );
     let choice = scene.lights.len() > 1;
     let single = scene.lights.first().is_some_and(|light| light.kind != Light::TRIANGLE);
@@ -170,10 +181,10 @@ fn map(kind: MapKind, settings: &Settings, required: &Requirements) -> (&'static
         MapKind::Caustic => (
             "map of caustic photons",
             match (required.maps[kind], required.features.intersects(Features::SPECULAR)) {
-                (true, _) => "mirrors or glass are in reach of a light",
+                (true, _) => "mirrors, glass or glossy surfaces are in reach of a light",
                 (false, _) if !settings.caustics && !gather => "caustics are left out",
                 (false, false) => "nothing reflects or refracts",
-                (false, true) => "all mirrors and glass lie behind all lights",
+                (false, true) => "all mirrors, glass and glossy surfaces lie behind all lights",
             },
         ),
         MapKind::Global => (
@@ -199,10 +210,13 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
         Err(why) => {
             let why = match why {
                 NoProjection::Shared => "the settings fill it with the paths that fill the other maps".to_owned(),
-                NoProjection::Unlit => "no light could shine on mirrors or glass".to_owned(),
+                NoProjection::Unlit => "no light could shine on mirrors, glass or glossy surfaces".to_owned(),
                 NoProjection::NotWorth => {
                     let most = 100.0 * ProjectionMap::WORTH;
-                    format!("more than {most} % of the light could meet mirrors or glass: aiming would gain little")
+                    format!(
+                        "more than {most} % of the light could meet mirrors, glass or glossy surfaces: aiming would gain \
+                         little"
+                    )
                 }
             };
             return (false, why);
@@ -211,7 +225,8 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
     let share = 100.0 * projection.share();
     let lights = counted(scene.lights.len(), "light");
     let why = format!(
-        "{paths} paths a pass sample the {share:.1} % of the light that could meet mirrors or glass, from {} of {lights}",
+        "{paths} paths a pass sample the {share:.1} % of the light that could meet mirrors, glass or glossy surfaces, from \
+         {} of {lights}",
         projection.targets().len(),
     );
     (true, why)

@@ -108,7 +108,7 @@ fn cosine_of_difference(a: f32, b: f32) -> f32 {
 #[must_use]
 pub fn threshold(children: [&LightNode; 2], position: Vec3, normal: Vec3) -> u32 {
     let [mut first, mut second] = children.map(|node| node.importance(position, normal));
-    let usable = |sum: f32| sum >= f32::MIN_POSITIVE && sum <= f32::MAX;
+    let usable = |sum: f32| (f32::MIN_POSITIVE..=f32::MAX).contains(&sum);
     if !usable(first + second) {
         [first, second] = children.map(|node| node.intensity);
     }

@@ -5,6 +5,7 @@
 mod cornell;
 mod furnace;
 mod glass;
+mod gloss;
 mod integrating_sphere;
 mod many_lights;
 mod plates;
@@ -21,12 +22,13 @@ use crate::builder::{MaterialId, SceneBuilder};
 use crate::shapes::Shape;
 
 /// Names, each with a one-line description.
-const NAMES: [(&str, &str); 10] = [
+const NAMES: [(&str, &str); 11] = [
     ("cornell", "the Cornell box: diffuse walls, two blocks, an area light in the ceiling"),
     ("cornell-glass", "the Cornell box with a mirror ball and a glass ball, with their caustics"),
     ("ring", "a golden ring on a table, with the cardioid caustic of its inner wall"),
     ("pool", "the floor of a swimming pool in the sun, under waves"),
     ("textures", "a room with tiles, a normal map, a textured light, and smooth balls of few triangles"),
+    ("gloss", "metal and plastic balls of several roughnesses, on glazed tiles"),
     ("many-lights", "a room under 256 coloured bulbs, with spotlights and glowing lanterns"),
     ("two-rooms", "a dark room, lit through a partly open door"),
     ("furnace", "inside a uniformly emitting sphere: radiosity 2 everywhere"),
@@ -55,6 +57,7 @@ pub fn builtin(name: &str) -> Option<SceneBuilder> {
         "ring" => ring::ring(),
         "pool" => pool::pool(),
         "textures" => textures::textures(),
+        "gloss" => gloss::gloss(),
         "many-lights" => many_lights::many_lights(),
         "two-rooms" => two_rooms::two_rooms(),
         "furnace" => furnace(0.5, FurnaceShape::Sphere),

@@ -47,7 +47,13 @@ fn panes(x: u32, y: u32) -> [u8; 4] {
 }
 
 /// A quad whose texture coordinates run `times` from its first corner to the second, and as often to the last.
-fn textured_quad(scene: &mut SceneBuilder, name: &str, corners: [[f64; 3]; 4], times: f64, material: MaterialDesc) {
+pub(super) fn textured_quad(
+    scene: &mut SceneBuilder,
+    name: &str,
+    corners: [[f64; 3]; 4],
+    times: f64,
+    material: MaterialDesc,
+) {
     let material = scene.material(material);
     let uvs = vec![vec![[0.0, times], [times, times], [times, 0.0], [0.0, 0.0]]];
     let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
@@ -55,7 +61,14 @@ fn textured_quad(scene: &mut SceneBuilder, name: &str, corners: [[f64; 3]; 4], t
 }
 
 /// A ball around `center` with the normals of a sphere.
-fn smooth(scene: &mut SceneBuilder, name: &str, ball: Shape, center: [f64; 3], colored: bool, material: MaterialDesc) {
+pub(super) fn smooth(
+    scene: &mut SceneBuilder,
+    name: &str,
+    ball: Shape,
+    center: [f64; 3],
+    colored: bool,
+    material: MaterialDesc,
+) {
     let (positions, triangles) = ball;
     let from = |p: &[f64; 3]| [p[0] - center[0], p[1] - center[1], p[2] - center[2]];
     let normals: Vec<[f64; 3]> = positions.iter().map(from).collect();

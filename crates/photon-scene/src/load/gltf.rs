@@ -4,15 +4,16 @@
 //! |---|---|
 //! | node | its matrix or translation, rotation and scale, in f64; a mirrored mesh keeps its front side |
 //! | primitive | one mesh for each node that refers to it; triangle lists, strips and fans |
+//! | base colour | base colour of a glossy surface, or tint of transmitted light |
+//! | metallic, roughness, `specular`, `ior` | glossy surface; a mirror if it is all metal and smooth, diffuse without specular reflection |
+//! | `pbrSpecularGlossiness` | glossy: a metal of its specular colour, or a coat over its diffuse colour |
 //! | skins, morph targets | in the default pose: joints as their nodes are, default weights of the targets |
-//! | base colour | albedo, reflectance of a mirror, or tint of transmitted light |
-//! | metal (≥ 0.5), roughness ≤ 0.1 | mirror |
 //! | `transmission` ≥ 0.5 | thin sheet; solid dielectric where `volume` gives a thickness |
 //! | `ior` | refractive index; default 1.5 |
 //! | `volume` | absorption `−ln(colour) / distance`, per length of the scene |
 //! | `emissiveFactor` × `emissive_strength` | radiance, W/(m²·sr); from both sides if `doubleSided` |
 //! | `lights_punctual` | candela are W/sr, lux are W/m²: no factor of 683 |
-//! | textures of base colour, emission and normals | with their UV sets, transforms, wrap modes and magnification filters |
+//! | textures of base colour, metal and roughness, emission and normals | with their UV sets, transforms, wrap modes and magnification filters |
 //! | other textures | their mean |
 //! | normals, tangents, colours, UV sets | those in use; normals by the inverse transpose of the node's matrix |
 //! | `alphaMode`, `alphaCutoff`, alpha of base colour, its texture and `COLOR_0` | alpha coverage; solids are opaque |
@@ -40,6 +41,7 @@ mod primitive;
 mod punctual;
 mod skin;
 mod slot;
+mod specular_glossiness;
 mod texture;
 mod uri;
 

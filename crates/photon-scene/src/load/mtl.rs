@@ -1,7 +1,9 @@
 //! MTL: the materials of OBJ files.
 
+mod glossy;
 mod images;
 mod map;
+mod metallic_roughness;
 mod translate;
 
 use self::images::Images;
@@ -44,6 +46,10 @@ struct Entry {
     dissolve: Option<f64>,
     /// Whether that is a `Tr` of 1, which some programs write for opaque materials.
     is_tr_one: bool,
+    /// `Pr`
+    roughness: Option<f64>,
+    /// `Pm`
+    metallic: Option<f64>,
     /// `illum`
     illumination: Option<u8>,
     /// `map_Kd`
@@ -52,6 +58,10 @@ struct Entry {
     emissive_map: Option<Map>,
     /// `norm`
     normal_map: Option<Map>,
+    /// `map_Pr`
+    roughness_map: Option<Map>,
+    /// `map_Pm`
+    metallic_map: Option<Map>,
     /// `map_d`
     dissolve_map: Option<Map>,
     /// The keyword and arguments of other texture statements.
@@ -140,6 +150,8 @@ impl Entry {
             }
             "Ns" => self.shininess = Some(number(rest)?),
             "Ni" => self.ior = Some(number(rest)?),
+            "Pr" => self.roughness = Some(number(rest)?),
+            "Pm" => self.metallic = Some(number(rest)?),
             // A halo varies the opacity with the angle; its number is the opacity at the rim.
             "d" => {
                 self.dissolve = Some(number(rest.trim_start_matches("-halo"))?);
@@ -160,6 +172,8 @@ impl Entry {
             "map_Kd" => self.diffuse_map = Some(Map::parse(rest)?),
             "map_Ke" => self.emissive_map = Some(Map::parse(rest)?),
             "norm" => self.normal_map = Some(Map::parse(rest)?),
+            "map_Pr" => self.roughness_map = Some(Map::parse(rest)?),
+            "map_Pm" => self.metallic_map = Some(Map::parse(rest)?),
             "map_d" => self.dissolve_map = Some(Map::parse(rest)?),
             "bump" | "disp" | "decal" | "refl" => self.textures.push(format!("{keyword} {rest}")),
             _ if keyword.starts_with("map_") => self.textures.push(format!("{keyword} {rest}")),

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Materials, lights, an environment, cameras and quadrilaterals that change or extend a scene, read from TOML.
 ///
-/// A given albedo or tint replaces the texture of the base colour too, a given emission that of the emission, a given
-/// alpha that of the alpha.
+/// A given albedo or tint replaces the texture of the base colour too, a given metallic or roughness that of both, a given
+/// emission that of the emission, a given alpha that of the alpha.
 ///
 /// The format is described in the project's `docs/scene-files.md`.
 #[derive(Clone, Debug)]
@@ -121,8 +121,10 @@ impl Overrides {
         let before = kind_of(&desc.surface);
         let kind = with.kind.unwrap_or(before);
         if kind != before {
-            // A texture keeps its factor, and a sheet or solid that had one too.
-            let color = desc.textures.base_color.map(|_| color_of(&desc.surface));
+            // A texture keeps its factor, and a sheet or solid that had one too; diffuse and glossy surfaces their colour.
+            let has_base = |kind: Kind| matches!(kind, Kind::Lambert | Kind::Glossy);
+            let keeps = desc.textures.base_color.is_some() || has_base(kind) && has_base(before);
+            let color = keeps.then(|| color_of(&desc.surface));
             desc.surface = match kind {
                 Kind::Lambert => Surface::Lambert { albedo: color.unwrap_or([0.5; 3]) },
                 Kind::Mirror => Surface::Mirror { reflectance: color.unwrap_or([1.0; 3]) },
@@ -155,7 +157,7 @@ impl Overrides {
         let (mut new_tint, mut new_absorption) = (with.tint, with.absorption);
         let mut new_priority = with.priority;
         let (mut new_metallic, mut new_roughness, mut new_specular) = (with.metallic, with.roughness, with.specular);
-        if with.metallic.is_some() || with.roughness.is_some() {
+        if with.metallic.is_some() || with.roughness.is_some() || kind != Kind::Glossy {
             desc.textures.metallic_roughness = None;
         }
         match &mut desc.surface {

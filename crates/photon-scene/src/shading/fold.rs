@@ -1,16 +1,15 @@
-//! Textures that a factor can replace: images of one colour, and those whose factor is 0.
+//! Materials in their simplest form: textures that a factor can replace, which are images of one colour and those whose
+//! factor is 0, and glossy surfaces that are diffuse or perfect mirrors.
 
-use photon_core::{TexelFormat, Texture};
+use photon_core::{TexelFormat, Texture, ggx};
 
 use super::texel::Decoder;
 use crate::describe::{MaterialDesc, Surface};
 use crate::texture::{TextureDesc, TextureRef};
 
-/// Multiplies the factors of each material by its textures of one colour, and removes those textures.
+/// Multiplies the factors of each material by its textures of one colour, and removes those textures; then replaces its
+/// surface by its [`simplest`] form.
 pub(crate) fn fold(materials: &mut [MaterialDesc], textures: &[TextureDesc]) {
-    if textures.is_empty() {
-        return;
-    }
     let colors: Vec<Option<[f64; 3]>> = textures.iter().map(|desc| uniform(&desc.image)).collect();
     let color_of = |used: TextureRef| colors[used.texture.0 as usize];
     for material in materials {
@@ -37,7 +36,27 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], textures: &[TextureDesc]) {
         if textures.normal.is_some_and(flat) {
             textures.normal = None;
         }
+        material.surface = simplest(material.surface.clone(), textures.metallic_roughness.is_some());
+        if !matches!(material.surface, Surface::Glossy { .. }) {
+            textures.metallic_roughness = None;
+        }
     }
+}
+
+/// The same surface without a glossy reflection where it has none: a base without a coat is diffuse, and a metal is a
+/// mirror if its distribution is narrower than what is rendered. A coat of refractive index 1 reflects nothing, since
+/// light passes a boundary between equal indices. `has_texture`: whether a texture multiplies roughness and metal.
+pub(crate) fn simplest(surface: Surface, has_texture: bool) -> Surface {
+    let Surface::Glossy { base_color, metallic, roughness, specular, ior } = surface else { return surface };
+    let specular = if ior == 1.0 { 0.0 } else { specular };
+    if specular == 0.0 && metallic == 0.0 {
+        return Surface::Lambert { albedo: base_color };
+    }
+    let is_smooth = roughness * roughness < f64::from(ggx::MIN_ALPHA);
+    if is_smooth && metallic >= 1.0 && !has_texture {
+        return Surface::Mirror { reflectance: base_color };
+    }
+    Surface::Glossy { base_color, metallic, roughness, specular, ior }
 }
 
 /// The same for a texture of roughness and metal; surfaces that have neither do not use it.

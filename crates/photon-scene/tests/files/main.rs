@@ -2,6 +2,7 @@
 
 mod environment;
 mod obj;
+mod obj_glossy;
 mod obj_textures;
 mod overrides;
 mod ply;

@@ -26,6 +26,9 @@ fn obj_and_mtl() {
     assert_eq!((gem.kind, gem.ior, gem.albedo), (MaterialKind::Dielectric as u32, 1.7, [0.9, 1.0, 0.8]));
     let pane = material(&scene, "pane");
     assert!(pane.kind == MaterialKind::Lambert as u32 && pane.has_alpha() && pane.alpha < 1.0);
+    let rough = material(&scene, "rough");
+    assert_eq!((rough.kind, rough.albedo), (MaterialKind::Glossy as u32, [0.3; 3]));
+    assert_eq!((rough.metallic, rough.roughness, rough.specular, rough.ior), (0.0, 0.4, 1.0, 1.5));
     assert_eq!(material(&scene, "nowhere").albedo, [0.5; 3]);
     assert_eq!(scene.view().lights.len(), 1);
     let radiance = material(&scene, "lamp").emission.map(|part| f64::from(part) * scene.units().radiance_to_user());
@@ -38,9 +41,7 @@ fn obj_and_mtl() {
         "approximated: material 'gem'",
         "note: material 'pane': is there for a share of 0.2 of the light (d)",
         "left out: material 'glow': its Ka of [20.0, 20.0, 20.0]",
-        "approximated: material 'rough': its glossy highlight",
         "left out: material 'rough': its texture map_Kd wood grain.png: the file does not exist",
-        "left out: material 'rough': its statements Pr 0.4",
         "note: material 'lamp': emits [5.0, 4.0, 3.0]",
         "material 'nowhere': is not defined",
         "1 statements 'l'",
@@ -93,6 +94,9 @@ fn obj_faults_name_their_line() {
         ("Kd 1 1", "one number, or three"),
         ("Ke", "one number, or three"),
         ("Ni", "a number"),
+        ("Pr x", "a number"),
+        ("Pm", "a number"),
+        ("map_Pr", "name of an image"),
         ("illum 2.5", "0 to 10"),
         ("newmtl", "a name"),
     ] {
@@ -104,6 +108,18 @@ fn obj_faults_name_their_line() {
     folder.file("bright.mtl", "newmtl bright\nKd 1.5 0 0\n");
     let bright = folder.file("bright.obj", format!("mtllib bright.mtl\nusemtl bright\n{start}f 1 2 3\n"));
     names(&message(load(&bright, None)), &["material 'bright'", "albedo", "1.5"]);
+    for (statement, parts) in [
+        ("Pr 1.5", ["roughness", "1.5"]),
+        ("Pm nan", ["metallic", "NaN"]),
+        ("Ks nan", ["specular", "NaN"]),
+        ("Kd 0 0 0\nKs nan", ["base_color", "NaN"]),
+    ] {
+        folder.file("bad.mtl", format!("newmtl bad\nKd 1 1 1\n{statement}\n"));
+        let path = folder.file("bad.obj", format!("mtllib bad.mtl\nusemtl bad\n{start}f 1 2 3\n"));
+        let text = message(load(&path, None));
+        names(&text, &["material 'bad'"]);
+        names(&text, &parts);
+    }
     let (scene, _) = load(&folder.file("empty.obj", ""), None).expect("nothing");
     assert!(scene.warnings()[0].contains("no triangles"));
 }

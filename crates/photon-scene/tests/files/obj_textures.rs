@@ -5,7 +5,7 @@ use photon_core::{Filter, Material, TexelFormat, Wrap, octahedral};
 use photon_scene::{LoadReport, Scene, load};
 
 /// A PNG of 8-bit RGB texels in one row.
-fn png(texels: &[[u8; 3]]) -> Vec<u8> {
+pub(crate) fn png(texels: &[[u8; 3]]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, texels.len() as u32, 1);
     encoder.set_color(png::ColorType::Rgb);
@@ -17,9 +17,10 @@ const TILES: [[u8; 3]; 2] = [[255, 0, 0], [0, 0, 255]];
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 0.75 5\n";
 
 /// A textured square: the material is `a`, with these statements.
-fn square(name: &str, statements: &str, face: &str) -> (Scene, LoadReport) {
+pub(crate) fn square(name: &str, statements: &str, face: &str) -> (Scene, LoadReport) {
     let folder = Folder::new(name);
     folder.file("wood grain.png", png(&TILES));
+    folder.file("worn.png", png(&[[0, 50, 100], [0, 150, 200]]));
     folder.file("a.mtl", format!("newmtl a\n{statements}\n"));
     let obj = folder.file("a.obj", format!("mtllib a.mtl\nusemtl a\n{SQUARE}f {face}\n"));
     let (scene, report) = load(&obj, None).unwrap_or_else(|error| panic!("{error}"));
@@ -27,7 +28,7 @@ fn square(name: &str, statements: &str, face: &str) -> (Scene, LoadReport) {
     (scene, report)
 }
 
-const FACE: &str = "1/1 2/2 3/3 4/4";
+pub(crate) const FACE: &str = "1/1 2/2 3/3 4/4";
 
 #[test]
 fn diffuse_textures_have_their_coordinates_turned_over() {

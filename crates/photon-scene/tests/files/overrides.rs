@@ -26,6 +26,19 @@ albedo = 0.4
 new = true
 albedo = [0.1, 0.2, 0.3]
 
+[materials.brass]
+new = true
+kind = "glossy"
+albedo = [0.8, 0.6, 0.3]
+metallic = 1
+roughness = 0.25
+
+[materials.varnish]
+new = true
+kind = "glossy"
+specular = 0.75
+ior = 1.25
+
 [[quads]]
 material = "floor"
 corner = [0, 0, 5]
@@ -102,6 +115,13 @@ fn overrides_are_laid_over() {
         (MaterialKind::Mirror as u32, [0.4; 3])
     );
     assert_eq!(material(&scene, "floor").albedo, [0.1, 0.2, 0.3]);
+    let glossy = |name: &str| {
+        let Material { kind, albedo, metallic, roughness, specular, ior, .. } = *material(&scene, name);
+        assert_eq!(kind, MaterialKind::Glossy as u32);
+        (albedo, [metallic, roughness, specular, ior])
+    };
+    assert_eq!(glossy("brass"), ([0.8, 0.6, 0.3], [1.0, 0.25, 1.0, 1.5]));
+    assert_eq!(glossy("varnish"), ([0.5; 3], [0.0, 0.5, 0.75, 1.25]));
     assert_eq!(material(&scene, "glow").flags, Material::EMITS_BOTH_SIDES);
 
     // The absolute quadrilateral is where it was put, facing up; the relative one, in terms of the bounding box of the
@@ -133,6 +153,37 @@ fn overrides_are_laid_over() {
 
     let text = report.to_string();
     assert!(!text.contains("'rough'") && text.contains("'pane'") && !text.contains("no camera"), "{text}");
+}
+
+/// A glossy surface of a file gets the diffuse one back, by its kind or without its coat.
+#[test]
+fn glossy_surfaces_become_diffuse() {
+    let folder = Folder::new("overrides-diffuse");
+    folder.file("a.bin", [0.0_f32, 0., 0., 1., 0., 0., 0., 1., 0.].map(f32::to_le_bytes).as_flattened());
+    let gltf = folder.file(
+        "a.gltf",
+        r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "buffers": [{"uri": "a.bin", "byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+            "materials": [{"name": "paint", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0.5, 0.25, 1, 1]}}]}"#,
+    );
+    let paint = |text: &str| {
+        let overrides = Overrides::parse(text, Path::new("over.toml")).expect("overrides");
+        *material(&load(&gltf, Some(&overrides)).expect("a scene").0, "paint")
+    };
+    let diffuse = Material { kind: MaterialKind::Lambert as u32, albedo: [0.5, 0.25, 1.0], ior: 1.0, ..paint("") };
+    let diffuse = Material { specular: 0.0, roughness: 0.0, ..diffuse };
+    assert_eq!(paint("").kind, MaterialKind::Glossy as u32);
+    assert_eq!(paint("[materials.paint]\nspecular = 0\n"), diffuse);
+    assert_eq!(paint("[materials.paint]\nior = 1\n"), diffuse);
+    assert_eq!(paint("[materials.paint]\nkind = \"lambert\"\n"), diffuse);
+    let other = paint("[materials.paint]\nkind = \"lambert\"\nalbedo = 0.25\n");
+    assert_eq!(other.albedo, [0.25; 3]);
+    let partly = paint("[materials.paint]\nspecular = 0\nmetallic = 0.5\n");
+    assert_eq!((partly.kind, partly.metallic), (MaterialKind::Glossy as u32, 0.5));
+    let mirror = paint("[materials.paint]\nmetallic = 1\nroughness = 0\n");
+    assert_eq!((mirror.kind, mirror.albedo), (MaterialKind::Mirror as u32, [0.5, 0.25, 1.0]));
 }
 
 /// `alpha` makes a surface see-through or opaque; another kind, and glass, are opaque.
@@ -173,6 +224,19 @@ fn override_faults() {
     names(&fault("[materials.wall]\nnew = true\n"), &["'wall'", "is new"]);
     names(&fault("[materials.wall]\nior = 1.5\n"), &["'wall'", "lambert", "no ior"]);
     names(&fault("[materials.pane]\nkind = \"thin\"\nabsorption = 1\n"), &["'pane'", "thin", "no absorption"]);
+    for key in ["metallic", "roughness", "specular"] {
+        names(&fault(&format!("[materials.wall]\n{key} = 0.5\n")), &["'wall'", "lambert", key, "glossy has albedo"]);
+        for value in ["-0.1", "1.1", "nan"] {
+            let text = format!("[materials.wall]\nkind = \"glossy\"\n{key} = {value}\n");
+            let shown = if value == "nan" { "NaN" } else { value };
+            names(&fault(&text), &["'wall'", key, shown, "between 0 and 1"]);
+        }
+    }
+    for ior in ["-0.5", "nan", "inf", "1e300"] {
+        names(&fault(&format!("[materials.wall]\nkind = \"glossy\"\nior = {ior}\n")), &["'wall'", "ior", "finite"]);
+    }
+    names(&fault("[materials.wall]\nkind = \"glossy\"\ntint = 1\n"), &["'wall'", "glossy", "no tint"]);
+    names(&fault("[materials.wall]\nkind = \"glossy\"\nmetallic = \"x\"\n"), &["line 3", "expected f64"]);
     names(&fault("[materials.wall]\nkind = \"glas\"\n"), &["line 2", "glas", "`glass`"]);
     names(&fault("[materials.wall]\nalbedo = [1, 2]\n"), &["line 2", "three numbers"]);
     names(&fault("[materials.wall]\nalbedo = 2\n"), &["'wall'", "albedo", "2.0"]);

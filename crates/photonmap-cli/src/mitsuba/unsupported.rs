@@ -23,7 +23,12 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
             );
         }
         let Some(textures) = textures(material.textures) else { continue };
-        let uses = [("base colour", textures.base_color), ("emission", textures.emission), ("normal", textures.normal)];
+        let uses = [
+            ("base colour", textures.base_color),
+            ("emission", textures.emission),
+            ("normal", textures.normal),
+            ("metallic-roughness", textures.metallic_roughness),
+        ];
         if let Some((slot, _)) = uses.into_iter().find(|(_, used)| *used != MaterialTextures::NONE) {
             return refused(
                 format!("the {slot} texture of material '{name}'"),

@@ -16,6 +16,7 @@ fn scenes_are_listed() {
             "ring",
             "pool",
             "textures",
+            "gloss",
             "many-lights",
             "two-rooms",
             "furnace",
@@ -54,6 +55,10 @@ fn explain_tells_what_is_left_out() {
         assert!(left_out.contains("mirror") && left_out.contains("map of caustic photons"), "{text}");
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
     }
+    // Glossy surfaces have a hint how to do without them.
+    let gloss = stdout(&run("explain", &["gloss"]));
+    let line = gloss.lines().find(|line| line.trim_start().starts_with("glossy ")).unwrap();
+    assert!(line.contains("11524 triangles") && line.contains("kind = \"lambert\""), "{gloss}");
     // Settings are taken into account.
     let gather = stdout(&run("explain", &["cornell", "--indirect", "gather", "--photons", "1234"]));
     assert!(gather.contains("1234 paths a pass") && gather != stdout(&run("explain", &["cornell"])), "{gather}");

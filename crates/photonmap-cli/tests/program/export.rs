@@ -24,6 +24,19 @@ tint = [0.5, 0.6, 0.7]
 new = true
 kind = "mirror"
 albedo = [0.9, 0.8, 0.7]
+[materials.brass]
+new = true
+kind = "glossy"
+albedo = [0.9, 0.7, 0.333333333333333]
+metallic = 1
+roughness = 0.333333333333333
+[materials.varnish]
+new = true
+kind = "glossy"
+albedo = [0.4, 0.2, 0.1]
+roughness = 0.123456789012345
+specular = 0.777777777777777
+ior = 1.456789012345678
 [materials.glow]
 new = true
 emission = 1.7
@@ -36,6 +49,14 @@ material = "pane"
 corner = [-0.7, 0.1, -0.7]
 edges = [[0.2, 0, 0], [0, 0.3, 0.1]]
 material = "mirror"
+[[quads]]
+corner = [-0.4, 0.1, 0.4]
+edges = [[0.3, 0, 0], [0, 0.2, 0.1]]
+material = "brass"
+[[quads]]
+corner = [0.1, 0.1, 0.4]
+edges = [[0.3, 0, 0], [0, 0.2, 0.1]]
+material = "varnish"
 [[quads]]
 corner = [0.4, 0.1, 0.1]
 edges = [[0.1, 0, 0], [0, 0.2, 0.1]]
@@ -86,7 +107,7 @@ fn a_reloaded_scene_gives_the_same_picture_bit_for_bit() {
     let overrides = folder.join("all.toml");
     std::fs::write(&overrides, OVERRIDES).unwrap();
     let everything = ["cornell", "--overrides", overrides.to_str().unwrap()];
-    let scenes: [&[&str]; 4] = [&["cornell-glass"], &["ring"], &["pool"], &everything];
+    let scenes: [&[&str]; 5] = [&["cornell-glass"], &["ring"], &["pool"], &["gloss"], &everything];
     let mut others = Vec::new();
     for (number, scene) in scenes.into_iter().enumerate() {
         let [own, again] = both(&folder, scene, &number.to_string());
@@ -132,6 +153,31 @@ fn mitsubas_file_is_complete() {
     assert!(stderr(&output).contains("spot"), "the falloff is approximated: {output:?}");
 }
 
+/// Rough metals have the width of their distribution, and a warning where multiple scattering matters.
+#[test]
+fn rough_metals_are_written_for_mitsuba() {
+    let folder = folder("export-metal");
+    let (file, overrides) = (folder.join("metal.xml"), folder.join("metal.toml"));
+    let export = |roughness: f64| {
+        let text = format!(
+            "[materials.white]\nkind = \"glossy\"\nalbedo = [0.5, 0.25, 1]\nmetallic = 1\nroughness = {roughness}\n"
+        );
+        std::fs::write(&overrides, text).unwrap();
+        let arguments = ["cornell", "--overrides", overrides.to_str().unwrap(), "-o", file.to_str().unwrap()];
+        let output = run("export", &arguments);
+        succeeded(&output);
+        (std::fs::read_to_string(&file).unwrap(), stderr(&output))
+    };
+    let (text, warnings) = export(0.5);
+    assert!(text.contains("type=\"roughconductor\"") && text.contains("value=\"ggx\""), "{text}");
+    assert!(text.contains("<float name=\"alpha\" value=\"0.25\"/>") && text.contains("<rgb name=\"eta\""), "{text}");
+    assert!(warnings.contains("material 'white' has no multiple scattering in Mitsuba"), "{warnings}");
+    assert!(warnings.contains("material 'white' reflects by the Fresnel equations"), "{warnings}");
+    let (text, warnings) = export(0.25);
+    assert!(text.contains("<float name=\"alpha\" value=\"0.0625\"/>"), "{text}");
+    assert!(!warnings.contains("multiple scattering"), "{warnings}");
+}
+
 #[test]
 fn what_cannot_be_exported_is_named() {
     let folder = folder("export-bad");
@@ -149,13 +195,16 @@ fn what_cannot_be_exported_is_named() {
     let normals = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0.1 0 1\nvn 0 0.1 1\nvn 0 0 1\nf 1//1 2//2 3//3\n";
     let normals = shaded("normals.obj", normals);
     let (glb, xml, nowhere) = (path("a.glb"), path("a.xml"), path("no/such/a.glb"));
-    let cases: [(&[&str], &str); 9] = [
+    let coat = shaded("coat.toml", "[materials.white]\nkind = \"glossy\"\nmetallic = 0.5\n");
+    let cases: [(&[&str], &str); 11] = [
         (&["no-such-scene", "-o", &glb], "no-such-scene"),
         (&["ring", "-o", "a.obj"], "a.obj"),
         (&["ring", "-o", &nowhere], "no/such"),
         (&["ring"], "--output"),
         (&["ring", "--size", "0x0", "-o", &xml], "0x0"),
         (&["cornell", "--overrides", &glow, "-o", &xml], "both sides"),
+        (&["cornell", "--overrides", &coat, "-o", &xml], "material 'white' has a glossy coat"),
+        (&["gloss", "-o", &xml], "the base colour texture of material 'tiles'"),
         (&[&colors, "-o", &xml], "vertex colours cannot be written for Mitsuba"),
         (&[&normals, "-o", &xml], "vertex normals cannot be written for Mitsuba"),
         (&["cornell", "--overrides", &far, "-o", &glb], "override light 0"),

@@ -146,7 +146,7 @@ fn positions_and_indices() {
         ),
         (|t| t.triangles[1][2] = 4, "triangle 1: [1, 3, 4] has an index that is not among the 4 vertices"),
         (|t| t.triangles[0][0] = u32::MAX, "triangle 0: "),
-        (|t| t.primitives[1].material = 4, "primitive 1: material 4 is out of range"),
+        (|t| t.primitives[1].material = 5, "primitive 1: material 5 is out of range"),
         (|t| t.primitives[0].material = u32::MAX, "primitive 0: material 4294967295"),
         (|t| t.primitives[1].normal = [0.0; 3], "primitive 1: its normal [0.0, 0.0, 0.0] is not a unit vector"),
         (|t| t.primitives[1].normal = [0.0, 0.0, 1.001], "primitive 1: its normal"),
@@ -157,7 +157,7 @@ fn positions_and_indices() {
 #[test]
 fn materials() {
     all_fail(&[
-        (|t| t.materials[1].kind = 4, "material 1: its kind 4 is unknown"),
+        (|t| t.materials[1].kind = 5, "material 1: its kind 5 is unknown"),
         (|t| t.materials[0].kind = u32::MAX, "material 0: its kind"),
         (|t| t.materials[3].albedo[1] = f32::NAN, "material 3: its albedo [0.5, NaN, 1.0]"),
         (|t| t.materials[3].albedo[1] = 1.000_001, "material 3: its albedo"),
@@ -183,6 +183,11 @@ fn materials() {
         (|t| t.materials[3].ior = f32::NAN, "material 3: its ior NaN"),
         (|t| t.materials[3].ior = -1.5, "material 3: its ior -1.5"),
         (|t| t.materials[2].ior = f32::INFINITY, "material 2: its ior inf"),
+        (|t| t.materials[4].metallic = 1.5, "material 4: its metallic 1.5 must lie between 0 and 1"),
+        (|t| t.materials[4].roughness = f32::NAN, "material 4: its roughness NaN"),
+        (|t| t.materials[4].specular = -0.5, "material 4: its specular -0.5"),
+        (|t| t.materials[4].ior = -0.5, "material 4: its ior -0.5 must be finite and at least 0"),
+        (|t| t.materials[4].ior = f32::INFINITY, "material 4: its ior inf"),
     ]);
 }
 

@@ -135,7 +135,7 @@ fn cone_union(a: (DVec3, f64), b: (DVec3, f64)) -> (DVec3, f64) {
     }
     let turn = spread - a.1;
     let axis = a.0 * (libm::sin(between - turn) / sine) + b.0 * (libm::sin(turn) / sine);
-    (axis.normalize(), spread)
+    (axis.normalize_or(a.0), spread)
 }
 
 #[cfg(test)]

@@ -107,7 +107,7 @@ fn triangles_that_are_not_kept_are_not_there() {
     for (positions, triangles) in [soup(1), soup(3), soup(5), soup(700), sphere(16)] {
         let accel = Accel::build(&positions, &triangles).unwrap();
         let brute = BruteForce::build(&positions, &triangles).unwrap();
-        let there = |index: u32| index % 3 != 0;
+        let there = |index: u32| !index.is_multiple_of(3);
         let kept: Vec<u32> = (0..triangles.len() as u32).filter(|&index| there(index)).collect();
         let fewer: Vec<[u32; 3]> = kept.iter().map(|&index| triangles[index as usize]).collect();
         let fewer = BruteForce::build(&positions, &fewer).unwrap();

@@ -5,11 +5,13 @@ use gltf::json::material::Material;
 
 use super::fault::{Fault, name_or_number};
 use super::parameters::{self, Parameters};
+use super::specular_glossiness;
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::extras::{self, Agrees, CHANGED, MaterialExtras};
 use crate::report::LoadReport;
+use crate::shading::simplest;
 
 /// Below this fraction a surface is not reported as a metal: means of textures are rarely exactly 0.
 const SOME_METAL: f64 = 0.01;
@@ -18,7 +20,7 @@ const SOME_METAL: f64 = 0.01;
 const DARKEST: f64 = 1e-6;
 
 /// Extensions of materials that are supported, or reported by separate code.
-const KNOWN: &[&str] = &["KHR_materials_specular", "KHR_materials_unlit", "KHR_materials_pbrSpecularGlossiness"];
+const KNOWN: &[&str] = &["KHR_materials_specular", "KHR_materials_unlit", specular_glossiness::NAME];
 
 /// Converts one material; what is lost is reported.
 pub(super) fn describe(
@@ -80,27 +82,40 @@ fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surfa
     glossy(of, subject, report)
 }
 
-/// The metallic-roughness model itself; a smooth metal is a mirror.
+/// The metallic-roughness model itself.
 fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
-    // The width of the distribution is the square of the roughness.
-    let is_smooth = of.roughness * of.roughness < f64::from(photon_core::ggx::MIN_ALPHA);
-    if is_smooth && of.metallic >= 1.0 && of.textures.metallic_roughness.is_none() {
-        return Surface::Mirror { reflectance: of.base };
+    let mut ior = of.ior;
+    if of.specular_color != [1.0; 3] && of.metallic < 1.0 && ior >= 0.0 {
+        let mean = of.specular_color.iter().sum::<f64>() / 3.0;
+        if of.specular_color.iter().any(|part| (part - mean).abs() > 1e-6) {
+            let text = format!("its specular colour {:?} is replaced by its mean {mean:.3}", of.specular_color);
+            report.approximated(subject, text);
+        }
+        ior = index_of((reflectance_of(ior) * mean).min(1.0));
     }
-    let specular = of.specular.iter().sum::<f64>() / 3.0;
-    if of.specular.iter().any(|part| (part - specular).abs() > 1e-6) && of.metallic < 1.0 {
-        let text = format!("its specular colour {:?} is replaced by its mean {specular:.3}", of.specular);
-        report.approximated(subject, text);
+    if of.specular > 1.0 {
+        report.approximated(subject, format!("its specular factor {:.3} is replaced by 1", of.specular));
     }
-    if specular > 1.0 {
-        report.approximated(subject, format!("its specular factor {specular:.3} is replaced by 1"));
-    }
-    // Light passes a boundary between equal indices, and nothing is reflected.
-    let specular = if of.ior == 1.0 { 0.0 } else { specular.clamp(0.0, 1.0) };
-    if specular == 0.0 && of.metallic == 0.0 {
-        return Surface::Lambert { albedo: of.base };
-    }
-    Surface::Glossy { base_color: of.base, metallic: of.metallic, roughness: of.roughness, specular, ior: of.ior }
+    let textured = of.textures.metallic_roughness.is_some();
+    let surface = Surface::Glossy {
+        base_color: of.base,
+        metallic: of.metallic,
+        roughness: of.roughness,
+        specular: of.specular.min(1.0),
+        ior,
+    };
+    simplest(surface, textured)
+}
+
+/// Reflectance at normal incidence of a boundary of refractive index n, `((n−1)/(n+1))²`; 1 for the index 0.
+fn reflectance_of(ior: f64) -> f64 {
+    ((ior - 1.0) / (ior + 1.0)).powi(2)
+}
+
+/// The inverse of [`reflectance_of`], for indices from 1; 0 for a reflectance of 1.
+pub(super) fn index_of(reflectance: f64) -> f64 {
+    let root = libm::sqrt(reflectance);
+    if root < 1.0 { (1.0 + root) / (1.0 - root) } else { 0.0 }
 }
 
 /// A transmissive material: a solid if it has a volume, otherwise a thin sheet.
@@ -123,7 +138,7 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
         let text = format!("transmits with roughness {:.2}; it is rendered as smooth", of.mean_roughness);
         report.approximated(subject, text);
     }
-    if of.specular != [1.0; 3] {
+    if of.specular != 1.0 || of.specular_color != [1.0; 3] {
         report.left_out(subject, "its specular factor; it reflects by its refractive index");
     }
     if !of.is_solid {

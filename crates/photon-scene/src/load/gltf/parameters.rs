@@ -9,6 +9,7 @@ use photon_core::TexelFormat;
 use super::fault::{AGAIN, Fault, label};
 use super::mean::Mean;
 use super::slot::Slot;
+use super::specular_glossiness::{self, Converted, SpecularGlossiness};
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
 use crate::describe::AlphaMode;
@@ -31,8 +32,10 @@ pub(super) struct Parameters {
     pub(super) transmission: f64,
     /// 0 means a surface that reflects all light (`KHR_materials_ior`).
     pub(super) ior: f64,
-    /// Scale and colour of the specular reflection of a non-metal.
-    pub(super) specular: [f64; 3],
+    /// Factor on the specular reflection of a non-metal.
+    pub(super) specular: f64,
+    /// Factor on its reflectance at normal incidence.
+    pub(super) specular_color: [f64; 3],
     /// Whether it bounds a volume rather than being a thin sheet.
     pub(super) is_solid: bool,
     /// Transmittance of `attenuation_distance`.
@@ -65,29 +68,20 @@ pub(super) fn read(
     let mut metallic = f64::from(pbr.metallic_factor.0);
     let mut roughness = f64::from(pbr.roughness_factor.0);
     let mut base_texture = pbr.base_color_texture.as_ref().map(Slot::of);
-    if let Some(old) = extensions.others.get("KHR_materials_pbrSpecularGlossiness") {
-        // Only the diffuse part of this deprecated extension has a counterpart.
-        factor = numbers(old, "diffuseFactor").unwrap_or([1.0; 4]);
-        base_texture = old.get("diffuseTexture").and_then(Slot::of_json);
+    let old = extensions.others.get(specular_glossiness::NAME).map(SpecularGlossiness::read);
+    if let Some(old) = &old {
+        (factor, base_texture) = (old.diffuse, old.diffuse_texture);
         (metallic, roughness) = (0.0, 1.0);
-        means.report.approximated(
-            subject,
-            "its specular-glossiness model is rendered as its diffuse colour; export it as \
-             metallic-roughness",
-        );
     }
-    let base = means.image(base_texture, "base colour", TexelFormat::Srgb8)?;
-    let texture = pbr.metallic_roughness_texture.as_ref().map(Slot::of);
-    let gloss = means.image(texture, "metal and roughness", TexelFormat::Linear8)?;
+    let base = means.image(base_texture, BASE)?;
+    let texture = pbr.metallic_roughness_texture.as_ref().map(Slot::of).filter(|_| old.is_none());
+    let gloss = means.image(texture, METALLIC_ROUGHNESS)?;
     let (mean_metallic, mean_roughness) =
         gloss.map_or((metallic, roughness), |gloss| (metallic * gloss.mean.plain[2], roughness * gloss.mean.plain[1]));
-    let metallic_roughness = match gloss {
-        Some(gloss) if gloss.mean.is_uniform => {
-            (metallic, roughness) = (mean_metallic, mean_roughness);
-            None
-        }
-        gloss => gloss.and_then(|gloss| gloss.used),
-    };
+    let metallic_roughness = gloss.and_then(|gloss| gloss.used);
+    if metallic_roughness.is_none() {
+        (metallic, roughness) = (mean_metallic, mean_roughness);
+    }
     let transmission = match &extensions.transmission {
         None => 0.0,
         Some(transmission) => {
@@ -101,14 +95,15 @@ pub(super) fn read(
     let emissive = material.emissive_factor.0.map(|factor| f64::from(factor) * strength);
     let is_dark = emissive == [0.0; 3];
     let texture = material.emissive_texture.as_ref().map(Slot::of).filter(|_| !is_dark);
-    let glow = means.image(texture, "emission", TexelFormat::Srgb8)?;
+    let glow = means.image(texture, EMISSION)?;
     let normal_map = material.normal_texture.as_ref();
-    let bumps = means.image(normal_map.map(Slot::of_normal), "normal map", TexelFormat::Linear8)?;
+    let bumps = means.image(normal_map.map(Slot::of_normal), NORMAL_MAP)?;
     let normal = bumps.and_then(|bumps| bumps.used);
     if normal.is_some() && normal_map.is_some_and(|info| Slot::of_normal(info).is_turned) {
         means.report.note(subject, "its normal map is turned; tangents of the file are taken to be turned with it");
     }
 
+    let base_mean = base.map(|base| base.mean);
     let alpha_mode = match material.alpha_mode {
         Checked::Valid(Mode::Opaque) => AlphaMode::Opaque,
         Checked::Valid(Mode::Blend) => AlphaMode::Blend,
@@ -119,12 +114,33 @@ pub(super) fn read(
     };
     let is_opaque = alpha_mode == AlphaMode::Opaque;
     let even = base.filter(|base| base.used.is_none()).map_or(1.0, |base| base.mean.alpha);
+    let mut color = [factor[0], factor[1], factor[2]];
+    let mut ior = extensions.ior.as_ref().map_or(1.5, |ior| f64::from(ior.ior.0));
+    let mut color_texture = base.and_then(|base| base.used);
+    if color_texture.is_none() {
+        color = times(color, base_mean.map(|mean| mean.color));
+    }
+    if let Some(old) = &old {
+        let shown = |mean: &Mean| format!("specular colour {:.3?}, glossiness {:.3}", mean.color, mean.alpha);
+        let mean = means.mean(old.texture, "specular colour and glossiness", shown)?;
+        let diffuse = times(color, base_mean.filter(|_| color_texture.is_some()).map(|mean| mean.color));
+        let (rough, converted) = old.convert(mean.as_ref(), diffuse, subject, means.report);
+        roughness = rough;
+        match converted {
+            Converted::Metal(reflectance) => (color, color_texture, metallic) = (reflectance, None, 1.0),
+            Converted::Coat(index) => ior = index,
+        }
+    }
     let volume = extensions.volume.as_ref();
     let specular = extensions.others.get("KHR_materials_specular");
+    let slot = |name: &str| specular.and_then(|specular| Slot::of_json(specular.get(name)?));
+    let mean = means.mean(slot("specularTexture"), "specular", |mean| format!("factor {:.3}", mean.alpha))?;
     let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
-    let color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
+    let scale = scale * mean.map_or(1.0, |mean| mean.alpha);
+    let mean = means.mean(slot("specularColorTexture"), "specular colour", |mean| format!("{:.3?}", mean.color))?;
+    let specular_color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
     Ok(Parameters {
-        base: times([factor[0], factor[1], factor[2]], base.and_then(|base| base.color())),
+        base: color,
         alpha: if is_opaque { 1.0 } else { factor[3] * even },
         alpha_mode,
         metallic,
@@ -132,15 +148,16 @@ pub(super) fn read(
         mean_metallic,
         mean_roughness,
         transmission,
-        ior: extensions.ior.as_ref().map_or(1.5, |ior| f64::from(ior.ior.0)),
-        specular: color.map(|color| color * scale),
+        ior,
+        specular: scale,
+        specular_color: times(specular_color, mean.map(|mean| mean.color)),
         is_solid: volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0),
         attenuation_color: volume.map_or([1.0; 3], |v| v.attenuation_color.0.map(f64::from)),
         attenuation_distance: volume.map_or(f64::INFINITY, |v| f64::from(v.attenuation_distance.0)),
         emission: times(emissive, glow.and_then(|glow| glow.color())),
         is_unlit: extensions.others.contains_key("KHR_materials_unlit"),
         textures: TexturesDesc {
-            base_color: base.and_then(|base| base.used),
+            base_color: color_texture,
             emission: glow.and_then(|glow| glow.used),
             normal,
             normal_scale: normal_map.map_or(1.0, |info| f64::from(info.scale)),
@@ -157,7 +174,7 @@ const MAX_UV_SETS: u32 = 64;
 #[derive(Clone, Copy, Debug)]
 struct Used {
     mean: Mean,
-    /// Its use in the scene; `None` if all texels are equal.
+    /// Its use in the scene; `None` if it is the same as a factor.
     used: Option<TextureRef>,
 }
 
@@ -167,6 +184,21 @@ impl Used {
         self.used.is_none().then_some(self.mean.color)
     }
 }
+
+/// What a texture of a material is for.
+#[derive(Clone, Copy, Debug)]
+struct Role {
+    name: &'static str,
+    /// Encoding of bytes.
+    bytes: TexelFormat,
+    /// Whether a texture of one colour is the same as a factor.
+    is_factor: bool,
+}
+
+const BASE: Role = Role { name: "base colour", bytes: TexelFormat::Srgb8, is_factor: true };
+const METALLIC_ROUGHNESS: Role = Role { name: "metal and roughness", bytes: TexelFormat::Linear8, is_factor: true };
+const EMISSION: Role = Role { name: "emission", bytes: TexelFormat::Srgb8, is_factor: true };
+const NORMAL_MAP: Role = Role { name: "normal map", bytes: TexelFormat::Linear8, is_factor: false };
 
 /// The textures of one material.
 struct Images<'a, 'b> {
@@ -179,28 +211,28 @@ struct Images<'a, 'b> {
 
 impl Images<'_, '_> {
     /// Adds a texture to the scene, if there is one and it can be read.
-    fn image(&mut self, slot: Option<Slot>, role: &str, bytes: TexelFormat) -> Result<Option<Used>, Fault> {
+    fn image(&mut self, slot: Option<Slot>, role: Role) -> Result<Option<Used>, Fault> {
         let Some(slot) = slot else { return Ok(None) };
         if slot.uv_set >= MAX_UV_SETS {
             let why = format!("its UV set is TEXCOORD_{}, and at most {MAX_UV_SETS} are read", slot.uv_set);
-            return Ok(self.lose(slot.texture, role, &why));
+            return Ok(self.lose(slot.texture, role.name, &why));
         }
         let mean = match self.textures.mean_and_image(slot.texture, self.part)? {
             Ok(mean) => mean,
-            Err(why) => return Ok(self.lose(slot.texture, role, &why)),
+            Err(why) => return Ok(self.lose(slot.texture, role.name, &why)),
         };
-        if mean.is_uniform && bytes == TexelFormat::Srgb8 {
+        if mean.is_uniform && role.is_factor {
             return Ok(Some(Used { mean, used: None }));
         }
-        match self.textures.add(slot.texture, bytes, self.part, self.builder)? {
+        match self.textures.add(slot.texture, role.bytes, self.part, self.builder)? {
             Ok(texture) => {
                 for loss in self.textures.losses(slot.texture) {
                     let name = self.textures.name(slot.texture);
-                    self.report.note(self.subject, format!("{name} ({role}): {loss}"));
+                    self.report.note(self.subject, format!("{name} ({}): {loss}", role.name));
                 }
                 Ok(Some(Used { mean, used: Some(slot.used(texture)) }))
             }
-            Err(why) => Ok(self.lose(slot.texture, role, &why)),
+            Err(why) => Ok(self.lose(slot.texture, role.name, &why)),
         }
     }
 
@@ -233,7 +265,7 @@ fn times(factor: [f64; 3], mean: Option<[f64; 3]>) -> [f64; 3] {
 }
 
 /// A number, or an array of `N` numbers, from an extension that the parser leaves as JSON.
-fn numbers<const N: usize>(extension: &Value, field: &str) -> Option<[f64; N]> {
+pub(super) fn numbers<const N: usize>(extension: &Value, field: &str) -> Option<[f64; N]> {
     let value = extension.get(field)?;
     let numbers: Vec<f64> = match value {
         Value::Array(items) => items.iter().map(Value::as_f64).collect::<Option<_>>()?,

@@ -18,6 +18,8 @@ use crate::texture::{TextureDesc, TextureId, TextureRef};
 pub(super) struct Images {
     decoded: HashMap<PathBuf, Result<Image, String>>,
     added: HashMap<(PathBuf, bool, bool), TextureId>,
+    /// Those of metal and roughness, by the paths of `map_Pr` and `map_Pm`, and whether they are clamped.
+    pub(super) combined: HashMap<(Option<PathBuf>, Option<PathBuf>, bool), TextureId>,
     /// Images that became alpha, by path and whether they are clamped.
     alphas: HashMap<(PathBuf, bool), TextureId>,
     pub(super) room: Room,
@@ -55,9 +57,7 @@ impl Images {
                         report.approximated(subject, text);
                     }
                     let texture = builder.texture(image.texture(&map.file, bytes).wrapped(map.wrap()));
-                    if self.room.make(builder) {
-                        self.decoded.clear();
-                    }
+                    self.make_room(builder);
                     self.added.insert(key, texture);
                     texture
                 }
@@ -68,6 +68,13 @@ impl Images {
             },
         };
         Some(TextureRef { texture, uv_set: 0, transform: map.transform() })
+    }
+
+    /// Keeps all textures of the scene within the memory that they may take up.
+    pub(super) fn make_room(&mut self, builder: &mut SceneBuilder) {
+        if self.room.make(builder) {
+            self.decoded.clear();
+        }
     }
 
     /// The same of `map_d`, the alpha of a material: the alpha of its image if that is not 1 everywhere, else the mean of
@@ -92,7 +99,7 @@ impl Images {
                 let name = format!("{} as alpha", desc.name);
                 let texture = TextureDesc { name, image: means_as_alpha(&desc.image) };
                 let texture = builder.texture(texture);
-                self.room.make(builder);
+                self.make_room(builder);
                 self.alphas.insert(key, texture);
                 texture
             }
@@ -100,7 +107,7 @@ impl Images {
         Some(TextureRef { texture, ..used })
     }
 
-    fn decode(&mut self, path: &Path, name: &str) -> Result<&Image, String> {
+    pub(super) fn decode(&mut self, path: &Path, name: &str) -> Result<&Image, String> {
         if leaves_folder(name) {
             return Err("it is outside the folder of the scene; put it into that folder or below it".to_owned());
         }

@@ -17,14 +17,14 @@ pub(super) struct Translation<'a> {
     pub(super) report: &'a mut LoadReport,
 }
 
-const HINT: &str = "give it in an override file";
+pub(super) const HINT: &str = "give it in an override file";
 
 impl Translation<'_> {
-    fn subject(&self) -> String {
+    pub(super) fn subject(&self) -> String {
         format!("material '{}'", self.material.name)
     }
 
-    fn approximated(&mut self, text: impl Into<String>) {
+    pub(super) fn approximated(&mut self, text: impl Into<String>) {
         self.report.approximated(self.subject(), text);
     }
 
@@ -41,8 +41,14 @@ impl Translation<'_> {
         // A texture of emission without a factor is the emission.
         let factor = if textures.emission.is_some() { [1.0; 3] } else { [0.0; 3] };
         desc.emission = self.material.emissive.unwrap_or(factor);
-        if !matches!(desc.surface, Surface::Lambert { .. }) && desc.textures.base_color.take().is_some() {
-            self.left_out("its map_Kd: it is not diffuse");
+        if !matches!(desc.surface, Surface::Lambert { .. } | Surface::Glossy { .. }) {
+            if desc.textures.base_color.take().is_some() {
+                self.left_out("its map_Kd: it is not diffuse");
+            }
+            if self.is_physically_based() {
+                desc.textures.metallic_roughness = None;
+                self.left_out("its roughness and metal (Pr, Pm): transmission is smooth");
+            }
         }
         if desc.is_emissive() {
             let text = format!(
@@ -69,9 +75,16 @@ impl Translation<'_> {
             emission: self.texture("map_Ke", emissive_map.as_ref(), TexelFormat::Srgb8),
             normal: self.texture("norm", normal_map.as_ref(), TexelFormat::Linear8),
             normal_scale: normal_map.as_ref().map_or(1.0, |map| map.strength),
-            metallic_roughness: None,
+            metallic_roughness: self.metallic_roughness(),
             alpha: self.alpha_texture(),
         }
+    }
+
+    /// The texture of `map_Pr` and `map_Pm`.
+    fn metallic_roughness(&mut self) -> Option<TextureRef> {
+        let (subject, Entry { folder, roughness_map, metallic_map, .. }) = (self.subject(), self.material);
+        let maps = [roughness_map.as_ref(), metallic_map.as_ref()];
+        self.images.add_metallic_roughness(folder, maps, &subject, self.builder, self.report)
     }
 
     /// The texture of `map_d`.
@@ -128,29 +141,18 @@ impl Translation<'_> {
                  enclose it"
             ));
             Surface::Dielectric { ior, absorption: [0.0; 3], tint }
+        } else if self.is_physically_based() {
+            self.physically_based(textures)
         } else if matches!(illumination, 3 | 5) && reflects {
             if let Some(color) = diffuse.filter(|&color| color != [0.0; 3]) {
                 self.left_out(format!("its diffuse part Kd {color:?} beside the mirror (illum {illumination})"));
             }
             Surface::Mirror { reflectance: specular }
-        } else {
+        } else if illumination >= 2 && reflects {
             // Models 0 and 1 have no highlight, whatever Ks is.
-            if illumination >= 2 && reflects {
-                let shininess = material.shininess.unwrap_or(0.0);
-                self.approximated(format!(
-                    "its glossy highlight (Ks {specular:?}, Ns {shininess}) is left out; kind = \"mirror\" in an \
-                     override file is the nearest"
-                ));
-            }
-            if textures.base_color.is_some() && diffuse == Some([0.0; 3]) {
-                self.report
-                    .note(self.subject(), "its Kd of 0 makes its texture black; give an albedo in an override file");
-            }
-            let albedo = diffuse.or(textures.base_color.map(|_| [1.0; 3])).unwrap_or_else(|| {
-                self.approximated(format!("has no Kd and is made a diffuse grey of 0.5; {HINT}"));
-                [0.5; 3]
-            });
-            Surface::Lambert { albedo }
+            self.highlight(specular, textures)
+        } else {
+            Surface::Lambert { albedo: self.albedo(textures) }
         }
     }
 

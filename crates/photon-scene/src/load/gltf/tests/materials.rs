@@ -4,57 +4,24 @@ use super::file::{File, data_uri, png, says};
 use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::report::LoadReport;
 
-fn read(json: &str) -> (MaterialDesc, LoadReport) {
+pub(super) fn read(json: &str) -> (MaterialDesc, LoadReport) {
     let (builder, report) = File::new().material(json).load();
     (builder.materials[0].clone(), report)
 }
 
 #[track_caller]
-fn close(found: [f64; 3], expected: [f64; 3]) {
+pub(super) fn close(found: [f64; 3], expected: [f64; 3]) {
     let far = found.iter().zip(expected).any(|(found, expected)| (found - expected).abs() > 1e-6);
     assert!(!far, "{found:?} instead of {expected:?}");
 }
 
 /// A file whose only image is a PNG of these pixels, as texture 0.
-fn textured(material: &str, pixels: &[[u8; 4]]) -> File {
+pub(super) fn textured(material: &str, pixels: &[[u8; 4]]) -> File {
     let uri = data_uri("image/png", &png(pixels));
     File::new()
         .material(material)
         .with("textures", r#"[{"source": 0}]"#)
         .with("images", format!(r#"[{{"uri": "{uri}", "name": "tiles"}}]"#))
-}
-
-#[test]
-fn a_dull_insulator_is_diffuse() {
-    let (material, report) =
-        read(r#""pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1], "metallicFactor": 0}"#);
-    assert_eq!(material, MaterialDesc::lambert("it", [0.25, 0.5, 0.75]));
-    assert!(report.is_exact() && says(&report, "material 'it'", "faint reflection"), "{report}");
-    // A glossy reflection is not exact.
-    let (material, report) = read(r#""pbrMetallicRoughness": {"roughnessFactor": 0.2, "metallicFactor": 0}"#);
-    assert!(matches!(material.surface, Surface::Lambert { .. }));
-    assert!(!report.is_exact() && says(&report, "material 'it'", "roughness 0.20"), "{report}");
-}
-
-#[test]
-fn a_smooth_metal_is_a_mirror() {
-    let metal = |roughness: f64, metallic: f64| {
-        read(&format!(
-            r#""pbrMetallicRoughness": {{"baseColorFactor": [1, 0.5, 0.25, 1], "roughnessFactor": {roughness}, "metallicFactor": {metallic}}}"#
-        ))
-    };
-    let (mirror, report) = metal(0.0, 1.0);
-    assert_eq!(mirror, MaterialDesc::mirror("it", [1.0, 0.5, 0.25]));
-    assert!(report.lines.is_empty(), "{report}");
-    let (mirror, report) = metal(0.1, 0.5);
-    assert_eq!(mirror.surface, Surface::Mirror { reflectance: [1.0, 0.5, 0.25] });
-    assert!(says(&report, "it", "perfect mirror"));
-    let (rough, report) = metal(0.5, 1.0);
-    assert_eq!(rough.surface, Surface::Lambert { albedo: [1.0, 0.5, 0.25] });
-    assert!(says(&report, "it", "roughness 0.50 is rendered as a diffuse"));
-    let (some, report) = metal(1.0, 0.25);
-    assert_eq!(some.surface, Surface::Lambert { albedo: [1.0, 0.5, 0.25] });
-    assert!(says(&report, "it", "25 % metal"));
 }
 
 const CLEAR: &str =
@@ -112,7 +79,7 @@ fn glass_that_is_not_quite_clear_is_reported() {
     assert!(matches!(clear.surface, Surface::Thin { .. }));
     assert!(says(&report, "it", "75 %") && says(&report, "it", "roughness 0.25"));
     let (opaque, report) = of(0.25, r#""metallicFactor": 0"#);
-    assert!(matches!(opaque.surface, Surface::Lambert { .. }) && says(&report, "it", "25 %"));
+    assert!(matches!(opaque.surface, Surface::Glossy { .. }) && says(&report, "it", "25 %"));
     let (metal, _) = of(1.0, r#""metallicFactor": 1, "roughnessFactor": 0"#);
     assert!(matches!(metal.surface, Surface::Mirror { .. }));
 }
@@ -125,7 +92,12 @@ fn the_index_0_reflects_everything() {
     let json = format!(
         r#"{CLEAR}, "extensions": {{"KHR_materials_ior": {{"ior": 0}}, "KHR_materials_specular": {{"specularFactor": 0.5, "specularColorFactor": [1, 1, 0.5]}}}}"#
     );
-    assert_eq!(read(&json).0.surface, Surface::Mirror { reflectance: [0.5, 0.5, 0.25] });
+    let (coat, report) = read(&json);
+    let Surface::Glossy { base_color, specular, ior, .. } = coat.surface else { panic!("{coat:?}") };
+    // F0 is 1, of which the mean colour leaves 5/6.
+    assert_eq!((base_color, specular), ([1.0, 0.5, 1.0], 0.5));
+    assert!((((ior - 1.0) / (ior + 1.0)).powi(2) - 2.5 / 3.0).abs() < 1e-12, "{ior}");
+    assert!(says(&report, "it", "specular colour [1.0, 1.0, 0.5] is replaced by its mean 0.833"), "{report}");
 }
 
 #[test]
@@ -175,16 +147,9 @@ fn alpha_is_coverage() {
 
 #[test]
 fn textures_without_a_place_become_their_mean() {
-    // Roughness is green, metal is blue: a mirror.
-    let json = r#""pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}}"#;
-    let (builder, report) = textured(json, &[[99, 0, 255, 255]]).load();
-    assert!(matches!(builder.materials[0].surface, Surface::Mirror { .. }) && report.is_exact(), "{report}");
-    let (_, report) = textured(json, &[[99, 0, 255, 255], [99, 255, 255, 255]]).load();
-    let text = "texture 0 'tiles' (metal and roughness) is replaced by its mean: metal 1.000, roughness 0.500";
-    assert!(says(&report, "material 'it'", text), "{report}");
     let json = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": {"index": 0}}}"#;
     let (builder, _) = textured(json, &[[0, 255, 255, 255]]).load();
-    assert!(matches!(builder.materials[0].surface, Surface::Lambert { .. }));
+    assert!(matches!(builder.materials[0].surface, Surface::Glossy { .. }));
 }
 
 #[test]
@@ -205,7 +170,7 @@ fn pictures_that_cannot_be_read_leave_the_factor() {
         (file.clone().with("images", r#"[{"uri": "../up.png"}]"#), "outside the folder"),
     ] {
         let (builder, report) = file.load();
-        assert_eq!(builder.materials[0].surface, Surface::Lambert { albedo: [0.5; 3] });
+        assert_eq!(builder.materials[0], MaterialDesc::plastic("it", [0.5; 3], 1.0));
         assert!(!report.is_exact() && says(&report, "it", text), "{text}: {report}");
     }
     let error = file.clone().with("textures", "[]").error();
@@ -224,16 +189,26 @@ fn what_has_no_counterpart_is_named() {
     }
     let (unlit, report) = read(r#""extensions": {"KHR_materials_unlit": {}}"#);
     assert!(matches!(unlit.surface, Surface::Lambert { .. }) && says(&report, "it", "unlit"));
-    let (old, report) =
-        read(r#""extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.5, 0.25, 0, 1]}}"#);
-    assert_eq!(old.surface, Surface::Lambert { albedo: [0.5, 0.25, 0.0] });
-    assert!(says(&report, "it", "specular-glossiness"));
 }
 
 #[test]
 fn bad_materials_are_named() {
     for (json, words) in [
         (r#""pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [2, 0, 0, 1]}"#, ["material 'it'", "2.0"]),
+        (r#""pbrMetallicRoughness": {"metallicFactor": 1.5}"#, ["material 'it'", "metallic"]),
+        (r#""pbrMetallicRoughness": {"roughnessFactor": -0.5}"#, ["material 'it'", "roughness"]),
+        (
+            r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_ior": {"ior": -1}}"#,
+            ["material 'it'", "ior"],
+        ),
+        (
+            r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_ior": {"ior": -1}, "KHR_materials_specular": {"specularColorFactor": [0.5, 0.5, 0.5]}}"#,
+            ["material 'it'", "ior"],
+        ),
+        (
+            r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_specular": {"specularFactor": -0.5}}"#,
+            ["material 'it'", "specular"],
+        ),
         (r#""emissiveFactor": [-1, 0, 0]"#, ["material 'it'", "emission"]),
         (r#""emissiveFactor": [1e39, 0, 0]"#, ["material 'it'", "inf"]),
         (r#""alphaMode": "FOG""#, ["material 0 'it'", "alphaMode"]),

@@ -4,6 +4,7 @@ mod damage;
 pub(super) mod file;
 mod fuzz;
 mod geometry;
+mod glossy;
 mod lights;
 mod materials;
 mod pose;

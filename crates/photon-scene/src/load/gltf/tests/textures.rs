@@ -6,7 +6,7 @@ use photon_core::{Filter, TexelFormat, Wrap};
 use super::super::attributes;
 use super::file::{File, data_uri, floats, png, says};
 use crate::builder::SceneBuilder;
-use crate::describe::Surface;
+use crate::describe::MaterialDesc;
 use crate::mesh::VertexAttributes;
 use crate::texture::TextureRef;
 
@@ -41,7 +41,7 @@ const BASE: &str = r#""pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFa
 fn base_colour_textures_keep_their_factor_and_texels() {
     let (builder, report) = textured(BASE).load();
     let material = &builder.materials[0];
-    assert_eq!(material.surface, Surface::Lambert { albedo: [0.5, 0.25, 1.0] });
+    assert_eq!(material.surface, MaterialDesc::plastic("it", [0.5, 0.25, 1.0], 1.0).surface);
     let used = material.textures.base_color.expect("a texture");
     assert_eq!((used.uv_set, used.transform), (0, TextureRef::IDENTITY));
     let image = &builder.textures[0].image;
@@ -54,7 +54,7 @@ fn base_colour_textures_keep_their_factor_and_texels() {
     // A texture of one colour is a factor.
     let uri = data_uri("image/png", &png(&[[255, 0, 255, 255]; 3]));
     let (builder, _) = textured(BASE).with("images", format!(r#"[{{"uri": "{uri}"}}]"#)).load();
-    assert_eq!(builder.materials[0].surface, Surface::Lambert { albedo: [0.5, 0.0, 1.0] });
+    assert_eq!(builder.materials[0], MaterialDesc::plastic("it", [0.5, 0.0, 1.0], 1.0));
     assert!(builder.textures.is_empty() && builder.meshes[0].attributes.uvs.is_empty());
 }
 

@@ -1,0 +1,204 @@
+//! Metal, roughness and specular reflection.
+
+use photon_core::TexelFormat;
+
+use super::file::{data_uri, png, says};
+use super::materials::{close, read, textured};
+use crate::describe::{MaterialDesc, Surface};
+use crate::report::LoadReport;
+
+/// Whether nothing of the material is lost; its triangle has no texture coordinates.
+fn is_exact(report: &LoadReport) -> bool {
+    let text = report.to_string();
+    !text.contains("approximated: material") && !text.contains("left out")
+}
+
+#[test]
+fn the_default_material_is_a_rough_metal() {
+    let (material, report) = read(r#""doubleSided": false"#);
+    assert_eq!(material, MaterialDesc::metal("it", [1.0; 3], 1.0));
+    assert!(report.lines.is_empty(), "{report}");
+}
+
+#[test]
+fn factors_are_kept() {
+    let json = r#""pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 1], "metallicFactor": 0.25, "roughnessFactor": 0.5},
+        "extensions": {"KHR_materials_specular": {"specularFactor": 0.75}, "KHR_materials_ior": {"ior": 1.25}}"#;
+    let (material, report) = read(json);
+    let expected =
+        Surface::Glossy { base_color: [0.25, 0.5, 0.75], metallic: 0.25, roughness: 0.5, specular: 0.75, ior: 1.25 };
+    assert_eq!(material.surface, expected);
+    assert!(report.lines.is_empty(), "{report}");
+}
+
+#[test]
+fn only_smooth_metals_are_mirrors() {
+    let metal = |roughness: f64, metallic: f64| {
+        let (material, report) = read(&format!(
+            r#""pbrMetallicRoughness": {{"baseColorFactor": [1, 0.5, 0.25, 1], "roughnessFactor": {roughness}, "metallicFactor": {metallic}}}"#
+        ));
+        assert!(report.lines.is_empty(), "{report}");
+        material
+    };
+    let mirror = MaterialDesc::mirror("it", [1.0, 0.5, 0.25]);
+    assert_eq!(metal(0.0, 1.0), mirror);
+    // Widths below 0.001 are not rendered.
+    assert_eq!(metal(0.03, 1.0), mirror);
+    for (roughness, metallic) in [(0.032, 1.0), (0.0, 0.99), (0.5, 1.0), (0.0, 0.0)] {
+        let material = metal(roughness, metallic);
+        assert!(matches!(material.surface, Surface::Glossy { .. }), "{material:?}");
+    }
+}
+
+#[test]
+fn without_specular_reflection_it_is_diffuse() {
+    let of = |metallic: f64, extensions: &str| {
+        let json = format!(
+            r#""pbrMetallicRoughness": {{"baseColorFactor": [0.25, 0.5, 0.75, 1], "metallicFactor": {metallic}}}, "extensions": {{{extensions}}}"#
+        );
+        let (material, report) = read(&json);
+        assert!(report.lines.is_empty(), "{report}");
+        material
+    };
+    let diffuse = MaterialDesc::lambert("it", [0.25, 0.5, 0.75]);
+    let none = r#""KHR_materials_specular": {"specularFactor": 0}"#;
+    assert_eq!(of(0.0, none), diffuse);
+    assert_eq!(of(0.0, r#""KHR_materials_ior": {"ior": 1}"#), diffuse);
+    assert!(matches!(of(0.5, none).surface, Surface::Glossy { specular: 0.0, .. }));
+}
+
+#[test]
+fn specular_colour_changes_the_reflectance_at_normal_incidence() {
+    let of = |specular: &str| {
+        read(&format!(
+            r#""pbrMetallicRoughness": {{"metallicFactor": 0}}, "extensions": {{"KHR_materials_specular": {{{specular}}}}}"#
+        ))
+    };
+    let coat = |material: &MaterialDesc| {
+        let Surface::Glossy { specular, ior, .. } = material.surface else { panic!("{material:?}") };
+        (specular, ((ior - 1.0) / (ior + 1.0)).powi(2))
+    };
+    // A grey colour is exact: 4 × 0.04.
+    let (material, report) = of(r#""specularFactor": 0.5, "specularColorFactor": [4, 4, 4]"#);
+    let (specular, f0) = coat(&material);
+    assert!(specular == 0.5 && (f0 - 0.16).abs() < 1e-12 && report.lines.is_empty(), "{material:?}, {report}");
+    let (material, report) = of(r#""specularColorFactor": [0, 1, 0.5]"#);
+    assert!((coat(&material).1 - 0.02).abs() < 1e-12 && says(&report, "it", "its mean 0.500"), "{material:?}");
+    // At most all light.
+    let (material, _) = of(r#""specularColorFactor": [99, 99, 99]"#);
+    assert!(matches!(material.surface, Surface::Glossy { ior: 0.0, .. }), "{material:?}");
+    let (material, report) = of(r#""specularFactor": 2"#);
+    assert!(coat(&material).0 == 1.0 && says(&report, "it", "its specular factor 2.000 is replaced by 1"));
+}
+
+#[test]
+fn textures_of_specular_reflection_become_their_mean() {
+    let json = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_specular": {"specularFactor": 0.5, "specularTexture": {"index": 0}}}"#;
+    let (builder, report) = textured(json, &[[0, 0, 0, 255], [0, 0, 0, 0]]).load();
+    assert!(matches!(builder.materials[0].surface, Surface::Glossy { specular: 0.25, .. }));
+    assert!(says(&report, "it", "(specular) is replaced by its mean: factor 0.500"), "{report}");
+    let json = json.replace("specularTexture", "specularColorTexture");
+    let (builder, report) = textured(&json, &[[255, 255, 255, 255], [0, 0, 0, 255]]).load();
+    let Surface::Glossy { specular, ior, .. } = builder.materials[0].surface else { panic!() };
+    assert!(specular == 0.5 && (((ior - 1.0) / (ior + 1.0)).powi(2) - 0.02).abs() < 1e-12);
+    assert!(says(&report, "it", "(specular colour) is replaced by its mean"), "{report}");
+}
+
+const TEXTURED: &str = r#""pbrMetallicRoughness": {"roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 0}}"#;
+
+#[test]
+fn metal_and_roughness_have_a_linear_texture() {
+    let texels = [[99, 0, 255, 255], [99, 255, 128, 255]];
+    let (builder, report) = textured(TEXTURED, &texels).load();
+    let material = &builder.materials[0];
+    assert_eq!(material.surface, MaterialDesc::metal("it", [1.0; 3], 0.5).surface);
+    let used = material.textures.metallic_roughness.expect("a texture");
+    let image = &builder.textures[used.texture.0 as usize].image;
+    assert_eq!((image.format, &image.texels[..]), (TexelFormat::Linear8, &texels.map(u32::from_le_bytes)[..]));
+    assert!(is_exact(&report) && material.textures.base_color.is_none(), "{report}");
+}
+
+#[test]
+fn a_uniform_texture_is_a_factor() {
+    // Roughness is green, metal is blue.
+    let (builder, report) = textured(TEXTURED, &[[99, 51, 102, 255], [99, 51, 102, 255]]).load();
+    let material = &builder.materials[0];
+    let Surface::Glossy { metallic, roughness, .. } = material.surface else { panic!("{material:?}") };
+    assert!((metallic - 0.4).abs() < 1e-12 && (roughness - 0.1).abs() < 1e-12, "{material:?}");
+    assert!(material.textures.metallic_roughness.is_none() && builder.textures.is_empty() && report.is_exact());
+    let (builder, _) = textured(TEXTURED, &[[99, 0, 255, 255]]).load();
+    assert_eq!(builder.materials[0], MaterialDesc::mirror("it", [1.0; 3]));
+}
+
+fn specular_glossiness(json: &str) -> String {
+    format!(r#""extensions": {{"KHR_materials_pbrSpecularGlossiness": {{{json}}}}}"#)
+}
+
+#[test]
+fn specular_glossiness_is_a_coat_or_a_metal() {
+    let of = |json: &str| read(&specular_glossiness(json));
+    let (coat, report) =
+        of(r#""diffuseFactor": [0.5, 0.25, 0, 1], "specularFactor": [0.04, 0.04, 0.04], "glossinessFactor": 0.75"#);
+    let Surface::Glossy { base_color, metallic, roughness, specular, ior } = coat.surface else { panic!("{coat:?}") };
+    assert_eq!((base_color, metallic, roughness, specular), ([0.5, 0.25, 0.0], 0.0, 0.25, 1.0));
+    assert!(
+        (ior - 1.5).abs() < 1e-12 && report.is_exact() && says(&report, "it", "refractive index 1.500"),
+        "{report}"
+    );
+    let (coat, report) = of(r#""specularFactor": [0.01, 0.02, 0.09]"#);
+    let Surface::Glossy { ior, .. } = coat.surface else { panic!("{coat:?}") };
+    assert!((((ior - 1.0) / (ior + 1.0)).powi(2) - 0.04).abs() < 1e-12 && says(&report, "it", "its mean 0.040"));
+    // Without specular reflection, it is diffuse.
+    let (diffuse, _) = of(r#""diffuseFactor": [0.5, 0.25, 0, 1], "specularFactor": [0, 0, 0]"#);
+    assert_eq!(diffuse, MaterialDesc::lambert("it", [0.5, 0.25, 0.0]));
+    let (gold, report) =
+        of(r#""diffuseFactor": [0, 0, 0, 1], "specularFactor": [1, 0.75, 0.25], "glossinessFactor": 0.5"#);
+    assert_eq!(gold, MaterialDesc::metal("it", [1.0, 0.75, 0.25], 0.5));
+    assert!(report.is_exact() && says(&report, "it", "a metal of its specular colour"), "{report}");
+    let (gold, report) = of(r#""diffuseFactor": [0.5, 0, 0, 1], "specularFactor": [1, 0.75, 0.25]"#);
+    assert_eq!(gold, MaterialDesc::mirror("it", [1.0, 0.75, 0.25]));
+    assert!(!report.is_exact() && says(&report, "it", "its diffuse colour, [0.500, 0.000, 0.000]"), "{report}");
+}
+
+#[test]
+fn specular_glossiness_textures() {
+    let texels = [[255, 0, 0, 255], [0, 0, 255, 255]];
+    let json = specular_glossiness(
+        r#""diffuseFactor": [0.5, 1, 1, 1], "diffuseTexture": {"index": 0}, "specularFactor": [0.04, 0.04, 0.04]"#,
+    );
+    let (builder, report) = textured(&json, &texels).load();
+    let material = &builder.materials[0];
+    let Surface::Glossy { base_color, roughness, .. } = material.surface else { panic!("{material:?}") };
+    assert_eq!((base_color, roughness), ([0.5, 1.0, 1.0], 0.0));
+    assert!(material.textures.base_color.is_some() && is_exact(&report), "{report}");
+    // A metal has no use for it.
+    let json = json.replace("0.04, 0.04, 0.04", "1, 1, 1");
+    let (builder, report) = textured(&json, &texels).load();
+    assert_eq!(builder.materials[0], MaterialDesc::mirror("it", [1.0; 3]));
+    assert!(says(&report, "it", "its diffuse colour, [0.250, 0.000, 0.500] on average"), "{report}");
+    let json = specular_glossiness(
+        r#""diffuseFactor": [0, 0, 0, 1], "specularFactor": [1, 0.5, 1], "specularGlossinessTexture": {"index": 0}"#,
+    );
+    let (builder, report) = textured(&json, &[[255, 255, 255, 0], [255, 255, 255, 102]]).load();
+    let Surface::Glossy { base_color, metallic, roughness, .. } = builder.materials[0].surface else { panic!() };
+    close(base_color, [1.0, 0.5, 1.0]);
+    assert!(metallic == 1.0 && (roughness - 0.8).abs() < 1e-12);
+    assert!(says(&report, "it", "(specular colour and glossiness) is replaced by its mean"), "{report}");
+    // One that cannot be read leaves the factors.
+    let uri = data_uri("image/png", &png(&texels)[..20]);
+    let (builder, report) = textured(&json, &texels).with("images", format!(r#"[{{"uri": "{uri}"}}]"#)).load();
+    assert_eq!(builder.materials[0], MaterialDesc::mirror("it", [1.0, 0.5, 1.0]));
+    assert!(says(&report, "it", "only its factor is used"), "{report}");
+}
+
+#[test]
+fn bad_specular_glossiness_is_named() {
+    for (json, word) in [
+        (r#""glossinessFactor": 2"#, "roughness"),
+        (r#""diffuseFactor": [0, 0, 0, 1], "specularFactor": [2, 1, 1]"#, "reflectance"),
+    ] {
+        let (builder, _) = super::file::File::new().material(&specular_glossiness(json)).load();
+        let error = builder.build().map(drop).unwrap_err().to_string();
+        assert!(error.contains("material 'it'") && error.contains(word), "{error}");
+    }
+}

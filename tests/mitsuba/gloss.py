@@ -1,0 +1,192 @@
+"""Compares glossy surfaces with an unbiased path tracer, Mitsuba 3 (Jakob et al. 2022).
+
+    pip install mitsuba
+    cargo build --release
+    python tests/mitsuba/gloss.py target/release/photonmap
+
+The scene is that of surfaces.py with a ball of rough metal on a floor with a coat, both textured. Mitsuba has no BSDF of
+this model, so that one is defined here, from the formulas in photon-core's glossy.rs, with albedos by a quadrature of its
+own. Fails like surfaces.py.
+"""
+
+import argparse
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+
+import surfaces
+
+STEPS = 256
+
+
+def schlick(f0, cosine):
+    return f0 + (1 - f0) * (1 - cosine) ** 5
+
+
+def albedo(alpha, cosine, f0):
+    """The integral of single scattering over half vectors of density D cos."""
+    across, around = np.meshgrid((np.arange(400) + 0.5) / 400, 2 * np.pi * (np.arange(96) + 0.5) / 96)
+    tangent = alpha * np.sqrt(across / (1 - across))
+    up = 1 / np.sqrt(1 + tangent**2)
+    h = np.stack([up * tangent * np.cos(around), up * tangent * np.sin(around), up], -1)
+    o = np.array([np.sqrt(1 - cosine**2), 0, cosine])
+    onto = h @ o
+    i = 2 * onto[..., None] * h - o
+    counts = (onto > 0) & (i[..., 2] > 0)
+
+    def smith(c):
+        return 0.5 * (np.sqrt(1 + alpha**2 * (1 / c**2 - 1)) - 1)
+
+    below = np.where(counts, i[..., 2], 1)
+    masked = 1 / (1 + smith(cosine) + smith(below))
+    return (np.where(counts, schlick(f0, np.clip(onto, 0, 1)) * masked * onto / (cosine * up), 0)).mean()
+
+
+def make_bsdf(mi, dr):
+    class Glossy(mi.BSDF):
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.color = props["base_color"]
+            self.metallic = props["metallic"]
+            self.alpha = props["alpha"]
+            self.tables, self.means = [], []
+            for f0 in (1.0, 0.04):
+                cosines = np.maximum(np.arange(STEPS + 1) / STEPS, 1e-3)
+                values = np.array([albedo(self.alpha, c, f0) for c in cosines])
+                middle = (np.arange(STEPS) + 0.5) / STEPS
+                self.means.append(float(((values[1:] + values[:-1]) * middle).sum() / STEPS))
+                self.tables.append(mi.Float(values.astype(np.float32)))
+            flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide
+            self.m_components = [flags]
+            self.m_flags = flags
+
+        def lookup(self, which, cosine):
+            at = dr.clip(cosine, 0, 1) * STEPS
+            first = dr.minimum(mi.UInt32(at), STEPS - 1)
+            values = [dr.gather(mi.Float, self.tables[which], first + k) for k in (0, 1)]
+            return dr.lerp(values[0], values[1], at - mi.Float(first))
+
+        def distribution(self):
+            return mi.MicrofacetDistribution(mi.MicrofacetType.GGX, self.alpha, True)
+
+        def value(self, si, wo, active):
+            wi, alpha, m = si.wi, self.alpha, self.metallic
+            color = self.color.eval(si, active)
+            cos_i, cos_o = mi.Frame3f.cos_theta(wi), mi.Frame3f.cos_theta(wo)
+            active = active & (cos_i > 0) & (cos_o > 0)
+            h = dr.normalize(wi + wo)
+            d = self.distribution().eval(h)
+            smith = [0.5 * (dr.sqrt(1 + alpha**2 * (1 / (c * c) - 1)) - 1) for c in (cos_i, cos_o)]
+            single = d / (1 + smith[0] + smith[1]) / (4 * cos_i * cos_o)
+            grazing = (1 - dr.clip(dr.dot(wi, h), 0, 1)) ** 5
+            f0 = color * m + 0.04 * (1 - m)
+            fresnel = f0 + (1 - f0) * grazing
+            lost = [1 - self.lookup(0, c) for c in (cos_i, cos_o)]
+            average = color + (1 - color) / 21
+            mean = self.means[0]
+            repeated = average * average * mean / (1 - average * (1 - mean))
+            multiple = m * repeated * (lost[0] * lost[1] / (np.pi * (1 - mean)))
+            through = [1 - self.lookup(1, c) for c in (cos_i, cos_o)]
+            base = (1 - m) * color * (through[0] * through[1] / (np.pi * (1 - self.means[1])))
+            return dr.select(active, (fresnel * single + multiple + base) * cos_o, 0)
+
+        def density(self, si, wo, active):
+            cos_i, cos_o = mi.Frame3f.cos_theta(si.wi), mi.Frame3f.cos_theta(wo)
+            h = dr.normalize(si.wi + wo)
+            narrow = self.distribution().pdf(si.wi, h) / (4 * dr.dot(wo, h))
+            mixed = 0.5 * narrow + 0.5 * cos_o / np.pi
+            return dr.select(active & (cos_i > 0) & (cos_o > 0), mixed, 0)
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            cos_i = mi.Frame3f.cos_theta(si.wi)
+            active = active & (cos_i > 0)
+            h, _ = self.distribution().sample(si.wi, sample2)
+            wo = dr.select(sample1 < 0.5, mi.reflect(si.wi, h), mi.warp.square_to_cosine_hemisphere(sample2))
+            found = mi.BSDFSample3f()
+            found.wo = wo
+            found.pdf = self.density(si, wo, active)
+            found.eta = 1.0
+            found.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
+            found.sampled_component = mi.UInt32(0)
+            value = self.value(si, wo, active) / found.pdf
+            return found, dr.select(active & (found.pdf > 0), value, 0)
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.value(si, wo, active)
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.density(si, wo, active)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            return self.value(si, wo, active), self.density(si, wo, active)
+
+        def traverse(self, callback):
+            callback.put_object("base_color", self.color, mi.ParamFlags.Differentiable)
+
+    mi.register_bsdf("glossy", Glossy)
+
+
+MATERIALS = {"ball": (1.0, 0.2), "floor": (0.0, 0.1)}
+
+
+def their_scene(folder, sky, mi):
+    def textured(name):
+        image = {"type": "bitmap", "filename": str(folder / f"{name}.png"), "filter_type": "bilinear"}
+        metallic, alpha = MATERIALS[name]
+        surface = {"type": "glossy", "base_color": image, "metallic": metallic, "alpha": alpha}
+        return {"type": "obj", "filename": str(folder / f"{name}.obj"), "bsdf": surface}
+
+    to_world = mi.ScalarTransform4f().look_at(origin=[0.3, 1.6, 2.6], target=[0, 0.35, 0], up=[0, 1, 0])
+    film = {"type": "hdrfilm", "width": surfaces.SIZE, "height": surfaces.SIZE, "rfilter": {"type": "box"}}
+    return mi.load_dict(
+        {
+            "type": "scene",
+            "sensor": {"type": "perspective", "fov": 40, "fov_axis": "y", "to_world": to_world, "film": film},
+            "ball": textured("ball"),
+            "floor": textured("floor"),
+            "sky": {"type": "envmap", "bitmap": sky, "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], 30)},
+        }
+    )
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", type=pathlib.Path, help="the photonmap program")
+    parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("out/gloss"))
+    parser.add_argument("--variant", default="llvm_ad_rgb")
+    parser.add_argument("--samples", type=int, default=1024, help="paths per pixel and run of Mitsuba")
+    parser.add_argument("--runs", type=int, default=4, help="runs of each with different seeds, at least 2")
+    parser.add_argument("--passes", type=int, default=64)
+    parser.add_argument("arguments", nargs=argparse.REMAINDER, help="further options of photonmap")
+    args = parser.parse_args()
+
+    import drjit as dr
+    import mitsuba as mi
+
+    mi.set_variant(args.variant)
+    make_bsdf(mi, dr)
+    folder = args.folder
+    folder.mkdir(parents=True, exist_ok=True)
+    surfaces.write_meshes(folder)
+    scene = their_scene(folder, surfaces.write_images(folder, mi), mi)
+    overrides = (folder / "scene.toml").read_text() + "\n[materials]\n"
+    for name, (metallic, alpha) in MATERIALS.items():
+        overrides += f'{name} = {{ kind = "glossy", metallic = {metallic}, roughness = {alpha**0.5} }}\n'
+    (folder / "scene.toml").write_text(overrides)
+    path = mi.load_dict({"type": "path", "max_depth": -1, "rr_depth": 32})
+    ours, theirs = [], []
+    for seed in range(args.runs):
+        theirs.append(np.array(mi.render(scene, integrator=path, spp=args.samples, seed=seed), dtype=np.float64))
+        picture = folder / f"ours-{seed}.exr"
+        command = [args.program, "render", folder / "scene.obj", "--overrides", folder / "scene.toml", "--size"]
+        command += [f"{surfaces.SIZE}x{surfaces.SIZE}", "--passes", str(args.passes), "--seed", str(seed), "-o", picture]
+        subprocess.run([*map(str, command), *args.arguments], check=True, stderr=subprocess.DEVNULL)
+        layers = dict(mi.Bitmap(str(picture)).split())
+        ours.append(np.array(layers["<root>"], dtype=np.float64)[..., :3])
+    surfaces.compare(ours, theirs, folder)
+
+
+if __name__ == "__main__":
+    main()

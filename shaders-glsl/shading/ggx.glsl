@@ -41,9 +41,10 @@ vec3 ggx_sample(float alpha, vec3 o, float u, float v) {
     precise float inverse = 1.0 / sqrt(square);
     precise float top = o.z * inverse;
     precise float b = ggx_bound(alpha, o) * top;
-    precise float z = (1.0 - u) * (1.0 + b) - b;
-    precise float rest = 1.0 - z * z;
-    float sine = sqrt(max(rest, 0.0));
+    precise float versine = u * (1.0 + b);
+    precise float square_of_sine = versine * (2.0 - versine);
+    float sine = sqrt(max(square_of_sine, 0.0));
+    precise float z = 1.0 - versine;
     vec2 sin_cos = sin_cos_turns(v);
     precise vec3 h = vec3(alpha * (sine * sin_cos.y + x * inverse), alpha * (sine * sin_cos.x + y * inverse), z + top);
     h = normalize_or(h, vec3(0.0, 0.0, 1.0));

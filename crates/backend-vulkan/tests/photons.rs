@@ -90,7 +90,7 @@ fn near(a: [f32; 3], b: [f32; 3], bound: f32) -> bool {
 fn same_ray(a: &PhotonRay, b: &PhotonRay) -> bool {
     a.path == b.path
         && a.light == b.light
-        && a.power == b.power
+        && near(a.power, b.power, 1e-6 * Vec3::from(a.power).length())
         && near(a.origin, b.origin, 1e-5)
         && near(a.direction, b.direction, 1e-5)
 }
@@ -130,7 +130,9 @@ fn photons_are_those_of_the_processor() {
         let rays = a.rays.iter().zip(&b.rays).filter(|(a, b)| same_ray(a, b)).count();
         assert_eq!(rays, PATHS as usize, "{name}: rays");
         assert!(b.tally.balances(), "{name}: {:?}", b.tally);
-        assert_eq!(a.tally.flux_emitted, b.tally.flux_emitted);
+        // The power of a photon from a textured light contains a division, which devices may round.
+        let flux = [&a, &b].map(|traced| traced.tally.flux_emitted.value()[0]);
+        assert!(if name == "textures" { (flux[0] / flux[1] - 1.0).abs() < 1e-6 } else { flux[0] == flux[1] }, "{name}");
         for (kind, ours) in a.photons.iter() {
             let (map, theirs) = (kind.name(), &b.photons[kind]);
             let share = share(ours, theirs);

@@ -29,6 +29,15 @@ impl FromStr for Exposure {
     }
 }
 
+/// The pixels that decide the exposure: those that are mostly covered by surfaces, or all if there are none. Surroundings
+/// are often far brighter or darker than what stands in them. `alpha` is [`photon_core::Film::alpha`].
+#[must_use]
+pub fn measured(colours: &[[f32; 3]], alpha: &[f32]) -> Vec<[f32; 3]> {
+    let covered: Vec<[f32; 3]> =
+        colours.iter().zip(alpha).filter(|&(_, &alpha)| alpha >= 0.5).map(|(&colour, _)| colour).collect();
+    if covered.is_empty() { colours.to_vec() } else { covered }
+}
+
 impl Exposure {
     /// The exposure in stops of a picture in linear RGB.
     ///
@@ -63,6 +72,13 @@ mod tests {
         assert_eq!("-1.5".parse(), Ok(Exposure::Stops(-1.5)));
         assert!("bright".parse::<Exposure>().is_err());
         assert_eq!(Exposure::Stops(2.0).stops(&[[1.0; 3]]), 2.0);
+    }
+
+    #[test]
+    fn surfaces_are_measured_rather_than_surroundings() {
+        let colours = [[1.0; 3], [2.0; 3], [3.0; 3]];
+        assert_eq!(measured(&colours, &[0.0, 1.0, 0.4]), [[2.0; 3]]);
+        assert_eq!(measured(&colours, &[0.0; 3]), colours);
     }
 
     #[test]

@@ -57,7 +57,7 @@ pub(super) fn rows() -> Vec<Row> {
     };
     let conditioned = |condition| Bound::Conditioned(8e-6, "its condition", condition);
     vec![
-        row("extend_word", 0, Bound::Words, |i| words([extend_word(i.0[0], i.0[1], i.0[2])])),
+        row("extend_word", 0, Bound::Words, |i| words([extend_word(i.0[0], i.0[1], i.0[2].max(1))])),
         row("light_node_importance", 1, conditioned(|i| condition(i, importance)), |i| {
             output([importance(i, place(i))])
         }),

@@ -54,8 +54,10 @@ pub fn sample(alpha: f32, o: Vec3, u: f32, v: f32) -> Vec3 {
     let inverse = 1.0 / (x * x + y * y + o.z * o.z).sqrt();
     let top = o.z * inverse;
     let b = bound(alpha, o) * top;
-    let z = (1.0 - u) * (1.0 + b) - b;
-    let sine = (1.0 - z * z).max(0.0).sqrt();
+    // 1 − z, of which the sine is computed too: from z it would consist of rounding errors near the pole.
+    let versine = u * (1.0 + b);
+    let sine = (versine * (2.0 - versine)).max(0.0).sqrt();
+    let z = 1.0 - versine;
     let (sin, cos) = sin_cos_turns(v);
     let h = Vec3::new(alpha * (sine * cos + x * inverse), alpha * (sine * sin + y * inverse), z + top);
     let h = h.normalize_or(Vec3::Z);

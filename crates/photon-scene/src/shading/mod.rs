@@ -23,9 +23,9 @@ use crate::texture::{TextureDesc, TextureId, TextureRef};
 pub(crate) use self::alpha::fold_alpha;
 #[cfg(feature = "files")]
 pub(crate) use self::alpha::uniform_alpha;
+pub(crate) use self::fold::fold;
 #[cfg(feature = "files")]
-pub(crate) use self::fold::uniform;
-pub(crate) use self::fold::{fold, simplest};
+pub(crate) use self::fold::{simplest, uniform};
 #[cfg(feature = "files")]
 pub(crate) use self::normals::unit;
 pub(crate) use self::radiance::Radiances;

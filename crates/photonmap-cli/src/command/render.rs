@@ -14,7 +14,7 @@ use photon_scene::Scene;
 
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen};
-use crate::exposure::Exposure;
+use crate::exposure::{self, Exposure};
 use crate::fault::Fault;
 use crate::forecast_text::{error_line, forecast_lines};
 use crate::png_file::Picture;
@@ -244,7 +244,7 @@ fn save(
 ) -> Result<(), Fault> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         let picture = Picture::new(film, args.files.transparent);
-        let stops = args.files.exposure.stops(&picture.colours);
+        let stops = args.files.exposure.stops(&exposure::measured(&picture.colours, &film.alpha()));
         if args.files.exposure == Exposure::Auto {
             eprintln!("exposure of {}: {stops:.2} stops", path.display());
         }

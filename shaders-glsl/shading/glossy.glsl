@@ -80,6 +80,8 @@ Glossy glossy_new(SceneRef scene, Material material, float cosine) {
     precise float total = most_specular + most_diffuse;
     precise float multiple_share = glossy_greatest(multiple_albedo) / most_specular;
     precise float specular_share = most_specular / total;
+    // Devices may round x/x below 1, and a metal must not count as a mixture.
+    if (!(most_diffuse > 0.0)) specular_share = most_specular > 0.0 ? 1.0 : 0.0;
     precise float alpha = roughness * roughness;
     Glossy glossy;
     glossy.alpha = max(alpha, GGX_MIN_ALPHA);
@@ -89,7 +91,7 @@ Glossy glossy_new(SceneRef scene, Material material, float cosine) {
     glossy.multiple = multiple;
     glossy.multiple_probability = most_specular > 0.0 ? multiple_share : 0.0;
     glossy.diffuse = diffuse;
-    glossy.specular_probability = total > 0.0 ? specular_share : 0.0;
+    glossy.specular_probability = specular_share;
     glossy.coat = glossy_coat(roughness, coat_f0, weight);
     return glossy;
 }

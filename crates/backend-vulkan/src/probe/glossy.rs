@@ -32,7 +32,8 @@ pub(super) fn rows() -> Vec<Row> {
     // Devices may round divisions and square roots by 2.5 steps. A half vector that is off by 5e-7 changes the narrowest
     // distribution drawn here, of a width of .04, by the fourth power of 1 + 5e-7/.04.
     vec![
-        row("ggx_sample", 0, Bound::Within(1e-5), local, |i| {
+        // Where the bound of the cap is nearly 1, the sine is the root of a difference of two steps.
+        row("ggx_sample", 0, Bound::Within(1e-4), local, |i| {
             let [x, y, z] = ggx::sample(alpha(i), i.vector(0), i.float(8), i.float(9)).to_array();
             output([x, y, z])
         }),

@@ -173,7 +173,7 @@ fn the_tree_is_descended_as_in_rust() {
         eprintln!("{:<28} {share:>9.3e} of {}", row.name, row.bound);
         // Twins that round up, that see from the other side, or that leave the share by power out are detected.
         row.twin = match row.function {
-            0 => |i| words([extend_word(i.0[0], i.0[1], i.0[2]).saturating_add(1)]),
+            0 => |i| words([extend_word(i.0[0], i.0[1], i.0[2].max(1)).saturating_add(1)]),
             1 => |i| output([importance(i, (i.vector(0), -i.vector(4)))]),
             2 => |i| picked(i, (i.vector(0), -i.vector(4))),
             3 => |i| output([probability(i, (i.vector(0), -i.vector(4)))]),

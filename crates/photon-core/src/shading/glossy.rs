@@ -136,7 +136,14 @@ impl Glossy {
         let through = 1.0 - reflected(directional, coat_f0, weight);
         let diffuse = color * (dielectric * through.max(0.0));
         let (most_specular, most_diffuse) = (specular.max_element(), diffuse.max_element());
-        let total = most_specular + most_diffuse;
+        // Devices may round x/x below 1, and a metal must not count as a mixture.
+        let specular_probability = if most_diffuse > 0.0 {
+            most_specular / (most_specular + most_diffuse)
+        } else if most_specular > 0.0 {
+            1.0
+        } else {
+            0.0
+        };
         Self {
             alpha: (roughness * roughness).max(ggx::MIN_ALPHA),
             roughness,
@@ -145,7 +152,7 @@ impl Glossy {
             multiple,
             multiple_probability: if most_specular > 0.0 { multiple_albedo.max_element() / most_specular } else { 0.0 },
             diffuse,
-            specular_probability: if total > 0.0 { most_specular / total } else { 0.0 },
+            specular_probability,
             coat: Coat::new(roughness, coat_f0, weight),
         }
     }

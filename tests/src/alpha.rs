@@ -155,11 +155,11 @@ pub fn a_sheet_reflects_its_share<T: TestBackend>() {
         let values = per_pass::<T>(&builder.build().unwrap(), &direct_light(direct), 32, 8);
         assert_agrees(&format!("{direct:?} {alpha}"), moments(&values).0, alpha, standard_error(&values), 1e-6);
     }
-    // A mirror that is there for 0.4 of the views shows a lamp above the camera; a black floor is behind it.
+    // A mirror that is there for 0.4 of the views shows an area light above the camera; a black floor is behind it.
     let mut builder = SceneBuilder::new();
     sheet(&mut builder, 0.0, MaterialDesc::mirror("mirror", [1.0; 3]).with_alpha(AlphaMode::Blend, 0.4));
     sheet(&mut builder, -0.5, MaterialDesc::lambert("floor", [FAINT; 3]));
-    sheet(&mut builder, 2.0, MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]).with_both_sides(true));
+    sheet(&mut builder, 2.0, MaterialDesc::emissive("area light", [0.0; 3], [1.0; 3]).with_both_sides(true));
     look_down(&mut builder, 1.0, 0.5);
     let found = mean_red(&film::<T>(&builder.build().unwrap(), &direct_light(Direct::Nee), 64, 8));
     assert_agrees("mirror", found, 0.4, (0.24_f64 / 4096.0).sqrt(), 1e-6);
@@ -167,19 +167,19 @@ pub fn a_sheet_reflects_its_share<T: TestBackend>() {
 
 /// A light of alpha a emits a of its power, to photons, shadow rays and cameras; one that is a mask emits where it is.
 pub fn a_light_emits_its_share<T: TestBackend>() {
-    let lamp = MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]);
+    let area_light = MaterialDesc::emissive("area light", [0.0; 3], [1.0; 3]);
     let area_light = |masked: bool| {
         let mut builder = SceneBuilder::new();
         let material = if masked {
-            chequered(&mut builder, lamp.clone(), AlphaMode::Mask { cutoff: 0.5 })
+            chequered(&mut builder, area_light.clone(), AlphaMode::Mask { cutoff: 0.5 })
         } else {
-            lamp.clone().with_alpha(AlphaMode::Blend, 0.5)
+            area_light.clone().with_alpha(AlphaMode::Blend, 0.5)
         };
         let material = builder.material(material);
         let positions = vec![[-0.5, 1.0, -0.5], [0.5, 1.0, -0.5], [0.5, 1.0, 0.5], [-0.5, 1.0, 0.5]];
         let uvs = positions.iter().map(|p: &[f64; 3]| [p[0], p[2]]).collect();
         let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
-        builder.mesh_with("lamp", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
+        builder.mesh_with("area light", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
         builder
     };
     for masked in [false, true] {
@@ -322,7 +322,7 @@ pub(crate) fn leaves() -> Scene {
         MaterialDesc::lambert("veil", [0.9, 0.5, 0.5]).with_textures(textures).with_alpha(AlphaMode::Blend, 0.8),
         MaterialDesc::mirror("mirror", [0.9; 3]).with_alpha(AlphaMode::Blend, 0.3),
         MaterialDesc::thin("pane", 1.5).with_textures(textures).with_alpha(mask, 1.0),
-        MaterialDesc::emissive("lamp", [0.2; 3], [5.0; 3]).with_textures(textures).with_alpha(mask, 1.0),
+        MaterialDesc::emissive("area light", [0.2; 3], [5.0; 3]).with_textures(textures).with_alpha(mask, 1.0),
     ];
     for (number, material) in materials.into_iter().enumerate() {
         let (name, material) = (material.name.clone(), builder.material(material));

@@ -167,13 +167,13 @@ pub fn a_sheet_reflects_its_share<T: TestBackend>() {
 
 /// A light of alpha a emits a of its power, to photons, shadow rays and cameras; one that is a mask emits where it is.
 pub fn a_light_emits_its_share<T: TestBackend>() {
-    let area_light = MaterialDesc::emissive("area light", [0.0; 3], [1.0; 3]);
+    let emitter = MaterialDesc::emissive("area light", [0.0; 3], [1.0; 3]);
     let area_light = |masked: bool| {
         let mut builder = SceneBuilder::new();
         let material = if masked {
-            chequered(&mut builder, area_light.clone(), AlphaMode::Mask { cutoff: 0.5 })
+            chequered(&mut builder, emitter.clone(), AlphaMode::Mask { cutoff: 0.5 })
         } else {
-            area_light.clone().with_alpha(AlphaMode::Blend, 0.5)
+            emitter.clone().with_alpha(AlphaMode::Blend, 0.5)
         };
         let material = builder.material(material);
         let positions = vec![[-0.5, 1.0, -0.5], [0.5, 1.0, -0.5], [0.5, 1.0, 0.5], [-0.5, 1.0, 0.5]];

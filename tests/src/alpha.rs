@@ -30,7 +30,7 @@ fn sheet(builder: &mut SceneBuilder, y: f64, material: MaterialDesc) {
     let material = builder.material(material);
     let positions = vec![[-2.0, y, -2.0], [2.0, y, -2.0], [2.0, y, 2.0], [-2.0, y, 2.0]];
     let uvs = positions.iter().map(|p: &[f64; 3]| [p[0] + 2.0, p[2] + 2.0]).collect();
-    let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
     builder.mesh_with("sheet", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
 }
 
@@ -52,7 +52,7 @@ fn black(alpha: f64) -> MaterialDesc {
 fn chequered(builder: &mut SceneBuilder, material: MaterialDesc, mode: AlphaMode) -> MaterialDesc {
     let texels: Vec<[u8; 4]> = (0..64).map(|i| [255, 255, 255, if (i / 8 + i) % 2 == 0 { 255 } else { 0 }]).collect();
     let image = builder.texture(TextureDesc::srgb8("board", 8, 8, &texels).filtered(Filter::Nearest));
-    let textures = TexturesDesc { alpha: Some(TextureRef::new(image)), ..TexturesDesc::default() };
+    let textures = TexturesDesc::default().with_alpha(TextureRef::new(image));
     material.with_textures(textures).with_alpha(mode, 1.0)
 }
 
@@ -118,7 +118,7 @@ pub fn g12_masks_transmit<T: TestBackend>() {
         let material = builder.material(black(1.0));
         let positions = vec![[-2.0, 0.1, -2.0], [2.0, 0.1, -2.0], [2.0, 0.1, 2.0], [-2.0, 0.1, 2.0]];
         let colors = positions.iter().map(|p: &[f64; 3]| [1.0, 1.0, 1.0, 0.25 * p[0] + 0.5]).collect();
-        let attributes = VertexAttributes { colors, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_colors(colors);
         builder.mesh_with("sheet", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
     });
 }
@@ -178,7 +178,7 @@ pub fn a_light_emits_its_share<T: TestBackend>() {
         let material = builder.material(material);
         let positions = vec![[-0.5, 1.0, -0.5], [0.5, 1.0, -0.5], [0.5, 1.0, 0.5], [-0.5, 1.0, 0.5]];
         let uvs = positions.iter().map(|p: &[f64; 3]| [p[0], p[2]]).collect();
-        let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
         builder.mesh_with("area light", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
         builder
     };
@@ -273,7 +273,7 @@ pub fn opaque_scenes_are_unchanged<T: TestBackend>() {
         let material = builder.material(change(material));
         let positions = vec![[-1.0, 3.0, 1.0], [1.0, 3.0, 1.0], [1.0, 3.5, -1.0], [-1.0, 3.5, -1.0]];
         let uvs = vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
-        let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_uvs(uvs);
         builder.mesh_with("sheet", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
         builder.build().unwrap()
     };
@@ -315,7 +315,7 @@ pub(crate) fn leaves() -> Scene {
     let mut texels = crate::harness::Uniform::new(12);
     let texels: Vec<[u8; 4]> = (0..256).map(|_| [(); 4].map(|()| (texels.draw() * 256.0) as u8)).collect();
     let image = TextureRef::new(builder.texture(TextureDesc::srgb8("leaves", 16, 16, &texels)));
-    let textures = TexturesDesc { base_color: Some(image), alpha: Some(image), ..TexturesDesc::default() };
+    let textures = TexturesDesc::default().with_base_color(image).with_alpha(image);
     let mask = AlphaMode::Mask { cutoff: 0.5 };
     let materials = [
         MaterialDesc::lambert("leaves", [0.9; 3]).with_textures(textures).with_alpha(mask, 1.0),
@@ -329,7 +329,7 @@ pub(crate) fn leaves() -> Scene {
         let (x, y) = (-2.0 + number as f64, 2.2 + 0.4 * number as f64);
         let positions = vec![[x - 0.7, y, 0.7], [x + 0.7, y, 0.7], [x + 0.7, y + 0.5, -0.7], [x - 0.7, y + 0.5, -0.7]];
         let uvs = vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
-        let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_uvs(uvs);
         builder.mesh_with(name, positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     }
     builder.build().unwrap()

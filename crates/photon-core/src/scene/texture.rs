@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 /// How the words of a [`Texture`] encode its texels.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum TexelFormat {
     /// One word a texel: red in the lowest byte, then green, blue and alpha; each is its value over 255.
     #[default]
@@ -29,11 +30,21 @@ impl TexelFormat {
             Self::Float32 => 4,
         }
     }
+
+    /// Whether the words of a texel are the bits of its channels as `f32`; else its word has a byte for each channel.
+    #[must_use]
+    pub const fn is_float(self) -> bool {
+        match self {
+            Self::Linear8 | Self::Srgb8 => false,
+            Self::Float32 => true,
+        }
+    }
 }
 
 /// What lies beyond the edges of a texture, in one of its two directions.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Wrap {
     /// The texture again.
     #[default]
@@ -44,9 +55,22 @@ pub enum Wrap {
     Clamp = 2,
 }
 
+impl Wrap {
+    /// The least shift of a coordinate that changes no lookup; `None` if every shift does.
+    #[must_use]
+    pub const fn period(self) -> Option<f64> {
+        match self {
+            Self::Repeat => Some(1.0),
+            Self::Mirror => Some(2.0),
+            Self::Clamp => None,
+        }
+    }
+}
+
 /// Which texels a lookup reads.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Filter {
     /// The four nearest, with bilinear weights.
     #[default]

@@ -106,7 +106,7 @@ impl Image {
     #[must_use]
     pub fn texture(&self, name: impl Into<String>, bytes: TexelFormat) -> TextureDesc {
         let format = if self.is_float { TexelFormat::Float32 } else { bytes };
-        TextureDesc::new(name, [self.width, self.height], format, Arc::clone(&self.texels))
+        TextureDesc::from_words(name, [self.width, self.height], format, Arc::clone(&self.texels))
     }
 
     /// An image of bytes.

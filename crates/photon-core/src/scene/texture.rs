@@ -80,6 +80,7 @@ pub enum Filter {
 }
 
 /// An image. Cloning it does not copy the texels; several textures can share them.
+// Exhaustive: written as a literal by callers that fill in a `SceneView`, who must state every field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// Row by row from the top left, [`TexelFormat::words`] words for each texel.
@@ -158,6 +159,7 @@ impl Default for MaterialTextures {
 
 /// What shading reads beyond the geometry: vertex attributes of triangles, and textures. Borrowed; the default is
 /// a scene without any of it. A table that no material needs is empty, and costs nothing.
+// Exhaustive: written as a literal with `..ShadingTables::default()`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShadingTables<'a> {
     /// Vertex normals of each triangle, on its front side, packed by [`crate::octahedral::pack`]; empty without smooth
@@ -181,6 +183,7 @@ pub struct ShadingTables<'a> {
 }
 
 /// The tables that a [`ShadingTables`] borrows, owned; their contents are documented there.
+// Exhaustive: as `ShadingTables`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OwnedShadingTables {
     /// [`ShadingTables::normals`].

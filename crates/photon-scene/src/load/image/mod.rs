@@ -51,6 +51,7 @@ impl ImageError {
 
 /// An image read from a file.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Image {
     /// Texels in a row.
     pub width: u32,

@@ -22,6 +22,7 @@ pub mod extremes;
 pub mod fields;
 pub mod forecasts;
 pub mod gloss;
+pub mod gloss_behind_glass;
 mod gloss_reference;
 pub mod harness;
 pub mod inside;
@@ -34,6 +35,7 @@ pub mod paper;
 pub mod photon_formats;
 pub mod precision;
 pub mod required_format;
+pub mod rough_glass;
 pub mod shading_normals;
 pub mod sheets;
 pub mod stats;
@@ -126,6 +128,8 @@ macro_rules! whole_suite {
                 g4_white_furnace, highlights_of_a_point_light, reflections_of_an_area_light, caustics_of_a_glossy_plate,
                 g5_closed_room,
             }
+            gloss_behind_glass::{ plastic_behind_panes }
+            rough_glass::{ g4_white_furnace, light_behind_a_boundary, g5_closed_room }
             textures::{
                 g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,
             }

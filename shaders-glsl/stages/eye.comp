@@ -64,7 +64,7 @@ struct Path {
     uint splits;
     // Index of this path among the pixel's paths; a key of random numbers.
     uint branch;
-    // The glossy surface that it left last, if nothing specular lies between: density of the direction, or 0; position;
+    // The glossy surface or rough glass that it left last, if nothing specular lies between: density of the direction, or 0; position;
     // geometric normal.
     float reflected_pdf;
     vec3 reflected_position;
@@ -154,6 +154,7 @@ void leave_query(Path path, uint pixel, Surface at, vec3 normal, uint media, vec
 }
 
 #include "stages/eye_glossy.glsl"
+#include "stages/eye_rough_glass.glsl"
 
 void main() {
     const uint columns_log2 = 5 - TILE_ROWS_LOG2;
@@ -205,7 +206,7 @@ void main() {
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
                 vec3 throughput = path.throughput;
                 if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
-                if (GLOSSY && path.reflected_pdf > 0.0) {
+                if (FOLLOWED && path.reflected_pdf > 0.0) {
                     throughput *= found_share(path, light_of_triangle(push.scene, hit.primitive), at.t);
                 }
                 emission += throughput * material.emission;
@@ -216,7 +217,7 @@ void main() {
                 Glossy glossy = glossy_new(push.scene, material, at.cosine);
                 emission += seen * light_reflection(path, pixel, at, normal, sides.before, glossy);
                 alive = reflect_path(path, pixel, at, normal, sides.before, glossy, seen, found);
-            } else {
+            } else if (!ROUGH_GLASS || !meet_rough_glass(path, pixel, at, normal, material, sides, emission, alive)) {
                 Bsdf bsdf = bsdf_new(material, at.cosine, sides);
                 if (bsdf.kind == MATERIAL_LAMBERT) {
                     vec3 throughput = path.throughput;
@@ -238,7 +239,7 @@ void main() {
         if (ENVIRONMENT && escaped && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
-            if (GLOSSY && path.reflected_pdf > 0.0) {
+            if (FOLLOWED && path.reflected_pdf > 0.0) {
                 // It is among the last lights.
                 uint index = push.scene.light_count;
                 while (index > 0u && push.scene.lights[index - 1u].at.kind != LIGHT_ENVIRONMENT) --index;
@@ -253,7 +254,7 @@ void main() {
         }
     }
     push.counts[pixel].at = found;
-    if ((FEATURES & (FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_GLOSSY)) != 0 && emission != vec3(0.0)) {
+    if ((FEATURES & (FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS)) != 0 && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
             Planes place = film_place(push.emission, c, push.width * push.height, pixel);
             place.at += emission[c];

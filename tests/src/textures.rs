@@ -2,27 +2,20 @@
 
 use std::f64::consts::PI;
 
-use photon_core::{Direct, Estimator, Film, Filter, Indirect, Render, Settings, Wrap};
+use photon_core::{Direct, Film, Filter, Render, Settings, Wrap};
 use photon_scene::{
     CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc,
     VertexAttributes,
 };
 
-use crate::harness::{TestBackend, film, look_at_point, per_pass, renderer, trace, watts};
+use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, renderer, trace, watts};
 use crate::stats::{assert_agrees, moments, standard_error};
 
 /// Texels of the floor, row by row.
 const TEXELS: [u8; 16] = [0, 64, 128, 255, 255, 10, 200, 30, 90, 180, 45, 220, 5, 250, 125, 60];
 
 fn direct_light(direct: Direct) -> Settings {
-    Settings {
-        direct,
-        indirect: Indirect::None,
-        photons: 20_000,
-        alpha: 1.0,
-        estimator: Estimator::Radius { radius: Some(0.02) },
-        ..Settings::default()
-    }
+    direct_settings(direct, 0.02)
 }
 
 /// A square of half side 2 at y = 0, seen from above. Between -1 and 1 texture coordinates run from 0 to 1: to the
@@ -169,8 +162,7 @@ pub fn g13_ramp_light<T: TestBackend>() {
     assert_agrees("power", power, PI / 2.0, error, 1e-6);
     let truth = albedo / PI * 0.5 * square_on_axis();
     for direct in [Direct::Nee, Direct::Photons] {
-        let estimator = Estimator::Radius { radius: Some(0.05) };
-        let values = per_pass::<T>(&scene, &Settings { estimator, ..direct_light(direct) }, 64, 4);
+        let values = per_pass::<T>(&scene, &direct_settings(direct, 0.05), 64, 4);
         assert_agrees(&format!("{direct:?}"), moments(&values).0, truth, standard_error(&values), 2e-3 * truth);
     }
     let projection = Projection::Orthographic { half_height: 0.5 };
@@ -202,10 +194,7 @@ pub fn two_coloured_light<T: TestBackend>() {
     builder.quad("floor", [[-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]], white);
     look_at_point(&mut builder, [-0.4, 0.0, 0.0], [0.0, 1.0, 0.0], 0.2, 0.02);
     let scene = builder.build().unwrap();
-    let by = |direct: Direct| {
-        let estimator = Estimator::Radius { radius: Some(0.03) };
-        per_pass_rgb::<T>(&scene, &Settings { estimator, ..direct_light(direct) }, 24)
-    };
+    let by = |direct: Direct| per_pass_rgb::<T>(&scene, &direct_settings(direct, 0.03), 24);
     let (rays, photons) = (by(Direct::Nee), by(Direct::Photons));
     for channel in [0, 2] {
         let [rays, photons] =

@@ -126,7 +126,7 @@ impl Disc<'_> {
                 let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
                 let Some((_, surface)) = opaque::<ALPHA>(scene, down) else { continue };
                 let material = &scene.materials[surface.material as usize];
-                let keeps = material.is_diffuse() && material.albedo != [0.0; 3];
+                let keeps = material.stores_photons();
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
                 let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
                 if same && (away <= free || !enclosed::<ALPHA>(scene, &surface)) {

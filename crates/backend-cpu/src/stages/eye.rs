@@ -1,29 +1,25 @@
 //! Camera paths, traced to the first diffuse surface.
-//!
-//! At glossy surfaces, a path leaves a query for the base, samples a light for the reflection, and goes on by it. Light
-//! that it then finds itself, and light that was sampled, are weighted by the balance heuristic (Veach 1997, section
-//! 9.2.2).
 
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
-use photon_core::random::{BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
+use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Bsdf, Camera, Coat, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind,
-    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, SurfaceInteraction, View, glossy, octahedral,
-    offset, sampling, shading_normal,
+    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, View, octahedral, sampling,
+    shading_normal,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
-use crate::stages::light_sample;
-use crate::stages::light_sampler::LightSampler;
+use crate::stages::eye_glossy::{GlossyPoint, Reflection};
+use crate::stages::eye_rough_glass::RoughPoint;
 
 /// Traces camera paths through mirrors and glass.
 ///
-/// A path splits at its first two dielectric interfaces, so that reflections there are free of the noise of
-/// choosing a lobe at random; at later interfaces it chooses.
+/// A path splits at the first two surfaces that have two lobes: at dielectric interfaces into reflection and transmission,
+/// at glossy surfaces into reflection and base. At later ones it chooses a lobe at random.
 #[derive(Debug)]
 pub(crate) struct CpuEye {
     pub(crate) max_bounces: u32,
@@ -77,38 +73,28 @@ impl EyeTracer<Cpu> for CpuEye {
     }
 }
 
-struct Eye<'a> {
-    scene: &'a CpuScene,
-    view: &'a View,
+pub(crate) struct Eye<'a> {
+    pub(crate) scene: &'a CpuScene,
+    pub(crate) view: &'a View,
     pass: Pass,
-    max_bounces: u32,
+    pub(crate) max_bounces: u32,
     hides_background: bool,
-    max_splits: u32,
+    pub(crate) max_splits: u32,
 }
 
 /// State of a camera path.
 #[derive(Clone, Copy)]
-struct Path {
-    ray: Ray,
+pub(crate) struct Path {
+    pub(crate) ray: Ray,
     /// Throughput of radiance over n², which refraction leaves unchanged.
-    throughput: Vec3,
-    media: MediumStack,
-    surfaces: u32,
-    splits: u32,
+    pub(crate) throughput: Vec3,
+    pub(crate) media: MediumStack,
+    pub(crate) surfaces: u32,
+    pub(crate) splits: u32,
     /// Index of this path among the pixel's paths; part of the random-number key.
-    branch: u32,
+    pub(crate) branch: u32,
     /// The glossy surface that it left last, if nothing specular lies between.
-    reflected: Reflection,
-}
-
-/// A reflection at a glossy surface, from where lights are sampled too.
-#[derive(Clone, Copy, Default)]
-struct Reflection {
-    /// Density per solid angle of the direction; 0 without such a surface.
-    pdf: f32,
-    position: Vec3,
-    /// Geometric normal on the side of the path.
-    normal: Vec3,
+    pub(crate) reflected: Reflection,
 }
 
 impl Eye<'_> {
@@ -233,6 +219,13 @@ impl Eye<'_> {
             self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
             return self.reflect(path, &at, seen(), queries, query, sampler);
         }
+        if SHADED && self.scene.features.contains(Features::ROUGH_GLASS) {
+            if let Some(glass) = RoughGlass::new(&self.scene.rough_glass, material, surface.cosine, &interface) {
+                let at = RoughPoint { surface: &surface, normal, interface: &interface, glass: &glass };
+                self.light_through::<ALPHA>(path, &at, pixel, sampler);
+                return self.scatter(path, &at, sampler).then_some(None);
+            }
+        }
         let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
         if material.is_diffuse() {
             let throughput = bsdf.diffuse_throughput(seen());
@@ -281,116 +274,6 @@ impl Eye<'_> {
         *path = go_on(lobe);
         Some(None)
     }
-}
-
-impl Eye<'_> {
-    /// Adds the light that a shadow ray from a glossy surface finds, as its reflection shows it. `seen` is the factor from
-    /// radiance that leaves the surface to its contribution at the camera.
-    fn light_reflection<const ALPHA: bool>(
-        &self,
-        path: &Path,
-        at: &GlossyPoint<'_>,
-        seen: Vec3,
-        pixel: &mut FilmPixel,
-        sampler: &impl Fn(u32) -> Sampler,
-    ) {
-        let (scene, surface) = (self.scene, at.surface);
-        if scene.lights.is_empty() {
-            return;
-        }
-        let [choice, u, v, low] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
-        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick([choice, low]);
-        let from = offset::off_surface(surface.start, surface.normal);
-        let Some(sampled) = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v) else { return };
-        let direction = sampled.ray.direction;
-        let reflected = at.glossy.evaluate(-path.ray.direction, direction, at.normal);
-        let limited = glossy::limited(direction, surface.normal, at.normal);
-        let value = sampled.times(limited) * reflected.value;
-        // NaN counts as no light.
-        if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || low) {
-            return;
-        }
-        let share = share as f32;
-        let weight = balance(sampled.pdf * share, reflected.pdf);
-        let value = value * scene.attenuation(at.media, sampled.ray.t_max) * (weight / share);
-        deposit(pixel, Layer::Emission, seen.into(), value.to_array().map(f64::from));
-    }
-
-    /// Leaves a query for the base of a glossy surface, and continues the path by its reflection; or, where the path has
-    /// split as often as it may, one of the two.
-    fn reflect(
-        &self,
-        path: &mut Path,
-        at: &GlossyPoint<'_>,
-        seen: Vec3,
-        queries: &mut Vec<Query>,
-        query: impl Fn(Vec3, u32, Coat) -> Query,
-        sampler: &impl Fn(u32) -> Sampler,
-    ) -> Option<Option<Path>> {
-        let (glossy, surface, first) = (at.glossy, at.surface, at.glossy.specular_probability());
-        let [choice, u, v, _] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);
-        let splits = first > 0.0 && first < 1.0 && path.splits < self.max_splits;
-        let reflects = splits || unit_f32(choice) < first;
-        if splits || !reflects {
-            let share = if splits { 1.0 } else { 1.0 - first };
-            let throughput = glossy.diffuse() * seen * (std::f32::consts::FRAC_1_PI / share);
-            if throughput != Vec3::ZERO {
-                queries.push(query(throughput, path.branch, glossy.coat()));
-            }
-        }
-        path.surfaces += 1;
-        if !reflects || path.surfaces >= self.max_bounces {
-            return None;
-        }
-        let (direction, reflected) = glossy.sample(-path.ray.direction, at.normal, unit_f32(u), unit_f32(v));
-        let share = if splits { 1.0 } else { first };
-        let weight = reflected.weight(glossy::limited(direction, surface.normal, at.normal) / share);
-        path.throughput *= weight;
-        if path.throughput == Vec3::ZERO {
-            return None;
-        }
-        if splits {
-            path.branch |= 1 << path.splits;
-            path.splits += 1;
-        }
-        path.reflected = Reflection { pdf: reflected.pdf, position: surface.start, normal: surface.normal };
-        path.media = at.media;
-        path.ray = surface.spawn(Lobe::SpecularReflection, direction);
-        Some(None)
-    }
-
-    /// The weight of light that a reflected path has found itself: `pdf` is the density with which a shadow ray samples
-    /// its direction once it has chosen `light`.
-    fn share(&self, path: &Path, light: Option<usize>, pdf: f32) -> f32 {
-        let Some(light) = light else { return 1.0 };
-        let Reflection { position, normal, pdf: reflected } = path.reflected;
-        let chosen = LightSampler::at(self.scene, position, normal).probability(light) as f32;
-        balance(reflected, pdf * chosen)
-    }
-
-    /// The density with which a shadow ray samples the direction of a reflected path that hits the triangle of `light`.
-    fn pdf_of_light(&self, path: &Path, light: Option<usize>, distance: f32) -> f32 {
-        let Some(light) = light else { return 0.0 };
-        let from = offset::off_surface(path.reflected.position, path.reflected.normal);
-        let light = &self.scene.lights[light];
-        light_sample::pdf_of_triangle(self.scene, light, from, path.ray.direction, distance)
-    }
-}
-
-/// A glossy surface where a camera path arrives.
-struct GlossyPoint<'a> {
-    surface: &'a SurfaceInteraction,
-    /// Shading normal.
-    normal: Vec3,
-    /// The media in front of it.
-    media: MediumStack,
-    glossy: &'a Glossy,
-}
-
-/// The weight of a sample of density `mine` where another technique has density `other` (Veach 1997, equation 9.8). 1 for
-/// a light without extent, whose density of 0 stands for one that the other technique cannot reach.
-fn balance(mine: f32, other: f32) -> f32 {
-    if mine > 0.0 { mine / (mine + other) } else { 1.0 }
 }
 
 /// The ray through a point of the image; both coordinates are in `[-1, 1]`.

@@ -4,8 +4,8 @@ use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
     Bsdf, Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Glossy, Layer, Lobe, MapKind, Maps,
-    MaterialKind, MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, glossy, octahedral, offset,
-    sampling, shading_normal,
+    MaterialKind, MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, RoughGlass, glossy, octahedral,
+    offset, sampling, shading_normal,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -171,7 +171,24 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         }
         let interface = scene.interface(&surface, media);
         throughput *= scene.attenuation(interface.before, surface.t);
-        let mut base = Vec3::ZERO;
+        let mut albedo = Vec3::from(material.albedo);
+        if SHADED && scene.features.contains(Features::ROUGH_GLASS) {
+            let table = &scene.rough_glass;
+            if let Some(glass) = RoughGlass::new(table, material, surface.cosine, &interface) {
+                let [choice, u, v, _] = sampler.words(block + bounce);
+                let sampled = glass.sample(table, -ray.direction, normal, [choice, u, v].map(unit_f32));
+                let stays = sampled.lobe == Lobe::SpecularReflection;
+                let towards = |normal: Vec3| if stays { normal } else { -normal };
+                let (geometric, shading) = (towards(surface.normal), towards(normal));
+                throughput *= sampled.found.weight(glossy::limited(sampled.direction, geometric, shading));
+                if throughput == Vec3::ZERO {
+                    break;
+                }
+                media = if stays { media } else { interface.transmitted };
+                ray = surface.spawn(sampled.lobe, sampled.direction);
+                continue;
+            }
+        }
         let bsdf = Bsdf::new(scene.features, material, surface.cosine, &interface);
         let lobe = if SHADED && material.kind() == MaterialKind::Glossy {
             let glossy = Glossy::new(material, surface.cosine);
@@ -186,10 +203,9 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 ray = surface.spawn(Lobe::SpecularReflection, direction);
                 continue;
             }
-            base = glossy.diffuse() / (1.0 - first);
+            albedo = glossy.diffuse() / (1.0 - first);
             Lobe::Diffuse
         } else {
-            base = if SHADED { material.albedo.into() } else { base };
             match bsdf.split() {
                 None => bsdf.choose(0.0),
                 Some(_) => {
@@ -211,7 +227,6 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 }
             }
             Lobe::Diffuse => {
-                let albedo = if SHADED { base } else { bsdf.weight(lobe) };
                 let throughput = throughput * scene.radiance_scale(start, interface.before) * albedo;
                 let mut found = Found::default();
                 let at = |gather: &EstimateParams| VisiblePoint {

@@ -14,10 +14,11 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Maximum number of splits of a camera path in scenes with glass.
+/// Maximum number of splits of a camera path in scenes with glass or glossy surfaces.
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 
-/// Traces camera paths through mirrors and glass.
+/// Traces camera paths through mirrors and glass. A path splits at the first two surfaces that have two lobes, dielectric
+/// or glossy, as on the CPU.
 ///
 /// Each pixel has slots for the maximum number of queries and fills some of them; a prefix sum then computes
 /// the compacted positions, so that queries are in pixel order regardless of the order of execution. The slots
@@ -139,7 +140,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::GLOSSY);
+        let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::FOLLOWED);
         let lit = features.intersects(emits);
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as possible.
@@ -150,7 +151,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
             paths_log2: SPLITS,
             tile_rows_log2: tile_rows,
             media: scene.media(),
-            weighed: if features.contains(Features::GLOSSY) { weighed(scene) } else { 0 },
+            weighed: if features.intersects(Features::FOLLOWED) { weighed(scene) } else { 0 },
             hides_background: self.hides_background,
         };
         let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;

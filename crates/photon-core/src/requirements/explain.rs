@@ -26,6 +26,10 @@ pub struct Need {
 const GLOSSY: &str = "camera paths follow their reflection, and sample a light at each; kind = \"lambert\", or specular = 0 \
                       without metal, in an override file makes them diffuse";
 
+/// What rough glass costs, and how to do without.
+const ROUGH_GLASS: &str = "camera paths sample a light on both sides at each of its surfaces; roughness = 0 in an override \
+                           file makes it smooth";
+
 /// The needs of a scene: lobes and lights first, in the order of [`Features`], then maps, then stages.
 #[must_use]
 pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
@@ -50,6 +54,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 (0, lights) => counted(lights, "light"),
                 (triangles, _) if feature == Features::GLOSSY => {
                     format!("{}; {GLOSSY}", counted(triangles, "triangle"))
+                }
+                (triangles, _) if feature == Features::ROUGH_GLASS => {
+                    format!("{}; {ROUGH_GLASS}", counted(triangles, "triangle"))
                 }
                 (triangles, _) => counted(triangles, "triangle"),
             };

@@ -82,7 +82,7 @@ impl Requirements {
     /// features `present`.
     #[must_use]
     pub fn samples_lights(&self, present: Features) -> bool {
-        self.shadow_rays || present.contains(Features::GLOSSY)
+        self.shadow_rays || present.intersects(Features::FOLLOWED)
     }
 
     /// Checks that stages built for `self` support the features `needed`.
@@ -162,8 +162,13 @@ pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features
             if absorbs { Features::DIELECTRIC.union(Features::ABSORPTION) } else { Features::DIELECTRIC }
         }
     };
+    let rough = if material.is_rough_glass() { Features::ROUGH_GLASS } else { Features::NONE };
     let shading = shading_features(material, &scene.shading);
-    lobes.union(shading).union(if material.has_alpha() { alpha_features(material) } else { Features::NONE })
+    lobes.union(rough).union(shading).union(if material.has_alpha() {
+        alpha_features(material)
+    } else {
+        Features::NONE
+    })
 }
 
 /// The features that the vertex attributes and textures of a material need.

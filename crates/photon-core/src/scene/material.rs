@@ -84,8 +84,8 @@ pub struct Material {
     pub textures: u32,
     /// Glossy: the share of metal, in `[0, 1]`; the rest has a base under a dielectric coat. Otherwise 0.
     pub metallic: f32,
-    /// Glossy: roughness, in `[0, 1]`; the width of the distribution is its square, but at least
-    /// [`crate::ggx::MIN_ALPHA`]. Otherwise 0.
+    /// Glossy, dielectric and thin: roughness, in `[0, 1]`; the width of the distribution is its square. Of glossy surfaces
+    /// it is at least [`crate::ggx::MIN_ALPHA`]; dielectrics of lower widths are smooth. Otherwise 0.
     pub roughness: f32,
     /// Glossy: factor on the reflection of the coat, in `[0, 1]`; 0 leaves a Lambertian base. Otherwise 0.
     pub specular: f32,
@@ -115,8 +115,7 @@ impl Material {
         }
     }
 
-    /// Whether photons can be stored here: whether some of the scattering is diffuse. Black surfaces store none all the
-    /// same. Textures may make a glossy surface less metallic than its factor says.
+    /// Whether some of the scattering is diffuse. Textures may make a glossy surface less metallic than its factor says.
     #[inline]
     #[must_use]
     pub fn is_diffuse(&self) -> bool {
@@ -127,6 +126,14 @@ impl Material {
         }
     }
 
+    /// Whether photons are stored here: where some of the scattering is diffuse and not black. Texels that are black do not
+    /// count, so that estimates beside them have all of their photons. Before textures are evaluated.
+    #[inline]
+    #[must_use]
+    pub fn stores_photons(&self) -> bool {
+        self.is_diffuse() && self.albedo != [0.0; 3]
+    }
+
     /// Whether camera paths go on here: whether some of the scattering is specular or glossy.
     #[inline]
     #[must_use]
@@ -135,6 +142,13 @@ impl Material {
             MaterialKind::Lambert => false,
             MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin | MaterialKind::Glossy => true,
         }
+    }
+
+    /// Whether it is glass that may be rough: textures may make it smooth.
+    #[inline]
+    #[must_use]
+    pub fn is_rough_glass(&self) -> bool {
+        self.kind().transmits() && self.roughness * self.roughness >= crate::ggx::MIN_ALPHA
     }
 
     /// Whether the surface may be only partly there: [`Material::ALPHA`].

@@ -16,6 +16,8 @@ pub mod math;
 pub mod octahedral;
 pub mod offset;
 pub mod random;
+pub mod rough_glass;
+pub(crate) mod rough_glass_table;
 pub mod sampling;
 pub mod shade;
 pub mod shading_normal;

@@ -1,0 +1,140 @@
+//! Glossy surfaces on camera paths.
+//!
+//! A path leaves a query for the base there, samples a light for the reflection, and continues by it. Light that it then
+//! finds itself, and light that was sampled, are weighted by the balance heuristic (Veach 1997, section 9.2.2).
+
+use photon_core::glam::Vec3;
+use photon_core::random::{BLOCK_LIGHTS, BLOCK_SURFACES, Sampler, unit_f32};
+use photon_core::{Coat, FilmPixel, Glossy, Layer, Lobe, MediumStack, Query, SurfaceInteraction, glossy, offset};
+
+use super::eye::{Eye, Path};
+use crate::film::deposit;
+use crate::stages::light_sample;
+use crate::stages::light_sampler::LightSampler;
+
+/// A reflection at a glossy surface, or a scattering at rough glass, from where lights are sampled too.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Reflection {
+    /// Density per solid angle of the direction; 0 without such a surface.
+    pub(crate) pdf: f32,
+    position: Vec3,
+    /// Geometric normal on the side to which the path goes on.
+    normal: Vec3,
+}
+
+/// A glossy surface where a camera path arrives.
+pub(crate) struct GlossyPoint<'a> {
+    pub(crate) surface: &'a SurfaceInteraction,
+    /// Shading normal.
+    pub(crate) normal: Vec3,
+    /// The media in front of it.
+    pub(crate) media: MediumStack,
+    pub(crate) glossy: &'a Glossy,
+}
+
+impl Reflection {
+    pub(crate) fn new(pdf: f32, position: Vec3, normal: Vec3) -> Self {
+        Self { pdf, position, normal }
+    }
+}
+
+impl Eye<'_> {
+    /// Adds the light that a shadow ray from a glossy surface finds, as its reflection shows it. `seen` is the factor from
+    /// radiance that leaves the surface to its contribution at the camera.
+    pub(crate) fn light_reflection<const ALPHA: bool>(
+        &self,
+        path: &Path,
+        at: &GlossyPoint<'_>,
+        seen: Vec3,
+        pixel: &mut FilmPixel,
+        sampler: &impl Fn(u32) -> Sampler,
+    ) {
+        let (scene, surface) = (self.scene, at.surface);
+        if scene.lights.is_empty() {
+            return;
+        }
+        let [choice, u, v, low] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
+        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick([choice, low]);
+        let from = offset::off_surface(surface.start, surface.normal);
+        let Some(sampled) = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v) else { return };
+        let direction = sampled.ray.direction;
+        let reflected = at.glossy.evaluate(-path.ray.direction, direction, at.normal);
+        let limited = glossy::limited(direction, surface.normal, at.normal);
+        let value = sampled.times(limited) * reflected.value;
+        // NaN counts as no light.
+        if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || low) {
+            return;
+        }
+        let share = share as f32;
+        let weight = balance(sampled.pdf * share, reflected.pdf);
+        let value = value * scene.attenuation(at.media, sampled.ray.t_max) * (weight / share);
+        deposit(pixel, Layer::Emission, seen.into(), value.to_array().map(f64::from));
+    }
+
+    /// Leaves a query for the base of a glossy surface, and continues the path by its reflection; or, where the path has
+    /// split as often as it may, one of the two.
+    pub(crate) fn reflect(
+        &self,
+        path: &mut Path,
+        at: &GlossyPoint<'_>,
+        seen: Vec3,
+        queries: &mut Vec<Query>,
+        query: impl Fn(Vec3, u32, Coat) -> Query,
+        sampler: &impl Fn(u32) -> Sampler,
+    ) -> Option<Option<Path>> {
+        let (glossy, surface, first) = (at.glossy, at.surface, at.glossy.specular_probability());
+        // The next block, as at glass: the words of this one belong to the surface before.
+        path.surfaces += 1;
+        let [choice, u, v, _] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);
+        let splits = first > 0.0 && first < 1.0 && path.splits < self.max_splits;
+        let reflects = splits || unit_f32(choice) < first;
+        if splits || !reflects {
+            let share = if splits { 1.0 } else { 1.0 - first };
+            let throughput = glossy.diffuse() * seen * (std::f32::consts::FRAC_1_PI / share);
+            if throughput != Vec3::ZERO {
+                queries.push(query(throughput, path.branch, glossy.coat()));
+            }
+        }
+        if !reflects || path.surfaces >= self.max_bounces {
+            return None;
+        }
+        let (direction, reflected) = glossy.sample(-path.ray.direction, at.normal, unit_f32(u), unit_f32(v));
+        let share = if splits { 1.0 } else { first };
+        let weight = reflected.weight(glossy::limited(direction, surface.normal, at.normal) / share);
+        path.throughput *= weight;
+        if path.throughput == Vec3::ZERO {
+            return None;
+        }
+        if splits {
+            path.branch |= 1 << path.splits;
+            path.splits += 1;
+        }
+        path.reflected = Reflection::new(reflected.pdf, surface.start, surface.normal);
+        path.media = at.media;
+        path.ray = surface.spawn(Lobe::SpecularReflection, direction);
+        Some(None)
+    }
+
+    /// The weight of light that a reflected path has found itself: `pdf` is the density with which a shadow ray samples
+    /// its direction once it has chosen `light`.
+    pub(crate) fn share(&self, path: &Path, light: Option<usize>, pdf: f32) -> f32 {
+        let Some(light) = light else { return 1.0 };
+        let Reflection { position, normal, pdf: reflected } = path.reflected;
+        let chosen = LightSampler::at(self.scene, position, normal).probability(light) as f32;
+        balance(reflected, pdf * chosen)
+    }
+
+    /// The density with which a shadow ray samples the direction of a reflected path that hits the triangle of `light`.
+    pub(crate) fn pdf_of_light(&self, path: &Path, light: Option<usize>, distance: f32) -> f32 {
+        let Some(light) = light else { return 0.0 };
+        let from = offset::off_surface(path.reflected.position, path.reflected.normal);
+        let light = &self.scene.lights[light];
+        light_sample::pdf_of_triangle(self.scene, light, from, path.ray.direction, distance)
+    }
+}
+
+/// The weight of a sample of density `mine` where another technique has density `other` (Veach 1997, equation 9.8). 1 for
+/// a light without extent, whose density of 0 stands for one that the other technique cannot reach.
+pub(crate) fn balance(mine: f32, other: f32) -> f32 {
+    if mine > 0.0 { mine / (mine + other) } else { 1.0 }
+}

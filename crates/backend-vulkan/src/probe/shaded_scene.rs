@@ -110,6 +110,7 @@ impl ShadedScene {
                 normal_scale,
                 metallic_roughness,
                 alpha,
+                specular: if d.now_and_then() { none } else { d.word() % images },
                 ..MaterialTextures::default()
             };
             self.shading.material_textures.push(entry);
@@ -120,8 +121,9 @@ impl ShadedScene {
             let (flags, alpha_cutoff) = [(0, 0.0), (Material::ALPHA, 0.0), (Material::ALPHA, 0.2)][index as usize % 3];
             let alpha = d.between(0.5, 1.0);
             let kind = if index % 2 == 0 { MaterialKind::Lambert } else { MaterialKind::Glossy };
-            let (metallic, roughness) = (d.unit(), d.unit());
-            let surface = Material { kind: kind as u32, metallic, roughness, ior: 1.5, ..Material::default() };
+            let (metallic, roughness, specular) = (d.unit(), d.unit(), d.unit());
+            let surface =
+                Material { kind: kind as u32, metallic, roughness, specular, ior: 1.5, ..Material::default() };
             self.materials.push(Material { albedo, emission, textures, flags, alpha, alpha_cutoff, ..surface });
         }
     }

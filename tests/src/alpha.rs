@@ -23,7 +23,7 @@ pub(crate) fn sheet(builder: &mut SceneBuilder, y: f64, material: MaterialDesc) 
     let material = builder.material(material);
     let positions = vec![[-2.0, y, -2.0], [2.0, y, -2.0], [2.0, y, 2.0], [-2.0, y, 2.0]];
     let uvs = positions.iter().map(|p: &[f64; 3]| [p[0] + 2.0, p[2] + 2.0]).collect();
-    let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
     builder.mesh_with("sheet", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
 }
 
@@ -45,7 +45,7 @@ fn black(alpha: f64) -> MaterialDesc {
 pub(crate) fn chequered(builder: &mut SceneBuilder, material: MaterialDesc, mode: AlphaMode) -> MaterialDesc {
     let texels: Vec<[u8; 4]> = (0..64).map(|i| [255, 255, 255, if (i / 8 + i) % 2 == 0 { 255 } else { 0 }]).collect();
     let image = builder.texture(TextureDesc::srgb8("board", 8, 8, &texels).filtered(Filter::Nearest));
-    let textures = TexturesDesc { alpha: Some(TextureRef::new(image)), ..TexturesDesc::default() };
+    let textures = TexturesDesc::default().with_alpha(TextureRef::new(image));
     material.with_textures(textures).with_alpha(mode, 1.0)
 }
 
@@ -111,7 +111,7 @@ pub fn g12_masks_transmit<T: TestBackend>() {
         let material = builder.material(black(1.0));
         let positions = vec![[-2.0, 0.1, -2.0], [2.0, 0.1, -2.0], [2.0, 0.1, 2.0], [-2.0, 0.1, 2.0]];
         let colors = positions.iter().map(|p: &[f64; 3]| [1.0, 1.0, 1.0, 0.25 * p[0] + 0.5]).collect();
-        let attributes = VertexAttributes { colors, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_colors(colors);
         builder.mesh_with("sheet", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
     });
 }

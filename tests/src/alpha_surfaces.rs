@@ -47,7 +47,7 @@ pub fn a_light_emits_its_share<T: TestBackend>() {
         let material = builder.material(material);
         let positions = vec![[-0.5, 1.0, -0.5], [0.5, 1.0, -0.5], [0.5, 1.0, 0.5], [-0.5, 1.0, 0.5]];
         let uvs = positions.iter().map(|p: &[f64; 3]| [p[0], p[2]]).collect();
-        let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
         builder.mesh_with("area light", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
         builder
     };
@@ -142,7 +142,7 @@ pub fn opaque_scenes_are_unchanged<T: TestBackend>() {
         let material = builder.material(change(material));
         let positions = vec![[-1.0, 3.0, 1.0], [1.0, 3.0, 1.0], [1.0, 3.5, -1.0], [-1.0, 3.5, -1.0]];
         let uvs = vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
-        let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_uvs(uvs);
         builder.mesh_with("sheet", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
         builder.build().unwrap()
     };
@@ -184,7 +184,7 @@ pub(crate) fn leaves() -> Scene {
     let mut texels = crate::harness::Uniform::new(12);
     let texels: Vec<[u8; 4]> = (0..256).map(|_| [(); 4].map(|()| (texels.draw() * 256.0) as u8)).collect();
     let image = TextureRef::new(builder.texture(TextureDesc::srgb8("leaves", 16, 16, &texels)));
-    let textures = TexturesDesc { base_color: Some(image), alpha: Some(image), ..TexturesDesc::default() };
+    let textures = TexturesDesc::default().with_base_color(image).with_alpha(image);
     let mask = AlphaMode::Mask { cutoff: 0.5 };
     let materials = [
         MaterialDesc::lambert("leaves", [0.9; 3]).with_textures(textures).with_alpha(mask, 1.0),
@@ -198,7 +198,7 @@ pub(crate) fn leaves() -> Scene {
         let (x, y) = (-2.0 + number as f64, 2.2 + 0.4 * number as f64);
         let positions = vec![[x - 0.7, y, 0.7], [x + 0.7, y, 0.7], [x + 0.7, y + 0.5, -0.7], [x - 0.7, y + 0.5, -0.7]];
         let uvs = vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
-        let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_uvs(uvs);
         builder.mesh_with(name, positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     }
     builder.build().unwrap()

@@ -24,7 +24,7 @@ fn floor(builder: &mut SceneBuilder, textures: TexturesDesc, (x, half_height): (
     let material = builder.material(MaterialDesc::lambert("floor", [1.0; 3]).with_textures(textures));
     let positions = vec![[-2.0, 0.0, -2.0], [2.0, 0.0, -2.0], [2.0, 0.0, 2.0], [-2.0, 0.0, 2.0]];
     let uvs = positions.iter().map(|p: &[f64; 3]| [0.5 * p[0] + 0.5, 0.5 * p[2] + 0.5]).collect();
-    let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
     builder.mesh_with("floor", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
     let projection = Projection::Orthographic { half_height };
     let (position, direction, up) = ([x, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]);
@@ -57,11 +57,7 @@ pub fn g8_textured_floor<T: TestBackend>() {
         let mut builder = SceneBuilder::new();
         let image = TextureDesc::linear8("checks", 4, 4, &texels).wrapped([wrap; 2]).filtered(filter);
         let image = builder.texture(image);
-        floor(
-            &mut builder,
-            TexturesDesc { base_color: Some(TextureRef::new(image)), ..TexturesDesc::default() },
-            (0.0, 1.0),
-        );
+        floor(&mut builder, TexturesDesc::default().with_base_color(TextureRef::new(image)), (0.0, 1.0));
         let scene = builder.build().unwrap();
         let passes = 64;
         let seen = red(&film::<T>(&scene, &direct_light(Direct::Nee), passes, 4));
@@ -116,11 +112,7 @@ pub fn g8_textured_floor_by_photons<T: TestBackend>() {
     let mut builder = SceneBuilder::new();
     let image = TextureDesc::srgb8("halves", 2, 1, &[[255, 188, 0, 255], [0, 188, 255, 255]]).filtered(Filter::Nearest);
     let image = builder.texture(image);
-    floor(
-        &mut builder,
-        TexturesDesc { base_color: Some(TextureRef::new(image)), ..TexturesDesc::default() },
-        (-0.5, 0.2),
-    );
+    floor(&mut builder, TexturesDesc::default().with_base_color(TextureRef::new(image)), (-0.5, 0.2));
     let scene = builder.build().unwrap();
     let seen = per_pass_rgb::<T>(&scene, &direct_light(Direct::Photons), 16);
     let half = ((188.0_f64 / 255.0 + 0.055) / 1.055).powf(2.4);
@@ -135,12 +127,12 @@ fn ramp() -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let image = TextureDesc::float32("ramp", 2, 1, &[[0.0, 0.0, 0.0, 1.0], [1.0; 4]]).wrapped([Wrap::Clamp; 2]);
     let image = builder.texture(image);
-    let textures = TexturesDesc { emission: Some(TextureRef::new(image)), ..TexturesDesc::default() };
+    let textures = TexturesDesc::default().with_emission(TextureRef::new(image));
     let material = builder.material(MaterialDesc::emissive("light", [0.0; 3], [1.0; 3]).with_textures(textures));
     let positions = vec![[-0.5, 1.0, -0.5], [0.5, 1.0, -0.5], [0.5, 1.0, 0.5], [-0.5, 1.0, 0.5]];
     // From the centre of one texel to that of the other.
     let uvs = positions.iter().map(|p: &[f64; 3]| [0.25 + 0.5 * (p[0] + 0.5), 0.5]).collect();
-    let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
     builder.mesh_with("light", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     builder
 }
@@ -191,12 +183,12 @@ pub fn two_coloured_light<T: TestBackend>() {
     let mut builder = SceneBuilder::new();
     let image = TextureDesc::srgb8("two", 2, 1, &[[255, 0, 0, 255], [0, 0, 255, 255]]).filtered(Filter::Nearest);
     let image = builder.texture(image);
-    let textures = TexturesDesc { emission: Some(TextureRef::new(image)), ..TexturesDesc::default() };
+    let textures = TexturesDesc::default().with_emission(TextureRef::new(image));
     let emissive = MaterialDesc::emissive("light", [0.0; 3], [1.0, 1.0, 1.0]);
     let material = builder.material(emissive.with_both_sides(true).with_textures(textures));
     let positions = vec![[-0.5, 0.4, -0.5], [0.5, 0.4, -0.5], [0.5, 0.4, 0.5], [-0.5, 0.4, 0.5]];
     let uvs = positions.iter().map(|p: &[f64; 3]| [p[0] + 0.5, 0.5]).collect();
-    let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
     builder.mesh_with("light", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     let white = builder.material(MaterialDesc::lambert("floor", [1.0; 3]));
     builder.quad("floor", [[-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]], white);
@@ -222,7 +214,7 @@ pub fn vertex_colours<T: TestBackend>() {
         let positions = vec![[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]];
         let colors = positions.iter().map(|p: &[f64; 3]| [0.5 * p[0] + 0.5, 1.0, 0.0, 1.0]).collect();
         let uvs = vec![vec![[0.75, 0.5]; 4]];
-        let attributes = VertexAttributes { colors, uvs, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_colors(colors).with_uvs(uvs);
         builder.mesh_with("floor", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
         let projection = Projection::Orthographic { half_height: 1.0 };
         let (position, direction, up) = ([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]);
@@ -233,8 +225,8 @@ pub fn vertex_colours<T: TestBackend>() {
     for (textured, factor) in [(false, [1.0, 1.0]), (true, [0.2, 0.4])] {
         let mut builder = SceneBuilder::new();
         let image = TextureDesc::linear8("x", 2, 1, &[[0; 4], [51, 102, 255, 255]]).filtered(Filter::Nearest);
-        let base_color = textured.then(|| TextureRef::new(builder.texture(image)));
-        let textures = TexturesDesc { base_color, ..TexturesDesc::default() };
+        let mut textures = TexturesDesc::default();
+        textures.base_color = textured.then(|| TextureRef::new(builder.texture(image)));
         let passes = 64;
         let film = film::<T>(&scene(textures, builder), &direct_light(Direct::Nee), passes, 2);
         for (pixel, color) in film.beauty().iter().enumerate() {

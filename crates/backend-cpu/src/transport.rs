@@ -1,7 +1,7 @@
 //! Implements [`TransportBackend`]: prepares scenes and creates the stages of a pass.
 
 use photon_core::{
-    AimedStages, Area, Backend as _, Costs, FilmPixel, MapStages, PhotonFormat, ProjectionMap, Query, Requirements,
+    AimedStages, Area, Backend as _, Costs, FilmPixel, GlossCaustics, MapStages, PhotonFormat, ProjectionMap, Query, Requirements,
     Result, SceneView, Settings, Stages, TransportBackend,
 };
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use crate::stages::area::CpuArea;
 use crate::stages::direct::CpuDirect;
 use crate::stages::emit::{CpuAimedEmitter, CpuEmitter};
 use crate::stages::estimate::CpuEstimator;
-use crate::stages::eye::CpuEye;
+use crate::stages::eye::{CpuEye, CpuReflections};
 use crate::stages::final_gather::CpuGather;
 use crate::stages::irradiance::CpuIrradiance;
 use crate::stages::trace::CpuTracer;
@@ -42,6 +42,10 @@ impl TransportBackend for Cpu {
             irradiance: settings.irradiance_every.map(|_| Box::new(CpuIrradiance) as Box<_>),
             area: if settings.area == Area::Surface { Some(Box::new(CpuArea)) } else { None },
             aimed: None,
+            gloss_caustics: required.gloss_caustics.then(|| GlossCaustics {
+                tracer: Box::new(CpuTracer::for_reflections(settings, required)),
+                eye: Box::new(CpuReflections { max_bounces: settings.max_bounces }),
+            }),
             map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },
         })
     }

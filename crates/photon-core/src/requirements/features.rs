@@ -96,6 +96,16 @@ impl Features {
         self.intersects(Self::DIELECTRIC.union(Self::THIN).union(Self::GLOSSY))
     }
 
+    /// Lights that no camera path can find: without extent.
+    pub const DELTA_LIGHTS: Self = Self::POINT_LIGHTS.union(Self::SPOT_LIGHTS).union(Self::DIRECTIONAL_LIGHTS);
+
+    /// Whether a scene with these features can have caustics that only photons find in the reflection of glossy surfaces.
+    #[must_use]
+    pub const fn has_gloss_caustics(self) -> bool {
+        const PERFECT: Features = Features::MIRROR.union(Features::DIELECTRIC).union(Features::THIN);
+        self.contains(Self::GLOSSY) && self.intersects(PERFECT) && self.intersects(Self::DELTA_LIGHTS)
+    }
+
     /// The features that are not in `other`.
     #[must_use]
     pub const fn without(self, other: Self) -> Self {

@@ -16,6 +16,7 @@ pub mod math;
 pub mod octahedral;
 pub mod offset;
 pub mod random;
+pub(crate) mod reflection_lobe;
 pub mod sampling;
 pub mod shade;
 pub mod shading_normal;

@@ -20,6 +20,17 @@ struct Ray {
 
 const float NO_LIMIT = 3.4028235e38;
 
+// Whether some of the scattering is diffuse. Textures may make a glossy surface less metallic than its factor says.
+bool material_is_diffuse(Material material) {
+    return material.kind == MATERIAL_LAMBERT
+        || (material.kind == MATERIAL_GLOSSY && (material.metallic < 1.0 || material.textures != 0u));
+}
+
+// Whether photons are stored on a material; before textures are evaluated.
+bool material_stores_photons(Material material) {
+    return material_is_diffuse(material) && material.albedo != vec3(0.0);
+}
+
 // Eight children, with boxes quantized in steps of a power of two from a corner; see intersect.glsl.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WideNodes {
     uvec4 words[5];

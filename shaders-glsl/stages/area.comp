@@ -107,10 +107,7 @@ void main() {
             float away = probe.x * radius;
             if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
             Material material = push.scene.materials[at.material].at;
-            bool keeps = material.kind == MATERIAL_LAMBERT
-                || (material.kind == MATERIAL_GLOSSY && (material.metallic < 1.0 || material.textures != 0u));
-            keeps = keeps && material.albedo != vec3(0.0);
-            if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
+            if (!material_stores_photons(material) || dot3(at.normal, normal) < push.min_cosine) continue;
             if (FLAT != 0) {
                 float off = abs(dot3(at.point - push.queries[i].at.position, normal));
                 vec3 most = push.max_plane_distance * (vec3(1.0, 1.41421356, 0.70710678) * radius);

@@ -46,6 +46,8 @@ bool reflect_path(
     inout Path path, uint pixel, Surface at, vec3 normal, uint media, Glossy glossy, vec3 seen, inout uint found
 ) {
     float first = glossy.specular_probability;
+    // The next block, as at glass: the words of this one belong to the surface before.
+    path.surfaces++;
     uvec4 random = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
     bool splits = first > 0.0 && first < 1.0 && path.splits < MAX_SPLITS;
     bool reflects = splits || unit_f32(random.x) < first;
@@ -53,7 +55,6 @@ bool reflect_path(
         vec3 throughput = glossy.diffuse * seen * (0.318309886 / (splits ? 1.0 : 1.0 - first));
         leave_query(path, pixel, at, normal, media, throughput, glossy.coat, found);
     }
-    path.surfaces++;
     if (!reflects || path.surfaces >= push.max_bounces) return false;
     vec3 onward;
     Reflected reflected = glossy_sample(

@@ -271,9 +271,7 @@ uint step_path(inout Path path, Hit hit) {
     if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
     Surface at = surface_of(push.scene, path.ray.direction, hit);
     Material material = push.scene.materials[at.material].at;
-    // Where no texture is black, photons are stored, so that estimates beside black texels have all of theirs.
-    bool stores = material.albedo != vec3(0.0)
-        && (material.kind != MATERIAL_GLOSSY || material.metallic < 1.0 || material.textures != 0u);
+    bool stores = material_stores_photons(material);
     float coverage = 1.0;
     if (ALPHA) coverage = alpha_coverage_at(push.scene, material, hit.slot, hit.u, hit.v);
     vec3 normal = at.normal;

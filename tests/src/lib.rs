@@ -21,6 +21,7 @@ pub mod extremes;
 pub mod fields;
 pub mod forecasts;
 pub mod gloss;
+pub mod gloss_behind_glass;
 pub mod harness;
 pub mod inside;
 pub mod interreflection;
@@ -124,6 +125,7 @@ macro_rules! whole_suite {
                 g4_white_furnace, highlights_of_a_point_light, reflections_of_an_area_light, caustics_of_a_glossy_plate,
                 g5_closed_room,
             }
+            gloss_behind_glass::{ plastic_behind_panes }
             textures::{
                 g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,
             }

@@ -13,7 +13,7 @@ use crate::stages::area::CpuArea;
 use crate::stages::direct::CpuDirect;
 use crate::stages::emit::{CpuAimedEmitter, CpuEmitter};
 use crate::stages::estimate::CpuEstimator;
-use crate::stages::eye::{CpuEye, CpuReflections};
+use crate::stages::eye::CpuEye;
 use crate::stages::final_gather::CpuGather;
 use crate::stages::irradiance::CpuIrradiance;
 use crate::stages::trace::CpuTracer;
@@ -32,6 +32,7 @@ impl TransportBackend for Cpu {
             eye: Box::new(CpuEye {
                 max_bounces: settings.max_bounces,
                 hides_background: settings.transparent_background,
+                reflections: false,
             }),
             direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
             gather: if required.final_gather {
@@ -44,7 +45,11 @@ impl TransportBackend for Cpu {
             aimed: None,
             gloss_caustics: required.gloss_caustics.then(|| GlossCaustics {
                 tracer: Box::new(CpuTracer::for_reflections(settings, required)),
-                eye: Box::new(CpuReflections { max_bounces: settings.max_bounces }),
+                eye: Box::new(CpuEye {
+                    max_bounces: settings.max_bounces,
+                    hides_background: false,
+                    reflections: true,
+                }),
             }),
             map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },
         })

@@ -44,6 +44,7 @@ impl TransportBackend for Vulkan {
             irradiance: settings.irradiance_every.map(|_| Box::new(VulkanIrradiance) as Box<_>),
             area: if settings.area == Area::Surface { Some(Box::new(VulkanArea)) } else { None },
             aimed: None,
+            gloss_caustics: None,
             map: self.map_stages(settings.index)?,
         })
     }

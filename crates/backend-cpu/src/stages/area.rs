@@ -129,7 +129,7 @@ impl Disc<'_> {
                 let keeps = if gather.reflection {
                     material.kind() == MaterialKind::Glossy
                 } else {
-                    material.is_diffuse() && material.albedo != [0.0; 3]
+                    material.stores_photons()
                 };
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
                 let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;

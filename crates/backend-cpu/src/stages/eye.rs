@@ -1,34 +1,31 @@
 //! Camera paths, traced to the first diffuse surface.
-//!
-//! At glossy surfaces, a path leaves a query for the base, samples a light for the reflection, and goes on by it. Light
-//! that it then finds itself, and light that was sampled, are weighted by the balance heuristic (Veach 1997, section
-//! 9.2.2).
 
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
-use photon_core::random::{BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
+use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, Camera, Coat, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind,
-    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, SurfaceInteraction, View, glossy, octahedral,
-    offset, sampling, shading_normal,
+    Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind,
+    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, View, octahedral, sampling, shading_normal,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
-use crate::stages::light_sample;
-use crate::stages::light_sampler::LightSampler;
+use crate::stages::eye_glossy::{GlossyPoint, Leaves, Reflection};
 
 /// Traces camera paths through mirrors and glass.
 ///
-/// A path splits at its first two dielectric interfaces, so that reflections there are free of the noise of
-/// choosing a lobe at random; at later interfaces it chooses.
+/// A path splits at the first two surfaces that have two lobes: at dielectric interfaces into reflection and transmission,
+/// at glossy surfaces into reflection and base. At later ones it chooses a lobe at random.
 #[derive(Debug)]
 pub(crate) struct CpuEye {
     pub(crate) max_bounces: u32,
     /// Whether camera rays that hit nothing do not see the environment.
     pub(crate) hides_background: bool,
+    /// Whether paths leave queries for the reflection of glossy surfaces, instead of all else:
+    /// [`photon_core::GlossCaustics`].
+    pub(crate) reflections: bool,
 }
 
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
@@ -44,17 +41,19 @@ impl EyeTracer<Cpu> for CpuEye {
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let Self { max_bounces, hides_background } = *self;
+        let Self { max_bounces, hides_background, reflections } = *self;
         let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits };
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
         let is_shaded = scene.features.intersects(Features::SHADED);
         let look = match (is_shaded, scene.present.contains(Features::ALPHA), has_lens) {
-            (_, true, true) => Eye::look::<true, true, true>,
-            (_, true, false) => Eye::look::<true, true, false>,
-            (true, false, true) => Eye::look::<true, false, true>,
-            (true, false, false) => Eye::look::<true, false, false>,
-            (false, false, true) => Eye::look::<false, false, true>,
-            (false, false, false) => Eye::look::<false, false, false>,
+            (_, _, true) if reflections => Eye::look::<true, true, true, true>,
+            (_, _, false) if reflections => Eye::look::<true, true, false, true>,
+            (_, true, true) => Eye::look::<true, true, true, false>,
+            (_, true, false) => Eye::look::<true, true, false, false>,
+            (true, false, true) => Eye::look::<true, false, true, false>,
+            (true, false, false) => Eye::look::<true, false, false, false>,
+            (false, false, true) => Eye::look::<false, false, true, false>,
+            (false, false, false) => Eye::look::<false, false, false, false>,
         };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
@@ -77,44 +76,34 @@ impl EyeTracer<Cpu> for CpuEye {
     }
 }
 
-struct Eye<'a> {
-    scene: &'a CpuScene,
+pub(crate) struct Eye<'a> {
+    pub(crate) scene: &'a CpuScene,
     view: &'a View,
     pass: Pass,
-    max_bounces: u32,
+    pub(crate) max_bounces: u32,
     hides_background: bool,
-    max_splits: u32,
+    pub(crate) max_splits: u32,
 }
 
 /// State of a camera path.
 #[derive(Clone, Copy)]
-struct Path {
-    ray: Ray,
+pub(crate) struct Path {
+    pub(crate) ray: Ray,
     /// Throughput of radiance over n², which refraction leaves unchanged.
-    throughput: Vec3,
-    media: MediumStack,
-    surfaces: u32,
-    splits: u32,
+    pub(crate) throughput: Vec3,
+    pub(crate) media: MediumStack,
+    pub(crate) surfaces: u32,
+    pub(crate) splits: u32,
     /// Index of this path among the pixel's paths; part of the random-number key.
-    branch: u32,
+    pub(crate) branch: u32,
     /// The glossy surface that it left last, if nothing specular lies between.
-    reflected: Reflection,
-}
-
-/// A reflection at a glossy surface, from where lights are sampled too.
-#[derive(Clone, Copy, Default)]
-struct Reflection {
-    /// Density per solid angle of the direction; 0 without such a surface.
-    pdf: f32,
-    position: Vec3,
-    /// Geometric normal on the side of the path.
-    normal: Vec3,
+    pub(crate) reflected: Reflection,
 }
 
 impl Eye<'_> {
     /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha; `LENS`: the
-    /// camera has a lens.
-    fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool>(
+    /// camera has a lens; `REFLECTIONS`: [`CpuEye::reflections`].
+    fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool, const REFLECTIONS: bool>(
         &self,
         x: u32,
         y: u32,
@@ -145,7 +134,7 @@ impl Eye<'_> {
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
-            while let Some(branch) = self.step::<SHADED, ALPHA>(&mut path, number, pixel, queries, &sampler) {
+            while let Some(branch) = self.step::<SHADED, ALPHA, REFLECTIONS>(&mut path, number, pixel, queries, &sampler) {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
                     count += 1;
@@ -156,7 +145,7 @@ impl Eye<'_> {
 
     /// Traces the path to its next surface. Returns `None` when the path has ended, `Some(Some(other))` when it has
     /// split.
-    fn step<const SHADED: bool, const ALPHA: bool>(
+    fn step<const SHADED: bool, const ALPHA: bool, const REFLECTIONS: bool>(
         &self,
         path: &mut Path,
         number: u32,
@@ -167,7 +156,7 @@ impl Eye<'_> {
         let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
         let Some((mut surface, hit)) = self.scene.hit_with::<ALPHA>(&path.ray, layer).ok()? else {
             let is_hidden = self.hides_background && path.surfaces == 0;
-            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden) {
+            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && !REFLECTIONS) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
                 let mut radiance = environment.radiance(path.ray.direction);
@@ -189,7 +178,7 @@ impl Eye<'_> {
                 surface = surface.with_cosine_to(normal, path.ray.direction);
             }
         }
-        if path.surfaces == 0 {
+        if path.surfaces == 0 && !REFLECTIONS {
             pixel.hits += 1;
             pixel.depth += f64::from(surface.t);
             for axis in 0..3 {
@@ -204,7 +193,8 @@ impl Eye<'_> {
             let camera = MediumStack::from_bits(self.view.camera.media);
             path.throughput * self.scene.radiance_scale(camera, interface.before)
         };
-        if material.is_emissive() && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
+        let emits = material.is_emissive() && !REFLECTIONS;
+        if emits && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
             let mut throughput = seen();
             if SHADED && path.reflected.pdf > 0.0 {
                 let light = light_of_triangle(&self.scene.lights, hit.primitive);
@@ -213,7 +203,7 @@ impl Eye<'_> {
             deposit(pixel, Layer::Emission, throughput.into(), material.emission.map(f64::from));
         }
         let wo = -path.ray.direction;
-        let query = |throughput: Vec3, branch: u32, coat: Coat| Query {
+        let query = |throughput: Vec3, branch: u32, [media, coat]: [u32; 2]| Query {
             // Moved off edges: beside an edge, rounding may put the point behind the adjacent wall, outside
             // its shadow.
             position: surface.start.into(),
@@ -221,23 +211,28 @@ impl Eye<'_> {
             normal: surface.normal.into(),
             pixel: number,
             throughput: throughput.into(),
-            media: interface.before.bits(),
+            media,
             wo: octahedral::pack(wo),
             path: number * QUERIES_PER_PIXEL + branch,
             shading_normal: if SHADED { octahedral::pack(normal) } else { 0 },
-            coat: coat.bits(),
+            coat,
         };
         if SHADED && material.kind() == MaterialKind::Glossy {
             let glossy = Glossy::new(material, surface.cosine);
             let at = GlossyPoint { surface: &surface, normal, media: interface.before, glossy: &glossy };
-            self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
-            return self.reflect(path, &at, seen(), queries, query, sampler);
+            let leaves = if REFLECTIONS {
+                Leaves::reflection(material, seen())
+            } else {
+                self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
+                Leaves::base(&at, seen())
+            };
+            return self.reflect(path, &at, &leaves, queries, query, sampler);
         }
         let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
         if material.is_diffuse() {
             let throughput = bsdf.diffuse_throughput(seen());
-            if throughput != Vec3::ZERO {
-                queries.push(query(throughput, path.branch, Coat::default()));
+            if throughput != Vec3::ZERO && !REFLECTIONS {
+                queries.push(query(throughput, path.branch, [interface.before.bits(), 0]));
             }
             return None;
         }
@@ -281,116 +276,6 @@ impl Eye<'_> {
         *path = go_on(lobe);
         Some(None)
     }
-}
-
-impl Eye<'_> {
-    /// Adds the light that a shadow ray from a glossy surface finds, as its reflection shows it. `seen` is the factor from
-    /// radiance that leaves the surface to its contribution at the camera.
-    fn light_reflection<const ALPHA: bool>(
-        &self,
-        path: &Path,
-        at: &GlossyPoint<'_>,
-        seen: Vec3,
-        pixel: &mut FilmPixel,
-        sampler: &impl Fn(u32) -> Sampler,
-    ) {
-        let (scene, surface) = (self.scene, at.surface);
-        if scene.lights.is_empty() {
-            return;
-        }
-        let [choice, u, v, low] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
-        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick([choice, low]);
-        let from = offset::off_surface(surface.start, surface.normal);
-        let Some(sampled) = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v) else { return };
-        let direction = sampled.ray.direction;
-        let reflected = at.glossy.evaluate(-path.ray.direction, direction, at.normal);
-        let limited = glossy::limited(direction, surface.normal, at.normal);
-        let value = sampled.times(limited) * reflected.value;
-        // NaN counts as no light.
-        if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || low) {
-            return;
-        }
-        let share = share as f32;
-        let weight = balance(sampled.pdf * share, reflected.pdf);
-        let value = value * scene.attenuation(at.media, sampled.ray.t_max) * (weight / share);
-        deposit(pixel, Layer::Emission, seen.into(), value.to_array().map(f64::from));
-    }
-
-    /// Leaves a query for the base of a glossy surface, and continues the path by its reflection; or, where the path has
-    /// split as often as it may, one of the two.
-    fn reflect(
-        &self,
-        path: &mut Path,
-        at: &GlossyPoint<'_>,
-        seen: Vec3,
-        queries: &mut Vec<Query>,
-        query: impl Fn(Vec3, u32, Coat) -> Query,
-        sampler: &impl Fn(u32) -> Sampler,
-    ) -> Option<Option<Path>> {
-        let (glossy, surface, first) = (at.glossy, at.surface, at.glossy.specular_probability());
-        let [choice, u, v, _] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);
-        let splits = first > 0.0 && first < 1.0 && path.splits < self.max_splits;
-        let reflects = splits || unit_f32(choice) < first;
-        if splits || !reflects {
-            let share = if splits { 1.0 } else { 1.0 - first };
-            let throughput = glossy.diffuse() * seen * (std::f32::consts::FRAC_1_PI / share);
-            if throughput != Vec3::ZERO {
-                queries.push(query(throughput, path.branch, glossy.coat()));
-            }
-        }
-        path.surfaces += 1;
-        if !reflects || path.surfaces >= self.max_bounces {
-            return None;
-        }
-        let (direction, reflected) = glossy.sample(-path.ray.direction, at.normal, unit_f32(u), unit_f32(v));
-        let share = if splits { 1.0 } else { first };
-        let weight = reflected.weight(glossy::limited(direction, surface.normal, at.normal) / share);
-        path.throughput *= weight;
-        if path.throughput == Vec3::ZERO {
-            return None;
-        }
-        if splits {
-            path.branch |= 1 << path.splits;
-            path.splits += 1;
-        }
-        path.reflected = Reflection { pdf: reflected.pdf, position: surface.start, normal: surface.normal };
-        path.media = at.media;
-        path.ray = surface.spawn(Lobe::SpecularReflection, direction);
-        Some(None)
-    }
-
-    /// The weight of light that a reflected path has found itself: `pdf` is the density with which a shadow ray samples
-    /// its direction once it has chosen `light`.
-    fn share(&self, path: &Path, light: Option<usize>, pdf: f32) -> f32 {
-        let Some(light) = light else { return 1.0 };
-        let Reflection { position, normal, pdf: reflected } = path.reflected;
-        let chosen = LightSampler::at(self.scene, position, normal).probability(light) as f32;
-        balance(reflected, pdf * chosen)
-    }
-
-    /// The density with which a shadow ray samples the direction of a reflected path that hits the triangle of `light`.
-    fn pdf_of_light(&self, path: &Path, light: Option<usize>, distance: f32) -> f32 {
-        let Some(light) = light else { return 0.0 };
-        let from = offset::off_surface(path.reflected.position, path.reflected.normal);
-        let light = &self.scene.lights[light];
-        light_sample::pdf_of_triangle(self.scene, light, from, path.ray.direction, distance)
-    }
-}
-
-/// A glossy surface where a camera path arrives.
-struct GlossyPoint<'a> {
-    surface: &'a SurfaceInteraction,
-    /// Shading normal.
-    normal: Vec3,
-    /// The media in front of it.
-    media: MediumStack,
-    glossy: &'a Glossy,
-}
-
-/// The weight of a sample of density `mine` where another technique has density `other` (Veach 1997, equation 9.8). 1 for
-/// a light without extent, whose density of 0 stands for one that the other technique cannot reach.
-fn balance(mine: f32, other: f32) -> f32 {
-    if mine > 0.0 { mine / (mine + other) } else { 1.0 }
 }
 
 /// The ray through a point of the image; both coordinates are in `[-1, 1]`.

@@ -171,7 +171,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         }
         let interface = scene.interface(&surface, media);
         throughput *= scene.attenuation(interface.before, surface.t);
-        let mut base = Vec3::ZERO;
+        let mut albedo = Vec3::from(material.albedo);
         let bsdf = Bsdf::new(scene.features, material, surface.cosine, &interface);
         let lobe = if SHADED && material.kind() == MaterialKind::Glossy {
             let glossy = Glossy::new(material, surface.cosine);
@@ -186,10 +186,9 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 ray = surface.spawn(Lobe::SpecularReflection, direction);
                 continue;
             }
-            base = glossy.diffuse() / (1.0 - first);
+            albedo = glossy.diffuse() / (1.0 - first);
             Lobe::Diffuse
         } else {
-            base = if SHADED { material.albedo.into() } else { base };
             match bsdf.split() {
                 None => bsdf.choose(0.0),
                 Some(_) => {
@@ -211,7 +210,6 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 }
             }
             Lobe::Diffuse => {
-                let albedo = if SHADED { base } else { bsdf.weight(lobe) };
                 let throughput = throughput * scene.radiance_scale(start, interface.before) * albedo;
                 let mut found = Found::default();
                 let at = |gather: &EstimateParams| VisiblePoint {

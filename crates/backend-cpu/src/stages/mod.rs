@@ -6,6 +6,7 @@ pub(crate) mod emit;
 pub(crate) mod error_moments;
 pub(crate) mod estimate;
 pub(crate) mod eye;
+mod eye_glossy;
 pub(crate) mod final_gather;
 pub(crate) mod irradiance;
 pub(crate) mod light_sample;

@@ -239,9 +239,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         };
         tally.surfaces += 1;
         let mut material = &scene.materials[surface.material as usize];
-        // Where no texture is black, photons are stored, so that estimates beside black texels have all of theirs.
-        let stores = material.albedo != [0.0; 3];
-        let is_base = material.is_diffuse();
+        let stores = material.stores_photons();
         let (evaluated, mut normal) = if shaded {
             let found = scene.shade(&surface, &hit);
             (Some(found.material), found.normal)
@@ -292,7 +290,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 return tally.end(Fate::Terminated, flux);
             }
             let glossy = Glossy::new(material, surface.cosine);
-            if is_base {
+            if stores {
                 store(power * glossy.coat().entering(surface.cosine), tally);
             }
             let first = glossy.specular_probability();

@@ -14,10 +14,11 @@ use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Maximum number of splits of a camera path in scenes with glass.
+/// Maximum number of splits of a camera path in scenes with glass or glossy surfaces.
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 
-/// Traces camera paths through mirrors and glass.
+/// Traces camera paths through mirrors and glass. A path splits at the first two surfaces that have two lobes, dielectric
+/// or glossy, as on the CPU.
 ///
 /// Each pixel has slots for the maximum number of queries and fills some of them; a prefix sum then computes
 /// the compacted positions, so that queries are in pixel order regardless of the order of execution. The slots

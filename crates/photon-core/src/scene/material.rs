@@ -115,8 +115,7 @@ impl Material {
         }
     }
 
-    /// Whether photons can be stored here: whether some of the scattering is diffuse. Black surfaces store none all the
-    /// same. Textures may make a glossy surface less metallic than its factor says.
+    /// Whether some of the scattering is diffuse. Textures may make a glossy surface less metallic than its factor says.
     #[inline]
     #[must_use]
     pub fn is_diffuse(&self) -> bool {
@@ -125,6 +124,14 @@ impl Material {
             MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin => false,
             MaterialKind::Glossy => self.metallic < 1.0 || self.textures != 0,
         }
+    }
+
+    /// Whether photons are stored here: where some of the scattering is diffuse and not black. Texels that are black do not
+    /// count, so that estimates beside them have all of their photons. Before textures are evaluated.
+    #[inline]
+    #[must_use]
+    pub fn stores_photons(&self) -> bool {
+        self.is_diffuse() && self.albedo != [0.0; 3]
     }
 
     /// Whether camera paths go on here: whether some of the scattering is specular or glossy.

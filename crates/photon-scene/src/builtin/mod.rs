@@ -97,7 +97,7 @@ mod tests {
             let view = scene.view();
             view.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
             assert!(!view.lights.is_empty(), "{name}");
-            let keeps = |material: &photon_core::Material| material.is_diffuse() && material.albedo != [0.0; 3];
+            let keeps = photon_core::Material::stores_photons;
             assert!(view.materials.iter().any(keeps), "{name}");
         }
     }

@@ -1,0 +1,166 @@
+//! Glossy surfaces on camera paths.
+//!
+//! A path leaves a query for the base there, samples a light for the reflection, and continues by it. Light that it then
+//! finds itself, and light that was sampled, are weighted by the balance heuristic (Veach 1997, section 9.2.2).
+
+use photon_core::glam::Vec3;
+use photon_core::random::{BLOCK_LIGHTS, BLOCK_SURFACES, Sampler, unit_f32};
+use photon_core::{
+    FilmPixel, Glossy, Layer, Lobe, Material, MediumStack, Query, ReflectionLobe, SurfaceInteraction, glossy, offset,
+};
+
+use super::eye::{Eye, Path};
+use crate::film::deposit;
+use crate::stages::light_sample;
+use crate::stages::light_sampler::LightSampler;
+
+/// A reflection at a glossy surface, from where lights are sampled too.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Reflection {
+    /// Density per solid angle of the direction; 0 without such a surface.
+    pub(crate) pdf: f32,
+    position: Vec3,
+    /// Geometric normal on the side of the path.
+    normal: Vec3,
+}
+
+/// A glossy surface where a camera path arrives.
+pub(crate) struct GlossyPoint<'a> {
+    pub(crate) surface: &'a SurfaceInteraction,
+    /// Shading normal.
+    pub(crate) normal: Vec3,
+    /// The media in front of it.
+    pub(crate) media: MediumStack,
+    pub(crate) glossy: &'a Glossy,
+}
+
+/// The query that a path leaves at a glossy surface.
+pub(crate) struct Leaves {
+    /// Probability that the path goes on by the reflection instead, where it does not do both.
+    first: f32,
+    /// Throughput of the query, without `scale`, if it is certain.
+    throughput: Vec3,
+    scale: f32,
+    /// [`Query::media`] and [`Query::coat`].
+    words: [u32; 2],
+}
+
+impl Leaves {
+    /// For the base. `seen` is the factor from radiance that leaves the surface to its contribution at the camera.
+    pub(crate) fn base(at: &GlossyPoint<'_>, seen: Vec3) -> Self {
+        let GlossyPoint { glossy, media, .. } = at;
+        Self {
+            first: glossy.specular_probability(),
+            throughput: glossy.diffuse() * seen,
+            scale: std::f32::consts::FRAC_1_PI,
+            words: [media.bits(), glossy.coat().bits()],
+        }
+    }
+
+    /// For the reflection of `material`: the path goes on in search of other glossy surfaces.
+    pub(crate) fn reflection(material: &Material, seen: Vec3) -> Self {
+        let (words, factor) = ReflectionLobe::pack(material);
+        Self { first: 0.5, throughput: seen * factor, scale: 1.0, words }
+    }
+}
+
+impl Eye<'_> {
+    /// Adds the light that a shadow ray from a glossy surface finds, as its reflection shows it. `seen` is the factor from
+    /// radiance that leaves the surface to its contribution at the camera.
+    pub(crate) fn light_reflection<const ALPHA: bool>(
+        &self,
+        path: &Path,
+        at: &GlossyPoint<'_>,
+        seen: Vec3,
+        pixel: &mut FilmPixel,
+        sampler: &impl Fn(u32) -> Sampler,
+    ) {
+        let (scene, surface) = (self.scene, at.surface);
+        if scene.lights.is_empty() {
+            return;
+        }
+        let [choice, u, v, low] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
+        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick([choice, low]);
+        let from = offset::off_surface(surface.start, surface.normal);
+        let Some(sampled) = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v) else { return };
+        let direction = sampled.ray.direction;
+        let reflected = at.glossy.evaluate(-path.ray.direction, direction, at.normal);
+        let limited = glossy::limited(direction, surface.normal, at.normal);
+        let value = sampled.times(limited) * reflected.value;
+        // NaN counts as no light.
+        if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || low) {
+            return;
+        }
+        let share = share as f32;
+        let weight = balance(sampled.pdf * share, reflected.pdf);
+        let value = value * scene.attenuation(at.media, sampled.ray.t_max) * (weight / share);
+        deposit(pixel, Layer::Emission, seen.into(), value.to_array().map(f64::from));
+    }
+
+    /// Leaves a query at a glossy surface, and continues the path by its reflection; or, where the path has split as often
+    /// as it may, one of the two.
+    pub(crate) fn reflect(
+        &self,
+        path: &mut Path,
+        at: &GlossyPoint<'_>,
+        leaves: &Leaves,
+        queries: &mut Vec<Query>,
+        query: impl Fn(Vec3, u32, [u32; 2]) -> Query,
+        sampler: &impl Fn(u32) -> Sampler,
+    ) -> Option<Option<Path>> {
+        let (glossy, surface, first) = (at.glossy, at.surface, leaves.first);
+        // The next block, as at glass: the words of this one belong to the surface before.
+        path.surfaces += 1;
+        let [choice, u, v, _] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);
+        let splits = first > 0.0 && first < 1.0 && path.splits < self.max_splits;
+        let reflects = splits || unit_f32(choice) < first;
+        if splits || !reflects {
+            let share = if splits { 1.0 } else { 1.0 - first };
+            let throughput = leaves.throughput * (leaves.scale / share);
+            if throughput != Vec3::ZERO {
+                queries.push(query(throughput, path.branch, leaves.words));
+            }
+        }
+        if !reflects || path.surfaces >= self.max_bounces {
+            return None;
+        }
+        let (direction, reflected) = glossy.sample(-path.ray.direction, at.normal, unit_f32(u), unit_f32(v));
+        let share = if splits { 1.0 } else { first };
+        let weight = reflected.weight(glossy::limited(direction, surface.normal, at.normal) / share);
+        path.throughput *= weight;
+        if path.throughput == Vec3::ZERO {
+            return None;
+        }
+        if splits {
+            path.branch |= 1 << path.splits;
+            path.splits += 1;
+        }
+        path.reflected = Reflection { pdf: reflected.pdf, position: surface.start, normal: surface.normal };
+        path.media = at.media;
+        path.ray = surface.spawn(Lobe::SpecularReflection, direction);
+        Some(None)
+    }
+
+    /// The weight of light that a reflected path has found itself: `pdf` is the density with which a shadow ray samples
+    /// its direction once it has chosen `light`.
+    pub(crate) fn share(&self, path: &Path, light: Option<usize>, pdf: f32) -> f32 {
+        let Some(light) = light else { return 1.0 };
+        let Reflection { position, normal, pdf: reflected } = path.reflected;
+        let chosen = LightSampler::at(self.scene, position, normal).probability(light) as f32;
+        balance(reflected, pdf * chosen)
+    }
+
+    /// The density with which a shadow ray samples the direction of a reflected path that hits the triangle of `light`.
+    pub(crate) fn pdf_of_light(&self, path: &Path, light: Option<usize>, distance: f32) -> f32 {
+        let Some(light) = light else { return 0.0 };
+        let from = offset::off_surface(path.reflected.position, path.reflected.normal);
+        let light = &self.scene.lights[light];
+        light_sample::pdf_of_triangle(self.scene, light, from, path.ray.direction, distance)
+    }
+}
+
+/// The weight of a sample of density `mine` where another technique has density `other` (Veach 1997, equation 9.8). 1 for
+/// a light without extent, whose density of 0 stands for one that the other technique cannot reach.
+fn balance(mine: f32, other: f32) -> f32 {
+    if mine > 0.0 { mine / (mine + other) } else { 1.0 }
+}

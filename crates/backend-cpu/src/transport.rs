@@ -1,8 +1,8 @@
 //! Implements [`TransportBackend`]: prepares scenes and creates the stages of a pass.
 
 use photon_core::{
-    AimedStages, Area, Backend as _, Costs, FilmPixel, GlossCaustics, MapStages, PhotonFormat, ProjectionMap, Query, Requirements,
-    Result, SceneView, Settings, Stages, TransportBackend,
+    AimedStages, Area, Backend as _, Costs, FilmPixel, GlossCaustics, MapStages, PhotonFormat, ProjectionMap, Query,
+    Requirements, Result, SceneView, Settings, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -45,11 +45,7 @@ impl TransportBackend for Cpu {
             aimed: None,
             gloss_caustics: required.gloss_caustics.then(|| GlossCaustics {
                 tracer: Box::new(CpuTracer::for_reflections(settings, required)),
-                eye: Box::new(CpuEye {
-                    max_bounces: settings.max_bounces,
-                    hides_background: false,
-                    reflections: true,
-                }),
+                eye: Box::new(CpuEye { max_bounces: settings.max_bounces, hides_background: false, reflections: true }),
             }),
             map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },
         })

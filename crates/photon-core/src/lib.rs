@@ -23,7 +23,8 @@ pub use backend::memory::Costs;
 pub use backend::observer::{Event, Observer, PassReport};
 pub use backend::stages::{
     Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EstimateBuffers, EstimateParams, EyeTracer, FinalGather,
-    GlossCaustics, IrradiancePoints, KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Search, Stages, Tracer, View,
+    GlossCaustics, IrradiancePoints, KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Search, Stages, Tracer,
+    View,
 };
 pub use backend::tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, TransportBackend};

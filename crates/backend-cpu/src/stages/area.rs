@@ -126,11 +126,8 @@ impl Disc<'_> {
                 let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
                 let Some((_, surface)) = opaque::<ALPHA>(scene, down) else { continue };
                 let material = &scene.materials[surface.material as usize];
-                let keeps = if gather.reflection {
-                    material.kind() == MaterialKind::Glossy
-                } else {
-                    material.stores_photons()
-                };
+                let keeps =
+                    if gather.reflection { material.kind() == MaterialKind::Glossy } else { material.stores_photons() };
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
                 let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
                 if same && (away <= free || !enclosed::<ALPHA>(scene, &surface)) {

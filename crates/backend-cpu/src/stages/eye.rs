@@ -4,8 +4,8 @@ use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind,
-    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, View, octahedral, sampling, shading_normal,
+    Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind, MediumStack,
+    Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, View, octahedral, sampling, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -134,7 +134,9 @@ impl Eye<'_> {
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
-            while let Some(branch) = self.step::<SHADED, ALPHA, REFLECTIONS>(&mut path, number, pixel, queries, &sampler) {
+            while let Some(branch) =
+                self.step::<SHADED, ALPHA, REFLECTIONS>(&mut path, number, pixel, queries, &sampler)
+            {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
                     count += 1;

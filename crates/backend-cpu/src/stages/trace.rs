@@ -6,8 +6,8 @@ use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Light, Lobe, MapKind, Material, MaterialKind,
-    MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, Scheduling, Settings,
-    SkipLimit, Tally, Tracer, glossy, light_features, octahedral, sampling, shading_normal,
+    MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, Scheduling,
+    Settings, SkipLimit, Tally, Tracer, glossy, light_features, octahedral, sampling, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -65,11 +65,8 @@ impl Tracer<Cpu> for CpuTracer {
         mut deposits: Deposits<'_, Cpu>,
     ) -> Result<()> {
         let wanted = deposits.each_ref().map(|target| target.is_some());
-        let follow = if self.reflections {
-            follow::<REFLECTIONS>
-        } else {
-            kernel(self.features, self.nested, self.aimed)
-        };
+        let follow =
+            if self.reflections { follow::<REFLECTIONS> } else { kernel(self.features, self.nested, self.aimed) };
         let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow };
         let rays = rays.as_slice();
         let outputs = match self.scheduling {

@@ -17,7 +17,19 @@ impl<B: TransportBackend> Pipeline<B> {
         // Everything that holds buffers: fields that are not named here would be dropped only after the
         // call below.
         let Self {
-            mut on, scene, stages, film, rays, maps, queries, reflections, estimates, error_moments, points, bandwidth, ..
+            mut on,
+            scene,
+            stages,
+            film,
+            rays,
+            maps,
+            queries,
+            reflections,
+            estimates,
+            error_moments,
+            points,
+            bandwidth,
+            ..
         } = self;
         drop((scene, stages, film, rays, maps, queries, reflections, estimates, error_moments, points, bandwidth));
         on.reset()?;

@@ -63,7 +63,9 @@ impl Parameters {
         let [r, g, b] = self.color.to_array().map(|c| steps(c.sqrt(), STEPS));
         [
             r | g << 8 | b << 16 | steps(self.coat_f0.sqrt(), STEPS) << 24,
-            steps(self.roughness, ROUGHNESS_STEPS) | steps(self.metallic, STEPS) << 16 | steps(self.weight, STEPS) << 24,
+            steps(self.roughness, ROUGHNESS_STEPS)
+                | steps(self.metallic, STEPS) << 16
+                | steps(self.weight, STEPS) << 24,
         ]
     }
 

@@ -145,12 +145,13 @@ pub fn sun_through_a_pane<T: TestBackend>() {
             2 => settings.caustic_photons = CausticPhotons::Shared,
             _ => {}
         }
+        settings.photons = 40_000;
         let values = per_pass::<T>(&scene, &settings, 24, 2);
         let truth_of = |floor: Floor| through_a_pane(-i.x) * SUN * cos_i * floor.f(o, i, UP);
         let (found, truth, error) = (moments(&values).0, truth_of(floor), standard_error(&values));
         assert_agrees(&format!("case {k}"), found, truth, error, 5e-3 * truth);
         // The noise is small enough to tell another width, or a missing pane.
-        let other = truth_of(Floor { alpha: floor.alpha * 1.4, ..floor });
+        let other = truth_of(Floor { alpha: floor.alpha * 2.0, ..floor });
         assert!(!agrees(found, other, error, 5e-3 * other), "case {k}: {found} {truth} {other} {error}");
         assert!(!agrees(found, truth / through_a_pane(-i.x), error, 5e-3 * truth), "case {k}: {found} {truth} {error}");
         // Without caustics there is nothing.
@@ -168,7 +169,7 @@ pub fn photons_behind_a_pane_are_like_shadow_rays<T: TestBackend>() {
         let [open, behind] = [false, true].map(|pane| sunlit(floor.material(), UP, (o, i), pane));
         let settings = Settings { direct: Direct::Nee, indirect, ..settings() };
         let truth = moments(&per_pass::<T>(&open, &settings, 2, 2)).0 * through_a_pane(-i.x);
-        let values = per_pass::<T>(&behind, &settings, 24, 2);
+        let values = per_pass::<T>(&behind, &settings, 16, 2);
         let what = format!("metallic {metallic}, {indirect:?}");
         assert_agrees(&what, moments(&values).0, truth, standard_error(&values), 4e-3 * truth);
     }

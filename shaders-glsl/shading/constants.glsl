@@ -50,11 +50,12 @@ const uint FEATURE_VERTEX_COLORS = 4096u;
 const uint FEATURE_TEXTURED_LIGHTS = 8192u;
 const uint FEATURE_ENVIRONMENT = 16384u;
 const uint FEATURE_GLOSSY = 32768u;
+const uint FEATURE_ROUGH_GLASS = 65536u;
 const uint FEATURE_ALPHA = 131072u;
 const uint FEATURE_LIGHT_TREE = 262144u;
 const uint FEATURE_THIN_LENS = 524288u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 983039u;
+const uint FEATURE_ALL = 1048575u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;
@@ -88,6 +89,7 @@ const uint BLOCK_LIGHT = 0u;
 const uint BLOCK_START = 1u;
 const uint BLOCK_SURFACES = 2u;
 const uint BLOCK_LIGHTS = 1073741824u;
+const uint BLOCK_LIGHT_SIDES = 1610612736u;
 
 // Kernel::number.
 const uint KERNEL_CONSTANT = 0u;
@@ -167,6 +169,10 @@ const float SHADING_MIN_COSINE = 0.0010000000474974513;
 
 // ggx.
 const float GGX_MIN_ALPHA = 0.0010000000474974513;
+
+// rough_glass, RoughGlassTable.
+const float ROUGH_GLASS_MIN_CONTRAST = 9.999999747378752e-5;
+const uint ROUGH_GLASS_STRIDE = 1056u;
 
 // AlbedoTable.
 const uint ALBEDO_TABLE_SIZE = 32u;

@@ -83,7 +83,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     ByteValues values;
     Vec2s albedos;
     uint has_normals;
-    uint reserved;
+    // Number of ratios of refractive indices at rough glass.
+    uint rough_ratios;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };

@@ -13,8 +13,11 @@ const bool SHADING_NORMALS = (FEATURES & FEATURE_SHADING_NORMALS) != 0u;
 const bool NORMAL_MAPS = (FEATURES & FEATURE_NORMAL_MAPS) != 0u;
 const bool VERTEX_COLORS = (FEATURES & FEATURE_VERTEX_COLORS) != 0u;
 const bool GLOSSY = (FEATURES & FEATURE_GLOSSY) != 0u;
+const bool ROUGH_GLASS = (FEATURES & FEATURE_ROUGH_GLASS) != 0u;
+// Surfaces at which camera paths sample lights, and go on.
+const bool FOLLOWED = GLOSSY || ROUGH_GLASS;
 // Whether specular surfaces see a normal that is bent towards the ray.
-const bool BENT_NORMALS = SHADING_NORMALS || GLOSSY;
+const bool BENT_NORMALS = SHADING_NORMALS || FOLLOWED;
 const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS;
 const bool TEXTURED_LIGHTS = (FEATURES & FEATURE_TEXTURED_LIGHTS) != 0u;
 
@@ -86,7 +89,7 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material) {
                 shade_multiply(material.albedo, shade_sample(scene, textures.base_color, slot, weights));
             material.emission =
                 shade_multiply(material.emission, shade_sample(scene, textures.emission, slot, weights));
-            if (GLOSSY && textures.metallic_roughness != NO_TEXTURE) {
+            if (FOLLOWED && textures.metallic_roughness != NO_TEXTURE) {
                 vec3 texel = shade_sample(scene, textures.metallic_roughness, slot, weights);
                 vec3 scaled = shade_multiply(vec3(0.0, material.roughness, material.metallic), texel);
                 material.roughness = scaled.y;

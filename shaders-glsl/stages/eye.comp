@@ -66,7 +66,7 @@ struct Path {
     uint splits;
     // Index of this path among the pixel's paths; a key of random numbers.
     uint branch;
-    // The glossy surface that it left last, if nothing specular lies between: density of the direction, or 0; position;
+    // The glossy surface or rough glass that it left last, if nothing specular lies between: density of the direction, or 0; position;
     // geometric normal.
     float reflected_pdf;
     vec3 reflected_position;
@@ -156,6 +156,7 @@ void leave_query(Path path, uint pixel, Surface at, vec3 normal, uvec2 media_coa
 }
 
 #include "stages/eye_glossy.glsl"
+#include "stages/eye_rough_glass.glsl"
 
 void main() {
     const uint columns_log2 = 5 - TILE_ROWS_LOG2;
@@ -207,7 +208,7 @@ void main() {
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
                 vec3 throughput = path.throughput;
                 if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
-                if (GLOSSY && path.reflected_pdf > 0.0) {
+                if (FOLLOWED && path.reflected_pdf > 0.0) {
                     throughput *= found_share(path, light_of_triangle(push.scene, hit.primitive), at.t);
                 }
                 emission += throughput * material.emission;
@@ -224,7 +225,7 @@ void main() {
                     leaves = leaves_base(glossy, sides.before, seen);
                 }
                 alive = reflect_path(path, pixel, at, normal, sides.before, glossy, leaves, found);
-            } else {
+            } else if (!ROUGH_GLASS || !meet_rough_glass(path, pixel, at, normal, material, sides, emission, alive)) {
                 Bsdf bsdf = bsdf_new(material, at.cosine, sides);
                 if (bsdf.kind == MATERIAL_LAMBERT) {
                     vec3 throughput = path.throughput;
@@ -246,7 +247,7 @@ void main() {
         if (ENVIRONMENT && escaped && !REFLECTIONS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
-            if (GLOSSY && path.reflected_pdf > 0.0) {
+            if (FOLLOWED && path.reflected_pdf > 0.0) {
                 // It is among the last lights.
                 uint index = push.scene.light_count;
                 while (index > 0u && push.scene.lights[index - 1u].at.kind != LIGHT_ENVIRONMENT) --index;
@@ -261,7 +262,8 @@ void main() {
         }
     }
     push.counts[pixel].at = found;
-    if ((FEATURES & (FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_GLOSSY)) != 0 && !REFLECTIONS && emission != vec3(0.0)) {
+    const uint lit = FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS;
+    if ((FEATURES & lit) != 0 && !REFLECTIONS && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
             Planes place = film_place(push.emission, c, push.width * push.height, pixel);
             place.at += emission[c];

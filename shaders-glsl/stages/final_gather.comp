@@ -21,6 +21,7 @@ layout(constant_id = 2) const uint MEDIA = 1;
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
 #include "shading/glossy.glsl"
+#include "shading/rough_glass.glsl"
 #include "shading/shade.glsl"
 
 layout(push_constant, scalar) uniform Push {
@@ -83,6 +84,22 @@ void main() {
         Interface sides = media_interface(push.scene, material, at.front, media);
         if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
             throughput *= transmittance(push.scene, sides.before, at.t);
+        }
+        if (ROUGH_GLASS) {
+            RoughGlass glass;
+            if (rough_glass_new(push.scene, material, at.cosine, sides, glass)) {
+                uvec4 random = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
+                RoughSample drawn = rough_glass_sample(push.scene, glass, -ray.direction, facing, unit_f32(random.x),
+                    unit_f32(random.y), unit_f32(random.z));
+                vec3 geometric = drawn.stays ? at.normal : -at.normal;
+                float limited = glossy_limited(drawn.direction, geometric, drawn.stays ? facing : -facing);
+                throughput *= glossy_weight(drawn.found, limited);
+                if (throughput == vec3(0.0)) break;
+                if (!drawn.stays) media = sides.transmitted;
+                if (drawn.stays) ray = surface_leave(at, drawn.direction);
+                else ray = surface_pass(at, drawn.direction);
+                continue;
+            }
         }
         Bsdf bsdf = bsdf_new(material, at.cosine, sides);
         uint lobe = bsdf_choose(bsdf, 0.0);

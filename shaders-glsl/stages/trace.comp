@@ -37,6 +37,7 @@ layout(constant_id = 8) const bool REFLECTIONS = false;
 #include "shading/random.glsl"
 #include "shading/scene.glsl"
 #include "shading/glossy.glsl"
+#include "shading/rough_glass.glsl"
 #include "shading/shade.glsl"
 #include "stages/tally.glsl"
 
@@ -123,7 +124,7 @@ bool russian_roulette(inout vec3 power, vec3 weight, float choice) {
     precise float chance = greatest(next) / greatest(power);
     // Comparisons with NaN (0/0) are false.
     if (!(choice < chance) || is_nan(chance)) return false;
-    if (SHADING_NORMALS || GLOSSY) chance = min(chance, 1.0);
+    if (SHADING_NORMALS || FOLLOWED) chance = min(chance, 1.0);
     precise vec3 left = next / chance;
     power = left;
     return true;
@@ -279,6 +280,25 @@ uint step_glossy(
     return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
 }
 
+// Continues a path at rough glass.
+uint step_rough_glass(inout Path path, Surface at, vec3 normal, Interface sides, RoughGlass glass, vec3 random) {
+    vec3 incoming = path.ray.direction;
+    RoughSample drawn = rough_glass_sample(push.scene, glass, -incoming, normal, random.x, random.y, random.z);
+    if (!drawn.stays) {
+        if (NESTED && sides.is_too_deep) path.too_deep = true;
+        path.media = sides.transmitted;
+    }
+    ++path.bounce;
+    // Shading normals may send light to the wrong side.
+    bool lands = (dot3(drawn.direction, at.normal) > 0.0) == drawn.stays && dot3(incoming, at.normal) < 0.0;
+    float factor = shading_specular_factor(incoming, drawn.direction, at.normal, normal);
+    vec3 weight = glossy_weight(drawn.found, lands ? factor : 0.0);
+    if (!russian_roulette(path.power, weight, drawn.rest)) return FATE_ABSORBED;
+    if (drawn.stays) path.ray = surface_leave(at, drawn.direction);
+    else path.ray = surface_pass(at, drawn.direction);
+    return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
+}
+
 // Processes one surface; returns how the path ended there, or FATE_NONE.
 uint step_path(inout Path path, Hit hit) {
     if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
@@ -301,6 +321,16 @@ uint step_path(inout Path path, Hit hit) {
     if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
         return step_glossy(
             path, at, normal, material, stores, coverage, choice, unit_f32(words.y), unit_f32(words.z));
+    }
+    if (ROUGH_GLASS) {
+        RoughGlass glass;
+        if (rough_glass_new(push.scene, material, at.cosine, sides, glass)) {
+            if (REFLECTIONS) {
+                ++path.bounce;
+                return FATE_TERMINATED;
+            }
+            return step_rough_glass(path, at, normal, sides, glass, vec3(choice, unit_f32(words.y), unit_f32(words.z)));
+        }
     }
     Bsdf bsdf = bsdf_new(material, at.cosine, sides);
     uint lobe = bsdf_choose(bsdf, choice);

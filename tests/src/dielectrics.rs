@@ -9,7 +9,7 @@ use crate::harness::{TestBackend, film, trace};
 use crate::stats::assert_agrees;
 
 fn glass(ior: f64, absorption: f64) -> MaterialDesc {
-    MaterialDesc::new("glass", Surface::Dielectric { ior, absorption: [absorption; 3], tint: [1.0; 3] })
+    MaterialDesc::new("glass", Surface::Dielectric { ior, absorption: [absorption; 3], tint: [1.0; 3], roughness: 0.0 })
 }
 
 /// A point light at `light` in a glass ball of radius 1, and nothing else of relevance.

@@ -16,7 +16,7 @@ use crate::harness::{TestBackend, Uniform, estimate, estimates, film, per_pass, 
 use crate::stats::{moments, standard_error};
 
 /// Scenes that together contain every kind of light and lobe.
-pub const SCENES: [&str; 6] = ["cornell", "cornell-glass", "ring", "pool", "textures", "gloss"];
+pub const SCENES: [&str; 7] = ["cornell", "cornell-glass", "ring", "pool", "textures", "gloss", "frosted-glass"];
 
 /// Proportion of the elements of `a` that have a counterpart at the same index of `b`.
 #[must_use]

@@ -164,7 +164,7 @@ pub fn glow_from_inside<T: TestBackend>() {
 }
 
 fn absorber(sigma: f64) -> MaterialDesc {
-    MaterialDesc::new("ink", Surface::Dielectric { ior: 1.0, absorption: [sigma; 3], tint: [1.0; 3] })
+    MaterialDesc::new("ink", Surface::Dielectric { ior: 1.0, absorption: [sigma; 3], tint: [1.0; 3], roughness: 0.0 })
 }
 
 /// Light straight down through an absorber of no refraction: a floor at depth d is `ρE·e^(−σd)/π` bright there, and a

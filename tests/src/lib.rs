@@ -34,6 +34,7 @@ pub mod paper;
 pub mod photon_formats;
 pub mod precision;
 pub mod required_format;
+pub mod rough_glass;
 pub mod shading_normals;
 pub mod sheets;
 pub mod stats;
@@ -131,6 +132,7 @@ macro_rules! whole_suite {
                 sun_through_a_pane, photons_behind_a_pane_are_like_shadow_rays, tilted_normals_behind_a_pane,
                 point_light_in_a_mirror, seen_in_another_metal, errors_and_requirements,
             }
+            rough_glass::{ g4_white_furnace, light_behind_a_boundary, g5_closed_room }
             textures::{
                 g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,
             }

@@ -97,7 +97,7 @@ pub fn light_in_two_solids<T: TestBackend>() {
     let black = builder.material(MaterialDesc::lambert("black", [0.0; 3]));
     builder.quad("floor", [[-1.0, -1.5, 1.0], [1.0, -1.5, 1.0], [1.0, -1.5, -1.0], [-1.0, -1.5, -1.0]], black);
     solid(&mut builder, "outer", 1.33, 0, [-1.0; 3], [1.0; 3]);
-    let ink = Surface::Dielectric { ior: 1.33, absorption: [sigma; 3], tint: [1.0; 3] };
+    let ink = Surface::Dielectric { ior: 1.33, absorption: [sigma; 3], tint: [1.0; 3], roughness: 0.0 };
     let ink = builder.material(MaterialDesc::new("inner", ink));
     let (positions, triangles) = shapes::cuboid([-0.5; 3], [0.5; 3]);
     builder.mesh("inner", positions, triangles, ink);

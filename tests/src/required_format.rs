@@ -20,7 +20,8 @@ fn room(which: Option<&str>) -> Scene {
     let wall = builder.material(MaterialDesc::lambert("wall", of("wall", 0.6)));
     let (positions, triangles) = shapes::flip(shapes::cuboid([-1.0; 3], [1.0; 3]));
     builder.mesh("room", positions, triangles, wall);
-    let glass = Surface::Dielectric { ior: 1.5, absorption: of("absorption", 0.5), tint: of("tint", 1.0) };
+    let glass =
+        Surface::Dielectric { ior: 1.5, absorption: of("absorption", 0.5), tint: of("tint", 1.0), roughness: 0.0 };
     let glass = builder.material(MaterialDesc::new("glass", glass));
     let mirror = builder.material(MaterialDesc::mirror("mirror", of("mirror", 0.9)));
     for (x, material) in [(-0.5, glass), (0.5, mirror)] {

@@ -7,7 +7,7 @@ mod library;
 
 use std::fs;
 
-use photon_core::random::{BLOCK_LIGHT, BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain};
+use photon_core::random::{BLOCK_LIGHT, BLOCK_LIGHT_SIDES, BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain};
 use photon_core::{
     Camera, Estimate, Features, Filter, Kernel, Layer, Light, MapKind, Material, MaterialKind, MaterialTextures,
     MediaFeatures, QUERIES_PER_PIXEL, RandomKind, ShadingTables, TexelFormat, Wrap,
@@ -69,6 +69,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_TEXTURED_LIGHTS", Features::TEXTURED_LIGHTS.bits()),
                 ("FEATURE_ENVIRONMENT", Features::ENVIRONMENT.bits()),
                 ("FEATURE_GLOSSY", Features::GLOSSY.bits()),
+                ("FEATURE_ROUGH_GLASS", Features::ROUGH_GLASS.bits()),
                 ("FEATURE_ALPHA", Features::ALPHA.bits()),
                 ("FEATURE_LIGHT_TREE", Features::LIGHT_TREE.bits()),
                 ("FEATURE_THIN_LENS", Features::THIN_LENS.bits()),
@@ -119,6 +120,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("BLOCK_START", BLOCK_START),
                 ("BLOCK_SURFACES", BLOCK_SURFACES),
                 ("BLOCK_LIGHTS", BLOCK_LIGHTS),
+                ("BLOCK_LIGHT_SIDES", BLOCK_LIGHT_SIDES),
             ],
         ),
         (

@@ -6,8 +6,8 @@ use photon_core::glam::Vec3;
 use photon_core::light_tree::LightTree;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Primitive,
-    Ray, RayCaster, Requirements, Result, SceneView, Shaded, SkipLimit, Solids, SurfaceInteraction, alpha, interface,
-    math, offset, radiance_scale,
+    Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids, SurfaceInteraction,
+    alpha, interface, math, offset, radiance_scale,
 };
 
 use crate::cpu::Cpu;
@@ -33,6 +33,8 @@ pub struct CpuScene {
     pub(crate) nested: bool,
     /// Vertex attributes and textures; `None` in a scene without any, and without alpha.
     shading: Option<Box<CpuShading>>,
+    /// Empty in a scene without rough solids.
+    pub(crate) rough_glass: RoughGlassTable,
     /// A bit for each triangle, in words of 64: whether its material has alpha. Empty in a scene without alpha.
     with_alpha: Vec<u64>,
     pub(crate) caster: Box<dyn RayCaster>,
@@ -82,6 +84,7 @@ impl CpuScene {
             light_media,
             nested,
             shading: CpuShading::new(view, present),
+            rough_glass: RoughGlassTable::new(view, nested)?,
             with_alpha: with_alpha(view, present),
             caster,
             features: required.features,

@@ -19,7 +19,7 @@ pub enum Surface {
         /// Fraction of the incident light that is reflected.
         reflectance: [f64; 3],
     },
-    /// The smooth boundary of a solid. Its triangles must form a closed mesh whose fronts (where the
+    /// The boundary of a solid, smooth or rough (GGX). Its triangles must form a closed mesh whose fronts (where the
     /// vertices run counter-clockwise) face outwards.
     Dielectric {
         /// Refractive index inside, relative to vacuum; finite and > 0. The surrounding medium, be it air or another
@@ -29,13 +29,18 @@ pub enum Surface {
         absorption: [f64; 3],
         /// Multiplies transmitted light at each crossing of the boundary.
         tint: [f64; 3],
+        /// Roughness, in `[0, 1]`: the square root of the width α of the distribution. Widths below 0.001 are smooth.
+        roughness: f64,
     },
-    /// A smooth sheet without thickness, which light passes without change of direction.
+    /// A sheet without thickness, which light passes without change of direction if it is smooth; rough ones scatter what
+    /// they transmit as they scatter what they reflect.
     Thin {
         /// Refractive index of the sheet, finite and > 0.
         ior: f64,
         /// Multiplies transmitted light.
         tint: [f64; 3],
+        /// As that of [`Surface::Dielectric`].
+        roughness: f64,
     },
     /// Rough reflection (GGX), on both sides: the metallic-roughness model of glTF 2.0. A metal reflects
     /// `base_color`; all else has a diffuse base of that albedo under a colourless dielectric coat.
@@ -142,13 +147,13 @@ impl MaterialDesc {
     /// Clear glass inside a closed mesh.
     #[must_use]
     pub fn glass(name: impl Into<String>, ior: f64) -> Self {
-        Self::new(name, Surface::Dielectric { ior, absorption: [0.0; 3], tint: [1.0; 3] })
+        Self::new(name, Surface::Dielectric { ior, absorption: [0.0; 3], tint: [1.0; 3], roughness: 0.0 })
     }
 
     /// A clear pane without thickness.
     #[must_use]
     pub fn thin(name: impl Into<String>, ior: f64) -> Self {
-        Self::new(name, Surface::Thin { ior, tint: [1.0; 3] })
+        Self::new(name, Surface::Thin { ior, tint: [1.0; 3], roughness: 0.0 })
     }
 
     /// A diffuse surface whose front emits `radiance`, W/(m²·sr).
@@ -195,8 +200,10 @@ impl MaterialDesc {
             return true;
         }
         let clear = match self.surface {
-            Surface::Dielectric { ior, absorption, tint } => ior == 1.0 && absorption == [0.0; 3] && tint == [1.0; 3],
-            Surface::Thin { ior, tint } => ior == 1.0 && tint == [1.0; 3],
+            Surface::Dielectric { ior, absorption, tint, .. } => {
+                ior == 1.0 && absorption == [0.0; 3] && tint == [1.0; 3]
+            }
+            Surface::Thin { ior, tint, .. } => ior == 1.0 && tint == [1.0; 3],
             Surface::Lambert { .. } | Surface::Mirror { .. } | Surface::Glossy { .. } => false,
         };
         clear && !self.is_emissive() && self.textures.base_color.is_none()

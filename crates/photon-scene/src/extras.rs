@@ -31,6 +31,19 @@ use crate::texture::TexturesDesc;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Exact(pub(crate) f64);
 
+impl Default for Exact {
+    fn default() -> Self {
+        Self(0.0)
+    }
+}
+
+impl Exact {
+    /// Whether it need not be written.
+    fn is_zero(&self) -> bool {
+        self.0.to_bits() == 0
+    }
+}
+
 impl Serialize for Exact {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         // The shortest text that parses to the same number.
@@ -83,6 +96,8 @@ pub(crate) enum MaterialExtras {
         ior: Exact,
         absorption: Triple,
         tint: Triple,
+        #[serde(default, skip_serializing_if = "Exact::is_zero")]
+        roughness: Exact,
         #[serde(default)]
         priority: u32,
         emission: Triple,
@@ -93,6 +108,8 @@ pub(crate) enum MaterialExtras {
     Thin {
         ior: Exact,
         tint: Triple,
+        #[serde(default, skip_serializing_if = "Exact::is_zero")]
+        roughness: Exact,
         emission: Triple,
         emits_both_sides: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -123,18 +140,24 @@ impl MaterialExtras {
             Surface::Mirror { reflectance } => {
                 Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides, textures }
             }
-            Surface::Dielectric { ior, absorption, tint } => Self::Glass {
+            Surface::Dielectric { ior, absorption, tint, roughness } => Self::Glass {
                 ior: Exact(ior),
                 absorption: exact(absorption),
                 tint: exact(tint),
+                roughness: Exact(roughness),
                 priority: *priority,
                 emission,
                 emits_both_sides,
                 textures,
             },
-            Surface::Thin { ior, tint } => {
-                Self::Thin { ior: Exact(ior), tint: exact(tint), emission, emits_both_sides, textures }
-            }
+            Surface::Thin { ior, tint, roughness } => Self::Thin {
+                ior: Exact(ior),
+                tint: exact(tint),
+                roughness: Exact(roughness),
+                emission,
+                emits_both_sides,
+                textures,
+            },
             Surface::Glossy { base_color, metallic, roughness, specular, ior } => Self::Glossy {
                 albedo: exact(base_color),
                 metallic: Exact(metallic),
@@ -165,12 +188,18 @@ impl MaterialExtras {
             Self::Mirror { albedo, emission, emits_both_sides, .. } => {
                 (Surface::Mirror { reflectance: plain(albedo) }, emission, emits_both_sides)
             }
-            Self::Glass { ior, absorption, tint, emission, emits_both_sides, .. } => {
-                let surface = Surface::Dielectric { ior: ior.0, absorption: plain(absorption), tint: plain(tint) };
+            Self::Glass { ior, absorption, tint, roughness, emission, emits_both_sides, .. } => {
+                let surface = Surface::Dielectric {
+                    ior: ior.0,
+                    absorption: plain(absorption),
+                    tint: plain(tint),
+                    roughness: roughness.0,
+                };
                 (surface, emission, emits_both_sides)
             }
-            Self::Thin { ior, tint, emission, emits_both_sides, .. } => {
-                (Surface::Thin { ior: ior.0, tint: plain(tint) }, emission, emits_both_sides)
+            Self::Thin { ior, tint, roughness, emission, emits_both_sides, .. } => {
+                let surface = Surface::Thin { ior: ior.0, tint: plain(tint), roughness: roughness.0 };
+                (surface, emission, emits_both_sides)
             }
             Self::Glossy { albedo, metallic, roughness, specular, ior, emission, emits_both_sides, .. } => {
                 let surface = Surface::Glossy {

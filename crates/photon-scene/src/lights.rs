@@ -195,7 +195,7 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
         Surface::Mirror { reflectance } => Material { albedo: colour(reflectance), ..of(MaterialKind::Mirror) },
         // A solid material that no triangle uses does not take one of the 255 media; without a medium it is no solid.
         Surface::Dielectric { tint, .. } if !in_use => Material { albedo: colour(tint), ..of(MaterialKind::Lambert) },
-        Surface::Dielectric { ior, absorption, tint } => {
+        Surface::Dielectric { ior, absorption, tint, roughness } => {
             let medium = Medium {
                 // Opaque beyond a few units anyway; an infinity would give 0 · ∞ at zero distance.
                 absorption: absorption.map(|part| (part * frame.scale).min(1e30) as f32),
@@ -204,9 +204,12 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
                 ..Medium::VACUUM
             };
             let medium = index_of(media, medium);
-            Material { albedo: colour(tint), ior: ior as f32, medium, ..of(MaterialKind::Dielectric) }
+            let roughness = roughness as f32;
+            Material { albedo: colour(tint), ior: ior as f32, medium, roughness, ..of(MaterialKind::Dielectric) }
         }
-        Surface::Thin { ior, tint } => Material { albedo: colour(tint), ior: ior as f32, ..of(MaterialKind::Thin) },
+        Surface::Thin { ior, tint, roughness } => {
+            Material { albedo: colour(tint), ior: ior as f32, roughness: roughness as f32, ..of(MaterialKind::Thin) }
+        }
         // Without metal and coat, what is left is diffuse.
         Surface::Glossy { base_color, metallic: 0.0, specular: 0.0, .. } => {
             Material { albedo: colour(base_color), ..of(MaterialKind::Lambert) }

@@ -45,12 +45,14 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
     match desc.surface {
         Surface::Lambert { albedo } => fractions("albedo", albedo)?,
         Surface::Mirror { reflectance } => fractions("reflectance", reflectance)?,
-        Surface::Dielectric { ior, absorption, tint } => {
+        Surface::Dielectric { ior, absorption, tint, roughness } => {
+            require((0.0..=1.0).contains(&roughness), "roughness", roughness, "it must lie between 0 and 1")?;
             refractive(ior)?;
             not_negative("absorption", absorption)?;
             fractions("tint", tint)?;
         }
-        Surface::Thin { ior, tint } => {
+        Surface::Thin { ior, tint, roughness } => {
+            require((0.0..=1.0).contains(&roughness), "roughness", roughness, "it must lie between 0 and 1")?;
             refractive(ior)?;
             fractions("tint", tint)?;
         }

@@ -18,8 +18,10 @@ fn nudged(size: f64, brightness: f64, nudge: f64) -> Scene {
     let white = builder.material(MaterialDesc::lambert("white", [0.7, 0.6, 0.5]));
     let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], glow(9.0)));
     let absorption = [0.3 / size, 0.2 / size, 0.1 / size];
-    let glass =
-        builder.material(MaterialDesc::new("glass", Surface::Dielectric { ior: 1.5, absorption, tint: [1.0; 3] }));
+    let glass = builder.material(MaterialDesc::new(
+        "glass",
+        Surface::Dielectric { ior: 1.5, absorption, tint: [1.0; 3], roughness: 0.0 },
+    ));
     let floor = [at(-1.3, 0.1, 1.1), at(1.7, 0.1, 1.1), at(1.7, 0.1, -1.9), at(-1.3, 0.1, -1.9)];
     builder.quad("floor", floor, white);
     builder.quad("lamp", [at(-0.3, 2.0, -0.3), at(0.3, 2.0, -0.3), at(0.3, 2.0, 0.3), at(-0.3, 2.0, 0.3)], area_light);

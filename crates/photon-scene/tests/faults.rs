@@ -46,7 +46,8 @@ fn materials() {
         names(&material(MaterialDesc::glass("pane", ior)), &["'pane'", "ior", &format!("{ior:?}"), "above 0"]);
         names(&material(MaterialDesc::thin("pane", ior)), &["'pane'", "ior"]);
     }
-    let glass = |absorption, tint| MaterialDesc::new("ink", Surface::Dielectric { ior: 1.3, absorption, tint });
+    let glass =
+        |absorption, tint| MaterialDesc::new("ink", Surface::Dielectric { ior: 1.3, absorption, tint, roughness: 0.0 });
     names(&material(glass([0.0, -1.0, 0.0], [1.0; 3])), &["'ink'", "absorption", "-1.0", "at least 0"]);
     names(&material(glass([f64::INFINITY; 3], [1.0; 3])), &["'ink'", "absorption", "inf"]);
     names(&material(glass([0.0; 3], [1.1; 3])), &["'ink'", "tint", "1.1"]);

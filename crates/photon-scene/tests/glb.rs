@@ -30,14 +30,22 @@ fn everything() -> SceneBuilder {
     let third = 1.0 / 3.0;
     let mut scene = SceneBuilder::new();
     let both = MaterialDesc::emissive("both", [0.1; 3], [third, 2.0, 1e-3]).with_both_sides(true);
-    let glass = Surface::Dielectric { ior: 1.1 * third + 1.0, absorption: [0.1, 7.7, 0.0], tint: [0.3, third, 1.0] };
+    let glass = Surface::Dielectric {
+        ior: 1.1 * third + 1.0,
+        absorption: [0.1, 7.7, 0.0],
+        tint: [0.3, third, 1.0],
+        roughness: 0.0,
+    };
     let all = [
         MaterialDesc::lambert("diffuse", [third, 0.7, 0.0]),
         MaterialDesc::lambert("dark", [0.5; 3]).with_both_sides(true),
         MaterialDesc::mirror("mirror", [0.9, 0.8, third]),
         MaterialDesc::new("glass", glass).with_priority(3),
-        MaterialDesc::new("clear", Surface::Dielectric { ior: 0.9, absorption: [0.0; 3], tint: [1.0; 3] }),
-        MaterialDesc::new("pane", Surface::Thin { ior: 1.33, tint: [0.2, 0.4, third] }),
+        MaterialDesc::new(
+            "clear",
+            Surface::Dielectric { ior: 0.9, absorption: [0.0; 3], tint: [1.0; 3], roughness: 0.0 },
+        ),
+        MaterialDesc::new("pane", Surface::Thin { ior: 1.33, tint: [0.2, 0.4, third], roughness: 0.0 }),
         both,
         MaterialDesc::metal("brass", [0.9, third, 0.1], 0.3 * third),
         MaterialDesc::plastic("plastic", [third, 0.9, 0.1], third),

@@ -150,6 +150,25 @@ fn shape(
             "<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>{}</bsdf>",
             rgb("specular_reflectance", colour)
         )),
+        MaterialKind::Thin if material.is_rough_glass() => {
+            return Err(Fault::input(format!(
+                "material '{name}' is a rough sheet, which cannot be written for Mitsuba; give it roughness = 0 in an \
+                 override file"
+            )));
+        }
+        MaterialKind::Dielectric if material.is_rough_glass() => {
+            warnings.push(format!(
+                "material '{name}' has no multiple scattering in Mitsuba, and is darker there: its distribution has the \
+                 width {}",
+                material.roughness * material.roughness
+            ));
+            let alpha = material.roughness * material.roughness;
+            format!(
+                "<bsdf type=\"roughdielectric\"><string name=\"distribution\" value=\"ggx\"/><float name=\"alpha\" \
+                 value=\"{alpha}\"/>{ior}{}</bsdf>",
+                rgb("specular_transmittance", colour)
+            )
+        }
         MaterialKind::Dielectric => {
             format!("<bsdf type=\"dielectric\">{ior}{}</bsdf>", rgb("specular_transmittance", colour))
         }

@@ -73,7 +73,7 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
     let thing = match name {
         "mirror" => MaterialDesc::mirror("thing", [0.9; 3]),
         "dielectric" | "aimed photons" => MaterialDesc::glass("thing", 1.5),
-        "absorption" => surface(Surface::Dielectric { ior: 1.5, absorption: [0.5; 3], tint: [1.0; 3] }),
+        "absorption" => surface(Surface::Dielectric { ior: 1.5, absorption: [0.5; 3], tint: [1.0; 3], roughness: 0.0 }),
         "thin" => MaterialDesc::thin("thing", 1.5),
         _ => MaterialDesc::lambert("thing", [0.4; 3]),
     };

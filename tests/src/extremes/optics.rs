@@ -114,7 +114,7 @@ fn down<T: TestBackend>(scene: &Scene, count: usize, bounces: u32) -> (f64, f64)
 }
 
 fn solid(builder: &mut SceneBuilder, name: &str, ior: f64, sigma: f64, low: [f64; 3], high: [f64; 3]) {
-    let surface = Surface::Dielectric { ior, absorption: [sigma; 3], tint: [1.0; 3] };
+    let surface = Surface::Dielectric { ior, absorption: [sigma; 3], tint: [1.0; 3], roughness: 0.0 };
     let material = builder.material(MaterialDesc::new(name, surface));
     let (positions, triangles) = shapes::cuboid(low, high);
     builder.mesh(name, positions, triangles, material);
@@ -171,7 +171,7 @@ fn absorption<T: TestBackend>(sheet: &mut Sheet) {
         let range = format!("{sigma:e} per metre over one metre");
         sheet.holds("S22", "flux through an absorbing slab", range, format!("{passed:.7}"), good);
     }
-    let surface = Surface::Dielectric { ior: 1.5, absorption: [f64::INFINITY; 3], tint: [1.0; 3] };
+    let surface = Surface::Dielectric { ior: 1.5, absorption: [f64::INFINITY; 3], tint: [1.0; 3], roughness: 0.0 };
     let mut builder = SceneBuilder::new();
     builder.material(MaterialDesc::new("ink", surface));
     let named = builder.build().err().is_some_and(|error| error.to_string().contains("ink"));
@@ -248,7 +248,7 @@ fn nested<T: TestBackend>(sheet: &mut Sheet) {
 fn overlapping<T: TestBackend>(sheet: &mut Sheet) {
     let mut builder = SceneBuilder::new();
     for (name, x, ior, sigma) in [("left", -0.3, 1.5, 0.5), ("right", 0.3, 2.4, 0.0), ("again", 0.3, 2.4, 1e3)] {
-        let surface = Surface::Dielectric { ior, absorption: [sigma; 3], tint: [0.9; 3] };
+        let surface = Surface::Dielectric { ior, absorption: [sigma; 3], tint: [0.9; 3], roughness: 0.0 };
         let material = builder.material(MaterialDesc::new(name, surface));
         let (positions, triangles) = turned(shapes::icosphere(3, [x, 0.0, 0.0], 0.6));
         builder.mesh(name, positions, triangles, material);

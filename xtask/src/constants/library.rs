@@ -1,8 +1,8 @@
 //! Numbers of algorithms in photon-core and photon-scene that have a twin in GLSL.
 
 use photon_core::{
-    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, area, ggx, glossy, kd_tree, light_sampler,
-    light_tree, neighbour_radius, octahedral, offset, shading_normal, solid_angle,
+    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, RoughGlassTable, area, ggx, glossy, kd_tree,
+    light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -88,6 +88,13 @@ pub(super) fn groups() -> Vec<Group> {
             ],
         ),
         ("ggx.", vec![("GGX_MIN_ALPHA", ggx::MIN_ALPHA.into())]),
+        (
+            "rough_glass, RoughGlassTable.",
+            vec![
+                ("ROUGH_GLASS_MIN_CONTRAST", rough_glass::MIN_CONTRAST.into()),
+                ("ROUGH_GLASS_STRIDE", (RoughGlassTable::STRIDE as u32).into()),
+            ],
+        ),
         ("AlbedoTable.", vec![("ALBEDO_TABLE_SIZE", (AlbedoTable::SIZE as u32).into())]),
         (
             "glossy.",

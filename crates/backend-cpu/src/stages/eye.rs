@@ -5,7 +5,7 @@ use photon_core::light_sampler::light_of_triangle;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind, MediumStack,
-    Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, View, octahedral, sampling, shading_normal,
+    Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, View, octahedral, sampling, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -13,6 +13,7 @@ use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
 use crate::stages::eye_glossy::{GlossyPoint, Leaves, Reflection};
+use crate::stages::eye_rough_glass::RoughPoint;
 
 /// Traces camera paths through mirrors and glass.
 ///
@@ -78,7 +79,7 @@ impl EyeTracer<Cpu> for CpuEye {
 
 pub(crate) struct Eye<'a> {
     pub(crate) scene: &'a CpuScene,
-    view: &'a View,
+    pub(crate) view: &'a View,
     pass: Pass,
     pub(crate) max_bounces: u32,
     hides_background: bool,
@@ -229,6 +230,15 @@ impl Eye<'_> {
                 Leaves::base(&at, seen())
             };
             return self.reflect(path, &at, &leaves, queries, query, sampler);
+        }
+        if SHADED && self.scene.features.contains(Features::ROUGH_GLASS) {
+            if let Some(glass) = RoughGlass::new(&self.scene.rough_glass, material, surface.cosine, &interface) {
+                let at = RoughPoint { surface: &surface, normal, interface: &interface, glass: &glass };
+                if !REFLECTIONS {
+                    self.light_through::<ALPHA>(path, &at, pixel, sampler);
+                }
+                return self.scatter(path, &at, sampler).then_some(None);
+            }
         }
         let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
         if material.is_diffuse() {

@@ -14,13 +14,13 @@ use crate::film::deposit;
 use crate::stages::light_sample;
 use crate::stages::light_sampler::LightSampler;
 
-/// A reflection at a glossy surface, from where lights are sampled too.
+/// A reflection at a glossy surface, or a scattering at rough glass, from where lights are sampled too.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Reflection {
     /// Density per solid angle of the direction; 0 without such a surface.
     pub(crate) pdf: f32,
     position: Vec3,
-    /// Geometric normal on the side of the path.
+    /// Geometric normal on the side to which the path goes on.
     normal: Vec3,
 }
 
@@ -61,6 +61,12 @@ impl Leaves {
     pub(crate) fn reflection(material: &Material, seen: Vec3) -> Self {
         let (words, factor) = ReflectionLobe::pack(material);
         Self { first: 0.5, throughput: seen * factor, scale: 1.0, words }
+    }
+}
+
+impl Reflection {
+    pub(crate) fn new(pdf: f32, position: Vec3, normal: Vec3) -> Self {
+        Self { pdf, position, normal }
     }
 }
 
@@ -135,7 +141,7 @@ impl Eye<'_> {
             path.branch |= 1 << path.splits;
             path.splits += 1;
         }
-        path.reflected = Reflection { pdf: reflected.pdf, position: surface.start, normal: surface.normal };
+        path.reflected = Reflection::new(reflected.pdf, surface.start, surface.normal);
         path.media = at.media;
         path.ray = surface.spawn(Lobe::SpecularReflection, direction);
         Some(None)
@@ -161,6 +167,6 @@ impl Eye<'_> {
 
 /// The weight of a sample of density `mine` where another technique has density `other` (Veach 1997, equation 9.8). 1 for
 /// a light without extent, whose density of 0 stands for one that the other technique cannot reach.
-fn balance(mine: f32, other: f32) -> f32 {
+pub(crate) fn balance(mine: f32, other: f32) -> f32 {
     if mine > 0.0 { mine / (mine + other) } else { 1.0 }
 }

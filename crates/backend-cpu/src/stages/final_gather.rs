@@ -4,8 +4,8 @@ use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
     Bsdf, Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Glossy, Layer, Lobe, MapKind, Maps,
-    MaterialKind, MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, glossy, octahedral, offset,
-    sampling, shading_normal,
+    MaterialKind, MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, RoughGlass, glossy, octahedral,
+    offset, sampling, shading_normal,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -172,6 +172,23 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         let interface = scene.interface(&surface, media);
         throughput *= scene.attenuation(interface.before, surface.t);
         let mut albedo = Vec3::from(material.albedo);
+        if SHADED && scene.features.contains(Features::ROUGH_GLASS) {
+            let table = &scene.rough_glass;
+            if let Some(glass) = RoughGlass::new(table, material, surface.cosine, &interface) {
+                let [choice, u, v, _] = sampler.words(block + bounce);
+                let sampled = glass.sample(table, -ray.direction, normal, [choice, u, v].map(unit_f32));
+                let stays = sampled.lobe == Lobe::SpecularReflection;
+                let towards = |normal: Vec3| if stays { normal } else { -normal };
+                let (geometric, shading) = (towards(surface.normal), towards(normal));
+                throughput *= sampled.found.weight(glossy::limited(sampled.direction, geometric, shading));
+                if throughput == Vec3::ZERO {
+                    break;
+                }
+                media = if stays { media } else { interface.transmitted };
+                ray = surface.spawn(sampled.lobe, sampled.direction);
+                continue;
+            }
+        }
         let bsdf = Bsdf::new(scene.features, material, surface.cosine, &interface);
         let lobe = if SHADED && material.kind() == MaterialKind::Glossy {
             let glossy = Glossy::new(material, surface.cosine);

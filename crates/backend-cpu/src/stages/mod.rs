@@ -7,6 +7,7 @@ pub(crate) mod error_moments;
 pub(crate) mod estimate;
 pub(crate) mod eye;
 mod eye_glossy;
+mod eye_rough_glass;
 pub(crate) mod final_gather;
 pub(crate) mod irradiance;
 pub(crate) mod light_sample;

@@ -6,8 +6,9 @@ use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Light, Lobe, MapKind, Material, MaterialKind,
-    MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, Scheduling,
-    Settings, SkipLimit, Tally, Tracer, glossy, light_features, octahedral, sampling, shading_normal,
+    MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, RoughGlass,
+    RoughSample, Scheduling, Settings, SkipLimit, Tally, Tracer, glossy, light_features, octahedral, sampling,
+    shading_normal,
 };
 use rayon::prelude::*;
 
@@ -307,6 +308,30 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             carry(power, &mut flux, tally);
             continue;
         }
+        if features.contains(Features::ROUGH_GLASS) {
+            let table = &scene.rough_glass;
+            if let Some(glass) = RoughGlass::new(table, material, surface.cosine, &interface) {
+                if reflections {
+                    return tally.end(Fate::Terminated, flux);
+                }
+                let sampled = glass.sample(table, -ray.direction, normal, [choice, u, v]);
+                if sampled.lobe == Lobe::SpecularTransmission {
+                    media = interface.transmitted;
+                    if nested && !too_deep && interface.is_too_deep {
+                        too_deep = true;
+                        tally.too_deep += 1;
+                    }
+                }
+                let weight = rough_weight(&sampled, ray.direction, surface.normal, normal);
+                let Some(next) = russian_roulette(power, weight, sampled.rest, true) else {
+                    return tally.end(Fate::Absorbed, flux);
+                };
+                power = next;
+                ray = surface.spawn(sampled.lobe, sampled.direction);
+                carry(power, &mut flux, tally);
+                continue;
+            }
+        }
         let bsdf = Bsdf::new(features, material, surface.cosine, &interface);
         let lobe = bsdf.choose(choice);
         match lobe {
@@ -396,6 +421,15 @@ fn glossy_scattered(
     let onward = sampling::cosine_hemisphere(geometric, u, v);
     let factor = shading_normal::photon_factor(Lobe::Diffuse, incoming, onward, geometric, shading);
     (onward, glossy.diffuse() * (glossy.coat().entering(onward.dot(shading)) * factor / (1.0 - first)))
+}
+
+/// The weight of a photon that rough glass scatters; 0 where shading normals send it to the wrong side.
+#[inline]
+fn rough_weight(sampled: &RoughSample, incoming: Vec3, geometric: Vec3, shading: Vec3) -> Vec3 {
+    let stays = sampled.lobe == Lobe::SpecularReflection;
+    let lands = (sampled.direction.dot(geometric) > 0.0) == stays && incoming.dot(geometric) < 0.0;
+    let factor = shading_normal::photon_factor(sampled.lobe, incoming, sampled.direction, geometric, shading);
+    sampled.found.weight(if lands { factor } else { 0.0 })
 }
 
 /// Russian roulette (Arvo and Kirk 1990). A surviving photon keeps the power of its brightest channel, or, with

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::texture::byte_values;
-use photon_core::{AlbedoTable, Features, Result, SceneView, Texture};
+use photon_core::{AlbedoTable, Features, Result, RoughGlassTable, SceneView, Texture};
 
 use super::{BLOCK, Upload};
 
@@ -20,7 +20,7 @@ struct Record {
     values: u64,
     albedos: u64,
     has_normals: u32,
-    reserved: u32,
+    rough_ratios: u32,
 }
 
 /// `Texture` of texture.glsl.
@@ -38,10 +38,10 @@ struct Image {
 
 /// Uploads the tables in [`SceneView::shading`], those of triangles in BVH order; returns the address of their record,
 /// or 0 for a scene without any.
-pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32]) -> Result<u64> {
+pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32], nested: bool) -> Result<u64> {
     let tables = &view.shading;
-    let glossy = Features::of(view).contains(Features::GLOSSY);
-    if tables.is_empty() && !glossy {
+    let followed = Features::of(view).intersects(Features::FOLLOWED);
+    if tables.is_empty() && !followed {
         return Ok(0);
     }
     let mut record = Record::zeroed();
@@ -57,8 +57,11 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
         record.material_textures = upload.table("textures", tables.material_textures)?;
         record.values = upload.table("textures", byte_values().as_flattened())?;
     }
-    if glossy {
-        record.albedos = upload.table("albedos of glossy surfaces", AlbedoTable::get().entries())?;
+    if followed {
+        let glass = RoughGlassTable::new(view, nested)?;
+        record.rough_ratios = glass.len() as u32;
+        let entries: Vec<[f32; 2]> = AlbedoTable::get().entries().iter().copied().chain(glass.all()).collect();
+        record.albedos = upload.table("albedos of glossy surfaces", &entries)?;
     }
     upload.table("scene", &[record])
 }

@@ -150,7 +150,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::GLOSSY);
+        let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::FOLLOWED);
         let lit = features.intersects(emits);
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as possible.
@@ -161,7 +161,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
             paths_log2: SPLITS,
             tile_rows_log2: tile_rows,
             media: scene.media(),
-            weighed: if features.contains(Features::GLOSSY) { weighed(scene) } else { 0 },
+            weighed: if features.intersects(Features::FOLLOWED) { weighed(scene) } else { 0 },
             hides_background: self.hides_background,
             reflections: self.reflections,
         };

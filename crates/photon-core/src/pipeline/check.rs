@@ -16,7 +16,7 @@ pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
     let keeps = scene.primitives.iter().any(|primitive| {
         let material = &scene.materials[primitive.material as usize];
         let scatters = material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0);
-        scatters || material.kind() == MaterialKind::Glossy
+        scatters || material.kind() == MaterialKind::Glossy || material.is_rough_glass()
     });
     if keeps { Ok(()) } else { Err(Error::NoReceiver) }
 }

@@ -5,7 +5,7 @@ use crate::radius::radii;
 use crate::requirements::features::Features;
 use crate::requirements::map_kind::MapKind;
 use crate::requirements::photon_format::PhotonFormat;
-use crate::requirements::{Requirements, light_features, material_features};
+use crate::requirements::{Requirements, has_gloss_caustics, light_features, material_features};
 use crate::scene::SceneView;
 use crate::scene::light::Light;
 use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
@@ -25,6 +25,10 @@ pub struct Need {
 /// What glossy surfaces cost, and how to do without.
 const GLOSSY: &str = "camera paths follow their reflection, and sample a light at each; kind = \"lambert\", or specular = 0 \
                       without metal, in an override file makes them diffuse";
+
+/// What rough glass costs, and how to do without.
+const ROUGH_GLASS: &str = "camera paths sample a light on both sides at each of its surfaces; roughness = 0 in an override \
+                           file makes it smooth";
 
 /// The needs of a scene: lobes and lights first, in the order of [`Features`], then maps, then stages.
 #[must_use]
@@ -51,6 +55,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 (triangles, _) if feature == Features::GLOSSY => {
                     format!("{}; {GLOSSY}", counted(triangles, "triangle"))
                 }
+                (triangles, _) if feature == Features::ROUGH_GLASS => {
+                    format!("{}; {ROUGH_GLASS}", counted(triangles, "triangle"))
+                }
                 (triangles, _) => counted(triangles, "triangle"),
             };
             Need { what, needed: required.features.contains(feature), why }
@@ -67,7 +74,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             say("aimed photons", aimed, &why);
         }
     }
-    let perfect = required.features.has_gloss_caustics();
+    let perfect = has_gloss_caustics(scene);
     say(
         "caustics in glossy reflections",
         required.gloss_caustics,

@@ -43,6 +43,8 @@ bitflags! {
         const ENVIRONMENT = 1 << 14;
         /// Glossy reflection: rough metals and coats.
         const GLOSSY = 1 << 15;
+        /// Rough glass: GGX reflection and transmission.
+        const ROUGH_GLASS = 1 << 16;
         /// Surfaces that are only partly there: alpha coverage.
         const ALPHA = 1 << 17;
         /// More lights than shadow rays weigh one by one: [`crate::light_tree`].
@@ -62,7 +64,10 @@ impl Features {
         .union(Self::SHADING_NORMALS)
         .union(Self::NORMAL_MAPS)
         .union(Self::VERTEX_COLORS)
-        .union(Self::GLOSSY);
+        .union(Self::GLOSSY)
+        .union(Self::ROUGH_GLASS);
+    /// Where camera paths sample lights, and go on.
+    pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);
     /// All lobes that are not diffuse.
     pub const SPECULAR: Self = Self::MIRROR.union(Self::DIELECTRIC).union(Self::THIN).union(Self::GLOSSY);
 
@@ -84,6 +89,7 @@ impl Features {
         "textured-lights",
         "environment",
         "glossy",
+        "rough-glass",
         "alpha",
         "light-tree",
         "thin-lens",
@@ -98,13 +104,6 @@ impl Features {
 
     /// Lights that no camera path can find: without extent.
     pub const DELTA_LIGHTS: Self = Self::POINT_LIGHTS.union(Self::SPOT_LIGHTS).union(Self::DIRECTIONAL_LIGHTS);
-
-    /// Whether a scene with these features can have caustics that only photons find in the reflection of glossy surfaces.
-    #[must_use]
-    pub const fn has_gloss_caustics(self) -> bool {
-        const PERFECT: Features = Features::MIRROR.union(Features::DIELECTRIC).union(Features::THIN);
-        self.contains(Self::GLOSSY) && self.intersects(PERFECT) && self.intersects(Self::DELTA_LIGHTS)
-    }
 
     /// The features that are not in `other`.
     #[must_use]

@@ -55,13 +55,12 @@ impl Requirements {
             MapKind::Caustic => reads(settings, kind) && specular_is_lit(scene),
             MapKind::Direct | MapKind::Global => reads(settings, kind),
         });
-        let features = Features::of(scene);
         Self {
-            features,
+            features: Features::of(scene),
             media: Solids::of(scene).features(),
             maps,
             aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
-            gloss_caustics: maps[MapKind::Caustic] && shows_gloss_caustics(settings) && features.has_gloss_caustics(),
+            gloss_caustics: maps[MapKind::Caustic] && shows_gloss_caustics(settings) && has_gloss_caustics(scene),
             shadow_rays: settings.direct == Direct::Nee,
             final_gather: settings.indirect == Indirect::Gather,
             photon_format: PhotonFormat::of(scene, settings),
@@ -88,7 +87,7 @@ impl Requirements {
     /// features `present`.
     #[must_use]
     pub fn samples_lights(&self, present: Features) -> bool {
-        self.shadow_rays || present.contains(Features::GLOSSY)
+        self.shadow_rays || present.intersects(Features::FOLLOWED)
     }
 
     /// Checks that stages built for `self` support the features `needed`.
@@ -159,6 +158,20 @@ fn shows_gloss_caustics(settings: &Settings) -> bool {
     settings.caustics && !matches!(settings.estimator, Estimator::Paper(_))
 }
 
+/// Whether `scene` can have caustics that only photons find in the reflection of glossy surfaces.
+pub(crate) fn has_gloss_caustics(scene: &SceneView<'_>) -> bool {
+    // Textures may make rough glass smooth.
+    let is_perfect = |material: &Material| match material.kind() {
+        MaterialKind::Mirror => true,
+        MaterialKind::Dielectric | MaterialKind::Thin => !material.is_rough_glass() || material.textures != 0,
+        MaterialKind::Lambert | MaterialKind::Glossy => false,
+    };
+    let features = Features::of(scene);
+    features.contains(Features::GLOSSY)
+        && features.intersects(Features::DELTA_LIGHTS)
+        && scene.materials_in_use().any(is_perfect)
+}
+
 /// The features that a material of `scene` needs.
 #[must_use]
 pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features {
@@ -173,8 +186,13 @@ pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features
             if absorbs { Features::DIELECTRIC.union(Features::ABSORPTION) } else { Features::DIELECTRIC }
         }
     };
+    let rough = if material.is_rough_glass() { Features::ROUGH_GLASS } else { Features::NONE };
     let shading = shading_features(material, &scene.shading);
-    lobes.union(shading).union(if material.has_alpha() { alpha_features(material) } else { Features::NONE })
+    lobes.union(rough).union(shading).union(if material.has_alpha() {
+        alpha_features(material)
+    } else {
+        Features::NONE
+    })
 }
 
 /// The features that the vertex attributes and textures of a material need.

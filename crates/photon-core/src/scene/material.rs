@@ -84,8 +84,8 @@ pub struct Material {
     pub textures: u32,
     /// Glossy: the share of metal, in `[0, 1]`; the rest has a base under a dielectric coat. Otherwise 0.
     pub metallic: f32,
-    /// Glossy: roughness, in `[0, 1]`; the width of the distribution is its square, but at least
-    /// [`crate::ggx::MIN_ALPHA`]. Otherwise 0.
+    /// Glossy, dielectric and thin: roughness, in `[0, 1]`; the width of the distribution is its square. Of glossy surfaces
+    /// it is at least [`crate::ggx::MIN_ALPHA`]; dielectrics of lower widths are smooth. Otherwise 0.
     pub roughness: f32,
     /// Glossy: factor on the reflection of the coat, in `[0, 1]`; 0 leaves a Lambertian base. Otherwise 0.
     pub specular: f32,
@@ -142,6 +142,13 @@ impl Material {
             MaterialKind::Lambert => false,
             MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin | MaterialKind::Glossy => true,
         }
+    }
+
+    /// Whether it is glass that may be rough: textures may make it smooth.
+    #[inline]
+    #[must_use]
+    pub fn is_rough_glass(&self) -> bool {
+        self.kind().transmits() && self.roughness * self.roughness >= crate::ggx::MIN_ALPHA
     }
 
     /// Whether the surface may be only partly there: [`Material::ALPHA`].

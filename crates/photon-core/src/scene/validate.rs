@@ -155,19 +155,22 @@ fn check_material(material: &Material, media: &[Medium]) -> Check {
     })?;
     let ior = material.ior;
     let refracts = || require(ior.is_normal() && ior > 0.0, || format!("its ior {ior} must be finite and above 0"));
+    let roughness = material.roughness;
+    let is_rough =
+        || require((0.0..=1.0).contains(&roughness), || format!("its roughness {roughness} must lie between 0 and 1"));
     match kind {
         MaterialKind::Lambert | MaterialKind::Mirror => Ok(()),
-        MaterialKind::Thin => refracts(),
+        MaterialKind::Thin => refracts().and_then(|()| is_rough()),
         MaterialKind::Glossy => {
-            for (name, value) in
-                [("metallic", material.metallic), ("roughness", material.roughness), ("specular", material.specular)]
-            {
+            is_rough()?;
+            for (name, value) in [("metallic", material.metallic), ("specular", material.specular)] {
                 require((0.0..=1.0).contains(&value), || format!("its {name} {value} must lie between 0 and 1"))?;
             }
             require(ior.is_finite() && ior >= 0.0, || format!("its ior {ior} must be finite and at least 0"))
         }
         MaterialKind::Dielectric => {
             refracts()?;
+            is_rough()?;
             let inside = material.medium;
             require(inside > 0, || "it has no medium; a dielectric needs an entry of media after the first".into())?;
             index("medium", inside, media.len())?;

@@ -43,56 +43,74 @@ impl AlbedoTable {
     }
 
     fn compute() -> Self {
-        let last = (SIZE - 1) as f64;
-        let mut entries = Vec::with_capacity(SIZE * (SIZE + 1));
-        let mut means = Vec::with_capacity(SIZE);
-        for row in 0..SIZE {
-            let roughness = row as f64 / last;
-            let alpha = (roughness * roughness).max(f64::from(ggx::MIN_ALPHA)) as f32;
-            let albedos: Vec<[f64; 2]> = (0..SIZE)
-                .map(|column| {
-                    let root = column as f64 / last;
-                    // The limit at 0 is approached, not reached.
-                    single_scattering(alpha, (root * root).max(1e-6) as f32)
-                })
-                .collect();
-            // 4 ∫ E x³ dx with x = √cos, exact for linear pieces.
-            let mut mean = [0.0; 2];
-            for (column, pair) in albedos.windows(2).enumerate() {
-                let (x0, x1) = (column as f64 / last, (column + 1) as f64 / last);
-                for c in 0..2 {
-                    mean[c] += linear_times_cube(x0, x1, pair[0][c], pair[1][c]) * 4.0;
-                }
-            }
-            means.push(mean.map(|value| value as f32));
-            entries.extend(albedos.iter().map(|pair| pair.map(|value| value as f32)));
-        }
-        entries.extend(means);
-        Self { entries }
+        Self { entries: tabulate(single_scattering) }
     }
 
     /// A and B for directions with this cosine, in `[0, 1]`, at a roughness in `[0, 1]`.
     #[inline]
     #[must_use]
     pub fn directional(&self, cosine: f32, roughness: f32) -> Vec2 {
-        let (column, across) = place(cosine.sqrt());
-        let (row, down) = place(roughness);
-        let at = |row: usize| {
-            let first = row * SIZE + column;
-            mix(self.entries[first], self.entries[first + 1], across)
-        };
-        let (upper, lower) = (at(row), at(row + 1));
-        upper * (1.0 - down) + lower * down
+        directional_of(&self.entries, cosine, roughness)
     }
 
     /// A and B averaged over the hemisphere, weighted by the cosine.
     #[inline]
     #[must_use]
     pub fn mean(&self, roughness: f32) -> Vec2 {
-        let (row, down) = place(roughness);
-        let first = SIZE * SIZE + row;
-        mix(self.entries[first], self.entries[first + 1], down)
+        mean_of(&self.entries, roughness)
     }
+}
+
+/// The entries of a table of two albedos, in the order of [`AlbedoTable::entries`], from the function of α and the cosine
+/// that it tabulates.
+pub(crate) fn tabulate(albedos_of: impl Fn(f32, f32) -> [f64; 2]) -> Vec<[f32; 2]> {
+    let last = (SIZE - 1) as f64;
+    let mut entries = Vec::with_capacity(SIZE * (SIZE + 1));
+    let mut means = Vec::with_capacity(SIZE);
+    for row in 0..SIZE {
+        let roughness = row as f64 / last;
+        let alpha = (roughness * roughness).max(f64::from(ggx::MIN_ALPHA)) as f32;
+        let albedos: Vec<[f64; 2]> = (0..SIZE)
+            .map(|column| {
+                let root = column as f64 / last;
+                // The limit at 0 is approached, not reached.
+                albedos_of(alpha, (root * root).max(1e-6) as f32)
+            })
+            .collect();
+        // 4 ∫ E x³ dx with x = √cos, exact for linear pieces.
+        let mut mean = [0.0; 2];
+        for (column, pair) in albedos.windows(2).enumerate() {
+            let (x0, x1) = (column as f64 / last, (column + 1) as f64 / last);
+            for c in 0..2 {
+                mean[c] += linear_times_cube(x0, x1, pair[0][c], pair[1][c]) * 4.0;
+            }
+        }
+        means.push(mean.map(|value| value as f32));
+        entries.extend(albedos.iter().map(|pair| pair.map(|value| value as f32)));
+    }
+    entries.extend(means);
+    entries
+}
+
+/// Both albedos of a table for directions with this cosine, in `[0, 1]`, at a roughness in `[0, 1]`.
+#[inline]
+pub(crate) fn directional_of(entries: &[[f32; 2]], cosine: f32, roughness: f32) -> Vec2 {
+    let (column, across) = place(cosine.sqrt());
+    let (row, down) = place(roughness);
+    let at = |row: usize| {
+        let first = row * SIZE + column;
+        mix(entries[first], entries[first + 1], across)
+    };
+    let (upper, lower) = (at(row), at(row + 1));
+    upper * (1.0 - down) + lower * down
+}
+
+/// Both means of a table.
+#[inline]
+pub(crate) fn mean_of(entries: &[[f32; 2]], roughness: f32) -> Vec2 {
+    let (row, down) = place(roughness);
+    let first = SIZE * SIZE + row;
+    mix(entries[first], entries[first + 1], down)
 }
 
 #[inline]

@@ -50,18 +50,33 @@ fn bound(alpha: f32, o: Vec3) -> f32 {
 #[inline]
 #[must_use]
 pub fn sample(alpha: f32, o: Vec3, u: f32, v: f32) -> Vec3 {
+    let h = normal_on_cap(alpha, o, bound(alpha, o), u, v);
+    h * (2.0 * o.dot(h)) - o
+}
+
+/// A microfacet normal as seen from `o` (Dupuy and Benyoub 2023), of density `D max(o·h, 0) 2 / (o.z + spread(o.z))` per
+/// solid angle. `u` and `v` are uniform in `[0, 1)`; `o.z` > 0.
+#[inline]
+#[must_use]
+pub fn visible_normal(alpha: f32, o: Vec3, u: f32, v: f32) -> Vec3 {
+    normal_on_cap(alpha, o, 1.0, u, v)
+}
+
+/// A microfacet normal from a point of a spherical cap, which reaches `bound` times as far down as that of all visible
+/// normals.
+#[inline]
+fn normal_on_cap(alpha: f32, o: Vec3, bound: f32, u: f32, v: f32) -> Vec3 {
     let (x, y) = (alpha * o.x, alpha * o.y);
     let inverse = 1.0 / (x * x + y * y + o.z * o.z).sqrt();
     let top = o.z * inverse;
-    let b = bound(alpha, o) * top;
+    let b = bound * top;
     // 1 − z, of which the sine is computed too: from z it would consist of rounding errors near the pole.
     let versine = u * (1.0 + b);
     let sine = (versine * (2.0 - versine)).max(0.0).sqrt();
     let z = 1.0 - versine;
     let (sin, cos) = sin_cos_turns(v);
     let h = Vec3::new(alpha * (sine * cos + x * inverse), alpha * (sine * sin + y * inverse), z + top);
-    let h = h.normalize_or(Vec3::Z);
-    h * (2.0 * o.dot(h)) - o
+    h.normalize_or(Vec3::Z)
 }
 
 /// Density per solid angle of the directions of [`sample`] (Eto and Tokuyoshi 2023, equation 8); `h` is the half vector

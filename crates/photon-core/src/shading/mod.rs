@@ -17,6 +17,8 @@ pub mod octahedral;
 pub mod offset;
 pub mod random;
 pub(crate) mod reflection_lobe;
+pub mod rough_glass;
+pub(crate) mod rough_glass_table;
 pub mod sampling;
 pub mod shade;
 pub mod shading_normal;

@@ -137,6 +137,9 @@ pub const BLOCK_SURFACES: u32 = 2;
 /// Block of dimensions for the light that is sampled at the first surface of a camera path; those of the next surfaces
 /// follow.
 pub const BLOCK_LIGHTS: u32 = 1 << 30;
+/// Block of dimensions for the side of the first surface of a camera path, if rough glass, on which a light is sampled;
+/// those of the next surfaces follow.
+pub const BLOCK_LIGHT_SIDES: u32 = 3 << 29;
 
 #[cfg(test)]
 mod tests {

@@ -3,6 +3,7 @@
 //! All are in metres and watts, with y upwards, and have one camera, set up for a square picture.
 
 mod cornell;
+mod frosted;
 mod furnace;
 mod glass;
 mod gloss;
@@ -22,13 +23,14 @@ use crate::builder::{MaterialId, SceneBuilder};
 use crate::shapes::Shape;
 
 /// Names, each with a one-line description.
-const NAMES: [(&str, &str); 11] = [
+const NAMES: [(&str, &str); 12] = [
     ("cornell", "the Cornell box: diffuse walls, two blocks, an area light in the ceiling"),
     ("cornell-glass", "the Cornell box with a mirror ball and a glass ball, with their caustics"),
     ("ring", "a golden ring on a table, with the cardioid caustic of its inner wall"),
     ("pool", "the floor of a swimming pool in the sun, under waves"),
     ("textures", "a room with tiles, a normal map, a textured light, and smooth balls of few triangles"),
     ("gloss", "metal and plastic balls of several roughnesses, on glazed tiles"),
+    ("frosted-glass", "the Cornell box with two balls of rough glass, and a frosted pane before a spotlight"),
     ("many-lights", "a room under 256 coloured bulbs, with spotlights and glowing lanterns"),
     ("two-rooms", "a dark room, lit through a partly open door"),
     ("furnace", "inside a uniformly emitting sphere: radiosity 2 everywhere"),
@@ -58,6 +60,7 @@ pub fn builtin(name: &str) -> Option<SceneBuilder> {
         "pool" => pool::pool(),
         "textures" => textures::textures(),
         "gloss" => gloss::gloss(),
+        "frosted-glass" => frosted::frosted_glass(),
         "many-lights" => many_lights::many_lights(),
         "two-rooms" => two_rooms::two_rooms(),
         "furnace" => furnace(0.5, FurnaceShape::Sphere),

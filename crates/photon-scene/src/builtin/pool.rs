@@ -49,7 +49,7 @@ pub(super) fn pool() -> SceneBuilder {
     let water = scene.material(MaterialDesc::new(
         "water",
         // Clear water absorbs red most.
-        Surface::Dielectric { ior: 1.33, absorption: [0.30, 0.055, 0.025], tint: [1.0; 3] },
+        Surface::Dielectric { ior: 1.33, absorption: [0.30, 0.055, 0.025], tint: [1.0; 3], roughness: 0.0 },
     ));
 
     let (h, out) = (HALF, HALF + DECK);

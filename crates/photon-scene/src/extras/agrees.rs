@@ -29,12 +29,23 @@ impl Agrees for MaterialDesc {
             (Surface::Lambert { albedo: a }, Surface::Lambert { albedo: b })
             | (Surface::Mirror { reflectance: a }, Surface::Mirror { reflectance: b }) => all_close(*a, *b),
             (
-                Surface::Dielectric { ior, absorption, tint },
-                Surface::Dielectric { ior: exact_ior, absorption: exact_absorption, tint: exact_tint },
-            ) => close(*ior, *exact_ior) && all_close(*absorption, *exact_absorption) && all_close(*tint, *exact_tint),
-            (Surface::Thin { ior, tint }, Surface::Thin { ior: exact_ior, tint: exact_tint }) => {
-                close(*ior, *exact_ior) && all_close(*tint, *exact_tint)
+                Surface::Dielectric { ior, absorption, tint, roughness },
+                Surface::Dielectric {
+                    ior: exact_ior,
+                    absorption: exact_absorption,
+                    tint: exact_tint,
+                    roughness: exact_roughness,
+                },
+            ) => {
+                close(*ior, *exact_ior)
+                    && close(*roughness, *exact_roughness)
+                    && all_close(*absorption, *exact_absorption)
+                    && all_close(*tint, *exact_tint)
             }
+            (
+                Surface::Thin { ior, tint, roughness },
+                Surface::Thin { ior: exact_ior, tint: exact_tint, roughness: exact_roughness },
+            ) => close(*ior, *exact_ior) && close(*roughness, *exact_roughness) && all_close(*tint, *exact_tint),
             (
                 Surface::Glossy { base_color, metallic, roughness, specular, ior },
                 Surface::Glossy {

@@ -128,8 +128,8 @@ impl Overrides {
             desc.surface = match kind {
                 Kind::Lambert => Surface::Lambert { albedo: color.unwrap_or([0.5; 3]) },
                 Kind::Mirror => Surface::Mirror { reflectance: color.unwrap_or([1.0; 3]) },
-                Kind::Glass => Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3] },
-                Kind::Thin => Surface::Thin { ior: 1.5, tint: [1.0; 3] },
+                Kind::Glass => Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3], roughness: 0.0 },
+                Kind::Thin => Surface::Thin { ior: 1.5, tint: [1.0; 3], roughness: 0.0 },
                 Kind::Glossy => Surface::Glossy {
                     base_color: color.unwrap_or([0.5; 3]),
                     metallic: 0.0,
@@ -157,20 +157,22 @@ impl Overrides {
         let (mut new_tint, mut new_absorption) = (with.tint, with.absorption);
         let mut new_priority = with.priority;
         let (mut new_metallic, mut new_roughness, mut new_specular) = (with.metallic, with.roughness, with.specular);
-        if with.metallic.is_some() || with.roughness.is_some() || kind != Kind::Glossy {
+        if with.metallic.is_some() || with.roughness.is_some() || kind != before {
             desc.textures.metallic_roughness = None;
         }
         match &mut desc.surface {
             Surface::Lambert { albedo: colour } | Surface::Mirror { reflectance: colour } => {
                 *colour = new_albedo.take().map_or(*colour, |given| given.rgb());
             }
-            Surface::Dielectric { ior, absorption, tint } => {
+            Surface::Dielectric { ior, absorption, tint, roughness } => {
+                *roughness = new_roughness.take().unwrap_or(*roughness);
                 *ior = new_ior.take().unwrap_or(*ior);
                 *absorption = new_absorption.take().map_or(*absorption, |given| given.rgb());
                 *tint = new_tint.take().map_or(*tint, |given| given.rgb());
                 desc.priority = new_priority.take().unwrap_or(desc.priority);
             }
-            Surface::Thin { ior, tint } => {
+            Surface::Thin { ior, tint, roughness } => {
+                *roughness = new_roughness.take().unwrap_or(*roughness);
                 *ior = new_ior.take().unwrap_or(*ior);
                 *tint = new_tint.take().map_or(*tint, |given| given.rgb());
             }
@@ -195,7 +197,8 @@ impl Overrides {
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
-            let hint = "lambert and mirror have albedo, glass has ior, tint, absorption and priority, thin has ior and tint, \
+            let hint = "lambert and mirror have albedo, glass has ior, tint, roughness, absorption and \
+                        priority, thin has ior, tint and roughness, \
                         glossy has albedo, metallic, roughness, specular and ior; \
                         give another kind, or leave it out";
             return Err(self.fault(what, hint));

@@ -13,7 +13,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
     let (base, metallic, roughness) = match desc.surface {
         Surface::Lambert { albedo } => (albedo, 0.0, 1.0),
         Surface::Mirror { reflectance } => (reflectance, 1.0, 0.0),
-        Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => (tint, 0.0, 0.0),
+        Surface::Dielectric { tint, roughness, .. } | Surface::Thin { tint, roughness, .. } => (tint, 0.0, roughness),
         Surface::Glossy { base_color, metallic, roughness, .. } => (base_color, metallic, roughness),
     };
     let [r, g, b] = singles(base, what)?;

@@ -37,7 +37,7 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], textures: &[TextureDesc]) {
             textures.normal = None;
         }
         material.surface = simplest(material.surface.clone(), textures.metallic_roughness.is_some());
-        if !matches!(material.surface, Surface::Glossy { .. }) {
+        if roughness_of(&mut material.surface).is_none() {
             textures.metallic_roughness = None;
         }
     }
@@ -66,16 +66,29 @@ fn fold_roughness(
     color_of: impl Fn(TextureRef) -> Option<[f64; 3]>,
 ) {
     let Some(used) = *texture else { return };
-    let Surface::Glossy { metallic, roughness, .. } = surface else {
+    let metallic = if let Surface::Glossy { metallic, .. } = surface { *metallic } else { 0.0 };
+    let Some(roughness) = roughness_of(surface) else {
         *texture = None;
         return;
     };
     if let Some([_, green, blue]) = color_of(used) {
         *roughness *= green;
-        *metallic *= blue;
+        if let Surface::Glossy { metallic, .. } = surface {
+            *metallic *= blue;
+        }
         *texture = None;
-    } else if *metallic == 0.0 && *roughness == 0.0 {
+    } else if metallic == 0.0 && *roughness == 0.0 {
         *texture = None;
+    }
+}
+
+/// The roughness of surfaces that have one.
+fn roughness_of(surface: &mut Surface) -> Option<&mut f64> {
+    match surface {
+        Surface::Lambert { .. } | Surface::Mirror { .. } => None,
+        Surface::Dielectric { roughness, .. } | Surface::Thin { roughness, .. } | Surface::Glossy { roughness, .. } => {
+            Some(roughness)
+        }
     }
 }
 

@@ -17,6 +17,7 @@ fn scenes_are_listed() {
             "pool",
             "textures",
             "gloss",
+            "frosted-glass",
             "many-lights",
             "two-rooms",
             "furnace",

@@ -134,10 +134,6 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
         let text = format!("is {:.0} % metal; it is rendered as clear", of.mean_metallic * 100.0);
         report.approximated(subject, text);
     }
-    if of.mean_roughness > 0.0 {
-        let text = format!("transmits with roughness {:.2}; it is rendered as smooth", of.mean_roughness);
-        report.approximated(subject, text);
-    }
     if of.specular != 1.0 || of.specular_color != [1.0; 3] {
         report.left_out(subject, "its specular factor; it reflects by its refractive index");
     }
@@ -148,9 +144,10 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
                 "its attenuation, since without thickness it is a sheet; give it a thicknessFactor above 0",
             );
         }
-        return Surface::Thin { ior: of.ior, tint: of.base };
+        return Surface::Thin { ior: of.ior, tint: of.base, roughness: of.roughness };
     }
-    Surface::Dielectric { ior: of.ior, absorption: absorption(of, subject, report), tint: of.base }
+    let absorption = absorption(of, subject, report);
+    Surface::Dielectric { ior: of.ior, absorption, tint: of.base, roughness: of.roughness }
 }
 
 /// Beer–Lambert: the transmittance of a distance d is exp(−σ d), so that σ = −ln(colour) / d

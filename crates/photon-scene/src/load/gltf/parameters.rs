@@ -24,11 +24,10 @@ pub(super) struct Parameters {
     /// Factor on alpha, in `[0, 1]`.
     pub(super) alpha: f64,
     pub(super) alpha_mode: AlphaMode,
-    /// Factors, and those times the means of their texture.
+    /// Factors; and that of metal times the mean of its texture.
     pub(super) metallic: f64,
     pub(super) roughness: f64,
     pub(super) mean_metallic: f64,
-    pub(super) mean_roughness: f64,
     pub(super) transmission: f64,
     /// 0 means a surface that reflects all light (`KHR_materials_ior`).
     pub(super) ior: f64,
@@ -146,7 +145,6 @@ pub(super) fn read(
         metallic,
         roughness,
         mean_metallic,
-        mean_roughness,
         transmission,
         ior,
         specular: scale,

@@ -45,9 +45,8 @@ impl Translation<'_> {
             if desc.textures.base_color.take().is_some() {
                 self.left_out("its map_Kd: it is not diffuse");
             }
-            if self.is_physically_based() {
-                desc.textures.metallic_roughness = None;
-                self.left_out("its roughness and metal (Pr, Pm): transmission is smooth");
+            if self.is_physically_based() && self.material.metallic.is_some() {
+                self.left_out("its metal (Pm): it transmits");
             }
         }
         if desc.is_emissive() {
@@ -140,7 +139,9 @@ impl Translation<'_> {
                 "is taken as solid glass of refractive index {ior} (illum {illumination}), whose triangles must \
                  enclose it"
             ));
-            Surface::Dielectric { ior, absorption: [0.0; 3], tint }
+            let of_map = self.material.roughness_map.is_some().then_some(1.0);
+            let roughness = self.material.roughness.or(of_map).unwrap_or(0.0);
+            Surface::Dielectric { ior, absorption: [0.0; 3], tint, roughness }
         } else if self.is_physically_based() {
             self.physically_based(textures)
         } else if matches!(illumination, 3 | 5) && reflects {

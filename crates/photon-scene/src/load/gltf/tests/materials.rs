@@ -36,11 +36,14 @@ fn glass(extensions: &str) -> (MaterialDesc, LoadReport) {
 #[test]
 fn transmission_is_a_sheet_without_a_volume_and_a_solid_with_one() {
     let (sheet, report) = glass("");
-    assert_eq!(sheet.surface, Surface::Thin { ior: 1.5, tint: [1.0, 0.5, 1.0] });
+    assert_eq!(sheet.surface, Surface::Thin { ior: 1.5, tint: [1.0, 0.5, 1.0], roughness: 0.0 });
     assert!(report.lines.is_empty(), "{report}");
     let (solid, report) =
         glass(r#", "KHR_materials_volume": {"thicknessFactor": 0.1}, "KHR_materials_ior": {"ior": 1.25}"#);
-    assert_eq!(solid.surface, Surface::Dielectric { ior: 1.25, absorption: [0.0; 3], tint: [1.0, 0.5, 1.0] });
+    assert_eq!(
+        solid.surface,
+        Surface::Dielectric { ior: 1.25, absorption: [0.0; 3], tint: [1.0, 0.5, 1.0], roughness: 0.0 }
+    );
     assert!(report.lines.is_empty(), "{report}");
     let (sheet, report) = glass(r#", "KHR_materials_volume": {"attenuationDistance": 2}"#);
     assert!(matches!(sheet.surface, Surface::Thin { .. }));

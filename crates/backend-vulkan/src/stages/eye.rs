@@ -144,7 +144,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
             if in_place { places.min(u64::from(on.dispatch_limits.places >> splits).max(1) << splits) } else { places };
         if !self.scratch.as_ref().is_some_and(|scratch| scratch.fits(pixels, apart)) {
             self.scratch = None;
-            self.scratch = Some(EyeScratch::new(on, pixels, apart)?);
+            let label = if self.reflections { "camera paths for reflections" } else { "camera paths" };
+            self.scratch = Some(EyeScratch::new(on, label, pixels, apart)?);
         }
         let Some(scratch) = &self.scratch else { return Ok(()) };
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
@@ -234,12 +235,12 @@ fn close_ranks(
 }
 
 impl EyeScratch {
-    fn new(on: &mut Vulkan, pixels: u32, queries: u64) -> Result<Self> {
+    fn new(on: &mut Vulkan, label: &'static str, pixels: u32, queries: u64) -> Result<Self> {
         let (words, bytes) = (u64::from(pixels) * 4, queries * size_of::<Query>() as u64);
-        let counts = on.memory("camera paths", words)?;
-        let offsets = on.memory("camera paths", words)?;
-        let queries = on.memory("camera paths", bytes)?;
-        on.note_memory("camera paths", bytes + 2 * words);
+        let counts = on.memory(label, words)?;
+        let offsets = on.memory(label, words)?;
+        let queries = on.memory(label, bytes)?;
+        on.note_memory(label, bytes + 2 * words);
         Ok(Self { counts, offsets, queries })
     }
 

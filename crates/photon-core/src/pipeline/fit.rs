@@ -25,7 +25,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let all: f64 = per_path.iter().sum();
         let format = self.maps.iter().map(|slot| slot.photon_format(self.required.photon_format)).max();
         let format = format.unwrap_or(self.required.photon_format);
-        let costs = aimed::costs(self.on.costs(format), self.stages.aimed.is_some());
+        let costs = aimed::costs(self.on.costs(format), &self.stages);
         plan.share(all, &irradiance::costs(&self.on, costs, &self.settings));
         self.batch = self.batch.min(plan.batch);
         self.settings.photons = plan.paths(all, self.settings.photons);

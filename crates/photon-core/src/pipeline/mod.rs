@@ -182,19 +182,20 @@ impl<B: TransportBackend> Pipeline<B> {
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.splits_camera_paths();
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
-        let costs =
-            irradiance::costs(&on, aimed::costs(on.costs(required.photon_format), stages.aimed.is_some()), &settings);
         let mut stages = stages;
         if !(required.gloss_caustics && stages.map.estimator.weighs_reflections()) {
             stages.gloss_caustics = None;
         }
+        let format = if stages.gloss_caustics.is_some() { PhotonFormat::Full } else { required.photon_format };
+        let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);
         let plan = match settings.memory {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
                 // Error statistics: those of a query, and a copy of those of a pixel for reading the film.
                 let (moments, copy) =
                     if settings.errors { (size_of::<ErrorMoments>(), size_of::<ErrorPixel>()) } else { (0, 0) };
-                let reflection = if stages.gloss_caustics.is_some() { size_of::<Query>() } else { 0 };
+                // As they are found, and one after another.
+                let reflection = if stages.gloss_caustics.is_some() { 2 * size_of::<Query>() } else { 0 };
                 let query = costs.query + (moments + reflection) as u64;
                 let picture = pixels * (costs.pixel + copy as u64 + per_pixel * query);
                 Some(MemoryPlan::new(cap, tables.saturating_add(picture), &costs)?)

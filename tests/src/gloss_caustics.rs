@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use photon_core::glam::DVec3;
-use photon_core::{Area, CausticPhotons, Direct, Estimator, Indirect, Render, Requirements, Settings};
+use photon_core::{Area, CausticPhotons, Direct, Estimator, Indirect, Layer, Render, Requirements, Settings};
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, VertexAttributes};
 
 use crate::harness::{TestBackend, film, per_pass, renderer};
@@ -106,6 +106,17 @@ fn settings() -> Settings {
 /// A floor of half side 1 at y = 0 with shading normals along `normal`, seen in direction −`o` at a point of it; a sun in
 /// direction `i`; and, if `pane`, a thin pane at x = −.4 which all light to that point passes.
 fn sunlit(material: MaterialDesc, normal: DVec3, (o, i): (DVec3, DVec3), pane: bool) -> Scene {
+    let glass = pane.then(|| MaterialDesc::thin("pane", 1.5));
+    sunlit_by(material, normal, (o, i), glass).build().unwrap()
+}
+
+/// As [`sunlit`], with a pane of any material.
+fn sunlit_by(
+    material: MaterialDesc,
+    normal: DVec3,
+    (o, i): (DVec3, DVec3),
+    pane: Option<MaterialDesc>,
+) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let material = builder.material(material);
     let corners = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]];
@@ -115,14 +126,14 @@ fn sunlit(material: MaterialDesc, normal: DVec3, (o, i): (DVec3, DVec3), pane: b
         let attributes = VertexAttributes { normals: vec![normal.to_array(); 4], ..VertexAttributes::default() };
         builder.mesh_with("floor", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     }
-    if pane {
-        let glass = builder.material(MaterialDesc::thin("pane", 1.5));
+    if let Some(glass) = pane {
+        let glass = builder.material(glass);
         builder.quad("pane", [[-0.4, 0.0, 1.0], [-0.4, 0.0, -1.0], [-0.4, 1.2, -1.0], [-0.4, 1.2, 1.0]], glass);
     }
     builder.light("sun", LightDesc::Directional { direction: (-i).to_array(), irradiance: [SUN; 3] });
     let projection = Projection::Orthographic { half_height: 1e-4 };
     builder.camera("oblique", CameraDesc::new((o * 0.6).to_array(), (-o).to_array(), [0.0, 0.0, 1.0], projection));
-    builder.build().unwrap()
+    builder
 }
 
 /// Metals and plastics of several widths, and directions of viewer and sun.
@@ -236,6 +247,27 @@ pub fn seen_in_another_metal<T: TestBackend>() {
     let values = per_pass::<T>(&scene, &settings(), 24, 4);
     let truth = through_a_pane(-i.x) * SUN * i.y * floor.f(o, i, UP);
     assert_agrees("in a plate", moments(&values).0, truth, standard_error(&values), 1e-2 * truth);
+}
+
+/// Light through a rough pane is what camera paths find themselves, at the pane: no photon counts it once more, though a
+/// mirror elsewhere requires such photons.
+pub fn rough_panes_are_not_counted_twice<T: TestBackend>() {
+    let floor = Floor { alpha: 0.3, metallic: 1.0, color: 0.8 };
+    let (o, i) = (towards(0.7, 0.3), towards(0.6, 3.0));
+    for (roughness, is_found) in [(0.5, false), (0.0, true)] {
+        let pane = Surface::Thin { ior: 1.5, tint: [1.0; 3], roughness };
+        let mut builder = sunlit_by(floor.material(), UP, (o, i), Some(MaterialDesc::new("pane", pane)));
+        let alone = builder.clone().build().unwrap();
+        assert_eq!(Requirements::of(&alone.view(), &settings()).gloss_caustics, is_found);
+        let mirror = builder.material(MaterialDesc::mirror("mirror", [1.0; 3]));
+        builder.quad("mirror", [[0.5, 1.4, 0.5], [0.9, 1.4, 0.5], [0.9, 1.4, -0.5], [0.5, 1.4, -0.5]], mirror);
+        let scene = builder.build().unwrap();
+        assert!(Requirements::of(&scene.view(), &settings()).gloss_caustics);
+        let found = film::<T>(&scene, &settings(), 4, 2);
+        let is_lit = |layer| found.layer(layer).iter().flatten().any(|&c| c > 0.0);
+        assert_eq!(is_lit(Layer::Caustic), is_found);
+        assert_eq!(is_lit(Layer::Emission), !is_found);
+    }
 }
 
 /// Error statistics change no bit of the picture, and cover what the reflection shows; scenes that lack a light, a pane or

@@ -130,7 +130,8 @@ macro_rules! whole_suite {
             gloss_behind_glass::{ plastic_behind_panes }
             gloss_caustics::{
                 sun_through_a_pane, photons_behind_a_pane_are_like_shadow_rays, tilted_normals_behind_a_pane,
-                point_light_in_a_mirror, seen_in_another_metal, errors_and_requirements,
+                point_light_in_a_mirror, seen_in_another_metal, rough_panes_are_not_counted_twice,
+                errors_and_requirements,
             }
             rough_glass::{ g4_white_furnace, light_behind_a_boundary, g5_closed_room }
             textures::{

@@ -17,7 +17,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let color = scene.texture(desc(TexelFormat::Srgb8));
     let normal = scene.texture(desc(TexelFormat::Linear8));
     let transform = [[number(0), number(1), number(2)], [number(3), number(4), number(5)]];
-    let used = |texture| TextureRef { transform, ..TextureRef::new(texture) };
+    let used = |texture| TextureRef::new(texture).with_transform(transform);
     let mut material = MaterialDesc::emissive("square", [0.5; 3], [f64::from(head[3]); 3]);
     material.textures.emission = (head[4] & 1 == 1).then(|| used(color));
     material.textures.base_color = (head[4] & 2 == 2).then(|| used(color));
@@ -27,12 +27,10 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let normals = vec![point(6), [0.0, 0.0, 1.0], point(7), point(8)];
     let tangents = normals.iter().map(|[x, y, z]| [*y, *z, *x, number(9)]).collect();
     let uvs = vec![[number(10), number(11)], [1.0, 0.0], [number(12), number(13)], [number(14), number(15)]];
-    let attributes = VertexAttributes {
-        normals: if head[5] & 1 == 1 { normals } else { Vec::new() },
-        tangents: if head[5] & 2 == 2 { tangents } else { Vec::new() },
-        uvs: vec![uvs],
-        ..VertexAttributes::default()
-    };
+    let attributes = VertexAttributes::default()
+        .with_normals(if head[5] & 1 == 1 { normals } else { Vec::new() })
+        .with_tangents(if head[5] & 2 == 2 { tangents } else { Vec::new() })
+        .with_uvs(vec![uvs]);
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     scene.mesh_with("square", corners, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     scene.camera("front", scene.frame_camera());

@@ -18,9 +18,27 @@ const uint LIST_SHORT = 1024u;
 const uint PAUSE_SUBGROUPS = 4096u;
 const uint PAUSE_WORDS = 160u;
 
-// Film: sums of the first surface, of error statistics and of photon moments, each with two planes.
+// Film: planes of high parts of sums about the first surface, how many planes further on their low parts are, and the plane of hits.
+const uint FIRST_NORMAL = 0u;
+const uint FIRST_ALBEDO = 3u;
+const uint FIRST_DEPTH = 6u;
+const uint FIRST_SQUARE = 7u;
 const uint FIRST_LOW = 8u;
+const uint FIRST_HITS = 16u;
+
+// Film: the same of error statistics.
+const uint ERROR_BIAS = 0u;
+const uint ERROR_BIAS_SQUARE = 1u;
+const uint ERROR_NARROW = 2u;
+const uint ERROR_NARROW_SQUARE = 3u;
 const uint ERROR_LOW = 4u;
+
+// Film: the same of the photon moments of a map.
+const uint MOMENTS_POWER = 0u;
+const uint MOMENTS_POWER_SQUARED = 1u;
+const uint MOMENTS_SLOPE = 2u;
+const uint MOMENTS_QUADRUPOLE = 4u;
+const uint MOMENTS_STRAY = 6u;
 const uint MOMENTS_LOW = 7u;
 
 #endif

@@ -20,26 +20,12 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer FirstPass {
     uint hits;
 };
 
-// The same, summed over finished passes, with the squares of their radiance: high parts in the planes below,
+// The same, summed over finished passes, with the squares of their radiance: high parts in the planes FIRST_*,
 // then as many planes of low parts, then one of hits, which are words.
-const uint FIRST_NORMAL = 0;
-const uint FIRST_ALBEDO = 3;
-const uint FIRST_DEPTH = 6;
-const uint FIRST_SQUARE = 7;
-const uint FIRST_HITS = 2 * FIRST_LOW;
-
-// Error statistics of a pixel, summed over passes: high parts in the planes below, then as many planes of low
+//
+// Error statistics of a pixel, summed over passes: high parts in the planes ERROR_*, then as many planes of low
 // parts. The current pass: bias and narrow. The photon moments of one map around the pixel are stored in planes
-// of their own: the members of `ErrorMoments` from `power` on.
-const uint ERROR_BIAS = 0;
-const uint ERROR_BIAS_SQUARE = 1;
-const uint ERROR_NARROW = 2;
-const uint ERROR_NARROW_SQUARE = 3;
-const uint MOMENTS_POWER = 0;
-const uint MOMENTS_POWER_SQUARED = 1;
-const uint MOMENTS_SLOPE = 2;
-const uint MOMENTS_QUADRUPOLE = 4;
-const uint MOMENTS_STRAY = 6;
+// of their own, MOMENTS_*: the members of `ErrorMoments` from `power` on.
 
 // Address of a pixel in a plane. Computed in steps, since planes times pixels may exceed a word.
 Planes film_place(Planes planes, uint plane, uint pixels, uint pixel) {

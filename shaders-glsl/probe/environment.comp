@@ -28,7 +28,9 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
             return floats(vec4(float(row.index), row.within, row.probability, 0.0),
                 vec4(float(column.index), column.within, column.probability, 0.0));
         }
+        case 6u: return floats(vec4(environment_pdf(scene, a.xyz), 0.0, 0.0, 0.0), vec4(0.0));
     }
     EnvironmentSample found = environment_sample(scene, words.b.xy);
+    if (FUNCTION == 5u) return floats(vec4(found.pdf, 0.0, 0.0, 0.0), vec4(0.0));
     return floats(vec4(FUNCTION == 3u ? found.direction : found.weight, 0.0), vec4(0.0));
 }

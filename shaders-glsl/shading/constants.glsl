@@ -204,5 +204,6 @@ const int MORTON_BITS = 21;
 
 // CompressedTree.
 const uint BVH_MAX_DEPTH = 32u;
+const float BVH_PLANE_TOLERANCE = 4.76837158203125e-7;
 
 #endif

@@ -31,10 +31,6 @@ const float WIDER = 1.0000019;
 const float START_SLACK = 2.3841858e-7;
 const float STEPS_SLACK = 3.0398369e-5;
 
-// Vertices this close to the plane through the origin, perpendicular to the ray's axis, count as on either side
-// of it.
-const float BESIDE = 1.0 / 2097152.0;
-
 // A ray in the frame of the test: sheared so that it runs along its largest axis.
 struct Sheared {
     vec3 origin;
@@ -148,7 +144,7 @@ void test_triangle(SceneRef scene, Corners table, uint slot, Sheared s, uint wor
     precise float scaled = u * z.x + v * z.y + w * z.z;
     precise float t = scaled / determinant;
     // A weighted mean of numbers of the same sign has that sign.
-    if (min(min(z.x, z.y), z.z) <= BESIDE && max(max(z.x, z.y), z.z) >= -BESIDE) {
+    if (min(min(z.x, z.y), z.z) <= BVH_PLANE_TOLERANCE && max(max(z.x, z.y), z.z) >= -BVH_PLANE_TOLERANCE) {
         t = plane_distance(a, b, c, s.shear, t);
     }
     uint primitive = floatBitsToUint(first.w);

@@ -11,39 +11,70 @@
 
 const bool LIGHT_TREE = (FEATURES & FEATURE_LIGHT_TREE) != 0u;
 
-// cos max(a - b, 0), from the cosines of two angles between 0 and pi.
-float cosine_of_difference(float a, float b) {
-    if (a >= b) return 1.0;
-    precise float product = a * b;
-    precise float sines = sqrt(max(1.0 - a * a, 0.0)) * sqrt(max(1.0 - b * b, 0.0));
-    precise float sum = product + sines;
-    return sum;
+// Angles between 0 and pi are vectors (cosine, sine) of any length.
+vec2 angle_between(vec3 a, vec3 b) {
+    vec3 normal = cross3(a, b);
+    return vec2(dot3(a, b), sqrt(dot3(normal, normal)));
+}
+
+// The square of the sine that belongs to the cosine `steps`, both in steps of 1 / LIGHT_TREE_COSINE_STEPS.
+float angle_square(float steps) {
+    precise float square = (LIGHT_TREE_COSINE_STEPS - steps) * (LIGHT_TREE_COSINE_STEPS + steps);
+    return square;
+}
+
+vec2 angle_with_cosine(float steps) {
+    return vec2(steps, sqrt(angle_square(steps)));
+}
+
+// The difference, 0 if `b` is larger. `b` is below pi.
+vec2 angle_minus(vec2 a, vec2 b) {
+    precise float sine = a.y * b.x - a.x * b.y;
+    if (sine < 0.0) return vec2(1.0, 0.0);
+    precise float cosine = a.x * b.x + a.y * b.y;
+    return vec2(cosine, sine);
+}
+
+float angle_cosine(vec2 a) {
+    precise float square = a.x * a.x + a.y * a.y;
+    precise float cosine = a.x / sqrt(square);
+    return cosine;
+}
+
+// For an angle below pi / 2.
+bool angle_is_within(vec2 a, float steps) {
+    precise float ours = a.y * a.y * (steps * steps);
+    precise float most = a.x * a.x * angle_square(steps);
+    return steps <= 0.0 || ours <= most;
 }
 
 // Estimated irradiance from all lights of a node.
 float light_node_importance(LightNode node, vec3 position, vec3 normal) {
-    float spread = float(bitfieldExtract(int(node.cone), 0, 16)) / LIGHT_TREE_COSINE_STEPS;
-    float emission = float(bitfieldExtract(int(node.cone), 16, 16)) / LIGHT_TREE_COSINE_STEPS;
+    float spread = float(bitfieldExtract(int(node.cone), 0, 16));
+    float emission = float(bitfieldExtract(int(node.cone), 16, 16));
+    // Normals in all directions, as of point lights, need no axis.
+    bool everywhere = spread <= -LIGHT_TREE_COSINE_STEPS;
+    vec3 axis = octahedral_unpack_unnormalized(node.axis);
     if (node.radius < 0.0) {
-        return node.intensity * max(cosine_of_difference(dot3(normal, octahedral_unpack(node.axis)), spread), 0.0);
+        if (everywhere) return node.intensity;
+        vec2 off_axis = angle_minus(angle_between(axis, normal), angle_with_cosine(spread));
+        return node.intensity * max(angle_cosine(off_axis), 0.0);
     }
     precise vec3 gap = node.center - position;
     float square = dot3(gap, gap);
     precise float reach = node.radius * node.radius;
     float divisor = max(max(square, reach * LIGHT_TREE_MIN_DISTANCE_SHARE), LIGHT_TREE_MIN_SQUARED);
     if (square <= max(reach, LIGHT_TREE_MIN_SQUARED)) return node.intensity / divisor;
-    precise vec3 direction = gap / sqrt(square);
     // Half angle under which the bounding sphere is seen.
-    precise float seen = sqrt(max(1.0 - reach / square, 0.0));
-    float cosine = cosine_of_difference(dot3(normal, direction), seen);
-    // Normals in all directions, as of point lights, need no axis.
-    float emitted = 1.0;
-    if (spread > -1.0) {
-        float off = cosine_of_difference(-dot3(octahedral_unpack(node.axis), direction), spread);
-        emitted = cosine_of_difference(off, seen);
+    precise float beyond = square - reach;
+    vec2 seen = vec2(sqrt(beyond), node.radius);
+    float cosine = angle_cosine(angle_minus(angle_between(normal, gap), seen));
+    vec2 emitted = vec2(1.0, 0.0);
+    if (!everywhere) {
+        emitted = angle_minus(angle_minus(angle_between(axis, -gap), angle_with_cosine(spread)), seen);
     }
-    if (!(cosine > 0.0 && emitted > 0.0 && emitted >= emission)) return 0.0;
-    precise float importance = node.intensity * cosine * emitted / divisor;
+    if (!(cosine > 0.0 && emitted.x > 0.0 && angle_is_within(emitted, emission))) return 0.0;
+    precise float importance = node.intensity * cosine * angle_cosine(emitted) / divisor;
     return importance;
 }
 
@@ -63,8 +94,10 @@ uint light_tree_threshold(LightNode a, LightNode b, vec3 position, vec3 normal) 
         first = 1.0;
         second = 1.0;
     }
-    precise float share = first / (first + second) * 4294967296.0;
-    return uint(clamp(share, 1.0, 4294967040.0));
+    // The smaller part is divided: 1 minus a rounded quotient near 1 would have few correct digits.
+    precise float share = min(first, second) / (first + second) * 4294967296.0;
+    uint words = uint(max(share, 1.0));
+    return first <= second ? words : 0u - words;
 }
 
 // (high * 2^32 + low) / divisor, rounded down, for high < divisor: in two digits of 16 bits (Knuth 1997, 4.3.1,

@@ -22,14 +22,23 @@ uint octahedral_pack(vec3 v) {
     return octahedral_quantise(square.x) | octahedral_quantise(square.y) << 16;
 }
 
-vec3 octahedral_unpack(uint word) {
+// A vector of the packed direction, of another length.
+vec3 octahedral_unpack_unnormalized(uint word) {
     float x = float(bitfieldExtract(int(word), 0, 16)) * (1.0 / OCTAHEDRAL_STEPS);
     float y = float(bitfieldExtract(int(word), 16, 16)) * (1.0 / OCTAHEDRAL_STEPS);
     precise float z = 1.0 - abs(x) - abs(y);
     float fold = max(-z, 0.0);
     precise vec3 v = vec3(x - copysign(fold, x), y - copysign(fold, y), z);
+    return v;
+}
+
+vec3 octahedral_unit(vec3 v) {
     precise vec3 unit = v / sqrt(dot3(v, v));
     return unit;
+}
+
+vec3 octahedral_unpack(uint word) {
+    return octahedral_unit(octahedral_unpack_unnormalized(word));
 }
 
 #endif

@@ -28,7 +28,9 @@ struct ReflectionLobe {
 };
 
 const float LOBE_STEPS = 255.0;
-const float LOBE_ROUGHNESS_STEPS = 65535.0;
+const float LOBE_COAT_STEPS = 2040.0;
+const float LOBE_WEIGHT_STEPS = 127.0;
+const float LOBE_ROUGHNESS_STEPS = 16383.0;
 // The largest F0 that lobe_pack leaves as its steps make it.
 const float LOBE_MIN_F0 = 1.0e-4;
 
@@ -54,9 +56,9 @@ vec3 lobe_f0(vec3 color, float metallic, float coat_f0) {
 }
 
 vec3 lobe_unpack_f0(uvec2 words) {
-    float root = lobe_part(words.x, 24u);
+    precise float root = float(words.x >> 24 | words.y >> 29 << 8) / LOBE_COAT_STEPS;
     precise float coat_f0 = root * root;
-    return lobe_f0(lobe_color(words.x), lobe_part(words.y, 16u), coat_f0);
+    return lobe_f0(lobe_color(words.x), lobe_part(words.y, 14u), coat_f0);
 }
 
 // The words of a query for the reflection of a glossy material, and the factor on its throughput.
@@ -64,11 +66,12 @@ uvec2 lobe_pack(Material material, out vec3 factor) {
     precise float at_normal = (material.ior - 1.0) / (material.ior + 1.0);
     precise float coat_f0 = at_normal * at_normal * material.specular;
     vec3 root = sqrt(material.albedo);
+    uint coat = lobe_steps(sqrt(coat_f0), LOBE_COAT_STEPS);
     uvec2 words = uvec2(
         lobe_steps(root.x, LOBE_STEPS) | lobe_steps(root.y, LOBE_STEPS) << 8 | lobe_steps(root.z, LOBE_STEPS) << 16
-            | lobe_steps(sqrt(coat_f0), LOBE_STEPS) << 24,
-        lobe_steps(material.roughness, LOBE_ROUGHNESS_STEPS) | lobe_steps(material.metallic, LOBE_STEPS) << 16
-            | lobe_steps(material.specular, LOBE_STEPS) << 24);
+            | coat << 24,
+        lobe_steps(material.roughness, LOBE_ROUGHNESS_STEPS) | lobe_steps(material.metallic, LOBE_STEPS) << 14
+            | lobe_steps(material.specular, LOBE_WEIGHT_STEPS) << 22 | coat >> 8 << 29);
     vec3 is = lobe_unpack_f0(words), wanted = lobe_f0(material.albedo, material.metallic, coat_f0);
     for (int c = 0; c < 3; ++c) factor[c] = is[c] > LOBE_MIN_F0 ? wanted[c] / is[c] : 1.0;
     return words;
@@ -102,8 +105,8 @@ vec3 lobe_local(vec3 w, vec3 tangent, vec3 bitangent, vec3 normal) {
 ReflectionLobe lobe_new(Albedos albedos, uvec2 words, vec3 wo, vec3 normal) {
     ReflectionLobe lobe;
     vec3 color = lobe_color(words.x);
-    float metallic = lobe_part(words.y, 16u), weight = lobe_part(words.y, 24u);
-    lobe.roughness = float(words.y & 0xFFFFu) / LOBE_ROUGHNESS_STEPS;
+    float metallic = lobe_part(words.y, 14u), weight = float(words.y >> 22 & 127u) / LOBE_WEIGHT_STEPS;
+    lobe.roughness = float(words.y & 0x3FFFu) / LOBE_ROUGHNESS_STEPS;
     lobe.alpha = max(lobe.roughness * lobe.roughness, GGX_MIN_ALPHA);
     lobe.f0 = lobe_unpack_f0(words);
     lobe.f90 = metallic + weight * (1.0 - metallic);

@@ -9,13 +9,9 @@ this model, so that one is defined here, from the formulas in photon-core's glos
 own. Fails like surfaces.py.
 """
 
-import argparse
-import pathlib
-import subprocess
-import sys
-
 import numpy as np
 
+import pair
 import surfaces
 
 STEPS = 256
@@ -131,61 +127,24 @@ def make_bsdf(mi, dr):
 MATERIALS = {"ball": (1.0, 0.2), "floor": (0.0, 0.1)}
 
 
-def their_scene(folder, sky, mi):
-    def textured(name):
-        image = {"type": "bitmap", "filename": str(folder / f"{name}.png"), "filter_type": "bilinear"}
-        metallic, alpha = MATERIALS[name]
-        surface = {"type": "glossy", "base_color": image, "metallic": metallic, "alpha": alpha}
-        return {"type": "obj", "filename": str(folder / f"{name}.obj"), "bsdf": surface}
-
-    to_world = mi.ScalarTransform4f().look_at(origin=[0.3, 1.6, 2.6], target=[0, 0.35, 0], up=[0, 1, 0])
-    film = {"type": "hdrfilm", "width": surfaces.SIZE, "height": surfaces.SIZE, "rfilter": {"type": "box"}}
-    return mi.load_dict(
-        {
-            "type": "scene",
-            "sensor": {"type": "perspective", "fov": 40, "fov_axis": "y", "to_world": to_world, "film": film},
-            "ball": textured("ball"),
-            "floor": textured("floor"),
-            "sky": {"type": "envmap", "bitmap": sky, "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], 30)},
-        }
-    )
-
-
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", type=pathlib.Path, help="the photonmap program")
-    parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("out/gloss"))
-    parser.add_argument("--variant", default="llvm_ad_rgb")
-    parser.add_argument("--samples", type=int, default=1024, help="paths per pixel and run of Mitsuba")
-    parser.add_argument("--runs", type=int, default=4, help="runs of each with different seeds, at least 2")
-    parser.add_argument("--passes", type=int, default=64)
-    parser.add_argument("arguments", nargs=argparse.REMAINDER, help="further options of photonmap")
-    args = parser.parse_args()
+    args = pair.arguments(__doc__, "out/gloss", "llvm_ad_rgb", 1024)
 
     import drjit as dr
     import mitsuba as mi
 
     mi.set_variant(args.variant)
     make_bsdf(mi, dr)
-    folder = args.folder
-    folder.mkdir(parents=True, exist_ok=True)
-    surfaces.write_meshes(folder)
-    scene = their_scene(folder, surfaces.write_images(folder, mi), mi)
-    overrides = (folder / "scene.toml").read_text() + "\n[materials]\n"
+
+    def glossy(metallic, alpha):
+        return lambda image: {"type": "glossy", "base_color": image, "metallic": metallic, "alpha": alpha}
+
+    scene = surfaces.their_scene(args.folder, mi, {name: glossy(*material) for name, material in MATERIALS.items()})
+    overrides = (args.folder / "scene.toml").read_text() + "\n[materials]\n"
     for name, (metallic, alpha) in MATERIALS.items():
         overrides += f'{name} = {{ kind = "glossy", metallic = {metallic}, roughness = {alpha**0.5} }}\n'
-    (folder / "scene.toml").write_text(overrides)
-    path = mi.load_dict({"type": "path", "max_depth": -1, "rr_depth": 32})
-    ours, theirs = [], []
-    for seed in range(args.runs):
-        theirs.append(np.array(mi.render(scene, integrator=path, spp=args.samples, seed=seed), dtype=np.float64))
-        picture = folder / f"ours-{seed}.exr"
-        command = [args.program, "render", folder / "scene.obj", "--overrides", folder / "scene.toml", "--size"]
-        command += [f"{surfaces.SIZE}x{surfaces.SIZE}", "--passes", str(args.passes), "--seed", str(seed), "-o", picture]
-        subprocess.run([*map(str, command), *args.arguments], check=True, stderr=subprocess.DEVNULL)
-        layers = dict(mi.Bitmap(str(picture)).split())
-        ours.append(np.array(layers["<root>"], dtype=np.float64)[..., :3])
-    surfaces.compare(ours, theirs, folder)
+    (args.folder / "scene.toml").write_text(overrides)
+    pair.compare(*pair.render(args, scene, mi), args.folder)
 
 
 if __name__ == "__main__":

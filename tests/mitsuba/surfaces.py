@@ -9,16 +9,11 @@ it with both programs, and compares the means of the pictures and of blocks of p
 than 1 %, or a block by more than 3 % and 4.5 standard errors.
 """
 
-import argparse
 import math
-import pathlib
-import subprocess
-import sys
 
 import numpy as np
 
-SIZE = 64
-BLOCK = 8
+import pair
 
 
 def icosphere(levels):
@@ -102,75 +97,35 @@ def write_images(folder, mi):
     return mi.Bitmap(radiance(directions(u, v)).astype(np.float32))
 
 
-def their_scene(folder, sky, mi):
-    def textured(name):
+def diffuse(image):
+    """Mitsuba's surface of an image."""
+    return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": image}}
+
+
+def their_scene(folder, mi, surfaces):
+    """Writes the scene for photonmap, and returns it for Mitsuba, with a function from image to surface for each name."""
+    write_meshes(folder)
+    sky = write_images(folder, mi)
+
+    def textured(name, surface):
         image = {"type": "bitmap", "filename": str(folder / f"{name}.png"), "filter_type": "bilinear"}
-        surface = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": image}}
-        return {"type": "obj", "filename": str(folder / f"{name}.obj"), "bsdf": surface}
+        return {"type": "obj", "filename": str(folder / f"{name}.obj"), "bsdf": surface(image)}
 
-    to_world = mi.ScalarTransform4f().look_at(origin=[0.3, 1.6, 2.6], target=[0, 0.35, 0], up=[0, 1, 0])
-    film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "rfilter": {"type": "box"}}
-    return mi.load_dict(
-        {
-            "type": "scene",
-            "sensor": {"type": "perspective", "fov": 40, "fov_axis": "y", "to_world": to_world, "film": film},
-            "ball": textured("ball"),
-            "floor": textured("floor"),
-            # A rotation about +y by 30 degrees, counter-clockwise as seen from above.
-            "sky": {"type": "envmap", "bitmap": sky, "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], 30)},
-        }
-    )
-
-
-def blocks(picture):
-    return picture.reshape(SIZE // BLOCK, BLOCK, SIZE // BLOCK, BLOCK, 3).mean(axis=(1, 3))
-
-
-def compare(ours, theirs, folder):
-    """Fails if the pictures differ."""
-    means = [np.array([picture.mean(axis=(0, 1)) for picture in pictures]) for pictures in (ours, theirs)]
-    ratio = means[0].mean(axis=0) / means[1].mean(axis=0)
-    print("mean, ours / theirs:", ratio.round(4))
-    cells = [np.array([blocks(picture) for picture in pictures]) for pictures in (ours, theirs)]
-    middle = [cell.mean(axis=0) for cell in cells]
-    error = np.sqrt(sum(cell.var(axis=0, ddof=1) / len(cell) for cell in cells)) / middle[1]
-    off = middle[0] / middle[1] - 1
-    worst = np.unravel_index(np.abs(off).argmax(), off.shape)
-    print(f"blocks of {BLOCK} pixels: worst {off[worst]:+.4f} ± {error[worst]:.4f}, rms {np.sqrt((off**2).mean()):.4f}")
-    if np.abs(ratio - 1).max() > 0.01 or (np.abs(off) > 0.03 + 4.5 * error).any():
-        np.save(folder / "off.npy", off)
-        sys.exit("the pictures differ")
+    scene = {"type": "scene", "sensor": pair.sensor(mi, [0.3, 1.6, 2.6], [0, 0.35, 0], 40)}
+    scene |= {name: textured(name, surface) for name, surface in surfaces.items()}
+    # A rotation about +y by 30 degrees, counter-clockwise as seen from above.
+    scene["sky"] = {"type": "envmap", "bitmap": sky, "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], 30)}
+    return mi.load_dict(scene)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", type=pathlib.Path, help="the photonmap program")
-    parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("out/surfaces"))
-    parser.add_argument("--variant", default="scalar_rgb")
-    parser.add_argument("--samples", type=int, default=256, help="paths per pixel and run of Mitsuba")
-    parser.add_argument("--runs", type=int, default=4, help="runs of each with different seeds, at least 2")
-    parser.add_argument("--passes", type=int, default=64)
-    parser.add_argument("arguments", nargs=argparse.REMAINDER, help="further options of photonmap")
-    args = parser.parse_args()
+    args = pair.arguments(__doc__, "out/surfaces", "scalar_rgb", 256)
 
     import mitsuba as mi
 
     mi.set_variant(args.variant)
-    folder = args.folder
-    folder.mkdir(parents=True, exist_ok=True)
-    write_meshes(folder)
-    scene = their_scene(folder, write_images(folder, mi), mi)
-    path = mi.load_dict({"type": "path", "max_depth": -1, "rr_depth": 32})
-    ours, theirs = [], []
-    for seed in range(args.runs):
-        theirs.append(np.array(mi.render(scene, integrator=path, spp=args.samples, seed=seed), dtype=np.float64))
-        picture = folder / f"ours-{seed}.exr"
-        command = [args.program, "render", folder / "scene.obj", "--overrides", folder / "scene.toml", "--size"]
-        command += [f"{SIZE}x{SIZE}", "--passes", str(args.passes), "--seed", str(seed), "-o", picture]
-        subprocess.run([*map(str, command), *args.arguments], check=True, stderr=subprocess.DEVNULL)
-        layers = dict(mi.Bitmap(str(picture)).split())
-        ours.append(np.array(layers["<root>"], dtype=np.float64)[..., :3])
-    compare(ours, theirs, folder)
+    scene = their_scene(args.folder, mi, {"ball": diffuse, "floor": diffuse})
+    pair.compare(*pair.render(args, scene, mi), args.folder)
 
 
 if __name__ == "__main__":

@@ -2,21 +2,14 @@
 
 use std::f64::consts::PI;
 
-use photon_core::{Direct, EnvironmentMap, Estimator, Indirect, Layer, Pipeline, Render, Settings, View};
+use photon_core::{Direct, EnvironmentMap, Estimator, Layer, Pipeline, Render, Settings, View};
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, shapes};
 
-use crate::harness::{TestBackend, film, look_at_point, per_pass, trace, watts};
+use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, trace, watts};
 use crate::stats::{assert_agrees, moments, standard_error};
 
 fn settings(direct: Direct) -> Settings {
-    Settings {
-        direct,
-        indirect: Indirect::None,
-        photons: 20_000,
-        alpha: 1.0,
-        estimator: Estimator::Radius { radius: Some(0.2) },
-        ..Settings::default()
-    }
+    direct_settings(direct, 0.2)
 }
 
 /// `L = 1 + a ω_y` in rows fine enough that linear interpolation differs by less than 1e-4.

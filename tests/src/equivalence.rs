@@ -197,7 +197,7 @@ pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>(
 
 /// Surfaces with alpha: the same paths, and pictures alike, as in the other scenes.
 pub fn alpha_is_the_same<A: TestBackend, B: TestBackend>() {
-    let scene = crate::alpha::leaves();
+    let scene = crate::alpha_surfaces::leaves();
     for (depth, least) in [(1, 0.999), (5, 0.99)] {
         let (a, b) = (of_bounce::<A>(&scene, depth), of_bounce::<B>(&scene, depth));
         let share = matched(&a, &b);

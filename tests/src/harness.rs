@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Backend, Batch, Estimate, EstimateParams, Film, IndexKind, Pass, PerMap, Photon, PhotonRay, Pipeline, Query,
-    RandomKind, Render, Requirements, Settings, Stages, Tally, TransportBackend, View, octahedral,
+    Backend, Batch, Direct, Estimate, EstimateParams, Estimator, Film, IndexKind, Indirect, Pass, PerMap, Photon,
+    PhotonRay, Pipeline, Query, RandomKind, Render, Requirements, Settings, Stages, Tally, TransportBackend, View,
+    octahedral,
 };
 use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
 
@@ -93,6 +94,19 @@ pub fn estimates<T: TestBackend>(
         found
     };
     gathers.iter().map(ask).collect()
+}
+
+/// Settings without indirect light, and with this radius of estimates in every pass.
+#[must_use]
+pub fn direct_settings(direct: Direct, radius: f64) -> Settings {
+    Settings {
+        direct,
+        indirect: Indirect::None,
+        photons: 20_000,
+        alpha: 1.0,
+        estimator: Estimator::Radius { radius: Some(radius) },
+        ..Settings::default()
+    }
 }
 
 /// Traces photons; returns those of each map, in normalised space, and the tally.

@@ -8,6 +8,7 @@
 pub mod accuracy;
 pub mod aiming;
 pub mod alpha;
+pub mod alpha_surfaces;
 pub mod backends;
 pub mod debias;
 pub mod determinism;
@@ -23,6 +24,7 @@ pub mod forecasts;
 pub mod gloss;
 pub mod gloss_behind_glass;
 pub mod gloss_caustics;
+mod gloss_reference;
 pub mod harness;
 pub mod inside;
 pub mod interreflection;
@@ -138,8 +140,10 @@ macro_rules! whole_suite {
                 g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,
             }
             alpha::{
-                g12_sheets_transmit, g12_masks_transmit, v15_a_thousand_sheets, a_sheet_reflects_its_share,
-                a_light_emits_its_share, holes_show_the_environment, g5_furnace_with_sheets, opaque_scenes_are_unchanged,
+                g12_sheets_transmit, g12_masks_transmit, v15_a_thousand_sheets,
+            }
+            alpha_surfaces::{
+                a_sheet_reflects_its_share, a_light_emits_its_share, holes_show_the_environment, g5_furnace_with_sheets, opaque_scenes_are_unchanged,
             }
             shading_normals::{
                 g9_parallel_light, g9_light_from_the_sides, g9_even_sky, photons_scattered_by_a_tilted_normal,

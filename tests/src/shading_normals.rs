@@ -22,7 +22,7 @@ fn tilted(builder: &mut SceneBuilder, material: MaterialDesc, (half, y): (f64, f
         [[-half, half], [half, half], [half, -half], [-half, -half]].map(|[x, z]| [x, y, z]).to_vec();
     let triangles = vec![[0, 1, 2], [0, 2, 3]];
     if !mapped {
-        let attributes = VertexAttributes { normals: vec![[sin, cos, 0.0]; 4], ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_normals(vec![[sin, cos, 0.0]; 4]);
         let material = builder.material(material);
         return builder.mesh_with("tilted", positions, triangles, attributes, material);
     }
@@ -30,10 +30,10 @@ fn tilted(builder: &mut SceneBuilder, material: MaterialDesc, (half, y): (f64, f
     let texel = [(0.5 + 0.5 * sin) as f32, 0.5, (0.5 + 0.5 * cos) as f32, 1.0];
     let image = TextureDesc::float32("bumps", 2, 1, &[texel, [0.5, 0.5, 1.0, 1.0]]).filtered(Filter::Nearest);
     let image = builder.texture(image);
-    let textures = TexturesDesc { normal: Some(TextureRef::new(image)), ..TexturesDesc::default() };
+    let textures = TexturesDesc::default().with_normal(TextureRef::new(image));
     let material = builder.material(material.with_textures(textures));
     let uvs = vec![vec![[0.1, 0.9], [0.4, 0.9], [0.4, 0.1], [0.1, 0.1]]];
-    let attributes = VertexAttributes { uvs, ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_uvs(uvs);
     builder.mesh_with("tilted", positions, triangles, attributes, material);
 }
 
@@ -184,7 +184,7 @@ pub fn smooth_balls_in_an_even_shell<T: TestBackend>() {
         let (positions, triangles) = shapes::icosphere(1, [0.0; 3], 0.4);
         let normals = positions.iter().map(|p: &[f64; 3]| p.map(|c| c / 0.4)).collect();
         let material = builder.material(material);
-        let attributes = VertexAttributes { normals, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_normals(normals);
         builder.mesh_with("ball", positions, triangles, attributes, material);
         let shell = builder.material(MaterialDesc::emissive("shell", [0.5; 3], [1.0; 3]));
         let (positions, triangles) = shapes::flip(shapes::icosphere(5, [0.0; 3], 1.0));

@@ -2,27 +2,20 @@
 
 use std::f64::consts::PI;
 
-use photon_core::{Direct, Estimator, Film, Filter, Indirect, Render, Settings, Wrap};
+use photon_core::{Direct, Film, Filter, Render, Settings, Wrap};
 use photon_scene::{
     CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc,
     VertexAttributes,
 };
 
-use crate::harness::{TestBackend, film, look_at_point, per_pass, renderer, trace, watts};
+use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, renderer, trace, watts};
 use crate::stats::{assert_agrees, moments, standard_error};
 
 /// Texels of the floor, row by row.
 const TEXELS: [u8; 16] = [0, 64, 128, 255, 255, 10, 200, 30, 90, 180, 45, 220, 5, 250, 125, 60];
 
 fn direct_light(direct: Direct) -> Settings {
-    Settings {
-        direct,
-        indirect: Indirect::None,
-        photons: 20_000,
-        alpha: 1.0,
-        estimator: Estimator::Radius { radius: Some(0.02) },
-        ..Settings::default()
-    }
+    direct_settings(direct, 0.02)
 }
 
 /// A square of half side 2 at y = 0, seen from above. Between -1 and 1 texture coordinates run from 0 to 1: to the
@@ -31,7 +24,7 @@ fn floor(builder: &mut SceneBuilder, textures: TexturesDesc, (x, half_height): (
     let material = builder.material(MaterialDesc::lambert("floor", [1.0; 3]).with_textures(textures));
     let positions = vec![[-2.0, 0.0, -2.0], [2.0, 0.0, -2.0], [2.0, 0.0, 2.0], [-2.0, 0.0, 2.0]];
     let uvs = positions.iter().map(|p: &[f64; 3]| [0.5 * p[0] + 0.5, 0.5 * p[2] + 0.5]).collect();
-    let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
     builder.mesh_with("floor", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
     let projection = Projection::Orthographic { half_height };
     let (position, direction, up) = ([x, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]);
@@ -64,11 +57,7 @@ pub fn g8_textured_floor<T: TestBackend>() {
         let mut builder = SceneBuilder::new();
         let image = TextureDesc::linear8("checks", 4, 4, &texels).wrapped([wrap; 2]).filtered(filter);
         let image = builder.texture(image);
-        floor(
-            &mut builder,
-            TexturesDesc { base_color: Some(TextureRef::new(image)), ..TexturesDesc::default() },
-            (0.0, 1.0),
-        );
+        floor(&mut builder, TexturesDesc::default().with_base_color(TextureRef::new(image)), (0.0, 1.0));
         let scene = builder.build().unwrap();
         let passes = 64;
         let seen = red(&film::<T>(&scene, &direct_light(Direct::Nee), passes, 4));
@@ -123,11 +112,7 @@ pub fn g8_textured_floor_by_photons<T: TestBackend>() {
     let mut builder = SceneBuilder::new();
     let image = TextureDesc::srgb8("halves", 2, 1, &[[255, 188, 0, 255], [0, 188, 255, 255]]).filtered(Filter::Nearest);
     let image = builder.texture(image);
-    floor(
-        &mut builder,
-        TexturesDesc { base_color: Some(TextureRef::new(image)), ..TexturesDesc::default() },
-        (-0.5, 0.2),
-    );
+    floor(&mut builder, TexturesDesc::default().with_base_color(TextureRef::new(image)), (-0.5, 0.2));
     let scene = builder.build().unwrap();
     let seen = per_pass_rgb::<T>(&scene, &direct_light(Direct::Photons), 16);
     let half = ((188.0_f64 / 255.0 + 0.055) / 1.055).powf(2.4);
@@ -142,12 +127,12 @@ fn ramp() -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let image = TextureDesc::float32("ramp", 2, 1, &[[0.0, 0.0, 0.0, 1.0], [1.0; 4]]).wrapped([Wrap::Clamp; 2]);
     let image = builder.texture(image);
-    let textures = TexturesDesc { emission: Some(TextureRef::new(image)), ..TexturesDesc::default() };
+    let textures = TexturesDesc::default().with_emission(TextureRef::new(image));
     let material = builder.material(MaterialDesc::emissive("light", [0.0; 3], [1.0; 3]).with_textures(textures));
     let positions = vec![[-0.5, 1.0, -0.5], [0.5, 1.0, -0.5], [0.5, 1.0, 0.5], [-0.5, 1.0, 0.5]];
     // From the centre of one texel to that of the other.
     let uvs = positions.iter().map(|p: &[f64; 3]| [0.25 + 0.5 * (p[0] + 0.5), 0.5]).collect();
-    let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
     builder.mesh_with("light", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     builder
 }
@@ -177,8 +162,7 @@ pub fn g13_ramp_light<T: TestBackend>() {
     assert_agrees("power", power, PI / 2.0, error, 1e-6);
     let truth = albedo / PI * 0.5 * square_on_axis();
     for direct in [Direct::Nee, Direct::Photons] {
-        let estimator = Estimator::Radius { radius: Some(0.05) };
-        let values = per_pass::<T>(&scene, &Settings { estimator, ..direct_light(direct) }, 64, 4);
+        let values = per_pass::<T>(&scene, &direct_settings(direct, 0.05), 64, 4);
         assert_agrees(&format!("{direct:?}"), moments(&values).0, truth, standard_error(&values), 2e-3 * truth);
     }
     let projection = Projection::Orthographic { half_height: 0.5 };
@@ -199,21 +183,18 @@ pub fn two_coloured_light<T: TestBackend>() {
     let mut builder = SceneBuilder::new();
     let image = TextureDesc::srgb8("two", 2, 1, &[[255, 0, 0, 255], [0, 0, 255, 255]]).filtered(Filter::Nearest);
     let image = builder.texture(image);
-    let textures = TexturesDesc { emission: Some(TextureRef::new(image)), ..TexturesDesc::default() };
+    let textures = TexturesDesc::default().with_emission(TextureRef::new(image));
     let emissive = MaterialDesc::emissive("light", [0.0; 3], [1.0, 1.0, 1.0]);
     let material = builder.material(emissive.with_both_sides(true).with_textures(textures));
     let positions = vec![[-0.5, 0.4, -0.5], [0.5, 0.4, -0.5], [0.5, 0.4, 0.5], [-0.5, 0.4, 0.5]];
     let uvs = positions.iter().map(|p: &[f64; 3]| [p[0] + 0.5, 0.5]).collect();
-    let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
     builder.mesh_with("light", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     let white = builder.material(MaterialDesc::lambert("floor", [1.0; 3]));
     builder.quad("floor", [[-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]], white);
     look_at_point(&mut builder, [-0.4, 0.0, 0.0], [0.0, 1.0, 0.0], 0.2, 0.02);
     let scene = builder.build().unwrap();
-    let by = |direct: Direct| {
-        let estimator = Estimator::Radius { radius: Some(0.03) };
-        per_pass_rgb::<T>(&scene, &Settings { estimator, ..direct_light(direct) }, 24)
-    };
+    let by = |direct: Direct| per_pass_rgb::<T>(&scene, &direct_settings(direct, 0.03), 24);
     let (rays, photons) = (by(Direct::Nee), by(Direct::Photons));
     for channel in [0, 2] {
         let [rays, photons] =
@@ -233,7 +214,7 @@ pub fn vertex_colours<T: TestBackend>() {
         let positions = vec![[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]];
         let colors = positions.iter().map(|p: &[f64; 3]| [0.5 * p[0] + 0.5, 1.0, 0.0, 1.0]).collect();
         let uvs = vec![vec![[0.75, 0.5]; 4]];
-        let attributes = VertexAttributes { colors, uvs, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_colors(colors).with_uvs(uvs);
         builder.mesh_with("floor", positions, vec![[0, 2, 1], [0, 3, 2]], attributes, material);
         let projection = Projection::Orthographic { half_height: 1.0 };
         let (position, direction, up) = ([0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]);
@@ -244,8 +225,8 @@ pub fn vertex_colours<T: TestBackend>() {
     for (textured, factor) in [(false, [1.0, 1.0]), (true, [0.2, 0.4])] {
         let mut builder = SceneBuilder::new();
         let image = TextureDesc::linear8("x", 2, 1, &[[0; 4], [51, 102, 255, 255]]).filtered(Filter::Nearest);
-        let base_color = textured.then(|| TextureRef::new(builder.texture(image)));
-        let textures = TexturesDesc { base_color, ..TexturesDesc::default() };
+        let mut textures = TexturesDesc::default();
+        textures.base_color = textured.then(|| TextureRef::new(builder.texture(image)));
         let passes = 64;
         let film = film::<T>(&scene(textures, builder), &direct_light(Direct::Nee), passes, 2);
         for (pixel, color) in film.beauty().iter().enumerate() {

@@ -4,6 +4,8 @@
 use std::fmt::Write as _;
 use std::fs;
 
+use photon_core::Features;
+
 use crate::shell;
 
 const FILE: &str = "docs/studies/requirements.md";
@@ -15,19 +17,30 @@ const MARK: &str = "<!-- rows: written by `cargo xtask requirements` -->\n";
 const KERNELS: [&str; 6] =
     ["stages/emit", "stages/trace", "stages/eye", "stages/direct", "stages/final_gather", "stages/area"];
 
-/// Bits of `photon_core::Features` that a scene has together or not at all.
-const FEATURES: [(&str, u32); 8] = [
-    ("nothing", 0),
-    ("mirrors", 1 << 1),
-    ("glass, solid and thin", 0b11100),
-    ("absorption", 1 << 4),
-    ("area lights", 1 << 5),
-    ("point lights", 1 << 6),
-    ("spot lights", 1 << 7),
-    ("directional lights", 1 << 8),
+/// Features that are left out together.
+const FEATURES: [(&str, Features); 14] = [
+    ("nothing", Features::NONE),
+    ("mirrors", Features::MIRROR),
+    ("glass, solid and thin", Features::DIELECTRIC.union(Features::THIN).union(Features::ABSORPTION)),
+    ("absorption", Features::ABSORPTION),
+    ("glossy surfaces", Features::GLOSSY),
+    ("alpha", Features::ALPHA),
+    (
+        "textures, normals, colours",
+        Features::TEXTURES
+            .union(Features::TEXTURED_LIGHTS)
+            .union(Features::SHADING_NORMALS)
+            .union(Features::NORMAL_MAPS)
+            .union(Features::VERTEX_COLORS),
+    ),
+    ("area lights", Features::AREA_LIGHTS),
+    ("point lights", Features::POINT_LIGHTS),
+    ("spot lights", Features::SPOT_LIGHTS),
+    ("directional lights", Features::DIRECTIONAL_LIGHTS),
+    ("environment", Features::ENVIRONMENT),
+    ("light tree", Features::LIGHT_TREE),
+    ("lens", Features::THIN_LENS),
 ];
-
-const ALL: u32 = 0b1_1111_1111;
 
 /// Writes the document.
 pub(crate) fn write() -> Result<(), String> {
@@ -106,9 +119,10 @@ fn shaders() -> Result<String, String> {
     text += " |\n|---";
     text += &"|---".repeat(KERNELS.len());
     text += "|\n";
-    let full: Vec<usize> = KERNELS.iter().map(|kernel| compiled(kernel, None, ALL)).collect::<Result<_, _>>()?;
-    for (name, bits) in FEATURES {
-        let without = ALL & !bits;
+    let full: Vec<usize> =
+        KERNELS.iter().map(|kernel| compiled(kernel, None, Features::ALL.bits())).collect::<Result<_, _>>()?;
+    for (name, features) in FEATURES {
+        let without = Features::ALL.difference(features).bits();
         let _ = write!(text, "| {name} |");
         for (kernel, full) in KERNELS.iter().zip(&full) {
             let specialised = compiled(kernel, None, without)?;

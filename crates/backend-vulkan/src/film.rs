@@ -9,7 +9,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Estimate, Film, Layer, Query, Result, Units, check_size};
 
-use crate::constants;
+use crate::constants::{FIRST_ALBEDO, FIRST_DEPTH, FIRST_HITS, FIRST_LOW, FIRST_NORMAL, FIRST_SQUARE};
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
@@ -49,10 +49,8 @@ struct Plane {
     sum: Memory,
 }
 
-/// Planes of the first-surface sums, as in film.glsl: the high parts of eight sums, their low parts, and a
-/// count.
-const FIRST_LOW: usize = constants::FIRST_LOW as usize;
-const FIRST_PLANES: usize = 2 * FIRST_LOW + 1;
+/// Number of planes of the first-surface sums: high and low parts, and the hits.
+const FIRST_PLANES: usize = FIRST_HITS as usize + 1;
 
 /// Bytes per pixel of `FirstPass`.
 const FIRST_PASS: u64 = 32;
@@ -269,13 +267,13 @@ pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     let pixels = &mut picture.pixels;
     home(on, &planes, pixels.len(), |chunk| {
         for (i, pixel) in pixels[chunk.pixels.clone()].iter_mut().enumerate() {
-            let first = |plane: usize| chunk.sum(plane, FIRST_LOW, i);
-            pixel.normal = std::array::from_fn(first);
-            pixel.albedo = std::array::from_fn(|axis| first(3 + axis));
-            pixel.depth = first(6);
+            let first = |plane: u32, axis: usize| chunk.sum(plane as usize + axis, FIRST_LOW as usize, i);
+            pixel.normal = std::array::from_fn(|axis| first(FIRST_NORMAL, axis));
+            pixel.albedo = std::array::from_fn(|axis| first(FIRST_ALBEDO, axis));
+            pixel.depth = first(FIRST_DEPTH, 0);
             // The device squares the sum of the channels, not their mean.
-            pixel.square = first(7) / 9.0;
-            pixel.hits = u64::from(chunk.word(2 * FIRST_LOW, i));
+            pixel.square = first(FIRST_SQUARE, 0) / 9.0;
+            pixel.hits = u64::from(chunk.word(FIRST_HITS as usize, i));
             let mut plane = FIRST_PLANES;
             for (sum, _) in pixel.layers.iter_mut().zip(&film.layers).filter(|(_, plane)| plane.is_some()) {
                 *sum = std::array::from_fn(|channel| chunk.sum(plane + channel, 3, i));

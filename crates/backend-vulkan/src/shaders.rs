@@ -124,6 +124,9 @@ pub(crate) static PROBE_PROJECTION: Module =
 pub(crate) static PROBE_RANDOM: Module =
     Module { name: "probe_random", bytes: include_bytes!("../spirv/probe_random.spv") };
 
+pub(crate) static PROBE_ROUGH_GLASS: Module =
+    Module { name: "probe_rough_glass", bytes: include_bytes!("../spirv/probe_rough_glass.spv") };
+
 pub(crate) static PROBE_SAMPLING: Module =
     Module { name: "probe_sampling", bytes: include_bytes!("../spirv/probe_sampling.spv") };
 
@@ -225,7 +228,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 78] = [
+pub(crate) static ALL: [&Module; 79] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -269,6 +272,7 @@ pub(crate) static ALL: [&Module; 78] = [
     &PROBE_PHOTON_FORMAT,
     &PROBE_PROJECTION,
     &PROBE_RANDOM,
+    &PROBE_ROUGH_GLASS,
     &PROBE_SAMPLING,
     &PROBE_SHADE,
     &PROBE_SHADING_NORMAL,

@@ -231,7 +231,7 @@ fn lights(count: usize) -> Scene {
 fn through_a_lens() -> Scene {
     let mut scene = lit(9);
     let above = CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8);
-    scene.camera("above", above.with_lens(ThinLens { diameter: 0.4, focus_distance: 3.6 }));
+    scene.camera("above", above.with_lens(ThinLens::new(0.4, 3.6)));
     scene.build().unwrap()
 }
 

@@ -281,11 +281,20 @@ pub struct CameraDesc {
 /// A thin lens around the position of a camera, perpendicular to its direction: what is not at the distance of focus is
 /// blurred to discs. At distance z, their diameter is `diameter · |z − focus_distance| / focus_distance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ThinLens {
     /// Diameter of the lens, length of the scene, at least 0; 0 is a pinhole.
     pub diameter: f64,
     /// Distance along the direction of view of the plane that is in focus, length of the scene, above 0.
     pub focus_distance: f64,
+}
+
+impl ThinLens {
+    /// A lens with the given fields.
+    #[must_use]
+    pub const fn new(diameter: f64, focus_distance: f64) -> Self {
+        Self { diameter, focus_distance }
+    }
 }
 
 impl CameraDesc {

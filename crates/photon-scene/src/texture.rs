@@ -10,6 +10,7 @@ pub struct TextureId(pub(crate) u32);
 
 /// A named image.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TextureDesc {
     /// Name in messages; need not be unique.
     pub name: String,
@@ -18,37 +19,43 @@ pub struct TextureDesc {
 }
 
 impl TextureDesc {
+    /// A texture as it is.
+    #[must_use]
+    pub fn new(name: impl Into<String>, image: Texture) -> Self {
+        Self { name: name.into(), image }
+    }
+
     /// An image of colours encoded as sRGB: red, green, blue and alpha, row by row from the top left. Repeated beyond
     /// its edges and filtered.
     #[must_use]
     pub fn srgb8(name: impl Into<String>, width: u32, height: u32, texels: &[[u8; 4]]) -> Self {
         let words = texels.iter().map(|texel| u32::from_le_bytes(*texel)).collect();
-        Self::new(name, [width, height], TexelFormat::Srgb8, words)
+        Self::from_words(name, [width, height], TexelFormat::Srgb8, words)
     }
 
     /// As [`Self::srgb8`], but linear: for normal maps.
     #[must_use]
     pub fn linear8(name: impl Into<String>, width: u32, height: u32, texels: &[[u8; 4]]) -> Self {
         let words = texels.iter().map(|texel| u32::from_le_bytes(*texel)).collect();
-        Self::new(name, [width, height], TexelFormat::Linear8, words)
+        Self::from_words(name, [width, height], TexelFormat::Linear8, words)
     }
 
     /// As [`Self::srgb8`], but linear 32-bit floats, which may exceed 1.
     #[must_use]
     pub fn float32(name: impl Into<String>, width: u32, height: u32, texels: &[[f32; 4]]) -> Self {
         let words = texels.as_flattened().iter().map(|part| part.to_bits()).collect();
-        Self::new(name, [width, height], TexelFormat::Float32, words)
+        Self::from_words(name, [width, height], TexelFormat::Float32, words)
     }
 
     /// An image from the words of its texels.
-    pub(crate) fn new(
+    pub(crate) fn from_words(
         name: impl Into<String>,
         [width, height]: [u32; 2],
         format: TexelFormat,
         texels: Arc<[u32]>,
     ) -> Self {
         let (wrap, filter) = ([Wrap::Repeat; 2], Filter::Linear);
-        Self { name: name.into(), image: Texture { texels, width, height, format, wrap, filter } }
+        Self::new(name, Texture { texels, width, height, format, wrap, filter })
     }
 
     /// The same with other wrap modes, along the rows and down the columns.
@@ -68,6 +75,7 @@ impl TextureDesc {
 
 /// A texture as a material uses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TextureRef {
     /// The texture.
     pub texture: TextureId,
@@ -88,14 +96,27 @@ impl TextureRef {
         Self { texture, uv_set: 0, transform: Self::IDENTITY }
     }
 
+    /// The same with another [`Self::uv_set`].
+    #[must_use]
+    pub fn with_uv_set(self, uv_set: u32) -> Self {
+        Self { uv_set, ..self }
+    }
+
+    /// The same with another [`Self::transform`].
+    #[must_use]
+    pub fn with_transform(self, transform: [[f64; 3]; 2]) -> Self {
+        Self { transform, ..self }
+    }
+
     /// The coordinates on the texture, from those of the UV set.
     pub(crate) fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         self.transform.map(|[a, b, c]| a * u + b * v + c)
     }
 }
 
-/// The textures of a material.
+/// The textures of a material. [`Default`] has none.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TexturesDesc {
     /// Multiplies the albedo, reflectance or tint; its alpha is not read.
     pub base_color: Option<TextureRef>,
@@ -128,6 +149,42 @@ impl Default for TexturesDesc {
 }
 
 impl TexturesDesc {
+    /// The same with this texture as [`Self::base_color`].
+    #[must_use]
+    pub fn with_base_color(self, texture: TextureRef) -> Self {
+        Self { base_color: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::emission`].
+    #[must_use]
+    pub fn with_emission(self, texture: TextureRef) -> Self {
+        Self { emission: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::normal`].
+    #[must_use]
+    pub fn with_normal(self, texture: TextureRef) -> Self {
+        Self { normal: Some(texture), ..self }
+    }
+
+    /// The same with another [`Self::normal_scale`].
+    #[must_use]
+    pub fn with_normal_scale(self, normal_scale: f64) -> Self {
+        Self { normal_scale, ..self }
+    }
+
+    /// The same with this texture as [`Self::metallic_roughness`].
+    #[must_use]
+    pub fn with_metallic_roughness(self, texture: TextureRef) -> Self {
+        Self { metallic_roughness: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::alpha`].
+    #[must_use]
+    pub fn with_alpha(self, texture: TextureRef) -> Self {
+        Self { alpha: Some(texture), ..self }
+    }
+
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
         let all = [

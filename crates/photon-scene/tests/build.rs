@@ -247,10 +247,10 @@ fn cameras_follow_the_picture() {
     assert!((glam::Vec3::from(eye.up).length() - 1.0).abs() < 1e-6);
     // In units of the scene, of which 4 are one in normalised space.
     assert_eq!((eye.lens_radius, eye.focus_distance), (0.0, 0.0));
-    let lens = ThinLens { diameter: 1.0, focus_distance: 8.0 };
+    let lens = ThinLens::new(1.0, 8.0);
     let with = scene.camera_with_lens(Some("eye"), lens, 200, 100).expect("a lens");
     assert_eq!(with, Camera { lens_radius: 0.125, focus_distance: 2.0, ..eye });
-    let without = scene.camera_with_lens(Some("eye"), ThinLens { diameter: 0.0, ..lens }, 200, 100).expect("none");
+    let without = scene.camera_with_lens(Some("eye"), ThinLens::new(0.0, 8.0), 200, 100).expect("none");
     assert_eq!(without, eye);
     let flat = scene.camera(Some("flat"), 50, 100).expect("by name");
     assert_eq!((flat.kind, flat.up), (Camera::ORTHOGRAPHIC, [0.0, 0.5, 0.0]));

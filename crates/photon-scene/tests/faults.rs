@@ -145,7 +145,7 @@ fn cameras() {
         let projection = Projection::Orthographic { half_height };
         names(&camera(look(origin, up, 1.0).with_projection(projection)), &["'eye'", "half the height"]);
     }
-    let lens = |diameter, focus_distance| ThinLens { diameter, focus_distance };
+    let lens = |diameter, focus_distance| ThinLens::new(diameter, focus_distance);
     for diameter in [-1.0, f64::NAN, f64::INFINITY] {
         let text = camera(look(origin, up, 1.0).with_lens(lens(diameter, 1.0)));
         names(&text, &["'eye'", "diameter of its lens", &format!("{diameter:?}")]);

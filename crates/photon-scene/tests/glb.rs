@@ -82,7 +82,7 @@ fn everything() -> SceneBuilder {
         },
     );
     scene.light("sun", LightDesc::Directional { direction: [third, -3.0, 0.1], irradiance: [1e-3, third, 2.0] });
-    let lens = ThinLens { diameter: 0.1 * third, focus_distance: 5.0 * third };
+    let lens = ThinLens::new(0.1 * third, 5.0 * third);
     let first = CameraDesc::look_at([0.1, 3.0, 9.0], [1.0, third, 0.0], [0.1, 1.0, 0.0], 0.7);
     scene.camera("first", first.with_lens(lens));
     let projection = Projection::Orthographic { half_height: 10.0 * third };

@@ -45,27 +45,25 @@ fn everything() -> SceneBuilder {
 
     let mut wall = MaterialDesc::lambert("wall", [third, 0.5, 1.0]);
     let turned = [[0.0, 2.0 * third, third], [-2.0 * third, 0.0, 7.0 + third]];
-    wall.textures.base_color = Some(TextureRef { uv_set: 1, transform: turned, ..TextureRef::new(tiles) });
+    wall.textures.base_color = Some(TextureRef::new(tiles).with_uv_set(1).with_transform(turned));
     wall.textures.normal = Some(TextureRef::new(bumps));
     wall.textures.normal_scale = third;
     let mut screen = MaterialDesc::emissive("screen", [0.5; 3], [third, 2.0, 3.0]);
     screen.textures.emission = Some(TextureRef::new(glow));
     screen.textures.base_color = Some(TextureRef::new(even));
     let mut mirror = MaterialDesc::mirror("mirror", [0.9, 0.8, third]);
-    mirror.textures.base_color =
-        Some(TextureRef { transform: [[-2.0, 0.0, 0.1], [0.0, third, -3.0]], ..TextureRef::new(holes) });
+    mirror.textures.base_color = Some(TextureRef::new(holes).with_transform([[-2.0, 0.0, 0.1], [0.0, third, -3.0]]));
     let mut pane = MaterialDesc::thin("pane", 1.5);
     pane.textures.base_color = Some(TextureRef::new(tiles));
 
     let uvs: Vec<[f64; 2]> = vec![[0.1, third], [1e6 + third, 1.0], [-third, 0.0], [third, -5.5]];
-    let attributes = VertexAttributes {
-        normals: vec![[0.1, third, 1.0], [0.0, 0.0, 3.0], [f64::NAN, 0.0, 1.0], [0.0; 3]],
-        tangents: vec![[1.0, third, 0.0, -2.0], [1.0, 0.0, 0.0, 1.0], [2.0, 0.1, 0.0, 1.0], [0.0; 4]],
-        colors: vec![[third, 1.0, 0.0, 0.5], [2.0, -1.0, 0.5, 1.0], [1.0; 4], [0.1; 4]],
-        uvs: vec![uvs.clone(), uvs.iter().map(|[u, v]| [*v, 0.5 * u]).collect()],
-    };
+    let attributes = VertexAttributes::default()
+        .with_normals(vec![[0.1, third, 1.0], [0.0, 0.0, 3.0], [f64::NAN, 0.0, 1.0], [0.0; 3]])
+        .with_tangents(vec![[1.0, third, 0.0, -2.0], [1.0, 0.0, 0.0, 1.0], [2.0, 0.1, 0.0, 1.0], [0.0; 4]])
+        .with_colors(vec![[third, 1.0, 0.0, 0.5], [2.0, -1.0, 0.5, 1.0], [1.0; 4], [0.1; 4]])
+        .with_uvs(vec![uvs.clone(), uvs.iter().map(|[u, v]| [*v, 0.5 * u]).collect()]);
     let mut brass = MaterialDesc::metal("brass", [0.9, third, 0.1], 0.7 * third);
-    brass.textures.metallic_roughness = Some(TextureRef { transform: turned, ..TextureRef::new(worn) });
+    brass.textures.metallic_roughness = Some(TextureRef::new(worn).with_transform(turned));
     let mut worn_paint = MaterialDesc::plastic("worn paint", [third, 0.9, 0.1], third);
     worn_paint.textures.base_color = Some(TextureRef::new(tiles));
     worn_paint.textures.metallic_roughness = Some(TextureRef::new(worn));
@@ -83,7 +81,7 @@ fn everything() -> SceneBuilder {
         match at {
             1 => attributes.uvs.truncate(1),
             2 => attributes.tangents.clear(),
-            3 => attributes = VertexAttributes { uvs: vec![uvs.clone()], ..VertexAttributes::default() },
+            3 => attributes = VertexAttributes::default().with_uvs(vec![uvs.clone()]),
             _ => attributes.uvs[0] = uvs.clone(),
         }
         scene.mesh_with(name, positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
@@ -142,7 +140,7 @@ fn alpha_comes_back() {
     let leaf = scene.texture(TextureDesc::srgb8("leaf", 2, 1, &[[1, 2, 3, 255], [200, 100, 50, 17]]));
     let white = scene.texture(TextureDesc::srgb8("white", 2, 1, &[[255, 255, 255, 255], [255, 255, 255, 17]]));
     let turned = [[0.0, 1.0, 1.0 / 3.0], [-1.0, 0.0, 0.0]];
-    let of = |texture| Some(TextureRef { transform: turned, ..TextureRef::new(texture) });
+    let of = |texture| Some(TextureRef::new(texture).with_transform(turned));
     for (name, mode, alpha, base_color, used) in [
         ("mask", AlphaMode::Mask { cutoff: 0.25 }, 1.0, of(leaf), of(leaf)),
         ("blend", AlphaMode::Blend, 0.5, of(leaf), of(leaf)),
@@ -155,7 +153,7 @@ fn alpha_comes_back() {
         let material = scene.material(material);
         let uvs = vec![vec![[0.0; 2], [1.0, 0.0], [1.0; 2], [0.0, 1.0]]];
         let colors = vec![[1.0, 0.5, 1.0, 0.75]; 4];
-        let attributes = VertexAttributes { uvs, colors, ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_uvs(uvs).with_colors(colors);
         scene.mesh_with(name, SQUARE.to_vec(), vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     }
     let bytes = glb(&scene).unwrap();
@@ -175,7 +173,7 @@ fn what_gltf_has_no_place_for_is_refused_by_name() {
         let mut material = MaterialDesc::new("wall", Surface::Lambert { albedo: [0.5; 3] });
         change(&mut material, TextureRef::new(image));
         let material = scene.material(material);
-        let attributes = VertexAttributes { uvs: vec![vec![[0.0; 2]; 4]], ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_uvs(vec![vec![[0.0; 2]; 4]]);
         scene.mesh_with("square", SQUARE.to_vec(), vec![[0, 1, 2]], attributes, material);
         scene.clone().build().unwrap();
         glb(&scene).map(drop).map_err(|error| error.to_string())
@@ -189,7 +187,7 @@ fn what_gltf_has_no_place_for_is_refused_by_name() {
         material.textures.metallic_roughness = Some(used);
     };
     let sheared = |material: &mut MaterialDesc, used: TextureRef| {
-        material.textures.base_color = Some(TextureRef { transform: [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0]], ..used });
+        material.textures.base_color = Some(used.with_transform([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0]]));
     };
     let holes = TextureDesc::srgb8("x", 2, 1, &[[1, 2, 3, 255], [4, 5, 6, 7]]);
     let alone = |material: &mut MaterialDesc, used: TextureRef| {

@@ -195,10 +195,13 @@ fn shape(
     let units = scene.units();
     let absorption = scene.view().media[material.medium as usize].absorption;
     if absorption != [0.0; 3] {
-        let sigma = rgb("sigma_t", absorption.map(|c| f64::from(c) / units.scale));
+        // Mitsuba reads sigma_t like a reflectance and refuses what exceeds 1, so that the scale has the magnitude.
+        let sigma = absorption.map(|c| f64::from(c) / units.scale);
+        let scale = sigma.into_iter().fold(0.0, f64::max);
         let _ = writeln!(
             text,
-            "        <medium name=\"interior\" type=\"homogeneous\">{sigma}{}</medium>",
+            "        <medium name=\"interior\" type=\"homogeneous\">{}<float name=\"scale\" value=\"{scale}\"/>{}</medium>",
+            rgb("sigma_t", sigma.map(|c| c / scale)),
             rgb("albedo", [0.0; 3])
         );
     }

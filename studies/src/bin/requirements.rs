@@ -12,17 +12,23 @@ use photon_core::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, Indirect, Pipeline, Render, Requirements, Settings, Stage,
     TransportBackend, View,
 };
-use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, shapes};
+use photon_scene::{
+    AlphaMode, EnvironmentDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, VertexAttributes, shapes,
+};
 use photon_tests::harness::look_at_point;
 
-const SCENES: [&str; 16] = [
+const SCENES: [&str; 20] = [
     "diffuse",
     "mirror",
     "dielectric",
     "absorption",
     "thin",
+    "glossy",
+    "alpha",
+    "vertex normals",
     "spot",
     "directional",
+    "environment",
     "area",
     "direct map",
     "final gather",
@@ -67,7 +73,11 @@ fn main() {
 fn scene(name: &str, photons: u32) -> (Scene, Settings) {
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
-    let (positions, triangles) = shapes::flip(shapes::cuboid([-1.0; 3], [1.0; 3]));
+    let (positions, mut triangles) = shapes::flip(shapes::cuboid([-1.0; 3], [1.0; 3]));
+    if name == "environment" {
+        // The room is open above.
+        triangles.retain(|triangle| triangle.iter().any(|&vertex| positions[vertex as usize][1] < 0.0));
+    }
     builder.mesh("room", positions, triangles, grey);
     let surface = |surface| MaterialDesc::new("thing", surface);
     let thing = match name {
@@ -75,11 +85,17 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
         "dielectric" | "aimed photons" => MaterialDesc::glass("thing", 1.5),
         "absorption" => surface(Surface::Dielectric { ior: 1.5, absorption: [0.5; 3], tint: [1.0; 3], roughness: 0.0 }),
         "thin" => MaterialDesc::thin("thing", 1.5),
+        "glossy" => MaterialDesc::plastic("thing", [0.4; 3], 0.4),
+        "alpha" => MaterialDesc::lambert("thing", [0.4; 3]).with_alpha(AlphaMode::Blend, 0.5),
         _ => MaterialDesc::lambert("thing", [0.4; 3]),
     };
     let thing = builder.material(thing);
     let (positions, triangles) = shapes::icosphere(3, [0.2, -0.4, 0.1], 0.4);
-    builder.mesh("ball", positions, triangles, thing);
+    let normals = match name {
+        "vertex normals" => positions.iter().map(|p| [p[0] - 0.2, p[1] + 0.4, p[2] - 0.1]).collect(),
+        _ => Vec::new(),
+    };
+    builder.mesh_with("ball", positions, triangles, VertexAttributes::default().with_normals(normals), thing);
     let (position, direction) = ([0.1, 0.7, 0.2], [0.1, -1.0, 0.0]);
     match name {
         "spot" => {
@@ -87,6 +103,7 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
             builder
                 .light("lamp", LightDesc::Spot { position, direction, intensity: [1.0; 3], inner_angle, outer_angle });
         }
+        "environment" => builder.environment_from(&EnvironmentDesc::constant([1.0; 3])).unwrap(),
         "directional" => builder.light("lamp", LightDesc::Directional { direction, irradiance: [1.0; 3] }),
         "area" => {
             let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]));

@@ -185,15 +185,15 @@ fn cones<T: TestBackend>(sheet: &mut Sheet) {
     sheet.limit("spot", what, "half angle 0.0005°", if refused { "refused by name" } else { "accepted" }, refused);
 }
 
-/// A lamp of a millionth of the scene, far above a floor: as a point of its power.
+/// An area light of a millionth of the scene, far above a floor: as a point of its power.
 fn small_area_light<T: TestBackend>(sheet: &mut Sheet) {
     let side = 2e-6;
     let mut builder = SceneBuilder::new();
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
     builder.quad("floor", [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]], grey);
-    let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0 / side / side; 3]));
+    let area_light = builder.material(MaterialDesc::emissive("area light", [0.0; 3], [1.0 / side / side; 3]));
     let h = 0.5 * side;
-    builder.quad("lamp", [[-h, 1.0, -h], [h, 1.0, -h], [h, 1.0, h], [-h, 1.0, h]], area_light);
+    builder.quad("area light", [[-h, 1.0, -h], [h, 1.0, -h], [h, 1.0, h], [-h, 1.0, h]], area_light);
     look_at_point(&mut builder, [0.0; 3], [0.0, 1.0, 0.0], 0.5, 1e-3);
     let scene = builder.build().unwrap();
     let settings =
@@ -204,7 +204,7 @@ fn small_area_light<T: TestBackend>(sheet: &mut Sheet) {
     let (_, tally) = trace::<T>(2, &scene, &Settings::default(), &[20_000]);
     let good = (seen - 1.0).abs() < 1e-4 && power.abs() < 1e-6 && tally.balances() && tally.dropped == 0;
     let found = format!("E = {seen:.6} W/m² (1), power {power:+.1e}");
-    sheet.holds("lamp", "a lamp far smaller than the scene", "1e-6 of the scene across", found, good);
+    sheet.holds("area light", "an area light far smaller than the scene", "1e-6 of the scene across", found, good);
 }
 
 /// S32: more pixels than one axis of a dispatch has groups for.

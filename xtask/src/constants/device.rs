@@ -8,7 +8,9 @@ use super::file::Group;
 mod backend_vulkan;
 
 use backend_vulkan::{
-    ERROR_LOW, FIRST_LOW, LIST_SHORT, LIST_TILE, MOMENTS_LOW, PAUSE_SUBGROUPS, PAUSE_WORDS, SCAN_ITEMS, SORT_DIGITS,
+    ERROR_BIAS, ERROR_BIAS_SQUARE, ERROR_LOW, ERROR_NARROW, ERROR_NARROW_SQUARE, FIRST_ALBEDO, FIRST_DEPTH, FIRST_HITS,
+    FIRST_LOW, FIRST_NORMAL, FIRST_SQUARE, LIST_SHORT, LIST_TILE, MOMENTS_LOW, MOMENTS_POWER, MOMENTS_POWER_SQUARED,
+    MOMENTS_QUADRUPOLE, MOMENTS_SLOPE, MOMENTS_STRAY, PAUSE_SUBGROUPS, PAUSE_WORDS, SCAN_ITEMS, SORT_DIGITS,
     SORT_ITEMS, SORT_SUBGROUPS,
 };
 
@@ -33,8 +35,37 @@ pub(super) fn groups() -> Vec<Group> {
             vec![("PAUSE_SUBGROUPS", PAUSE_SUBGROUPS.into()), ("PAUSE_WORDS", PAUSE_WORDS.into())],
         ),
         (
-            "Film: sums of the first surface, of error statistics and of photon moments, each with two planes.",
-            vec![("FIRST_LOW", FIRST_LOW.into()), ("ERROR_LOW", ERROR_LOW.into()), ("MOMENTS_LOW", MOMENTS_LOW.into())],
+            "Film: planes of high parts of sums about the first surface, how many planes further on their low parts are, \
+             and the plane of hits.",
+            vec![
+                ("FIRST_NORMAL", FIRST_NORMAL.into()),
+                ("FIRST_ALBEDO", FIRST_ALBEDO.into()),
+                ("FIRST_DEPTH", FIRST_DEPTH.into()),
+                ("FIRST_SQUARE", FIRST_SQUARE.into()),
+                ("FIRST_LOW", FIRST_LOW.into()),
+                ("FIRST_HITS", FIRST_HITS.into()),
+            ],
+        ),
+        (
+            "Film: the same of error statistics.",
+            vec![
+                ("ERROR_BIAS", ERROR_BIAS.into()),
+                ("ERROR_BIAS_SQUARE", ERROR_BIAS_SQUARE.into()),
+                ("ERROR_NARROW", ERROR_NARROW.into()),
+                ("ERROR_NARROW_SQUARE", ERROR_NARROW_SQUARE.into()),
+                ("ERROR_LOW", ERROR_LOW.into()),
+            ],
+        ),
+        (
+            "Film: the same of the photon moments of a map.",
+            vec![
+                ("MOMENTS_POWER", MOMENTS_POWER.into()),
+                ("MOMENTS_POWER_SQUARED", MOMENTS_POWER_SQUARED.into()),
+                ("MOMENTS_SLOPE", MOMENTS_SLOPE.into()),
+                ("MOMENTS_QUADRUPOLE", MOMENTS_QUADRUPOLE.into()),
+                ("MOMENTS_STRAY", MOMENTS_STRAY.into()),
+                ("MOMENTS_LOW", MOMENTS_LOW.into()),
+            ],
         ),
     ]
 }

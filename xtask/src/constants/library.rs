@@ -132,6 +132,12 @@ pub(super) fn groups() -> Vec<Group> {
                 ("MORTON_BITS", Number::Int(kd_tree::MORTON_BITS as i32)),
             ],
         ),
-        ("CompressedTree.", vec![("BVH_MAX_DEPTH", CompressedTree::MAX_DEPTH.into())]),
+        (
+            "CompressedTree.",
+            vec![
+                ("BVH_MAX_DEPTH", CompressedTree::MAX_DEPTH.into()),
+                ("BVH_PLANE_TOLERANCE", CompressedTree::PLANE_TOLERANCE.into()),
+            ],
+        ),
     ]
 }

@@ -5,13 +5,16 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
 
 use super::{GROUP, VulkanFilm, home, zeroed};
-use crate::constants::{ERROR_LOW, MOMENTS_LOW};
+use crate::constants::{
+    ERROR_BIAS, ERROR_BIAS_SQUARE, ERROR_LOW, ERROR_NARROW, ERROR_NARROW_SQUARE, MOMENTS_LOW, MOMENTS_POWER,
+    MOMENTS_POWER_SQUARED, MOMENTS_QUADRUPOLE, MOMENTS_SLOPE, MOMENTS_STRAY,
+};
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Number of sums, each with a high and a low plane, as in film.glsl.
+/// Number of sums, each with a high and a low plane.
 const SUMS: usize = ERROR_LOW as usize;
 const MOMENTS: usize = MOMENTS_LOW as usize;
 
@@ -194,14 +197,20 @@ pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Re
     home(on, &planes, picture.pixels.len(), |chunk| {
         for (i, pixel) in all[chunk.pixels.clone()].iter_mut().enumerate() {
             [pixel.bias, pixel.bias_square, pixel.narrow, pixel.narrow_square] =
-                std::array::from_fn(|plane| chunk.sum(plane, SUMS, i));
+                [ERROR_BIAS, ERROR_BIAS_SQUARE, ERROR_NARROW, ERROR_NARROW_SQUARE]
+                    .map(|plane| chunk.sum(plane as usize, SUMS, i));
             let mut first = 2 * SUMS;
             for (_, map_moments) in
                 pixel.photon_moments.iter_mut().filter(|(kind, _)| errors.photon_moments[*kind].is_some())
             {
-                let [power, power_squared, x, y, xx, xy, stray] =
-                    std::array::from_fn(|plane| chunk.sum(first + plane, MOMENTS, i));
-                *map_moments = PhotonMoments { power, power_squared, slope: [x, y], quadrupole: [xx, xy], stray };
+                let sum = |plane: u32| chunk.sum(first + plane as usize, MOMENTS, i);
+                *map_moments = PhotonMoments {
+                    power: sum(MOMENTS_POWER),
+                    power_squared: sum(MOMENTS_POWER_SQUARED),
+                    slope: [sum(MOMENTS_SLOPE), sum(MOMENTS_SLOPE + 1)],
+                    quadrupole: [sum(MOMENTS_QUADRUPOLE), sum(MOMENTS_QUADRUPOLE + 1)],
+                    stray: sum(MOMENTS_STRAY),
+                };
                 first += 2 * MOMENTS;
             }
         }

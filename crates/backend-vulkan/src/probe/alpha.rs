@@ -1,15 +1,14 @@
 //! Alpha coverage compared with photon-core's.
 
-use photon_core::{Hit, Requirements, Settings, Shading, alpha};
+use photon_core::{Hit, Shading, alpha};
 
 use super::compare::Bound;
 use super::draw::{Draw, LAST, input};
 use super::shade::barycentric;
 use super::shaded_scene::{SHADED, TRIANGLES};
-use super::table::{Row, output};
+use super::table::{Row, Twin, output};
 use super::texture::VALUES;
-use super::{Input, Output, run_row, worst_of};
-use crate::scene::VulkanScene;
+use super::{Input, Output, assert_twin, whole_scene, words_of};
 use crate::{Vulkan, shaders};
 
 /// The functions, their twins and their bounds.
@@ -73,19 +72,17 @@ fn covered(i: &Input, [u, v]: [f32; 2]) -> f32 {
 #[test]
 fn coverage_is_that_of_rust() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let scene = VulkanScene::new(&mut on, &SHADED.view(), &Requirements::everything(&Settings::default())).unwrap();
-    let address = [scene.address() as u32, (scene.address() >> 32) as u32];
-    for mut row in rows() {
-        let (inputs, outputs) = run_row(&mut on, &row, &address);
-        worst_of(&mut on, &row, &inputs, &outputs).unwrap();
+    let scene = whole_scene(&mut on, &SHADED.view());
+    let address = words_of(scene.address());
+    for row in rows() {
         // Each time something slightly different, which is detected.
-        row.twin = match row.function {
+        let wrong: Twin = match row.function {
             0 => |i| word(alpha::mix(i.0[0] ^ 1)),
             1 => |i| word((alpha::keep(i.float(0), i.0[1], i.0[2]) || i.float(0) > 0.999_999_9 * threshold(i)).into()),
             2 => |i| output([if i.float(1) > 0.0 { alpha::coverage(i.float(0), i.float(1)) } else { i.float(0) }]),
             _ => |i| output([covered(i, [i.float(0) + 4.0 * LAST, i.float(1)])]),
         };
-        assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
+        assert_twin(&mut on, &row, &address, wrong);
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::sync::LazyLock;
 
-use photon_core::glam::Quat;
+use photon_core::glam::{Quat, Vec3};
+use photon_core::math::turns_of;
 use photon_core::random::SplitMix64;
 use photon_core::{EnvironmentMap, Requirements, Settings};
 use photon_scene::{MaterialDesc, Scene, SceneBuilder};
@@ -62,6 +63,13 @@ pub(super) fn rows() -> Vec<Row> {
         ),
         row("environment_sample, weight", 4, Bound::Conditioned(6e-7, "its condition", slope_of_weight), random, |i| {
             output(map(i).sample([i.0[4], i.0[5]]).weight.to_array())
+        }),
+        // Two divisions.
+        row("environment_sample, pdf", 5, Bound::Relative(7e-7), random, |i| {
+            output([map(i).sample([i.0[4], i.0[5]]).pdf])
+        }),
+        row("environment_pdf", 6, Bound::Conditioned(7e-7, "its condition", beside_edges), direction, |i| {
+            output([map(i).pdf(i.vector(0))])
         }),
     ]
 }
@@ -137,6 +145,22 @@ fn slope_of_weight(i: &Input) -> f64 {
     slope(i) * f64::from(sample.weight.x) / f64::from(map(i).radiance(sample.direction).x)
 }
 
+/// Condition number of a density: the density, which is one of a cell; infinite where rounding may move the direction
+/// across the cell's edge. Coordinates are off by an angle's 7e-7 of at most one half, and a rotation.
+fn beside_edges(i: &Input) -> f64 {
+    let (map, v) = (map(i), i.vector(0));
+    let from_centre = turns_of(v.x.abs(), -v.z).copysign(v.x);
+    let across = (v.x * v.x + v.z * v.z).sqrt();
+    let (u, height) = (0.5 + f64::from(from_centre + map.rotation()), 2.0 * f64::from(turns_of(across, v.y)));
+    let near = |share: f64, size: u32, shift: f64| {
+        let cells = (share * f64::from(size) + shift) / f64::from(map.step());
+        (cells - cells.round()).abs() * f64::from(map.step()) < 1e-6 * f64::from(size)
+    };
+    // Columns start at the first texel's centre, and the last one reaches beyond the image's edge; rows at the upper pole.
+    let edge = near(u - u.floor(), map.width(), -0.5) || near(height, map.height(), 0.5);
+    if edge { f64::INFINITY } else { f64::from(map.pdf(v)) }
+}
+
 /// Inputs with the addresses of their maps' scenes, and what the device returns for them.
 fn run_maps(on: &mut Vulkan, row: &Row, scenes: &[VulkanScene]) -> (Vec<Input>, Vec<Output>) {
     let mut inputs = inputs(row.draw);
@@ -155,6 +179,8 @@ fn environment_maps_are_read_and_sampled_as_in_rust() {
     let scenes = SCENES.each_ref().map(|scene| VulkanScene::new(&mut on, &scene.view(), &everything).unwrap());
     assert!(SCENES[1].view().environment.unwrap().rotation() > 0.2);
     assert!(SCENES[2].view().environment.unwrap().step() > 1);
+    let decided = inputs(direction).iter().filter(|input| beside_edges(input).is_finite()).count();
+    assert!(decided > 15_000, "{decided}");
     for mut row in rows() {
         let (inputs, outputs) = run_maps(&mut on, &row, &scenes);
         let share = worst_of(&mut on, &row, &inputs, &outputs).unwrap();
@@ -162,16 +188,20 @@ fn environment_maps_are_read_and_sampled_as_in_rust() {
         // A mirrored image, the image without its rotation, and exchanged words: all are detected.
         row.twin = match row.function {
             0 => |i| output(map(i).bilinear(1.0 - i.float(0), i.float(1)).to_array()),
-            1 => |i| {
-                let turned = Quat::from_rotation_y(map(i).rotation() * std::f32::consts::TAU) * i.vector(0);
-                output(map(i).radiance(turned).to_array())
-            },
+            1 => |i| output(map(i).radiance(unrotated(i)).to_array()),
             2 => |i| intervals(&exchanged(i)),
             3 => |i| output(map(i).sample([i.0[5], i.0[4]]).direction.to_array()),
-            _ => |i| output(map(i).sample([i.0[5], i.0[4]]).weight.to_array()),
+            4 => |i| output(map(i).sample([i.0[5], i.0[4]]).weight.to_array()),
+            5 => |i| output([map(i).sample([i.0[5], i.0[4]]).pdf]),
+            _ => |i| output([map(i).pdf(unrotated(i))]),
         };
         assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
     }
+}
+
+/// The direction that a map without its rotation has there.
+fn unrotated(i: &Input) -> Vec3 {
+    Quat::from_rotation_y(map(i).rotation() * std::f32::consts::TAU) * i.vector(0)
 }
 
 fn exchanged(i: &Input) -> Input {

@@ -5,34 +5,11 @@ use photon_core::EnvironmentMap;
 use photon_core::glam::Vec3;
 use photon_core::math::{sin_cos_turns, turns_of};
 
-use super::compare::{Denormals, worst};
-use super::draw::inputs;
 use super::environment::{map, rows};
-use super::table::{Row, output};
-use super::{Input, Output};
-
-/// Relative errors of divisions and square roots, each with a sign.
-#[derive(Clone, Copy)]
-struct Rough {
-    times: f32,
-    signs: u32,
-}
+use super::rough::{Rough, assert_bounded};
+use super::table::output;
 
 impl Rough {
-    /// `x` off by `error`, with the sign of the operation with this number.
-    fn off(self, x: f32, error: f32, operation: u32) -> f32 {
-        let sign = if self.signs >> operation & 1 == 0 { 1.0 } else { -1.0 };
-        (f64::from(x) * (1.0 + f64::from(sign * self.times * error))) as f32
-    }
-
-    fn divided(self, quotient: f32, operation: u32) -> f32 {
-        self.off(quotient, 3e-7, operation)
-    }
-
-    fn root(self, x: f32, operation: u32) -> f32 {
-        self.off(x.sqrt(), 5.4e-7, operation)
-    }
-
     /// The quotient in `turns_of` is as wrong as its first argument.
     fn radiance(self, map: &EnvironmentMap, direction: Vec3) -> Vec3 {
         let across = self.root(direction.x * direction.x + direction.z * direction.z, 0);
@@ -66,31 +43,18 @@ impl Rough {
         let factor = self.divided(solid_angle / (cell.probability * column_probability), 7);
         [direction, self.radiance(map, direction) * factor]
     }
-
-    fn outputs(self, row: &Row, inputs: &[Input]) -> Vec<Output> {
-        let one = |i: &Input| match row.function {
-            1 => self.radiance(map(i), i.vector(0)),
-            3 => self.sample(map(i), [i.0[4], i.0[5]])[0],
-            _ => self.sample(map(i), [i.0[4], i.0[5]])[1],
-        };
-        inputs.iter().map(|i| output(one(i).to_array())).collect()
-    }
 }
 
 #[test]
 fn a_device_at_the_limits_of_vulkan_passes() {
-    let mut all = Vec::new();
     for row in rows().into_iter().filter(|row| [1, 3, 4].contains(&row.function)) {
-        let inputs: Vec<Input> = inputs(row.draw).into_iter().step_by(4).collect();
-        let (mut largest, mut failed) = (0.0_f64, 0);
-        for signs in 0..256 {
-            let passes = Rough { times: 1.0, signs }.outputs(&row, &inputs);
-            largest = largest.max(worst(&row, &inputs, &passes, Denormals::Kept).unwrap());
-            let fails = Rough { times: 10.0, signs }.outputs(&row, &inputs);
-            failed += u32::from(worst(&row, &inputs, &fails, Denormals::Kept).is_err());
-        }
-        eprintln!("{:<24} {largest:.3} of the bound, {failed} of 256 ten times as rough fail", row.name);
-        all.push((row.name, failed));
+        assert_bounded(&row, 0..256, 10.0, |rough, i| {
+            let one = match row.function {
+                1 => rough.radiance(map(i), i.vector(0)),
+                3 => rough.sample(map(i), [i.0[4], i.0[5]])[0],
+                _ => rough.sample(map(i), [i.0[4], i.0[5]])[1],
+            };
+            output(one.to_array())
+        });
     }
-    assert!(all.iter().all(|&(_, failed)| failed > 128), "{all:?}");
 }

@@ -15,11 +15,14 @@ mod glossy;
 mod layout;
 mod light_sampler;
 mod light_tree;
+mod light_tree_condition;
+mod light_tree_limits;
 mod listed;
 mod media;
 mod photon_format;
 mod projection;
 pub(crate) mod push;
+mod rough;
 mod rules;
 mod scene;
 mod shade;
@@ -33,12 +36,13 @@ mod texture;
 mod triangle;
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::Result;
+use photon_core::{Requirements, Result, SceneView, Settings};
 
 use self::compare::Denormals;
-use self::table::Row;
+use self::table::{Row, Twin};
 use crate::Vulkan;
 use crate::device::Module;
+use crate::scene::VulkanScene;
 use crate::specialization::Constants;
 
 /// The inputs of one call: words, or the bits of floats.
@@ -61,7 +65,7 @@ struct Push {
 pushed!(
     push_layout: Push => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL
         PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
-        PROBE_PROJECTION PROBE_RANDOM PROBE_SAMPLING PROBE_SHADE
+        PROBE_PROJECTION PROBE_RANDOM PROBE_ROUGH_GLASS PROBE_SAMPLING PROBE_SHADE
         PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     inputs outputs count padding
 );
@@ -69,7 +73,7 @@ pushed!(
 specialized!(
     probe_constants: ProbeConstants => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL
         PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
-        PROBE_PROJECTION PROBE_RANDOM
+        PROBE_PROJECTION PROBE_RANDOM PROBE_ROUGH_GLASS
         PROBE_SAMPLING PROBE_SHADE PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     2 function: u32; default features shared_groups
 );
@@ -116,6 +120,26 @@ fn run_with(on: &mut Vulkan, row: &Row, constants: &impl Constants, last: &[u32]
 /// [`compare::worst`], with denormals as the device handles them.
 fn worst_of(on: &mut Vulkan, row: &Row, inputs: &[Input], outputs: &[Output]) -> std::result::Result<f64, String> {
     compare::worst(row, inputs, outputs, Denormals::of(on).unwrap())
+}
+
+/// Asserts that a function, called with `last` in the last words of its inputs, is within its bound of its twin, and that
+/// `wrong`, a slightly different twin, is not.
+fn assert_twin(on: &mut Vulkan, row: &Row, last: &[u32], wrong: Twin) {
+    let (inputs, outputs) = run_row(on, row, last);
+    let share = worst_of(on, row, &inputs, &outputs).unwrap();
+    eprintln!("{:<28} {share:>9.3e} of {}", row.name, row.bound);
+    let wrong = Row { twin: wrong, ..*row };
+    assert!(worst_of(on, &wrong, &inputs, &outputs).is_err(), "{}", row.name);
+}
+
+/// An address as two words of an input, the low one first.
+fn words_of(address: u64) -> [u32; 2] {
+    [address as u32, (address >> 32) as u32]
+}
+
+/// A scene with everything that functions may read.
+fn whole_scene(on: &mut Vulkan, view: &SceneView<'_>) -> VulkanScene {
+    VulkanScene::new(on, view, &Requirements::everything(&Settings::default())).unwrap()
 }
 
 /// All functions that are compared.

@@ -5,7 +5,7 @@ use photon_core::PhotonFormat;
 use super::compare::Bound;
 use super::draw::{Draw, inputs};
 use super::table::{Row, words};
-use super::{Input, Output, run_row, worst_of};
+use super::{Input, Output, assert_twin, words_of};
 use crate::{Vulkan, shaders};
 
 /// Words of the table that is read.
@@ -54,13 +54,9 @@ fn photons_are_read_in_each_format() {
     let table: Vec<u32> = (0..WORDS).map(word_of_table).collect();
     let memory = on.memory("fluxes", u64::from(WORDS) * 4).unwrap();
     on.write(&memory, 0, bytemuck::cast_slice(&table)).unwrap();
-    let mut row = row();
-    let address = [memory.address() as u32, (memory.address() >> 32) as u32];
-    let (inputs, outputs) = run_row(&mut on, &row, &address);
-    worst_of(&mut on, &row, &inputs, &outputs).unwrap();
+    let address = words_of(memory.address());
     // A direction in the format without one is detected.
-    row.twin = |i| unpacked(PhotonFormat::ALL[i.0[4].max(1) as usize], i.0[5]);
-    assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err());
+    assert_twin(&mut on, &row(), &address, |i| unpacked(PhotonFormat::ALL[i.0[4].max(1) as usize], i.0[5]));
 }
 
 /// Photons lie one behind another, each with the leading bytes of power and direction.

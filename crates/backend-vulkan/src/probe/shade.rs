@@ -1,15 +1,14 @@
 //! Vertex attributes and textures at hits compared with photon-core's.
 
 use photon_core::glam::Vec3;
-use photon_core::{Hit, Requirements, Settings, Shaded, Shading, SurfaceInteraction, shade};
+use photon_core::{Hit, Shaded, Shading, SurfaceInteraction, shade};
 
 use super::compare::{Bound, Denormals, worst};
 use super::draw::{Draw, input, inputs};
 use super::shaded_scene::{LIGHTS, SHADED, TRIANGLES};
-use super::table::{Row, finite, four, output};
+use super::table::{Row, Twin, finite, four, output};
 use super::texture::VALUES;
-use super::{Input, Output, run_row, worst_of};
-use crate::scene::VulkanScene;
+use super::{Input, Output, assert_twin, whole_scene, words_of};
 use crate::{Vulkan, shaders};
 
 /// The functions, their twins and their bounds.
@@ -182,18 +181,15 @@ fn a_device_at_the_limits_of_vulkan_passes() {
 #[test]
 fn hits_are_shaded_as_in_rust() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let scene = VulkanScene::new(&mut on, &SHADED.view(), &Requirements::everything(&Settings::default())).unwrap();
-    let address = [scene.address() as u32, (scene.address() >> 32) as u32];
+    let scene = whole_scene(&mut on, &SHADED.view());
+    let address = words_of(scene.address());
     // The table is meaningful: few inputs are undecided.
     let decided = inputs(frame).iter().filter(|input| condition(input).is_finite()).count();
     assert!(decided > 15_000, "{decided}");
-    for mut row in rows() {
+    for row in rows() {
         let last: &[u32] = if row.function < 3 { &[] } else { &address };
-        let (inputs, outputs) = run_row(&mut on, &row, last);
-        let share = worst_of(&mut on, &row, &inputs, &outputs).unwrap();
-        eprintln!("{:<24} {share:>9.3e} of {}", row.name, row.bound);
         // Weights, channels, coordinates, signs and lights that are exchanged: all are detected.
-        row.twin = match row.function {
+        let wrong: Twin = match row.function {
             0 => |i| four_of(shade::interpolate(corners(i), [i.float(7), i.float(3), i.float(11)])),
             1 => |i| four_of(shade::unpack_color([i.0[1], i.0[0]])),
             2 => |i| four_of(turned(i, -i.float(3))),
@@ -201,6 +197,6 @@ fn hits_are_shaded_as_in_rust() {
             4 => |i| colors(&shaded(i, [i.float(1), i.float(0)])),
             _ => |i| four_of(shaded(i, [i.float(1), i.float(0)]).normal),
         };
-        assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
+        assert_twin(&mut on, &row, last, wrong);
     }
 }

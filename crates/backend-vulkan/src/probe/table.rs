@@ -22,7 +22,7 @@ pub(super) struct Row {
     pub(super) function: u32,
     pub(super) bound: Bound,
     pub(super) draw: fn(&mut Draw) -> Input,
-    pub(super) twin: fn(&Input) -> Output,
+    pub(super) twin: Twin,
 }
 
 /// All functions in `shaders-glsl` with a twin in photon-core.
@@ -40,7 +40,8 @@ pub(super) fn rows() -> Vec<Row> {
     .concat()
 }
 
-type Twin = fn(&Input) -> Output;
+/// A function of the inputs in Rust.
+pub(super) type Twin = fn(&Input) -> Output;
 type Draws = fn(&mut Draw) -> Input;
 type Make = fn(&'static str, &'static Module, u32, Bound, Draws, Twin) -> Row;
 

@@ -3,14 +3,13 @@
 use std::sync::LazyLock;
 
 use photon_core::texture::{ByteValues, axis, byte_values, lookup};
-use photon_core::{Filter, Requirements, Settings, Wrap};
+use photon_core::{Filter, Wrap};
 
 use super::compare::Bound;
 use super::draw::{Draw, LAST};
 use super::shaded_scene::SHADED;
-use super::table::{Row, output};
-use super::{Input, run_row, worst_of};
-use crate::scene::VulkanScene;
+use super::table::{Row, Twin, output};
+use super::{Input, assert_twin, whole_scene, words_of};
 use crate::{Vulkan, shaders};
 
 pub(super) static VALUES: LazyLock<ByteValues> = LazyLock::new(byte_values);
@@ -69,16 +68,14 @@ fn texel(i: &Input, uv: [f32; 2]) -> [f32; 4] {
 #[test]
 fn textures_are_read_as_in_rust() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let scene = VulkanScene::new(&mut on, &SHADED.view(), &Requirements::everything(&Settings::default())).unwrap();
-    let address = [scene.address() as u32, (scene.address() >> 32) as u32];
-    for mut row in rows() {
-        let (inputs, outputs) = run_row(&mut on, &row, &address);
-        worst_of(&mut on, &row, &inputs, &outputs).unwrap();
+    let scene = whole_scene(&mut on, &SHADED.view());
+    let address = words_of(scene.address());
+    for row in rows() {
         // Another wrap mode, and a coordinate that is slightly different: both are detected.
-        row.twin = match row.function {
+        let wrong: Twin = match row.function {
             0 => |i| output(along(i, 1)),
             _ => |i| output(texel(i, [i.float(4) + 4.0 * LAST, i.float(5)])),
         };
-        assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
+        assert_twin(&mut on, &row, &address, wrong);
     }
 }

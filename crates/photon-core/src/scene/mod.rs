@@ -26,6 +26,7 @@ mod validate;
 ///
 /// `photon_scene::Scene::view` returns one; a renderer can also fill it from its own tables. Pipeline and
 /// backends call [`SceneView::validate`], which checks what they rely on.
+// Exhaustive: written as a literal with `..SceneView::default()`.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneView<'a> {
     /// Vertices, within a box of unit size centred at the origin.

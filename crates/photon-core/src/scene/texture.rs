@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 /// How the words of a [`Texture`] encode its texels.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum TexelFormat {
     /// One word a texel: red in the lowest byte, then green, blue and alpha; each is its value over 255.
     #[default]
@@ -29,11 +30,21 @@ impl TexelFormat {
             Self::Float32 => 4,
         }
     }
+
+    /// Whether the words of a texel are the bits of its channels as `f32`; else its word has a byte for each channel.
+    #[must_use]
+    pub const fn is_float(self) -> bool {
+        match self {
+            Self::Linear8 | Self::Srgb8 => false,
+            Self::Float32 => true,
+        }
+    }
 }
 
 /// What lies beyond the edges of a texture, in one of its two directions.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Wrap {
     /// The texture again.
     #[default]
@@ -44,9 +55,22 @@ pub enum Wrap {
     Clamp = 2,
 }
 
+impl Wrap {
+    /// The least shift of a coordinate that changes no lookup; `None` if every shift does.
+    #[must_use]
+    pub const fn period(self) -> Option<f64> {
+        match self {
+            Self::Repeat => Some(1.0),
+            Self::Mirror => Some(2.0),
+            Self::Clamp => None,
+        }
+    }
+}
+
 /// Which texels a lookup reads.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Filter {
     /// The four nearest, with bilinear weights.
     #[default]
@@ -56,6 +80,7 @@ pub enum Filter {
 }
 
 /// An image. Cloning it does not copy the texels; several textures can share them.
+// Exhaustive: written as a literal by callers that fill in a `SceneView`, who must state every field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// Row by row from the top left, [`TexelFormat::words`] words for each texel.
@@ -134,6 +159,7 @@ impl Default for MaterialTextures {
 
 /// What shading reads beyond the geometry: vertex attributes of triangles, and textures. Borrowed; the default is
 /// a scene without any of it. A table that no material needs is empty, and costs nothing.
+// Exhaustive: written as a literal with `..ShadingTables::default()`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShadingTables<'a> {
     /// Vertex normals of each triangle, on its front side, packed by [`crate::octahedral::pack`]; empty without smooth
@@ -157,6 +183,7 @@ pub struct ShadingTables<'a> {
 }
 
 /// The tables that a [`ShadingTables`] borrows, owned; their contents are documented there.
+// Exhaustive: as `ShadingTables`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OwnedShadingTables {
     /// [`ShadingTables::normals`].

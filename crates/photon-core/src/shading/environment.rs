@@ -8,6 +8,7 @@ use crate::shading::math::{sin_cos_turns, turns_of};
 
 /// A sampled direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EnvironmentSample {
     /// Unit vector towards the environment.
     pub direction: Vec3,

@@ -65,10 +65,15 @@ impl LightNode {
     #[inline]
     #[must_use]
     pub fn importance(&self, position: Vec3, normal: Vec3) -> f32 {
-        let axis = || octahedral::unpack(self.axis);
-        let [spread, emission] = [self.cone, self.cone >> 16].map(|half| f32::from(half as u16 as i16) / COSINE_STEPS);
+        let [spread, emission] = [self.cone, self.cone >> 16].map(|half| f32::from(half as u16 as i16));
+        // Normals in all directions, as of point lights, need no axis.
+        let everywhere = spread <= -COSINE_STEPS;
+        let off_axis = |direction: Vec3| {
+            let axis = octahedral::unpack_unnormalized(self.axis);
+            Angle::between(axis, direction).minus(Angle::with_cosine(spread))
+        };
         if self.radius < 0.0 {
-            return self.intensity * cosine_of_difference(normal.dot(axis()), spread).max(0.0);
+            return self.intensity * if everywhere { 1.0 } else { off_axis(normal).cosine().max(0.0) };
         }
         let gap = Vec3::from(self.center) - position;
         let squared = gap.length_squared();
@@ -77,30 +82,63 @@ impl LightNode {
         if squared <= reach.max(MIN_SQUARED) {
             return self.intensity / divisor;
         }
-        let direction = gap / squared.sqrt();
         // Half angle under which the bounding sphere is seen.
-        let seen = (1.0 - reach / squared).max(0.0).sqrt();
-        let cosine = cosine_of_difference(normal.dot(direction), seen);
-        // Normals in all directions, as of point lights, need no axis.
-        let emitted = if spread > -1.0 {
-            cosine_of_difference(cosine_of_difference(-axis().dot(direction), spread), seen)
-        } else {
-            1.0
-        };
-        if !(cosine > 0.0 && emitted > 0.0 && emitted >= emission) {
+        let seen = Angle { cos: (squared - reach).sqrt(), sin: self.radius };
+        let cosine = Angle::between(normal, gap).minus(seen).cosine();
+        let emitted = if everywhere { Angle::ZERO } else { off_axis(-gap).minus(seen) };
+        if !(cosine > 0.0 && emitted.cos > 0.0 && emitted.is_within(emission)) {
             return 0.0;
         }
-        self.intensity * cosine * emitted / divisor
+        self.intensity * cosine * emitted.cosine() / divisor
     }
 }
 
-/// cos max(α − β, 0), from the cosines of two angles between 0 and π.
-#[inline]
-fn cosine_of_difference(a: f32, b: f32) -> f32 {
-    if a >= b {
-        return 1.0;
+/// An angle between 0 and π: its cosine and its sine, both times the same positive number.
+///
+/// Both are computed from vectors, not one from the other: 1 − cos² would turn the rounding error of a cosine near 1
+/// into a relative error of the sine that is thousands of times as large.
+#[derive(Clone, Copy)]
+struct Angle {
+    cos: f32,
+    sin: f32,
+}
+
+impl Angle {
+    const ZERO: Self = Self { cos: 1.0, sin: 0.0 };
+
+    /// The angle between two vectors of any length.
+    #[inline]
+    fn between(a: Vec3, b: Vec3) -> Self {
+        Self { cos: a.dot(b), sin: a.cross(b).length() }
     }
-    a * b + (1.0 - a * a).max(0.0).sqrt() * (1.0 - b * b).max(0.0).sqrt()
+
+    /// The angle whose cosine is `steps` of 1/[`COSINE_STEPS`]; whole numbers, so that the product is exact to rounding.
+    #[inline]
+    fn with_cosine(steps: f32) -> Self {
+        Self { cos: steps, sin: ((COSINE_STEPS - steps) * (COSINE_STEPS + steps)).sqrt() }
+    }
+
+    /// The difference, 0 if `other` is larger. `other` is below π.
+    #[inline]
+    fn minus(self, other: Self) -> Self {
+        let sin = self.sin * other.cos - self.cos * other.sin;
+        if sin < 0.0 {
+            return Self::ZERO;
+        }
+        Self { cos: self.cos * other.cos + self.sin * other.sin, sin }
+    }
+
+    #[inline]
+    fn cosine(self) -> f32 {
+        self.cos / (self.cos * self.cos + self.sin * self.sin).sqrt()
+    }
+
+    /// For an angle below π/2, whether it is at most the one whose cosine is `steps` of 1/[`COSINE_STEPS`].
+    #[inline]
+    fn is_within(self, steps: f32) -> bool {
+        let squares = (COSINE_STEPS - steps) * (COSINE_STEPS + steps);
+        steps <= 0.0 || self.sin * self.sin * (steps * steps) <= self.cos * self.cos * squares
+    }
 }
 
 /// The part of 2³² random words that takes the first of two children; neither gets none.
@@ -115,7 +153,9 @@ pub fn threshold(children: [&LightNode; 2], position: Vec3, normal: Vec3) -> u32
     if !usable(first + second) {
         [first, second] = [1.0; 2];
     }
-    (first / (first + second) * 4_294_967_296.0).clamp(1.0, 4_294_967_040.0) as u32
+    // The smaller part is divided: 1 minus a rounded quotient near 1 would have few correct digits.
+    let words = |part: f32| (part / (first + second) * 4_294_967_296.0).max(1.0) as u32;
+    if first <= second { words(first) } else { words(second).wrapping_neg() }
 }
 
 /// ⌊(high · 2³² + low) / divisor⌋, for high < divisor: extends a random word below `divisor` by a second one to a

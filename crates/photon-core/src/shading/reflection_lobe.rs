@@ -27,10 +27,14 @@ pub struct ReflectionLobe {
     wo: Vec3,
 }
 
-/// Steps between 0 and 1 of the roots of colours, the share of metal and the weight of the coat.
+/// Steps between 0 and 1 of the roots of colours, and of the share of metal.
 const STEPS: f32 = 255.0;
-/// Steps between 0 and 1 of the roughness.
-const ROUGHNESS_STEPS: f32 = 65_535.0;
+/// Of the root of the coat's F0, which is 1/5 for an index of 1.5: 11 bits.
+const COAT_STEPS: f32 = 2040.0;
+/// Of the coat's weight: 7 bits.
+const WEIGHT_STEPS: f32 = 127.0;
+/// Of the roughness: 14 bits.
+const ROUGHNESS_STEPS: f32 = 16_383.0;
 
 /// Parameters of a material: base colour, share of metal, roughness, F0 and weight of the coat.
 #[derive(Clone, Copy)]
@@ -47,13 +51,13 @@ impl Parameters {
     fn unpack([colors, rest]: [u32; 2]) -> Self {
         let part = |word: u32, shift: u32| (word >> shift & 255) as f32 / STEPS;
         let root = Vec3::new(part(colors, 0), part(colors, 8), part(colors, 16));
-        let coat_root = part(colors, 24);
+        let coat_root = (colors >> 24 | rest >> 29 << 8) as f32 / COAT_STEPS;
         Self {
             color: root * root,
-            metallic: part(rest, 16),
-            roughness: (rest & 0xFFFF) as f32 / ROUGHNESS_STEPS,
+            metallic: part(rest, 14),
+            roughness: (rest & 0x3FFF) as f32 / ROUGHNESS_STEPS,
             coat_f0: coat_root * coat_root,
-            weight: part(rest, 24),
+            weight: (rest >> 22 & 127) as f32 / WEIGHT_STEPS,
         }
     }
 
@@ -61,12 +65,9 @@ impl Parameters {
     fn pack(&self) -> [u32; 2] {
         let steps = |value: f32, most: f32| (value * most + 0.5) as u32;
         let [r, g, b] = self.color.to_array().map(|c| steps(c.sqrt(), STEPS));
-        [
-            r | g << 8 | b << 16 | steps(self.coat_f0.sqrt(), STEPS) << 24,
-            steps(self.roughness, ROUGHNESS_STEPS)
-                | steps(self.metallic, STEPS) << 16
-                | steps(self.weight, STEPS) << 24,
-        ]
+        let (coat, weight) = (steps(self.coat_f0.sqrt(), COAT_STEPS), steps(self.weight, WEIGHT_STEPS));
+        let (roughness, metallic) = (steps(self.roughness, ROUGHNESS_STEPS), steps(self.metallic, STEPS));
+        [r | g << 8 | b << 16 | coat << 24, roughness | metallic << 14 | weight << 22 | coat >> 8 << 29]
     }
 
     #[inline]

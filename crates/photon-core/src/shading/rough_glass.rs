@@ -101,6 +101,14 @@ impl RoughGlass {
         self.light_side
     }
 
+    /// Numbers that the twin computes too: what is lost from the direction of the path and, on the other side, from one
+    /// with `cosine`; the share of the third part that stays; [`Self::light_side`]; `n²/Σ` of both sides.
+    #[must_use]
+    pub fn parts(&self, table: &RoughGlassTable, cosine: f32) -> [f32; 6] {
+        let beyond = table.lost(self.losses, 1, cosine, self.roughness);
+        [self.lost, beyond, self.staying, self.light_side, self.spread[0], self.spread[1]]
+    }
+
     /// What reaches `wo` of light from `wi`; both point away from the surface, and `normal` is the shading normal on the
     /// side of `wo`.
     #[inline]

@@ -77,11 +77,15 @@ impl File {
                 index
             }
         };
-        let wrap = desc.image.wrap.map(|wrap| match wrap {
-            Wrap::Repeat => 10_497,
-            Wrap::Mirror => 33_648,
-            Wrap::Clamp => 33_071,
-        });
+        let mut wrap = [0; 2];
+        for (code, mode) in wrap.iter_mut().zip(desc.image.wrap) {
+            *code = match mode {
+                Wrap::Repeat => 10_497,
+                Wrap::Mirror => 33_648,
+                Wrap::Clamp => 33_071,
+                other => return Err(refused(&format!("a wrap mode {other:?}"), "glTF has repeat, mirror and clamp")),
+            };
+        }
         let filter = if desc.image.filter == Filter::Nearest { 9728 } else { 9729 };
         let sampler = json!({ "wrapS": wrap[0], "wrapT": wrap[1], "magFilter": filter });
         let known = self.images.samplers.iter().position(|known| *known == sampler);
@@ -97,10 +101,11 @@ impl File {
     /// A PNG of the image, and its floats if it has some.
     fn image(&mut self, desc: &TextureDesc, is_linear: bool) -> Result<Value, SceneError> {
         let image = &desc.image;
-        let is_float = image.format == TexelFormat::Float32;
-        let words: Vec<u32> = match image.format {
-            TexelFormat::Linear8 | TexelFormat::Srgb8 => image.texels.to_vec(),
-            TexelFormat::Float32 => image.texels.as_chunks().0.iter().map(|texel| fallback(texel, is_linear)).collect(),
+        let is_float = image.format.is_float();
+        let words: Vec<u32> = if is_float {
+            image.texels.as_chunks().0.iter().map(|texel| fallback(texel, is_linear)).collect()
+        } else {
+            image.texels.to_vec()
         };
         let png = encode(image, &words).map_err(|why| SceneError::Export {
             what: format!("texture '{}' as PNG: {why}", desc.name),

@@ -1,6 +1,6 @@
 //! Alpha of materials in its simplest form: most are opaque, and need nothing.
 
-use photon_core::{TexelFormat, Texture};
+use photon_core::Texture;
 
 use crate::describe::{AlphaMode, MaterialDesc};
 use crate::mesh::Mesh;
@@ -46,14 +46,11 @@ fn simplest(mode: AlphaMode, most: f64, varies: bool) -> (AlphaMode, f64) {
 /// The alpha of an image all of whose texels have the same.
 pub(crate) fn uniform_alpha(image: &Texture) -> Option<f64> {
     let words = &image.texels;
-    match image.format {
-        TexelFormat::Linear8 | TexelFormat::Srgb8 => {
-            let alpha = words[0] >> 24;
-            words.iter().all(|word| word >> 24 == alpha).then(|| f64::from(alpha) / 255.0)
-        }
-        TexelFormat::Float32 => {
-            let alpha = words[3];
-            words.chunks_exact(4).all(|texel| texel[3] == alpha).then(|| f64::from(f32::from_bits(alpha)))
-        }
+    if image.format.is_float() {
+        let alpha = words[3];
+        words.chunks_exact(4).all(|texel| texel[3] == alpha).then(|| f64::from(f32::from_bits(alpha)))
+    } else {
+        let alpha = words[0] >> 24;
+        words.iter().all(|word| word >> 24 == alpha).then(|| f64::from(alpha) / 255.0)
     }
 }

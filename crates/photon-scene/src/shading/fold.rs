@@ -1,7 +1,7 @@
 //! Materials in their simplest form: textures that a factor can replace, which are images of one colour and those whose
 //! factor is 0, and glossy surfaces that are diffuse or perfect mirrors.
 
-use photon_core::{TexelFormat, Texture, ggx};
+use photon_core::{Texture, ggx};
 
 use super::texel::Decoder;
 use crate::describe::{MaterialDesc, Surface};
@@ -110,9 +110,10 @@ fn times(factor: [f64; 3], color: [f64; 3]) -> [f64; 3] {
 pub(crate) fn uniform(image: &Texture) -> Option<[f64; 3]> {
     const RGB: u32 = 0x00FF_FFFF;
     let words = &image.texels;
-    let equal = match image.format {
-        TexelFormat::Linear8 | TexelFormat::Srgb8 => words.iter().all(|word| word & RGB == words[0] & RGB),
-        TexelFormat::Float32 => words.chunks_exact(4).all(|texel| texel[..3] == words[..3]),
+    let equal = if image.format.is_float() {
+        words.chunks_exact(4).all(|texel| texel[..3] == words[..3])
+    } else {
+        words.iter().all(|word| word & RGB == words[0] & RGB)
     };
     equal.then(|| Decoder::new(image).color(0, 0))
 }

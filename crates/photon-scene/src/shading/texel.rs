@@ -20,14 +20,10 @@ impl<'a> Decoder<'a> {
     /// Red, green and blue of the texel at column `x` of row `y`, which must exist.
     pub(super) fn color(&self, x: usize, y: usize) -> [f64; 3] {
         let index = y * self.image.width as usize + x;
-        match self.image.format {
-            TexelFormat::Linear8 | TexelFormat::Srgb8 => {
-                let [r, g, b, _] = self.image.texels[index].to_le_bytes();
-                [r, g, b].map(|byte| self.values[usize::from(byte)])
-            }
-            TexelFormat::Float32 => {
-                std::array::from_fn(|channel| f64::from(f32::from_bits(self.image.texels[4 * index + channel])))
-            }
+        if self.image.format.is_float() {
+            return std::array::from_fn(|channel| f64::from(f32::from_bits(self.image.texels[4 * index + channel])));
         }
+        let [r, g, b, _] = self.image.texels[index].to_le_bytes();
+        [r, g, b].map(|byte| self.values[usize::from(byte)])
     }
 }

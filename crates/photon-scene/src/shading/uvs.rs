@@ -81,12 +81,10 @@ fn period(uses: &[(TextureRef, &Texture)], axis: usize) -> Option<f64> {
             if factor == 0.0 {
                 continue;
             }
-            match wrap {
-                _ if factor.fract() != 0.0 => return None,
-                Wrap::Clamp => return None,
-                Wrap::Mirror => period = 2.0,
-                Wrap::Repeat => {}
+            if factor.fract() != 0.0 {
+                return None;
             }
+            period = f64::max(period, wrap.period()?);
         }
     }
     Some(period)
@@ -96,11 +94,7 @@ fn period(uses: &[(TextureRef, &Texture)], axis: usize) -> Option<f64> {
 pub(super) fn transform(used: &TextureRef, wrap: [Wrap; 2]) -> [[f32; 3]; 2] {
     std::array::from_fn(|row| {
         let [a, b, c] = used.transform[row];
-        let c = match wrap[row] {
-            Wrap::Repeat => c - c.floor(),
-            Wrap::Mirror => c - 2.0 * (0.5 * c).floor(),
-            Wrap::Clamp => c,
-        };
+        let c = wrap[row].period().map_or(c, |period| c - period * (c / period).floor());
         [a as f32, b as f32, c as f32]
     })
 }

@@ -88,7 +88,7 @@ fn the_rest_is_in_the_tables() {
     assert_eq!((textures.base_color, textures.alpha), (MaterialTextures::NONE, 0));
     assert_eq!(Features::of(&scene.view()), Features::DIFFUSE.union(Features::ALPHA));
     // Holes by vertex colours.
-    let attributes = VertexAttributes { colors: vec![[1.0, 1.0, 1.0, 0.5]; 4], ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_colors(vec![[1.0, 1.0, 1.0, 0.5]; 4]);
     let scene =
         built(SceneBuilder::new(), attributes, MaterialDesc::lambert("a", [0.5; 3]).with_alpha(AlphaMode::Blend, 1.0));
     assert_eq!((material(&scene), scene.view().shading.colors.len()), ((Material::ALPHA, 1.0, 0.0), 2));

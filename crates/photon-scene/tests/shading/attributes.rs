@@ -11,7 +11,7 @@ fn grey() -> MaterialDesc {
 }
 
 fn with_normals(normals: [[f64; 3]; 4]) -> VertexAttributes {
-    VertexAttributes { normals: normals.to_vec(), ..VertexAttributes::default() }
+    VertexAttributes::default().with_normals(normals.to_vec())
 }
 
 fn close(packed: u32, expected: [f32; 3]) -> bool {
@@ -26,7 +26,7 @@ fn a_scene_without_attributes_has_no_tables() {
     assert!(tables.material_textures.is_empty() && scene.view().materials[0].textures == 0);
     // Nor does one whose attributes say nothing.
     let up = [1e-4, -2e-4, 5.0];
-    let attributes = VertexAttributes { colors: vec![[1.0; 4]; 4], uvs: vec![UVS.to_vec()], ..with_normals([up; 4]) };
+    let attributes = with_normals([up; 4]).with_colors(vec![[1.0; 4]; 4]).with_uvs(vec![UVS.to_vec()]);
     let tables = built(SceneBuilder::new(), attributes, grey());
     let tables = tables.view().shading;
     assert!(tables.normals.is_empty() && tables.colors.is_empty() && tables.uvs.is_empty());
@@ -65,7 +65,7 @@ fn bad_normals_become_the_geometric_one_and_are_counted() {
 #[test]
 fn colours_are_packed_in_16_bits() {
     let colors = vec![[0.5, 0.25, 1.0, 0.0], [2.0, -1.0, 0.0, 1.0], [1.0; 4], [1.0; 4]];
-    let attributes = VertexAttributes { colors, ..VertexAttributes::default() };
+    let attributes = VertexAttributes::default().with_colors(colors);
     let scene = built(SceneBuilder::new(), attributes.clone(), grey());
     let [first, second, third] = scene.view().shading.colors[0];
     assert_eq!(first, [0x4000_8000, 0xFFFF_FFFF], "alpha counts for materials that are not opaque alone");
@@ -113,7 +113,7 @@ fn given_tangents_are_used_and_bad_ones_are_counted() {
     ] {
         let mut builder = SceneBuilder::new();
         let material = mapped(&mut builder);
-        let attributes = VertexAttributes { tangents: vec![bad; 4], ..with_uvs(UVS) };
+        let attributes = with_uvs(UVS).with_tangents(vec![bad; 4]);
         let scene = built(builder, attributes, material);
         let packed = scene.view().shading.tangents[0][0];
         let lost_count = scene.warnings().iter().filter(|warning| warning.contains("tangents")).count();
@@ -127,7 +127,7 @@ fn given_tangents_are_used_and_bad_ones_are_counted() {
     // One bad corner takes the tangent of another.
     let mut builder = SceneBuilder::new();
     let material = mapped(&mut builder);
-    let attributes = VertexAttributes { tangents: vec![[0.0; 4], good, good, good], ..with_uvs(UVS) };
+    let attributes = with_uvs(UVS).with_tangents(vec![[0.0; 4], good, good, good]);
     assert!(close(built(builder, attributes, material).view().shading.tangents[0][0], [0.6, 0.8, 0.0]));
 }
 
@@ -141,7 +141,7 @@ fn attributes_follow_the_triangles_that_remain() {
     // The first triangle has no area.
     let triangles = vec![[0, 1, 1], [0, 1, 2], [0, 2, 3]];
     let tilted = [[0.1, 0.0, 1.0], [0.2, 0.0, 1.0], [0.3, 0.0, 1.0], [0.4, 0.0, 1.0]];
-    let attributes = VertexAttributes { normals: tilted.to_vec(), ..with_uvs(UVS) };
+    let attributes = with_uvs(UVS).with_normals(tilted.to_vec());
     builder.mesh_with("after", SQUARE.map(|[x, y, _]| [x, y, 1.0]).to_vec(), triangles, attributes, material);
     let scene = builder.build().unwrap();
     let tables = scene.view().shading;

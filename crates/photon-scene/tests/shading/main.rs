@@ -14,7 +14,7 @@ const UVS: [[f64; 2]; 4] = [[0., 1.], [1., 1.], [1., 0.], [0., 0.]];
 const TRIANGLES: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 
 fn with_uvs(uvs: [[f64; 2]; 4]) -> VertexAttributes {
-    VertexAttributes { uvs: vec![uvs.to_vec()], ..VertexAttributes::default() }
+    VertexAttributes::default().with_uvs(vec![uvs.to_vec()])
 }
 
 fn square(builder: &mut SceneBuilder, attributes: VertexAttributes, material: MaterialId) {

@@ -18,10 +18,10 @@ fn textures_in_use_are_kept_with_their_coordinates() {
     let mut builder = SceneBuilder::new();
     builder.texture(TextureDesc::srgb8("unused", 2, 1, &TWO));
     let tiles = builder.texture(TextureDesc::srgb8("tiles", 2, 1, &TWO).wrapped([Wrap::Mirror, Wrap::Clamp]));
-    builder.material(textured(TextureRef { uv_set: 9, ..TextureRef::new(tiles) }));
+    builder.material(textured(TextureRef::new(tiles).with_uv_set(9)));
     // Sets 0 and 2 are not used by a material of a mesh.
-    let attributes = VertexAttributes { uvs: vec![vec![], UVS.to_vec(), UVS.to_vec()], ..VertexAttributes::default() };
-    let scene = built(builder, attributes, textured(TextureRef { uv_set: 1, ..TextureRef::new(tiles) }));
+    let attributes = VertexAttributes::default().with_uvs(vec![vec![], UVS.to_vec(), UVS.to_vec()]);
+    let scene = built(builder, attributes, textured(TextureRef::new(tiles).with_uv_set(1)));
     let view = scene.view();
     let tables = view.shading;
     assert_eq!((tables.textures.len(), tables.uses.len(), tables.uvs.len()), (1, 1, 2));
@@ -76,7 +76,7 @@ fn packed(
 ) -> ([[f32; 2]; 3], [[f32; 3]; 2], Vec<String>) {
     let mut builder = SceneBuilder::new();
     let tiles = builder.texture(TextureDesc::srgb8("tiles", 2, 1, &TWO).wrapped(wrap));
-    let scene = built(builder, with_uvs(uvs), textured(TextureRef { transform, ..TextureRef::new(tiles) }));
+    let scene = built(builder, with_uvs(uvs), textured(TextureRef::new(tiles).with_transform(transform)));
     let tables = scene.view().shading;
     (tables.uvs[0], tables.uses[0].transform, scene.warnings().to_vec())
 }
@@ -128,12 +128,12 @@ fn meshes_of_other_materials_have_no_coordinates_and_two_sets_are_two_rows() {
     let mut builder = SceneBuilder::new();
     let tiles = builder.texture(TextureDesc::srgb8("tiles", 2, 1, &TWO));
     let first = builder.material(textured(TextureRef::new(tiles)));
-    let second = builder.material(textured(TextureRef { uv_set: 3, ..TextureRef::new(tiles) }));
+    let second = builder.material(textured(TextureRef::new(tiles).with_uv_set(3)));
     let plain = builder.material(MaterialDesc::lambert("plain", [0.5; 3]));
     builder.mesh("plain", SQUARE.map(|[x, y, _]| [x, y, 1.0]).to_vec(), TRIANGLES.to_vec(), plain);
     square(&mut builder, with_uvs(UVS), first);
     let uvs = vec![vec![], vec![], vec![], UVS.to_vec()];
-    square(&mut builder, VertexAttributes { uvs, ..VertexAttributes::default() }, second);
+    square(&mut builder, VertexAttributes::default().with_uvs(uvs), second);
     let scene = builder.build().unwrap();
     scene.view().validate().unwrap();
     let tables = scene.view().shading;

@@ -238,7 +238,7 @@ impl PictureArgs {
         let ((width, height), name) = (self.size, self.camera.as_deref());
         let camera = match self.aperture.zip(self.focus) {
             Some((diameter, focus_distance)) => {
-                scene.camera_with_lens(name, ThinLens { diameter, focus_distance }, width, height)?
+                scene.camera_with_lens(name, ThinLens::new(diameter, focus_distance), width, height)?
             }
             None => scene.camera(name, width, height)?,
         };

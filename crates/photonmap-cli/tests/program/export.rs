@@ -153,6 +153,29 @@ fn mitsubas_file_is_complete() {
     assert!(stderr(&output).contains("spot"), "the falloff is approximated: {output:?}");
 }
 
+/// Mitsuba refuses media with `sigma_t` above 1: the coefficient is that times the scale.
+#[test]
+fn absorption_is_written_for_mitsuba() {
+    let folder = folder("export-absorption");
+    let (file, overrides) = (folder.join("glass.xml"), folder.join("glass.toml"));
+    let text = "[materials.blocks]\nkind = \"glass\"\nabsorption = [0.5, 1, 4]\n";
+    std::fs::write(&overrides, text).unwrap();
+    let arguments = ["cornell", "--overrides", overrides.to_str().unwrap(), "-o", file.to_str().unwrap()];
+    succeeded(&run("export", &arguments));
+    let text = std::fs::read_to_string(&file).unwrap();
+    let medium = text.split("<medium name=\"interior\" type=\"homogeneous\">").nth(1).expect(&text);
+    let value = |name: &str| -> Vec<f64> {
+        let list = medium.split(&format!("name=\"{name}\" value=\"")).nth(1).and_then(|rest| rest.split('"').next());
+        list.expect(medium).split(", ").map(|number| number.parse().unwrap()).collect()
+    };
+    assert!(text.contains("type=\"volpath\"") && value("albedo") == [0.0; 3], "{text}");
+    let (sigma, scale) = (value("sigma_t"), value("scale")[0]);
+    for (found, expected) in sigma.iter().zip([0.5, 1.0, 4.0]) {
+        assert!(*found <= 1.0 && (found * scale - expected).abs() < 1e-5, "{sigma:?} times {scale}");
+    }
+    assert_eq!(sigma.len(), 3);
+}
+
 /// Rough metals have the width of their distribution, and a warning where multiple scattering matters.
 #[test]
 fn rough_metals_are_written_for_mitsuba() {

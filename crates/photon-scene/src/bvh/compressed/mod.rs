@@ -27,6 +27,11 @@ impl CompressedTree {
     /// that many entries; `BVH_MAX_DEPTH` in GLSL.
     pub const MAX_DEPTH: u32 = 32;
 
+    /// Vertices this close to the plane through the origin of a ray, perpendicular to the largest component of its
+    /// direction, may be on either side of it: 16 rounding errors of a distance in a unit box. The intersection test
+    /// then computes the distance of a hit from the plane of the triangle. `BVH_PLANE_TOLERANCE` in GLSL.
+    pub const PLANE_TOLERANCE: f32 = 1.0 / 2_097_152.0;
+
     /// Builds the tree. The result is deterministic, on any number of threads.
     ///
     /// # Errors

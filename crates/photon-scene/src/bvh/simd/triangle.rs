@@ -3,6 +3,8 @@
 use glam::{BVec4A, DVec3, Vec4};
 use photon_core::Ray;
 
+use crate::bvh::CompressedTree;
+
 /// Triangles per packet.
 pub(crate) const LANES: usize = 4;
 
@@ -136,8 +138,8 @@ pub(crate) fn intersect(packet: &Packet, ray: &Sheared, far: f32) -> Found {
     // A determinant of 0 gives infinity or NaN, which are not valid distances.
     let met = (left | right) & determinant.cmpne(zero);
     // A weighted mean of numbers of one sign has that sign.
-    let straddles =
-        z[0].min(z[1]).min(z[2]).cmple(Vec4::splat(BESIDE)) & z[0].max(z[1]).max(z[2]).cmpge(Vec4::splat(-BESIDE));
+    let straddles = z[0].min(z[1]).min(z[2]).cmple(Vec4::splat(PLANE_TOLERANCE))
+        & z[0].max(z[1]).max(z[2]).cmpge(Vec4::splat(-PLANE_TOLERANCE));
     let unsure = met & straddles;
     if unsure.any() {
         side(packet, ray, unsure, &mut t);
@@ -146,9 +148,8 @@ pub(crate) fn intersect(packet: &Packet, ray: &Sheared, far: f32) -> Found {
     Found { hits: there.bitmask(), t: t.to_array(), edges: e, determinant }
 }
 
-/// Vertices this close to the plane through the origin, perpendicular to the ray's axis, may be on either side of it:
-/// 16 rounding errors of a distance in a unit box.
-const BESIDE: f32 = 1.0 / 2_097_152.0;
+/// The intersection test is the same on GPUs.
+const PLANE_TOLERANCE: f32 = CompressedTree::PLANE_TOLERANCE;
 
 /// Recomputes the distances of triangles around the origin, in f64 and from their planes. As means of the vertices'
 /// distances, those of slivers are off by more than the offset of rays from surfaces, so that a ray hit the triangle

@@ -51,6 +51,7 @@ impl ImageError {
 
 /// An image read from a file.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Image {
     /// Texels in a row.
     pub width: u32,
@@ -106,7 +107,7 @@ impl Image {
     #[must_use]
     pub fn texture(&self, name: impl Into<String>, bytes: TexelFormat) -> TextureDesc {
         let format = if self.is_float { TexelFormat::Float32 } else { bytes };
-        TextureDesc::new(name, [self.width, self.height], format, Arc::clone(&self.texels))
+        TextureDesc::from_words(name, [self.width, self.height], format, Arc::clone(&self.texels))
     }
 
     /// An image of bytes.

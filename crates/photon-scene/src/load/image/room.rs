@@ -162,7 +162,7 @@ mod tests {
     fn means_are_of_linear_colours() {
         let image = |format, texels: Vec<u32>, width| Texture {
             format,
-            ..TextureDesc::new("x", [width, 1], format, texels.into()).image
+            ..TextureDesc::from_words("x", [width, 1], format, texels.into()).image
         };
         // The mean of black and white is 188 in sRGB, 128 in linear bytes; the third column is alone.
         let srgb = half(&image(TexelFormat::Srgb8, vec![0xFFFF_FFFF, 0, 0x0102_0304], 3));

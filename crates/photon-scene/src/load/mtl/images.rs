@@ -97,7 +97,7 @@ impl Images {
             Some(known) => *known,
             None => {
                 let name = format!("{} as alpha", desc.name);
-                let texture = TextureDesc { name, image: means_as_alpha(&desc.image) };
+                let texture = TextureDesc::new(name, means_as_alpha(&desc.image));
                 let texture = builder.texture(texture);
                 self.make_room(builder);
                 self.alphas.insert(key, texture);
@@ -123,20 +123,16 @@ impl Images {
 
 /// White texels, whose alpha is the mean of the channels.
 fn means_as_alpha(image: &Texture) -> Texture {
-    let texels = match image.format {
-        TexelFormat::Linear8 | TexelFormat::Srgb8 => {
-            let mean = |word: u32| {
-                let [r, g, b, _] = word.to_le_bytes().map(u32::from);
-                (2 * (r + g + b) + 3) / 6
-            };
-            image.texels.iter().map(|&word| 0x00FF_FFFF | mean(word) << 24).collect()
-        }
-        TexelFormat::Float32 => {
-            let mean =
-                |texel: &[u32; 4]| texel[..3].iter().map(|&word| f32::from_bits(word).min(1.0)).sum::<f32>() / 3.0;
-            let texels = image.texels.as_chunks().0.iter();
-            texels.flat_map(|texel| [1.0, 1.0, 1.0, mean(texel)].map(f32::to_bits)).collect()
-        }
+    let texels = if image.format.is_float() {
+        let mean = |texel: &[u32; 4]| texel[..3].iter().map(|&word| f32::from_bits(word).min(1.0)).sum::<f32>() / 3.0;
+        let texels = image.texels.as_chunks().0.iter();
+        texels.flat_map(|texel| [1.0, 1.0, 1.0, mean(texel)].map(f32::to_bits)).collect()
+    } else {
+        let mean = |word: u32| {
+            let [r, g, b, _] = word.to_le_bytes().map(u32::from);
+            (2 * (r + g + b) + 3) / 6
+        };
+        image.texels.iter().map(|&word| 0x00FF_FFFF | mean(word) << 24).collect()
     };
     Texture { texels, ..image.clone() }
 }

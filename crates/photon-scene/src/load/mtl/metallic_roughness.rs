@@ -49,7 +49,7 @@ impl Images {
                 let count = image.width as usize * image.height as usize;
                 let texels: Vec<u32> = (0..count).map(texel).collect();
                 let size = [image.width, image.height];
-                let desc = TextureDesc::new(&map.file, size, TexelFormat::Linear8, texels.into());
+                let desc = TextureDesc::from_words(&map.file, size, TexelFormat::Linear8, texels.into());
                 let texture = builder.texture(desc.wrapped(map.wrap()));
                 self.make_room(builder);
                 self.combined.insert(key, texture);

@@ -165,11 +165,9 @@ fn attributes_may_be_of_any_component_type() {
 /// A triangle whose vertices all have this normal, and this tangent with the sign 1, placed by a transform: its geometric
 /// normal, normal and tangent.
 fn placed(normal: DVec3, tangent: DVec3, matrix: DMat4) -> (DVec3, DVec3, f64) {
-    let mut attributes = VertexAttributes {
-        normals: vec![normal.to_array()],
-        tangents: vec![tangent.extend(1.0).to_array()],
-        ..VertexAttributes::default()
-    };
+    let mut attributes = VertexAttributes::default()
+        .with_normals(vec![normal.to_array()])
+        .with_tangents(vec![tangent.extend(1.0).to_array()]);
     attributes::transform(&mut attributes, &matrix);
     let [x, y, z, sign] = attributes.tangents[0];
     (DVec3::from(attributes.normals[0]).normalize_or_zero(), DVec3::new(x, y, z).normalize_or_zero(), sign)

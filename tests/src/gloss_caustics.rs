@@ -151,7 +151,7 @@ pub fn sun_through_a_pane<T: TestBackend>() {
         let scene = sunlit(floor.material(), UP, (o, i), true);
         let mut settings = settings();
         match k {
-            0 => settings.estimator = Estimator::Knn { k: 200, max_radius: None },
+            0 => settings.estimator = Estimator::Knn { k: 1000, max_radius: None },
             1 => settings.area = Area::Surface,
             2 => settings.caustic_photons = CausticPhotons::Shared,
             _ => {}

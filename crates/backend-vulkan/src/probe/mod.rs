@@ -23,6 +23,7 @@ mod photon_format;
 mod projection;
 pub(crate) mod push;
 mod rough;
+mod rough_glass;
 mod rules;
 mod scene;
 mod shade;

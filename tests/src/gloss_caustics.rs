@@ -4,12 +4,11 @@
 //! Panes and mirrors stand upright on horizontal floors, so that what the floor reflects leaves upwards and never comes
 //! back.
 
-use std::f64::consts::PI;
-
-use photon_core::glam::DVec3;
+use photon_core::glam::{DQuat, DVec3};
 use photon_core::{Area, CausticPhotons, Direct, Estimator, Indirect, Layer, Render, Requirements, Settings};
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, VertexAttributes};
 
+use crate::gloss_reference::Reference;
 use crate::harness::{TestBackend, film, per_pass, renderer};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
@@ -28,50 +27,11 @@ impl Floor {
         MaterialDesc::new("floor", Surface::Glossy { base_color, metallic, roughness, specular: 1.0, ior: 1.5 })
     }
 
-    /// `D G2 / (4 cos_o cos_i)` of Walter et al. 2007 and Heitz 2014 with Schlick's factor, and the multiple scattering of
-    /// Kulla and Conty 2017 with albedos by quadrature.
+    /// The BSDF, at a surface with the shading normal `n`.
     fn f(self, o: DVec3, i: DVec3, n: DVec3) -> f64 {
-        let (a, h) = (self.alpha, (o + i).normalize_or_zero());
-        let (co, ci, ch) = (o.dot(n), i.dot(n), h.dot(n));
-        if co <= 0.0 || ci <= 0.0 {
-            return 0.0;
-        }
-        let d = a * a / (PI * (1.0 - ch * ch + a * a * ch * ch).powi(2));
-        let lambda = |c: f64| 0.5 * ((1.0 + a * a * (1.0 / (c * c) - 1.0)).sqrt() - 1.0);
-        let single = d / (1.0 + lambda(co) + lambda(ci)) / (4.0 * co * ci);
-        let f0 = if self.metallic == 1.0 { self.color } else { 0.04 };
-        let fresnel = f0 + (1.0 - f0) * (1.0 - o.dot(h)).powi(5);
-        let lost = |c: f64| 1.0 - albedo(a, c);
-        let steps = 64;
-        let mean_lost =
-            (0..steps).map(|k| (f64::from(k) + 0.5) / f64::from(steps)).map(|c| 2.0 * c * lost(c)).sum::<f64>()
-                / f64::from(steps);
-        let average = self.color + (1.0 - self.color) / 21.0;
-        let repeated = average * average * (1.0 - mean_lost) / (1.0 - average * mean_lost);
-        fresnel * single + self.metallic * repeated * lost(co) * lost(ci) / (PI * mean_lost)
+        let turn = DQuat::from_rotation_arc(n, UP);
+        Reference::new(self.alpha, self.metallic, self.color).f(turn * o, turn * i)
     }
-}
-
-/// The share of light that GGX reflects with F = 1, by sampling visible normals (Heitz 2018): the mean of G2/G1.
-fn albedo(a: f64, cosine: f64) -> f64 {
-    let o = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-    let stretched = DVec3::new(a * o.x, 0.0, o.z).normalize_or_zero();
-    let lambda = |c: f64| 0.5 * ((1.0 + a * a * (1.0 / (c * c) - 1.0)).sqrt() - 1.0);
-    let (across, around) = (96, 48);
-    let mut sum = 0.0;
-    for k in 0..across * around {
-        let u = (f64::from(k % across) + 0.5) / f64::from(across);
-        let (sin, cos) = (2.0 * PI * (f64::from(k / across) + 0.5) / f64::from(around)).sin_cos();
-        let z = (1.0 - u) * (1.0 + stretched.z) - stretched.z;
-        let sine = (1.0 - z * z).max(0.0).sqrt();
-        let cap = DVec3::new(sine * cos, sine * sin, z) + stretched;
-        let h = DVec3::new(a * cap.x, a * cap.y, cap.z).normalize_or_zero();
-        let i = h * (2.0 * o.dot(h)) - o;
-        if i.z > 0.0 {
-            sum += (1.0 + lambda(o.z)) / (1.0 + lambda(o.z) + lambda(i.z));
-        }
-    }
-    sum / f64::from(across * around)
 }
 
 /// Transmittance of a thin pane of index 1.5: `(1 − R)/(1 + R)` with Fresnel's R.

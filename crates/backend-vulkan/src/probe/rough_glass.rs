@@ -44,9 +44,8 @@ pub(super) fn rows() -> Vec<Row> {
 
 /// Directions on either side, the first on that of the normal; a roughness; a kind of boundary, and uniform numbers.
 fn draw(d: &mut Draw) -> Input {
-    let mut about = |normal: Vec3| {
-        sampling::about(normal, d.pick(&[0.001, 0.1, 0.5, 0.9, 0.98]) * d.between(0.9, 1.0), d.unit())
-    };
+    let mut about =
+        |normal: Vec3| sampling::about(normal, d.pick(&[0.001, 0.1, 0.5, 0.9, 0.98]) * d.between(0.9, 1.0), d.unit());
     let (a, above, below) = (about(NORMAL), about(NORMAL), about(-NORMAL));
     let b = if d.now_and_then() { above } else { below };
     let roughness = d.pick(&[0.3, 0.5, 0.77, 1.0]);
@@ -88,10 +87,15 @@ fn rough_glass_is_that_of_rust() {
     let scene = whole_scene(&mut on, &SCENE.view());
     let address = words_of(scene.address());
     for row in rows() {
-        assert_twin(&mut on, &row, &address, match row.function {
-            0 => |i| parts(i, i.float(9)),
-            1 => |i| evaluated(i, i.vector(4), i.vector(0)),
-            _ => |i| sampled(i, i.float(8) * 0.99),
-        });
+        assert_twin(
+            &mut on,
+            &row,
+            &address,
+            match row.function {
+                0 => |i| parts(i, i.float(9)),
+                1 => |i| evaluated(i, i.vector(4), i.vector(0)),
+                _ => |i| sampled(i, i.float(8) * 0.99),
+            },
+        );
     }
 }

@@ -83,7 +83,7 @@ fn sunlit_by(
     if normal == UP {
         builder.quad("floor", corners, material);
     } else {
-        let attributes = VertexAttributes { normals: vec![normal.to_array(); 4], ..VertexAttributes::default() };
+        let attributes = VertexAttributes::default().with_normals(vec![normal.to_array(); 4]);
         builder.mesh_with("floor", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]], attributes, material);
     }
     if let Some(glass) = pane {

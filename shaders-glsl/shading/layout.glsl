@@ -116,7 +116,8 @@ struct MaterialTextures {
     float normal_scale;
     uint metallic_roughness;
     uint alpha;
-    uint reserved[10];
+    uint specular;
+    uint reserved[9];
 };
 
 struct LightNode {

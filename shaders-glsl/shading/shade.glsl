@@ -95,6 +95,10 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material) {
                 material.roughness = scaled.y;
                 material.metallic = scaled.z;
             }
+            if (GLOSSY && textures.specular != NO_TEXTURE) {
+                float texel = texel_at(scene, textures.specular, slot, weights).w;
+                material.specular = alpha_multiply(material.specular, texel);
+            }
         }
         if (NORMAL_MAPS && textures.normal != NO_TEXTURE) {
             vec3 texel = shade_sample(scene, textures.normal, slot, weights);

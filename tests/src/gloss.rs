@@ -3,8 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use photon_core::glam::DVec3;
-use photon_core::{Direct, EnvironmentMap, Estimator, Indirect, Settings};
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, Surface};
+use photon_core::{Direct, EnvironmentMap, Estimator, Filter, Indirect, Settings};
+use photon_scene::{
+    CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, Surface, TextureDesc, TextureRef, TexturesDesc,
+    VertexAttributes,
+};
 
 use crate::gloss_reference::Reference;
 use crate::harness::{TestBackend, direct_settings, look_at_point, per_pass, trace};
@@ -103,6 +106,50 @@ pub fn reflections_of_an_area_light<T: TestBackend>() {
         let values = per_pass::<T>(&scene, &settings(Direct::Nee, Indirect::None), 32, 8);
         let what = format!("alpha {alpha}, metallic {metallic}, half side {half}");
         assert_agrees(&what, moments(&values).0, truth, standard_error(&values), 3e-3 * truth);
+    }
+}
+
+/// A texture of the specular factor: each half of a plate looks as with the factor of its texel everywhere, by shadow rays
+/// and by photons, whose power has the coat's factor.
+pub fn textured_specular_factor<T: TestBackend>() {
+    for (direct, metallic) in [(Direct::Nee, 0.0), (Direct::Nee, 0.5), (Direct::Photons, 0.0)] {
+        let look = |x: f64, specular: Option<f64>| {
+            let mut builder = SceneBuilder::new();
+            let surface = Surface::Glossy {
+                base_color: [0.3; 3],
+                metallic,
+                roughness: 0.4,
+                specular: specular.unwrap_or(1.0),
+                ior: 2.0,
+            };
+            let image =
+                TextureDesc::srgb8("halves", 2, 1, &[[9, 9, 9, 51], [200, 9, 9, 204]]).filtered(Filter::Nearest);
+            let image = specular.is_none().then(|| TextureRef::new(builder.texture(image)));
+            let textures = TexturesDesc { specular: image, ..TexturesDesc::default() };
+            let material = builder.material(MaterialDesc::new("plate", surface).with_textures(textures));
+            let positions = vec![[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]];
+            let uvs = positions.iter().map(|p: &[f64; 3]| [0.5 * p[0] + 0.5, 0.5]).collect();
+            let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+            builder.mesh_with("plate", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
+            builder.light("point", LightDesc::Point { position: [x + 0.3, 0.8, 0.0], intensity: [1.0; 3] });
+            look_at_point(&mut builder, [x, 0.0, 0.0], [0.0, 1.0, 0.0], 0.5, 1e-4);
+            per_pass::<T>(&builder.build().unwrap(), &settings(direct, Indirect::None), 4, 2)
+        };
+        for (x, factor) in [(-0.5, 0.2), (0.5, 0.8)] {
+            let (found, expected) = (look(x, None), look(x, Some(factor)));
+            let mean = moments(&expected).0;
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert_agrees(
+                    &format!("{direct:?}, metallic {metallic}, factor {factor}"),
+                    found,
+                    expected,
+                    0.0,
+                    1e-5 * mean,
+                );
+            }
+            let other = moments(&look(x, Some(1.0 - factor))).0;
+            assert!((other / mean - 1.0).abs() > 0.01, "the factor shows: {mean} {other}");
+        }
     }
 }
 

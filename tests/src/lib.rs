@@ -127,7 +127,7 @@ macro_rules! whole_suite {
             photon_formats::{ m4_the_same_photons_are_found }
             gloss::{
                 g4_white_furnace, highlights_of_a_point_light, reflections_of_an_area_light, caustics_of_a_glossy_plate,
-                g5_closed_room,
+                textured_specular_factor, g5_closed_room,
             }
             gloss_behind_glass::{ plastic_behind_panes }
             gloss_caustics::{

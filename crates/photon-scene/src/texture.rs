@@ -132,6 +132,8 @@ pub struct TexturesDesc {
     /// Its alpha multiplies [`crate::MaterialDesc::alpha`], unless the material is [`crate::AlphaMode::Opaque`]; its
     /// colours are not read. In glTF, this is the base colour.
     pub alpha: Option<TextureRef>,
+    /// Its alpha multiplies the specular factor of a [`crate::Surface::Glossy`]; its colours are not read.
+    pub specular: Option<TextureRef>,
 }
 
 impl Default for TexturesDesc {
@@ -144,6 +146,7 @@ impl Default for TexturesDesc {
             normal_scale: 1.0,
             metallic_roughness: None,
             alpha: None,
+            specular: None,
         }
     }
 }
@@ -193,6 +196,7 @@ impl TexturesDesc {
             ("normal", self.normal),
             ("metallic_roughness", self.metallic_roughness),
             ("alpha", self.alpha),
+            ("specular", self.specular),
         ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))
     }

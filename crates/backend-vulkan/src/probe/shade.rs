@@ -33,6 +33,9 @@ pub(super) fn rows() -> Vec<Row> {
         // A division.
         row("shade_emission_ratio", 3, Bound::Relative(4e-7), light, |i| ratio(i, i.0[2])),
         row("shade, colours", 4, Bound::Bits, hit, |i| colors(&shaded(i, [i.float(0), i.float(1)]))),
+        row("shade, specular", 6, Bound::Bits, hit, |i| {
+            output([shaded(i, [i.float(0), i.float(1)]).material.specular])
+        }),
         // Vertex normals and tangents are off by 1e-6, a perpendicular of the tangent by four times that, and its
         // length is at least 0.5.
         row("shade, normal", 5, Bound::Within(2e-5), hit, |i| four_of(shaded(i, [i.float(0), i.float(1)]).normal)),
@@ -195,6 +198,7 @@ fn hits_are_shaded_as_in_rust() {
             2 => |i| four_of(turned(i, -i.float(3))),
             3 => |i| ratio(i, i.0[2] ^ 1),
             4 => |i| colors(&shaded(i, [i.float(1), i.float(0)])),
+            6 => |i| output([shaded(i, [i.float(1), i.float(0)]).material.specular]),
             _ => |i| four_of(shaded(i, [i.float(1), i.float(0)]).normal),
         };
         assert_twin(&mut on, &row, last, wrong);

@@ -97,6 +97,7 @@ impl ShadedScene {
     fn add_materials(&mut self, d: &mut Draw) {
         let none = MaterialTextures::NONE;
         let images = self.shading.textures.len() as u32 - 3;
+        let mut of_specular = Draw::of(0, 4);
         for index in 0..12 {
             let mut image = || if d.now_and_then() { none } else { d.word() % images };
             let (base_color, emission, metallic_roughness) = (image(), image(), image());
@@ -110,6 +111,7 @@ impl ShadedScene {
                 normal_scale,
                 metallic_roughness,
                 alpha,
+                specular: if of_specular.now_and_then() { none } else { of_specular.word() % images },
                 ..MaterialTextures::default()
             };
             self.shading.material_textures.push(entry);
@@ -120,8 +122,9 @@ impl ShadedScene {
             let (flags, alpha_cutoff) = [(0, 0.0), (Material::ALPHA, 0.0), (Material::ALPHA, 0.2)][index as usize % 3];
             let alpha = d.between(0.5, 1.0);
             let kind = if index % 2 == 0 { MaterialKind::Lambert } else { MaterialKind::Glossy };
-            let (metallic, roughness) = (d.unit(), d.unit());
-            let surface = Material { kind: kind as u32, metallic, roughness, ior: 1.5, ..Material::default() };
+            let (metallic, roughness, specular) = (d.unit(), d.unit(), of_specular.between(0.5, 1.0));
+            let surface =
+                Material { kind: kind as u32, metallic, roughness, specular, ior: 1.5, ..Material::default() };
             self.materials.push(Material { albedo, emission, textures, flags, alpha, alpha_cutoff, ..surface });
         }
     }

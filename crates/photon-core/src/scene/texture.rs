@@ -134,8 +134,10 @@ pub struct MaterialTextures {
     pub metallic_roughness: u32,
     /// Its alpha multiplies that of a material with [`crate::Material::ALPHA`]; in glTF, this is the base colour.
     pub alpha: u32,
+    /// Its alpha multiplies [`crate::Material::specular`].
+    pub specular: u32,
     /// [`Self::NONE`].
-    pub reserved: [u32; 10],
+    pub reserved: [u32; 9],
 }
 
 impl MaterialTextures {
@@ -152,7 +154,8 @@ impl Default for MaterialTextures {
             normal_scale: 1.0,
             metallic_roughness: Self::NONE,
             alpha: Self::NONE,
-            reserved: [Self::NONE; 10],
+            specular: Self::NONE,
+            reserved: [Self::NONE; 9],
         }
     }
 }

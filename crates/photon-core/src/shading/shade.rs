@@ -56,6 +56,9 @@ impl Shading<'_> {
                 shaded.roughness *= color.y;
                 shaded.metallic *= color.z;
             }
+            if let Some([.., alpha]) = self.texel(textures.specular, &corners) {
+                shaded.specular *= alpha;
+            }
             if let Some(texel) = self.sample(textures.normal, &corners) {
                 normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
             }

@@ -21,6 +21,8 @@ pub(crate) struct TexturesExtras {
     normal: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     metallic_roughness: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    specular: Option<Transform>,
     normal_scale: Exact,
 }
 
@@ -34,14 +36,16 @@ impl TexturesExtras {
         // In glTF, alpha is that of the base colour's texture.
         let base_color = of(textures.base_color.or(textures.alpha));
         let (emission, normal) = (of(textures.emission), of(textures.normal));
-        let metallic_roughness = of(textures.metallic_roughness);
+        let (metallic_roughness, specular) = (of(textures.metallic_roughness), of(textures.specular));
         let normal_scale = Exact(textures.normal_scale);
-        let is_plain = [&base_color, &emission, &normal, &metallic_roughness].iter().all(|used| used.is_none());
+        let all = [&base_color, &emission, &normal, &metallic_roughness, &specular];
+        let is_plain = all.iter().all(|used| used.is_none());
         (!is_plain || normal_scale.0 != 1.0).then_some(Self {
             base_color,
             emission,
             normal,
             metallic_roughness,
+            specular,
             normal_scale,
         })
     }
@@ -64,6 +68,7 @@ impl TexturesExtras {
             emission: of(textures.emission, &self.emission)?,
             normal: of(textures.normal, &self.normal)?,
             metallic_roughness: of(textures.metallic_roughness, &self.metallic_roughness)?,
+            specular: of(textures.specular, &self.specular)?,
             normal_scale: self.normal_scale.0,
             // In glTF, the same texture.
             alpha: textures.alpha.and(base_color),

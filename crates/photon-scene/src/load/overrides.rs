@@ -160,6 +160,9 @@ impl Overrides {
         if with.metallic.is_some() || with.roughness.is_some() || kind != before {
             desc.textures.metallic_roughness = None;
         }
+        if with.specular.is_some() || kind != before {
+            desc.textures.specular = None;
+        }
         match &mut desc.surface {
             Surface::Lambert { albedo: colour } | Surface::Mirror { reflectance: colour } => {
                 *colour = new_albedo.take().map_or(*colour, |given| given.rgb());

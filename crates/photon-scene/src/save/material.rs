@@ -73,6 +73,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "metallic_roughness" => {
                 material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = info.clone();
             }
+            "specular" => extensions["KHR_materials_specular"]["specularTexture"] = info.clone(),
             _ => material["normalTexture"] = info.clone(),
         }
     }

@@ -3,14 +3,15 @@
 
 use photon_core::{Texture, ggx};
 
+use super::alpha::uniform_alpha;
 use super::texel::Decoder;
 use crate::describe::{MaterialDesc, Surface};
 use crate::texture::{TextureDesc, TextureRef};
 
 /// Multiplies the factors of each material by its textures of one colour, and removes those textures; then replaces its
 /// surface by its [`simplest`] form.
-pub(crate) fn fold(materials: &mut [MaterialDesc], textures: &[TextureDesc]) {
-    let colors: Vec<Option<[f64; 3]>> = textures.iter().map(|desc| uniform(&desc.image)).collect();
+pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
+    let colors: Vec<Option<[f64; 3]>> = all.iter().map(|desc| uniform(&desc.image)).collect();
     let color_of = |used: TextureRef| colors[used.texture.0 as usize];
     for material in materials {
         let textures = &mut material.textures;
@@ -32,13 +33,16 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], textures: &[TextureDesc]) {
             }
         }
         fold_roughness(&mut material.surface, &mut textures.metallic_roughness, color_of);
+        let alpha_of = |used: TextureRef| uniform_alpha(&all[used.texture.0 as usize].image);
+        let has_gloss = textures.metallic_roughness.is_some();
+        fold_specular(&mut material.surface, &mut textures.specular, has_gloss, alpha_of);
         let flat = |used: TextureRef| textures.normal_scale == 0.0 || color_of(used).is_some_and(is_flat);
         if textures.normal.is_some_and(flat) {
             textures.normal = None;
         }
         material.surface = simplest(material.surface.clone(), textures.metallic_roughness.is_some());
         if roughness_of(&mut material.surface).is_none() {
-            textures.metallic_roughness = None;
+            (textures.metallic_roughness, textures.specular) = (None, None);
         }
     }
 }
@@ -89,6 +93,26 @@ fn roughness_of(surface: &mut Surface) -> Option<&mut f64> {
         Surface::Dielectric { roughness, .. } | Surface::Thin { roughness, .. } | Surface::Glossy { roughness, .. } => {
             Some(roughness)
         }
+    }
+}
+
+/// The same for the alpha of a texture of the specular factor, which metals do not have.
+fn fold_specular(
+    surface: &mut Surface,
+    texture: &mut Option<TextureRef>,
+    has_gloss: bool,
+    alpha_of: impl Fn(TextureRef) -> Option<f64>,
+) {
+    let (Some(used), Surface::Glossy { metallic, specular, ior, .. }) = (*texture, surface) else {
+        *texture = None;
+        return;
+    };
+    let is_metal = *metallic >= 1.0 && !has_gloss;
+    if is_metal || *specular == 0.0 || *ior == 1.0 {
+        *texture = None;
+    } else if let Some(alpha) = alpha_of(used) {
+        *specular *= alpha;
+        *texture = None;
     }
 }
 

@@ -106,6 +106,7 @@ fn add_materials(
             normal_scale: textures.normal_scale as f32,
             metallic_roughness: add(textures.metallic_roughness),
             alpha: if textures.alpha == textures.base_color { base_color } else { add(textures.alpha) },
+            specular: add(textures.specular),
             ..MaterialTextures::default()
         };
         tables.material_textures.push(textures);

@@ -67,6 +67,7 @@ fn check_material(textures: &MaterialTextures, tables: &ShadingTables<'_>) -> Ch
         ("normal", textures.normal),
         ("metallic_roughness", textures.metallic_roughness),
         ("alpha", textures.alpha),
+        ("specular", textures.specular),
     ] {
         require(used == MaterialTextures::NONE || (used as usize) < uses, || {
             format!("its {name} texture {used} is out of range, {uses} uses exist")

@@ -134,7 +134,7 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
         let text = format!("is {:.0} % metal; it is rendered as clear", of.mean_metallic * 100.0);
         report.approximated(subject, text);
     }
-    if of.specular != 1.0 || of.specular_color != [1.0; 3] {
+    if of.specular != 1.0 || of.specular_color != [1.0; 3] || of.textures.specular.is_some() {
         report.left_out(subject, "its specular factor; it reflects by its refractive index");
     }
     if !of.is_solid {

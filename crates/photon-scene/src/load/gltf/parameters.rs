@@ -133,9 +133,9 @@ pub(super) fn read(
     let volume = extensions.volume.as_ref();
     let specular = extensions.others.get("KHR_materials_specular");
     let slot = |name: &str| specular.and_then(|specular| Slot::of_json(specular.get(name)?));
-    let mean = means.mean(slot("specularTexture"), "specular", |mean| format!("factor {:.3}", mean.alpha))?;
+    let coat = means.image(slot("specularTexture"), SPECULAR)?;
     let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
-    let scale = scale * mean.map_or(1.0, |mean| mean.alpha);
+    let scale = scale * coat.filter(|coat| coat.used.is_none()).map_or(1.0, |coat| coat.mean.alpha);
     let mean = means.mean(slot("specularColorTexture"), "specular colour", |mean| format!("{:.3?}", mean.color))?;
     let specular_color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
     Ok(Parameters {
@@ -161,6 +161,7 @@ pub(super) fn read(
             normal_scale: normal_map.map_or(1.0, |info| f64::from(info.scale)),
             metallic_roughness,
             alpha: base.filter(|base| !is_opaque && base.mean.alpha < 1.0).and_then(|base| base.used),
+            specular: coat.and_then(|coat| coat.used),
         },
     })
 }
@@ -196,6 +197,7 @@ struct Role {
 const BASE: Role = Role { name: "base colour", bytes: TexelFormat::Srgb8, is_factor: true };
 const METALLIC_ROUGHNESS: Role = Role { name: "metal and roughness", bytes: TexelFormat::Linear8, is_factor: true };
 const EMISSION: Role = Role { name: "emission", bytes: TexelFormat::Srgb8, is_factor: true };
+const SPECULAR: Role = Role { name: "specular", bytes: TexelFormat::Srgb8, is_factor: true };
 const NORMAL_MAP: Role = Role { name: "normal map", bytes: TexelFormat::Linear8, is_factor: false };
 
 /// The textures of one material.

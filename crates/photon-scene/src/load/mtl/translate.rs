@@ -76,6 +76,7 @@ impl Translation<'_> {
             normal_scale: normal_map.as_ref().map_or(1.0, |map| map.strength),
             metallic_roughness: self.metallic_roughness(),
             alpha: self.alpha_texture(),
+            ..TexturesDesc::default()
         }
     }
 

@@ -91,12 +91,20 @@ fn specular_colour_changes_the_reflectance_at_normal_incidence() {
     assert!(coat(&material).0 == 1.0 && says(&report, "it", "its specular factor 2.000 is replaced by 1"));
 }
 
+/// The alpha of the texture is kept; a colour texture becomes its mean.
 #[test]
-fn textures_of_specular_reflection_become_their_mean() {
+fn specular_reflection_has_textures() {
     let json = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_specular": {"specularFactor": 0.5, "specularTexture": {"index": 0}}}"#;
-    let (builder, report) = textured(json, &[[0, 0, 0, 255], [0, 0, 0, 0]]).load();
-    assert!(matches!(builder.materials[0].surface, Surface::Glossy { specular: 0.25, .. }));
-    assert!(says(&report, "it", "(specular) is replaced by its mean: factor 0.500"), "{report}");
+    let texels = [[0, 0, 0, 255], [9, 9, 9, 0]];
+    let (builder, report) = textured(json, &texels).load();
+    let material = &builder.materials[0];
+    let Surface::Glossy { specular, .. } = material.surface else { panic!("{material:?}") };
+    let image = &builder.textures[material.textures.specular.unwrap().texture.0 as usize].image;
+    assert_eq!((specular, &image.texels[..]), (0.5, &texels.map(u32::from_le_bytes)[..]));
+    assert!(is_exact(&report), "{report}");
+    let (builder, report) = textured(json, &[[7, 7, 7, 51]; 2]).load();
+    assert!(matches!(builder.materials[0].surface, Surface::Glossy { specular: 0.1, .. }), "{builder:?}");
+    assert!(builder.textures.is_empty() && report.is_exact(), "{report}");
     let json = json.replace("specularTexture", "specularColorTexture");
     let (builder, report) = textured(&json, &[[255, 255, 255, 255], [0, 0, 0, 255]]).load();
     let Surface::Glossy { specular, ior, .. } = builder.materials[0].surface else { panic!() };

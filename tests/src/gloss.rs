@@ -124,12 +124,14 @@ pub fn textured_specular_factor<T: TestBackend>() {
             };
             let image =
                 TextureDesc::srgb8("halves", 2, 1, &[[9, 9, 9, 51], [200, 9, 9, 204]]).filtered(Filter::Nearest);
-            let image = specular.is_none().then(|| TextureRef::new(builder.texture(image)));
-            let textures = TexturesDesc { specular: image, ..TexturesDesc::default() };
+            let textures = match specular {
+                None => TexturesDesc::default().with_specular(TextureRef::new(builder.texture(image))),
+                Some(_) => TexturesDesc::default(),
+            };
             let material = builder.material(MaterialDesc::new("plate", surface).with_textures(textures));
             let positions = vec![[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]];
             let uvs = positions.iter().map(|p: &[f64; 3]| [0.5 * p[0] + 0.5, 0.5]).collect();
-            let attributes = VertexAttributes { uvs: vec![uvs], ..VertexAttributes::default() };
+            let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
             builder.mesh_with("plate", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
             builder.light("point", LightDesc::Point { position: [x + 0.3, 0.8, 0.0], intensity: [1.0; 3] });
             look_at_point(&mut builder, [x, 0.0, 0.0], [0.0, 1.0, 0.0], 0.5, 1e-4);

@@ -67,7 +67,7 @@ fn everything() -> SceneBuilder {
     let mut worn_paint = MaterialDesc::plastic("worn paint", [third, 0.9, 0.1], third);
     worn_paint.textures.base_color = Some(TextureRef::new(tiles));
     worn_paint.textures.metallic_roughness = Some(TextureRef::new(worn));
-    worn_paint.textures.specular = Some(TextureRef { transform: turned, ..TextureRef::new(holes) });
+    worn_paint.textures.specular = Some(TextureRef::new(holes).with_transform(turned));
     let mut even_paint = MaterialDesc::plastic("even paint", [third, 0.9, 0.1], third);
     even_paint.textures.metallic_roughness =
         Some(TextureRef::new(scene.texture(TextureDesc::linear8("even", 1, 1, &[[0, 100, 255, 255]]))));

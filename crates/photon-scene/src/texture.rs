@@ -194,6 +194,12 @@ impl TexturesDesc {
         Self { alpha: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::specular`].
+    #[must_use]
+    pub fn with_specular(self, texture: TextureRef) -> Self {
+        Self { specular: Some(texture), ..self }
+    }
+
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
         let all = [

@@ -76,7 +76,7 @@ specialized!(
         PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
         PROBE_PROJECTION PROBE_RANDOM PROBE_ROUGH_GLASS
         PROBE_SAMPLING PROBE_SHADE PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
-    2 function: u32; default features shared_groups
+    2 function: u32; default features shared_groups media
 );
 
 /// Evaluates function number `function` of a probe for the inputs.

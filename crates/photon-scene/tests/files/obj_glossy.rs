@@ -27,8 +27,9 @@ fn the_physically_based_extension() {
     names(&report.to_string(), &["approximated: material 'a': has no roughness Pr; 0.5 is taken"]);
     let (material, report) = of("Kd 1 1 1\nPm 1\nPr 0");
     assert!(material.kind == MaterialKind::Mirror as u32 && report.is_exact(), "{report}");
-    let (_, report) = of("Kd 1 1 1\nillum 7\nNi 1.5\nPr 0.5");
-    names(&report.to_string(), &["left out: material 'a': its roughness and metal (Pr, Pm)"]);
+    let (glass, report) = of("Kd 1 1 1\nillum 7\nNi 1.5\nPr 0.5\nPm 1");
+    assert_eq!((glass.kind, glass.roughness), (MaterialKind::Dielectric as u32, 0.5));
+    names(&report.to_string(), &["left out: material 'a': its metal (Pm): it transmits"]);
 }
 
 #[test]

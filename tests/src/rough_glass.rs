@@ -89,7 +89,7 @@ fn mean_lost(alpha: f64, eta: f64) -> f64 {
 /// above: Walter et al. 2007, equation 21, and what it loses.
 fn transmitted(alpha: f64, (o, n_o): (DVec3, f64), (i, n_i): (DVec3, f64)) -> f64 {
     let both = -(o * n_o + i * n_i);
-    let h = both.normalize() * both.y.signum();
+    let h = both.normalize_or_zero() * both.y.signum();
     let (a, b) = (o.dot(h), i.dot(h));
     let masking = 1.0 / (1.0 + lambda(alpha, o.y) + lambda(alpha, -i.y));
     let passes = 1.0 - fresnel(a, n_i / n_o);
@@ -171,7 +171,7 @@ pub fn light_behind_a_boundary<T: TestBackend>() {
         look_along(&mut thin, o);
         thin.light("sun", LightDesc::Directional { direction: (-i).to_array(), irradiance: [1.0; 3] });
         let mirrored = DVec3::new(i.x, -i.y, i.z);
-        let h = (o + mirrored).normalize();
+        let h = (o + mirrored).normalize_or_zero();
         let face = fresnel(o.dot(h), 1.5);
         let masking = 1.0 / (1.0 + lambda(alpha, o.y) + lambda(alpha, -i.y));
         let passes = (1.0 - face) / (1.0 + face) * distribution(alpha, h) * masking / (4.0 * o.y * -i.y);

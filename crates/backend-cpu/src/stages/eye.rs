@@ -231,14 +231,15 @@ impl Eye<'_> {
             };
             return self.reflect(path, &at, &leaves, queries, query, sampler);
         }
-        if SHADED && self.scene.features.contains(Features::ROUGH_GLASS) {
-            if let Some(glass) = RoughGlass::new(&self.scene.rough_glass, material, surface.cosine, &interface) {
-                let at = RoughPoint { surface: &surface, normal, interface: &interface, glass: &glass };
-                if !REFLECTIONS {
-                    self.light_through::<ALPHA>(path, &at, pixel, sampler);
-                }
-                return self.scatter(path, &at, sampler).then_some(None);
+        if SHADED
+            && self.scene.features.contains(Features::ROUGH_GLASS)
+            && let Some(glass) = RoughGlass::new(&self.scene.rough_glass, material, surface.cosine, &interface)
+        {
+            let at = RoughPoint { surface: &surface, normal, interface: &interface, glass: &glass };
+            if !REFLECTIONS {
+                self.light_through::<ALPHA>(path, &at, pixel, sampler);
             }
+            return self.scatter(path, &at, sampler).then_some(None);
         }
         let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
         if material.is_diffuse() {

@@ -1,4 +1,4 @@
-// Evaluates the functions of ggx.glsl, albedo_table.glsl and glossy.glsl.
+// Evaluates the functions of ggx.glsl, albedo_table.glsl, glossy.glsl and reflection_lobe.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -13,6 +13,7 @@ layout(constant_id = 0) const uint FEATURES = FEATURE_ALL;
 
 #include "probe/probe.glsl"
 #include "shading/glossy.glsl"
+#include "shading/reflection_lobe.glsl"
 
 // A direction and the roughness, another direction and the share of metal, two uniform numbers; address of the scene,
 // whose first material has the rest.
@@ -32,6 +33,13 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
                 vec4(0.0));
         case 2u:
             return floats(vec4(albedo_directional(scene, c.x, a.w), albedo_mean(scene, a.w)), vec4(0.0));
+    }
+    if (FUNCTION == 6u) {
+        vec3 factor;
+        uvec2 words = lobe_pack(material, factor);
+        Albedos albedos = Albedos(uvec2(scene.shading.albedos));
+        ReflectionLobe lobe = lobe_new(albedos, words, a.xyz, normal);
+        return floats(vec4(factor, 0.0), vec4(lobe_weight(albedos, lobe, b.xyz, vec3(0.6, 0.48, -0.64)), 0.0));
     }
     Glossy glossy = glossy_new(scene, material, dot3(a.xyz, normal));
     if (FUNCTION == 3u) {

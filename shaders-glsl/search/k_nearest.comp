@@ -27,13 +27,15 @@ layout(constant_id = 5) const uint FILTER = 1;
 #include "shading/constants.glsl"
 #include "shading/kernel.glsl"
 #include "shading/octahedral.glsl"
+#include "shading/reflection_lobe.glsl"
 #include "shading/shading_normal.glsl"
 #include "search/search_map.glsl"
 #include "search/search_distance.glsl"
 #include "search/search_sum.glsl"
 
-// Whether photons are weighted by the cosine to the query's shading normal.
+// What photons are weighted by: nothing, the cosine to the query's shading normal, or the reflection of the query.
 layout(constant_id = 10) const uint SHADING = 0;
+const uint REFLECTED = 2;
 
 // Positions; then normals or directions, and powers or ids.
 shared uvec4 staged[TILES * TILE_POINTS];
@@ -45,11 +47,17 @@ shared uint directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 vec3 at, normal;
 // The shading normal, if `SHADING`.
 vec3 shading;
+// If `REFLECTED`.
+ReflectionLobe lobe;
+
+Albedos albedos() { return Albedos(uvec2(push.threshold, floatBitsToUint(push.max_plane_distance))); }
 
 // Factor on the power of a photon, whose packed direction and normal these are.
-float shading_factor(uint direction, uint photon_normal) {
-    if (SHADING == 0) return 1.0;
-    return shading_cosine_ratio(octahedral_unpack(direction), octahedral_unpack(photon_normal), shading);
+vec3 shading_factor(uint direction, uint photon_normal) {
+    if (SHADING == 0) return vec3(1.0);
+    vec3 from = octahedral_unpack(direction), geometric = octahedral_unpack(photon_normal);
+    if (SHADING == REFLECTED) return lobe_weight(albedos(), lobe, from, geometric);
+    return vec3(shading_cosine_ratio(from, geometric, shading));
 }
 uint limit, accepted;
 
@@ -145,6 +153,10 @@ void ask(uint index) {
     at = push.queries[index].at.position;
     normal = push.queries[index].at.normal;
     if (SHADING != 0) shading = octahedral_unpack(push.queries[index].at.shading_normal);
+    if (SHADING == REFLECTED) {
+        uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
+        lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.wo), shading);
+    }
     precise float radius = MODE == ROWS ? push.radius : push.queries[index].at.radius * push.radius;
     precise float most = radius * radius;
     phase = DONE;

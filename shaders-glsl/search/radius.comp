@@ -23,6 +23,7 @@ layout(local_size_x_id = 1) in;
 layout(constant_id = 7) const uint FLAT = 0;
 
 #include "search/search_error_moments.glsl"
+#include "shading/reflection_lobe.glsl"
 #include "shading/shading_normal.glsl"
 
 layout(constant_id = 4) const uint KERNEL = 0;
@@ -31,8 +32,9 @@ layout(constant_id = 5) const uint FILTER = 1;
 // Whether `ErrorMoments` are written with each estimate, to the address `push.ids`.
 layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 
-// Whether photons are weighted by the cosine to the query's shading normal.
+// What photons are weighted by: nothing, the cosine to the query's shading normal, or the reflection of the query.
 layout(constant_id = 10) const uint SHADING = 0;
+const uint REFLECTED = 2;
 
 // Positions with packed normals, normals, powers.
 shared uvec4 staged[TILES * TILE_POINTS];
@@ -44,6 +46,8 @@ shared vec3 directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 vec3 at, normal;
 // The shading normal, if `SHADING`.
 vec3 shading;
+// If `REFLECTED`.
+ReflectionLobe lobe;
 uint limit;
 float scale;
 // Maximum distance of a photon from the query's plane, if `FLAT`.
@@ -60,9 +64,12 @@ void stage(uint mode, uint place, uint slot) {
     if (FILTER != 0 || SHADING != 0) normals[place] = octahedral_unpack(point.w);
 }
 
+Albedos albedos() { return Albedos(uvec2(push.threshold, push.k)); }
+
 // The power of a photon as it counts for the query.
 vec3 power_of(uint place) {
     if (SHADING == 0) return powers[place];
+    if (SHADING == REFLECTED) return powers[place] * lobe_weight(albedos(), lobe, directions[place], normals[place]);
     return powers[place] * shading_cosine_ratio(directions[place], normals[place], shading);
 }
 
@@ -128,6 +135,10 @@ void main() {
         at = push.queries[index].at.position;
         normal = push.queries[index].at.normal;
         if (SHADING != 0) shading = octahedral_unpack(push.queries[index].at.shading_normal);
+        if (SHADING == REFLECTED) {
+            uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
+            lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.wo), shading);
+        }
         precise float radius = push.queries[index].at.radius * push.radius;
         squared_radius = radius * radius;
         if (FLAT != 0) flat_most = push.max_plane_distance * radius;

@@ -49,6 +49,8 @@ layout(push_constant, scalar) uniform Push {
     float min_cosine;
     // The cone's slope, or the factor of the paper's filter.
     float parameter;
+    // With reflections: half of the address of the albedo table; the other half is `k` for radius.comp, and the bits of
+    // `max_plane_distance` for k_nearest.comp, which do not use them.
     uint threshold;
     // Capacity of the results.
     uint capacity;

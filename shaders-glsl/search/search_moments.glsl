@@ -111,7 +111,7 @@ float finish(bool full) {
             continue;
         }
         uvec4 power = flux_at(FORMAT, push.power, slot);
-        float weight = MODE == PAPER ? dot3(octahedral_unpack(power.w), normal) * push.parameter : 1.0;
+        vec3 weight = vec3(MODE == PAPER ? dot3(octahedral_unpack(power.w), normal) * push.parameter : 1.0);
         if (SHADING != 0) weight *= shading_factor(power.w, push.positions[slot].at.w);
         moments_add(uintBitsToFloat(power.xyz) * weight, uintBitsToFloat(bits));
     }

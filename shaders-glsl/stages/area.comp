@@ -14,6 +14,8 @@ layout(constant_id = 3) const uint FLAT = 0;
 // Whether error moments are computed: then the fractions for the second radii are estimated too, and divided
 // out.
 layout(constant_id = 4) const uint SECOND = 0;
+// Whether photons are those for the reflection of glossy surfaces.
+layout(constant_id = 5) const bool REFLECTIONS = false;
 
 // Probes find all surfaces that may be there: the photons stored on those that are there with a probability stand for all
 // that arrive.
@@ -107,7 +109,8 @@ void main() {
             float away = probe.x * radius;
             if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
             Material material = push.scene.materials[at.material].at;
-            if (!material_stores_photons(material) || dot3(at.normal, normal) < push.min_cosine) continue;
+            bool keeps = REFLECTIONS ? material.kind == MATERIAL_GLOSSY : material_stores_photons(material);
+            if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
             if (FLAT != 0) {
                 float off = abs(dot3(at.point - push.queries[i].at.position, normal));
                 vec3 most = push.max_plane_distance * (vec3(1.0, 1.41421356, 0.70710678) * radius);

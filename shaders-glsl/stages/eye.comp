@@ -19,6 +19,8 @@ layout(constant_id = 5) const uint MEDIA = 1;
 layout(constant_id = 6) const uint WEIGHED = 0;
 // Camera rays that hit nothing do not see the environment.
 layout(constant_id = 7) const bool HIDES_BACKGROUND = false;
+// Paths leave queries for the reflection of glossy surfaces, instead of all else.
+layout(constant_id = 8) const bool REFLECTIONS = false;
 
 #include "shading/bsdf.glsl"
 #include "shading/constants.glsl"
@@ -143,13 +145,13 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
 }
 
 // Adds a query at a surface point, unless it has no effect.
-void leave_query(Path path, uint pixel, Surface at, vec3 normal, uint media, vec3 throughput, uint coat, inout uint found) {
+void leave_query(Path path, uint pixel, Surface at, vec3 normal, uvec2 media_coat, vec3 throughput, inout uint found) {
     if (throughput == vec3(0.0)) return;
     uint key = (pixel << PATHS_LOG2) + path.branch;
     // Moved away from edges, next to which rounding might put it behind the adjacent wall, out of its shadow.
     push.found[(pixel << MAX_SPLITS) + found].at = Query(
-        at.start, 1.0, at.normal, pixel, throughput, media, octahedral_pack(-path.ray.direction), key,
-        SHADING_NORMALS ? octahedral_pack(normal) : 0u, coat);
+        at.start, 1.0, at.normal, pixel, throughput, media_coat.x, octahedral_pack(-path.ray.direction), key,
+        SHADING_NORMALS || REFLECTIONS ? octahedral_pack(normal) : 0u, media_coat.y);
     found++;
 }
 
@@ -191,7 +193,7 @@ void main() {
             vec3 normal = at.normal;
             if (SHADED) normal = shade(push.scene, at, hit, material);
             if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
-            if (path.surfaces == 0) {
+            if (path.surfaces == 0 && !REFLECTIONS) {
                 FirstPass first = push.first + pixel;
                 first.normal = normal;
                 first.depth = at.t;
@@ -202,7 +204,7 @@ void main() {
             if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
                 path.throughput *= transmittance(push.scene, sides.before, at.t);
             }
-            if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && material.emission != vec3(0.0)
+            if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && !REFLECTIONS && material.emission != vec3(0.0)
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
                 vec3 throughput = path.throughput;
                 if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
@@ -215,15 +217,21 @@ void main() {
                 vec3 seen = path.throughput;
                 if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before);
                 Glossy glossy = glossy_new(push.scene, material, at.cosine);
-                emission += seen * light_reflection(path, pixel, at, normal, sides.before, glossy);
-                alive = reflect_path(path, pixel, at, normal, sides.before, glossy, seen, found);
+                Leaves leaves;
+                if (REFLECTIONS) {
+                    leaves = leaves_reflection(material, seen);
+                } else {
+                    emission += seen * light_reflection(path, pixel, at, normal, sides.before, glossy);
+                    leaves = leaves_base(glossy, sides.before, seen);
+                }
+                alive = reflect_path(path, pixel, at, normal, sides.before, glossy, leaves, found);
             } else if (!ROUGH_GLASS || !meet_rough_glass(path, pixel, at, normal, material, sides, emission, alive)) {
                 Bsdf bsdf = bsdf_new(material, at.cosine, sides);
                 if (bsdf.kind == MATERIAL_LAMBERT) {
                     vec3 throughput = path.throughput;
                     if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
                     throughput = throughput * bsdf.albedo * 0.318309886;
-                    leave_query(path, pixel, at, normal, sides.before, throughput, 0u, found);
+                    if (!REFLECTIONS) leave_query(path, pixel, at, normal, uvec2(sides.before, 0u), throughput, found);
                     alive = false;
                 } else {
                     path.surfaces++;
@@ -236,7 +244,7 @@ void main() {
                 }
             }
         }
-        if (ENVIRONMENT && escaped && !(HIDES_BACKGROUND && path.surfaces == 0)) {
+        if (ENVIRONMENT && escaped && !REFLECTIONS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
             if (FOLLOWED && path.reflected_pdf > 0.0) {
@@ -254,7 +262,8 @@ void main() {
         }
     }
     push.counts[pixel].at = found;
-    if ((FEATURES & (FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS)) != 0 && emission != vec3(0.0)) {
+    const uint lit = FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS;
+    if ((FEATURES & lit) != 0 && !REFLECTIONS && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
             Planes place = film_place(push.emission, c, push.width * push.height, pixel);
             place.at += emission[c];

@@ -3,6 +3,7 @@
 #define EYE_GLOSSY_GLSL
 
 #include "shading/glossy.glsl"
+#include "shading/reflection_lobe.glsl"
 #include "shading/light_sample.glsl"
 #include "shading/light_sampler.glsl"
 
@@ -40,20 +41,43 @@ vec3 light_reflection(Path path, uint pixel, Surface at, vec3 normal, uint media
     return value * (balance(found.pdf * share, reflected.pdf) / share);
 }
 
-// Leaves a query for the base of a glossy surface, and continues the path by its reflection; or, where the path has split
-// as often as it may, one of the two. Returns whether the path continues.
+// The query that a path leaves at a glossy surface.
+struct Leaves {
+    // Probability that the path goes on by the reflection instead, where it does not do both.
+    float first;
+    // Throughput of the query, without `scale`, if it is certain.
+    vec3 throughput;
+    float scale;
+    // Media and coat of the query.
+    uvec2 words;
+};
+
+// For the base. `seen` is the factor from radiance that leaves the surface to its contribution at the camera.
+Leaves leaves_base(Glossy glossy, uint media, vec3 seen) {
+    return Leaves(glossy.specular_probability, glossy.diffuse * seen, 0.318309886, uvec2(media, glossy.coat));
+}
+
+// For the reflection: the path goes on in search of other glossy surfaces.
+Leaves leaves_reflection(Material material, vec3 seen) {
+    vec3 factor;
+    uvec2 words = lobe_pack(material, factor);
+    return Leaves(0.5, seen * factor, 1.0, words);
+}
+
+// Leaves a query at a glossy surface, and continues the path by its reflection; or, where the path has split as often as it
+// may, one of the two. Returns whether the path continues.
 bool reflect_path(
-    inout Path path, uint pixel, Surface at, vec3 normal, uint media, Glossy glossy, vec3 seen, inout uint found
+    inout Path path, uint pixel, Surface at, vec3 normal, uint media, Glossy glossy, Leaves leaves, inout uint found
 ) {
-    float first = glossy.specular_probability;
+    float first = leaves.first;
     // The next block, as at glass: the words of this one belong to the surface before.
     path.surfaces++;
     uvec4 random = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
     bool splits = first > 0.0 && first < 1.0 && path.splits < MAX_SPLITS;
     bool reflects = splits || unit_f32(random.x) < first;
     if (splits || !reflects) {
-        vec3 throughput = glossy.diffuse * seen * (0.318309886 / (splits ? 1.0 : 1.0 - first));
-        leave_query(path, pixel, at, normal, media, throughput, glossy.coat, found);
+        vec3 throughput = leaves.throughput * (leaves.scale / (splits ? 1.0 : 1.0 - first));
+        leave_query(path, pixel, at, normal, leaves.words, throughput, found);
     }
     if (!reflects || path.surfaces >= push.max_bounces) return false;
     vec3 onward;

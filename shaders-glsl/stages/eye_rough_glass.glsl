@@ -58,7 +58,7 @@ bool meet_rough_glass(
 ) {
     RoughGlass glass;
     if (!rough_glass_new(push.scene, material, at.cosine, sides, glass)) return false;
-    emission += light_through(path, pixel, at, normal, sides, glass);
+    if (!REFLECTIONS) emission += light_through(path, pixel, at, normal, sides, glass);
     alive = scatter_path(path, pixel, at, normal, sides, glass);
     return true;
 }

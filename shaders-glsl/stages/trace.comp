@@ -27,6 +27,8 @@ layout(constant_id = 5) const uint BUSY = 0;
 // light.
 layout(constant_id = 6) const bool AIMED = false;
 layout(constant_id = 7) const uint MEDIA = 1;
+// Whether aimed paths store photons for the reflection of glossy surfaces only, and end there.
+layout(constant_id = 8) const bool REFLECTIONS = false;
 
 #include "shading/bsdf.glsl"
 #include "device/counter.glsl"
@@ -236,10 +238,21 @@ bool is_sane(Path path) {
         && greatest(abs(path.power)) <= FATE_MAX_POWER;
 }
 
+// Whether camera paths cannot find the light that a path comes from.
+bool has_delta_light(Path path) {
+    uint kind = push.scene.lights[push.rays[push.chunk.first + path.index].at.light].at.kind;
+    return kind == LIGHT_POINT || kind == LIGHT_SPOT || kind == LIGHT_DIRECTIONAL;
+}
+
 // Continues a path at a glossy surface: stores a photon for the base, and follows the base or the reflection.
 uint step_glossy(
     inout Path path, Surface at, vec3 normal, Material material, bool stores, float coverage, float choice, float u, float v
 ) {
+    if (REFLECTIONS) {
+        if (path.bounce > 0u && has_delta_light(path)) store(path, at, path.power, coverage);
+        ++path.bounce;
+        return FATE_TERMINATED;
+    }
     Glossy glossy = glossy_new(push.scene, material, at.cosine);
     if (stores && !(AIMED && path.bounce == 0u)) {
         store(path, at, tinted(path.power, vec3(glossy_entering(push.scene, glossy.coat, at.cosine))), coverage);
@@ -312,13 +325,17 @@ uint step_path(inout Path path, Hit hit) {
     if (ROUGH_GLASS) {
         RoughGlass glass;
         if (rough_glass_new(push.scene, material, at.cosine, sides, glass)) {
+            if (REFLECTIONS) {
+                ++path.bounce;
+                return FATE_TERMINATED;
+            }
             return step_rough_glass(path, at, normal, sides, glass, vec3(choice, unit_f32(words.y), unit_f32(words.z)));
         }
     }
     Bsdf bsdf = bsdf_new(material, at.cosine, sides);
     uint lobe = bsdf_choose(bsdf, choice);
     if (lobe == LOBE_DIFFUSE) {
-        if (stores && !(AIMED && path.bounce == 0u)) store(path, at, path.power, coverage);
+        if (stores && !REFLECTIONS && !(AIMED && path.bounce == 0u)) store(path, at, path.power, coverage);
         if (AIMED) {
             ++path.bounce;
             return FATE_TERMINATED;

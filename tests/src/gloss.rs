@@ -124,10 +124,8 @@ pub fn textured_specular_factor<T: TestBackend>() {
             };
             let image =
                 TextureDesc::srgb8("halves", 2, 1, &[[9, 9, 9, 51], [200, 9, 9, 204]]).filtered(Filter::Nearest);
-            let textures = match specular {
-                None => TexturesDesc::default().with_specular(TextureRef::new(builder.texture(image))),
-                Some(_) => TexturesDesc::default(),
-            };
+            let mut textures = TexturesDesc::default();
+            textures.specular = specular.is_none().then(|| TextureRef::new(builder.texture(image)));
             let material = builder.material(MaterialDesc::new("plate", surface).with_textures(textures));
             let positions = vec![[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]];
             let uvs = positions.iter().map(|p: &[f64; 3]| [0.5 * p[0] + 0.5, 0.5]).collect();

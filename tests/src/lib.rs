@@ -23,6 +23,7 @@ pub mod fields;
 pub mod forecasts;
 pub mod gloss;
 pub mod gloss_behind_glass;
+pub mod gloss_caustics;
 mod gloss_reference;
 pub mod harness;
 pub mod inside;
@@ -129,6 +130,11 @@ macro_rules! whole_suite {
                 textured_specular_factor, g5_closed_room,
             }
             gloss_behind_glass::{ plastic_behind_panes }
+            gloss_caustics::{
+                sun_through_a_pane, photons_behind_a_pane_are_like_shadow_rays, tilted_normals_behind_a_pane,
+                point_light_in_a_mirror, seen_in_another_metal, rough_panes_are_not_counted_twice,
+                errors_and_requirements,
+            }
             rough_glass::{ g4_white_furnace, light_behind_a_boundary, g5_closed_room }
             textures::{
                 g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,

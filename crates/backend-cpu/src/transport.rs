@@ -1,8 +1,8 @@
 //! Implements [`TransportBackend`]: prepares scenes and creates the stages of a pass.
 
 use photon_core::{
-    AimedStages, Area, Backend as _, Costs, FilmPixel, MapStages, PhotonFormat, ProjectionMap, Query, Requirements,
-    Result, SceneView, Settings, Stages, TransportBackend,
+    AimedStages, Area, Backend as _, Costs, FilmPixel, GlossCaustics, MapStages, PhotonFormat, ProjectionMap, Query,
+    Requirements, Result, SceneView, Settings, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -32,6 +32,7 @@ impl TransportBackend for Cpu {
             eye: Box::new(CpuEye {
                 max_bounces: settings.max_bounces,
                 hides_background: settings.transparent_background,
+                reflections: false,
             }),
             direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
             gather: if required.final_gather {
@@ -42,6 +43,10 @@ impl TransportBackend for Cpu {
             irradiance: settings.irradiance_every.map(|_| Box::new(CpuIrradiance) as Box<_>),
             area: if settings.area == Area::Surface { Some(Box::new(CpuArea)) } else { None },
             aimed: None,
+            gloss_caustics: required.gloss_caustics.then(|| GlossCaustics {
+                tracer: Box::new(CpuTracer::for_reflections(settings, required)),
+                eye: Box::new(CpuEye { max_bounces: settings.max_bounces, hides_background: false, reflections: true }),
+            }),
             map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },
         })
     }

@@ -1,7 +1,7 @@
 //! `TransportBackend` for Vulkan: all stages of a pass.
 
 use photon_core::{
-    AimedStages, Area, Backend, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stages,
+    AimedStages, Area, Backend, GlossCaustics, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stages,
     TransportBackend,
 };
 
@@ -44,6 +44,12 @@ impl TransportBackend for Vulkan {
             irradiance: settings.irradiance_every.map(|_| Box::new(VulkanIrradiance) as Box<_>),
             area: if settings.area == Area::Surface { Some(Box::new(VulkanArea)) } else { None },
             aimed: None,
+            gloss_caustics: if required.gloss_caustics {
+                let tracer = Box::new(VulkanTracer::for_reflections(self, settings)?);
+                Some(GlossCaustics { tracer, eye: Box::new(VulkanEye::for_reflections(self, settings.max_bounces)?) })
+            } else {
+                None
+            },
             map: self.map_stages(settings.index)?,
         })
     }

@@ -23,7 +23,8 @@ pub use backend::memory::Costs;
 pub use backend::observer::{Event, Observer, PassReport};
 pub use backend::stages::{
     Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EstimateBuffers, EstimateParams, EyeTracer, FinalGather,
-    IrradiancePoints, KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Search, Stages, Tracer, View,
+    GlossCaustics, IrradiancePoints, KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Search, Stages, Tracer,
+    View,
 };
 pub use backend::tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, TransportBackend};
@@ -69,6 +70,7 @@ pub use shading::bsdf::{Bsdf, Lobe};
 pub use shading::environment::EnvironmentSample;
 pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;
+pub use shading::reflection_lobe::ReflectionLobe;
 pub use shading::rough_glass::{RoughGlass, RoughSample};
 pub use shading::rough_glass_table::RoughGlassTable;
 pub use shading::shade::{Shaded, Shading};

@@ -2,8 +2,8 @@
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    ErrorMoments, Estimate, EstimateParams, PhotonFormat, Query, RadianceEstimator, Result, Search, neighbour_radius,
-    octahedral, shading_normal,
+    ErrorMoments, Estimate, EstimateParams, PhotonFormat, Query, RadianceEstimator, ReflectionLobe, Result, Search,
+    neighbour_radius, octahedral, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -59,6 +59,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         error_moments: &mut CpuBuffer<ErrorMoments>,
     ) -> Result<()> {
         gather.validate_moments()?;
+        gather.validate_for(map.photon_format())?;
         estimates.clear();
         error_moments.clear();
         (estimates.needed, error_moments.needed) = (queries.data.len() as u64, queries.data.len() as u64);
@@ -109,6 +110,10 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Mono
     }
+
+    fn weighs_reflections(&self) -> bool {
+        true
+    }
 }
 
 /// The point at which irradiance is estimated.
@@ -118,21 +123,52 @@ pub(crate) struct VisiblePoint {
     /// Unit normal, on the visible side.
     pub(crate) normal: Vec3,
     pub(crate) radius: f32,
-    /// Shading normal, in scenes that have them.
-    pub(crate) shading: Option<Vec3>,
+    pub(crate) scattering: Scattering,
+}
+
+/// What the power of each photon is multiplied by.
+#[derive(Clone, Copy)]
+pub(crate) enum Scattering {
+    /// 1: diffuse, without shading normals.
+    Even,
+    /// Diffuse, with this shading normal.
+    Shaded(Vec3),
+    /// The reflection of a glossy surface.
+    Reflected(ReflectionLobe),
+}
+
+impl Scattering {
+    /// For a diffuse surface with the shading normal `shading`.
+    pub(crate) fn diffuse(shading: Vec3, gather: &EstimateParams) -> Self {
+        if gather.shading_normals { Self::Shaded(shading) } else { Self::Even }
+    }
+
+    fn of(query: &Query, gather: &EstimateParams) -> Self {
+        if gather.reflection {
+            let (wo, normal) = (octahedral::unpack(query.wo), octahedral::unpack(query.shading_normal));
+            return Self::Reflected(ReflectionLobe::new([query.media, query.coat], wo, normal));
+        }
+        if gather.shading_normals { Self::Shaded(octahedral::unpack(query.shading_normal)) } else { Self::Even }
+    }
 }
 
 impl VisiblePoint {
     fn of(query: &Query, gather: &EstimateParams) -> Self {
         let radius = query.radius * gather.radius_scale;
-        let shading = gather.shading_normals.then(|| octahedral::unpack(query.shading_normal));
-        Self { position: query.position, normal: query.normal.into(), radius, shading }
+        let scattering = Scattering::of(query, gather);
+        Self { position: query.position, normal: query.normal.into(), radius, scattering }
     }
 
     /// Factor on the power of a photon at a point with the shading normal `shading`.
     #[inline]
     pub(crate) fn ratio(map: &CpuMap, shading: Vec3, slot: u32) -> f32 {
         shading_normal::cosine_ratio(map.direction(slot), map.normal(slot), shading)
+    }
+
+    /// Factor on the power of a photon at a point whose reflection is `lobe`.
+    #[inline]
+    pub(crate) fn reflected(map: &CpuMap, lobe: &ReflectionLobe, slot: u32) -> Vec3 {
+        lobe.weight(map.direction(slot), map.normal(slot))
     }
 
     /// Vector from the point to a photon.
@@ -155,11 +191,17 @@ pub(crate) fn estimate_at(
     gather: &EstimateParams,
     scratch: &mut Neighbours,
 ) -> Estimate {
-    match (map.powers(), point.shading) {
+    match (map.powers(), point.scattering) {
         (Powers::Grey(powers), _) => estimate_of(map, |slot| powers[slot as usize], point, gather, scratch),
-        (Powers::Colour(powers), None) => estimate_of(map, |slot| powers[slot as usize], point, gather, scratch),
-        (Powers::Colour(powers), Some(shading)) => {
+        (Powers::Colour(powers), Scattering::Even) => {
+            estimate_of(map, |slot| powers[slot as usize], point, gather, scratch)
+        }
+        (Powers::Colour(powers), Scattering::Shaded(shading)) => {
             let power = |slot| powers[slot as usize] * VisiblePoint::ratio(map, shading, slot);
+            estimate_of(map, power, point, gather, scratch)
+        }
+        (Powers::Colour(powers), Scattering::Reflected(lobe)) => {
+            let power = |slot| powers[slot as usize] * VisiblePoint::reflected(map, &lobe, slot);
             estimate_of(map, power, point, gather, scratch)
         }
     }

@@ -4,16 +4,15 @@ use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, Camera, Coat, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind,
-    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, View, octahedral, sampling,
-    shading_normal,
+    Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind, MediumStack,
+    Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, View, octahedral, sampling, shading_normal,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
-use crate::stages::eye_glossy::{GlossyPoint, Reflection};
+use crate::stages::eye_glossy::{GlossyPoint, Leaves, Reflection};
 use crate::stages::eye_rough_glass::RoughPoint;
 
 /// Traces camera paths through mirrors and glass.
@@ -25,6 +24,9 @@ pub(crate) struct CpuEye {
     pub(crate) max_bounces: u32,
     /// Whether camera rays that hit nothing do not see the environment.
     pub(crate) hides_background: bool,
+    /// Whether paths leave queries for the reflection of glossy surfaces, instead of all else:
+    /// [`photon_core::GlossCaustics`].
+    pub(crate) reflections: bool,
 }
 
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
@@ -40,17 +42,19 @@ impl EyeTracer<Cpu> for CpuEye {
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let Self { max_bounces, hides_background } = *self;
+        let Self { max_bounces, hides_background, reflections } = *self;
         let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits };
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
         let is_shaded = scene.features.intersects(Features::SHADED);
         let look = match (is_shaded, scene.present.contains(Features::ALPHA), has_lens) {
-            (_, true, true) => Eye::look::<true, true, true>,
-            (_, true, false) => Eye::look::<true, true, false>,
-            (true, false, true) => Eye::look::<true, false, true>,
-            (true, false, false) => Eye::look::<true, false, false>,
-            (false, false, true) => Eye::look::<false, false, true>,
-            (false, false, false) => Eye::look::<false, false, false>,
+            (_, _, true) if reflections => Eye::look::<true, true, true, true>,
+            (_, _, false) if reflections => Eye::look::<true, true, false, true>,
+            (_, true, true) => Eye::look::<true, true, true, false>,
+            (_, true, false) => Eye::look::<true, true, false, false>,
+            (true, false, true) => Eye::look::<true, false, true, false>,
+            (true, false, false) => Eye::look::<true, false, false, false>,
+            (false, false, true) => Eye::look::<false, false, true, false>,
+            (false, false, false) => Eye::look::<false, false, false, false>,
         };
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
@@ -99,8 +103,8 @@ pub(crate) struct Path {
 
 impl Eye<'_> {
     /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha; `LENS`: the
-    /// camera has a lens.
-    fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool>(
+    /// camera has a lens; `REFLECTIONS`: [`CpuEye::reflections`].
+    fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool, const REFLECTIONS: bool>(
         &self,
         x: u32,
         y: u32,
@@ -131,7 +135,9 @@ impl Eye<'_> {
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
-            while let Some(branch) = self.step::<SHADED, ALPHA>(&mut path, number, pixel, queries, &sampler) {
+            while let Some(branch) =
+                self.step::<SHADED, ALPHA, REFLECTIONS>(&mut path, number, pixel, queries, &sampler)
+            {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
                     count += 1;
@@ -142,7 +148,7 @@ impl Eye<'_> {
 
     /// Traces the path to its next surface. Returns `None` when the path has ended, `Some(Some(other))` when it has
     /// split.
-    fn step<const SHADED: bool, const ALPHA: bool>(
+    fn step<const SHADED: bool, const ALPHA: bool, const REFLECTIONS: bool>(
         &self,
         path: &mut Path,
         number: u32,
@@ -153,7 +159,7 @@ impl Eye<'_> {
         let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
         let Some((mut surface, hit)) = self.scene.hit_with::<ALPHA>(&path.ray, layer).ok()? else {
             let is_hidden = self.hides_background && path.surfaces == 0;
-            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden) {
+            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && !REFLECTIONS) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
                 let mut radiance = environment.radiance(path.ray.direction);
@@ -175,7 +181,7 @@ impl Eye<'_> {
                 surface = surface.with_cosine_to(normal, path.ray.direction);
             }
         }
-        if path.surfaces == 0 {
+        if path.surfaces == 0 && !REFLECTIONS {
             pixel.hits += 1;
             pixel.depth += f64::from(surface.t);
             for axis in 0..3 {
@@ -190,7 +196,8 @@ impl Eye<'_> {
             let camera = MediumStack::from_bits(self.view.camera.media);
             path.throughput * self.scene.radiance_scale(camera, interface.before)
         };
-        if material.is_emissive() && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
+        let emits = material.is_emissive() && !REFLECTIONS;
+        if emits && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
             let mut throughput = seen();
             if SHADED && path.reflected.pdf > 0.0 {
                 let light = light_of_triangle(&self.scene.lights, hit.primitive);
@@ -199,7 +206,7 @@ impl Eye<'_> {
             deposit(pixel, Layer::Emission, throughput.into(), material.emission.map(f64::from));
         }
         let wo = -path.ray.direction;
-        let query = |throughput: Vec3, branch: u32, coat: Coat| Query {
+        let query = |throughput: Vec3, branch: u32, [media, coat]: [u32; 2]| Query {
             // Moved off edges: beside an edge, rounding may put the point behind the adjacent wall, outside
             // its shadow.
             position: surface.start.into(),
@@ -207,30 +214,37 @@ impl Eye<'_> {
             normal: surface.normal.into(),
             pixel: number,
             throughput: throughput.into(),
-            media: interface.before.bits(),
+            media,
             wo: octahedral::pack(wo),
             path: number * QUERIES_PER_PIXEL + branch,
             shading_normal: if SHADED { octahedral::pack(normal) } else { 0 },
-            coat: coat.bits(),
+            coat,
         };
         if SHADED && material.kind() == MaterialKind::Glossy {
             let glossy = Glossy::new(material, surface.cosine);
             let at = GlossyPoint { surface: &surface, normal, media: interface.before, glossy: &glossy };
-            self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
-            return self.reflect(path, &at, seen(), queries, query, sampler);
+            let leaves = if REFLECTIONS {
+                Leaves::reflection(material, seen())
+            } else {
+                self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
+                Leaves::base(&at, seen())
+            };
+            return self.reflect(path, &at, &leaves, queries, query, sampler);
         }
         if SHADED && self.scene.features.contains(Features::ROUGH_GLASS) {
             if let Some(glass) = RoughGlass::new(&self.scene.rough_glass, material, surface.cosine, &interface) {
                 let at = RoughPoint { surface: &surface, normal, interface: &interface, glass: &glass };
-                self.light_through::<ALPHA>(path, &at, pixel, sampler);
+                if !REFLECTIONS {
+                    self.light_through::<ALPHA>(path, &at, pixel, sampler);
+                }
                 return self.scatter(path, &at, sampler).then_some(None);
             }
         }
         let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
         if material.is_diffuse() {
             let throughput = bsdf.diffuse_throughput(seen());
-            if throughput != Vec3::ZERO {
-                queries.push(query(throughput, path.branch, Coat::default()));
+            if throughput != Vec3::ZERO && !REFLECTIONS {
+                queries.push(query(throughput, path.branch, [interface.before.bits(), 0]));
             }
             return None;
         }

@@ -5,7 +5,9 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHTS, BLOCK_SURFACES, Sampler, unit_f32};
-use photon_core::{Coat, FilmPixel, Glossy, Layer, Lobe, MediumStack, Query, SurfaceInteraction, glossy, offset};
+use photon_core::{
+    FilmPixel, Glossy, Layer, Lobe, Material, MediumStack, Query, ReflectionLobe, SurfaceInteraction, glossy, offset,
+};
 
 use super::eye::{Eye, Path};
 use crate::film::deposit;
@@ -30,6 +32,36 @@ pub(crate) struct GlossyPoint<'a> {
     /// The media in front of it.
     pub(crate) media: MediumStack,
     pub(crate) glossy: &'a Glossy,
+}
+
+/// The query that a path leaves at a glossy surface.
+pub(crate) struct Leaves {
+    /// Probability that the path goes on by the reflection instead, where it does not do both.
+    first: f32,
+    /// Throughput of the query, without `scale`, if it is certain.
+    throughput: Vec3,
+    scale: f32,
+    /// [`Query::media`] and [`Query::coat`].
+    words: [u32; 2],
+}
+
+impl Leaves {
+    /// For the base. `seen` is the factor from radiance that leaves the surface to its contribution at the camera.
+    pub(crate) fn base(at: &GlossyPoint<'_>, seen: Vec3) -> Self {
+        let GlossyPoint { glossy, media, .. } = at;
+        Self {
+            first: glossy.specular_probability(),
+            throughput: glossy.diffuse() * seen,
+            scale: std::f32::consts::FRAC_1_PI,
+            words: [media.bits(), glossy.coat().bits()],
+        }
+    }
+
+    /// For the reflection of `material`: the path goes on in search of other glossy surfaces.
+    pub(crate) fn reflection(material: &Material, seen: Vec3) -> Self {
+        let (words, factor) = ReflectionLobe::pack(material);
+        Self { first: 0.5, throughput: seen * factor, scale: 1.0, words }
+    }
 }
 
 impl Reflection {
@@ -71,18 +103,18 @@ impl Eye<'_> {
         deposit(pixel, Layer::Emission, seen.into(), value.to_array().map(f64::from));
     }
 
-    /// Leaves a query for the base of a glossy surface, and continues the path by its reflection; or, where the path has
-    /// split as often as it may, one of the two.
+    /// Leaves a query at a glossy surface, and continues the path by its reflection; or, where the path has split as often
+    /// as it may, one of the two.
     pub(crate) fn reflect(
         &self,
         path: &mut Path,
         at: &GlossyPoint<'_>,
-        seen: Vec3,
+        leaves: &Leaves,
         queries: &mut Vec<Query>,
-        query: impl Fn(Vec3, u32, Coat) -> Query,
+        query: impl Fn(Vec3, u32, [u32; 2]) -> Query,
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
-        let (glossy, surface, first) = (at.glossy, at.surface, at.glossy.specular_probability());
+        let (glossy, surface, first) = (at.glossy, at.surface, leaves.first);
         // The next block, as at glass: the words of this one belong to the surface before.
         path.surfaces += 1;
         let [choice, u, v, _] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);
@@ -90,9 +122,9 @@ impl Eye<'_> {
         let reflects = splits || unit_f32(choice) < first;
         if splits || !reflects {
             let share = if splits { 1.0 } else { 1.0 - first };
-            let throughput = glossy.diffuse() * seen * (std::f32::consts::FRAC_1_PI / share);
+            let throughput = leaves.throughput * (leaves.scale / share);
             if throughput != Vec3::ZERO {
-                queries.push(query(throughput, path.branch, glossy.coat()));
+                queries.push(query(throughput, path.branch, leaves.words));
             }
         }
         if !reflects || path.surfaces >= self.max_bounces {

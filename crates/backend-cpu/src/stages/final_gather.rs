@@ -13,7 +13,7 @@ use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::CpuScene;
 use crate::stages::error_moments::estimate_with_moments_at;
-use crate::stages::estimate::{VisiblePoint, estimate_at};
+use crate::stages::estimate::{Scattering, VisiblePoint, estimate_at};
 
 /// Traces gather rays from the queries to the points where the maps are evaluated.
 #[derive(Debug)]
@@ -233,7 +233,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                     position: surface.point.into(),
                     normal: surface.normal,
                     radius: gather.radius_scale,
-                    shading: gather.shading_normals.then_some(normal),
+                    scattering: Scattering::diffuse(normal, gather),
                 };
                 if let Some((map, gather)) = &maps.irradiance {
                     let estimate = estimate_at(map, at(gather), gather, &mut scratch[MapKind::Global]);

@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Lobe, MapKind, MaterialKind, MediaFeatures, MediumStack,
-    PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, RoughGlass, RoughSample, Scheduling, Settings,
-    SkipLimit, Tally, Tracer, glossy, octahedral, sampling, shading_normal,
+    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Light, Lobe, MapKind, Material, MaterialKind,
+    MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, RoughGlass,
+    RoughSample, Scheduling, Settings, SkipLimit, Tally, Tracer, glossy, light_features, octahedral, sampling,
+    shading_normal,
 };
 use rayon::prelude::*;
 
@@ -25,6 +26,7 @@ pub(crate) struct CpuTracer {
     features: Features,
     nested: bool,
     aimed: bool,
+    reflections: bool,
     tally: Tally,
 }
 
@@ -32,12 +34,18 @@ impl CpuTracer {
     pub(crate) fn new(settings: &Settings, required: &Requirements) -> Self {
         let (scheduling, max_bounces) = (settings.scheduling, settings.max_bounces);
         let nested = required.media.contains(MediaFeatures::NESTED);
-        Self { scheduling, max_bounces, features: required.features, nested, aimed: false, tally: Tally::default() }
+        let (aimed, reflections, tally) = (false, false, Tally::default());
+        Self { scheduling, max_bounces, features: required.features, nested, aimed, reflections, tally }
     }
 
     /// For aimed paths, which end at the first diffuse surface.
     pub(crate) fn aimed(settings: &Settings, required: &Requirements) -> Self {
         Self { aimed: true, ..Self::new(settings, required) }
+    }
+
+    /// For [`photon_core::GlossCaustics`]: aimed or not, paths end at the first surface that is not perfectly specular.
+    pub(crate) fn for_reflections(settings: &Settings, required: &Requirements) -> Self {
+        Self { reflections: true, ..Self::aimed(settings, required) }
     }
 }
 
@@ -58,7 +66,8 @@ impl Tracer<Cpu> for CpuTracer {
         mut deposits: Deposits<'_, Cpu>,
     ) -> Result<()> {
         let wanted = deposits.each_ref().map(|target| target.is_some());
-        let follow = kernel(self.features, self.nested, self.aimed);
+        let follow =
+            if self.reflections { follow::<REFLECTIONS> } else { kernel(self.features, self.nested, self.aimed) };
         let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow };
         let rays = rays.as_slice();
         let outputs = match self.scheduling {
@@ -140,6 +149,11 @@ const AIMED: u32 = 1 << 31;
 /// Flag beside the bits of the lobes: solids are nested or overlap.
 const NESTED: u32 = 1 << 30;
 
+/// Flag beside the bits of the lobes: only photons for the reflection of glossy surfaces are stored.
+const REFLECTED: u32 = 1 << 29;
+/// The kernel for them, with all lobes.
+const REFLECTIONS: u32 = Features::ALL.bits() | AIMED | NESTED | REFLECTED;
+
 /// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those with
 /// alpha have one kernel each with all lobes.
 fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
@@ -184,6 +198,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     let features = Features::from_bits_truncate(F);
     let scene = walk.scene;
     let shaded = features.intersects(Features::SHADED);
+    let reflections = F & REFLECTED != 0;
     let (aimed, nested) = (F & AIMED != 0, F & NESTED != 0 && (!shaded || scene.nested));
     let pass = walk.batch.pass;
     let domain = if aimed { Domain::Aimed } else { Domain::Photon };
@@ -249,6 +264,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         let [choice, u, v, _] = sampler.words(block);
         let (choice, u, v) = (unit_f32(choice), unit_f32(u), unit_f32(v));
         // Aimed paths store no photon at the first surface: light straight from a light source is not theirs to count.
+        let stores = if reflections { is_reflected(scene, start, material) } else { stores };
         let mut store = |power: Vec3, tally: &mut Tally| {
             if stores && !(aimed && bounce == 0) {
                 let kind = MapKind::of_path(specular_only, bounce);
@@ -267,6 +283,10 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             }
         };
         if features.contains(Features::GLOSSY) && material.kind() == MaterialKind::Glossy {
+            if reflections {
+                store(power, tally);
+                return tally.end(Fate::Terminated, flux);
+            }
             let glossy = Glossy::new(material, surface.cosine);
             if stores {
                 store(power * glossy.coat().entering(surface.cosine), tally);
@@ -291,6 +311,9 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         if features.contains(Features::ROUGH_GLASS) {
             let table = &scene.rough_glass;
             if let Some(glass) = RoughGlass::new(table, material, surface.cosine, &interface) {
+                if reflections {
+                    return tally.end(Fate::Terminated, flux);
+                }
                 let sampled = glass.sample(table, -ray.direction, normal, [choice, u, v]);
                 if sampled.lobe == Lobe::SpecularTransmission {
                     media = interface.transmitted;
@@ -349,6 +372,12 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         carry(power, &mut flux, tally);
     }
     tally.end(Fate::Truncated, flux);
+}
+
+/// Whether a path from `start` stores a photon for the reflection at `material`: if camera paths cannot find its light.
+fn is_reflected(scene: &CpuScene, start: &PhotonRay, material: &Material) -> bool {
+    let is_delta = |light: &Light| light_features(light).intersects(Features::DELTA_LIGHTS);
+    material.kind() == MaterialKind::Glossy && scene.lights.get(start.light as usize).is_some_and(is_delta)
 }
 
 /// The direction in which a photon leaves a surface with a shading normal, and the factor on its power.

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use photon_core::glam::Vec3;
-use photon_core::{AlbedoTable, Glossy, Material, Requirements, Settings, ggx, glossy, sampling};
+use photon_core::{AlbedoTable, Glossy, Material, ReflectionLobe, Requirements, Settings, ggx, glossy, sampling};
 use photon_scene::{MaterialDesc, Scene, SceneBuilder};
 
 use super::compare::Bound;
@@ -44,6 +44,8 @@ pub(super) fn rows() -> Vec<Row> {
         row("albedo_directional", 2, Bound::Within(1e-5), local, |i| albedos(i, i.float(8))),
         row("glossy_new", 3, Bound::Within(3e-5), world, |i| parts(i, i.float(8))),
         row("glossy_evaluate", 4, Bound::Relative(1e-4), world, |i| evaluated(i, i.vector(0), i.vector(4))),
+        // Factors are 1 within a step of the colours; the narrowest width is that of glossy_evaluate.
+        row("lobe_weight", 6, Bound::Relative(1e-4), world, |i| lobe(i, i.vector(0), i.vector(4))),
         row("glossy_sample", 5, Bound::Within(1e-3), world, |i| sampled(i, i.float(8))),
     ]
 }
@@ -99,6 +101,13 @@ fn evaluated(i: &Input, wo: Vec3, wi: Vec3) -> Output {
     output([r, g, b, found.pdf, limited, limited, limited, limited])
 }
 
+fn lobe(i: &Input, wo: Vec3, wi: Vec3) -> Output {
+    let (words, factor) = ReflectionLobe::pack(&material(i));
+    let weight = ReflectionLobe::new(words, wo, NORMAL).weight(wi, GEOMETRIC);
+    let ([x, y, z], [r, g, b]) = (factor.to_array(), weight.to_array());
+    output([x, y, z, 0.0, r, g, b])
+}
+
 fn sampled(i: &Input, u: f32) -> Output {
     let (wi, found) = glossy(i).sample(i.vector(0), NORMAL, u, i.float(9));
     let ([x, y, z], [r, g, b]) = (wi.to_array(), found.weight(1.0).to_array());
@@ -128,6 +137,7 @@ fn glossy_surfaces_are_those_of_rust() {
             2 => |i| albedos(i, i.float(9)),
             3 => |i| parts(i, i.float(9)),
             4 => |i| evaluated(i, i.vector(4), i.vector(0)),
+            6 => |i| lobe(i, i.vector(0), i.vector(0)),
             _ => |i| sampled(i, i.float(8) * 0.99),
         };
         assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);

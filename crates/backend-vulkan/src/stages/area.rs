@@ -41,7 +41,7 @@ pushed!(
 
 specialized!(
     area_constants: AreaConstants => STAGES_AREA,
-    0 features: Features, 2 kernel: u32, 3 flat: bool, 4 second: bool; default shared_groups
+    0 features: Features, 2 kernel: u32, 3 flat: bool, 4 second: bool, 5 reflections: bool; default shared_groups
 );
 
 impl AreaProbe<Vulkan> for VulkanArea {
@@ -60,6 +60,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
             kernel: gather.kernel.number(),
             flat: gather.is_flat(),
             second: error_moments.is_some(),
+            reflections: gather.reflection,
         };
         let kernel = on.kernel(&shaders::STAGES_AREA, GROUP, &constants)?;
         // The number of queries is not needed on the host: dispatch for the full capacity.

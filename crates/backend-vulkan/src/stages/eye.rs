@@ -28,6 +28,9 @@ const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 pub(crate) struct VulkanEye {
     max_bounces: u32,
     hides_background: bool,
+    /// Whether paths leave queries for the reflection of glossy surfaces, instead of all else:
+    /// [`photon_core::GlossCaustics`].
+    reflections: bool,
     scan: Scan,
     camera: Memory,
     scratch: Option<EyeScratch>,
@@ -98,7 +101,7 @@ pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offset
 specialized!(
     eye_constants: EyeConstants => STAGES_EYE,
     0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures,
-    6 weighed: u32, 7 hides_background: bool;
+    6 weighed: u32, 7 hides_background: bool, 8 reflections: bool;
     default shared_groups
 );
 
@@ -109,7 +112,14 @@ impl VulkanEye {
     /// nothing do not see the environment.
     pub(crate) fn new(on: &mut Vulkan, max_bounces: u32, hides_background: bool) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
-        Ok(Self { max_bounces, hides_background, scan: Scan::new(on)?, camera, scratch: None })
+        Ok(Self { max_bounces, hides_background, reflections: false, scan: Scan::new(on)?, camera, scratch: None })
+    }
+}
+
+impl VulkanEye {
+    /// Constructs a tracer for the camera paths of [`photon_core::GlossCaustics`].
+    pub(crate) fn for_reflections(on: &mut Vulkan, max_bounces: u32) -> Result<Self> {
+        Ok(Self { reflections: true, ..Self::new(on, max_bounces, false)? })
     }
 }
 
@@ -134,7 +144,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
             if in_place { places.min(u64::from(on.dispatch_limits.places >> splits).max(1) << splits) } else { places };
         if !self.scratch.as_ref().is_some_and(|scratch| scratch.fits(pixels, apart)) {
             self.scratch = None;
-            self.scratch = Some(EyeScratch::new(on, pixels, apart)?);
+            let label = if self.reflections { "camera paths for reflections" } else { "camera paths" };
+            self.scratch = Some(EyeScratch::new(on, label, pixels, apart)?);
         }
         let Some(scratch) = &self.scratch else { return Ok(()) };
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
@@ -153,6 +164,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
             media: scene.media(),
             weighed: if features.intersects(Features::FOLLOWED) { weighed(scene) } else { 0 },
             hides_background: self.hides_background,
+            reflections: self.reflections,
         };
         let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
@@ -223,12 +235,12 @@ fn close_ranks(
 }
 
 impl EyeScratch {
-    fn new(on: &mut Vulkan, pixels: u32, queries: u64) -> Result<Self> {
+    fn new(on: &mut Vulkan, label: &'static str, pixels: u32, queries: u64) -> Result<Self> {
         let (words, bytes) = (u64::from(pixels) * 4, queries * size_of::<Query>() as u64);
-        let counts = on.memory("camera paths", words)?;
-        let offsets = on.memory("camera paths", words)?;
-        let queries = on.memory("camera paths", bytes)?;
-        on.note_memory("camera paths", bytes + 2 * words);
+        let counts = on.memory(label, words)?;
+        let offsets = on.memory(label, words)?;
+        let queries = on.memory(label, bytes)?;
+        on.note_memory(label, bytes + 2 * words);
         Ok(Self { counts, offsets, queries })
     }
 

@@ -37,6 +37,8 @@ pub(crate) struct VulkanTracer {
     max_bounces: u32,
     /// Number of fates, of aimed paths or of others.
     fates: usize,
+    /// Whether photons are those of [`photon_core::GlossCaustics`].
+    reflections: bool,
     scan: Scan,
     /// Current maximum number of paths in a chunk, adapted to the photons stored so far.
     longest: u64,
@@ -157,7 +159,7 @@ pushed!(advance_push_layout: AdvancePush => STAGES_TRACE_ADVANCE, totals needed)
 specialized!(
     trace_constants: TraceConstants => STAGES_TRACE,
     0 features: Features, 2 random: u32, 3 wanted: u32, 4 dynamic: bool, 5 busy: u32, 6 aimed: bool,
-    7 media: MediaFeatures, 10 shared_groups: u32
+    7 media: MediaFeatures, 8 reflections: bool, 10 shared_groups: u32
 );
 
 specialized!(tally_constants: TallyConstants => STAGES_TALLY, 3 wanted: u32, 4 fates: u32);
@@ -176,6 +178,12 @@ impl VulkanTracer {
         Self::with_fates(on, settings, AIMED_FATES)
     }
 
+    /// Constructs a tracer for [`photon_core::GlossCaustics`]: aimed or not, paths end at the first surface that is not
+    /// perfectly specular.
+    pub(crate) fn for_reflections(on: &mut Vulkan, settings: &Settings) -> Result<Self> {
+        Ok(Self { reflections: true, ..Self::aimed(on, settings)? })
+    }
+
     fn with_fates(on: &mut Vulkan, settings: &Settings, fates: usize) -> Result<Self> {
         let bytes = 4 * words(fates) as u64;
         let sums = on.memory("tally", bytes)?;
@@ -184,6 +192,7 @@ impl VulkanTracer {
             scheduling: settings.scheduling,
             max_bounces: settings.max_bounces,
             fates,
+            reflections: false,
             scan: Scan::new(on)?,
             longest: LONGEST,
             scratch: None,
@@ -211,7 +220,11 @@ impl VulkanTracer {
             cursors: on.memory("cursors", CURSORS)?,
             chunk: on.memory("stretch", size_of::<Chunk>() as u64)?,
         };
-        let label = if self.fates == AIMED_FATES { "tracing aimed photons" } else { "tracing" };
+        let label = match (self.reflections, self.fates == AIMED_FATES) {
+            (true, _) => "tracing reflected photons",
+            (false, true) => "tracing aimed photons",
+            (false, false) => "tracing",
+        };
         let path = 4 * MAPS as u64 + 16 + if long { STATE + 8 } else { 0 };
         on.note_memory(label, places * 40 + paths * path);
         self.scratch = Some(scratch);
@@ -285,6 +298,7 @@ impl VulkanTracer {
             busy: plan.busy,
             aimed: self.fates == AIMED_FATES,
             media: scene.media(),
+            reflections: self.reflections,
             shared_groups: plan.shared_groups,
         };
         let trace = on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)?;

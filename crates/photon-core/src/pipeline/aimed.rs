@@ -27,9 +27,11 @@ pub(super) fn stages<B: TransportBackend>(
     Ok(stages)
 }
 
-/// Memory of a backend if some of the paths are aimed: these have their own stages, with their own memory.
-pub(super) fn costs(costs: Costs, aimed: bool) -> Costs {
-    if aimed { Costs { path: costs.path + costs.path / 2, ..costs } } else { costs }
+/// Memory of a backend with all its tracers: those for aimed paths, and for caustics in reflections, have memory of their
+/// own.
+pub(super) fn costs<B: TransportBackend>(costs: Costs, stages: &Stages<B>) -> Costs {
+    let more = u64::from(stages.aimed.is_some()) + u64::from(stages.gloss_caustics.is_some());
+    Costs { path: costs.path + more * (costs.path / 2), ..costs }
 }
 
 impl<B: TransportBackend> Pipeline<B> {

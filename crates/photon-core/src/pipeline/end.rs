@@ -17,9 +17,21 @@ impl<B: TransportBackend> Pipeline<B> {
         // Everything that holds buffers: fields that are not named here would be dropped only after the
         // call below.
         let Self {
-            mut on, scene, stages, film, rays, maps, queries, estimates, error_moments, points, bandwidth, ..
+            mut on,
+            scene,
+            stages,
+            film,
+            rays,
+            maps,
+            queries,
+            reflections,
+            estimates,
+            error_moments,
+            points,
+            bandwidth,
+            ..
         } = self;
-        drop((scene, stages, film, rays, maps, queries, estimates, error_moments, points, bandwidth));
+        drop((scene, stages, film, rays, maps, queries, reflections, estimates, error_moments, points, bandwidth));
         on.reset()?;
         Ok(on)
     }
@@ -70,6 +82,9 @@ impl<B: TransportBackend> Pipeline<B> {
         self.stages.tracer.take_tally(&mut self.on)?;
         if let Some(aimed) = &mut self.stages.aimed {
             aimed.tracer.take_tally(&mut self.on)?;
+        }
+        if let Some(caustics) = &mut self.stages.gloss_caustics {
+            caustics.tracer.take_tally(&mut self.on)?;
         }
         self.on.timings().map(drop)
     }

@@ -2,7 +2,7 @@
 
 use super::Pipeline;
 use super::photons::Sent;
-use super::slot::BuiltMap;
+use super::slot::{BuiltMap, MapSlot};
 use crate::backend::stages::{EstimateBuffers, EstimateParams, Maps, Pass};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
@@ -26,19 +26,19 @@ impl<B: TransportBackend> Pipeline<B> {
         let paths = sent.per_map();
         let maps = self.build_maps(index, &paths)?;
         let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
-        if queries > 0 {
-            for built in &maps {
-                if is_shown(&self.settings, built.kind) {
-                    self.show(built, pass)?;
-                }
+        for built in &maps {
+            if (queries > 0 || built.reflected) && is_shown(&self.settings, built.kind) {
+                self.show(built, pass)?;
             }
         }
         let gathers_rays = self.stages.gather.is_some() && queries > 0;
         self.on.mark(gathers_rays.then_some(Stage::Gather));
-        let irradiance = if gathers_rays { self.irradiance(&maps, pass)? } else { None };
+        // Gather rays follow reflections: what they would find there is in the caustic map at their start.
+        let gathered = || maps.iter().filter(|built| !built.reflected);
+        let irradiance = if gathers_rays { self.irradiance(gathered, pass)? } else { None };
         if let (Some(stage), true) = (&mut self.stages.gather, gathers_rays) {
             let mut photons = PerMap::default();
-            for built in &maps {
+            for built in gathered() {
                 photons[built.kind] = Some((&built.map, built.gather));
             }
             let lent = Maps { photons, irradiance: irradiance.as_ref().map(|(map, gather)| (map, *gather)), paths };
@@ -48,7 +48,8 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.mark(None);
         self.reclaim_irradiance(irradiance);
         for built in maps {
-            if let Some(slot) = self.maps.iter_mut().find(|slot| slot.kind == built.kind) {
+            let mut slots = self.maps.iter_mut();
+            if let Some(slot) = slots.find(|slot| (slot.kind, slot.reflected) == (built.kind, built.reflected)) {
                 slot.photons = Some(self.stages.map.builder.reclaim(built.map));
             }
         }
@@ -68,33 +69,37 @@ impl<B: TransportBackend> Pipeline<B> {
             let map = self.stages.map.builder.build(&mut self.on, filled)?;
             let gather = EstimateParams {
                 shading_normals: self.shading_normals,
+                reflection: slot.reflected,
                 ..radii::gather(&self.settings, slot.radius, index)
             };
-            maps.push(BuiltMap { kind: slot.kind, map, length, gather, paths: paths[slot.kind] });
+            let MapSlot { kind, reflected, .. } = *slot;
+            maps.push(BuiltMap { kind, reflected, map, length, gather, paths: paths[kind] });
         }
         Ok(maps)
     }
 
     /// Adds the estimates from one map at the queries to the film.
     fn show(&mut self, built: &BuiltMap<B>, pass: Pass) -> Result<()> {
-        let BuiltMap { kind, map, gather, paths, .. } = built;
+        let BuiltMap { kind, reflected, map, gather, paths, .. } = built;
+        let queries = if *reflected { self.reflections.as_ref() } else { Some(&self.queries) };
+        let Some(queries) = queries else { return Ok(()) };
         let Some(estimates) = &mut self.estimates else { return Ok(()) };
         self.on.mark(Some(Stage::Estimate));
         let (on, estimator) = (&mut self.on, &mut self.stages.map.estimator);
         match &mut self.error_moments {
-            None => estimator.estimate(on, map, &self.queries, gather, estimates)?,
+            None => estimator.estimate(on, map, queries, gather, estimates)?,
             Some(error_moments) => {
-                estimator.estimate_with_moments(on, map, &self.queries, gather, estimates, error_moments)?
+                estimator.estimate_with_moments(on, map, queries, gather, estimates, error_moments)?
             }
         }
         if let Some(area) = &mut self.stages.area {
             let buffers = EstimateBuffers { estimates, error_moments: self.error_moments.as_mut() };
-            area.correct(on, &self.scene, pass, &self.queries, gather, buffers)?;
+            area.correct(on, &self.scene, pass, queries, gather, buffers)?;
         }
         on.mark(Some(Stage::Film));
         if let Some(error_moments) = &self.error_moments {
-            on.accumulate_errors(&mut self.film, *kind, &self.queries, estimates, error_moments, *paths)?;
+            on.accumulate_errors(&mut self.film, *kind, queries, estimates, error_moments, *paths)?;
         }
-        on.accumulate(&mut self.film, kind.layer(), &self.queries, estimates, *paths)
+        on.accumulate(&mut self.film, kind.layer(), queries, estimates, *paths)
     }
 }

@@ -4,7 +4,7 @@ use super::{PILOT_PASS, PILOT_PATHS, Pipeline, aimed, irradiance};
 use crate::backend::TransportBackend;
 use crate::backend::memory::MemoryPlan;
 use crate::error::Result;
-use crate::requirements::map_kind::PerMap;
+use crate::scene::layout::Photon;
 
 /// Photons allocated per map for counting; those beyond the capacity are counted too.
 const COUNTED: u64 = 65_536;
@@ -17,17 +17,23 @@ impl<B: TransportBackend> Pipeline<B> {
             slot.allocate(&mut self.on, each, self.required.photon_format)?;
         }
         let paths = self.settings.photons.min(PILOT_PATHS).min(plan.batch);
-        let per_path = self.emit_and_count(paths, plan.batch)?.map(|needed| needed as f64 / f64::from(paths));
-        let all: f64 = per_path.values().sum();
-        let costs = aimed::costs(self.on.costs(self.required.photon_format), self.stages.aimed.is_some());
+        let per_path: Vec<f64> = self
+            .emit_and_count(paths, plan.batch)?
+            .into_iter()
+            .map(|needed| needed as f64 / f64::from(paths))
+            .collect();
+        let all: f64 = per_path.iter().sum();
+        let format = self.maps.iter().map(|slot| slot.photon_format(self.required.photon_format)).max();
+        let format = format.unwrap_or(self.required.photon_format);
+        let costs = aimed::costs(self.on.costs(format), &self.stages);
         plan.share(all, &irradiance::costs(&self.on, costs, &self.settings));
         self.batch = self.batch.min(plan.batch);
         self.settings.photons = plan.paths(all, self.settings.photons);
         // All are freed before the first is allocated.
         self.maps.iter_mut().for_each(|slot| slot.photons = None);
-        for slot in &mut self.maps {
+        for (slot, per_path) in self.maps.iter_mut().zip(per_path) {
             // Reserve for random variation: a thousand, and a twentieth.
-            let expected = f64::from(self.settings.photons) * per_path[slot.kind];
+            let expected = f64::from(self.settings.photons) * per_path;
             let own = (expected * 1.05) as u64 + 1024;
             let capacity = self.settings.photon_capacity.map_or(own, |given| given.min(own));
             slot.allocate(&mut self.on, capacity, self.required.photon_format)?;
@@ -37,7 +43,7 @@ impl<B: TransportBackend> Pipeline<B> {
 
     /// Number of photons that `paths` paths, and the corresponding aimed ones, store in each map, whether
     /// or not they fit.
-    fn emit_and_count(&mut self, paths: u32, batch: u32) -> Result<PerMap<u64>> {
+    fn emit_and_count(&mut self, paths: u32, batch: u32) -> Result<Vec<u64>> {
         if self.needs_others() {
             self.send_batch(PILOT_PASS, false, 0..paths)?;
             self.stages.tracer.take_tally(&mut self.on)?;
@@ -50,12 +56,11 @@ impl<B: TransportBackend> Pipeline<B> {
                 stages.tracer.take_tally(&mut self.on)?;
             }
         }
-        let mut counts = PerMap::default();
-        for slot in &self.maps {
-            if let Some(photons) = &slot.photons {
-                counts[slot.kind] = self.on.fill(photons)?.needed;
-            }
-        }
-        Ok(counts)
+        let on = &mut self.on;
+        let count = |photons: &Option<B::Buffer<Photon>>| match photons {
+            Some(photons) => on.fill(photons).map(|fill| fill.needed),
+            None => Ok(0),
+        };
+        self.maps.iter().map(|slot| &slot.photons).map(count).collect()
     }
 }

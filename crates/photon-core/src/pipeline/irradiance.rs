@@ -38,15 +38,15 @@ pub(super) fn costs<B: TransportBackend>(on: &B, costs: Costs, settings: &Settin
 impl<B: TransportBackend> Pipeline<B> {
     /// A map of irradiance at every n-th photon of `maps`, and its estimate parameters; `None` if it is not
     /// required.
-    pub(super) fn irradiance(
+    pub(super) fn irradiance<'a, I: Iterator<Item = &'a BuiltMap<B>>>(
         &mut self,
-        maps: &[BuiltMap<B>],
+        maps: impl Fn() -> I,
         pass: Pass,
     ) -> Result<Option<(B::PhotonMap, EstimateParams)>> {
         let (Some(every), Some(stage)) = (self.settings.irradiance_every, &mut self.stages.irradiance) else {
             return Ok(None);
         };
-        let count: u64 = maps.iter().map(|built| built.length.div_ceil(u64::from(every))).sum();
+        let count: u64 = maps().map(|built| built.length.div_ceil(u64::from(every))).sum();
         if count == 0 {
             return Ok(None);
         }
@@ -69,12 +69,12 @@ impl<B: TransportBackend> Pipeline<B> {
             None => on.alloc("irradiance", points.capacity)?,
         };
         on.clear(&mut points.queries)?;
-        for BuiltMap { map, .. } in maps {
+        for BuiltMap { map, .. } in maps() {
             stage.places(on, map, every, &mut points.queries)?;
         }
         let mut reach = 0.0_f32;
         let mut first = true;
-        for BuiltMap { map, gather, paths, .. } in maps {
+        for BuiltMap { map, gather, paths, .. } in maps() {
             let gather = &EstimateParams { kernel: POINT_KERNEL, ..*gather };
             self.stages.map.estimator.estimate(on, map, &points.queries, gather, &mut points.estimates)?;
             if let Some(area) = &mut self.stages.area {

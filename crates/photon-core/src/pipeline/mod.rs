@@ -58,6 +58,8 @@ pub struct Pipeline<B: TransportBackend> {
     /// The memory plan before photons were counted, and its batch size, if memory is limited.
     cap: Option<(MemoryPlan, u32)>,
     queries: B::Buffer<Query>,
+    /// Queries for the reflection of glossy surfaces, with [`crate::GlossCaustics`].
+    reflections: Option<B::Buffer<Query>>,
     estimates: Option<B::Buffer<Estimate>>,
     error_moments: Option<B::Buffer<ErrorMoments>>,
     points: Option<irradiance::Points<B>>,
@@ -180,15 +182,22 @@ impl<B: TransportBackend> Pipeline<B> {
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.splits_camera_paths();
         let per_pixel = if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };
-        let costs =
-            irradiance::costs(&on, aimed::costs(on.costs(required.photon_format), stages.aimed.is_some()), &settings);
+        let mut stages = stages;
+        if !(required.gloss_caustics && stages.map.estimator.weighs_reflections()) {
+            stages.gloss_caustics = None;
+        }
+        let format = if stages.gloss_caustics.is_some() { PhotonFormat::Full } else { required.photon_format };
+        let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);
         let plan = match settings.memory {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
                 // Error statistics: those of a query, and a copy of those of a pixel for reading the film.
                 let (moments, copy) =
                     if settings.errors { (size_of::<ErrorMoments>(), size_of::<ErrorPixel>()) } else { (0, 0) };
-                let picture = pixels * (costs.pixel + copy as u64 + per_pixel * (costs.query + moments as u64));
+                // As they are found, and one after another.
+                let reflection = if stages.gloss_caustics.is_some() { 2 * size_of::<Query>() } else { 0 };
+                let query = costs.query + (moments + reflection) as u64;
+                let picture = pixels * (costs.pixel + copy as u64 + per_pixel * query);
                 Some(MemoryPlan::new(cap, tables.saturating_add(picture), &costs)?)
             }
             None => None,
@@ -198,6 +207,10 @@ impl<B: TransportBackend> Pipeline<B> {
         let most = settings.photons.max(PILOT_PATHS).max(aimed);
         let rays = on.alloc("photon rays", u64::from(batch.min(most)))?;
         let queries = on.alloc("queries", pixels * per_pixel)?;
+        let reflections = match stages.gloss_caustics {
+            Some(_) => Some(on.alloc("queries of reflections", pixels * per_pixel)?),
+            None => None,
+        };
         let any_map = required.maps.any();
         let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
         let error_moments =
@@ -205,7 +218,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let schedule = Schedule::new(settings.alpha);
         let own_radii = Self::own_radii(&settings, &view);
         let mut pipeline = Self {
-            maps: MapSlot::of(&required.maps, radii::given(&settings, &scene.units)),
+            maps: MapSlot::of(&required.maps, stages.gloss_caustics.is_some(), radii::given(&settings, &scene.units)),
             units: scene.units,
             scene: prepared,
             state: State::Ready,
@@ -224,6 +237,7 @@ impl<B: TransportBackend> Pipeline<B> {
             setup: StageTimings::default(),
             rays,
             queries,
+            reflections,
             estimates,
             error_moments,
             points: None,
@@ -255,7 +269,11 @@ impl<B: TransportBackend> Pipeline<B> {
         let aimed = self.aimed_paths(self.settings.photons).unwrap_or(0);
         let most = u64::from(self.settings.photons.max(aimed)) * u64::from(self.settings.max_bounces);
         let capacity = self.settings.photon_capacity.map_or(guess, |given| given.min(most));
-        self.maps.iter_mut().try_for_each(|slot| slot.allocate(&mut self.on, capacity, self.required.photon_format))
+        self.maps.iter_mut().try_for_each(|slot| {
+            // A path stores at most one photon for reflections.
+            let capacity = if slot.reflected { capacity.min(u64::from(paths.max(aimed))) } else { capacity };
+            slot.allocate(&mut self.on, capacity, self.required.photon_format)
+        })
     }
 
     /// Traces camera paths, and computes direct light.
@@ -265,6 +283,12 @@ impl<B: TransportBackend> Pipeline<B> {
         self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
         if let Some((_, Some(factors))) = &self.bandwidth {
             self.on.scale_radii(&mut self.queries, factors)?;
+        }
+        if let (Some(caustics), Some(reflections)) = (&mut self.stages.gloss_caustics, &mut self.reflections) {
+            caustics.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, reflections)?;
+            if let Some((_, Some(factors))) = &self.bandwidth {
+                self.on.scale_radii(reflections, factors)?;
+            }
         }
         if let Some(direct) = &mut self.stages.direct {
             self.on.mark(Some(Stage::Direct));
@@ -378,7 +402,7 @@ impl<B: TransportBackend> Pipeline<B> {
             *factors = Some(self.on.upload("radii of pixels", &radii.bits())?);
         }
         let mut radius = PerMap::default();
-        for slot in &self.maps {
+        for slot in self.maps.iter().filter(|slot| !slot.reflected) {
             let normalised = radii::gather(&self.settings, slot.radius, index).radius_scale;
             radius[slot.kind] = Some(self.units.length_to_user(normalised));
         }

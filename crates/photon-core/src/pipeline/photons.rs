@@ -84,6 +84,10 @@ impl<B: TransportBackend> Pipeline<B> {
                     sent.aimed_tally = stages.tracer.take_tally(&mut self.on)?;
                 }
             }
+            if let Some(caustics) = &mut self.stages.gloss_caustics {
+                // These paths are in a tally already.
+                caustics.tracer.take_tally(&mut self.on)?;
+            }
             if !self.grow_if_needed()? {
                 return Ok(sent);
             }
@@ -120,9 +124,11 @@ impl<B: TransportBackend> Pipeline<B> {
         let stages = &mut self.stages;
         let aims = stages.aimed.is_some();
         let mut deposits: Deposits<'_, B> = PerMap::default();
+        let mut reflected: Deposits<'_, B> = PerMap::default();
         for slot in &mut self.maps {
             // A map is filled by one kind of paths, never by both.
             if (aims && slot.kind.is_aimed()) == aimed {
+                let deposits = if slot.reflected { &mut reflected } else { &mut deposits };
                 deposits[slot.kind] = slot.photons.as_mut();
             }
         }
@@ -134,6 +140,9 @@ impl<B: TransportBackend> Pipeline<B> {
         emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;
         self.on.mark(Some(Stage::Trace));
         tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits)?;
+        if let Some(caustics) = stages.gloss_caustics.as_mut().filter(|_| reflected.values().any(Option::is_some)) {
+            caustics.tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, reflected)?;
+        }
         self.on.mark(None);
         Ok(())
     }
@@ -146,7 +155,7 @@ impl<B: TransportBackend> Pipeline<B> {
             let fill = self.on.fill(photons)?;
             if fill.needed > fill.capacity {
                 if self.settings.photon_capacity.is_some() || self.settings.memory.is_some() {
-                    let label = slot.kind.label();
+                    let label = slot.label();
                     return Err(Error::CapacityExceeded { label, needed: fill.needed, capacity: fill.capacity });
                 }
                 slot.allocate(&mut self.on, fill.needed + fill.needed / 8, self.required.photon_format)?;

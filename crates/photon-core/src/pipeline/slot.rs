@@ -10,6 +10,8 @@ use crate::scene::layout::Photon;
 /// The photons of one map, and its search radius.
 pub(super) struct MapSlot<B: Backend> {
     pub(super) kind: MapKind,
+    /// Whether its photons are those of [`crate::GlossCaustics`], for the reflection of glossy surfaces.
+    pub(super) reflected: bool,
     /// `None` before allocation, and while the photons are in a map.
     pub(super) photons: Option<B::Buffer<Photon>>,
     /// Maximum number of photons.
@@ -19,24 +21,39 @@ pub(super) struct MapSlot<B: Backend> {
 }
 
 impl<B: Backend> MapSlot<B> {
-    /// One slot per required map, in order, without memory; all with the same radius.
-    pub(super) fn of(required: &PerMap<bool>, radius: f32) -> Vec<Self> {
-        let slots = required.iter().filter(|(_, required)| **required);
-        slots.map(|(kind, _)| Self { kind, photons: None, capacity: 0, radius }).collect()
+    /// One slot per required map, in order, then one for caustics in reflections if `reflected`; without memory, and all
+    /// with the same radius.
+    pub(super) fn of(required: &PerMap<bool>, reflected: bool, radius: f32) -> Vec<Self> {
+        let maps = required.iter().filter(|(_, required)| **required).map(|(kind, _)| (kind, false));
+        let all = maps.chain(reflected.then_some((MapKind::Caustic, true)));
+        all.map(|(kind, reflected)| Self { kind, reflected, photons: None, capacity: 0, radius }).collect()
     }
 
-    /// Replaces the buffer by one for `capacity` photons.
+    /// Photon format of the map, where the other maps have `format`.
+    pub(super) fn photon_format(&self, format: PhotonFormat) -> PhotonFormat {
+        if self.reflected { PhotonFormat::Full } else { format }
+    }
+
+    /// Replaces the buffer by one for `capacity` photons; `photon_format` is that of maps that are not `reflected`.
     pub(super) fn allocate(&mut self, on: &mut B, capacity: u64, photon_format: PhotonFormat) -> Result<()> {
+        let photon_format = self.photon_format(photon_format);
         self.photons = None;
         self.capacity = capacity;
-        self.photons = Some(on.alloc_photons(self.kind.label(), capacity, photon_format)?);
+        self.photons = Some(on.alloc_photons(self.label(), capacity, photon_format)?);
         Ok(())
+    }
+
+    /// Label of its buffer, in reports and errors.
+    pub(super) fn label(&self) -> &'static str {
+        if self.reflected { "photons: caustic, reflected" } else { self.kind.label() }
     }
 }
 
 /// A map of the current pass.
 pub(super) struct BuiltMap<B: Backend> {
     pub(super) kind: MapKind,
+    /// Like [`MapSlot::reflected`].
+    pub(super) reflected: bool,
     pub(super) map: B::PhotonMap,
     /// Number of photons.
     pub(super) length: u64,

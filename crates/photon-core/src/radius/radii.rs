@@ -72,5 +72,6 @@ pub(crate) fn gather(settings: &Settings, radius: f32, index: u32) -> EstimatePa
         min_normal_cosine: settings.min_normal_cosine,
         max_plane_distance: settings.max_plane_distance,
         shading_normals: false,
+        reflection: false,
     }
 }

@@ -5,7 +5,7 @@ use crate::radius::radii;
 use crate::requirements::features::Features;
 use crate::requirements::map_kind::MapKind;
 use crate::requirements::photon_format::PhotonFormat;
-use crate::requirements::{Requirements, light_features, material_features};
+use crate::requirements::{Requirements, has_gloss_caustics, light_features, material_features};
 use crate::scene::SceneView;
 use crate::scene::light::Light;
 use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
@@ -74,6 +74,20 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             say("aimed photons", aimed, &why);
         }
     }
+    let perfect = has_gloss_caustics(scene);
+    say(
+        "caustics in glossy reflections",
+        required.gloss_caustics,
+        match (required.gloss_caustics, perfect, matches!(settings.estimator, Estimator::Paper(_))) {
+            (true, ..) => {
+                "point, spot or directional lights may reach glossy surfaces by way of mirrors or glass: photons for their \
+                 reflection have a map of 32 bytes each, and camera paths are traced once more"
+            }
+            (false, false, _) => "no point, spot or directional light, or no glossy surface, or no mirror and no glass",
+            (false, true, true) => "the paper's estimator has no BSDF: they are left out",
+            (false, true, false) => "caustics are left out, or no light reaches mirrors, glass or glossy surfaces",
+        },
+    );
     let any_map = required.maps.any();
     say(
         "photons",

@@ -102,6 +102,9 @@ impl Features {
         self.intersects(Self::DIELECTRIC.union(Self::THIN).union(Self::GLOSSY))
     }
 
+    /// Lights that no camera path can find: without extent.
+    pub const DELTA_LIGHTS: Self = Self::POINT_LIGHTS.union(Self::SPOT_LIGHTS).union(Self::DIRECTIONAL_LIGHTS);
+
     /// The features that are not in `other`.
     #[must_use]
     pub const fn without(self, other: Self) -> Self {

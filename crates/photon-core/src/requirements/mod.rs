@@ -15,7 +15,7 @@ use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediaFeatures;
 use crate::scene::solids::Solids;
 use crate::scene::texture::{MaterialTextures, ShadingTables};
-use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
+use crate::settings::{CausticPhotons, Direct, Estimator, Indirect, Settings};
 use crate::shading::light_sampler::MAX_LIGHTS;
 
 /// The features, maps and stages that are needed for a scene.
@@ -35,6 +35,9 @@ pub struct Requirements {
     /// Whether the caustic map is filled by separate, aimed paths, unless [`crate::ProjectionMap`] finds
     /// that this is not worthwhile.
     pub aimed: bool,
+    /// Point, spot or directional light may reach glossy surfaces by way of perfect mirrors or smooth glass, and is shown in
+    /// their reflection: [`crate::GlossCaustics`].
+    pub gloss_caustics: bool,
     /// Direct light is computed with shadow rays.
     pub shadow_rays: bool,
     /// Indirect light is computed by final gathering.
@@ -57,6 +60,7 @@ impl Requirements {
             media: Solids::of(scene).features(),
             maps,
             aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
+            gloss_caustics: maps[MapKind::Caustic] && shows_gloss_caustics(settings) && has_gloss_caustics(scene),
             shadow_rays: settings.direct == Direct::Nee,
             final_gather: settings.indirect == Indirect::Gather,
             photon_format: PhotonFormat::of(scene, settings),
@@ -72,6 +76,7 @@ impl Requirements {
             media: MediaFeatures::ALL,
             maps,
             aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
+            gloss_caustics: shows_gloss_caustics(settings),
             shadow_rays: settings.direct == Direct::Nee,
             final_gather: settings.indirect == Indirect::Gather,
             photon_format: PhotonFormat::Full,
@@ -146,6 +151,25 @@ fn reads(settings: &Settings, kind: MapKind) -> bool {
         MapKind::Caustic => settings.caustics || gather,
         MapKind::Global => settings.indirect != Indirect::None,
     }
+}
+
+/// Whether caustics are shown in the reflections of glossy surfaces, if there are any. The paper's equation has no BSDF.
+fn shows_gloss_caustics(settings: &Settings) -> bool {
+    settings.caustics && !matches!(settings.estimator, Estimator::Paper(_))
+}
+
+/// Whether `scene` can have caustics that only photons find in the reflection of glossy surfaces.
+pub(crate) fn has_gloss_caustics(scene: &SceneView<'_>) -> bool {
+    // Textures may make rough glass smooth.
+    let is_perfect = |material: &Material| match material.kind() {
+        MaterialKind::Mirror => true,
+        MaterialKind::Dielectric | MaterialKind::Thin => !material.is_rough_glass() || material.textures != 0,
+        MaterialKind::Lambert | MaterialKind::Glossy => false,
+    };
+    let features = Features::of(scene);
+    features.contains(Features::GLOSSY)
+        && features.intersects(Features::DELTA_LIGHTS)
+        && scene.materials_in_use().any(is_perfect)
 }
 
 /// The features that a material of `scene` needs.

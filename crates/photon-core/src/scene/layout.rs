@@ -71,17 +71,19 @@ pub struct Query {
     /// Factor from irradiance here to the pixel's radiance: throughput of the camera path times albedo over
     /// π.
     pub throughput: [f32; 3],
-    /// The media in front of the surface: bits of a [`crate::MediumStack`]. Shadow and gather rays start in them.
+    /// The media in front of the surface: bits of a [`crate::MediumStack`]. Shadow and gather rays start in them. In a query
+    /// for a reflection ([`crate::EstimateParams::reflection`]), from which no rays start, the first word of a
+    /// [`crate::ReflectionLobe`].
     pub media: u32,
     /// Unit vector towards the viewer, packed by [`crate::octahedral::pack`].
     pub wo: u32,
     /// Index of the camera path within its pass: the key of the random numbers used here.
     pub path: u32,
     /// Unit shading normal on the visible side, packed by [`crate::octahedral::pack`]; read only in scenes with
-    /// [`crate::Features::SHADING_NORMALS`].
+    /// [`crate::Features::SHADING_NORMALS`], and in queries for a reflection.
     pub shading_normal: u32,
     /// The coat over the base of a glossy surface: bits of a [`crate::Coat`], which reduces the light that reaches the
-    /// base; 0 without one.
+    /// base; 0 without one. In a query for a reflection, the second word of a [`crate::ReflectionLobe`].
     pub coat: u32,
 }
 

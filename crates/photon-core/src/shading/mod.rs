@@ -16,6 +16,7 @@ pub mod math;
 pub mod octahedral;
 pub mod offset;
 pub mod random;
+pub(crate) mod reflection_lobe;
 pub mod rough_glass;
 pub(crate) mod rough_glass_table;
 pub mod sampling;

@@ -12,24 +12,28 @@ mod search;
 mod tests;
 
 use photon_core::{
-    Backend, Error, ErrorMoments, Estimate, EstimateParams, Kernel, PhotonFormat, Query, RadianceEstimator, Result,
-    Search, neighbour_radius,
+    AlbedoTable, Backend, Error, ErrorMoments, Estimate, EstimateParams, Kernel, PhotonFormat, Query,
+    RadianceEstimator, Result, Search, neighbour_radius,
 };
 
+use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::vulkan::Vulkan;
-use search::{MapSearch, Mode, Question};
+use search::{MapSearch, Mode, Question, Weighting};
 
 /// Estimates radiance from photon maps.
 #[derive(Debug, Default)]
 pub(crate) struct VulkanEstimator {
     search: MapSearch,
+    /// Entries of the [`AlbedoTable`], once reflections are estimated.
+    albedos: Option<Memory>,
 }
 
 /// [`crate::low_level::estimator_without_sorting`].
 pub(crate) fn estimator_without_sorting() -> Box<dyn RadianceEstimator<Vulkan>> {
-    Box::new(VulkanEstimator { search: MapSearch { worth_order: u64::MAX, ..MapSearch::default() } })
+    let search = MapSearch { worth_order: u64::MAX, ..MapSearch::default() };
+    Box::new(VulkanEstimator { search, albedos: None })
 }
 
 impl RadianceEstimator<Vulkan> for VulkanEstimator {
@@ -42,7 +46,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         estimates: &mut VulkanBuffer<Estimate>,
     ) -> Result<()> {
         gather.validate_for(map.photon_format())?;
-        let mut question = radius_question(gather);
+        let mut question = Question { shading: self.weighting(on, gather)?, ..radius_question(gather) };
         match gather.search {
             Search::Radius => {}
             Search::KNearest { k } => {
@@ -82,7 +86,9 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         error_moments: &mut VulkanBuffer<ErrorMoments>,
     ) -> Result<()> {
         gather.validate_moments()?;
-        let question = Question { error_moments: error_moments.data_address(), ..radius_question(gather) };
+        gather.validate_for(map.photon_format())?;
+        let shading = self.weighting(on, gather)?;
+        let question = Question { error_moments: error_moments.data_address(), shading, ..radius_question(gather) };
         let capacity = estimates.capacity().min(error_moments.capacity());
         let result = (estimates.data_address(), estimates.count_address(), capacity);
         let order = self.search.order(on, map, queries)?;
@@ -120,6 +126,28 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Mono
     }
+
+    fn weighs_reflections(&self) -> bool {
+        true
+    }
+}
+
+impl VulkanEstimator {
+    fn weighting(&mut self, on: &mut Vulkan, gather: &EstimateParams) -> Result<Weighting> {
+        if !gather.reflection {
+            return Ok(if gather.shading_normals { Weighting::Cosine } else { Weighting::Even });
+        }
+        let albedos = match self.albedos.take() {
+            Some(albedos) => albedos,
+            None => {
+                let bytes: &[u8] = bytemuck::cast_slice(AlbedoTable::get().entries());
+                let albedos = on.memory("albedos of glossy surfaces", bytes.len() as u64)?;
+                on.write(&albedos, 0, bytes)?;
+                albedos
+            }
+        };
+        Ok(Weighting::Reflection(self.albedos.insert(albedos).address()))
+    }
 }
 
 /// A search for all photons within the radius.
@@ -129,7 +157,7 @@ fn radius_question(gather: &EstimateParams) -> Question {
         kernel: gather.kernel,
         filter: gather.min_normal_cosine > -1.0,
         flat: gather.is_flat(),
-        shading: gather.shading_normals,
+        shading: Weighting::Even,
         k: 0,
         radius: gather.radius_scale,
         min_cosine: gather.min_normal_cosine,

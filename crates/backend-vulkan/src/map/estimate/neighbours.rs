@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Kernel, Query, Result};
 
 use super::check_radius;
-use super::search::{MapSearch, Mode, Question};
+use super::search::{MapSearch, Mode, Question, Weighting};
 use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
@@ -155,7 +155,7 @@ fn question(mode: Mode, k: u32, radius: f32) -> Question {
         kernel: Kernel::Constant,
         filter: false,
         flat: false,
-        shading: false,
+        shading: Weighting::Even,
         k,
         radius,
         min_cosine: -1.0,

@@ -45,6 +45,27 @@ pub(super) enum Mode {
     Count,
 }
 
+/// What the power of photons is multiplied by: `SHADING` of the kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Weighting {
+    /// 1.
+    Even,
+    /// The cosine to the query's shading normal, over that to the geometric one.
+    Cosine,
+    /// The reflection of the query; the address of the albedo table.
+    Reflection(u64),
+}
+
+impl Weighting {
+    fn number(self) -> u32 {
+        match self {
+            Self::Even => 0,
+            Self::Cosine => 1,
+            Self::Reflection(_) => 2,
+        }
+    }
+}
+
 /// Parameters of a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Question {
@@ -54,8 +75,8 @@ pub(super) struct Question {
     pub(super) filter: bool,
     /// Whether photons are rejected by their distance from the query's plane.
     pub(super) flat: bool,
-    /// Whether photons are weighted by the cosine to the query's shading normal.
-    pub(super) shading: bool,
+    /// What photons are weighted by.
+    pub(super) shading: Weighting,
     pub(super) k: u32,
     /// Rows and counts: the radius. Otherwise a factor on every query's radius.
     pub(super) radius: f32,
@@ -119,13 +140,13 @@ pushed!(sample_push_layout: SamplePush => SEARCH_SAMPLE, photons queries points 
 specialized!(
     radius_constants: RadiusConstants => SEARCH_RADIUS,
     2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 filter: bool, 6 error_moments: bool, 7 flat: bool, 8 turns: u32,
-    9 format: PhotonFormat, 10 shading: bool
+    9 format: PhotonFormat, 10 shading: u32
 );
 
 specialized!(
     nearest_constants: NearestConstants => SEARCH_K_NEAREST,
     2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 filter: bool, 6 mode: u32, 7 wide: bool, 8 turns: u32,
-    9 format: PhotonFormat, 10 shading: bool
+    9 format: PhotonFormat, 10 shading: u32
 );
 
 specialized!(
@@ -208,7 +229,7 @@ impl MapSearch {
                     flat: question.flat,
                     turns,
                     format,
-                    shading: question.shading,
+                    shading: question.shading.number(),
                 };
                 on.kernel(&shaders::SEARCH_RADIUS, workgroup, &constants)?
             }
@@ -225,7 +246,7 @@ impl MapSearch {
                     wide: question.k > self.narrow_bins,
                     turns,
                     format,
-                    shading: question.shading,
+                    shading: question.shading.number(),
                 };
                 on.kernel(&shaders::SEARCH_K_NEAREST, workgroup, &constants)?
             }
@@ -254,6 +275,15 @@ impl MapSearch {
             capacity: capacity.min(u64::from(u32::MAX)) as u32,
             max_plane_distance: question.max_plane_distance,
         };
+        if let Weighting::Reflection(albedos) = question.shading {
+            // In words that these searches do not use: search_map.glsl.
+            let (low, high) = (albedos as u32, (albedos >> 32) as u32);
+            push.threshold = low;
+            match question.mode {
+                Mode::Radius => push.k = high,
+                _ => push.max_plane_distance = f32::from_bits(high),
+            }
+        }
         let portion = if turns > 0 { span * (SUBGROUPS / u64::from(TILES)) } else { PORTION / span * span };
         let paused = &mut self.paused;
         let mut all = |on: &mut Vulkan| {

@@ -77,6 +77,12 @@ pub trait RadianceEstimator<B: Backend>: Send {
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Full
     }
+
+    /// Whether it supports [`EstimateParams::reflection`]; otherwise it is never set, and the light that
+    /// [`crate::GlossCaustics`] would find is missing.
+    fn weighs_reflections(&self) -> bool {
+        false
+    }
 }
 
 /// Per-query estimates and optional error statistics.

@@ -38,6 +38,23 @@ pub struct Aimed<B: TransportBackend> {
     pub paths: u32,
 }
 
+/// Stages for light that reaches a glossy surface from a point, spot or directional light by way of perfect mirrors and
+/// smooth glass alone, as its reflection shows it: no camera path that follows the reflection can find such a light.
+///
+/// The photons have a map of their own, in [`crate::PhotonFormat::Full`], whose estimates
+/// ([`EstimateParams::reflection`]) are added to [`crate::Layer::Caustic`].
+#[expect(missing_debug_implementations, reason = "boxed stages")]
+// Exhaustive: as `Stages`.
+pub struct GlossCaustics<B: TransportBackend> {
+    /// Traces the paths of the caustic map once more, to the first surface that is not perfectly specular. There it stores
+    /// a photon of the full power that arrives, as [`crate::MapKind::Caustic`], if the surface is glossy, and the path has
+    /// such a light, and met something specular before.
+    pub tracer: Box<dyn Tracer<B>>,
+    /// Traces camera paths which leave a query for the reflection at each glossy surface, weighted by the probability that
+    /// it is left, and none at other surfaces; adds nothing to the film.
+    pub eye: Box<dyn EyeTracer<B>>,
+}
+
 /// All stages. Replace a field to use an implementation of your own.
 ///
 /// Fields are independent, with one exception: [`Stages::gather`] does not use the estimator of
@@ -62,6 +79,8 @@ pub struct Stages<B: TransportBackend> {
     pub area: Option<Box<dyn AreaProbe<B>>>,
     /// Separate paths for the caustic map; `None`: the other paths fill it.
     pub aimed: Option<Aimed<B>>,
+    /// Caustics as glossy surfaces reflect them; `None` if not required, or if the backend has no such stages.
+    pub gloss_caustics: Option<GlossCaustics<B>>,
     /// Photon maps.
     pub map: MapStages<B>,
 }

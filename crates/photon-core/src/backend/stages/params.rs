@@ -23,6 +23,10 @@ pub struct EstimateParams {
     /// Photons are weighted by [`crate::shading_normal::cosine_ratio`] with [`crate::Query::shading_normal`]; needs
     /// [`PhotonFormat::Full`]. Only in scenes with [`crate::Features::SHADING_NORMALS`].
     pub shading_normals: bool,
+    /// Queries are for the reflection of glossy surfaces: photons are weighted by its BSDF, that of the
+    /// [`crate::ReflectionLobe`] whose bits are in [`crate::Query::media`] and [`crate::Query::coat`]; needs
+    /// [`PhotonFormat::Full`], and [`crate::RadianceEstimator::weighs_reflections`]. Not with [`Search::Paper`].
+    pub reflection: bool,
 }
 
 impl EstimateParams {
@@ -40,6 +44,7 @@ impl EstimateParams {
             min_normal_cosine: -1.0,
             max_plane_distance: 1.0,
             shading_normals: false,
+            reflection: false,
         }
     }
 
@@ -73,19 +78,30 @@ impl EstimateParams {
         })
     }
 
-    /// [`Self::validate`], for a map with this photon format: [`Search::Paper`] and shading normals need the
-    /// directions of photons.
+    /// [`Self::validate`], for a map with this photon format: [`Search::Paper`], shading normals and reflections need
+    /// the directions of photons.
     ///
     /// # Errors
     /// [`Error::InvalidSetting`].
     pub fn validate_for(&self, photon_format: PhotonFormat) -> Result<()> {
         self.validate()?;
         let paper = matches!(self.search, Search::Paper { .. });
-        if !(paper || self.shading_normals) || photon_format == PhotonFormat::Full {
+        if paper && self.reflection {
+            return Err(Error::InvalidSetting {
+                name: "the paper's estimator",
+                value: "used for the reflection of glossy surfaces".into(),
+                hint: "its equation has no BSDF: use another search",
+            });
+        }
+        if !(paper || self.shading_normals || self.reflection) || photon_format == PhotonFormat::Full {
             return Ok(());
         }
         Err(Error::InvalidSetting {
-            name: if paper { "the paper's estimator" } else { "an estimate with shading normals" },
+            name: match (paper, self.reflection) {
+                (true, _) => "the paper's estimator",
+                (false, true) => "an estimate of a reflection",
+                (false, false) => "an estimate with shading normals",
+            },
             value: format!("used with a map that stores {}", photon_format.name()),
             hint: "it needs the directions of photons: use the full photon format",
         })

@@ -178,7 +178,10 @@ fn sorted_queries_find_the_same() {
             ..EstimateParams::new(search)
         };
         let mut estimates = on.alloc("estimates", there.capacity()).unwrap();
-        let mut estimator = VulkanEstimator { search: MapSearch { worth_order: 0, ..MapSearch::default() } };
+        let mut estimator = VulkanEstimator {
+            search: MapSearch { worth_order: 0, ..MapSearch::default() },
+            ..VulkanEstimator::default()
+        };
         for _ in 0..2 {
             estimator.estimate(&mut on, &map, &there, &gather, &mut estimates).unwrap();
             let mut found = Vec::new();
@@ -203,7 +206,10 @@ fn wide_bins_find_the_same() {
             ..EstimateParams::new(Search::KNearest { k })
         };
         let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
-        let mut estimator = VulkanEstimator { search: MapSearch { narrow_bins: 10, ..MapSearch::default() } };
+        let mut estimator = VulkanEstimator {
+            search: MapSearch { narrow_bins: 10, ..MapSearch::default() },
+            ..VulkanEstimator::default()
+        };
         estimator.estimate(&mut on, &map, &there, &gather, &mut estimates).unwrap();
         let mut found = Vec::new();
         on.download(&estimates, &mut found).unwrap();

@@ -25,7 +25,9 @@ fn estimates(
 ) -> Vec<Estimate> {
     let gather = EstimateParams { kernel: Kernel::Biweight, min_normal_cosine: 0.3, ..EstimateParams::new(search) };
     let mut estimates = on.alloc("estimates", queries.capacity()).unwrap();
-    VulkanEstimator { search: map_search }.estimate(on, map, queries, &gather, &mut estimates).unwrap();
+    VulkanEstimator { search: map_search, ..VulkanEstimator::default() }
+        .estimate(on, map, queries, &gather, &mut estimates)
+        .unwrap();
     let mut found = Vec::new();
     on.download(&estimates, &mut found).unwrap();
     found

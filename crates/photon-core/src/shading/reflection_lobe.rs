@@ -1,0 +1,242 @@
+//! The reflection of a glossy surface as density estimation weights photons by it; `reflection_lobe.glsl` is the twin.
+//!
+//! A query for a reflection has the parameters of the material in two of its words, from which [`ReflectionLobe`]
+//! evaluates [`crate::Glossy`] without the base. The radiance that it estimates is
+//! `Σ Φ f(ω_o, ω_i) c(ω_i)/|ω_i·n_g| / (π r²)`: photons arrive with a density in proportion to |ω_i·n_g|, so that the
+//! cosine must not be multiplied once more. The ratio is [`shading_normal::cosine_ratio`].
+
+use glam::Vec3;
+
+use crate::scene::material::Material;
+use crate::shading::albedo_table::AlbedoTable;
+use crate::shading::glossy::MIN_SHARE;
+use crate::shading::{ggx, sampling, shading_normal};
+
+/// The reflection of a glossy surface towards one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct ReflectionLobe {
+    alpha: f32,
+    roughness: f32,
+    f0: Vec3,
+    f90: f32,
+    /// Multiple scattering: `m F_ms (1 − E_o) / (1 − Ē)`.
+    multiple: Vec3,
+    /// The shading normal and two vectors perpendicular to it.
+    frame: [Vec3; 3],
+    /// Towards the viewer, in this frame.
+    wo: Vec3,
+}
+
+/// Steps between 0 and 1 of the roots of colours, and of the share of metal.
+const STEPS: f32 = 255.0;
+/// Of the root of the coat's F0, which is 1/5 for an index of 1.5: 11 bits.
+const COAT_STEPS: f32 = 2040.0;
+/// Of the coat's weight: 7 bits.
+const WEIGHT_STEPS: f32 = 127.0;
+/// Of the roughness: 14 bits.
+const ROUGHNESS_STEPS: f32 = 16_383.0;
+
+/// Parameters of a material: base colour, share of metal, roughness, F0 and weight of the coat.
+#[derive(Clone, Copy)]
+struct Parameters {
+    color: Vec3,
+    metallic: f32,
+    roughness: f32,
+    coat_f0: f32,
+    weight: f32,
+}
+
+impl Parameters {
+    #[inline]
+    fn unpack([colors, rest]: [u32; 2]) -> Self {
+        let part = |word: u32, shift: u32| (word >> shift & 255) as f32 / STEPS;
+        let root = Vec3::new(part(colors, 0), part(colors, 8), part(colors, 16));
+        let coat_root = (colors >> 24 | rest >> 29 << 8) as f32 / COAT_STEPS;
+        Self {
+            color: root * root,
+            metallic: part(rest, 14),
+            roughness: (rest & 0x3FFF) as f32 / ROUGHNESS_STEPS,
+            coat_f0: coat_root * coat_root,
+            weight: (rest >> 22 & 127) as f32 / WEIGHT_STEPS,
+        }
+    }
+
+    #[inline]
+    fn pack(&self) -> [u32; 2] {
+        let steps = |value: f32, most: f32| (value * most + 0.5) as u32;
+        let [r, g, b] = self.color.to_array().map(|c| steps(c.sqrt(), STEPS));
+        let (coat, weight) = (steps(self.coat_f0.sqrt(), COAT_STEPS), steps(self.weight, WEIGHT_STEPS));
+        let (roughness, metallic) = (steps(self.roughness, ROUGHNESS_STEPS), steps(self.metallic, STEPS));
+        [r | g << 8 | b << 16 | coat << 24, roughness | metallic << 14 | weight << 22 | coat >> 8 << 29]
+    }
+
+    #[inline]
+    fn f0(&self) -> Vec3 {
+        self.color * self.metallic + Vec3::splat(self.coat_f0 * (1.0 - self.metallic))
+    }
+}
+
+impl ReflectionLobe {
+    /// The words of a query for the reflection of `material`, a glossy one, as evaluated at the point: for
+    /// [`crate::Query::media`] and [`crate::Query::coat`]. And the factor on the throughput that makes F0 exact in spite of
+    /// their steps.
+    #[inline]
+    #[must_use]
+    pub fn pack(material: &Material) -> ([u32; 2], Vec3) {
+        let at_normal = (material.ior - 1.0) / (material.ior + 1.0);
+        let exact = Parameters {
+            color: material.albedo.into(),
+            metallic: material.metallic,
+            roughness: material.roughness,
+            coat_f0: at_normal * at_normal * material.specular,
+            weight: material.specular,
+        };
+        let words = exact.pack();
+        let (is, wanted) = (Parameters::unpack(words).f0(), exact.f0());
+        // Where F0 is so small that a step is a large part of it, F90 matters more.
+        (words, Vec3::select(is.cmpgt(Vec3::splat(MIN_F0)), wanted / is, Vec3::ONE))
+    }
+
+    /// The lobe with these words, towards `wo` at a surface with the shading normal `normal`.
+    #[inline]
+    #[must_use]
+    pub fn new(words: [u32; 2], wo: Vec3, normal: Vec3) -> Self {
+        let table = AlbedoTable::get();
+        let parameters = Parameters::unpack(words);
+        let Parameters { color, metallic, roughness, weight, .. } = parameters;
+        let (tangent, bitangent) = sampling::basis(normal);
+        let wo = Vec3::new(wo.dot(tangent), wo.dot(bitangent), wo.dot(normal));
+        let directional = table.directional(wo.z.clamp(0.0, 1.0), roughness);
+        let mean = table.mean(roughness);
+        let lost = 1.0 - (directional.x + directional.y);
+        let mean_total = mean.x + mean.y;
+        let mean_lost = 1.0 - mean_total;
+        let average = color + (Vec3::ONE - color) * (1.0 / 21.0);
+        let repeated = average * average * mean_total / (Vec3::ONE - average * mean_lost);
+        let multiple =
+            if mean_lost > MIN_SHARE { repeated * (metallic * lost.max(0.0) / mean_lost) } else { Vec3::ZERO };
+        Self {
+            alpha: (roughness * roughness).max(ggx::MIN_ALPHA),
+            roughness,
+            f0: parameters.f0(),
+            f90: metallic + weight * (1.0 - metallic),
+            multiple,
+            frame: [tangent, bitangent, normal],
+            wo,
+        }
+    }
+
+    /// The factor on the power of a photon that came from the direction `wi`, on a surface with the geometric normal
+    /// `geometric`: BSDF times ratio of cosines. 0 below either.
+    #[inline]
+    #[must_use]
+    pub fn weight(&self, wi: Vec3, geometric: Vec3) -> Vec3 {
+        let [tangent, bitangent, normal] = self.frame;
+        let ratio = shading_normal::cosine_ratio(wi, geometric, normal);
+        let (o, i) = (self.wo, Vec3::new(wi.dot(tangent), wi.dot(bitangent), wi.dot(normal)));
+        let half = o + i;
+        let length = half.length();
+        if !(ratio > 0.0 && o.z > 0.0 && i.z > 0.0 && length > 0.0) {
+            return Vec3::ZERO;
+        }
+        let h = half / length;
+        let across = (1.0 - o.dot(h)).clamp(0.0, 1.0);
+        let square = across * across;
+        let grazing = square * square * across;
+        let fresnel = self.f0 * (1.0 - grazing) + Vec3::splat(self.f90 * grazing);
+        let single = ggx::distribution(self.alpha, h) * ggx::visibility(self.alpha, o.z, i.z);
+        let albedo = AlbedoTable::get().directional(i.z.min(1.0), self.roughness);
+        let lost = (1.0 - (albedo.x + albedo.y)).max(0.0);
+        (fresnel * single + self.multiple * (lost * std::f32::consts::FRAC_1_PI)) * ratio
+    }
+}
+
+/// The largest F0 that [`ReflectionLobe::pack`] leaves as its steps make it.
+const MIN_F0: f32 = 1e-4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{SplitMix64, unit_f32};
+    use crate::scene::material::MaterialKind;
+    use crate::shading::glossy::{Glossy, limited};
+
+    fn material(metallic: f32, roughness: f32, ior: f32, specular: f32, color: [f32; 3]) -> Material {
+        Material {
+            kind: MaterialKind::Glossy as u32,
+            albedo: color,
+            metallic,
+            roughness,
+            specular,
+            ior,
+            ..Material::default()
+        }
+    }
+
+    const NORMAL: Vec3 = Vec3::new(0.48, 0.6, -0.64);
+    const GEOMETRIC: Vec3 = Vec3::new(0.6, 0.48, -0.64);
+
+    /// The largest difference of weight times |cosine| from [`Glossy::evaluate`], relative to the value, over directions.
+    fn worst(material: &Material, changed: &Material, geometric: Vec3) -> f32 {
+        let mut numbers = SplitMix64(3);
+        let mut above = || {
+            let mut number = || unit_f32(numbers.word() as u32);
+            sampling::about(NORMAL, 0.98 * number(), number())
+        };
+        let (words, factor) = ReflectionLobe::pack(changed);
+        (0..500)
+            .map(|_| {
+                let (wo, wi) = (above(), above());
+                let found = ReflectionLobe::new(words, wo, NORMAL).weight(wi, geometric) * factor;
+                let found = found * wi.dot(geometric).max(0.0);
+                let exact = Glossy::new(material, wo.dot(NORMAL)).evaluate(wo, wi, NORMAL).value;
+                let exact = exact * limited(wi, geometric, NORMAL);
+                ((found - exact).abs() / exact.max_element().max(1e-3)).max_element()
+            })
+            .fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn photons_are_weighted_by_the_bsdf() {
+        let exact = [
+            material(0.0, 0.447, 1.5, 1.0, [0.8, 0.2, 0.1]),
+            material(1.0, 0.6, 1.5, 1.0, [1.0; 3]),
+            material(1.0, 1.0, 1.5, 1.0, [0.0; 3]),
+            material(0.0, 0.1, 0.0, 1.0, [0.5; 3]),
+        ];
+        let inexact = [
+            material(1.0, 0.5, 1.5, 1.0, [0.9, 0.3, 0.05]),
+            material(1.0, 1.0, 1.5, 1.0, [0.95, 0.6, 0.3]),
+            material(0.37, 0.3, 1.5, 1.0, [0.7, 0.4, 0.2]),
+            material(0.0, 0.5, 1.33, 0.7, [0.7, 0.4, 0.2]),
+        ];
+        for (material, most) in exact.iter().map(|m| (m, 1e-3)).chain(inexact.iter().map(|m| (m, 1e-2))) {
+            for geometric in [NORMAL, GEOMETRIC] {
+                let found = worst(material, material, geometric);
+                assert!(found < most, "{material:?}: {found}");
+            }
+            // Another roughness is found out.
+            let changed = Material { roughness: material.roughness * 0.95, ..*material };
+            assert!(worst(material, &changed, NORMAL) > 1e-2, "{material:?}");
+        }
+    }
+
+    #[test]
+    fn directions_below_the_surface_and_black_surfaces_are_finite() {
+        for metallic in [0.0, 1.0] {
+            for roughness in [0.0, 1e-4, 1.0] {
+                for ior in [0.0, 1.0, 1.5] {
+                    let (words, factor) = ReflectionLobe::pack(&material(metallic, roughness, ior, 1.0, [0.0; 3]));
+                    assert!(factor.is_finite());
+                    for wo in [NORMAL, -NORMAL, GEOMETRIC] {
+                        let lobe = ReflectionLobe::new(words, wo, NORMAL);
+                        for wi in [NORMAL, -NORMAL, GEOMETRIC, -wo] {
+                            let weight = lobe.weight(wi, GEOMETRIC);
+                            assert!(weight.is_finite() && weight.min_element() >= 0.0, "{weight}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -182,6 +182,12 @@ impl TexturesDesc {
         Self { metallic_roughness: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::specular`].
+    #[must_use]
+    pub fn with_specular(self, texture: TextureRef) -> Self {
+        Self { specular: Some(texture), ..self }
+    }
+
     /// The same with this texture as [`Self::alpha`].
     #[must_use]
     pub fn with_alpha(self, texture: TextureRef) -> Self {

@@ -40,7 +40,7 @@ float lobe_part(uint word, uint shift) {
 }
 
 uint lobe_steps(float value, float most) {
-    precise float scaled = value * most + 0.5;
+    precise float scaled = min(value, 1.0) * most + 0.5;
     return uint(scaled);
 }
 

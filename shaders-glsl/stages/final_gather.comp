@@ -95,7 +95,7 @@ void main() {
                 float limited = glossy_limited(drawn.direction, geometric, drawn.stays ? facing : -facing);
                 throughput *= glossy_weight(drawn.found, limited);
                 if (throughput == vec3(0.0)) break;
-                if (!drawn.stays) media = sides.transmitted;
+                media = drawn.stays ? sides.before : sides.transmitted;
                 if (drawn.stays) ray = surface_leave(at, drawn.direction);
                 else ray = surface_pass(at, drawn.direction);
                 continue;

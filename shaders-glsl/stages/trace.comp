@@ -284,10 +284,8 @@ uint step_glossy(
 uint step_rough_glass(inout Path path, Surface at, vec3 normal, Interface sides, RoughGlass glass, vec3 random) {
     vec3 incoming = path.ray.direction;
     RoughSample drawn = rough_glass_sample(push.scene, glass, -incoming, normal, random.x, random.y, random.z);
-    if (!drawn.stays) {
-        if (NESTED && sides.is_too_deep) path.too_deep = true;
-        path.media = sides.transmitted;
-    }
+    if (NESTED && !drawn.stays && sides.is_too_deep) path.too_deep = true;
+    path.media = drawn.stays ? sides.before : sides.transmitted;
     ++path.bounce;
     // Shading normals may send light to the wrong side.
     bool lands = (dot3(drawn.direction, at.normal) > 0.0) == drawn.stays && dot3(incoming, at.normal) < 0.0;

@@ -114,7 +114,7 @@ fn clippy() -> Result<(), String> {
 
 fn features() -> Result<(), String> {
     // One call each: cargo unifies the features of packages that it builds together.
-    for package in ["photon-core", "photon-scene", "backend-cpu", "backend-vulkan"] {
+    for package in ["photon-core", "photon-scene", "backend-cpu", "backend-vulkan", "photonmap"] {
         let command = ["cargo", "clippy", "--locked", "--no-default-features", "-p", package, "--", "-D", "warnings"];
         shell::run(&command, &[])?;
     }

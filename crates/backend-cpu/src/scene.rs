@@ -84,7 +84,7 @@ impl CpuScene {
             light_media,
             nested,
             shading: CpuShading::new(view, present),
-            rough_glass: RoughGlassTable::new(view, nested)?,
+            rough_glass: RoughGlassTable::new(view)?,
             with_alpha: with_alpha(view, present),
             caster,
             features: required.features,

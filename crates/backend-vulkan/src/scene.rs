@@ -105,7 +105,7 @@ impl VulkanScene {
             }
         }
         let lit_by_tree = present.contains(Features::LIGHT_TREE) && required.samples_lights(present);
-        let shading = shading::upload(&mut upload, view, &tree.order, required.media.contains(MediaFeatures::NESTED))?;
+        let shading = shading::upload(&mut upload, view, &tree.order)?;
         let record = Record {
             nodes,
             corners,

@@ -97,7 +97,7 @@ pub(crate) struct Path {
     pub(crate) splits: u32,
     /// Index of this path among the pixel's paths; part of the random-number key.
     pub(crate) branch: u32,
-    /// The glossy surface that it left last, if nothing specular lies between.
+    /// The glossy surface or rough glass that it left last, if nothing specular lies between.
     pub(crate) reflected: Reflection,
 }
 

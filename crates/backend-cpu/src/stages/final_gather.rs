@@ -184,7 +184,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 if throughput == Vec3::ZERO {
                     break;
                 }
-                media = if stays { media } else { interface.transmitted };
+                media = if stays { interface.before } else { interface.transmitted };
                 ray = surface.spawn(sampled.lobe, sampled.direction);
                 continue;
             }

@@ -308,13 +308,14 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             carry(power, &mut flux, tally);
             continue;
         }
-        if features.contains(Features::ROUGH_GLASS) {
+        if features.contains(Features::ROUGH_GLASS) && scene.features.contains(Features::ROUGH_GLASS) {
             let table = &scene.rough_glass;
             if let Some(glass) = RoughGlass::new(table, material, surface.cosine, &interface) {
                 if reflections {
                     return tally.end(Fate::Terminated, flux);
                 }
                 let sampled = glass.sample(table, -ray.direction, normal, [choice, u, v]);
+                media = interface.before;
                 if sampled.lobe == Lobe::SpecularTransmission {
                     media = interface.transmitted;
                     if nested && !too_deep && interface.is_too_deep {

@@ -28,8 +28,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     scene.build().unwrap()
 });
 
-static TABLE: LazyLock<RoughGlassTable> =
-    LazyLock::new(|| RoughGlassTable::new(&SCENE.view(), false).expect("one ratio"));
+static TABLE: LazyLock<RoughGlassTable> = LazyLock::new(|| RoughGlassTable::new(&SCENE.view()).expect("one ratio"));
 
 /// The functions, their twins and their bounds.
 pub(super) fn rows() -> Vec<Row> {

@@ -38,7 +38,7 @@ struct Image {
 
 /// Uploads the tables in [`SceneView::shading`], those of triangles in BVH order; returns the address of their record,
 /// or 0 for a scene without any.
-pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32], nested: bool) -> Result<u64> {
+pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32]) -> Result<u64> {
     let tables = &view.shading;
     let followed = Features::of(view).intersects(Features::FOLLOWED);
     if tables.is_empty() && !followed {
@@ -58,7 +58,7 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
         record.values = upload.table("textures", byte_values().as_flattened())?;
     }
     if followed {
-        let glass = RoughGlassTable::new(view, nested)?;
+        let glass = RoughGlassTable::new(view)?;
         record.rough_ratios = glass.len() as u32;
         let entries: Vec<[f32; 2]> = AlbedoTable::get().entries().iter().copied().chain(glass.all()).collect();
         record.albedos = upload.table("albedos of glossy surfaces", &entries)?;

@@ -33,7 +33,7 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         let gathers_rays = self.stages.gather.is_some() && queries > 0;
         self.on.mark(gathers_rays.then_some(Stage::Gather));
-        // Gather rays follow reflections: what they would find there is in the caustic map at their start.
+        // Light that a glossy surface reflects onto the start of a gather ray is in the caustic map there.
         let gathered = || maps.iter().filter(|built| !built.reflected);
         let irradiance = if gathers_rays { self.irradiance(gathered, pass)? } else { None };
         if let (Some(stage), true) = (&mut self.stages.gather, gathers_rays) {

@@ -29,7 +29,7 @@ use crate::settings::{Bandwidth, Estimator, Settings};
 const PILOT_PASS: u32 = u32::MAX;
 const PILOT_PATHS: u32 = 65_536;
 
-/// Camera paths split at the first two glass boundaries or sheets, therefore into four at most.
+/// Camera paths split at the first two smooth boundaries of glass, sheets or glossy surfaces, therefore into four at most.
 pub const QUERIES_PER_PIXEL: u32 = 4;
 
 /// Renders one scene with one camera on one backend.

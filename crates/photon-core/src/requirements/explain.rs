@@ -27,8 +27,8 @@ const GLOSSY: &str = "camera paths follow their reflection, and sample a light a
                       without metal, in an override file makes them diffuse";
 
 /// What rough glass costs, and how to do without.
-const ROUGH_GLASS: &str = "camera paths sample a light on both sides at each of its surfaces; roughness = 0 in an override \
-                           file makes it smooth";
+const ROUGH_GLASS: &str = "camera paths sample a light at each of its surfaces, on one of the two sides; roughness = 0 in an \
+                           override file makes it smooth";
 
 /// The needs of a scene: lobes and lights first, in the order of [`Features`], then maps, then stages.
 #[must_use]
@@ -80,10 +80,12 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         required.gloss_caustics,
         match (required.gloss_caustics, perfect, matches!(settings.estimator, Estimator::Paper(_))) {
             (true, ..) => {
-                "point, spot or directional lights may reach glossy surfaces by way of mirrors or glass: photons for their \
+                "point, spot or directional lights may reach glossy surfaces by way of perfect mirrors or smooth glass: photons for their \
                  reflection have a map of 32 bytes each, and camera paths are traced once more"
             }
-            (false, false, _) => "no point, spot or directional light, or no glossy surface, or no mirror and no glass",
+            (false, false, _) => {
+                "no point, spot or directional light, or no glossy surface, or no perfect mirror and no smooth glass"
+            }
             (false, true, true) => "the paper's estimator has no BSDF: they are left out",
             (false, true, false) => "caustics are left out, or no light reaches mirrors, glass or glossy surfaces",
         },

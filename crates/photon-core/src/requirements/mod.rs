@@ -17,6 +17,7 @@ use crate::scene::solids::Solids;
 use crate::scene::texture::{MaterialTextures, ShadingTables};
 use crate::settings::{CausticPhotons, Direct, Estimator, Indirect, Settings};
 use crate::shading::light_sampler::MAX_LIGHTS;
+use crate::shading::rough_glass;
 
 /// The features, maps and stages that are needed for a scene.
 ///
@@ -83,7 +84,7 @@ impl Requirements {
         }
     }
 
-    /// Whether lights are sampled: by shadow rays from queries, or from the glossy surfaces of a scene that has the
+    /// Whether lights are sampled: by shadow rays from queries, or from the glossy surfaces and the rough glass of a scene that has the
     /// features `present`.
     #[must_use]
     pub fn samples_lights(&self, present: Features) -> bool {
@@ -160,10 +161,15 @@ fn shows_gloss_caustics(settings: &Settings) -> bool {
 
 /// Whether `scene` can have caustics that only photons find in the reflection of glossy surfaces.
 pub(crate) fn has_gloss_caustics(scene: &SceneView<'_>) -> bool {
-    // Textures may make rough glass smooth.
+    // Rough glass is smooth where a texture makes it so, and between equal media, which solids that overlap may have.
+    let nested = || Solids::of(scene).features().contains(MediaFeatures::NESTED);
     let is_perfect = |material: &Material| match material.kind() {
         MaterialKind::Mirror => true,
-        MaterialKind::Dielectric | MaterialKind::Thin => !material.is_rough_glass() || material.textures != 0,
+        MaterialKind::Thin => !material.is_rough_glass() || material.textures != 0,
+        MaterialKind::Dielectric => {
+            let is_matched = (material.ior - 1.0).abs() < rough_glass::MIN_CONTRAST;
+            !material.is_rough_glass() || material.textures != 0 || is_matched || nested()
+        }
         MaterialKind::Lambert | MaterialKind::Glossy => false,
     };
     let features = Features::of(scene);

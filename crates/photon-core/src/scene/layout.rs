@@ -69,7 +69,7 @@ pub struct Query {
     /// Index of the pixel that the estimate is added to, row by row from the top left.
     pub pixel: u32,
     /// Factor from irradiance here to the pixel's radiance: throughput of the camera path times albedo over
-    /// π.
+    /// π. In a query for a reflection, that of the camera path times the correction of [`crate::ReflectionLobe::pack`].
     pub throughput: [f32; 3],
     /// The media in front of the surface: bits of a [`crate::MediumStack`]. Shadow and gather rays start in them. In a query
     /// for a reflection ([`crate::EstimateParams::reflection`]), from which no rays start, the first word of a

@@ -144,11 +144,17 @@ impl Material {
         }
     }
 
-    /// Whether it is glass that may be rough: textures may make it smooth.
+    /// Whether it is glass that may be rough. Textures may make it smooth, and solids are smooth between media of equal
+    /// index; a sheet of refractive index 1 is never rough.
     #[inline]
     #[must_use]
     pub fn is_rough_glass(&self) -> bool {
-        self.kind().transmits() && self.roughness * self.roughness >= crate::ggx::MIN_ALPHA
+        let is_rough = self.roughness * self.roughness >= crate::ggx::MIN_ALPHA;
+        match self.kind() {
+            MaterialKind::Dielectric => is_rough,
+            MaterialKind::Thin => is_rough && (self.ior - 1.0).abs() >= crate::rough_glass::MIN_CONTRAST,
+            MaterialKind::Lambert | MaterialKind::Mirror | MaterialKind::Glossy => false,
+        }
     }
 
     /// Whether the surface may be only partly there: [`Material::ALPHA`].

@@ -63,7 +63,8 @@ impl Parameters {
 
     #[inline]
     fn pack(&self) -> [u32; 2] {
-        let steps = |value: f32, most: f32| (value * most + 0.5) as u32;
+        // A host's textures may have values above 1.
+        let steps = |value: f32, most: f32| (value.min(1.0) * most + 0.5) as u32;
         let [r, g, b] = self.color.to_array().map(|c| steps(c.sqrt(), STEPS));
         let (coat, weight) = (steps(self.coat_f0.sqrt(), COAT_STEPS), steps(self.weight, WEIGHT_STEPS));
         let (roughness, metallic) = (steps(self.roughness, ROUGHNESS_STEPS), steps(self.metallic, STEPS));

@@ -5,7 +5,9 @@
 
 use crate::error::{Error, Result};
 use crate::scene::SceneView;
-use crate::scene::material::MaterialKind;
+use crate::scene::material::{Material, MaterialKind};
+use crate::scene::media::MediaFeatures;
+use crate::scene::solids::Solids;
 use crate::shading::albedo_table::{AlbedoTable, directional_of, mean_of, tabulate};
 use crate::shading::fresnel::fresnel;
 use crate::shading::ggx;
@@ -41,16 +43,21 @@ impl RoughGlassTable {
     /// Entries of each ratio.
     pub const STRIDE: usize = AlbedoTable::SIZE * (AlbedoTable::SIZE + 1);
 
-    /// The tables for the rough solids of `scene`: some 0.1 seconds for each ratio. With `nested`, every two media may
-    /// meet.
+    /// The tables for the rough solids of `scene`: some 0.1 seconds for each ratio. If any solids overlap, every two media
+    /// may meet.
     ///
     /// # Errors
     ///
     /// [`Error::InvalidScene`] if there are more than [`Self::MAX_RATIOS`].
-    pub fn new(scene: &SceneView<'_>, nested: bool) -> Result<Self> {
+    pub fn new(scene: &SceneView<'_>) -> Result<Self> {
         let mut ratios: Vec<[f32; 2]> = Vec::new();
+        let is_rough = |material: &Material| material.is_rough_glass() && material.kind() == MaterialKind::Dielectric;
+        if !scene.materials_in_use().any(is_rough) {
+            return Ok(Self::default());
+        }
+        let nested = Solids::of(scene).features().contains(MediaFeatures::NESTED);
         for material in scene.materials_in_use() {
-            if !(material.is_rough_glass() && material.kind() == MaterialKind::Dielectric) {
+            if !is_rough(material) {
                 continue;
             }
             let around: &[_] = if nested { scene.media } else { &scene.media[..1] };
@@ -66,7 +73,8 @@ impl RoughGlassTable {
             return Err(Error::InvalidScene {
                 what: "the refractive indices of rough glass",
                 value: format!("{} pairs of different ratios", ratios.len()),
-                hint: "at most 64 are supported; give solids that overlap equal indices",
+                hint: "at most 64 are supported, and if any solids overlap, each rough one counts with every other medium; use fewer \
+                       different indices",
             });
         }
         let entries =

@@ -19,7 +19,7 @@ fn table(ior: f32) -> RoughGlassTable {
         primitives: &[Primitive::default()],
         ..SceneView::default()
     };
-    RoughGlassTable::new(&scene, false).expect("one ratio")
+    RoughGlassTable::new(&scene).expect("one ratio")
 }
 
 fn boundary(eta: f32) -> Interface {
@@ -129,6 +129,8 @@ fn extremes_are_finite() {
         RoughGlass::new(&table, &material(MaterialKind::Dielectric, roughness, ior), 0.5, &boundary(eta))
     };
     assert!(rough(0.031, 1.5, 1.5).is_none() && rough(0.0, 1.5, 1.5).is_none());
+    let sheet = |ior| material(MaterialKind::Thin, 1.0, ior).is_rough_glass();
+    assert!(sheet(1.5) && !sheet(1.0));
     assert!(rough(0.5, 1.0, 1.0).is_none() && rough(0.5, 1.0, 1.0 + 1e-7).is_none());
     let mut numbers = SplitMix64(3);
     let mut number = || unit_f32(numbers.word() as u32);

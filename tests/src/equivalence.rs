@@ -15,8 +15,8 @@ use photon_scene::{Scene, builtin};
 use crate::harness::{TestBackend, Uniform, estimate, estimates, film, per_pass, photon_at, query_at, trace};
 use crate::stats::{moments, standard_error};
 
-/// Scenes that together contain every kind of light and lobe.
-pub const SCENES: [&str; 7] = ["cornell", "cornell-glass", "ring", "pool", "textures", "gloss", "frosted-glass"];
+/// Scenes that together contain every kind of light, and every lobe but those of rough glass.
+pub const SCENES: [&str; 6] = ["cornell", "cornell-glass", "ring", "pool", "textures", "gloss"];
 
 /// Proportion of the elements of `a` that have a counterpart at the same index of `b`.
 #[must_use]
@@ -124,7 +124,7 @@ pub(crate) fn matched(a: &[Photon], b: &[Photon]) -> f64 {
 /// Common random numbers: nearly all paths are the same, fewer with each bounce. The bounds are measured
 /// proportions, rounded down.
 pub fn paths_are_the_same_paths<A: TestBackend, B: TestBackend>() {
-    for name in SCENES {
+    for name in SCENES.into_iter().chain(["frosted-glass"]) {
         let scene = builtin(name).unwrap().build().unwrap();
         for (depth, least) in [(1, 0.999), (5, 0.99)] {
             let (a, b) = (of_bounce::<A>(&scene, depth), of_bounce::<B>(&scene, depth));

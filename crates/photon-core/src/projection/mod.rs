@@ -27,6 +27,7 @@ const PAIRS: usize = 1 << 20;
 /// A light from which a specular surface could be hit.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[non_exhaustive]
 pub struct ProjectionTarget {
     /// Power of each of its aimed photons, like [`crate::PhotonRay::power`].
     pub carried: [f32; 3],
@@ -52,6 +53,7 @@ pub struct ProjectionMap {
 }
 
 /// A sample of an aimed photon: random words that replace those by which it would be emitted.
+// Exhaustive: backends compare it with that of their own twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProjectionSample {
     /// Index in [`ProjectionMap::targets`].

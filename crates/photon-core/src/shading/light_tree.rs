@@ -40,6 +40,7 @@ const WORDS: f64 = 4_294_967_296.0;
 /// A node: bounds of the lights below it. The first child follows its node.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[non_exhaustive]
 pub struct LightNode {
     /// Centre of the bounding box, normalised space.
     pub center: [f32; 3],

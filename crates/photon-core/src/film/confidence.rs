@@ -181,10 +181,13 @@ pub struct ConfidenceInterval {
     pub bias: f64,
     /// Standard error of the bias.
     pub bias_error: f64,
+    /// Bound of the bias of light that has no bias estimate: three times that light, which is at most a twentieth of the
+    /// pixel; 0 if there is none.
+    pub bounded: f64,
     /// Effective number of photons within the disc, over all passes: as many with equal power would have
     /// the same relative variance (Kish 1965).
     pub photons: f64,
-    /// `t·standard_error + 2·|bias|`, with Student's t for 95 %: bounds the distance to the true value,
+    /// `t·standard_error + 2·|bias| + bounded`, with Student's t for 95 %: bounds the distance to the true value,
     /// which is the mean over the pixel. Infinite where there is no error estimate.
     pub half_width: f64,
     /// Why there is no error estimate.
@@ -199,8 +202,23 @@ const MIN_PASSES: u32 = 8;
 /// With fewer photons, the distribution of the sums is too far from normal.
 pub(crate) const MIN_PHOTONS: f64 = 32.0;
 
+/// With fewer photons, the expected light may be more than twice what was found: 8 photons were drawn from a Poisson
+/// distribution with a mean of at most 15.8, by its 95 % interval.
+const MIN_BOUNDED_PHOTONS: f64 = 8.0;
+
+/// The share of a pixel up to which light without a bias estimate is bounded instead of flagged.
+const MINOR: f64 = 0.05;
+
+/// The true value of such light is between 0 and 4 times its estimate: at an edge of a surface the disc is half
+/// empty, at the corner of one with right angles three quarters of it; at an edge of light the estimate is at most
+/// the brighter side.
+const BOUND: f64 = 3.0;
+
 impl Film {
     /// Confidence interval of each pixel; `None` if error statistics are disabled.
+    ///
+    /// A pixel is flagged if the bias of some of its light has no estimate and this light is more than a twentieth of it;
+    /// of less light, the interval contains a bound.
     ///
     /// Light that is estimated from photon maps has a bias, which is estimated at visible points and at the
     /// hits of final-gather rays. The latter are never flagged as uneven, since their light comes from many
@@ -228,18 +246,38 @@ impl Film {
             let noise = standard_error(sum, pixel.square);
             let photons: f64 = error.photon_moments.values().map(PhotonMoments::photons).sum();
             let mut flags = Flags::default();
+            let few = photons < MIN_PHOTONS && is_asked(error, pixel);
+            let mut doubtful = PerMap::splat(few);
+            flags.set(Flags::FEW_PHOTONS, few);
+            for (kind, moments) in error.photon_moments.iter() {
+                flags.set(Flags::OTHER_SURFACE, flags.contains(Flags::OTHER_SURFACE) || moments.strays());
+                flags.set(Flags::UNEVEN, flags.contains(Flags::UNEVEN) || moments.is_uneven());
+                doubtful[kind] |= moments.strays() || moments.is_uneven();
+            }
+            let curved = differ(bias, bias_error, 2.0 * half, 2.0 * half_error);
+            flags.set(Flags::CURVED, curved);
+            // Light of maps whose bias is not known. Where it is a small part of the pixel, its error is small too.
+            let light = |kind: MapKind| pixel.layers[kind.layer() as usize].iter().sum::<f64>() / 3.0;
+            let unknown: f64 =
+                doubtful.iter().filter(|(_, doubt)| curved || **doubt).map(|(kind, _)| light(kind)).sum();
+            let bounded = if unknown <= MINOR * sum && !(few && photons < MIN_BOUNDED_PHOTONS) {
+                flags = Flags::default();
+                BOUND * unknown / n
+            } else {
+                0.0
+            };
             flags.set(Flags::FEW_PASSES, self.passes < MIN_PASSES);
-            flags.set(Flags::FEW_PHOTONS, photons < MIN_PHOTONS && is_asked(error, pixel));
-            flags.set(Flags::OTHER_SURFACE, error.photon_moments.values().any(PhotonMoments::strays));
-            flags.set(Flags::UNEVEN, error.photon_moments.values().any(PhotonMoments::is_uneven));
-            flags.set(Flags::CURVED, differ(bias, bias_error, 2.0 * half, 2.0 * half_error));
-            let half_width =
-                if flags.is_empty() { (quantile * noise + 2.0 * bias.abs()) * to_user } else { f64::INFINITY };
+            let half_width = if flags.is_empty() {
+                (quantile * noise + 2.0 * bias.abs() + bounded) * to_user
+            } else {
+                f64::INFINITY
+            };
             ConfidenceInterval {
                 value: sum / n * to_user,
                 standard_error: noise * to_user,
                 bias: bias * to_user,
                 bias_error: bias_error * to_user,
+                bounded: bounded * to_user,
                 photons,
                 half_width,
                 flags,
@@ -354,6 +392,28 @@ mod tests {
         assert!(flags(film(8, [0.0; 2], bent(0.0, 0.8))).is_empty());
         assert_eq!(flags(film(8, [0.02, 0.03], EVEN)), Flags::CURVED);
         assert_eq!(flags(film(8, [0.02, 0.001], EVEN)), Flags::CURVED);
+    }
+
+    /// Light at an edge: a part of the interval if there is little of it, else a reason not to have one.
+    #[test]
+    fn little_light_at_an_edge_is_bounded() {
+        let of = |other: f64, map_moments: PhotonMoments| {
+            let mut film = film(16, [0.0; 2], map_moments);
+            film.pixels[0].layers[0] = [16.0 * other; 3];
+            film.confidence_intervals().unwrap()[0]
+        };
+        let stray = PhotonMoments { stray: 1.0, ..EVEN };
+        let minor = of(39.0, stray);
+        assert!(minor.flags.is_empty() && (minor.bounded - 3.0 * 2.0).abs() < 1e-12, "{minor:?}");
+        let (noise, bias) = (student_975(15.0) * minor.standard_error, 2.0 * minor.bias.abs());
+        assert!((minor.half_width - noise - bias - minor.bounded).abs() < 1e-12, "{minor:?}");
+        let major = of(37.0, stray);
+        assert_eq!((major.flags, major.bounded), (Flags::OTHER_SURFACE, 0.0));
+        // Even light needs no bound; hardly any photons have none.
+        assert_eq!(of(39.0, EVEN).bounded, 0.0);
+        assert_eq!(of(39.0, PhotonMoments { power: 9.0, power_squared: 9.0, ..EVEN }).bounded, 0.0);
+        let hardly = PhotonMoments { power: 0.4, power_squared: 0.4, ..EVEN };
+        assert_eq!(of(39.0, hardly).flags, Flags::FEW_PHOTONS);
     }
 
     #[test]

@@ -163,7 +163,7 @@ impl ErrorModel {
     #[must_use]
     pub fn error(&self) -> f64 {
         let t = student_975(f64::from(self.schedule.passes()) - 1.0);
-        self.at_share(|pixel| t * pixel.noise() + 2.0 * pixel.bias)
+        self.at_share(|pixel| pixel.half_width(t))
     }
 
     /// Upper bound of the relative error after `passes` passes in total.
@@ -234,7 +234,7 @@ impl ErrorModel {
     #[must_use]
     pub fn forecast(&self, target: Option<f64>, seconds_per_pass: f64, passes_possible: u32) -> Forecast {
         let t = student_975(f64::from(self.schedule.passes()) - 1.0);
-        let good = |pixel: &&Relative| target.is_some_and(|target| t * pixel.noise() + 2.0 * pixel.bias <= target);
+        let good = |pixel: &&Relative| target.is_some_and(|target| pixel.half_width(t) <= target);
         Forecast {
             passes: self.schedule.passes(),
             claimed: self.claimed,

@@ -261,6 +261,7 @@ mod tests {
                 standard_error: noise,
                 bias: 0.0,
                 bias_error: 0.0,
+                bounded: 0.0,
                 photons: 1000.0,
                 half_width: 2.0 * noise,
                 flags: crate::Flags::default(),

@@ -153,10 +153,12 @@ mod tests {
     fn a_claim_that_is_wrong_is_not_covered() {
         let claim = |value: f64, half_width: f64| ConfidenceInterval {
             photons: 1000.0,
+            bounded: 0.0,
             value,
             standard_error: 0.01,
             bias: 0.0,
             bias_error: 0.0,
+            bounded: 0.0,
             half_width,
             flags: photon_core::Flags::default(),
         };

@@ -20,6 +20,8 @@ pub(super) struct Relative {
     /// Lower and upper bound of the systematic part of the bias.
     steady: [f64; 2],
     pub(super) bias_error: f64,
+    /// Bound of the bias of light that has no bias estimate.
+    bounded: f64,
     /// Noise of the bias, corrected so that its spread over the pixels is the true one.
     random: f64,
     /// A normally distributed number: the random part of the bias in future passes.
@@ -45,10 +47,16 @@ impl Relative {
             bias: of(interval.bias.abs()),
             steady: [0.0; 2],
             bias_error: of(interval.bias_error),
+            bounded: of(interval.bounded),
             random: 0.0,
             luck: 0.0,
             photon_count: interval.photons,
         }
+    }
+
+    /// Half width of the interval, with this quantile of Student's distribution.
+    pub(super) fn half_width(&self, quantile: f64) -> f64 {
+        quantile * self.standard_error + 2.0 * self.bias + self.bounded
     }
 
     /// Total noise, as measured.
@@ -118,7 +126,9 @@ impl Group {
             let noise = libm::hypot(pixel.photons * factors.noise, pixel.other * factors.other);
             let random = level * pixel.random * factors.noise * pixel.luck;
             let steady = pixel.steady[bound as usize] * factors.bias;
-            (factors.quantile * level * noise + 2.0 * (steady + random).abs(), self.weight)
+            // Edges leave the disc as it shrinks, but when is not known.
+            let bounded = if bound == Bound::Upper { pixel.bounded } else { pixel.bounded * factors.bias };
+            (factors.quantile * level * noise + 2.0 * (steady + random).abs() + bounded, self.weight)
         })
     }
 }

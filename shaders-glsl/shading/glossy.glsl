@@ -6,6 +6,7 @@
 #include "shading/albedo_table.glsl"
 #include "shading/constants.glsl"
 #include "shading/ggx.glsl"
+#include "shading/layers.glsl"
 #include "shading/layout.glsl"
 #include "shading/sampling.glsl"
 #include "shading/shade.glsl"
@@ -55,15 +56,15 @@ float glossy_entering(SceneRef scene, uint coat, float cosine) {
     return mean > GLOSSY_MIN_SHARE ? share : 0.0;
 }
 
-Glossy glossy_new(SceneRef scene, Material material, float cosine) {
+Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine) {
     float roughness = material.roughness, metallic = material.metallic, weight = material.specular;
     vec3 color = material.albedo;
     vec2 directional = albedo_directional(scene, min(cosine, 1.0), roughness);
     vec2 mean = albedo_mean(scene, roughness);
-    precise float at_normal = (material.ior - 1.0) / (material.ior + 1.0);
-    precise float coat_f0 = at_normal * at_normal * weight;
+    vec3 colored_f0 = layers_coat_f0(layers, material);
+    float coat_f0 = glossy_greatest(colored_f0);
     precise float dielectric = 1.0 - metallic;
-    precise vec3 f0 = color * metallic + vec3(coat_f0 * dielectric);
+    precise vec3 f0 = color * metallic + colored_f0 * dielectric;
     precise float f90 = metallic + weight * dielectric;
     precise float lost = 1.0 - (directional.x + directional.y);
     precise float mean_total = mean.x + mean.y;

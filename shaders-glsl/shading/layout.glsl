@@ -117,7 +117,9 @@ struct MaterialTextures {
     uint metallic_roughness;
     uint alpha;
     uint specular;
-    uint reserved[9];
+    uint specular_color;
+    vec3 specular_color_factor;
+    uint reserved[5];
 };
 
 struct LightNode {

@@ -58,9 +58,9 @@ Leaves leaves_base(Glossy glossy, uint media, vec3 seen) {
 }
 
 // For the reflection: the path goes on in search of other glossy surfaces.
-Leaves leaves_reflection(Material material, vec3 seen) {
+Leaves leaves_reflection(Material material, Layers layers, vec3 seen) {
     vec3 factor;
-    uvec2 words = lobe_pack(material, factor);
+    uvec2 words = lobe_pack(material, layers, factor);
     return Leaves(0.5, seen * factor, 1.0, words);
 }
 

@@ -98,6 +98,9 @@ pub struct MaterialDesc {
     /// What alpha does. Emitted light is covered like the surface. Not for [`Surface::Dielectric`], whose mesh must be
     /// closed.
     pub alpha_mode: AlphaMode,
+    /// Factor on the reflectance at normal incidence of the coat of a [`Surface::Glossy`], linear RGB, finite and ≥ 0; the
+    /// product is at most 1. White, which is usual, is a coat without colour. At grazing angles every coat is colourless.
+    pub specular_color: [f64; 3],
     /// Textures that multiply the colours above, and a normal map.
     pub textures: TexturesDesc,
 }
@@ -114,6 +117,7 @@ impl MaterialDesc {
             priority: 0,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
+            specular_color: [1.0; 3],
             textures: TexturesDesc::default(),
         }
     }
@@ -166,6 +170,12 @@ impl MaterialDesc {
     #[must_use]
     pub fn with_both_sides(self, emits_both_sides: bool) -> Self {
         Self { emits_both_sides, ..self }
+    }
+
+    /// The material with this [`Self::specular_color`].
+    #[must_use]
+    pub fn with_specular_color(self, specular_color: [f64; 3]) -> Self {
+        Self { specular_color, ..self }
     }
 
     /// The material with these [`Self::textures`].

@@ -121,6 +121,8 @@ pub(crate) enum MaterialExtras {
         roughness: Exact,
         specular: Exact,
         ior: Exact,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        specular_color: Option<Triple>,
         emission: Triple,
         emits_both_sides: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -164,6 +166,7 @@ impl MaterialExtras {
                 roughness: Exact(roughness),
                 specular: Exact(specular),
                 ior: Exact(ior),
+                specular_color: (desc.specular_color != [1.0; 3]).then(|| exact(desc.specular_color)),
                 emission,
                 emits_both_sides,
                 textures,
@@ -181,6 +184,10 @@ impl MaterialExtras {
         let textures = textures.as_ref().map_or(Some(found), |textures| textures.refine(found))?;
         // Priority applies only to solids.
         let priority = if let Self::Glass { priority, .. } = self { priority } else { 0 };
+        let specular_color = match &self {
+            Self::Glossy { specular_color: Some(color), .. } => plain(*color),
+            _ => [1.0; 3],
+        };
         let (surface, emission, emits_both_sides) = match self {
             Self::Lambert { albedo, emission, emits_both_sides, .. } => {
                 (Surface::Lambert { albedo: plain(albedo) }, emission, emits_both_sides)
@@ -213,7 +220,8 @@ impl MaterialExtras {
             }
         };
         let emission = plain(emission);
-        Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..MaterialDesc::new(name, surface) })
+        let base = MaterialDesc::new(name, surface).with_specular_color(specular_color);
+        Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..base })
     }
 }
 

@@ -58,7 +58,8 @@ fn everything() -> SceneBuilder {
                 specular: third,
                 ior: 1.0 + third,
             },
-        ),
+        )
+        .with_specular_color([third, 1.5, 0.0]),
         MaterialDesc::new(
             "reflects all",
             Surface::Glossy { base_color: [third; 3], metallic: 0.0, roughness: 0.0, specular: 0.9, ior: 0.0 },

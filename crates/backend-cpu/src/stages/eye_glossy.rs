@@ -6,7 +6,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHTS, BLOCK_SURFACES, Sampler, unit_f32};
 use photon_core::{
-    FilmPixel, Glossy, Layer, Lobe, Material, MediumStack, Query, ReflectionLobe, SurfaceInteraction, glossy, offset,
+    FilmPixel, Glossy, Layer, Layers, Lobe, Material, MediumStack, Query, ReflectionLobe, SurfaceInteraction, glossy,
+    offset,
 };
 
 use super::eye::{Eye, Path};
@@ -58,8 +59,8 @@ impl Leaves {
     }
 
     /// For the reflection of `material`: the path goes on in search of other glossy surfaces.
-    pub(crate) fn reflection(material: &Material, seen: Vec3) -> Self {
-        let (words, factor) = ReflectionLobe::pack(material);
+    pub(crate) fn reflection(material: &Material, layers: &Layers, seen: Vec3) -> Self {
+        let (words, factor) = ReflectionLobe::pack(material, layers);
         Self { first: 0.5, throughput: seen * factor, scale: 1.0, words }
     }
 }

@@ -112,6 +112,8 @@ impl ShadedScene {
                 metallic_roughness,
                 alpha,
                 specular: if of_specular.now_and_then() { none } else { of_specular.word() % images },
+                specular_color: if of_specular.now_and_then() { none } else { of_specular.word() % images },
+                specular_color_factor: [(); 3].map(|()| of_specular.between(0.5, 3.0)),
                 ..MaterialTextures::default()
             };
             self.shading.material_textures.push(entry);

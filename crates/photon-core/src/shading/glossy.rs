@@ -1,13 +1,13 @@
 //! Glossy surfaces: GGX reflection over a diffuse base; `glossy.glsl` is the twin.
 //!
 //! The metallic-roughness model of glTF 2.0 (appendix B) with the share of metal m, base colour c and, with the index n and
-//! weight w of the coat, `F0 = m c + (1 − m) w ((n−1)/(n+1))²` and `F90 = m + (1 − m) w` in Schlick's factor. Three parts
-//! add up:
+//! weight w of the coat, `F0 = m c + (1 − m) w min(s ((n−1)/(n+1))², 1)` and `F90 = m + (1 − m) w` in Schlick's factor, where s
+//! is the specular colour, usually white. Three parts add up:
 //! - single scattering, `F D G2 / (4 cos_o cos_i)` ([`crate::ggx`]);
 //! - multiple scattering of the metal, `m F_ms (1 − E_o)(1 − E_i) / (π (1 − Ē))` (Kulla and Conty 2017) with
 //!   `F_ms = F̄² Ē / (1 − F̄ (1 − Ē))`: a white metal loses nothing;
 //! - the base, `(1 − m) c/π (1 − S_o)(1 − S_i) / (1 − S̄)` with the directional albedo S of the coat (Kelemen and
-//!   Szirmay-Kalos 2001): a white base under any coat loses nothing.
+//!   Szirmay-Kalos 2001): a white base under any colourless coat loses nothing. S is that of the largest channel of F0.
 //!
 //! All are reciprocal. The base is Lambertian for photons that are stored with the factor `(1 − S_i)/(1 − S̄)`, that of
 //! [`Coat::entering`], so that density estimation needs no BSDF.
@@ -16,6 +16,7 @@ use glam::{Vec2, Vec3};
 
 use crate::scene::material::Material;
 use crate::shading::albedo_table::AlbedoTable;
+use crate::shading::layers::Layers;
 use crate::shading::shading_normal;
 use crate::shading::{ggx, sampling};
 
@@ -112,19 +113,20 @@ pub struct Reflected {
 }
 
 impl Glossy {
-    /// The surface of `material`, evaluated at the point, for a path that arrives with `cosine` > 0 to the shading normal.
+    /// The surface of `material` with `layers`, both evaluated at the point, for a path that arrives with `cosine` > 0 to the
+    /// shading normal.
     #[inline]
     #[must_use]
-    pub fn new(material: &Material, cosine: f32) -> Self {
+    pub fn new(material: &Material, layers: &Layers, cosine: f32) -> Self {
         let table = AlbedoTable::get();
         let (roughness, metallic, weight) = (material.roughness, material.metallic, material.specular);
         let color = Vec3::from(material.albedo);
         let directional = table.directional(cosine.min(1.0), roughness);
         let mean = table.mean(roughness);
-        let at_normal = (material.ior - 1.0) / (material.ior + 1.0);
-        let coat_f0 = at_normal * at_normal * weight;
+        let colored_f0 = layers.coat_f0(material);
+        let coat_f0 = colored_f0.max_element();
         let dielectric = 1.0 - metallic;
-        let f0 = color * metallic + Vec3::splat(coat_f0 * dielectric);
+        let f0 = color * metallic + colored_f0 * dielectric;
         let f90 = metallic + weight * dielectric;
         // Multiple scattering of the metal.
         let lost = 1.0 - (directional.x + directional.y);

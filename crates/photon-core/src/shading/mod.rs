@@ -10,6 +10,7 @@ pub mod fresnel;
 pub mod ggx;
 pub mod glossy;
 pub(crate) mod interaction;
+pub(crate) mod layers;
 pub mod light_sampler;
 pub mod light_tree;
 pub mod math;

@@ -23,6 +23,8 @@ pub(crate) struct TexturesExtras {
     metallic_roughness: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     specular: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    specular_color: Option<Transform>,
     normal_scale: Exact,
 }
 
@@ -37,8 +39,9 @@ impl TexturesExtras {
         let base_color = of(textures.base_color.or(textures.alpha));
         let (emission, normal) = (of(textures.emission), of(textures.normal));
         let (metallic_roughness, specular) = (of(textures.metallic_roughness), of(textures.specular));
+        let specular_color = of(textures.specular_color);
         let normal_scale = Exact(textures.normal_scale);
-        let all = [&base_color, &emission, &normal, &metallic_roughness, &specular];
+        let all = [&base_color, &emission, &normal, &metallic_roughness, &specular, &specular_color];
         let is_plain = all.iter().all(|used| used.is_none());
         (!is_plain || normal_scale.0 != 1.0).then_some(Self {
             base_color,
@@ -46,6 +49,7 @@ impl TexturesExtras {
             normal,
             metallic_roughness,
             specular,
+            specular_color,
             normal_scale,
         })
     }
@@ -69,6 +73,7 @@ impl TexturesExtras {
             normal: of(textures.normal, &self.normal)?,
             metallic_roughness: of(textures.metallic_roughness, &self.metallic_roughness)?,
             specular: of(textures.specular, &self.specular)?,
+            specular_color: of(textures.specular_color, &self.specular_color)?,
             normal_scale: self.normal_scale.0,
             // In glTF, the same texture.
             alpha: textures.alpha.and(base_color),

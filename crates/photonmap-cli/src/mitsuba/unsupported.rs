@@ -28,6 +28,7 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
             ("emission", textures.emission),
             ("normal", textures.normal),
             ("metallic-roughness", textures.metallic_roughness),
+            ("specular colour", textures.specular_color),
         ];
         if let Some((slot, _)) = uses.into_iter().find(|(_, used)| *used != MaterialTextures::NONE) {
             return refused(

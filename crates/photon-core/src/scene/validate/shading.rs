@@ -68,11 +68,16 @@ fn check_material(textures: &MaterialTextures, tables: &ShadingTables<'_>) -> Ch
         ("metallic_roughness", textures.metallic_roughness),
         ("alpha", textures.alpha),
         ("specular", textures.specular),
+        ("specular_color", textures.specular_color),
     ] {
         require(used == MaterialTextures::NONE || (used as usize) < uses, || {
             format!("its {name} texture {used} is out of range, {uses} uses exist")
         })?;
     }
+    let color = textures.specular_color_factor;
+    require(color.iter().all(|part| part.is_finite() && *part >= 0.0), || {
+        format!("its specular_color_factor {color:?} must be finite and at least 0")
+    })?;
     let scale = textures.normal_scale;
     require(scale.is_finite(), || format!("its normal_scale {scale} must be finite"))?;
     require(textures.normal == MaterialTextures::NONE || !tables.tangents.is_empty(), || {

@@ -43,6 +43,7 @@ pub(super) fn describe(
         emits_both_sides: material.double_sided,
         alpha: parameters.alpha,
         alpha_mode: parameters.alpha_mode,
+        specular_color: parameters.specular_color,
         textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
@@ -84,15 +85,6 @@ fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surfa
 
 /// The metallic-roughness model itself.
 fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
-    let mut ior = of.ior;
-    if of.specular_color != [1.0; 3] && of.metallic < 1.0 && ior >= 0.0 {
-        let mean = of.specular_color.iter().sum::<f64>() / 3.0;
-        if of.specular_color.iter().any(|part| (part - mean).abs() > 1e-6) {
-            let text = format!("its specular colour {:?} is replaced by its mean {mean:.3}", of.specular_color);
-            report.approximated(subject, text);
-        }
-        ior = index_of((reflectance_of(ior) * mean).min(1.0));
-    }
     if of.specular > 1.0 {
         report.approximated(subject, format!("its specular factor {:.3} is replaced by 1", of.specular));
     }
@@ -102,20 +94,9 @@ fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
         metallic: of.metallic,
         roughness: of.roughness,
         specular: of.specular.min(1.0),
-        ior,
+        ior: of.ior,
     };
     simplest(surface, textured)
-}
-
-/// Reflectance at normal incidence of a boundary of refractive index n, `((n−1)/(n+1))²`; 1 for the index 0.
-fn reflectance_of(ior: f64) -> f64 {
-    ((ior - 1.0) / (ior + 1.0)).powi(2)
-}
-
-/// The inverse of [`reflectance_of`], for indices from 1; 0 for a reflectance of 1.
-pub(super) fn index_of(reflectance: f64) -> f64 {
-    let root = libm::sqrt(reflectance);
-    if root < 1.0 { (1.0 + root) / (1.0 - root) } else { 0.0 }
 }
 
 /// A transmissive material: a solid if it has a volume, otherwise a thin sheet.
@@ -134,7 +115,11 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
         let text = format!("is {:.0} % metal; it is rendered as clear", of.mean_metallic * 100.0);
         report.approximated(subject, text);
     }
-    if of.specular != 1.0 || of.specular_color != [1.0; 3] || of.textures.specular.is_some() {
+    if of.specular != 1.0
+        || of.specular_color != [1.0; 3]
+        || of.textures.specular.is_some()
+        || of.textures.specular_color.is_some()
+    {
         report.left_out(subject, "its specular factor; it reflects by its refractive index");
     }
     if !of.is_solid {

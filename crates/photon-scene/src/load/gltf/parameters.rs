@@ -136,7 +136,7 @@ pub(super) fn read(
     let coat = means.image(slot("specularTexture"), SPECULAR)?;
     let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
     let scale = scale * coat.filter(|coat| coat.used.is_none()).map_or(1.0, |coat| coat.mean.alpha);
-    let mean = means.mean(slot("specularColorTexture"), "specular colour", |mean| format!("{:.3?}", mean.color))?;
+    let tint = means.image(slot("specularColorTexture"), SPECULAR_COLOR)?;
     let specular_color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
     Ok(Parameters {
         base: color,
@@ -148,7 +148,7 @@ pub(super) fn read(
         transmission,
         ior,
         specular: scale,
-        specular_color: times(specular_color, mean.map(|mean| mean.color)),
+        specular_color: times(specular_color, tint.and_then(|tint| tint.color())),
         is_solid: volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0),
         attenuation_color: volume.map_or([1.0; 3], |v| v.attenuation_color.0.map(f64::from)),
         attenuation_distance: volume.map_or(f64::INFINITY, |v| f64::from(v.attenuation_distance.0)),
@@ -162,6 +162,7 @@ pub(super) fn read(
             metallic_roughness,
             alpha: base.filter(|base| !is_opaque && base.mean.alpha < 1.0).and_then(|base| base.used),
             specular: coat.and_then(|coat| coat.used),
+            specular_color: tint.and_then(|tint| tint.used),
         },
     })
 }
@@ -198,6 +199,7 @@ const BASE: Role = Role { name: "base colour", bytes: TexelFormat::Srgb8, is_fac
 const METALLIC_ROUGHNESS: Role = Role { name: "metal and roughness", bytes: TexelFormat::Linear8, is_factor: true };
 const EMISSION: Role = Role { name: "emission", bytes: TexelFormat::Srgb8, is_factor: true };
 const SPECULAR: Role = Role { name: "specular", bytes: TexelFormat::Srgb8, is_factor: true };
+const SPECULAR_COLOR: Role = Role { name: "specular colour", bytes: TexelFormat::Srgb8, is_factor: true };
 const NORMAL_MAP: Role = Role { name: "normal map", bytes: TexelFormat::Linear8, is_factor: false };
 
 /// The textures of one material.

@@ -23,6 +23,8 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     material.roughness = a.w;
     material.metallic = b.w;
     Layers layers = layers_none();
+    layers.clearcoat = c.y < 0.5 ? 0.0 : 0.8;
+    layers.clearcoat_roughness = 0.3;
     layers.specular_color = vec3(1.0, 1.0 - b.w, 1.0 + 30.0 * b.w);
     float alpha = max(a.w * a.w, GGX_MIN_ALPHA);
     vec3 normal = vec3(0.48, 0.6, -0.64);

@@ -42,6 +42,9 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 4u) {
         return floats(vec4(material.albedo, material.roughness), vec4(material.emission, material.metallic));
     }
-    if (FUNCTION == 6u) return floats(vec4(material.specular, layers.specular_color), vec4(0.0));
+    if (FUNCTION == 6u) {
+        return floats(vec4(material.specular, layers.specular_color),
+            vec4(layers.clearcoat, layers.clearcoat_roughness, 0.0, 0.0));
+    }
     return floats(vec4(normal, 0.0), vec4(0.0));
 }

@@ -7,9 +7,12 @@
 struct Layers {
     // Factor on the reflectance of the coat at normal incidence.
     vec3 specular_color;
+    // Weight and roughness of the clearcoat.
+    float clearcoat;
+    float clearcoat_roughness;
 };
 
-Layers layers_none() { return Layers(vec3(1.0)); }
+Layers layers_none() { return Layers(vec3(1.0), 0.0, 0.0); }
 
 // Reflectance of the coat at normal incidence.
 vec3 layers_coat_f0(Layers layers, Material material) {

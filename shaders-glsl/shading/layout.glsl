@@ -119,7 +119,11 @@ struct MaterialTextures {
     uint specular;
     uint specular_color;
     vec3 specular_color_factor;
-    uint reserved[5];
+    float clearcoat_factor;
+    float clearcoat_roughness_factor;
+    uint clearcoat;
+    uint clearcoat_roughness;
+    uint reserved;
 };
 
 struct LightNode {

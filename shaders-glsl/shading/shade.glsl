@@ -20,7 +20,8 @@ const bool FOLLOWED = GLOSSY || ROUGH_GLASS;
 // Whether specular surfaces see a normal that is bent towards the ray.
 const bool BENT_NORMALS = SHADING_NORMALS || FOLLOWED;
 const bool SPECULAR_COLORS = (FEATURES & FEATURE_SPECULAR_COLORS) != 0u;
-const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS || SPECULAR_COLORS;
+const bool CLEARCOAT = (FEATURES & FEATURE_CLEARCOAT) != 0u;
+const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS || SPECULAR_COLORS || CLEARCOAT;
 const bool TEXTURED_LIGHTS = (FEATURES & FEATURE_TEXTURED_LIGHTS) != 0u;
 
 vec3 shade_interpolate(vec3 a, vec3 b, vec3 c, vec3 weights) {
@@ -84,7 +85,7 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
             normal = normalize_or(normal, front);
         }
     }
-    if ((TEXTURES || NORMAL_MAPS || SPECULAR_COLORS) && material.textures != 0u) {
+    if ((TEXTURES || NORMAL_MAPS || SPECULAR_COLORS || CLEARCOAT) && material.textures != 0u) {
         MaterialTextures textures = scene.shading.material_textures[material.textures - 1u].at;
         if (TEXTURES) {
             material.albedo =
@@ -105,6 +106,12 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
         if (SPECULAR_COLORS) {
             layers.specular_color =
                 shade_multiply(textures.specular_color_factor, shade_sample(scene, textures.specular_color, slot, weights));
+        }
+        if (CLEARCOAT && textures.clearcoat_factor > 0.0) {
+            float weight = shade_sample(scene, textures.clearcoat, slot, weights).x;
+            float roughness = shade_sample(scene, textures.clearcoat_roughness, slot, weights).y;
+            layers.clearcoat = alpha_multiply(textures.clearcoat_factor, weight);
+            layers.clearcoat_roughness = alpha_multiply(textures.clearcoat_roughness_factor, roughness);
         }
         if (NORMAL_MAPS && textures.normal != NO_TEXTURE) {
             vec3 texel = shade_sample(scene, textures.normal, slot, weights);

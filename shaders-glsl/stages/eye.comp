@@ -220,7 +220,7 @@ void main() {
                 Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
                 Leaves leaves;
                 if (REFLECTIONS) {
-                    leaves = leaves_reflection(material, layers, seen);
+                    leaves = leaves_reflection(material, layers, glossy, seen);
                 } else {
                     emission += seen * light_reflection(path, pixel, at, normal, sides.before, glossy);
                     leaves = leaves_base(glossy, sides.before, seen);

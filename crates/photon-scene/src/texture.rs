@@ -136,6 +136,10 @@ pub struct TexturesDesc {
     pub specular: Option<TextureRef>,
     /// Its colour multiplies [`crate::MaterialDesc::specular_color`].
     pub specular_color: Option<TextureRef>,
+    /// Its red multiplies [`crate::MaterialDesc::clearcoat`]; linear.
+    pub clearcoat: Option<TextureRef>,
+    /// Its green multiplies [`crate::MaterialDesc::clearcoat_roughness`]; linear.
+    pub clearcoat_roughness: Option<TextureRef>,
 }
 
 impl Default for TexturesDesc {
@@ -150,6 +154,8 @@ impl Default for TexturesDesc {
             alpha: None,
             specular: None,
             specular_color: None,
+            clearcoat: None,
+            clearcoat_roughness: None,
         }
     }
 }
@@ -203,6 +209,18 @@ impl TexturesDesc {
         Self { specular_color: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::clearcoat`].
+    #[must_use]
+    pub fn with_clearcoat(self, texture: TextureRef) -> Self {
+        Self { clearcoat: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::clearcoat_roughness`].
+    #[must_use]
+    pub fn with_clearcoat_roughness(self, texture: TextureRef) -> Self {
+        Self { clearcoat_roughness: Some(texture), ..self }
+    }
+
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
         let all = [
@@ -213,6 +231,8 @@ impl TexturesDesc {
             ("alpha", self.alpha),
             ("specular", self.specular),
             ("specular_color", self.specular_color),
+            ("clearcoat", self.clearcoat),
+            ("clearcoat_roughness", self.clearcoat_roughness),
         ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))
     }

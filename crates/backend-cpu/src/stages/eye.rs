@@ -225,7 +225,7 @@ impl Eye<'_> {
             let glossy = Glossy::new(material, &layers, surface.cosine);
             let at = GlossyPoint { surface: &surface, normal, media: interface.before, glossy: &glossy };
             let leaves = if REFLECTIONS {
-                Leaves::reflection(material, &layers, seen())
+                Leaves::reflection(material, &layers, &glossy, seen())
             } else {
                 self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
                 Leaves::base(&at, seen())

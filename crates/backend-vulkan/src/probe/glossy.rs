@@ -78,10 +78,11 @@ fn material(i: &Input) -> Material {
     Material { roughness: i.float(3), metallic: i.float(7), ..SCENE.view().materials[0] }
 }
 
-/// A specular colour that depends on the share of metal, white for one of three.
+/// A specular colour that depends on the share of metal, white for one of three; half of them with a clearcoat.
 fn layers(i: &Input) -> Layers {
     let part = i.float(7);
-    Layers::default().with_specular_color(Vec3::new(1.0, 1.0 - part, 1.0 + 30.0 * part))
+    let clearcoat = if i.float(9) < 0.5 { 0.0 } else { 0.8 };
+    Layers::default().with_specular_color(Vec3::new(1.0, 1.0 - part, 1.0 + 30.0 * part)).with_clearcoat(clearcoat, 0.3)
 }
 
 fn glossy(i: &Input) -> Glossy {

@@ -149,7 +149,7 @@ fn shaded(i: &Input, [u, v]: [f32; 2]) -> Shaded {
 
 fn specular(shaded: &Shaded) -> Output {
     let [r, g, b] = shaded.layers.specular_color.to_array();
-    output([shaded.material.specular, r, g, b])
+    output([shaded.material.specular, r, g, b, shaded.layers.clearcoat, shaded.layers.clearcoat_roughness])
 }
 
 fn colors(shaded: &Shaded) -> Output {

@@ -53,6 +53,8 @@ bitflags! {
         const THIN_LENS = 1 << 19;
         /// Coats with a specular colour.
         const SPECULAR_COLORS = 1 << 20;
+        /// Clearcoats.
+        const CLEARCOAT = 1 << 21;
     }
 }
 
@@ -68,7 +70,8 @@ impl Features {
         .union(Self::VERTEX_COLORS)
         .union(Self::GLOSSY)
         .union(Self::ROUGH_GLASS)
-        .union(Self::SPECULAR_COLORS);
+        .union(Self::SPECULAR_COLORS)
+        .union(Self::CLEARCOAT);
     /// Where camera paths sample lights, and go on.
     pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);
     /// All lobes that are not diffuse.
@@ -97,6 +100,7 @@ impl Features {
         "light-tree",
         "thin-lens",
         "specular-colors",
+        "clearcoat",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

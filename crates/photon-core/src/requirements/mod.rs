@@ -216,10 +216,13 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
         textures.metallic_roughness,
         textures.specular,
         textures.specular_color,
+        textures.clearcoat,
+        textures.clearcoat_roughness,
     ];
     attributes
         .union(when(all.into_iter().any(used), Features::TEXTURES))
         .union(when(is_glossy && textures.has_specular_color(), Features::SPECULAR_COLORS))
+        .union(when(is_glossy && textures.clearcoat_factor > 0.0, Features::CLEARCOAT))
         .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
         .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))
 }

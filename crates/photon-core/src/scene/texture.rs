@@ -141,8 +141,16 @@ pub struct MaterialTextures {
     pub specular_color: u32,
     /// Glossy: factor on the reflectance at normal incidence of the coat, linear RGB, finite, ≥ 0; the product is at most 1.
     pub specular_color_factor: [f32; 3],
+    /// Weight of a clearcoat over the surface, in `[0, 1]`; 0 without one. Only of glossy materials.
+    pub clearcoat_factor: f32,
+    /// Its roughness, in `[0, 1]`.
+    pub clearcoat_roughness_factor: f32,
+    /// Its red multiplies [`Self::clearcoat_factor`].
+    pub clearcoat: u32,
+    /// Its green multiplies [`Self::clearcoat_roughness_factor`].
+    pub clearcoat_roughness: u32,
     /// [`Self::NONE`].
-    pub reserved: [u32; 5],
+    pub reserved: u32,
 }
 
 impl MaterialTextures {
@@ -168,7 +176,11 @@ impl Default for MaterialTextures {
             specular: Self::NONE,
             specular_color: Self::NONE,
             specular_color_factor: [1.0; 3],
-            reserved: [Self::NONE; 5],
+            clearcoat_factor: 0.0,
+            clearcoat_roughness_factor: 0.0,
+            clearcoat: Self::NONE,
+            clearcoat_roughness: Self::NONE,
+            reserved: Self::NONE,
         }
     }
 }

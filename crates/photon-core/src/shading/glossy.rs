@@ -16,9 +16,10 @@ use glam::{Vec2, Vec3};
 
 use crate::scene::material::Material;
 use crate::shading::albedo_table::AlbedoTable;
+use crate::shading::clearcoat::Clearcoat;
 use crate::shading::layers::Layers;
 use crate::shading::shading_normal;
-use crate::shading::{ggx, sampling};
+use crate::shading::{clearcoat, ggx, sampling};
 
 #[cfg(test)]
 mod tests;
@@ -70,6 +71,9 @@ impl Coat {
         if self.0 == 0 {
             return 1.0;
         }
+        if clearcoat::is_packed(self.0) {
+            return clearcoat::entering(self.0, cosine);
+        }
         let (roughness, f0, f90) = self.unpack();
         let table = AlbedoTable::get();
         let mean = 1.0 - reflected(table.mean(roughness), f0, f90);
@@ -101,6 +105,11 @@ pub struct Glossy {
     diffuse: Vec3,
     specular_probability: f32,
     coat: Coat,
+    clearcoat: Clearcoat,
+    /// What the clearcoat lets through from the direction of the path.
+    through: f32,
+    /// Probability that the clearcoat's reflection is sampled rather than the one below it.
+    clearcoat_probability: f32,
 }
 
 /// The reflection in one direction.
@@ -140,7 +149,22 @@ impl Glossy {
         let specular = f0 * directional.x + Vec3::splat(f90 * directional.y) + multiple_albedo;
         let through = 1.0 - reflected(directional, coat_f0, weight);
         let diffuse = color * (dielectric * through.max(0.0));
-        let (most_specular, most_diffuse) = (specular.max_element(), diffuse.max_element());
+        let mut coat = Coat::new(roughness, coat_f0, weight);
+        let (most_specular, mut most_diffuse) = (specular.max_element(), diffuse.max_element());
+        let multiple_probability =
+            if most_specular > 0.0 { multiple_albedo.max_element() / most_specular } else { 0.0 };
+        let clearcoat = Clearcoat::of(layers);
+        let (mut diffuse, mut most_specular) = (diffuse, most_specular);
+        let (mut under, mut clearcoat_probability) = (1.0, 0.0);
+        if clearcoat.weight > 0.0 {
+            coat = Coat(clearcoat::pack(roughness, coat_f0, weight, clearcoat));
+            under = clearcoat.through(cosine.min(1.0));
+            diffuse *= under;
+            most_diffuse *= under;
+            let reflected = 1.0 - under;
+            most_specular = reflected + under * most_specular;
+            clearcoat_probability = if most_specular > 0.0 { reflected / most_specular } else { 0.0 };
+        }
         // Devices may round x/x below 1, and a metal must not count as a mixture.
         let specular_probability = if most_diffuse > 0.0 {
             most_specular / (most_specular + most_diffuse)
@@ -155,10 +179,13 @@ impl Glossy {
             f0,
             f90,
             multiple,
-            multiple_probability: if most_specular > 0.0 { multiple_albedo.max_element() / most_specular } else { 0.0 },
+            multiple_probability,
             diffuse,
             specular_probability,
-            coat: Coat::new(roughness, coat_f0, weight),
+            coat,
+            clearcoat,
+            through: under,
+            clearcoat_probability,
         }
     }
 
@@ -184,7 +211,21 @@ impl Glossy {
         self.multiple_probability
     }
 
-    /// The coat over the base.
+    /// Probability that [`Self::sample`] samples the reflection of the clearcoat.
+    #[inline]
+    #[must_use]
+    pub fn clearcoat_probability(&self) -> f32 {
+        self.clearcoat_probability
+    }
+
+    /// What the clearcoat lets through from the direction of the path; 1 without one.
+    #[inline]
+    #[must_use]
+    pub fn clearcoat_through(&self) -> f32 {
+        self.through
+    }
+
+    /// The coats over the base.
     #[inline]
     #[must_use]
     pub fn coat(&self) -> Coat {
@@ -218,6 +259,12 @@ impl Glossy {
             value += self.multiple * ((1.0 - (albedo.x + albedo.y)).max(0.0) * cosine);
             pdf = pdf * (1.0 - self.multiple_probability) + cosine * self.multiple_probability;
         }
+        if self.clearcoat.weight > 0.0 {
+            let above = self.clearcoat.evaluate(o, i, h);
+            let p = self.clearcoat_probability;
+            value = value * self.through.min(self.clearcoat.through(i.z)) + above.value;
+            pdf = pdf * (1.0 - p) + above.pdf * p;
+        }
         Reflected { value, pdf }
     }
 
@@ -226,13 +273,19 @@ impl Glossy {
     #[inline]
     #[must_use]
     pub fn sample(&self, wo: Vec3, normal: Vec3, u: f32, v: f32) -> (Vec3, Reflected) {
-        let p = self.multiple_probability;
-        let wi = if u < p {
+        let (p, top) = (self.multiple_probability, self.clearcoat_probability);
+        let is_below = u >= top;
+        let u = if top > 0.0 { rest_of(u, top) } else { u };
+        let wi = if is_below && u < p {
             sampling::cosine_hemisphere(normal, u / p, v)
         } else {
             let (tangent, bitangent) = sampling::basis(normal);
             let o = Vec3::new(wo.dot(tangent), wo.dot(bitangent), wo.dot(normal));
-            let i = ggx::sample(self.alpha, o, ((u - p) / (1.0 - p)).min(1.0 - f32::EPSILON), v);
+            let i = if is_below {
+                ggx::sample(self.alpha, o, ((u - p) / (1.0 - p)).min(1.0 - f32::EPSILON), v)
+            } else {
+                ggx::sample(self.clearcoat.alpha(), o, u, v)
+            };
             tangent * i.x + bitangent * i.y + normal * i.z
         };
         (wi, self.evaluate(wo, wi, normal))

@@ -5,6 +5,7 @@ pub mod alpha;
 pub mod area;
 mod bias;
 pub(crate) mod bsdf;
+pub mod clearcoat;
 pub(crate) mod environment;
 pub mod fresnel;
 pub mod ggx;

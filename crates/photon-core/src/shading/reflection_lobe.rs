@@ -11,7 +11,7 @@ use crate::scene::material::Material;
 use crate::shading::albedo_table::AlbedoTable;
 use crate::shading::glossy::MIN_SHARE;
 use crate::shading::layers::Layers;
-use crate::shading::{ggx, sampling, shading_normal};
+use crate::shading::{clearcoat, ggx, sampling, shading_normal};
 
 /// The reflection of a glossy surface towards one direction.
 #[derive(Clone, Copy, Debug)]
@@ -102,6 +102,13 @@ impl ReflectionLobe {
         let wanted = Vec3::from(material.albedo) * metallic + coat * (1.0 - metallic);
         // Where F0 is so small that a step is a large part of it, F90 matters more.
         (words, Vec3::select(is.cmpgt(Vec3::splat(MIN_F0)), wanted / is, Vec3::ONE))
+    }
+
+    /// The same for the reflection of the clearcoat alone.
+    #[inline]
+    #[must_use]
+    pub fn pack_clearcoat(layers: &Layers) -> ([u32; 2], Vec3) {
+        Self::pack(&clearcoat::reflector(layers), &Layers::NONE)
     }
 
     /// The lobe with these words, towards `wo` at a surface with the shading normal `normal`.

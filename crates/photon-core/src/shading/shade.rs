@@ -69,6 +69,16 @@ impl Shading<'_> {
                     layers.specular_color *= color;
                 }
             }
+            if textures.clearcoat_factor > 0.0 {
+                layers.clearcoat = textures.clearcoat_factor;
+                layers.clearcoat_roughness = textures.clearcoat_roughness_factor;
+                if let Some(color) = self.sample(textures.clearcoat, &corners) {
+                    layers.clearcoat *= color.x;
+                }
+                if let Some(color) = self.sample(textures.clearcoat_roughness, &corners) {
+                    layers.clearcoat_roughness *= color.y;
+                }
+            }
             if let Some(texel) = self.sample(textures.normal, &corners) {
                 normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
             }

@@ -25,6 +25,10 @@ pub(crate) struct TexturesExtras {
     specular: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     specular_color: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    clearcoat: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    clearcoat_roughness: Option<Transform>,
     normal_scale: Exact,
 }
 
@@ -40,8 +44,18 @@ impl TexturesExtras {
         let (emission, normal) = (of(textures.emission), of(textures.normal));
         let (metallic_roughness, specular) = (of(textures.metallic_roughness), of(textures.specular));
         let specular_color = of(textures.specular_color);
+        let (clearcoat, clearcoat_roughness) = (of(textures.clearcoat), of(textures.clearcoat_roughness));
         let normal_scale = Exact(textures.normal_scale);
-        let all = [&base_color, &emission, &normal, &metallic_roughness, &specular, &specular_color];
+        let all = [
+            &base_color,
+            &emission,
+            &normal,
+            &metallic_roughness,
+            &specular,
+            &specular_color,
+            &clearcoat,
+            &clearcoat_roughness,
+        ];
         let is_plain = all.iter().all(|used| used.is_none());
         (!is_plain || normal_scale.0 != 1.0).then_some(Self {
             base_color,
@@ -50,6 +64,8 @@ impl TexturesExtras {
             metallic_roughness,
             specular,
             specular_color,
+            clearcoat,
+            clearcoat_roughness,
             normal_scale,
         })
     }
@@ -74,6 +90,8 @@ impl TexturesExtras {
             metallic_roughness: of(textures.metallic_roughness, &self.metallic_roughness)?,
             specular: of(textures.specular, &self.specular)?,
             specular_color: of(textures.specular_color, &self.specular_color)?,
+            clearcoat: of(textures.clearcoat, &self.clearcoat)?,
+            clearcoat_roughness: of(textures.clearcoat_roughness, &self.clearcoat_roughness)?,
             normal_scale: self.normal_scale.0,
             // In glTF, the same texture.
             alpha: textures.alpha.and(base_color),

@@ -163,6 +163,21 @@ impl Overrides {
         if with.specular.is_some() || kind != before {
             desc.textures.specular = None;
         }
+        if with.clearcoat.is_some() {
+            desc.textures.clearcoat = None;
+        }
+        if with.clearcoat_roughness.is_some() {
+            desc.textures.clearcoat_roughness = None;
+        }
+        if kind != before {
+            (desc.clearcoat, desc.clearcoat_roughness) = (0.0, 0.0);
+            (desc.textures.clearcoat, desc.textures.clearcoat_roughness) = (None, None);
+        }
+        let (mut new_clearcoat, mut new_clearcoat_roughness) = (with.clearcoat, with.clearcoat_roughness);
+        if !matches!(kind, Kind::Glass | Kind::Thin) {
+            desc.clearcoat = new_clearcoat.take().unwrap_or(desc.clearcoat);
+            desc.clearcoat_roughness = new_clearcoat_roughness.take().unwrap_or(desc.clearcoat_roughness);
+        }
         if with.specular_color.is_some() || kind != before {
             (desc.specular_color, desc.textures.specular_color) = ([1.0; 3], None);
         }
@@ -201,13 +216,16 @@ impl Overrides {
             ("roughness", new_roughness.is_some()),
             ("specular", new_specular.is_some()),
             ("specular_color", new_specular_color.is_some()),
+            ("clearcoat", new_clearcoat.is_some()),
+            ("clearcoat_roughness", new_clearcoat_roughness.is_some()),
         ];
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
             let hint = "lambert and mirror have albedo, glass has ior, tint, roughness, absorption and \
                         priority, thin has ior, tint and roughness, \
-                        glossy has albedo, metallic, roughness, specular, specular_color and ior; \
+                        glossy has albedo, metallic, roughness, specular, specular_color and ior, \
+                        all but glass and thin have clearcoat and clearcoat_roughness; \
                         give another kind, or leave it out";
             return Err(self.fault(what, hint));
         }

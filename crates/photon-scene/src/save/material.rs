@@ -50,6 +50,12 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         }
         extensions["KHR_materials_volume"] = volume;
     }
+    if desc.clearcoat > 0.0 {
+        extensions["KHR_materials_clearcoat"] = json!({
+            "clearcoatFactor": single(desc.clearcoat, what)?,
+            "clearcoatRoughnessFactor": single(desc.clearcoat_roughness, what)?,
+        });
+    }
     let (strength, factor) = scaled(desc.emission);
     if strength > 0.0 {
         extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": single(strength, what)? });
@@ -76,6 +82,10 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "emission" => material["emissiveTexture"] = info.clone(),
             "metallic_roughness" => {
                 material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = info.clone();
+            }
+            "clearcoat" => extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = info.clone(),
+            "clearcoat_roughness" => {
+                extensions["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"] = info.clone();
             }
             "specular_color" => {
                 extensions["KHR_materials_specular"]["specularColorTexture"] = info.clone();

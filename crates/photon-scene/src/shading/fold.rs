@@ -4,6 +4,7 @@
 use photon_core::{Texture, ggx};
 
 use super::alpha::uniform_alpha;
+use super::clearcoat::fold_clearcoat;
 use super::specular_color::fold_specular_color;
 use super::texel::Decoder;
 use crate::describe::{MaterialDesc, Surface};
@@ -46,6 +47,7 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
             (textures.metallic_roughness, textures.specular) = (None, None);
         }
         fold_specular_color(material, color_of);
+        fold_clearcoat(material, color_of);
     }
 }
 

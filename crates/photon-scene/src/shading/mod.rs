@@ -1,6 +1,7 @@
 //! Builds the tables of vertex attributes and textures, of which a scene without any of it has none.
 
 mod alpha;
+mod clearcoat;
 mod fold;
 mod mesh;
 mod normals;
@@ -57,7 +58,7 @@ impl Source<'_> {
 
 /// Whether a material needs an entry of [`MaterialTextures`].
 fn has_record(desc: &MaterialDesc) -> bool {
-    desc.textures.all().next().is_some() || desc.specular_color != [1.0; 3]
+    desc.textures.all().next().is_some() || desc.specular_color != [1.0; 3] || desc.clearcoat > 0.0
 }
 
 /// Fills the tables, and [`Material::textures`] of each material.
@@ -117,6 +118,10 @@ fn add_materials(
             alpha: if textures.alpha == textures.base_color { base_color } else { add(textures.alpha) },
             specular: add(textures.specular),
             specular_color: add(textures.specular_color),
+            clearcoat: add(textures.clearcoat),
+            clearcoat_roughness: add(textures.clearcoat_roughness),
+            clearcoat_factor: desc.clearcoat as f32,
+            clearcoat_roughness_factor: desc.clearcoat_roughness as f32,
             specular_color_factor: desc.specular_color.map(|part| part as f32),
             ..MaterialTextures::default()
         };

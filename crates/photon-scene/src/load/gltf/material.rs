@@ -20,7 +20,8 @@ const SOME_METAL: f64 = 0.01;
 const DARKEST: f64 = 1e-6;
 
 /// Extensions of materials that are supported, or reported by separate code.
-const KNOWN: &[&str] = &["KHR_materials_specular", "KHR_materials_unlit", specular_glossiness::NAME];
+const KNOWN: &[&str] =
+    &["KHR_materials_specular", "KHR_materials_unlit", specular_glossiness::NAME, parameters::CLEARCOAT];
 
 /// Converts one material; what is lost is reported.
 pub(super) fn describe(
@@ -37,6 +38,7 @@ pub(super) fn describe(
     let mut parameters = parameters::read(root, index, textures, &subject, builder, &mut lines)?;
     let surface = surface(&mut parameters, &subject, &mut lines);
     close_solid(&mut parameters, &surface, &subject, &mut lines);
+    check_clearcoat(material, &parameters, &surface, &subject, &mut lines);
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
@@ -44,6 +46,8 @@ pub(super) fn describe(
         alpha: parameters.alpha,
         alpha_mode: parameters.alpha_mode,
         specular_color: parameters.specular_color,
+        clearcoat: parameters.clearcoat[0],
+        clearcoat_roughness: parameters.clearcoat[1],
         textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
@@ -160,6 +164,26 @@ fn close_solid(of: &mut Parameters, surface: &Surface, subject: &str, report: &m
         report.left_out(subject, "its alpha: the boundary of a solid must be closed");
     }
     (of.alpha, of.alpha_mode, of.textures.alpha) = (1.0, AlphaMode::Opaque, None);
+}
+
+/// Reports what of a clearcoat is not modelled.
+fn check_clearcoat(material: &Material, of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
+    if of.clearcoat[0] == 0.0 {
+        return;
+    }
+    if matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
+        return report.left_out(subject, "its clearcoat, which glass does not have here");
+    }
+    let others = material.extensions.as_ref().and_then(|extensions| extensions.others.get(parameters::CLEARCOAT));
+    if others.is_some_and(|clearcoat| clearcoat.get("clearcoatNormalTexture").is_some()) {
+        report.left_out(subject, "the normal map of its clearcoat");
+    }
+    if of.textures.normal.is_some() {
+        report.approximated(subject, "its clearcoat has the normal map of the surface below");
+    }
+    if of.emission != [0.0; 3] {
+        report.approximated(subject, "its clearcoat does not dim its emission");
+    }
 }
 
 /// Reports properties that have no counterpart.

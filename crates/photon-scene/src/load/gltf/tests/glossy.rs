@@ -219,3 +219,36 @@ fn bad_specular_glossiness_is_named() {
         assert!(error.contains("material 'it'") && error.contains(word), "{error}");
     }
 }
+
+/// Factors and textures of a clearcoat are kept; what is not modelled is reported.
+#[test]
+fn clearcoats_are_read() {
+    let of = |rest: &str| {
+        format!(
+            r#""pbrMetallicRoughness": {{"metallicFactor": 0}}, "extensions": {{"KHR_materials_clearcoat": {{{rest}}}}}"#
+        )
+    };
+    let (material, report) = read(&of(r#""clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25"#));
+    assert_eq!([material.clearcoat, material.clearcoat_roughness], [0.5, 0.25]);
+    assert!(report.lines.is_empty(), "{report}");
+    // The factor is 0 unless it is given.
+    let (material, report) = read(&of(r#""clearcoatRoughnessFactor": 0.25"#));
+    assert_eq!([material.clearcoat, material.clearcoat_roughness], [0.0; 2]);
+    assert!(report.lines.is_empty(), "{report}");
+    let (_, report) = read(&of(r#""clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0}"#));
+    assert!(says(&report, "it", "the normal map of its clearcoat"), "{report}");
+
+    let textures = r#""clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 1, "clearcoatTexture": {"index": 0}, "clearcoatRoughnessTexture": {"index": 0}"#;
+    let texels = [[51, 102, 0, 255], [255, 0, 0, 255]];
+    let (builder, report) = textured(&of(textures), &texels).load();
+    let found = &builder.materials[0];
+    let image = &builder.textures[found.textures.clearcoat.unwrap().texture.0 as usize].image;
+    assert_eq!((image.format, &image.texels[..]), (TexelFormat::Linear8, &texels.map(u32::from_le_bytes)[..]));
+    assert!(found.textures.clearcoat_roughness.is_some() && is_exact(&report), "{report}");
+    let (builder, _) = textured(&of(textures), &[[51, 102, 0, 255]; 2]).load();
+    let found = &builder.materials[0];
+    assert_eq!([found.clearcoat, found.clearcoat_roughness, builder.textures.len() as f64], [0.1, 0.4, 0.0]);
+    // Glass has none.
+    let glass = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_clearcoat": {"clearcoatFactor": 1}}"#;
+    assert!(says(&read(glass).1, "it", "its clearcoat, which glass"));
+}

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 /// A light that emits photons; an area light is one of these per triangle.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Light {

@@ -30,11 +30,11 @@ pub struct ReflectionLobe {
 
 /// Steps between 0 and 1 of the roots of colours, and of the share of metal.
 const STEPS: f32 = 255.0;
-/// Of the root of the coat's F0, which is 1/5 for an index of 1.5: 11 bits.
+/// Steps of the root of the coat's F0, which is 1/5 for an index of 1.5: 11 bits.
 const COAT_STEPS: f32 = 2040.0;
-/// Of the coat's weight: 7 bits.
+/// Steps of the coat's weight: 7 bits.
 const WEIGHT_STEPS: f32 = 127.0;
-/// Of the roughness: 14 bits.
+/// Steps of the roughness: 14 bits.
 const ROUGHNESS_STEPS: f32 = 16_383.0;
 
 /// Parameters of a material: base colour, or without metal that of the coat's F0; share of metal, roughness, F0 and weight of
@@ -81,9 +81,9 @@ impl Parameters {
 }
 
 impl ReflectionLobe {
-    /// The words of a query for the reflection of `material`, a glossy one, with `layers`, as evaluated at the point: for
-    /// [`crate::Query::media`] and [`crate::Query::coat`]. And the factor on the throughput that makes F0 exact in spite of
-    /// their steps; of mixtures with metal, a specular colour is in this factor alone.
+    /// Packs a glossy `material` with `layers`, as evaluated at the point of a query, into the words [`crate::Query::media`] and
+    /// [`crate::Query::coat`]. Also returns the factor on the throughput that corrects the quantization of F0. Of mixtures with
+    /// metal, a specular colour is in this factor alone.
     #[inline]
     #[must_use]
     pub fn pack(material: &Material, layers: &Layers) -> ([u32; 2], Vec3) {
@@ -141,7 +141,7 @@ impl ReflectionLobe {
     }
 
     /// The factor on the power of a photon that came from the direction `wi`, on a surface with the geometric normal
-    /// `geometric`: BSDF times ratio of cosines. 0 below either.
+    /// `geometric`: BSDF times ratio of cosines. 0 for directions below the shading or the geometric surface.
     #[inline]
     #[must_use]
     pub fn weight(&self, wi: Vec3, geometric: Vec3) -> Vec3 {
@@ -229,7 +229,7 @@ mod tests {
                 let found = worst(material, material, geometric);
                 assert!(found < most, "{material:?}: {found}");
             }
-            // Another roughness is found out.
+            // A different roughness exceeds the bound.
             let changed = Material { roughness: material.roughness * 0.95, ..*material };
             assert!(worst(material, &changed, NORMAL) > 1e-2, "{material:?}");
         }

@@ -143,7 +143,7 @@ impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
         let MaterialDesc { surface, emission, emits_both_sides, priority, textures, .. } = desc;
         let textures = TexturesExtras::new(textures);
-        let clearcoat = (desc.clearcoat > 0.0).then(|| [Exact(desc.clearcoat), Exact(desc.clearcoat_roughness)]);
+        let clearcoat = (desc.clearcoat > 0.0).then_some([Exact(desc.clearcoat), Exact(desc.clearcoat_roughness)]);
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
             Surface::Lambert { albedo } => {

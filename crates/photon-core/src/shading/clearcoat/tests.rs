@@ -49,7 +49,7 @@ fn white_surfaces_gain_nothing_and_lose_little() {
                 let error = ((squares / f64::from(n) - whole * whole) / f64::from(n)).max(0.0).sqrt();
                 let allowed = 4.5 * error + 3e-3;
                 let what = format!("{material:?}, weight {weight}, roughness {roughness}, cos {cosine}: {whole}");
-                assert!(whole > f64::from(least) - allowed && whole < 1.0 + allowed, "{what}");
+                assert!(whole > least - allowed && whole < 1.0 + allowed, "{what}");
             }
         }
     }

@@ -119,7 +119,7 @@ fn directions_are_sampled_by_their_density() {
     }
 }
 
-/// Light that enters has the mean 1 over the hemisphere; packed coats are told from others.
+/// Light that enters has the mean 1 over the hemisphere; packed coats are distinguished from others.
 #[test]
 fn coats_are_packed() {
     for (f0, f90) in [(0.0, 0.0), (0.04, 1.0), (0.3, 0.6)] {

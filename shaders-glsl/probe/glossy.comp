@@ -22,6 +22,10 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     Material material = scene.materials[0].at;
     material.roughness = a.w;
     material.metallic = b.w;
+    Layers layers = layers_none();
+    layers.clearcoat = c.y < 0.5 ? 0.0 : 0.8;
+    layers.clearcoat_roughness = 0.3;
+    layers.specular_color = vec3(1.0, 1.0 - b.w, 1.0 + 30.0 * b.w);
     float alpha = max(a.w * a.w, GGX_MIN_ALPHA);
     vec3 normal = vec3(0.48, 0.6, -0.64);
     switch (FUNCTION) {
@@ -36,12 +40,12 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     }
     if (FUNCTION == 6u) {
         vec3 factor;
-        uvec2 words = lobe_pack(material, factor);
+        uvec2 words = lobe_pack(material, layers, factor);
         Albedos albedos = Albedos(uvec2(scene.shading.albedos));
         ReflectionLobe lobe = lobe_new(albedos, words, a.xyz, normal);
         return floats(vec4(factor, 0.0), vec4(lobe_weight(albedos, lobe, b.xyz, vec3(0.6, 0.48, -0.64)), 0.0));
     }
-    Glossy glossy = glossy_new(scene, material, dot3(a.xyz, normal));
+    Glossy glossy = glossy_new(scene, material, layers, dot3(a.xyz, normal));
     if (FUNCTION == 3u) {
         float entering = glossy_entering(scene, glossy.coat, c.x);
         return floats(vec4(glossy.diffuse, glossy.specular_probability),

@@ -37,10 +37,14 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     hit.v = a.y;
     hit.slot = slot;
     Material material = scene.materials[primitive.material].at;
-    vec3 normal = shade(scene, at, hit, material);
+    Layers layers = layers_none();
+    vec3 normal = shade(scene, at, hit, material, layers);
     if (FUNCTION == 4u) {
         return floats(vec4(material.albedo, material.roughness), vec4(material.emission, material.metallic));
     }
-    if (FUNCTION == 6u) return floats(vec4(material.specular, 0.0, 0.0, 0.0), vec4(0.0));
+    if (FUNCTION == 6u) {
+        return floats(vec4(material.specular, layers.specular_color),
+            vec4(layers.clearcoat, layers.clearcoat_roughness, 0.0, 0.0));
+    }
     return floats(vec4(normal, 0.0), vec4(0.0));
 }

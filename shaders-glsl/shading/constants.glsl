@@ -54,8 +54,10 @@ const uint FEATURE_ROUGH_GLASS = 65536u;
 const uint FEATURE_ALPHA = 131072u;
 const uint FEATURE_LIGHT_TREE = 262144u;
 const uint FEATURE_THIN_LENS = 524288u;
+const uint FEATURE_SPECULAR_COLORS = 1048576u;
+const uint FEATURE_CLEARCOAT = 2097152u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 1048575u;
+const uint FEATURE_ALL = 4194303u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;
@@ -182,6 +184,15 @@ const float GLOSSY_MIN_SHARE = 9.999999974752427e-7;
 const float GLOSSY_COAT_ROUGHNESS = 1023.0;
 const float GLOSSY_COAT_F0 = 4095.0;
 const float GLOSSY_COAT_F90 = 1023.0;
+
+// clearcoat.
+const float CLEARCOAT_F0 = 0.03999999910593033;
+const uint CLEARCOAT_NODES = 8u;
+const float CLEARCOAT_LOWER_ROUGHNESS = 63.0;
+const float CLEARCOAT_LOWER_F0 = 127.0;
+const float CLEARCOAT_LOWER_F90 = 15.0;
+const float CLEARCOAT_WEIGHT = 63.0;
+const float CLEARCOAT_ROUGHNESS = 63.0;
 
 // solid_angle.
 const float SOLID_ANGLE_NEAR = 32.0;

@@ -4,8 +4,10 @@
 #define GLOSSY_GLSL
 
 #include "shading/albedo_table.glsl"
+#include "shading/clearcoat.glsl"
 #include "shading/constants.glsl"
 #include "shading/ggx.glsl"
+#include "shading/layers.glsl"
 #include "shading/layout.glsl"
 #include "shading/sampling.glsl"
 #include "shading/shade.glsl"
@@ -21,6 +23,11 @@ struct Glossy {
     vec3 diffuse;
     float specular_probability;
     uint coat;
+    // Weight and roughness of the clearcoat, what it lets through, and the probability of sampling its reflection.
+    float clearcoat;
+    float clearcoat_roughness;
+    float through;
+    float clearcoat_probability;
 };
 
 // The reflection in one direction: BSDF times cosine, and density.
@@ -45,6 +52,7 @@ uint glossy_coat(float roughness, float f0, float f90) {
 // The factor on light that arrives at the base under a coat, compared with a base without one.
 float glossy_entering(SceneRef scene, uint coat, float cosine) {
     if (coat == 0u) return 1.0;
+    if (CLEARCOAT && clearcoat_is_packed(coat)) return clearcoat_entering(scene, coat, cosine);
     precise float roughness = float(coat & 1023u) / GLOSSY_COAT_ROUGHNESS;
     precise float f0 = float(coat >> 10 & 4095u) / GLOSSY_COAT_F0;
     precise float f90 = float(coat >> 22) / GLOSSY_COAT_F90;
@@ -55,15 +63,15 @@ float glossy_entering(SceneRef scene, uint coat, float cosine) {
     return mean > GLOSSY_MIN_SHARE ? share : 0.0;
 }
 
-Glossy glossy_new(SceneRef scene, Material material, float cosine) {
+Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine) {
     float roughness = material.roughness, metallic = material.metallic, weight = material.specular;
     vec3 color = material.albedo;
     vec2 directional = albedo_directional(scene, min(cosine, 1.0), roughness);
     vec2 mean = albedo_mean(scene, roughness);
-    precise float at_normal = (material.ior - 1.0) / (material.ior + 1.0);
-    precise float coat_f0 = at_normal * at_normal * weight;
+    vec3 colored_f0 = layers_coat_f0(layers, material);
+    float coat_f0 = glossy_greatest(colored_f0);
     precise float dielectric = 1.0 - metallic;
-    precise vec3 f0 = color * metallic + vec3(coat_f0 * dielectric);
+    precise vec3 f0 = color * metallic + colored_f0 * dielectric;
     precise float f90 = metallic + weight * dielectric;
     precise float lost = 1.0 - (directional.x + directional.y);
     precise float mean_total = mean.x + mean.y;
@@ -77,8 +85,21 @@ Glossy glossy_new(SceneRef scene, Material material, float cosine) {
     precise float through = 1.0 - glossy_reflected(directional, coat_f0, weight);
     precise vec3 diffuse = color * (dielectric * max(through, 0.0));
     float most_specular = glossy_greatest(specular), most_diffuse = glossy_greatest(diffuse);
-    precise float total = most_specular + most_diffuse;
     precise float multiple_share = glossy_greatest(multiple_albedo) / most_specular;
+    if (!(most_specular > 0.0)) multiple_share = 0.0;
+    float through_above = 1.0, clearcoat_share = 0.0;
+    bool has_clearcoat = CLEARCOAT && layers.clearcoat > 0.0;
+    if (has_clearcoat) {
+        through_above = clearcoat_through(scene, layers.clearcoat, layers.clearcoat_roughness, min(cosine, 1.0));
+        diffuse = diffuse * through_above;
+        precise float dimmed = most_diffuse * through_above, reflected = 1.0 - through_above;
+        precise float all_specular = reflected + through_above * most_specular;
+        precise float share = reflected / all_specular;
+        most_diffuse = dimmed;
+        most_specular = all_specular;
+        clearcoat_share = all_specular > 0.0 ? share : 0.0;
+    }
+    precise float total = most_specular + most_diffuse;
     precise float specular_share = most_specular / total;
     // Devices may round x/x below 1, and a metal must not count as a mixture.
     if (!(most_diffuse > 0.0)) specular_share = most_specular > 0.0 ? 1.0 : 0.0;
@@ -89,10 +110,15 @@ Glossy glossy_new(SceneRef scene, Material material, float cosine) {
     glossy.f0 = f0;
     glossy.f90 = f90;
     glossy.multiple = multiple;
-    glossy.multiple_probability = most_specular > 0.0 ? multiple_share : 0.0;
+    glossy.multiple_probability = multiple_share;
     glossy.diffuse = diffuse;
     glossy.specular_probability = specular_share;
-    glossy.coat = glossy_coat(roughness, coat_f0, weight);
+    glossy.coat = has_clearcoat ? clearcoat_pack(roughness, coat_f0, weight, layers)
+                                : glossy_coat(roughness, coat_f0, weight);
+    glossy.clearcoat = CLEARCOAT ? layers.clearcoat : 0.0;
+    glossy.clearcoat_roughness = layers.clearcoat_roughness;
+    glossy.through = through_above;
+    glossy.clearcoat_probability = clearcoat_share;
     return glossy;
 }
 
@@ -125,21 +151,41 @@ Reflected glossy_evaluate(SceneRef scene, Glossy glossy, vec3 wo, vec3 wi, vec3 
         value = value + glossy.multiple * (max(lost, 0.0) * cosine);
         pdf = pdf * (1.0 - p) + cosine * p;
     }
+    if (CLEARCOAT && glossy.clearcoat > 0.0) {
+        vec2 above = clearcoat_evaluate(glossy.clearcoat, glossy.clearcoat_roughness, o, i, h);
+        float through = min(
+            glossy.through, clearcoat_through(scene, glossy.clearcoat, glossy.clearcoat_roughness, i.z));
+        float share = glossy.clearcoat_probability;
+        value = value * through + vec3(above.x);
+        pdf = pdf * (1.0 - share) + above.y * share;
+    }
     return Reflected(value, pdf);
+}
+
+// The uniform number that is left of `choice` after it has decided between two lobes, the first with probability `first`.
+float glossy_rest(float choice, float first) {
+    precise float rest = choice < first ? choice / first : (choice - first) / (1.0 - first);
+    return min(rest, 1.0 - 1.1920929e-7);
 }
 
 // Samples a direction of the reflection.
 Reflected glossy_sample(SceneRef scene, Glossy glossy, vec3 wo, vec3 normal, float u, float v, out vec3 wi) {
-    float p = glossy.multiple_probability;
-    if (u < p) {
+    float p = glossy.multiple_probability, share = glossy.clearcoat_probability;
+    bool is_below = true;
+    if (CLEARCOAT && share > 0.0) {
+        is_below = u >= share;
+        u = glossy_rest(u, share);
+    }
+    if (is_below && u < p) {
         precise float rest = u / p;
         wi = cosine_hemisphere(normal, rest, v);
     } else {
         vec3 tangent, bitangent;
         sampling_basis(normal, tangent, bitangent);
         precise float rest = (u - p) / (1.0 - p);
-        vec3 i = ggx_sample(
-            glossy.alpha, glossy_local(wo, tangent, bitangent, normal), min(rest, 1.0 - 1.1920929e-7), v);
+        float alpha = is_below ? glossy.alpha : clearcoat_alpha(glossy.clearcoat_roughness);
+        vec3 i = ggx_sample(alpha, glossy_local(wo, tangent, bitangent, normal),
+            is_below ? min(rest, 1.0 - 1.1920929e-7) : u, v);
         precise vec3 direction = tangent * i.x + bitangent * i.y + normal * i.z;
         wi = direction;
     }
@@ -157,12 +203,6 @@ float glossy_limited(vec3 direction, vec3 geometric, vec3 shading) {
     float below = dot3(direction, geometric), above = dot3(direction, shading);
     precise float ratio = SHADING_MAX_RATIO * below / above;
     return below > 0.0 && above > 0.0 ? min(ratio, 1.0) : 0.0;
-}
-
-// The uniform number that is left of `choice` after it has decided between two lobes, the first with probability `first`.
-float glossy_rest(float choice, float first) {
-    precise float rest = choice < first ? choice / first : (choice - first) / (1.0 - first);
-    return min(rest, 1.0 - 1.1920929e-7);
 }
 
 #endif

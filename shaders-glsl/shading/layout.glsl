@@ -117,7 +117,13 @@ struct MaterialTextures {
     uint metallic_roughness;
     uint alpha;
     uint specular;
-    uint reserved[9];
+    uint specular_color;
+    vec3 specular_color_factor;
+    float clearcoat_factor;
+    float clearcoat_roughness_factor;
+    uint clearcoat;
+    uint clearcoat_roughness;
+    uint reserved;
 };
 
 struct LightNode {

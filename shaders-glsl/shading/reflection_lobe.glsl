@@ -5,6 +5,7 @@
 
 #include "shading/constants.glsl"
 #include "shading/ggx.glsl"
+#include "shading/layers.glsl"
 #include "shading/layout.glsl"
 #include "shading/math.glsl"
 #include "shading/sampling.glsl"
@@ -50,29 +51,33 @@ vec3 lobe_color(uint word) {
     return color;
 }
 
-vec3 lobe_f0(vec3 color, float metallic, float coat_f0) {
-    precise vec3 f0 = color * metallic + vec3(coat_f0 * (1.0 - metallic));
+vec3 lobe_f0(vec3 color, float metallic, vec3 coat_f0) {
+    precise vec3 f0 = color * metallic + coat_f0 * (1.0 - metallic);
     return f0;
 }
 
 vec3 lobe_unpack_f0(uvec2 words) {
     precise float root = float(words.x >> 24 | words.y >> 29 << 8) / LOBE_COAT_STEPS;
     precise float coat_f0 = root * root;
-    return lobe_f0(lobe_color(words.x), lobe_part(words.y, 14u), coat_f0);
+    float metallic = lobe_part(words.y, 14u);
+    vec3 color = lobe_color(words.x);
+    precise vec3 colored = color * coat_f0;
+    return lobe_f0(color, metallic, metallic == 0.0 ? colored : vec3(coat_f0));
 }
 
 // The words of a query for the reflection of a glossy material, and the factor on its throughput.
-uvec2 lobe_pack(Material material, out vec3 factor) {
-    precise float at_normal = (material.ior - 1.0) / (material.ior + 1.0);
-    precise float coat_f0 = at_normal * at_normal * material.specular;
-    vec3 root = sqrt(material.albedo);
+uvec2 lobe_pack(Material material, Layers layers, out vec3 factor) {
+    vec3 colored_f0 = layers_coat_f0(layers, material);
+    float coat_f0 = max(max(colored_f0.x, colored_f0.y), colored_f0.z);
+    bool is_metallic = lobe_steps(material.metallic, LOBE_STEPS) > 0u;
+    vec3 root = sqrt(is_metallic ? material.albedo : coat_f0 > 0.0 ? colored_f0 / coat_f0 : vec3(1.0));
     uint coat = lobe_steps(sqrt(coat_f0), LOBE_COAT_STEPS);
     uvec2 words = uvec2(
         lobe_steps(root.x, LOBE_STEPS) | lobe_steps(root.y, LOBE_STEPS) << 8 | lobe_steps(root.z, LOBE_STEPS) << 16
             | coat << 24,
         lobe_steps(material.roughness, LOBE_ROUGHNESS_STEPS) | lobe_steps(material.metallic, LOBE_STEPS) << 14
             | lobe_steps(material.specular, LOBE_WEIGHT_STEPS) << 22 | coat >> 8 << 29);
-    vec3 is = lobe_unpack_f0(words), wanted = lobe_f0(material.albedo, material.metallic, coat_f0);
+    vec3 is = lobe_unpack_f0(words), wanted = lobe_f0(material.albedo, material.metallic, colored_f0);
     for (int c = 0; c < 3; ++c) factor[c] = is[c] > LOBE_MIN_F0 ? wanted[c] / is[c] : 1.0;
     return words;
 }

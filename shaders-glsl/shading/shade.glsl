@@ -3,6 +3,7 @@
 #ifndef SHADE_GLSL
 #define SHADE_GLSL
 
+#include "shading/layers.glsl"
 #include "shading/octahedral.glsl"
 #include "shading/scene.glsl"
 #include "shading/shading_normal.glsl"
@@ -18,7 +19,9 @@ const bool ROUGH_GLASS = (FEATURES & FEATURE_ROUGH_GLASS) != 0u;
 const bool FOLLOWED = GLOSSY || ROUGH_GLASS;
 // Whether specular surfaces see a normal that is bent towards the ray.
 const bool BENT_NORMALS = SHADING_NORMALS || FOLLOWED;
-const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS;
+const bool SPECULAR_COLORS = (FEATURES & FEATURE_SPECULAR_COLORS) != 0u;
+const bool CLEARCOAT = (FEATURES & FEATURE_CLEARCOAT) != 0u;
+const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS || SPECULAR_COLORS || CLEARCOAT;
 const bool TEXTURED_LIGHTS = (FEATURES & FEATURE_TEXTURED_LIGHTS) != 0u;
 
 vec3 shade_interpolate(vec3 a, vec3 b, vec3 c, vec3 weights) {
@@ -62,8 +65,8 @@ vec3 shade_mapped_normal(SceneRef scene, uint slot, vec3 weights, vec3 normal, v
     return shade_turned(tangent, (packed.a & 1u) == 1u ? -1.0 : 1.0, normal, texel, scale);
 }
 
-// Evaluates the surface `at` of a hit: replaces the colours of `material`, and returns the shading normal.
-vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material) {
+// Evaluates the surface `at` of a hit: replaces the colours of `material` and `layers`, and returns the shading normal.
+vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout Layers layers) {
     vec3 weights = texel_weights(hit.u, hit.v);
     uint slot = hit.slot;
     if (VERTEX_COLORS) {
@@ -82,7 +85,7 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material) {
             normal = normalize_or(normal, front);
         }
     }
-    if ((TEXTURES || NORMAL_MAPS) && material.textures != 0u) {
+    if ((TEXTURES || NORMAL_MAPS || SPECULAR_COLORS || CLEARCOAT) && material.textures != 0u) {
         MaterialTextures textures = scene.shading.material_textures[material.textures - 1u].at;
         if (TEXTURES) {
             material.albedo =
@@ -99,6 +102,16 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material) {
                 float texel = texel_at(scene, textures.specular, slot, weights).w;
                 material.specular = alpha_multiply(material.specular, texel);
             }
+        }
+        if (SPECULAR_COLORS) {
+            layers.specular_color =
+                shade_multiply(textures.specular_color_factor, shade_sample(scene, textures.specular_color, slot, weights));
+        }
+        if (CLEARCOAT && textures.clearcoat_factor > 0.0) {
+            float weight = shade_sample(scene, textures.clearcoat, slot, weights).x;
+            float roughness = shade_sample(scene, textures.clearcoat_roughness, slot, weights).y;
+            layers.clearcoat = alpha_multiply(textures.clearcoat_factor, weight);
+            layers.clearcoat_roughness = alpha_multiply(textures.clearcoat_roughness_factor, roughness);
         }
         if (NORMAL_MAPS && textures.normal != NO_TEXTURE) {
             vec3 texel = shade_sample(scene, textures.normal, slot, weights);

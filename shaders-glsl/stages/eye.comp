@@ -191,7 +191,8 @@ void main() {
             Surface at = surface_of(push.scene, path.ray.direction, hit);
             Material material = push.scene.materials[at.material].at;
             vec3 normal = at.normal;
-            if (SHADED) normal = shade(push.scene, at, hit, material);
+            Layers layers = layers_none();
+            if (SHADED) normal = shade(push.scene, at, hit, material, layers);
             if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
             if (path.surfaces == 0 && !REFLECTIONS) {
                 FirstPass first = push.first + pixel;
@@ -216,10 +217,10 @@ void main() {
             if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
                 vec3 seen = path.throughput;
                 if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before);
-                Glossy glossy = glossy_new(push.scene, material, at.cosine);
+                Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
                 Leaves leaves;
                 if (REFLECTIONS) {
-                    leaves = leaves_reflection(material, seen);
+                    leaves = leaves_reflection(material, layers, glossy, seen);
                 } else {
                     emission += seen * light_reflection(path, pixel, at, normal, sides.before, glossy);
                     leaves = leaves_base(glossy, sides.before, seen);

@@ -50,18 +50,31 @@ struct Leaves {
     float scale;
     // Media and coat of the query.
     uvec2 words;
+    // Of the reflection of a clearcoat, left instead with this probability.
+    float clearcoat_probability;
+    vec3 clearcoat_throughput;
+    uvec2 clearcoat_words;
 };
 
 // For the base. `seen` is the factor from radiance that leaves the surface to its contribution at the camera.
 Leaves leaves_base(Glossy glossy, uint media, vec3 seen) {
-    return Leaves(glossy.specular_probability, glossy.diffuse * seen, 0.318309886, uvec2(media, glossy.coat));
+    return Leaves(glossy.specular_probability, glossy.diffuse * seen, 0.318309886, uvec2(media, glossy.coat), 0.0,
+        vec3(0.0), uvec2(0u));
 }
 
 // For the reflection: the path goes on in search of other glossy surfaces.
-Leaves leaves_reflection(Material material, vec3 seen) {
+Leaves leaves_reflection(Material material, Layers layers, Glossy glossy, vec3 seen) {
     vec3 factor;
-    uvec2 words = lobe_pack(material, factor);
-    return Leaves(0.5, seen * factor, 1.0, words);
+    uvec2 words = lobe_pack(material, layers, factor);
+    Leaves leaves = Leaves(0.5, seen * factor, 1.0, words, 0.0, vec3(0.0), uvec2(0u));
+    float share = glossy.clearcoat_probability;
+    if (CLEARCOAT && share > 0.0) {
+        leaves.clearcoat_probability = share;
+        leaves.clearcoat_words = lobe_pack(clearcoat_reflector(layers), layers_none(), factor);
+        leaves.clearcoat_throughput = seen * factor / share;
+        leaves.throughput *= glossy.through / max(1.0 - share, 1.1920929e-7);
+    }
+    return leaves;
 }
 
 // Leaves a query at a glossy surface, and continues the path by its reflection; or, where the path has split as often as it
@@ -76,8 +89,17 @@ bool reflect_path(
     bool splits = first > 0.0 && first < 1.0 && path.splits < MAX_SPLITS;
     bool reflects = splits || unit_f32(random.x) < first;
     if (splits || !reflects) {
-        vec3 throughput = leaves.throughput * (leaves.scale / (splits ? 1.0 : 1.0 - first));
-        leave_query(path, pixel, at, normal, leaves.words, throughput, found);
+        vec3 left = leaves.throughput;
+        uvec2 media_coat = leaves.words;
+        if (CLEARCOAT && leaves.clearcoat_probability > 0.0) {
+            float choice = splits ? unit_f32(random.x) : glossy_rest(unit_f32(random.x), first);
+            if (choice < leaves.clearcoat_probability) {
+                left = leaves.clearcoat_throughput;
+                media_coat = leaves.clearcoat_words;
+            }
+        }
+        vec3 throughput = left * (leaves.scale / (splits ? 1.0 : 1.0 - first));
+        leave_query(path, pixel, at, normal, media_coat, throughput, found);
     }
     if (!reflects || path.surfaces >= push.max_bounces) return false;
     vec3 onward;

@@ -77,8 +77,9 @@ void main() {
         Surface at = surface_of(push.scene, ray.direction, hit);
         Material material = push.scene.materials[at.material].at;
         vec3 facing = at.normal;
+        Layers layers = layers_none();
         if (SHADED) {
-            facing = shade(push.scene, at, hit, material);
+            facing = shade(push.scene, at, hit, material, layers);
         }
         if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, ray.direction, facing);
         Interface sides = media_interface(push.scene, material, at.front, media);
@@ -104,7 +105,7 @@ void main() {
         Bsdf bsdf = bsdf_new(material, at.cosine, sides);
         uint lobe = bsdf_choose(bsdf, 0.0);
         if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
-            Glossy glossy = glossy_new(push.scene, material, at.cosine);
+            Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
             uvec4 choice = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
             float first = glossy.specular_probability;
             if (unit_f32(choice.x) < first) {

@@ -246,14 +246,15 @@ bool has_delta_light(Path path) {
 
 // Continues a path at a glossy surface: stores a photon for the base, and follows the base or the reflection.
 uint step_glossy(
-    inout Path path, Surface at, vec3 normal, Material material, bool stores, float coverage, float choice, float u, float v
+    inout Path path, Surface at, vec3 normal, Material material, Layers layers, bool stores, float coverage, float choice,
+    float u, float v
 ) {
     if (REFLECTIONS) {
         if (path.bounce > 0u && has_delta_light(path)) store(path, at, path.power, coverage);
         ++path.bounce;
         return FATE_TERMINATED;
     }
-    Glossy glossy = glossy_new(push.scene, material, at.cosine);
+    Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
     if (stores && !(AIMED && path.bounce == 0u)) {
         store(path, at, tinted(path.power, vec3(glossy_entering(push.scene, glossy.coat, at.cosine))), coverage);
     }
@@ -306,8 +307,9 @@ uint step_path(inout Path path, Hit hit) {
     float coverage = 1.0;
     if (ALPHA) coverage = alpha_coverage_at(push.scene, material, hit.slot, hit.u, hit.v);
     vec3 normal = at.normal;
+    Layers layers = layers_none();
     if (SHADED) {
-        normal = shade(push.scene, at, hit, material);
+        normal = shade(push.scene, at, hit, material, layers);
     }
     if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
     Interface sides = media_interface(push.scene, material, at.front, path.media);
@@ -318,7 +320,7 @@ uint step_path(inout Path path, Hit hit) {
     float choice = unit_f32(words.x);
     if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
         return step_glossy(
-            path, at, normal, material, stores, coverage, choice, unit_f32(words.y), unit_f32(words.z));
+            path, at, normal, material, layers, stores, coverage, choice, unit_f32(words.y), unit_f32(words.z));
     }
     if (ROUGH_GLASS) {
         RoughGlass glass;

@@ -35,7 +35,7 @@ impl Floor {
 }
 
 /// Transmittance of a thin pane of index 1.5: `(1 − R)/(1 + R)` with Fresnel's R.
-fn through_a_pane(cosine: f64) -> f64 {
+pub(crate) fn through_a_pane(cosine: f64) -> f64 {
     let n = 1.5_f64;
     let inside = (1.0 - (1.0 - cosine * cosine) / (n * n)).sqrt();
     let s = (cosine - n * inside) / (cosine + n * inside);

@@ -16,12 +16,12 @@ pub(crate) struct Reference {
     means: [f64; 2],
 }
 
-fn schlick(f0: f64, cosine: f64) -> f64 {
+pub(crate) fn schlick(f0: f64, cosine: f64) -> f64 {
     f0 + (1.0 - f0) * (1.0 - cosine).max(0.0).powi(5)
 }
 
 /// Walter et al. 2007, equations 33 and 34, with Heitz 2014, equation 99: `D G2 / (4 cos_o cos_i)`.
-fn single(alpha: f64, o: DVec3, i: DVec3) -> f64 {
+pub(crate) fn single(alpha: f64, o: DVec3, i: DVec3) -> f64 {
     let h = (o + i).normalize_or_zero();
     let d = alpha * alpha / (PI * (h.x * h.x + h.z * h.z + alpha * alpha * h.y * h.y).powi(2));
     let lambda = |c: f64| 0.5 * ((1.0 + alpha * alpha * (1.0 / (c * c) - 1.0)).sqrt() - 1.0);
@@ -29,7 +29,7 @@ fn single(alpha: f64, o: DVec3, i: DVec3) -> f64 {
 }
 
 /// ∫ single scattering cos dω over half vectors, whose density is D cos: finer where the distribution is.
-fn albedo(alpha: f64, cosine: f64, f0: f64) -> f64 {
+pub(crate) fn albedo(alpha: f64, cosine: f64, f0: f64) -> f64 {
     let o = DVec3::new((1.0 - cosine * cosine).sqrt(), cosine, 0.0);
     let (across, around) = (400, 96);
     let mut sum = 0.0;

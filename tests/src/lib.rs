@@ -10,6 +10,7 @@ pub mod aiming;
 pub mod alpha;
 pub mod alpha_surfaces;
 pub mod backends;
+pub mod clearcoat;
 pub mod debias;
 pub mod determinism;
 pub mod dielectrics;
@@ -39,6 +40,7 @@ pub mod required_format;
 pub mod rough_glass;
 pub mod shading_normals;
 pub mod sheets;
+pub mod specular_colors;
 pub mod stats;
 pub mod textures;
 pub mod twin;
@@ -130,6 +132,8 @@ macro_rules! whole_suite {
                 textured_specular_factor, g5_closed_room,
             }
             gloss_behind_glass::{ plastic_behind_panes }
+            specular_colors::{ channels_are_grey_coats }
+            clearcoat::{ white_furnace, sunlit_surfaces }
             gloss_caustics::{
                 sun_through_a_pane, photons_behind_a_pane_are_like_shadow_rays, tilted_normals_behind_a_pane,
                 point_light_in_a_mirror, seen_in_another_metal, rough_panes_are_not_counted_twice,

@@ -18,13 +18,15 @@ const KERNELS: [&str; 6] =
     ["stages/emit", "stages/trace", "stages/eye", "stages/direct", "stages/final_gather", "stages/area"];
 
 /// Features that are left out together.
-const FEATURES: [(&str, Features); 15] = [
+const FEATURES: [(&str, Features); 17] = [
     ("nothing", Features::NONE),
     ("mirrors", Features::MIRROR),
     ("glass, solid and thin", Features::DIELECTRIC.union(Features::THIN).union(Features::ABSORPTION)),
     ("absorption", Features::ABSORPTION),
     ("glossy surfaces", Features::GLOSSY),
     ("rough glass", Features::ROUGH_GLASS),
+    ("clearcoats", Features::CLEARCOAT),
+    ("specular colours", Features::SPECULAR_COLORS),
     ("alpha", Features::ALPHA),
     (
         "textures, normals, colours",

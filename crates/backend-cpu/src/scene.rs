@@ -5,9 +5,9 @@ use std::time::Instant;
 use photon_core::glam::Vec3;
 use photon_core::light_tree::LightTree;
 use photon_core::{
-    EnvironmentMap, Error, Features, Hit, Interface, Light, Material, MediaFeatures, Medium, MediumStack, Primitive,
-    Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids, SurfaceInteraction,
-    alpha, interface, math, offset, radiance_scale,
+    EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, Material, MediaFeatures, Medium, MediumStack,
+    Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids,
+    SurfaceInteraction, alpha, interface, math, offset, radiance_scale,
 };
 
 use crate::cpu::Cpu;
@@ -174,7 +174,7 @@ impl CpuScene {
         let material = &self.materials[surface.material as usize];
         match &self.shading {
             Some(shading) => shading.view().shade(surface, hit, material),
-            None => Shaded { material: *material, normal: surface.normal },
+            None => Shaded { material: *material, normal: surface.normal, layers: Layers::NONE },
         }
     }
 

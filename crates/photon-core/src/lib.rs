@@ -70,11 +70,12 @@ pub use shading::bsdf::{Bsdf, Lobe};
 pub use shading::environment::EnvironmentSample;
 pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;
+pub use shading::layers::Layers;
 pub use shading::reflection_lobe::ReflectionLobe;
 pub use shading::rough_glass::{RoughGlass, RoughSample};
 pub use shading::rough_glass_table::RoughGlassTable;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    alpha, area, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset, random, rough_glass,
-    sampling, shade, shading_normal, sobol, solid_angle, texture,
+    alpha, area, clearcoat, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset, random,
+    rough_glass, sampling, shade, shading_normal, sobol, solid_angle, texture,
 };

@@ -98,6 +98,14 @@ pub struct MaterialDesc {
     /// What alpha does. Emitted light is covered like the surface. Not for [`Surface::Dielectric`], whose mesh must be
     /// closed.
     pub alpha_mode: AlphaMode,
+    /// Factor on the reflectance at normal incidence of the coat of a [`Surface::Glossy`], linear RGB, finite and ≥ 0; the
+    /// product is at most 1. White, which is usual, is a coat without colour. At grazing angles every coat is colourless.
+    pub specular_color: [f64; 3],
+    /// Weight of a clearcoat, in `[0, 1]`: a colourless dielectric layer of refractive index 1.5 over the surface; 0 without
+    /// one. Not for [`Surface::Dielectric`] and [`Surface::Thin`]. Emission is not changed by it.
+    pub clearcoat: f64,
+    /// Roughness of the clearcoat, in `[0, 1]`: the square root of the width of its distribution.
+    pub clearcoat_roughness: f64,
     /// Textures that multiply the colours above, and a normal map.
     pub textures: TexturesDesc,
 }
@@ -114,6 +122,9 @@ impl MaterialDesc {
             priority: 0,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
+            specular_color: [1.0; 3],
+            clearcoat: 0.0,
+            clearcoat_roughness: 0.0,
             textures: TexturesDesc::default(),
         }
     }
@@ -166,6 +177,18 @@ impl MaterialDesc {
     #[must_use]
     pub fn with_both_sides(self, emits_both_sides: bool) -> Self {
         Self { emits_both_sides, ..self }
+    }
+
+    /// The material with this [`Self::specular_color`].
+    #[must_use]
+    pub fn with_specular_color(self, specular_color: [f64; 3]) -> Self {
+        Self { specular_color, ..self }
+    }
+
+    /// The material with this [`Self::clearcoat`] and [`Self::clearcoat_roughness`].
+    #[must_use]
+    pub fn with_clearcoat(self, clearcoat: f64, clearcoat_roughness: f64) -> Self {
+        Self { clearcoat, clearcoat_roughness, ..self }
     }
 
     /// The material with these [`Self::textures`].

@@ -84,6 +84,9 @@ pub(crate) enum MaterialExtras {
         emits_both_sides: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         textures: Option<TexturesExtras>,
+        /// Weight and roughness.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        clearcoat: Option<[Exact; 2]>,
     },
     Mirror {
         albedo: Triple,
@@ -91,6 +94,9 @@ pub(crate) enum MaterialExtras {
         emits_both_sides: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         textures: Option<TexturesExtras>,
+        /// Weight and roughness.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        clearcoat: Option<[Exact; 2]>,
     },
     Glass {
         ior: Exact,
@@ -121,10 +127,15 @@ pub(crate) enum MaterialExtras {
         roughness: Exact,
         specular: Exact,
         ior: Exact,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        specular_color: Option<Triple>,
         emission: Triple,
         emits_both_sides: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         textures: Option<TexturesExtras>,
+        /// Weight and roughness.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        clearcoat: Option<[Exact; 2]>,
     },
 }
 
@@ -132,13 +143,14 @@ impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
         let MaterialDesc { surface, emission, emits_both_sides, priority, textures, .. } = desc;
         let textures = TexturesExtras::new(textures);
+        let clearcoat = (desc.clearcoat > 0.0).then_some([Exact(desc.clearcoat), Exact(desc.clearcoat_roughness)]);
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
             Surface::Lambert { albedo } => {
-                Self::Lambert { albedo: exact(albedo), emission, emits_both_sides, textures }
+                Self::Lambert { albedo: exact(albedo), emission, emits_both_sides, textures, clearcoat }
             }
             Surface::Mirror { reflectance } => {
-                Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides, textures }
+                Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides, textures, clearcoat }
             }
             Surface::Dielectric { ior, absorption, tint, roughness } => Self::Glass {
                 ior: Exact(ior),
@@ -164,6 +176,8 @@ impl MaterialExtras {
                 roughness: Exact(roughness),
                 specular: Exact(specular),
                 ior: Exact(ior),
+                clearcoat,
+                specular_color: (desc.specular_color != [1.0; 3]).then(|| exact(desc.specular_color)),
                 emission,
                 emits_both_sides,
                 textures,
@@ -181,6 +195,16 @@ impl MaterialExtras {
         let textures = textures.as_ref().map_or(Some(found), |textures| textures.refine(found))?;
         // Priority applies only to solids.
         let priority = if let Self::Glass { priority, .. } = self { priority } else { 0 };
+        let [clearcoat, clearcoat_roughness] = match &self {
+            Self::Lambert { clearcoat: Some(both), .. }
+            | Self::Mirror { clearcoat: Some(both), .. }
+            | Self::Glossy { clearcoat: Some(both), .. } => both.map(|value| value.0),
+            _ => [0.0; 2],
+        };
+        let specular_color = match &self {
+            Self::Glossy { specular_color: Some(color), .. } => plain(*color),
+            _ => [1.0; 3],
+        };
         let (surface, emission, emits_both_sides) = match self {
             Self::Lambert { albedo, emission, emits_both_sides, .. } => {
                 (Surface::Lambert { albedo: plain(albedo) }, emission, emits_both_sides)
@@ -213,7 +237,9 @@ impl MaterialExtras {
             }
         };
         let emission = plain(emission);
-        Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..MaterialDesc::new(name, surface) })
+        let base = MaterialDesc::new(name, surface).with_specular_color(specular_color);
+        let base = base.with_clearcoat(clearcoat, clearcoat_roughness);
+        Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..base })
     }
 }
 

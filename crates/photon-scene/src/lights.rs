@@ -190,7 +190,21 @@ pub(crate) fn materials(
 fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Frame) -> Material {
     let colour = |colour: [f64; 3]| colour.map(|part| part as f32);
     let of = |kind: MaterialKind| Material { kind: kind as u32, ior: 1.0, ..Material::default() };
+    let glossy = |base_color: [f64; 3], metallic: f32, roughness: f32| Material {
+        albedo: colour(base_color),
+        ior: 1.5,
+        metallic,
+        roughness,
+        ..of(MaterialKind::Glossy)
+    };
     match desc.surface {
+        // Under a clearcoat, a reflection of their own is only that of the clearcoat, or as narrow as any.
+        Surface::Lambert { albedo } | Surface::Glossy { base_color: albedo, metallic: 0.0, specular: 0.0, .. }
+            if desc.clearcoat > 0.0 =>
+        {
+            glossy(albedo, 0.0, 1.0)
+        }
+        Surface::Mirror { reflectance } if desc.clearcoat > 0.0 => glossy(reflectance, 1.0, 0.0),
         Surface::Lambert { albedo } => Material { albedo: colour(albedo), ..of(MaterialKind::Lambert) },
         Surface::Mirror { reflectance } => Material { albedo: colour(reflectance), ..of(MaterialKind::Mirror) },
         // A solid material that no triangle uses does not take one of the 255 media; without a medium it is no solid.

@@ -134,6 +134,12 @@ pub struct TexturesDesc {
     pub alpha: Option<TextureRef>,
     /// Its alpha multiplies the specular factor of a [`crate::Surface::Glossy`]; its colours are not read.
     pub specular: Option<TextureRef>,
+    /// Its colour multiplies [`crate::MaterialDesc::specular_color`].
+    pub specular_color: Option<TextureRef>,
+    /// Its red multiplies [`crate::MaterialDesc::clearcoat`]; linear.
+    pub clearcoat: Option<TextureRef>,
+    /// Its green multiplies [`crate::MaterialDesc::clearcoat_roughness`]; linear.
+    pub clearcoat_roughness: Option<TextureRef>,
 }
 
 impl Default for TexturesDesc {
@@ -147,6 +153,9 @@ impl Default for TexturesDesc {
             metallic_roughness: None,
             alpha: None,
             specular: None,
+            specular_color: None,
+            clearcoat: None,
+            clearcoat_roughness: None,
         }
     }
 }
@@ -194,6 +203,24 @@ impl TexturesDesc {
         Self { specular: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::specular_color`].
+    #[must_use]
+    pub fn with_specular_color(self, texture: TextureRef) -> Self {
+        Self { specular_color: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::clearcoat`].
+    #[must_use]
+    pub fn with_clearcoat(self, texture: TextureRef) -> Self {
+        Self { clearcoat: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::clearcoat_roughness`].
+    #[must_use]
+    pub fn with_clearcoat_roughness(self, texture: TextureRef) -> Self {
+        Self { clearcoat_roughness: Some(texture), ..self }
+    }
+
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
         let all = [
@@ -203,6 +230,9 @@ impl TexturesDesc {
             ("metallic_roughness", self.metallic_roughness),
             ("alpha", self.alpha),
             ("specular", self.specular),
+            ("specular_color", self.specular_color),
+            ("clearcoat", self.clearcoat),
+            ("clearcoat_roughness", self.clearcoat_roughness),
         ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))
     }

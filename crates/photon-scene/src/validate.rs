@@ -70,6 +70,12 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
         }
     }
     not_negative("emission", desc.emission)?;
+    not_negative("specular_color", desc.specular_color)?;
+    for (name, share) in [("clearcoat", desc.clearcoat), ("clearcoat_roughness", desc.clearcoat_roughness)] {
+        require((0.0..=1.0).contains(&share), name, share, "it must lie between 0 and 1")?;
+    }
+    let narrow = desc.specular_color.iter().all(|part| (*part as f32).is_finite());
+    require(narrow, "specular_color", desc.specular_color, "each channel must be finite in single precision")?;
     require((0.0..=1.0).contains(&desc.alpha), "alpha", desc.alpha, "it must lie between 0 and 1")?;
     if let AlphaMode::Mask { cutoff } = desc.alpha_mode {
         let fine = cutoff >= 0.0 && (cutoff as f32).is_finite();

@@ -48,6 +48,8 @@ fn everything() -> SceneBuilder {
         MaterialDesc::new("pane", Surface::Thin { ior: 1.33, tint: [0.2, 0.4, third], roughness: 0.0 }),
         both,
         MaterialDesc::metal("brass", [0.9, third, 0.1], 0.3 * third),
+        MaterialDesc::lambert("sealed", [0.9, third, 0.1]).with_clearcoat(1.0, third),
+        MaterialDesc::mirror("sealed mirror", [0.9, third, 0.1]).with_clearcoat(third, 0.0),
         MaterialDesc::plastic("plastic", [third, 0.9, 0.1], third),
         MaterialDesc::new(
             "varnish",
@@ -58,7 +60,9 @@ fn everything() -> SceneBuilder {
                 specular: third,
                 ior: 1.0 + third,
             },
-        ),
+        )
+        .with_specular_color([third, 1.5, 0.0])
+        .with_clearcoat(third, 0.1 * third),
         MaterialDesc::new(
             "reflects all",
             Surface::Glossy { base_color: [third; 3], metallic: 0.0, roughness: 0.0, specular: 0.9, ior: 0.0 },

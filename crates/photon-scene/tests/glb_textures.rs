@@ -68,6 +68,11 @@ fn everything() -> SceneBuilder {
     worn_paint.textures.base_color = Some(TextureRef::new(tiles));
     worn_paint.textures.metallic_roughness = Some(TextureRef::new(worn));
     worn_paint.textures.specular = Some(TextureRef::new(holes).with_transform(turned));
+    worn_paint.textures.specular_color = Some(TextureRef::new(tiles).with_uv_set(1).with_transform(turned));
+    worn_paint.specular_color = [third, 1.0, 2.0];
+    (worn_paint.clearcoat, worn_paint.clearcoat_roughness) = (third, 0.7);
+    worn_paint.textures.clearcoat = Some(TextureRef::new(worn).with_transform(turned));
+    worn_paint.textures.clearcoat_roughness = Some(TextureRef::new(worn));
     let mut even_paint = MaterialDesc::plastic("even paint", [third, 0.9, 0.1], third);
     even_paint.textures.metallic_roughness =
         Some(TextureRef::new(scene.texture(TextureDesc::linear8("even", 1, 1, &[[0, 100, 255, 255]]))));

@@ -1,8 +1,9 @@
 //! Numbers of algorithms in photon-core and photon-scene that have a twin in GLSL.
 
 use photon_core::{
-    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, RoughGlassTable, area, ggx, glossy, kd_tree,
-    light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, solid_angle,
+    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, RoughGlassTable, area, clearcoat, ggx,
+    glossy, kd_tree, light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal,
+    solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -103,6 +104,18 @@ pub(super) fn groups() -> Vec<Group> {
                 ("GLOSSY_COAT_ROUGHNESS", Coat::STEPS[0].into()),
                 ("GLOSSY_COAT_F0", Coat::STEPS[1].into()),
                 ("GLOSSY_COAT_F90", Coat::STEPS[2].into()),
+            ],
+        ),
+        (
+            "clearcoat.",
+            vec![
+                ("CLEARCOAT_F0", clearcoat::F0.into()),
+                ("CLEARCOAT_NODES", clearcoat::NODES.into()),
+                ("CLEARCOAT_LOWER_ROUGHNESS", clearcoat::STEPS[0].into()),
+                ("CLEARCOAT_LOWER_F0", clearcoat::STEPS[1].into()),
+                ("CLEARCOAT_LOWER_F90", clearcoat::STEPS[2].into()),
+                ("CLEARCOAT_WEIGHT", clearcoat::STEPS[3].into()),
+                ("CLEARCOAT_ROUGHNESS", clearcoat::STEPS[4].into()),
             ],
         ),
         (

@@ -4,8 +4,9 @@ use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Light, Lobe, Material, MaterialKind, MediumStack,
-    Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, View, octahedral, sampling, shading_normal,
+    Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Layers, Light, Lobe, Material, MaterialKind,
+    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, View, octahedral, sampling,
+    shading_normal,
 };
 use rayon::prelude::*;
 
@@ -173,9 +174,9 @@ impl Eye<'_> {
         };
         let mut material = &self.scene.materials[surface.material as usize];
         let evaluated = if SHADED { Some(self.scene.shade(&surface, &hit)) } else { None };
-        let mut normal = surface.normal;
+        let (mut normal, mut layers) = (surface.normal, Layers::NONE);
         if let Some(evaluated) = &evaluated {
-            (material, normal) = (&evaluated.material, evaluated.normal);
+            (material, normal, layers) = (&evaluated.material, evaluated.normal, evaluated.layers);
             if material.is_specular() {
                 normal = shading_normal::bend(normal, -path.ray.direction);
                 surface = surface.with_cosine_to(normal, path.ray.direction);
@@ -221,10 +222,10 @@ impl Eye<'_> {
             coat,
         };
         if SHADED && material.kind() == MaterialKind::Glossy {
-            let glossy = Glossy::new(material, surface.cosine);
+            let glossy = Glossy::new(material, &layers, surface.cosine);
             let at = GlossyPoint { surface: &surface, normal, media: interface.before, glossy: &glossy };
             let leaves = if REFLECTIONS {
-                Leaves::reflection(material, seen())
+                Leaves::reflection(material, &layers, &glossy, seen())
             } else {
                 self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
                 Leaves::base(&at, seen())

@@ -6,7 +6,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHTS, BLOCK_SURFACES, Sampler, unit_f32};
 use photon_core::{
-    FilmPixel, Glossy, Layer, Lobe, Material, MediumStack, Query, ReflectionLobe, SurfaceInteraction, glossy, offset,
+    FilmPixel, Glossy, Layer, Layers, Lobe, Material, MediumStack, Query, ReflectionLobe, SurfaceInteraction, glossy,
+    offset,
 };
 
 use super::eye::{Eye, Path};
@@ -43,6 +44,8 @@ pub(crate) struct Leaves {
     scale: f32,
     /// [`Query::media`] and [`Query::coat`].
     words: [u32; 2],
+    /// Of the reflection of a clearcoat, left instead with its probability.
+    clearcoat: Option<(f32, Vec3, [u32; 2])>,
 }
 
 impl Leaves {
@@ -54,13 +57,22 @@ impl Leaves {
             throughput: glossy.diffuse() * seen,
             scale: std::f32::consts::FRAC_1_PI,
             words: [media.bits(), glossy.coat().bits()],
+            clearcoat: None,
         }
     }
 
     /// For the reflection of `material`: the path goes on in search of other glossy surfaces.
-    pub(crate) fn reflection(material: &Material, seen: Vec3) -> Self {
-        let (words, factor) = ReflectionLobe::pack(material);
-        Self { first: 0.5, throughput: seen * factor, scale: 1.0, words }
+    pub(crate) fn reflection(material: &Material, layers: &Layers, glossy: &Glossy, seen: Vec3) -> Self {
+        let (words, factor) = ReflectionLobe::pack(material, layers);
+        let mut throughput = seen * factor;
+        let mut clearcoat = None;
+        let share = glossy.clearcoat_probability();
+        if share > 0.0 {
+            let (words, factor) = ReflectionLobe::pack_clearcoat(layers);
+            clearcoat = Some((share, seen * factor / share, words));
+            throughput *= glossy.clearcoat_through() / (1.0 - share).max(f32::EPSILON);
+        }
+        Self { first: 0.5, throughput, scale: 1.0, words, clearcoat }
     }
 }
 
@@ -122,9 +134,15 @@ impl Eye<'_> {
         let reflects = splits || unit_f32(choice) < first;
         if splits || !reflects {
             let share = if splits { 1.0 } else { 1.0 - first };
-            let throughput = leaves.throughput * (leaves.scale / share);
+            let choice = unit_f32(choice);
+            let choice = if splits { choice } else { glossy::rest_of(choice, first) };
+            let (left, words) = match leaves.clearcoat {
+                Some((probability, throughput, words)) if choice < probability => (throughput, words),
+                _ => (leaves.throughput, leaves.words),
+            };
+            let throughput = left * (leaves.scale / share);
             if throughput != Vec3::ZERO {
-                queries.push(query(throughput, path.branch, leaves.words));
+                queries.push(query(throughput, path.branch, words));
             }
         }
         if !reflects || path.surfaces >= self.max_bounces {

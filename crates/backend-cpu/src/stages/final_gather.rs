@@ -3,9 +3,9 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Glossy, Layer, Lobe, MapKind, Maps,
-    MaterialKind, MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, RoughGlass, glossy, octahedral,
-    offset, sampling, shading_normal,
+    Bsdf, Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Glossy, Layer, Layers, Lobe, MapKind,
+    Maps, MaterialKind, MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, RoughGlass, glossy,
+    octahedral, offset, sampling, shading_normal,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -161,9 +161,9 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         };
         let mut material = &scene.materials[surface.material as usize];
         let evaluated = if SHADED { Some(scene.shade(&surface, &hit)) } else { None };
-        let mut normal = surface.normal;
+        let (mut normal, mut layers) = (surface.normal, Layers::NONE);
         if let Some(evaluated) = &evaluated {
-            (material, normal) = (&evaluated.material, evaluated.normal);
+            (material, normal, layers) = (&evaluated.material, evaluated.normal, evaluated.layers);
             if material.is_specular() {
                 normal = shading_normal::bend(normal, -ray.direction);
                 surface = surface.with_cosine_to(normal, ray.direction);
@@ -191,7 +191,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         }
         let bsdf = Bsdf::new(scene.features, material, surface.cosine, &interface);
         let lobe = if SHADED && material.kind() == MaterialKind::Glossy {
-            let glossy = Glossy::new(material, surface.cosine);
+            let glossy = Glossy::new(material, &layers, surface.cosine);
             let [choice, u, v, _] = sampler.words(block + bounce);
             let first = glossy.specular_probability();
             if unit_f32(choice) < first {

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Light, Lobe, MapKind, Material, MaterialKind,
+    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Layers, Light, Lobe, MapKind, Material, MaterialKind,
     MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, RoughGlass,
     RoughSample, Scheduling, Settings, SkipLimit, Tally, Tracer, glossy, light_features, octahedral, sampling,
     shading_normal,
@@ -238,11 +238,11 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         tally.surfaces += 1;
         let mut material = &scene.materials[surface.material as usize];
         let stores = material.stores_photons();
-        let (evaluated, mut normal) = if shaded {
+        let (evaluated, mut normal, layers) = if shaded {
             let found = scene.shade(&surface, &hit);
-            (Some(found.material), found.normal)
+            (Some(found.material), found.normal, found.layers)
         } else {
-            (None, surface.normal)
+            (None, surface.normal, Layers::NONE)
         };
         if let Some(evaluated) = &evaluated {
             material = evaluated;
@@ -287,7 +287,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 store(power, tally);
                 return tally.end(Fate::Terminated, flux);
             }
-            let glossy = Glossy::new(material, surface.cosine);
+            let glossy = Glossy::new(material, &layers, surface.cosine);
             if stores {
                 store(power * glossy.coat().entering(surface.cosine), tally);
             }

@@ -3,7 +3,9 @@
 use std::sync::LazyLock;
 
 use photon_core::glam::Vec3;
-use photon_core::{AlbedoTable, Glossy, Material, ReflectionLobe, Requirements, Settings, ggx, glossy, sampling};
+use photon_core::{
+    AlbedoTable, Glossy, Layers, Material, ReflectionLobe, Requirements, Settings, ggx, glossy, sampling,
+};
 use photon_scene::{MaterialDesc, Scene, SceneBuilder};
 
 use super::compare::Bound;
@@ -76,8 +78,15 @@ fn material(i: &Input) -> Material {
     Material { roughness: i.float(3), metallic: i.float(7), ..SCENE.view().materials[0] }
 }
 
+/// A specular colour that depends on the share of metal, white for one of three; half of them with a clearcoat.
+fn layers(i: &Input) -> Layers {
+    let part = i.float(7);
+    let clearcoat = if i.float(9) < 0.5 { 0.0 } else { 0.8 };
+    Layers::default().with_specular_color(Vec3::new(1.0, 1.0 - part, 1.0 + 30.0 * part)).with_clearcoat(clearcoat, 0.3)
+}
+
 fn glossy(i: &Input) -> Glossy {
-    Glossy::new(&material(i), i.vector(0).dot(NORMAL))
+    Glossy::new(&material(i), &layers(i), i.vector(0).dot(NORMAL))
 }
 
 fn albedos(i: &Input, cosine: f32) -> Output {
@@ -102,7 +111,7 @@ fn evaluated(i: &Input, wo: Vec3, wi: Vec3) -> Output {
 }
 
 fn lobe(i: &Input, wo: Vec3, wi: Vec3) -> Output {
-    let (words, factor) = ReflectionLobe::pack(&material(i));
+    let (words, factor) = ReflectionLobe::pack(&material(i), &layers(i));
     let weight = ReflectionLobe::new(words, wo, NORMAL).weight(wi, GEOMETRIC);
     let ([x, y, z], [r, g, b]) = (factor.to_array(), weight.to_array());
     output([x, y, z, 0.0, r, g, b])

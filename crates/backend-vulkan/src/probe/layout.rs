@@ -56,7 +56,9 @@ fn records() -> Vec<Record> {
         record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),
         record!(Camera: origin kind forward media right lens_radius up focus_distance),
         record!(TextureUse: transform texture_index uv_set),
-        record!(MaterialTextures: base_color emission normal normal_scale metallic_roughness alpha specular reserved),
+        record!(MaterialTextures: base_color emission normal normal_scale metallic_roughness alpha specular specular_color
+            specular_color_factor clearcoat_factor
+            clearcoat_roughness_factor clearcoat clearcoat_roughness reserved),
         record!(LightNode: center radius intensity axis cone next),
     ]
 }

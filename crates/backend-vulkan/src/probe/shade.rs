@@ -33,9 +33,7 @@ pub(super) fn rows() -> Vec<Row> {
         // A division.
         row("shade_emission_ratio", 3, Bound::Relative(4e-7), light, |i| ratio(i, i.0[2])),
         row("shade, colours", 4, Bound::Bits, hit, |i| colors(&shaded(i, [i.float(0), i.float(1)]))),
-        row("shade, specular", 6, Bound::Bits, hit, |i| {
-            output([shaded(i, [i.float(0), i.float(1)]).material.specular])
-        }),
+        row("shade, specular", 6, Bound::Bits, hit, |i| specular(&shaded(i, [i.float(0), i.float(1)]))),
         // Vertex normals and tangents are off by 1e-6, a perpendicular of the tangent by four times that, and its
         // length is at least 0.5.
         row("shade, normal", 5, Bound::Within(2e-5), hit, |i| four_of(shaded(i, [i.float(0), i.float(1)]).normal)),
@@ -149,6 +147,11 @@ fn shaded(i: &Input, [u, v]: [f32; 2]) -> Shaded {
     tables().shade(&surface, &hit, &SHADED.materials[primitive.material as usize])
 }
 
+fn specular(shaded: &Shaded) -> Output {
+    let [r, g, b] = shaded.layers.specular_color.to_array();
+    output([shaded.material.specular, r, g, b, shaded.layers.clearcoat, shaded.layers.clearcoat_roughness])
+}
+
 fn colors(shaded: &Shaded) -> Output {
     let ([r, g, b], [x, y, z]) = (shaded.material.albedo, shaded.material.emission);
     output([r, g, b, shaded.material.roughness, x, y, z, shaded.material.metallic])
@@ -198,7 +201,7 @@ fn hits_are_shaded_as_in_rust() {
             2 => |i| four_of(turned(i, -i.float(3))),
             3 => |i| ratio(i, i.0[2] ^ 1),
             4 => |i| colors(&shaded(i, [i.float(1), i.float(0)])),
-            6 => |i| output([shaded(i, [i.float(1), i.float(0)]).material.specular]),
+            6 => |i| specular(&shaded(i, [i.float(1), i.float(0)])),
             _ => |i| four_of(shaded(i, [i.float(1), i.float(0)]).normal),
         };
         assert_twin(&mut on, &row, last, wrong);

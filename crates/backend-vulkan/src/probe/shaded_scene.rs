@@ -112,6 +112,12 @@ impl ShadedScene {
                 metallic_roughness,
                 alpha,
                 specular: if of_specular.now_and_then() { none } else { of_specular.word() % images },
+                specular_color: if of_specular.now_and_then() { none } else { of_specular.word() % images },
+                clearcoat: if of_specular.now_and_then() { none } else { of_specular.word() % images },
+                clearcoat_roughness: if of_specular.now_and_then() { none } else { of_specular.word() % images },
+                clearcoat_factor: of_specular.pick(&[0.0, 0.5, 1.0]),
+                clearcoat_roughness_factor: of_specular.unit(),
+                specular_color_factor: [(); 3].map(|()| of_specular.between(0.5, 3.0)),
                 ..MaterialTextures::default()
             };
             self.shading.material_textures.push(entry);

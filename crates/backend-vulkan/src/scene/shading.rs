@@ -52,8 +52,11 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
     record.uvs = uvs(upload, view, order)?;
     if !tables.material_textures.is_empty() {
         let images = tables.textures.iter().map(|texture| image(upload, texture)).collect::<Result<Vec<_>>>()?;
-        record.textures = upload.table("textures", &images)?;
-        record.uses = upload.table("textures", tables.uses)?;
+        // A material may have factors without textures.
+        if !images.is_empty() {
+            record.textures = upload.table("textures", &images)?;
+            record.uses = upload.table("textures", tables.uses)?;
+        }
         record.material_textures = upload.table("textures", tables.material_textures)?;
         record.values = upload.table("textures", byte_values().as_flattened())?;
     }

@@ -26,6 +26,9 @@ pub struct Need {
 const GLOSSY: &str = "camera paths follow their reflection, and sample a light at each; kind = \"lambert\", or specular = 0 \
                       without metal, in an override file makes them diffuse";
 
+/// What clearcoats cost, and how to do without.
+const CLEARCOAT: &str = "a second reflection at each of its surfaces; clearcoat = 0 in an override file removes it";
+
 /// What rough glass costs, and how to do without.
 const ROUGH_GLASS: &str = "camera paths sample a light at each of its surfaces, on one of the two sides; roughness = 0 in an \
                            override file makes it smooth";
@@ -54,6 +57,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 (0, lights) => counted(lights, "light"),
                 (triangles, _) if feature == Features::GLOSSY => {
                     format!("{}; {GLOSSY}", counted(triangles, "triangle"))
+                }
+                (triangles, _) if feature == Features::CLEARCOAT => {
+                    format!("{}; {CLEARCOAT}", counted(triangles, "triangle"))
                 }
                 (triangles, _) if feature == Features::ROUGH_GLASS => {
                     format!("{}; {ROUGH_GLASS}", counted(triangles, "triangle"))

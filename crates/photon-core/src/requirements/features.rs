@@ -51,6 +51,10 @@ bitflags! {
         const LIGHT_TREE = 1 << 18;
         /// A camera with a lens: decided with the view, not with the scene.
         const THIN_LENS = 1 << 19;
+        /// Coats with a specular colour.
+        const SPECULAR_COLORS = 1 << 20;
+        /// Clearcoats.
+        const CLEARCOAT = 1 << 21;
     }
 }
 
@@ -65,7 +69,9 @@ impl Features {
         .union(Self::NORMAL_MAPS)
         .union(Self::VERTEX_COLORS)
         .union(Self::GLOSSY)
-        .union(Self::ROUGH_GLASS);
+        .union(Self::ROUGH_GLASS)
+        .union(Self::SPECULAR_COLORS)
+        .union(Self::CLEARCOAT);
     /// Where camera paths sample lights, and go on.
     pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);
     /// All lobes that are not diffuse.
@@ -93,6 +99,8 @@ impl Features {
         "alpha",
         "light-tree",
         "thin-lens",
+        "specular-colors",
+        "clearcoat",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

@@ -209,9 +209,20 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
     let index = (material.textures as usize).checked_sub(1);
     let Some(textures) = index.and_then(|index| tables.material_textures.get(index)) else { return attributes };
     let used = |index: u32| index != MaterialTextures::NONE;
-    let all = [textures.base_color, textures.emission, textures.metallic_roughness, textures.specular];
+    let is_glossy = material.kind() == MaterialKind::Glossy;
+    let all = [
+        textures.base_color,
+        textures.emission,
+        textures.metallic_roughness,
+        textures.specular,
+        textures.specular_color,
+        textures.clearcoat,
+        textures.clearcoat_roughness,
+    ];
     attributes
         .union(when(all.into_iter().any(used), Features::TEXTURES))
+        .union(when(is_glossy && textures.has_specular_color(), Features::SPECULAR_COLORS))
+        .union(when(is_glossy && textures.clearcoat_factor > 0.0, Features::CLEARCOAT))
         .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
         .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))
 }

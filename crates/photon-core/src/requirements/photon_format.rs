@@ -101,7 +101,7 @@ fn is_grey(scene: &SceneView<'_>) -> bool {
     let surface = |material: &Material| {
         let features = crate::requirements::material_features(material, scene);
         let even = scene.media.get(material.medium as usize).is_none_or(|medium| equal(medium.absorption));
-        let colored = Features::TEXTURES.union(Features::VERTEX_COLORS);
+        let colored = Features::TEXTURES.union(Features::VERTEX_COLORS).union(Features::SPECULAR_COLORS);
         equal(material.albedo) && !features.intersects(colored) && (even || !features.contains(Features::ABSORPTION))
     };
     let light = |light: &Light| equal(light.power);

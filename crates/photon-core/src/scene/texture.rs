@@ -119,7 +119,8 @@ impl TextureUse {
     }
 }
 
-/// The textures of a material: indices into [`crate::ShadingTables::uses`], [`MaterialTextures::NONE`] without one.
+/// The textures of a material: indices into [`crate::ShadingTables::uses`], [`MaterialTextures::NONE`] without one; and
+/// factors of which few materials have any.
 // Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -138,13 +139,31 @@ pub struct MaterialTextures {
     pub alpha: u32,
     /// Its alpha multiplies [`crate::Material::specular`].
     pub specular: u32,
+    /// Its colour multiplies [`Self::specular_color_factor`].
+    pub specular_color: u32,
+    /// Glossy: factor on the reflectance at normal incidence of the coat, linear RGB, finite, ≥ 0; the product is at most 1.
+    pub specular_color_factor: [f32; 3],
+    /// Weight of a clearcoat over the surface, in `[0, 1]`; 0 without one. Only of glossy materials.
+    pub clearcoat_factor: f32,
+    /// Its roughness, in `[0, 1]`.
+    pub clearcoat_roughness_factor: f32,
+    /// Its red multiplies [`Self::clearcoat_factor`].
+    pub clearcoat: u32,
+    /// Its green multiplies [`Self::clearcoat_roughness_factor`].
+    pub clearcoat_roughness: u32,
     /// [`Self::NONE`].
-    pub reserved: [u32; 9],
+    pub reserved: u32,
 }
 
 impl MaterialTextures {
     /// No texture.
     pub const NONE: u32 = u32::MAX;
+
+    /// Whether the coat has a specular colour other than white.
+    #[must_use]
+    pub fn has_specular_color(&self) -> bool {
+        self.specular_color != Self::NONE || self.specular_color_factor != [1.0; 3]
+    }
 }
 
 impl Default for MaterialTextures {
@@ -157,7 +176,13 @@ impl Default for MaterialTextures {
             metallic_roughness: Self::NONE,
             alpha: Self::NONE,
             specular: Self::NONE,
-            reserved: [Self::NONE; 9],
+            specular_color: Self::NONE,
+            specular_color_factor: [1.0; 3],
+            clearcoat_factor: 0.0,
+            clearcoat_roughness_factor: 0.0,
+            clearcoat: Self::NONE,
+            clearcoat_roughness: Self::NONE,
+            reserved: Self::NONE,
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Glossy surfaces: GGX reflection over a diffuse base; `glossy.glsl` is the twin.
 //!
 //! The metallic-roughness model of glTF 2.0 (appendix B) with the share of metal m, base colour c and, with the index n and
-//! weight w of the coat, `F0 = m c + (1 − m) w ((n−1)/(n+1))²` and `F90 = m + (1 − m) w` in Schlick's factor. Three parts
-//! add up:
+//! weight w of the coat, `F0 = m c + (1 − m) w min(s ((n−1)/(n+1))², 1)` and `F90 = m + (1 − m) w` in Schlick's factor, where s
+//! is the specular colour, usually white. Three parts add up:
 //! - single scattering, `F D G2 / (4 cos_o cos_i)` ([`crate::ggx`]);
 //! - multiple scattering of the metal, `m F_ms (1 − E_o)(1 − E_i) / (π (1 − Ē))` (Kulla and Conty 2017) with
 //!   `F_ms = F̄² Ē / (1 − F̄ (1 − Ē))`: a white metal loses nothing;
 //! - the base, `(1 − m) c/π (1 − S_o)(1 − S_i) / (1 − S̄)` with the directional albedo S of the coat (Kelemen and
-//!   Szirmay-Kalos 2001): a white base under any coat loses nothing.
+//!   Szirmay-Kalos 2001): a white base under any colourless coat loses nothing. S is that of the largest channel of F0.
 //!
 //! All are reciprocal. The base is Lambertian for photons that are stored with the factor `(1 − S_i)/(1 − S̄)`, that of
 //! [`Coat::entering`], so that density estimation needs no BSDF.
@@ -16,8 +16,10 @@ use glam::{Vec2, Vec3};
 
 use crate::scene::material::Material;
 use crate::shading::albedo_table::AlbedoTable;
+use crate::shading::clearcoat::Clearcoat;
+use crate::shading::layers::Layers;
 use crate::shading::shading_normal;
-use crate::shading::{ggx, sampling};
+use crate::shading::{clearcoat, ggx, sampling};
 
 #[cfg(test)]
 mod tests;
@@ -69,6 +71,9 @@ impl Coat {
         if self.0 == 0 {
             return 1.0;
         }
+        if clearcoat::is_packed(self.0) {
+            return clearcoat::entering(self.0, cosine);
+        }
         let (roughness, f0, f90) = self.unpack();
         let table = AlbedoTable::get();
         let mean = 1.0 - reflected(table.mean(roughness), f0, f90);
@@ -100,6 +105,11 @@ pub struct Glossy {
     diffuse: Vec3,
     specular_probability: f32,
     coat: Coat,
+    clearcoat: Clearcoat,
+    /// What the clearcoat lets through from the direction of the path.
+    through: f32,
+    /// Probability that the clearcoat's reflection is sampled rather than the one below it.
+    clearcoat_probability: f32,
 }
 
 /// The reflection in one direction.
@@ -113,19 +123,20 @@ pub struct Reflected {
 }
 
 impl Glossy {
-    /// The surface of `material`, evaluated at the point, for a path that arrives with `cosine` > 0 to the shading normal.
+    /// The surface of `material` with `layers`, both evaluated at the point, for a path that arrives with `cosine` > 0 to the
+    /// shading normal.
     #[inline]
     #[must_use]
-    pub fn new(material: &Material, cosine: f32) -> Self {
+    pub fn new(material: &Material, layers: &Layers, cosine: f32) -> Self {
         let table = AlbedoTable::get();
         let (roughness, metallic, weight) = (material.roughness, material.metallic, material.specular);
         let color = Vec3::from(material.albedo);
         let directional = table.directional(cosine.min(1.0), roughness);
         let mean = table.mean(roughness);
-        let at_normal = (material.ior - 1.0) / (material.ior + 1.0);
-        let coat_f0 = at_normal * at_normal * weight;
+        let colored_f0 = layers.coat_f0(material);
+        let coat_f0 = colored_f0.max_element();
         let dielectric = 1.0 - metallic;
-        let f0 = color * metallic + Vec3::splat(coat_f0 * dielectric);
+        let f0 = color * metallic + colored_f0 * dielectric;
         let f90 = metallic + weight * dielectric;
         // Multiple scattering of the metal.
         let lost = 1.0 - (directional.x + directional.y);
@@ -139,7 +150,22 @@ impl Glossy {
         let specular = f0 * directional.x + Vec3::splat(f90 * directional.y) + multiple_albedo;
         let through = 1.0 - reflected(directional, coat_f0, weight);
         let diffuse = color * (dielectric * through.max(0.0));
-        let (most_specular, most_diffuse) = (specular.max_element(), diffuse.max_element());
+        let mut coat = Coat::new(roughness, coat_f0, weight);
+        let (most_specular, mut most_diffuse) = (specular.max_element(), diffuse.max_element());
+        let multiple_probability =
+            if most_specular > 0.0 { multiple_albedo.max_element() / most_specular } else { 0.0 };
+        let clearcoat = Clearcoat::of(layers);
+        let (mut diffuse, mut most_specular) = (diffuse, most_specular);
+        let (mut under, mut clearcoat_probability) = (1.0, 0.0);
+        if clearcoat.weight > 0.0 {
+            coat = Coat(clearcoat::pack(roughness, coat_f0, weight, clearcoat));
+            under = clearcoat.through(cosine.min(1.0));
+            diffuse *= under;
+            most_diffuse *= under;
+            let reflected = 1.0 - under;
+            most_specular = reflected + under * most_specular;
+            clearcoat_probability = if most_specular > 0.0 { reflected / most_specular } else { 0.0 };
+        }
         // Devices may round x/x below 1, and a metal must not count as a mixture.
         let specular_probability = if most_diffuse > 0.0 {
             most_specular / (most_specular + most_diffuse)
@@ -154,10 +180,13 @@ impl Glossy {
             f0,
             f90,
             multiple,
-            multiple_probability: if most_specular > 0.0 { multiple_albedo.max_element() / most_specular } else { 0.0 },
+            multiple_probability,
             diffuse,
             specular_probability,
-            coat: Coat::new(roughness, coat_f0, weight),
+            coat,
+            clearcoat,
+            through: under,
+            clearcoat_probability,
         }
     }
 
@@ -183,7 +212,21 @@ impl Glossy {
         self.multiple_probability
     }
 
-    /// The coat over the base.
+    /// Probability that [`Self::sample`] samples the reflection of the clearcoat.
+    #[inline]
+    #[must_use]
+    pub fn clearcoat_probability(&self) -> f32 {
+        self.clearcoat_probability
+    }
+
+    /// What the clearcoat lets through from the direction of the path; 1 without one.
+    #[inline]
+    #[must_use]
+    pub fn clearcoat_through(&self) -> f32 {
+        self.through
+    }
+
+    /// The coats over the base.
     #[inline]
     #[must_use]
     pub fn coat(&self) -> Coat {
@@ -217,6 +260,12 @@ impl Glossy {
             value += self.multiple * ((1.0 - (albedo.x + albedo.y)).max(0.0) * cosine);
             pdf = pdf * (1.0 - self.multiple_probability) + cosine * self.multiple_probability;
         }
+        if self.clearcoat.weight > 0.0 {
+            let above = self.clearcoat.evaluate(o, i, h);
+            let p = self.clearcoat_probability;
+            value = value * self.through.min(self.clearcoat.through(i.z)) + above.value;
+            pdf = pdf * (1.0 - p) + above.pdf * p;
+        }
         Reflected { value, pdf }
     }
 
@@ -225,13 +274,19 @@ impl Glossy {
     #[inline]
     #[must_use]
     pub fn sample(&self, wo: Vec3, normal: Vec3, u: f32, v: f32) -> (Vec3, Reflected) {
-        let p = self.multiple_probability;
-        let wi = if u < p {
+        let (p, top) = (self.multiple_probability, self.clearcoat_probability);
+        let is_below = u >= top;
+        let u = if top > 0.0 { rest_of(u, top) } else { u };
+        let wi = if is_below && u < p {
             sampling::cosine_hemisphere(normal, u / p, v)
         } else {
             let (tangent, bitangent) = sampling::basis(normal);
             let o = Vec3::new(wo.dot(tangent), wo.dot(bitangent), wo.dot(normal));
-            let i = ggx::sample(self.alpha, o, ((u - p) / (1.0 - p)).min(1.0 - f32::EPSILON), v);
+            let i = if is_below {
+                ggx::sample(self.alpha, o, ((u - p) / (1.0 - p)).min(1.0 - f32::EPSILON), v)
+            } else {
+                ggx::sample(self.clearcoat.alpha(), o, u, v)
+            };
             tangent * i.x + bitangent * i.y + normal * i.z
         };
         (wi, self.evaluate(wo, wi, normal))

@@ -10,7 +10,8 @@ use glam::Vec3;
 use crate::scene::material::Material;
 use crate::shading::albedo_table::AlbedoTable;
 use crate::shading::glossy::MIN_SHARE;
-use crate::shading::{ggx, sampling, shading_normal};
+use crate::shading::layers::Layers;
+use crate::shading::{clearcoat, ggx, sampling, shading_normal};
 
 /// The reflection of a glossy surface towards one direction.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +37,8 @@ const WEIGHT_STEPS: f32 = 127.0;
 /// Steps of the roughness: 14 bits.
 const ROUGHNESS_STEPS: f32 = 16_383.0;
 
-/// Parameters of a material: base colour, share of metal, roughness, F0 and weight of the coat.
+/// Parameters of a material: base colour, or without metal that of the coat's F0; share of metal, roughness, F0 and weight of
+/// the coat.
 #[derive(Clone, Copy)]
 struct Parameters {
     color: Vec3,
@@ -73,28 +75,40 @@ impl Parameters {
 
     #[inline]
     fn f0(&self) -> Vec3 {
-        self.color * self.metallic + Vec3::splat(self.coat_f0 * (1.0 - self.metallic))
+        let coat = if self.metallic == 0.0 { self.color } else { Vec3::ONE };
+        self.color * self.metallic + coat * (self.coat_f0 * (1.0 - self.metallic))
     }
 }
 
 impl ReflectionLobe {
-    /// Packs a glossy `material`, as evaluated at the point of a query, into the words [`crate::Query::media`] and
-    /// [`crate::Query::coat`]. Also returns the factor on the throughput that corrects the quantization of F0.
+    /// Packs a glossy `material` with `layers`, as evaluated at the point of a query, into the words [`crate::Query::media`] and
+    /// [`crate::Query::coat`]. Also returns the factor on the throughput that corrects the quantization of F0. Of mixtures with
+    /// metal, a specular colour is in this factor alone.
     #[inline]
     #[must_use]
-    pub fn pack(material: &Material) -> ([u32; 2], Vec3) {
-        let at_normal = (material.ior - 1.0) / (material.ior + 1.0);
-        let exact = Parameters {
-            color: material.albedo.into(),
-            metallic: material.metallic,
-            roughness: material.roughness,
-            coat_f0: at_normal * at_normal * material.specular,
-            weight: material.specular,
+    pub fn pack(material: &Material, layers: &Layers) -> ([u32; 2], Vec3) {
+        let coat = layers.coat_f0(material);
+        let coat_f0 = coat.max_element();
+        let metallic = material.metallic;
+        let is_metallic = metallic * STEPS + 0.5 >= 1.0;
+        let color = match is_metallic {
+            true => material.albedo.into(),
+            false if coat_f0 > 0.0 => coat / coat_f0,
+            false => Vec3::ONE,
         };
-        let words = exact.pack();
-        let (is, wanted) = (Parameters::unpack(words).f0(), exact.f0());
+        let packed = Parameters { color, metallic, roughness: material.roughness, coat_f0, weight: material.specular };
+        let words = packed.pack();
+        let is = Parameters::unpack(words).f0();
+        let wanted = Vec3::from(material.albedo) * metallic + coat * (1.0 - metallic);
         // Where F0 is so small that a step is a large part of it, F90 matters more.
         (words, Vec3::select(is.cmpgt(Vec3::splat(MIN_F0)), wanted / is, Vec3::ONE))
+    }
+
+    /// The same for the reflection of the clearcoat alone.
+    #[inline]
+    #[must_use]
+    pub fn pack_clearcoat(layers: &Layers) -> ([u32; 2], Vec3) {
+        Self::pack(&clearcoat::reflector(layers), &Layers::NONE)
     }
 
     /// The lobe with these words, towards `wo` at a surface with the shading normal `normal`.
@@ -183,13 +197,13 @@ mod tests {
             let mut number = || unit_f32(numbers.word() as u32);
             sampling::about(NORMAL, 0.98 * number(), number())
         };
-        let (words, factor) = ReflectionLobe::pack(changed);
+        let (words, factor) = ReflectionLobe::pack(changed, &Layers::NONE);
         (0..500)
             .map(|_| {
                 let (wo, wi) = (above(), above());
                 let found = ReflectionLobe::new(words, wo, NORMAL).weight(wi, geometric) * factor;
                 let found = found * wi.dot(geometric).max(0.0);
-                let exact = Glossy::new(material, wo.dot(NORMAL)).evaluate(wo, wi, NORMAL).value;
+                let exact = Glossy::new(material, &Layers::NONE, wo.dot(NORMAL)).evaluate(wo, wi, NORMAL).value;
                 let exact = exact * limited(wi, geometric, NORMAL);
                 ((found - exact).abs() / exact.max_element().max(1e-3)).max_element()
             })
@@ -226,7 +240,8 @@ mod tests {
         for metallic in [0.0, 1.0] {
             for roughness in [0.0, 1e-4, 1.0] {
                 for ior in [0.0, 1.0, 1.5] {
-                    let (words, factor) = ReflectionLobe::pack(&material(metallic, roughness, ior, 1.0, [0.0; 3]));
+                    let (words, factor) =
+                        ReflectionLobe::pack(&material(metallic, roughness, ior, 1.0, [0.0; 3]), &Layers::NONE);
                     assert!(factor.is_finite());
                     for wo in [NORMAL, -NORMAL, GEOMETRIC] {
                         let lobe = ReflectionLobe::new(words, wo, NORMAL);

@@ -8,6 +8,7 @@ use crate::scene::material::Material;
 use crate::scene::texture::{MaterialTextures, ShadingTables};
 use crate::shading::alpha;
 use crate::shading::interaction::SurfaceInteraction;
+use crate::shading::layers::Layers;
 use crate::shading::octahedral;
 use crate::shading::shading_normal::bend;
 use crate::shading::texture::{ByteValues, lookup, transform};
@@ -20,6 +21,8 @@ pub struct Shaded {
     pub material: Material,
     /// Unit shading normal on the side that the ray came from, with a cosine of at least 0.001 to the geometric one.
     pub normal: Vec3,
+    /// What glossy surfaces have beyond it.
+    pub layers: Layers,
 }
 
 /// The tables of a scene that shading reads, with those that decode texels.
@@ -41,6 +44,7 @@ impl Shading<'_> {
     pub fn shade(&self, surface: &SurfaceInteraction, hit: &Hit, material: &Material) -> Shaded {
         let corners = Corners { triangle: hit.primitive as usize, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] };
         let mut shaded = *material;
+        let mut layers = Layers::NONE;
         if let Some(colors) = self.tables.colors.get(corners.triangle) {
             let color = interpolate(colors.map(unpack_color), corners.weights);
             shaded.albedo = (Vec3::from(shaded.albedo) * color).to_array();
@@ -61,12 +65,28 @@ impl Shading<'_> {
             if let Some([.., alpha]) = self.texel(textures.specular, &corners) {
                 shaded.specular *= alpha;
             }
+            if textures.has_specular_color() {
+                layers.specular_color = textures.specular_color_factor.into();
+                if let Some(color) = self.sample(textures.specular_color, &corners) {
+                    layers.specular_color *= color;
+                }
+            }
+            if textures.clearcoat_factor > 0.0 {
+                layers.clearcoat = textures.clearcoat_factor;
+                layers.clearcoat_roughness = textures.clearcoat_roughness_factor;
+                if let Some(color) = self.sample(textures.clearcoat, &corners) {
+                    layers.clearcoat *= color.x;
+                }
+                if let Some(color) = self.sample(textures.clearcoat_roughness, &corners) {
+                    layers.clearcoat_roughness *= color.y;
+                }
+            }
             if let Some(texel) = self.sample(textures.normal, &corners) {
                 normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
             }
         }
         let normal = bend(normal, front);
-        Shaded { material: shaded, normal: if surface.front { normal } else { -normal } }
+        Shaded { material: shaded, normal: if surface.front { normal } else { -normal }, layers }
     }
 
     /// The probability with which the surface, whose material is `material`, is there at `hit`: its alpha, or with a

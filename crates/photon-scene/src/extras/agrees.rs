@@ -68,7 +68,10 @@ impl Agrees for MaterialDesc {
         };
         // Whether a non-emissive surface is double-sided does not matter.
         let sides = !self.is_emissive() || !exact.is_emissive() || self.emits_both_sides == exact.emits_both_sides;
-        surface && sides && all_close(self.emission, exact.emission)
+        let coat = all_close(self.specular_color, exact.specular_color)
+            && close(self.clearcoat, exact.clearcoat)
+            && close(self.clearcoat_roughness, exact.clearcoat_roughness);
+        surface && coat && sides && all_close(self.emission, exact.emission)
     }
 }
 

@@ -23,6 +23,12 @@ pub(crate) struct TexturesExtras {
     metallic_roughness: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     specular: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    specular_color: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    clearcoat: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    clearcoat_roughness: Option<Transform>,
     normal_scale: Exact,
 }
 
@@ -37,8 +43,19 @@ impl TexturesExtras {
         let base_color = of(textures.base_color.or(textures.alpha));
         let (emission, normal) = (of(textures.emission), of(textures.normal));
         let (metallic_roughness, specular) = (of(textures.metallic_roughness), of(textures.specular));
+        let specular_color = of(textures.specular_color);
+        let (clearcoat, clearcoat_roughness) = (of(textures.clearcoat), of(textures.clearcoat_roughness));
         let normal_scale = Exact(textures.normal_scale);
-        let all = [&base_color, &emission, &normal, &metallic_roughness, &specular];
+        let all = [
+            &base_color,
+            &emission,
+            &normal,
+            &metallic_roughness,
+            &specular,
+            &specular_color,
+            &clearcoat,
+            &clearcoat_roughness,
+        ];
         let is_plain = all.iter().all(|used| used.is_none());
         (!is_plain || normal_scale.0 != 1.0).then_some(Self {
             base_color,
@@ -46,6 +63,9 @@ impl TexturesExtras {
             normal,
             metallic_roughness,
             specular,
+            specular_color,
+            clearcoat,
+            clearcoat_roughness,
             normal_scale,
         })
     }
@@ -69,6 +89,9 @@ impl TexturesExtras {
             normal: of(textures.normal, &self.normal)?,
             metallic_roughness: of(textures.metallic_roughness, &self.metallic_roughness)?,
             specular: of(textures.specular, &self.specular)?,
+            specular_color: of(textures.specular_color, &self.specular_color)?,
+            clearcoat: of(textures.clearcoat, &self.clearcoat)?,
+            clearcoat_roughness: of(textures.clearcoat_roughness, &self.clearcoat_roughness)?,
             normal_scale: self.normal_scale.0,
             // In glTF, the same texture.
             alpha: textures.alpha.and(base_color),

@@ -13,7 +13,7 @@
 //! | `volume` | absorption `−ln(colour) / distance`, per length of the scene |
 //! | `emissiveFactor` × `emissive_strength` | radiance, W/(m²·sr); from both sides if `doubleSided` |
 //! | `lights_punctual` | candela are W/sr, lux are W/m²: no factor of 683 |
-//! | textures of base colour, metal and roughness, the specular factor, emission and normals | with their UV sets, transforms, wrap modes and magnification filters |
+//! | textures of base colour, metal and roughness, the specular factor and colour, emission and normals | with their UV sets, transforms, wrap modes and magnification filters |
 //! | other textures | their mean |
 //! | normals, tangents, colours, UV sets | those in use; normals by the inverse transpose of the node's matrix |
 //! | `alphaMode`, `alphaCutoff`, alpha of base colour, its texture and `COLOR_0` | alpha coverage; solids are opaque |

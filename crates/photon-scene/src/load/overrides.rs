@@ -155,13 +155,31 @@ impl Overrides {
         }
         let (mut new_albedo, mut new_ior) = (with.albedo, with.ior);
         let (mut new_tint, mut new_absorption) = (with.tint, with.absorption);
-        let mut new_priority = with.priority;
+        let (mut new_priority, mut new_specular_color) = (with.priority, with.specular_color);
         let (mut new_metallic, mut new_roughness, mut new_specular) = (with.metallic, with.roughness, with.specular);
         if with.metallic.is_some() || with.roughness.is_some() || kind != before {
             desc.textures.metallic_roughness = None;
         }
         if with.specular.is_some() || kind != before {
             desc.textures.specular = None;
+        }
+        if with.clearcoat.is_some() {
+            desc.textures.clearcoat = None;
+        }
+        if with.clearcoat_roughness.is_some() {
+            desc.textures.clearcoat_roughness = None;
+        }
+        if kind != before {
+            (desc.clearcoat, desc.clearcoat_roughness) = (0.0, 0.0);
+            (desc.textures.clearcoat, desc.textures.clearcoat_roughness) = (None, None);
+        }
+        let (mut new_clearcoat, mut new_clearcoat_roughness) = (with.clearcoat, with.clearcoat_roughness);
+        if !matches!(kind, Kind::Glass | Kind::Thin) {
+            desc.clearcoat = new_clearcoat.take().unwrap_or(desc.clearcoat);
+            desc.clearcoat_roughness = new_clearcoat_roughness.take().unwrap_or(desc.clearcoat_roughness);
+        }
+        if with.specular_color.is_some() || kind != before {
+            (desc.specular_color, desc.textures.specular_color) = ([1.0; 3], None);
         }
         match &mut desc.surface {
             Surface::Lambert { albedo: colour } | Surface::Mirror { reflectance: colour } => {
@@ -180,6 +198,7 @@ impl Overrides {
                 *tint = new_tint.take().map_or(*tint, |given| given.rgb());
             }
             Surface::Glossy { base_color, metallic, roughness, specular, ior } => {
+                desc.specular_color = new_specular_color.take().map_or(desc.specular_color, |given| given.rgb());
                 *base_color = new_albedo.take().map_or(*base_color, |given| given.rgb());
                 *metallic = new_metallic.take().unwrap_or(*metallic);
                 *roughness = new_roughness.take().unwrap_or(*roughness);
@@ -196,13 +215,17 @@ impl Overrides {
             ("metallic", new_metallic.is_some()),
             ("roughness", new_roughness.is_some()),
             ("specular", new_specular.is_some()),
+            ("specular_color", new_specular_color.is_some()),
+            ("clearcoat", new_clearcoat.is_some()),
+            ("clearcoat_roughness", new_clearcoat_roughness.is_some()),
         ];
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
             let hint = "lambert and mirror have albedo, glass has ior, tint, roughness, absorption and \
                         priority, thin has ior, tint and roughness, \
-                        glossy has albedo, metallic, roughness, specular and ior; \
+                        glossy has albedo, metallic, roughness, specular, specular_color and ior, \
+                        all but glass and thin have clearcoat and clearcoat_roughness; \
                         give another kind, or leave it out";
             return Err(self.fault(what, hint));
         }

@@ -24,7 +24,11 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         Surface::Mirror { .. } => {}
         Surface::Glossy { specular, ior, .. } => {
             if specular != 1.0 {
-                extensions["KHR_materials_specular"] = json!({ "specularFactor": single(specular, what)? });
+                extensions["KHR_materials_specular"]["specularFactor"] = json!(single(specular, what)?);
+            }
+            if desc.specular_color != [1.0; 3] {
+                extensions["KHR_materials_specular"]["specularColorFactor"] =
+                    json!(singles(desc.specular_color, what)?);
             }
             if ior != 1.5 {
                 extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
@@ -45,6 +49,12 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             volume["attenuationColor"] = json!(relative.map(|share| (-share).exp() as f32));
         }
         extensions["KHR_materials_volume"] = volume;
+    }
+    if desc.clearcoat > 0.0 {
+        extensions["KHR_materials_clearcoat"] = json!({
+            "clearcoatFactor": single(desc.clearcoat, what)?,
+            "clearcoatRoughnessFactor": single(desc.clearcoat_roughness, what)?,
+        });
     }
     let (strength, factor) = scaled(desc.emission);
     if strength > 0.0 {
@@ -72,6 +82,13 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "emission" => material["emissiveTexture"] = info.clone(),
             "metallic_roughness" => {
                 material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = info.clone();
+            }
+            "clearcoat" => extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = info.clone(),
+            "clearcoat_roughness" => {
+                extensions["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"] = info.clone();
+            }
+            "specular_color" => {
+                extensions["KHR_materials_specular"]["specularColorTexture"] = info.clone();
             }
             "specular" => extensions["KHR_materials_specular"]["specularTexture"] = info.clone(),
             _ => material["normalTexture"] = info.clone(),

@@ -4,6 +4,8 @@
 use photon_core::{Texture, ggx};
 
 use super::alpha::uniform_alpha;
+use super::clearcoat::fold_clearcoat;
+use super::specular_color::fold_specular_color;
 use super::texel::Decoder;
 use crate::describe::{MaterialDesc, Surface};
 use crate::texture::{TextureDesc, TextureRef};
@@ -44,6 +46,8 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
         if roughness_of(&mut material.surface).is_none() {
             (textures.metallic_roughness, textures.specular) = (None, None);
         }
+        fold_specular_color(material, color_of);
+        fold_clearcoat(material, color_of);
     }
 }
 

@@ -1,11 +1,13 @@
 //! Builds the tables of vertex attributes and textures, of which a scene without any of it has none.
 
 mod alpha;
+mod clearcoat;
 mod fold;
 mod mesh;
 mod normals;
 mod pyramid;
 mod radiance;
+mod specular_color;
 mod tangents;
 mod texel;
 mod uvs;
@@ -29,6 +31,8 @@ pub(crate) use self::fold::{simplest, uniform};
 #[cfg(feature = "files")]
 pub(crate) use self::normals::unit;
 pub(crate) use self::radiance::Radiances;
+#[cfg(feature = "files")]
+pub(crate) use self::specular_color::index_of;
 
 /// The parts of a builder that the tables are made of; validated, and the textures folded.
 #[derive(Clone, Copy)]
@@ -47,9 +51,14 @@ impl Source<'_> {
 
     /// Whether there is anything that belongs in the tables.
     pub(crate) fn is_shaded(&self) -> bool {
-        let textured = |mesh: &Mesh| self.materials[mesh.material.0 as usize].textures.all().next().is_some();
+        let textured = |mesh: &Mesh| has_record(&self.materials[mesh.material.0 as usize]);
         self.meshes.iter().any(|mesh| !mesh.attributes.is_empty() || textured(mesh))
     }
+}
+
+/// Whether a material needs an entry of [`MaterialTextures`].
+fn has_record(desc: &MaterialDesc) -> bool {
+    desc.textures.all().next().is_some() || desc.specular_color != [1.0; 3] || desc.clearcoat > 0.0
 }
 
 /// Fills the tables, and [`Material::textures`] of each material.
@@ -83,8 +92,9 @@ fn add_materials(
     let sets: BTreeMap<u32, u32> = sets.into_iter().zip(0..).collect();
     let mut indices: BTreeMap<TextureId, u32> = BTreeMap::new();
     for &index in in_use {
-        let textures = &source.materials[index as usize].textures;
-        if textures.all().next().is_none() {
+        let desc = &source.materials[index as usize];
+        let textures = &desc.textures;
+        if !has_record(desc) {
             continue;
         }
         let mut add = |used: Option<TextureRef>| {
@@ -107,6 +117,12 @@ fn add_materials(
             metallic_roughness: add(textures.metallic_roughness),
             alpha: if textures.alpha == textures.base_color { base_color } else { add(textures.alpha) },
             specular: add(textures.specular),
+            specular_color: add(textures.specular_color),
+            clearcoat: add(textures.clearcoat),
+            clearcoat_roughness: add(textures.clearcoat_roughness),
+            clearcoat_factor: desc.clearcoat as f32,
+            clearcoat_roughness_factor: desc.clearcoat_roughness as f32,
+            specular_color_factor: desc.specular_color.map(|part| part as f32),
             ..MaterialTextures::default()
         };
         tables.material_textures.push(textures);

@@ -182,6 +182,14 @@ fn glossy_surfaces_become_diffuse() {
     assert_eq!(other.albedo, [0.25; 3]);
     let partly = paint("[materials.paint]\nspecular = 0\nmetallic = 0.5\n");
     assert_eq!((partly.kind, partly.metallic), (MaterialKind::Glossy as u32, 0.5));
+    // A grey specular colour is a refractive index, another one has a record.
+    let grey = paint("[materials.paint]\nspecular_color = 4\n");
+    assert!((grey.ior - 7.0 / 3.0).abs() < 1e-6 && grey.textures == 0, "{grey:?}");
+    assert_eq!(paint("[materials.paint]\nspecular_color = [1, 0.5, 0.25]\n").textures, 1);
+    // A clearcoat is a reflection over any opaque surface.
+    let clear = paint("[materials.paint]\nkind = \"lambert\"\nclearcoat = 1\nclearcoat_roughness = 0.25\n");
+    assert_eq!((clear.kind, clear.specular, clear.textures), (MaterialKind::Glossy as u32, 0.0, 1));
+    assert_eq!(paint("[materials.paint]\nkind = \"lambert\"\nclearcoat = 0\n"), diffuse);
     let mirror = paint("[materials.paint]\nmetallic = 1\nroughness = 0\n");
     assert_eq!((mirror.kind, mirror.albedo), (MaterialKind::Mirror as u32, [0.5, 0.25, 1.0]));
 }
@@ -234,6 +242,15 @@ fn override_faults() {
     }
     for ior in ["-0.5", "nan", "inf", "1e300"] {
         names(&fault(&format!("[materials.wall]\nkind = \"glossy\"\nior = {ior}\n")), &["'wall'", "ior", "finite"]);
+    }
+    names(&fault("[materials.wall]\nspecular_color = 1\n"), &["'wall'", "lambert", "no specular_color"]);
+    for color in ["-0.5", "nan", "1e300"] {
+        let text = format!("[materials.wall]\nkind = \"glossy\"\nspecular_color = {color}\n");
+        names(&fault(&text), &["'wall'", "specular_color", "finite"]);
+    }
+    names(&fault("[materials.pane]\nkind = \"thin\"\nclearcoat = 1\n"), &["'pane'", "thin", "no clearcoat"]);
+    for key in ["clearcoat", "clearcoat_roughness"] {
+        names(&fault(&format!("[materials.wall]\n{key} = 1.5\n")), &["'wall'", key, "between 0 and 1"]);
     }
     names(&fault("[materials.wall]\nkind = \"glossy\"\ntint = 1\n"), &["'wall'", "glossy", "no tint"]);
     names(&fault("[materials.wall]\nkind = \"glossy\"\nmetallic = \"x\"\n"), &["line 3", "expected f64"]);

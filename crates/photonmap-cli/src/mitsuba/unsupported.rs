@@ -23,11 +23,18 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
             );
         }
         let Some(textures) = textures(material.textures) else { continue };
+        if textures.clearcoat_factor > 0.0 {
+            return refused(
+                format!("the clearcoat of material '{name}'"),
+                "write a .glb, which has it, or remove it (clearcoat = 0 in an override file)",
+            );
+        }
         let uses = [
             ("base colour", textures.base_color),
             ("emission", textures.emission),
             ("normal", textures.normal),
             ("metallic-roughness", textures.metallic_roughness),
+            ("specular colour", textures.specular_color),
         ];
         if let Some((slot, _)) = uses.into_iter().find(|(_, used)| *used != MaterialTextures::NONE) {
             return refused(

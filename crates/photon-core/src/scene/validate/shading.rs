@@ -68,10 +68,23 @@ fn check_material(textures: &MaterialTextures, tables: &ShadingTables<'_>) -> Ch
         ("metallic_roughness", textures.metallic_roughness),
         ("alpha", textures.alpha),
         ("specular", textures.specular),
+        ("specular_color", textures.specular_color),
+        ("clearcoat", textures.clearcoat),
+        ("clearcoat_roughness", textures.clearcoat_roughness),
     ] {
         require(used == MaterialTextures::NONE || (used as usize) < uses, || {
             format!("its {name} texture {used} is out of range, {uses} uses exist")
         })?;
+    }
+    let color = textures.specular_color_factor;
+    require(color.iter().all(|part| part.is_finite() && *part >= 0.0), || {
+        format!("its specular_color_factor {color:?} must be finite and at least 0")
+    })?;
+    for (name, value) in [
+        ("clearcoat_factor", textures.clearcoat_factor),
+        ("clearcoat_roughness_factor", textures.clearcoat_roughness_factor),
+    ] {
+        require((0.0..=1.0).contains(&value), || format!("its {name} {value} must lie between 0 and 1"))?;
     }
     let scale = textures.normal_scale;
     require(scale.is_finite(), || format!("its normal_scale {scale} must be finite"))?;

@@ -27,7 +27,7 @@ fn white_surfaces_lose_nothing() {
     for roughness in [0.0_f32, 0.2, 0.5, 0.77, 1.0] {
         for metallic in [0.0, 0.4, 1.0] {
             for cosine in [1.0_f32, 0.5, 0.1] {
-                let glossy = Glossy::new(&material(metallic, roughness, [1.0; 3]), cosine);
+                let glossy = Glossy::new(&material(metallic, roughness, [1.0; 3]), &Layers::NONE, cosine);
                 let wo = towards(cosine, 0.3);
                 let n = 40_000;
                 let (mut sum, mut squares) = (0.0_f64, 0.0);
@@ -59,8 +59,8 @@ fn reflection_is_reciprocal() {
         let material = material(metallic, roughness, [0.9, 0.5, 0.2]);
         for (a, b) in [(0.9_f32, 0.3_f32), (0.5, 0.05), (0.99, 0.98)] {
             let (wo, wi) = (towards(a, 0.1), towards(b, 0.63));
-            let one = Glossy::new(&material, a);
-            let other = Glossy::new(&material, b);
+            let one = Glossy::new(&material, &Layers::NONE, a);
+            let other = Glossy::new(&material, &Layers::NONE, b);
             let there = one.evaluate(wo, wi, Vec3::Z).value / b;
             let back = other.evaluate(wi, wo, Vec3::Z).value / a;
             // Half vectors are rounded to 1e-7, which is 1e-5 of a width of .01, to the fourth power.
@@ -89,7 +89,7 @@ fn extremes_are_finite() {
     for roughness in [0.0, 1e-4, 0.0316, 0.5, 1.0] {
         for (metallic, color) in [(1.0, [1.0; 3]), (0.0, [0.0; 3]), (1.0, [0.0; 3]), (0.3, [1e-20, 1.0, 0.5])] {
             for cosine in [1e-7_f32, 1e-3, 0.5, 1.0] {
-                let glossy = Glossy::new(&material(metallic, roughness, color), cosine);
+                let glossy = Glossy::new(&material(metallic, roughness, color), &Layers::NONE, cosine);
                 for k in 0..64 {
                     let (u, v) = (k as f32 / 64.0, ((k * 29) % 64) as f32 / 64.0);
                     let (wi, found) = glossy.sample(towards(cosine, 0.2), Vec3::Z, u, v);

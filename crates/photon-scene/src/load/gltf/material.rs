@@ -20,7 +20,8 @@ const SOME_METAL: f64 = 0.01;
 const DARKEST: f64 = 1e-6;
 
 /// Extensions of materials that are supported, or reported by separate code.
-const KNOWN: &[&str] = &["KHR_materials_specular", "KHR_materials_unlit", specular_glossiness::NAME];
+const KNOWN: &[&str] =
+    &["KHR_materials_specular", "KHR_materials_unlit", specular_glossiness::NAME, parameters::CLEARCOAT];
 
 /// Converts one material; what is lost is reported.
 pub(super) fn describe(
@@ -37,12 +38,16 @@ pub(super) fn describe(
     let mut parameters = parameters::read(root, index, textures, &subject, builder, &mut lines)?;
     let surface = surface(&mut parameters, &subject, &mut lines);
     close_solid(&mut parameters, &surface, &subject, &mut lines);
+    check_clearcoat(material, &parameters, &surface, &subject, &mut lines);
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
         emits_both_sides: material.double_sided,
         alpha: parameters.alpha,
         alpha_mode: parameters.alpha_mode,
+        specular_color: parameters.specular_color,
+        clearcoat: parameters.clearcoat[0],
+        clearcoat_roughness: parameters.clearcoat[1],
         textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
@@ -84,15 +89,6 @@ fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surfa
 
 /// The metallic-roughness model itself.
 fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
-    let mut ior = of.ior;
-    if of.specular_color != [1.0; 3] && of.metallic < 1.0 && ior >= 0.0 {
-        let mean = of.specular_color.iter().sum::<f64>() / 3.0;
-        if of.specular_color.iter().any(|part| (part - mean).abs() > 1e-6) {
-            let text = format!("its specular colour {:?} is replaced by its mean {mean:.3}", of.specular_color);
-            report.approximated(subject, text);
-        }
-        ior = index_of((reflectance_of(ior) * mean).min(1.0));
-    }
     if of.specular > 1.0 {
         report.approximated(subject, format!("its specular factor {:.3} is replaced by 1", of.specular));
     }
@@ -102,20 +98,9 @@ fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
         metallic: of.metallic,
         roughness: of.roughness,
         specular: of.specular.min(1.0),
-        ior,
+        ior: of.ior,
     };
     simplest(surface, textured)
-}
-
-/// Reflectance at normal incidence of a boundary of refractive index n, `((n−1)/(n+1))²`; 1 for the index 0.
-fn reflectance_of(ior: f64) -> f64 {
-    ((ior - 1.0) / (ior + 1.0)).powi(2)
-}
-
-/// The inverse of [`reflectance_of`], for indices from 1; 0 for a reflectance of 1.
-pub(super) fn index_of(reflectance: f64) -> f64 {
-    let root = libm::sqrt(reflectance);
-    if root < 1.0 { (1.0 + root) / (1.0 - root) } else { 0.0 }
 }
 
 /// A transmissive material: a solid if it has a volume, otherwise a thin sheet.
@@ -134,7 +119,11 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
         let text = format!("is {:.0} % metal; it is rendered as clear", of.mean_metallic * 100.0);
         report.approximated(subject, text);
     }
-    if of.specular != 1.0 || of.specular_color != [1.0; 3] || of.textures.specular.is_some() {
+    if of.specular != 1.0
+        || of.specular_color != [1.0; 3]
+        || of.textures.specular.is_some()
+        || of.textures.specular_color.is_some()
+    {
         report.left_out(subject, "its specular factor; it reflects by its refractive index");
     }
     if !of.is_solid {
@@ -175,6 +164,26 @@ fn close_solid(of: &mut Parameters, surface: &Surface, subject: &str, report: &m
         report.left_out(subject, "its alpha: the boundary of a solid must be closed");
     }
     (of.alpha, of.alpha_mode, of.textures.alpha) = (1.0, AlphaMode::Opaque, None);
+}
+
+/// Reports what of a clearcoat is not modelled.
+fn check_clearcoat(material: &Material, of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
+    if of.clearcoat[0] == 0.0 {
+        return;
+    }
+    if matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
+        return report.left_out(subject, "its clearcoat, which glass does not have here");
+    }
+    let others = material.extensions.as_ref().and_then(|extensions| extensions.others.get(parameters::CLEARCOAT));
+    if others.is_some_and(|clearcoat| clearcoat.get("clearcoatNormalTexture").is_some()) {
+        report.left_out(subject, "the normal map of its clearcoat");
+    }
+    if of.textures.normal.is_some() {
+        report.approximated(subject, "its clearcoat has the normal map of the surface below");
+    }
+    if of.emission != [0.0; 3] {
+        report.approximated(subject, "its clearcoat does not dim its emission");
+    }
 }
 
 /// Reports properties that have no counterpart.

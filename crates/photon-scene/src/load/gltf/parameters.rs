@@ -35,6 +35,8 @@ pub(super) struct Parameters {
     pub(super) specular: f64,
     /// Factor on its reflectance at normal incidence.
     pub(super) specular_color: [f64; 3],
+    /// Weight and roughness of the clearcoat.
+    pub(super) clearcoat: [f64; 2],
     /// Whether it bounds a volume rather than being a thin sheet.
     pub(super) is_solid: bool,
     /// Transmittance of `attenuation_distance`.
@@ -136,9 +138,21 @@ pub(super) fn read(
     let coat = means.image(slot("specularTexture"), SPECULAR)?;
     let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
     let scale = scale * coat.filter(|coat| coat.used.is_none()).map_or(1.0, |coat| coat.mean.alpha);
-    let mean = means.mean(slot("specularColorTexture"), "specular colour", |mean| format!("{:.3?}", mean.color))?;
+    let tint = means.image(slot("specularColorTexture"), SPECULAR_COLOR)?;
     let specular_color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
+    let clear = extensions.others.get(CLEARCOAT);
+    let slot = |name: &str| clear.and_then(|clear| Slot::of_json(clear.get(name)?));
+    let number = |name: &str| clear.and_then(|clear| numbers(clear, name)).map_or(0.0, |[number]| number);
+    let is_clear = number("clearcoatFactor") > 0.0;
+    let weight = means.image(slot("clearcoatTexture").filter(|_| is_clear), CLEARCOAT_WEIGHT)?;
+    let rough = means.image(slot("clearcoatRoughnessTexture").filter(|_| is_clear), CLEARCOAT_ROUGHNESS)?;
+    let uniform = |used: Option<Used>, channel: usize| {
+        used.filter(|used| used.used.is_none()).map_or(1.0, |used| used.mean.plain[channel])
+    };
+    let clearcoat =
+        [number("clearcoatFactor") * uniform(weight, 0), number("clearcoatRoughnessFactor") * uniform(rough, 1)];
     Ok(Parameters {
+        clearcoat: if is_clear { clearcoat } else { [0.0; 2] },
         base: color,
         alpha: if is_opaque { 1.0 } else { factor[3] * even },
         alpha_mode,
@@ -148,7 +162,7 @@ pub(super) fn read(
         transmission,
         ior,
         specular: scale,
-        specular_color: times(specular_color, mean.map(|mean| mean.color)),
+        specular_color: times(specular_color, tint.and_then(|tint| tint.color())),
         is_solid: volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0),
         attenuation_color: volume.map_or([1.0; 3], |v| v.attenuation_color.0.map(f64::from)),
         attenuation_distance: volume.map_or(f64::INFINITY, |v| f64::from(v.attenuation_distance.0)),
@@ -162,9 +176,15 @@ pub(super) fn read(
             metallic_roughness,
             alpha: base.filter(|base| !is_opaque && base.mean.alpha < 1.0).and_then(|base| base.used),
             specular: coat.and_then(|coat| coat.used),
+            specular_color: tint.and_then(|tint| tint.used),
+            clearcoat: weight.and_then(|weight| weight.used),
+            clearcoat_roughness: rough.and_then(|rough| rough.used),
         },
     })
 }
+
+/// Extension of materials.
+pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
 
 /// UV sets with higher numbers are treated as damage.
 const MAX_UV_SETS: u32 = 64;
@@ -198,6 +218,9 @@ const BASE: Role = Role { name: "base colour", bytes: TexelFormat::Srgb8, is_fac
 const METALLIC_ROUGHNESS: Role = Role { name: "metal and roughness", bytes: TexelFormat::Linear8, is_factor: true };
 const EMISSION: Role = Role { name: "emission", bytes: TexelFormat::Srgb8, is_factor: true };
 const SPECULAR: Role = Role { name: "specular", bytes: TexelFormat::Srgb8, is_factor: true };
+const SPECULAR_COLOR: Role = Role { name: "specular colour", bytes: TexelFormat::Srgb8, is_factor: true };
+const CLEARCOAT_WEIGHT: Role = Role { name: "clearcoat", bytes: TexelFormat::Linear8, is_factor: true };
+const CLEARCOAT_ROUGHNESS: Role = Role { name: "clearcoat roughness", ..CLEARCOAT_WEIGHT };
 const NORMAL_MAP: Role = Role { name: "normal map", bytes: TexelFormat::Linear8, is_factor: false };
 
 /// The textures of one material.

@@ -11,11 +11,11 @@
 
 use gltf::json::Value;
 
-use super::material::index_of;
 use super::mean::Mean;
 use super::parameters::numbers;
 use super::slot::Slot;
 use crate::report::LoadReport;
+use crate::shading::index_of;
 
 pub(super) const NAME: &str = "KHR_materials_pbrSpecularGlossiness";
 

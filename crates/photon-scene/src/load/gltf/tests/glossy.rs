@@ -6,6 +6,7 @@ use super::file::{data_uri, png, says};
 use super::materials::{close, read, textured};
 use crate::describe::{MaterialDesc, Surface};
 use crate::report::LoadReport;
+use crate::shading::fold;
 
 /// Whether nothing of the material is lost; its triangle has no texture coordinates.
 fn is_exact(report: &LoadReport) -> bool {
@@ -75,23 +76,27 @@ fn specular_colour_changes_the_reflectance_at_normal_incidence() {
         ))
     };
     let coat = |material: &MaterialDesc| {
-        let Surface::Glossy { specular, ior, .. } = material.surface else { panic!("{material:?}") };
-        (specular, ((ior - 1.0) / (ior + 1.0)).powi(2))
+        let mut materials = [material.clone()];
+        fold(&mut materials, &[]);
+        let Surface::Glossy { specular, ior, .. } = materials[0].surface else { panic!("{material:?}") };
+        (specular, ((ior - 1.0) / (ior + 1.0)).powi(2), materials[0].specular_color)
     };
-    // A grey colour is exact: 4 × 0.04.
+    // A grey colour becomes a refractive index: 4 × 0.04.
     let (material, report) = of(r#""specularFactor": 0.5, "specularColorFactor": [4, 4, 4]"#);
-    let (specular, f0) = coat(&material);
+    let (specular, f0, color) = coat(&material);
     assert!(specular == 0.5 && (f0 - 0.16).abs() < 1e-12 && report.lines.is_empty(), "{material:?}, {report}");
+    assert_eq!(color, [1.0; 3]);
     let (material, report) = of(r#""specularColorFactor": [0, 1, 0.5]"#);
-    assert!((coat(&material).1 - 0.02).abs() < 1e-12 && says(&report, "it", "its mean 0.500"), "{material:?}");
+    assert!((coat(&material).1 - 0.04).abs() < 1e-12 && report.lines.is_empty(), "{material:?}, {report}");
+    assert_eq!(coat(&material).2, [0.0, 1.0, 0.5]);
     // At most all light.
-    let (material, _) = of(r#""specularColorFactor": [99, 99, 99]"#);
-    assert!(matches!(material.surface, Surface::Glossy { ior: 0.0, .. }), "{material:?}");
+    let (_, f0, _) = coat(&of(r#""specularColorFactor": [99, 99, 99]"#).0);
+    assert_eq!(f0, 1.0);
     let (material, report) = of(r#""specularFactor": 2"#);
     assert!(coat(&material).0 == 1.0 && says(&report, "it", "its specular factor 2.000 is replaced by 1"));
 }
 
-/// The alpha of the texture is kept; a colour texture becomes its mean.
+/// The alpha of one texture and the colours of the other are kept.
 #[test]
 fn specular_reflection_has_textures() {
     let json = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_specular": {"specularFactor": 0.5, "specularTexture": {"index": 0}}}"#;
@@ -106,10 +111,14 @@ fn specular_reflection_has_textures() {
     assert!(matches!(builder.materials[0].surface, Surface::Glossy { specular: 0.1, .. }), "{builder:?}");
     assert!(builder.textures.is_empty() && report.is_exact(), "{report}");
     let json = json.replace("specularTexture", "specularColorTexture");
-    let (builder, report) = textured(&json, &[[255, 255, 255, 255], [0, 0, 0, 255]]).load();
-    let Surface::Glossy { specular, ior, .. } = builder.materials[0].surface else { panic!() };
-    assert!(specular == 0.5 && (((ior - 1.0) / (ior + 1.0)).powi(2) - 0.02).abs() < 1e-12);
-    assert!(says(&report, "it", "(specular colour) is replaced by its mean"), "{report}");
+    let texels = [[255, 0, 9, 255], [0, 0, 0, 255]];
+    let (builder, report) = textured(&json, &texels).load();
+    let material = &builder.materials[0];
+    let image = &builder.textures[material.textures.specular_color.unwrap().texture.0 as usize].image;
+    assert_eq!((image.format, &image.texels[..]), (TexelFormat::Srgb8, &texels.map(u32::from_le_bytes)[..]));
+    assert!(is_exact(&report) && material.specular_color == [1.0; 3], "{report}");
+    let (builder, _) = textured(&json, &[[255, 0, 0, 255]; 2]).load();
+    assert_eq!((builder.materials[0].specular_color, builder.textures.len()), ([1.0, 0.0, 0.0], 0));
 }
 
 const TEXTURED: &str = r#""pbrMetallicRoughness": {"roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 0}}"#;
@@ -209,4 +218,37 @@ fn bad_specular_glossiness_is_named() {
         let error = builder.build().map(drop).unwrap_err().to_string();
         assert!(error.contains("material 'it'") && error.contains(word), "{error}");
     }
+}
+
+/// Factors and textures of a clearcoat are kept; what is not modelled is reported.
+#[test]
+fn clearcoats_are_read() {
+    let of = |rest: &str| {
+        format!(
+            r#""pbrMetallicRoughness": {{"metallicFactor": 0}}, "extensions": {{"KHR_materials_clearcoat": {{{rest}}}}}"#
+        )
+    };
+    let (material, report) = read(&of(r#""clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25"#));
+    assert_eq!([material.clearcoat, material.clearcoat_roughness], [0.5, 0.25]);
+    assert!(report.lines.is_empty(), "{report}");
+    // The factor is 0 unless it is given.
+    let (material, report) = read(&of(r#""clearcoatRoughnessFactor": 0.25"#));
+    assert_eq!([material.clearcoat, material.clearcoat_roughness], [0.0; 2]);
+    assert!(report.lines.is_empty(), "{report}");
+    let (_, report) = read(&of(r#""clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0}"#));
+    assert!(says(&report, "it", "the normal map of its clearcoat"), "{report}");
+
+    let textures = r#""clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 1, "clearcoatTexture": {"index": 0}, "clearcoatRoughnessTexture": {"index": 0}"#;
+    let texels = [[51, 102, 0, 255], [255, 0, 0, 255]];
+    let (builder, report) = textured(&of(textures), &texels).load();
+    let found = &builder.materials[0];
+    let image = &builder.textures[found.textures.clearcoat.unwrap().texture.0 as usize].image;
+    assert_eq!((image.format, &image.texels[..]), (TexelFormat::Linear8, &texels.map(u32::from_le_bytes)[..]));
+    assert!(found.textures.clearcoat_roughness.is_some() && is_exact(&report), "{report}");
+    let (builder, _) = textured(&of(textures), &[[51, 102, 0, 255]; 2]).load();
+    let found = &builder.materials[0];
+    assert_eq!([found.clearcoat, found.clearcoat_roughness, builder.textures.len() as f64], [0.1, 0.4, 0.0]);
+    // Glass has none.
+    let glass = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_clearcoat": {"clearcoatFactor": 1}}"#;
+    assert!(says(&read(glass).1, "it", "its clearcoat, which glass"));
 }

@@ -1,0 +1,48 @@
+//! What a glossy surface has beyond its [`crate::Material`]; `layers.glsl` is the twin.
+
+use glam::Vec3;
+
+use crate::scene::material::Material;
+
+/// Factors from [`crate::MaterialTextures`] with their textures, at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Layers {
+    /// Factor on the reflectance of the coat at normal incidence, ≥ 0; the product is at most 1.
+    pub specular_color: Vec3,
+    /// Weight of the clearcoat, in `[0, 1]`; 0 without one.
+    pub clearcoat: f32,
+    /// Its roughness, in `[0, 1]`; the width of the distribution is its square.
+    pub clearcoat_roughness: f32,
+}
+
+impl Layers {
+    /// Of a material without any of it.
+    pub const NONE: Self = Self { specular_color: Vec3::ONE, clearcoat: 0.0, clearcoat_roughness: 0.0 };
+
+    /// The same with this [`Self::specular_color`].
+    #[must_use]
+    pub const fn with_specular_color(self, specular_color: Vec3) -> Self {
+        Self { specular_color, ..self }
+    }
+
+    /// The same with a clearcoat of this weight and roughness.
+    #[must_use]
+    pub const fn with_clearcoat(self, weight: f32, roughness: f32) -> Self {
+        Self { clearcoat: weight, clearcoat_roughness: roughness, ..self }
+    }
+
+    /// Reflectance at normal incidence of the coat of `material`: its factor times `min(s ((n−1)/(n+1))², 1)`.
+    #[inline]
+    #[must_use]
+    pub fn coat_f0(&self, material: &Material) -> Vec3 {
+        let at_normal = (material.ior - 1.0) / (material.ior + 1.0);
+        (self.specular_color * (at_normal * at_normal)).min(Vec3::ONE) * material.specular
+    }
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        Self::NONE
+    }
+}

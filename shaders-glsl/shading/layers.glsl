@@ -1,0 +1,24 @@
+// What a glossy surface has beyond its material: twin of photon-core's layers.rs.
+#ifndef LAYERS_GLSL
+#define LAYERS_GLSL
+
+#include "shading/layout.glsl"
+
+struct Layers {
+    // Factor on the reflectance of the coat at normal incidence.
+    vec3 specular_color;
+    // Weight and roughness of the clearcoat.
+    float clearcoat;
+    float clearcoat_roughness;
+};
+
+Layers layers_none() { return Layers(vec3(1.0), 0.0, 0.0); }
+
+// Reflectance of the coat at normal incidence.
+vec3 layers_coat_f0(Layers layers, Material material) {
+    precise float at_normal = (material.ior - 1.0) / (material.ior + 1.0);
+    precise vec3 f0 = min(layers.specular_color * (at_normal * at_normal), vec3(1.0)) * material.specular;
+    return f0;
+}
+
+#endif

@@ -150,7 +150,7 @@ macro_rules! whole_suite {
                 a_mirror_with_tilted_normals, smooth_balls_in_an_even_shell,
             }
             environment::{
-                g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,
+                sky_and_sun, g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,
                 even_light_through_glass, transparent_background,
             }
             lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }

@@ -54,8 +54,9 @@ const uint FEATURE_ROUGH_GLASS = 65536u;
 const uint FEATURE_ALPHA = 131072u;
 const uint FEATURE_LIGHT_TREE = 262144u;
 const uint FEATURE_THIN_LENS = 524288u;
+const uint FEATURE_SUN = 1048576u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 1048575u;
+const uint FEATURE_ALL = 2097151u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use photon_core::{Direct, EnvironmentMap, Estimator, Layer, Pipeline, Render, Settings, View};
-use photon_scene::{CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, shapes};
+use photon_scene::{CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, Sun, shapes};
 
 use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, trace, watts};
 use crate::stats::{assert_agrees, moments, standard_error};
@@ -86,7 +86,7 @@ pub fn g10_power<T: TestBackend>() {
 pub fn sky_and_sun<T: TestBackend>() {
     let desc = EnvironmentDesc::sky(32.0, 3.0).rotated(52.0).scaled(0.03);
     let baked = desc.bake().unwrap();
-    let Some(LightDesc::Directional { direction, irradiance }) = baked.sun else { panic!("no sun") };
+    let Sun { direction, irradiance, .. } = baked.sun.unwrap();
     for normal in [[0.0, 1.0, 0.0], [-0.48, 0.8, -0.36]] {
         let cosine = -(0..3).map(|axis| direction[axis] * normal[axis]).sum::<f64>();
         let sun = irradiance[0] * cosine;

@@ -73,6 +73,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_ALPHA", Features::ALPHA.bits()),
                 ("FEATURE_LIGHT_TREE", Features::LIGHT_TREE.bits()),
                 ("FEATURE_THIN_LENS", Features::THIN_LENS.bits()),
+                ("FEATURE_SUN", Features::SUN.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],

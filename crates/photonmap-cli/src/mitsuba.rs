@@ -254,7 +254,11 @@ fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
             )
         }
         Light::DIRECTIONAL => {
-            // Parallel light enters through a disc around the scene.
+            // Its light enters through a disc around the scene.
+            if light.is_sun() {
+                let degrees = 2.0 * (1.0 - light.versine_outer).acos().to_degrees();
+                warnings.push(format!("the disc of the sun, of {degrees:.2} degrees, is a point in Mitsuba"));
+            }
             let radius = units.length_to_user(light.radius);
             format!(
                 "    <emitter type=\"directional\"><vector name=\"direction\" value=\"{}\"/>{}</emitter>\n",

@@ -51,6 +51,8 @@ bitflags! {
         const LIGHT_TREE = 1 << 18;
         /// A camera with a lens: decided with the view, not with the scene.
         const THIN_LENS = 1 << 19;
+        /// A directional light with a disc, which camera rays see and which softens shadows.
+        const SUN = 1 << 20;
     }
 }
 
@@ -93,6 +95,7 @@ impl Features {
         "alpha",
         "light-tree",
         "thin-lens",
+        "sun",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

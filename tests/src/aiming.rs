@@ -274,7 +274,7 @@ pub fn g5_directions_about_poles_are_fine<T: TestBackend>() {
     for z in [-1.0, 1.0] {
         builder.quad("mirror", [[-h, -h, z], [h, -h, z], [h, h, z], [-h, h, z]], metal);
     }
-    builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
+    builder.light("light", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
     let scene = builder.build().unwrap();
     let projection = ProjectionMap::of(&scene.view());
     let settings = Settings { seed: 7, ..Settings::default() };

@@ -18,7 +18,7 @@ fn lit_ball(desc: MaterialDesc, light: [f64; 3], subdivision: u32) -> SceneBuild
     let material = builder.material(desc);
     let (positions, triangles) = shapes::icosphere(subdivision, [0.0; 3], 1.0);
     builder.mesh("ball", positions, triangles, material);
-    builder.light("lamp", LightDesc::Point { position: light, intensity: [1.0 / (4.0 * PI); 3] });
+    builder.light("light", LightDesc::Point { position: light, intensity: [1.0 / (4.0 * PI); 3] });
     builder
 }
 

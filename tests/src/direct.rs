@@ -41,7 +41,7 @@ fn point<T: TestBackend>(mut builder: SceneBuilder, x: f64, shadow_rays: u32, pa
 
 fn with_area_light(name: &str, (positions, triangles): shapes::Shape, radiance: f64) -> SceneBuilder {
     let mut builder = floor();
-    let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [radiance; 3]));
+    let area_light = builder.material(MaterialDesc::emissive("light", [0.0; 3], [radiance; 3]));
     builder.mesh(name, positions, triangles, area_light);
     builder
 }
@@ -50,7 +50,7 @@ fn with_area_light(name: &str, (positions, triangles): shapes::Shape, radiance: 
 pub fn b1_point_light<T: TestBackend>() {
     for (position, truth) in [([0.0, 2.0, 0.0], 1.989_436_8), ([3.0_f64.sqrt(), 1.0, 0.0], 0.994_718_4)] {
         let mut builder = floor();
-        builder.light("lamp", LightDesc::Point { position, intensity: [100.0 / (4.0 * PI); 3] });
+        builder.light("light", LightDesc::Point { position, intensity: [100.0 / (4.0 * PI); 3] });
         let (found, _) = irradiance::<T>(builder, 0.0, 1);
         assert_agrees("point light", found, truth, 0.0, 2e-5 * truth);
     }
@@ -59,7 +59,7 @@ pub fn b1_point_light<T: TestBackend>() {
 /// B2: the number of photons that pass through a disc is binomial: standard error of the fraction `√(p(1−p)/N)`.
 pub fn b2_flux_through_a_disc<T: TestBackend>() {
     let mut builder = floor();
-    builder.light("lamp", LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [100.0 / (4.0 * PI); 3] });
+    builder.light("light", LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [100.0 / (4.0 * PI); 3] });
     let scene = builder.build().unwrap();
     let n = 400_000;
     let settings = Settings { max_bounces: 1, ..Settings::default() };
@@ -98,7 +98,7 @@ pub fn b4_rectangle<T: TestBackend>() {
         let at = |x: f64, z: f64| [x, 1.0, z];
         let area_light =
             shapes::quad([at(low[0], low[1]), at(high[0], low[1]), at(high[0], high[1]), at(low[0], high[1])]);
-        let (found, error) = irradiance::<T>(with_area_light("lamp", area_light, 1.0), 0.0, 64);
+        let (found, error) = irradiance::<T>(with_area_light("light", area_light, 1.0), 0.0, 64);
         assert_agrees("rectangle", found, PI * factor, error, 1e-5);
     }
 }
@@ -119,7 +119,7 @@ pub fn b5_form_factors<T: TestBackend>() {
         (disc(0.0, 1.0), disc(1.0, -1.0), 0.381_966_0),
     ] {
         let mut builder = SceneBuilder::new();
-        let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]));
+        let area_light = builder.material(MaterialDesc::emissive("light", [0.0; 3], [1.0; 3]));
         let black = builder.material(MaterialDesc::lambert("black", [0.0; 3]));
         builder.mesh("emitter", emitter.0, emitter.1, area_light);
         builder.mesh("receiver", receiver.0, receiver.1, black);
@@ -134,7 +134,7 @@ pub fn b5_form_factors<T: TestBackend>() {
 /// An emissive wall on the floor at x = 0, `2·half` long and `high`, that emits towards larger x, or to both sides.
 fn wall_of_light(half: f64, high: f64, both: bool) -> SceneBuilder {
     let mut builder = floor();
-    let area_light = MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]);
+    let area_light = MaterialDesc::emissive("light", [0.0; 3], [1.0; 3]);
     let area_light = builder.material(area_light.with_both_sides(both));
     builder.quad("wall", [[0.0, 0.0, half], [0.0, 0.0, -half], [0.0, high, -half], [0.0, high, half]], area_light);
     builder
@@ -196,7 +196,7 @@ pub fn b10_no_shadow_ray_outshines_its_area_light<T: TestBackend>() {
 /// B8: the power of emissive surfaces.
 pub fn b8_power_of_emitters<T: TestBackend>() {
     let area = with_area_light(
-        "lamp",
+        "light",
         shapes::quad([[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]]),
         1.0,
     );
@@ -224,7 +224,7 @@ pub fn b8_power_of_emitters<T: TestBackend>() {
 /// Photons and shadow rays estimate the same quantity: their direct layers agree.
 pub fn direct_light_by_photons_agrees<T: TestBackend>() {
     let mut builder = with_area_light(
-        "lamp",
+        "light",
         shapes::quad([[-1.0, 2.0, -1.0], [1.0, 2.0, -1.0], [1.0, 2.0, 1.0], [-1.0, 2.0, 1.0]]),
         1.0,
     );

@@ -211,7 +211,7 @@ pub fn light_in_an_absorber<T: TestBackend>() {
         let ink = builder.material(absorber(sigma));
         let (positions, triangles) = shapes::icosphere(3, [0.0; 3], 1.3);
         builder.mesh("ink", positions, triangles, ink);
-        builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
+        builder.light("light", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
         let away = 0.3;
         look_at_point(&mut builder, [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], away, 0.1);
         let seen = truth * albedo / PI * (-sigma * away).exp();

@@ -99,7 +99,7 @@ pub fn c2_integrating_sphere<T: TestBackend>() {
         let mut builder = SceneBuilder::new();
         let wall = builder.material(MaterialDesc::lambert("wall", [albedo; 3]));
         builder.mesh("sphere", shape.0.clone(), shape.1.clone(), wall);
-        builder.light("lamp", LightDesc::Point { position: light, intensity: [100.0 / (4.0 * PI); 3] });
+        builder.light("light", LightDesc::Point { position: light, intensity: [100.0 / (4.0 * PI); 3] });
         look_at_point(&mut builder, [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.3, 0.1);
         let scene = builder.build().unwrap();
         let s = Settings { direct: Direct::None, ..settings() };
@@ -177,7 +177,7 @@ pub fn c7_point_light_and_mirrors<T: TestBackend>() {
         if mirrors == 2 {
             builder.quad("mirror y", [[-w, 1.0, -w], [1.0, 1.0, -w], [1.0, 1.0, w], [-w, 1.0, w]], metal);
         }
-        builder.light("lamp", LightDesc::Point { position: [0.0, 0.0, 1.0], intensity: [1.0; 3] });
+        builder.light("light", LightDesc::Point { position: [0.0, 0.0, 1.0], intensity: [1.0; 3] });
         look_at_point(&mut builder, [0.0; 3], [0.0, 0.0, 1.0], 0.5, 0.01);
         let scene = builder.build().unwrap();
         let s = Settings {

@@ -101,7 +101,7 @@ pub fn light_in_two_solids<T: TestBackend>() {
     let ink = builder.material(MaterialDesc::new("inner", ink));
     let (positions, triangles) = shapes::cuboid([-0.5; 3], [0.5; 3]);
     builder.mesh("inner", positions, triangles, ink);
-    builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
+    builder.light("light", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
     let scene = builder.build().unwrap();
     let view = scene.view();
     let solids = Solids::of(&view);
@@ -143,7 +143,7 @@ pub fn a_fifth_solid_is_counted<T: TestBackend>() {
             let (positions, triangles) = shapes::cuboid([-half; 3], [half; 3]);
             builder.mesh("solid", positions, triangles, material);
         }
-        builder.light("lamp", LightDesc::Point { position: [0.0, 1.4, 0.0], intensity: [1.0; 3] });
+        builder.light("light", LightDesc::Point { position: [0.0, 1.4, 0.0], intensity: [1.0; 3] });
         let scene = builder.build().unwrap();
         let mut rays: Vec<PhotonRay> =
             (0..1000).map(|i| ray(scene.units().point([f64::from(i) * 1e-4, 1.4, 0.05]).into(), Vec3::NEG_Y)).collect();

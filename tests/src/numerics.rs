@@ -52,7 +52,7 @@ fn turned(albedo: f64, scale: f64, shape: shapes::Shape) -> SceneBuilder {
         0.05 * scale + positions.iter().map(|p| p[axis]).sum::<f64>() / positions.len() as f64
     });
     builder.mesh("room", positions, triangles, wall);
-    builder.light("lamp", LightDesc::Point { position: middle, intensity: [scale * scale; 3] });
+    builder.light("light", LightDesc::Point { position: middle, intensity: [scale * scale; 3] });
     builder
 }
 
@@ -274,7 +274,7 @@ pub fn s29_nothing_to_render<T: TestBackend>() {
         let mut builder = SceneBuilder::new();
         let wall = builder.material(MaterialDesc::lambert("wall", [albedo; 3]));
         builder.quad("wall", [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]], wall);
-        builder.light("lamp", LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [intensity; 3] });
+        builder.light("light", LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [intensity; 3] });
         crate::harness::look_at_point(&mut builder, [0.0; 3], [0.0, 1.0, 0.0], 0.5, 0.5);
         builder
     };

@@ -28,9 +28,9 @@ fn room(which: Option<&str>) -> Scene {
         let (positions, triangles) = shapes::icosphere(1, [x, -0.6, 0.0], 0.3);
         builder.mesh("ball", positions, triangles, material);
     }
-    let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], of("lamp", 1.0)));
+    let area_light = builder.material(MaterialDesc::emissive("light", [0.0; 3], of("light", 1.0)));
     let (y, h) = (0.9, 0.3);
-    builder.quad("lamp", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], area_light);
+    builder.quad("light", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], area_light);
     builder.light("bulb", LightDesc::Point { position: [0.1, 0.3, 0.2], intensity: of("bulb", 0.1) });
     // A material that no surface uses does not count.
     builder.material(MaterialDesc::lambert("unused", [0.1, 0.2, 0.3]));
@@ -75,7 +75,7 @@ type Picture = (Vec<FilmPixel>, Option<Vec<ErrorPixel>>, Vec<(String, u64)>);
 pub fn m1_grey_is_what_treats_channels_alike<T: TestBackend>() {
     let photon_format = |which| Requirements::of(&room(which).view(), &settings()).photon_format;
     assert_eq!(photon_format(None), PhotonFormat::Mono);
-    for which in ["wall", "absorption", "tint", "mirror", "lamp", "bulb"] {
+    for which in ["wall", "absorption", "tint", "mirror", "light", "bulb"] {
         assert_eq!(photon_format(Some(which)), PhotonFormat::NoDirection, "{which}");
     }
     let paper = Settings { estimator: Estimator::Paper(Paper::default()), ..settings() };

@@ -3,6 +3,7 @@
 /// Upper bounds on the work of one dispatch, so that none runs for seconds on a slow device, and on the
 /// intermediate results stored between two of them. The image does not depend on them: it is identical bit for
 /// bit, except for the rounding of sums over the rays of one query.
+// Exhaustive: in `low_level`, which is not stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DispatchLimits {
     /// Pixels whose camera paths are traced.

@@ -9,6 +9,7 @@ use crate::shaders;
 use crate::vulkan::Vulkan;
 
 /// How the ray kernel distributes rays over invocations. The results do not depend on it.
+// Exhaustive: in `low_level`, which is not stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RayPlan {
     /// Invocations per workgroup, a power of two.

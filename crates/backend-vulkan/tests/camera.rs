@@ -239,7 +239,7 @@ fn lit(count: usize) -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let floor = scene.material(MaterialDesc::lambert("floor", [0.8, 0.7, 0.6]));
     let sheet = scene.material(MaterialDesc::thin("sheet", 1.5));
-    let area_light = MaterialDesc::emissive("lamp", [0.5; 3], [8.0, 9.0, 10.0]);
+    let area_light = MaterialDesc::emissive("light", [0.5; 3], [8.0, 9.0, 10.0]);
     let area_light = scene.material(area_light.with_both_sides(true));
     scene.quad("floor", [[-2., 0., 2.], [2., 0., 2.], [2., 0., -2.], [-2., 0., -2.]], floor);
     scene.quad("sheet", [[-1., 0.3, 0.], [1., 0.3, 0.], [1., 1.2, -0.4], [-1., 1.2, -0.4]], sheet);
@@ -250,7 +250,7 @@ fn lit(count: usize) -> SceneBuilder {
         match i % 4 {
             0 => scene.light("point", LightDesc::Point { position, intensity: [0.3, 0.2, 0.1] }),
             3 if i > 3 => {
-                scene.quad("lamp", [[x, y, z], [x + 0.2, y, z], [x + 0.2, y + 0.2, z], [x, y + 0.2, z]], area_light)
+                scene.quad("light", [[x, y, z], [x + 0.2, y, z], [x + 0.2, y + 0.2, z], [x, y + 0.2, z]], area_light)
             }
             3 => scene.light("sun", LightDesc::Directional { direction: [0.2, -1.0, 0.1], irradiance: [0.4; 3] }),
             soft => scene.light(

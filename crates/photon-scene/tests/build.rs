@@ -16,7 +16,7 @@ fn nudged(size: f64, brightness: f64, nudge: f64) -> Scene {
     let at = |x: f64, y: f64, z: f64| [x * size, y * size, z * size];
     let glow = |value: f64| [value * brightness, 0.5 * value * brightness, 0.25 * value * brightness];
     let white = builder.material(MaterialDesc::lambert("white", [0.7, 0.6, 0.5]));
-    let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], glow(9.0)));
+    let area_light = builder.material(MaterialDesc::emissive("light", [0.0; 3], glow(9.0)));
     let absorption = [0.3 / size, 0.2 / size, 0.1 / size];
     let glass = builder.material(MaterialDesc::new(
         "glass",
@@ -24,7 +24,7 @@ fn nudged(size: f64, brightness: f64, nudge: f64) -> Scene {
     ));
     let floor = [at(-1.3, 0.1, 1.1), at(1.7, 0.1, 1.1), at(1.7, 0.1, -1.9), at(-1.3, 0.1, -1.9)];
     builder.quad("floor", floor, white);
-    builder.quad("lamp", [at(-0.3, 2.0, -0.3), at(0.3, 2.0, -0.3), at(0.3, 2.0, 0.3), at(-0.3, 2.0, 0.3)], area_light);
+    builder.quad("light", [at(-0.3, 2.0, -0.3), at(0.3, 2.0, -0.3), at(0.3, 2.0, 0.3), at(-0.3, 2.0, 0.3)], area_light);
     let corners = vec![at(0.0, 0.5, 0.0), at(0.4, 0.5, 0.0), at(0.0, 0.9, 0.0), at(0.0, 0.5, 0.4)];
     builder.mesh("gem", corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], glass);
     let intensity = glow(2.0).map(|value| value * size * size);

@@ -66,8 +66,8 @@ fn materials() {
         names(&brass([0.5; 3], 1.0, 0.5, 1.0, ior), &["'brass'", "ior", &format!("{ior:?}"), "finite and at least 0"]);
     }
     for emission in [-1.0, f64::NAN, f64::INFINITY] {
-        let area_light = MaterialDesc::emissive("lamp", [0.0; 3], [emission; 3]);
-        names(&material(area_light), &["'lamp'", "emission", "finite"]);
+        let area_light = MaterialDesc::emissive("light", [0.0; 3], [emission; 3]);
+        names(&material(area_light), &["'light'", "emission", "finite"]);
     }
 }
 
@@ -97,9 +97,9 @@ fn meshes() {
     names(&foreign, &["'alien'", "material number 2", "1 of this builder"]);
     let flat = fault(|builder| {
         let area_light = builder.material(MaterialDesc::emissive("glow", [0.0; 3], [1.0; 3]));
-        builder.mesh("lamp", vec![[0.0; 3], [1.0; 3], [2.0; 3]], vec![[0, 1, 2]], area_light);
+        builder.mesh("light", vec![[0.0; 3], [1.0; 3], [2.0; 3]], vec![[0, 1, 2]], area_light);
     });
-    names(&flat, &["'lamp'", "'glow'", "no area", "point light"]);
+    names(&flat, &["'light'", "'glow'", "no area", "point light"]);
 }
 
 #[test]

@@ -43,7 +43,7 @@ fn area_light(uri: &str) -> String {
             "extensions": {{"KHR_materials_emissive_strength": {{"emissiveStrength": 5}}}}}}],
         "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1, "material": 0}}]}}],
         "cameras": [{{"name": "below", "type": "perspective", "perspective": {{"yfov": 1, "znear": 0.1}}}}],
-        "nodes": [{{"name": "lamp", "mesh": 0, "translation": [0, 3, 0]}}, {{"camera": 0, "translation": [0, 0, 4]}}],
+        "nodes": [{{"name": "light", "mesh": 0, "translation": [0, 3, 0]}}, {{"camera": 0, "translation": [0, 0, 4]}}],
         "scenes": [{{"nodes": [0, 1]}}]}}"#
     )
 }
@@ -62,9 +62,9 @@ fn build(path: &Path) -> Scene {
 
 #[test]
 fn an_area_light_has_the_power_of_its_area() {
-    let folder = Folder::new("lamp");
+    let folder = Folder::new("light");
     folder.write("square.bin", square());
-    let scene = build(&folder.write("lamp.gltf", area_light("square.bin")));
+    let scene = build(&folder.write("light.gltf", area_light("square.bin")));
     // π · radiance · area, for an area light that emits from one side.
     let expected = std::f64::consts::PI * 5.0 * 4.0;
     assert!((scene.units().power / expected - 1.0).abs() < 1e-12, "{:?}", scene.units());
@@ -72,7 +72,7 @@ fn an_area_light_has_the_power_of_its_area() {
     assert!(scene.view().primitives.iter().all(|primitive| primitive.normal == [0., -1., 0.]));
     assert_eq!(scene.units().center, [0., 3., 0.]);
     assert_eq!(scene.camera_names().collect::<Vec<_>>(), ["below"]);
-    assert_eq!(scene.mesh_of_triangle(0), "lamp");
+    assert_eq!(scene.mesh_of_triangle(0), "light");
     let camera = scene.camera(None, 64, 64).unwrap();
     assert_eq!(camera.forward, [0., 0., -1.]);
 }
@@ -85,7 +85,7 @@ fn names_may_be_escaped_or_not_and_lie_in_folders() {
         [("a b.bin", "a%20b.bin"), ("a b.bin", "a b.bin"), ("100%.bin", "100%.bin"), ("data/c.bin", "data/c.bin")]
     {
         folder.write(file, square());
-        let scene = build(&folder.write("lamp.gltf", area_light(uri)));
+        let scene = build(&folder.write("light.gltf", area_light(uri)));
         assert_eq!(scene.view().triangles.len(), 2, "{uri}");
     }
 }
@@ -97,9 +97,9 @@ fn missing_and_cut_files_are_named() {
     assert!(matches!(&error, SceneError::Read { path, .. } if path.ends_with("none.gltf")), "{error}");
     assert!(matches!(load_gltf(&folder.0), Err(SceneError::Read { .. })));
 
-    let path = folder.write("lamp.gltf", area_light("square.bin"));
+    let path = folder.write("light.gltf", area_light("square.bin"));
     let error = load_gltf(&path).unwrap_err().to_string();
-    assert!(error.contains("lamp.gltf") && error.contains("buffer 0") && error.contains("square.bin"), "{error}");
+    assert!(error.contains("light.gltf") && error.contains("buffer 0") && error.contains("square.bin"), "{error}");
 
     folder.write("square.bin", &square()[..40]);
     let error = load_gltf(&path).unwrap_err().to_string();

@@ -101,16 +101,16 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
         "spot" => {
             let (inner_angle, outer_angle) = (0.4, 0.8);
             builder
-                .light("lamp", LightDesc::Spot { position, direction, intensity: [1.0; 3], inner_angle, outer_angle });
+                .light("light", LightDesc::Spot { position, direction, intensity: [1.0; 3], inner_angle, outer_angle });
         }
         "environment" => builder.environment_from(&EnvironmentDesc::constant([1.0; 3])).unwrap(),
-        "directional" => builder.light("lamp", LightDesc::Directional { direction, irradiance: [1.0; 3] }),
+        "directional" => builder.light("light", LightDesc::Directional { direction, irradiance: [1.0; 3] }),
         "area" => {
-            let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3]));
+            let area_light = builder.material(MaterialDesc::emissive("light", [0.0; 3], [1.0; 3]));
             let (y, h) = (0.9, 0.3);
-            builder.quad("lamp", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], area_light);
+            builder.quad("light", [[-h, y, -h], [h, y, -h], [h, y, h], [-h, y, h]], area_light);
         }
-        _ => builder.light("lamp", LightDesc::Point { position, intensity: [1.0; 3] }),
+        _ => builder.light("light", LightDesc::Point { position, intensity: [1.0; 3] }),
     }
     look_at_point(&mut builder, [0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.05, 0.5);
     let mut settings = Settings {

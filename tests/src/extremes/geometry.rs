@@ -84,7 +84,7 @@ fn slivers<T: TestBackend>(sheet: &mut Sheet) {
     let wall = builder.material(MaterialDesc::lambert("wall", [0.99; 3]));
     let (positions, triangles) = shapes::flip(sliver_room());
     builder.mesh("room", positions, triangles, wall);
-    builder.light("lamp", LightDesc::Point { position: [0.1; 3], intensity: [1.0; 3] });
+    builder.light("light", LightDesc::Point { position: [0.1; 3], intensity: [1.0; 3] });
     let settings = Settings { max_bounces: 2000, ..Settings::default() };
     let (photons, tally) = trace::<T>(2, &builder.build().unwrap(), &settings, &[sheet.either(1000, 10_000)]);
     let sound = photons.values().flatten().all(super::scenes::sound);
@@ -133,7 +133,7 @@ fn along_axes<T: TestBackend>(sheet: &mut Sheet) {
 fn floor(builder: &mut SceneBuilder) {
     let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
     builder.quad("floor", [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]], grey);
-    builder.light("lamp", LightDesc::Point { position: [0.2, 1.0, 0.1], intensity: [1.0; 3] });
+    builder.light("light", LightDesc::Point { position: [0.2, 1.0, 0.1], intensity: [1.0; 3] });
     look_at_point(builder, [0.0; 3], [0.0, 1.0, 0.0], 0.5, 0.8);
 }
 
@@ -183,7 +183,7 @@ fn thin_walls<T: TestBackend>(sheet: &mut Sheet) {
     let (y, h) = (0.002, 1.0);
     builder.quad("lower", [[-h, 0.0, -h], [h, 0.0, -h], [h, 0.0, h], [-h, 0.0, h]], grey);
     builder.quad("upper", [[-h, y, h], [h, y, h], [h, y, -h], [-h, y, -h]], grey);
-    builder.light("lamp", LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [1.0; 3] });
+    builder.light("light", LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [1.0; 3] });
     look_at_point(&mut builder, [0.0; 3], [0.0, -1.0, 0.0], 0.5, 0.5);
     let (seen, _) = picture::<T>(builder);
     let most = super::scenes::mean(&seen, None);

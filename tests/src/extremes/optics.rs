@@ -184,7 +184,7 @@ fn grazing<T: TestBackend>(sheet: &mut Sheet) {
     let count = sheet.either(50_000, 2_000_000);
     let mut builder = SceneBuilder::new();
     solid(&mut builder, "block", 1.5, 0.0, [-1.0, -2.0, -1.0], [1.0, 0.0, 1.0]);
-    builder.light("lamp", LightDesc::Point { position: [0.0, 2.0, 0.0], intensity: [1.0; 3] });
+    builder.light("light", LightDesc::Point { position: [0.0, 2.0, 0.0], intensity: [1.0; 3] });
     let scene = builder.build().unwrap();
     let all = vec![89.0_f64, 89.9, 89.99, 89.9999];
     for degrees in sheet.choose(vec![89.9999], all.clone(), all) {
@@ -253,7 +253,7 @@ fn overlapping<T: TestBackend>(sheet: &mut Sheet) {
         let (positions, triangles) = turned(shapes::icosphere(3, [x, 0.0, 0.0], 0.6));
         builder.mesh(name, positions, triangles, material);
     }
-    builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
+    builder.light("light", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
     let scene = builder.build().unwrap();
     let mut uniform = Uniform::new(43);
     let count = sheet.either(5000, 200_000);

@@ -43,7 +43,7 @@ pub fn studio(put: Put) -> SceneBuilder {
     let glass = builder.material(MaterialDesc::glass("glass", 1.5));
     let mirror = builder.material(MaterialDesc::mirror("mirror", [0.9; 3]));
     let radiance = put.watts / put.size / put.size;
-    let area_light = builder.material(MaterialDesc::emissive("lamp", [0.0; 3], [radiance; 3]));
+    let area_light = builder.material(MaterialDesc::emissive("light", [0.0; 3], [radiance; 3]));
     let quad =
         |y: f64, half: f64| shapes::quad([[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]]);
     let wall = shapes::quad([[-0.9, -0.5, -0.8], [-0.9, -0.5, 0.8], [-0.9, 0.5, 0.8], [-0.9, 0.5, -0.8]]);
@@ -51,7 +51,7 @@ pub fn studio(put: Put) -> SceneBuilder {
         ("room", shapes::flip(shapes::cuboid([-1.0; 3], [1.0; 3])), grey),
         ("ball", shapes::icosphere(3, [0.3, -0.5, 0.2], 0.4), glass),
         ("mirror", wall, mirror),
-        ("lamp", quad(0.95, 0.25), area_light),
+        ("light", quad(0.95, 0.25), area_light),
     ] {
         let (positions, triangles) = put.shape(shape);
         builder.mesh(name, positions, triangles, material);
@@ -80,7 +80,7 @@ pub fn black_inside(shape: Shape) -> SceneBuilder {
     let black = builder.material(MaterialDesc::lambert("black", [0.0; 3]));
     let (positions, triangles) = if shapes::volume(&shape) > 0.0 { shapes::flip(shape) } else { shape };
     builder.mesh("walls", positions, triangles, black);
-    builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
+    builder.light("light", LightDesc::Point { position: [0.0; 3], intensity: [1.0; 3] });
     builder
 }
 

@@ -28,7 +28,7 @@ pub fn studio(ratio: f64, place: f64, albedo: f64) -> Described {
         (put(shapes::flip(shapes::cuboid([-1.0; 3], [1.0; 3]))), grey),
         (put(shapes::icosphere(3, [0.3, -0.5, 0.2], 0.4)), MaterialDesc::glass("glass", 1.5)),
         (put(wall), MaterialDesc::mirror("mirror", [0.9; 3])),
-        (put(quad(0.95, 0.25)), MaterialDesc::emissive("lamp", [0.0; 3], [1.0; 3])),
+        (put(quad(0.95, 0.25)), MaterialDesc::emissive("light", [0.0; 3], [1.0; 3])),
     ];
     if ratio > 1.0 {
         // Far away and black: it only serves to enlarge the scene.

@@ -16,6 +16,7 @@ use crate::index::rank::{Key, d2_bits, keep_lowest, settle_ties, slot, sort_lowe
 
 /// A point found by a nearest-neighbour search.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Neighbour {
     /// Squared distance, `(dx·dx + dy·dy) + dz·dz` in `f32`.
     pub d2: f32,

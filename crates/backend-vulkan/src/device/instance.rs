@@ -28,7 +28,8 @@ impl Instance {
     /// The process-wide instance, with or without the validation layer. It is never destroyed: the loader
     /// unloads a driver with its last instance, and NVIDIA's driver 580 cannot be loaded again after 30 times
     /// (it leaks static TLS), and leaves a destructor of thread-specific data in unloaded code, which makes
-    /// exiting threads crash with a segmentation fault. Both with the layer and without: see `docs/testing.md`.
+    /// exiting threads crash with a segmentation fault, both with the layer and without: see
+    /// `docs/studies/devices.md`.
     pub(crate) fn shared(validation: bool) -> Result<Arc<Self>> {
         let mut shared = SHARED[usize::from(validation)].lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(instance) = &*shared {

@@ -89,6 +89,7 @@ impl std::fmt::Debug for Device {
 }
 
 /// A device that a host opened, for [`crate::Vulkan::from_raw`].
+// Exhaustive: the host must state every handle.
 #[derive(Clone)]
 #[expect(missing_debug_implementations, reason = "tables of functions")]
 pub struct RawDevice {

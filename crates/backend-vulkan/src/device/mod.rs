@@ -16,6 +16,7 @@ mod profile;
 mod queue;
 mod recorder;
 mod spare;
+mod specialize;
 #[cfg(test)]
 mod tests;
 

@@ -10,6 +10,7 @@ use super::cache::DiskCache;
 use super::fault::during;
 use super::logical::Device;
 use super::module::Module;
+use super::specialize::specialize;
 use crate::specialization::Constants;
 
 /// A compiled kernel.
@@ -80,20 +81,15 @@ impl Pipelines {
         }
         let keep = self.device.limits.keeps_denormals;
         let words = if keep { module.words_that_keep_denormals() } else { module.words() };
+        let words = specialize(&words, &constants);
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: the backend's own SPIR-V, validated when it was committed.
         let shader = unsafe { self.device.raw.create_shader_module(&info, None) }.map_err(during(module.name))?;
         self.device.name(shader, module.name);
-        let (entries, values): (Vec<_>, Vec<_>) = (0..)
-            .zip(&constants)
-            .map(|(at, &(id, value))| (vk::SpecializationMapEntry { constant_id: id, offset: 4 * at, size: 4 }, value))
-            .unzip();
-        let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(shader)
-            .name(c"main")
-            .specialization_info(&special);
+            .name(c"main");
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
         // SAFETY: everything the structures point to outlives the call.
         let made = unsafe { self.device.raw.create_compute_pipelines(self.cache, &info, None) };

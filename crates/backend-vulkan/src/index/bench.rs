@@ -16,6 +16,7 @@ const WARM: usize = 2;
 
 /// One row of the table.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Row {
     /// The operation.
     pub work: String,

@@ -1,6 +1,7 @@
 //! How the tracing kernel distributes paths over invocations.
 
 /// How many invocations share the paths, and how. The photons do not depend on it.
+// Exhaustive: in `low_level`, which is not stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TracePlan {
     /// Invocations per workgroup, a power of two.

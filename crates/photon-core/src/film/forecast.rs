@@ -6,7 +6,7 @@ use crate::film::confidence::{ConfidenceInterval, Flags, MIN_PHOTONS, student_97
 use crate::radius::schedule::Schedule;
 use group::{Factors, Group, Relative};
 
-/// Maximum number of pixels that a forecast uses; so many estimate a share to within a hundredth.
+/// Maximum number of pixels that a forecast uses; enough to estimate a fraction of them to within 0.01.
 const SAMPLE: usize = 16_384;
 
 /// The present error estimate, and the number of passes needed to reach a target.
@@ -170,8 +170,8 @@ impl ErrorModel {
     ///
     /// The noise of photons decreases with the passes and increases as radii shrink, while bias decreases:
     /// at α = 2/3 both fall as the cube root of the number of passes, so that an error of ε takes about ε⁻³
-    /// passes. The measured noise and bias are uncertain: some of the worst pixels of now are so by chance,
-    /// and others will be later. Therefore the spread of both over the pixels is corrected for chance, and
+    /// passes. The measured noise and bias are uncertain: some of the pixels that are worst now are so by
+    /// chance, and others will be later. Therefore the spread of both over the pixels is corrected for chance, and
     /// their overall level is raised by two standard errors.
     ///
     /// Bias falls as r² where light is smooth. Near a line where its slope changes, as at the end of a
@@ -252,7 +252,7 @@ impl ErrorModel {
         }
     }
 
-    /// Number of passes after which that error is within the target for the first time.
+    /// The smallest number of passes after which that error is within the target.
     pub(crate) fn passes_until(&self, target: f64, error_after: impl Fn(&Self, u32) -> f64) -> Option<u32> {
         const MAX_PASSES: u32 = u32::MAX - 1;
         let (mut low, mut high) = (self.schedule.passes(), self.schedule.passes());

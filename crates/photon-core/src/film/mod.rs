@@ -73,6 +73,7 @@ impl FilmPixel {
 
 /// A film: sums over passes, top row first.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Film {
     /// Width in pixels.
     pub width: u32,

@@ -27,8 +27,8 @@ pub trait Render: Send {
     /// Errors of the backend.
     fn film(&mut self) -> Result<Film>;
 
-    /// The error model of the film, for forecasts of the error that `share` of the pixels is within; `None`
-    /// if error statistics are disabled, or no pixel has an error estimate.
+    /// The error model of the film, which forecasts the error that a fraction `share` of the pixels does not exceed;
+    /// `None` if error statistics are disabled, or no pixel has an error estimate.
     ///
     /// # Errors
     /// Errors of the backend.
@@ -187,7 +187,8 @@ fn patience(renderer: &mut dyn Render, passes: u32) -> Result<()> {
     Ok(())
 }
 
-/// Whether to start no other pass: the budget is spent, or would be exceeded by more than half of the pass.
+/// Whether to stop before the next pass: the budget is spent, or the next pass would exceed the time by more than
+/// half of its duration.
 fn is_over(plan: &Plan, outcome: &Outcome, elapsed: Duration) -> bool {
     if outcome.passes == 0 {
         return false;

@@ -1,10 +1,10 @@
 //! Projection maps: aim light paths at mirrors and glass, for the caustic map.
 //!
-//! After Jensen's projection maps (1996, section 3): origin and direction of an emitted photon are a point
-//! in a unit cube, that of the random numbers by which they are sampled. The cube is divided into cells of
-//! equal measure, and those from which a specular surface could be hit are marked; aimed photons are
-//! sampled uniformly from these cells only, and carry correspondingly less power. Marking is conservative,
-//! so that the expectation is the same as with photons in all directions. Occlusion is ignored.
+//! After Jensen's projection maps (1996, section 3). The random numbers that determine origin and direction of an
+//! emitted photon are a point in a unit cube, which is divided into cells of equal measure. Cells from which a
+//! specular surface could be hit are marked; aimed photons are sampled uniformly from these cells only, and carry
+//! correspondingly less power. Marking is conservative, so that the expectation is the same as with photons in all
+//! directions. Occlusion is ignored.
 
 use std::ops::ControlFlow;
 
@@ -18,7 +18,7 @@ use crate::settings::{CausticPhotons, Settings};
 mod cells;
 mod clusters;
 
-/// Maximum number of cells of all lights together, except for at least one per side of each.
+/// Maximum number of cells of all lights together; beyond it, a light has one cell per side.
 const CELLS: usize = 1 << 20;
 
 /// Maximum number of specular spheres times lights, which determines the time for marking.
@@ -27,6 +27,7 @@ const PAIRS: usize = 1 << 20;
 /// A light from which a specular surface could be hit.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[non_exhaustive]
 pub struct ProjectionTarget {
     /// Power of each of its aimed photons, like [`crate::PhotonRay::power`].
     pub carried: [f32; 3],
@@ -52,6 +53,7 @@ pub struct ProjectionMap {
 }
 
 /// A sample of an aimed photon: random words that replace those by which it would be emitted.
+// Exhaustive: backends compare it with that of their own twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProjectionSample {
     /// Index in [`ProjectionMap::targets`].
@@ -72,14 +74,14 @@ pub enum NoProjection {
     Shared,
     /// No light could reach a specular surface.
     Unlit,
-    /// So much of the light could that aiming is not worthwhile besides the paths that other maps need.
+    /// Too much of the light could: aiming is not worthwhile in addition to the paths that other maps need.
     NotWorth,
 }
 
 /// Result of marking.
 struct Marking {
     projection: ProjectionMap,
-    /// Whether all cells were marked; if not, they hold more than the given share of the light.
+    /// Whether all cells were tested; if not, those marked so far hold more than the given share of the light.
     whole: bool,
     /// Number of blocks of cells that were tested, of any size: a measure of the work.
     #[cfg_attr(not(test), expect(dead_code, reason = "what tests count"))]

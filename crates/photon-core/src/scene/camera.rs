@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::requirements::features::Features;
 
 /// A camera: `origin + x·right + y·up` with x and y in `[-1, 1]`, x to the right, y upwards.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Camera {

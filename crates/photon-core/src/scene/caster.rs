@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 /// A ray in the normalised space of the scene (a unit box; see `docs/units.md`).
+// Exhaustive: written as a literal by everything that traces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Origin, already moved off the surface that the ray leaves.
@@ -17,6 +18,7 @@ pub struct Ray {
 ///
 /// Contains nothing about the surface: normals and materials come from the scene's own tables, so that
 /// shading does not depend on the ray caster.
+// Exhaustive: every ray caster must state each field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance along the ray, in `[0, t_max]`.

@@ -32,6 +32,7 @@ pub struct EnvironmentMap {
 /// A row of cells: an interval of `sin²(θ/2)`, which is uniform in solid angle.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[non_exhaustive]
 pub struct EnvironmentRow {
     /// `sin²(θ/2)` at its upper edge.
     pub above: f32,

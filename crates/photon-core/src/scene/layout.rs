@@ -23,6 +23,7 @@ pub trait Element: Pod + Send + Sync {
 ///
 /// It has no identifier: its index is its position in the buffer that the tracer fills, ordered by path,
 /// then bounce. Maps store only as many of the leading fields as are needed: [`crate::PhotonFormat`].
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Photon {
@@ -39,6 +40,7 @@ pub struct Photon {
 }
 
 /// A photon that leaves a light.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct PhotonRay {
@@ -57,6 +59,7 @@ pub struct PhotonRay {
 }
 
 /// A visible point, or another point where radiance is estimated.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Query {
@@ -88,6 +91,7 @@ pub struct Query {
 }
 
 /// Result of a density estimate for one query.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Estimate {
@@ -126,6 +130,7 @@ impl Estimate {
 ///
 /// Bias grows as r²: an estimate over twice the area has twice the bias, so that the difference of the two
 /// estimates the bias of the first.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct ErrorMoments {

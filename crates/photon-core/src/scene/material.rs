@@ -5,6 +5,7 @@
 use bytemuck::{Pod, Zeroable};
 
 /// Geometric normal and material of a triangle.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Primitive {
@@ -62,6 +63,7 @@ impl MaterialKind {
 }
 
 /// Scattering and emission of a surface.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Material {

@@ -191,9 +191,9 @@ fn around(eta: f32, media: MediumStack) -> Interface {
     Interface { eta, before: media, transmitted: media, is_active: true, is_too_deep: false }
 }
 
-/// Factor by which radiance that leaves a point in the media `at` has changed when it reaches a viewer in the media
-/// `from`, without reflection or absorption in between: `(n_from/n_at)²`. Refraction leaves `L/n²` unchanged along a path (Veach 1997,
-/// section 5.2), so this factor is applied once, where the path ends. Exactly 1 for equal stacks.
+/// Radiance seen by a viewer in the media `from`, divided by the radiance that leaves a point in the media `at`,
+/// without reflection or absorption in between: `(n_from/n_at)²`. Refraction leaves `L/n²` unchanged along a path
+/// (Veach 1997, section 5.2), so this factor is applied once, where the path ends. Exactly 1 for equal stacks.
 #[inline]
 #[must_use]
 pub fn radiance_scale(media: &[Medium], from: MediumStack, at: MediumStack) -> f32 {

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 /// Medium inside a solid. Entry 0 of a scene's table is the vacuum outside of all solids.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Medium {

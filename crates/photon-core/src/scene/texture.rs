@@ -98,6 +98,7 @@ pub struct Texture {
 }
 
 /// A texture as a material uses it: the coordinates are those of a UV set, transformed.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct TextureUse {
@@ -119,6 +120,7 @@ impl TextureUse {
 }
 
 /// The textures of a material: indices into [`crate::ShadingTables::uses`], [`MaterialTextures::NONE`] without one.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct MaterialTextures {

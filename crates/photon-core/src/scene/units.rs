@@ -5,6 +5,7 @@
 /// Geometry is recentred and scaled to a unit box in f64 before it is converted to f32, and photons carry
 /// fractions of the total power; both are converted back here, in f64. Therefore a scene of 10⁻¹⁸ or 10¹⁸
 /// metres, or of 10²⁰ watts, is rendered as accurately as one of one metre and one watt.
+// Exhaustive: written as a literal by callers that fill in a `SceneView`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
     /// Centre of the scene's bounding box, user space.

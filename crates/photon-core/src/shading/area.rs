@@ -37,6 +37,7 @@ pub const MIN_RADIUS: f32 = 1.0 / 262_144.0;
 pub const SHEETS: u32 = 4;
 
 /// Position and weight of a probe.
+// Exhaustive: backends write it as a literal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
     /// Distance from the query, in radii, in `[0, 1]`.

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 /// Reflectance of a smooth boundary seen from one side, and the cosine of the refracted ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Fresnel {
     /// Reflected share of unpolarised power, in `[0, 1]`.
     pub reflectance: f32,

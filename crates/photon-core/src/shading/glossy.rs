@@ -104,6 +104,7 @@ pub struct Glossy {
 
 /// The reflection in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Reflected {
     /// BSDF times the cosine to the shading normal, linear RGB; without the base.
     pub value: Vec3,

@@ -8,6 +8,7 @@ use crate::scene::material::Primitive;
 use crate::shading::bsdf::Lobe;
 
 /// The intersection of a ray and a surface.
+// Exhaustive: backends write it as a literal.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInteraction {
     /// Distance along the ray.

@@ -18,21 +18,21 @@ mod build;
 #[cfg(test)]
 mod tests;
 
-/// Random words below this descend the tree, the others choose by power.
+/// If the first random word is below this, a light is chosen by the tree, otherwise by power.
 pub const TREE_WORDS: u32 = ((1.0 - DEFENSIVE_SHARE) * WORDS) as u32;
 /// Bit of [`LightNode::next`] that marks a leaf.
 pub const LEAF: u32 = 1 << 31;
-/// Largest number of levels below the root; the bits of a trail.
+/// Maximum number of levels below the root, which is the number of bits of a path to a leaf.
 pub const MAX_DEPTH: u32 = 64;
 /// Steps from 0 to 1 of the cosines in [`LightNode::cone`].
 pub const COSINE_STEPS: f32 = 32_767.0;
-/// Smallest squared distance at which a node counts, as a share of its squared half diagonal. With 1, as of Conty
-/// Estevez and Kulla, the variance under 10⁵ point lights is three times as large; with less, that inside a luminous sphere
-/// grows.
+/// Minimum of the squared distance to a node, relative to its squared half diagonal. With 1, as in Conty Estevez and
+/// Kulla 2018, the variance under 10⁵ point lights is three times as large; below 0.5, the variance inside a luminous
+/// sphere grows.
 pub const MIN_DISTANCE_SHARE: f32 = 0.5;
-/// Smallest squared distance of a light: shadow rays start this far off their surface.
+/// Minimum of the squared distance to a light: shadow rays start this far off their surface.
 pub const MIN_SQUARED: f32 = offset::STEP * offset::STEP;
-/// Multiplier and increment of the generator of a descent's further random words.
+/// Multiplier and increment of the linear congruential generator of further random words during a descent.
 pub const NEXT_WORD: [u32; 2] = [1_664_525, 1_013_904_223];
 
 const WORDS: f64 = 4_294_967_296.0;
@@ -40,6 +40,7 @@ const WORDS: f64 = 4_294_967_296.0;
 /// A node: bounds of the lights below it. The first child follows its node.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[non_exhaustive]
 pub struct LightNode {
     /// Centre of the bounding box, normalised space.
     pub center: [f32; 3],
@@ -141,7 +142,7 @@ impl Angle {
     }
 }
 
-/// The part of 2³² random words that takes the first of two children; neither gets none.
+/// Number of the 2³² random words that select the first of two children; each child is selected by at least one.
 #[inline]
 #[must_use]
 pub fn threshold(children: [&LightNode; 2], position: Vec3, normal: Vec3) -> u32 {
@@ -250,7 +251,7 @@ impl LightTree {
     }
 }
 
-/// Probability of a light from those by the tree and by power.
+/// Probability of a light, combined from those of the choice by tree and by power.
 #[inline]
 fn mixed(by_tree: f64, by_power: f64) -> f64 {
     let share = f64::from(TREE_WORDS) / WORDS;

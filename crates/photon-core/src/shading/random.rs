@@ -2,6 +2,36 @@
 //!
 //! No state is carried from one path to the next, so that the numbers do not depend on the thread, batch,
 //! machine or backend that uses them. Integer arithmetic only: the GLSL counterpart gives the same words.
+//!
+//! # Dimensions
+//!
+//! [`philox4x32`] turns a key of 64 bits (the seed) and a counter of four words into four words, one **block** of four
+//! dimensions:
+//!
+//! | word of the counter | content |
+//! |---|---|
+//! | 0 | path: number within the pass for photons; 4 · pixel + branch for camera paths and all that depends on them |
+//! | 1 | block |
+//! | 2 | pass; 2³² − 1 is the pilot, whose photons only determine the first radii |
+//! | 3 | [`Domain`] |
+//!
+//! | domain | block | words |
+//! |---|---|---|
+//! | photon | 0 | light · point on it, u · point on it, v · side |
+//! | photon | 1 | direction, u · direction, v · – · – |
+//! | photon | 2 + n, surface n from 0 | Russian roulette, choice of the lobe · direction, u · direction, v · alpha |
+//! | camera path | 1 | x in the pixel · y in the pixel · point on the lens, u · point on the lens, v |
+//! | camera path | 2 + n, after n surfaces | choice of the lobe · direction, u · direction, v · alpha of the next |
+//! | camera path | [`BLOCK_LIGHTS`] + n, surface n from 1 | light · point, u · point, v · light (low), alpha |
+//! | camera path | [`BLOCK_LIGHT_SIDES`] + n, surface n from 1 | side of rough glass · – · – · – |
+//! | shadow rays | ray r of the query | light · point or direction, u · the same, v · light (low), alpha |
+//! | final gathering | r · (max bounces + 1), ray r | direction, u · direction, v · – · – |
+//! | final gathering | r · (max bounces + 1) + n, surface n from 1 | choice of the lobe · direction, u · direction, v · alpha |
+//! | area probes | 0, by the path of the query | rotation of the spokes · shift of the rings · – · – |
+//!
+//! Aimed photons have the blocks of photons. A stage consumes its own block even where it needs no number. With
+//! [`RandomKind::Lcg`] photons draw four numbers per block of a sequence that starts at the path number; all other
+//! domains keep Philox.
 
 use crate::settings::RandomKind;
 use crate::sobol::{scramble, sobol};

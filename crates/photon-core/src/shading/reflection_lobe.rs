@@ -29,11 +29,11 @@ pub struct ReflectionLobe {
 
 /// Steps between 0 and 1 of the roots of colours, and of the share of metal.
 const STEPS: f32 = 255.0;
-/// Of the root of the coat's F0, which is 1/5 for an index of 1.5: 11 bits.
+/// Steps of the root of the coat's F0, which is 1/5 for an index of 1.5: 11 bits.
 const COAT_STEPS: f32 = 2040.0;
-/// Of the coat's weight: 7 bits.
+/// Steps of the coat's weight: 7 bits.
 const WEIGHT_STEPS: f32 = 127.0;
-/// Of the roughness: 14 bits.
+/// Steps of the roughness: 14 bits.
 const ROUGHNESS_STEPS: f32 = 16_383.0;
 
 /// Parameters of a material: base colour, share of metal, roughness, F0 and weight of the coat.
@@ -78,9 +78,8 @@ impl Parameters {
 }
 
 impl ReflectionLobe {
-    /// The words of a query for the reflection of `material`, a glossy one, as evaluated at the point: for
-    /// [`crate::Query::media`] and [`crate::Query::coat`]. And the factor on the throughput that makes F0 exact in spite of
-    /// their steps.
+    /// Packs a glossy `material`, as evaluated at the point of a query, into the words [`crate::Query::media`] and
+    /// [`crate::Query::coat`]. Also returns the factor on the throughput that corrects the quantization of F0.
     #[inline]
     #[must_use]
     pub fn pack(material: &Material) -> ([u32; 2], Vec3) {
@@ -128,7 +127,7 @@ impl ReflectionLobe {
     }
 
     /// The factor on the power of a photon that came from the direction `wi`, on a surface with the geometric normal
-    /// `geometric`: BSDF times ratio of cosines. 0 below either.
+    /// `geometric`: BSDF times ratio of cosines. 0 for directions below the shading or the geometric surface.
     #[inline]
     #[must_use]
     pub fn weight(&self, wi: Vec3, geometric: Vec3) -> Vec3 {
@@ -216,7 +215,7 @@ mod tests {
                 let found = worst(material, material, geometric);
                 assert!(found < most, "{material:?}: {found}");
             }
-            // Another roughness is found out.
+            // A different roughness exceeds the bound.
             let changed = Material { roughness: material.roughness * 0.95, ..*material };
             assert!(worst(material, &changed, NORMAL) > 1e-2, "{material:?}");
         }

@@ -46,6 +46,7 @@ pub struct RoughGlass {
 
 /// A sampled direction.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct RoughSample {
     /// Unit vector away from the surface.
     pub direction: Vec3,

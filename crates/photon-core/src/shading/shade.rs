@@ -13,6 +13,7 @@ use crate::shading::shading_normal::bend;
 use crate::shading::texture::{ByteValues, lookup, transform};
 
 /// A surface's material and normal at one point.
+// Exhaustive: backends write it as a literal.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaded {
     /// The material, with colours from textures and vertices.
@@ -22,6 +23,7 @@ pub struct Shaded {
 }
 
 /// The tables of a scene that shading reads, with those that decode texels.
+// Exhaustive: backends write it as a literal.
 #[derive(Clone, Copy, Debug)]
 pub struct Shading<'a> {
     /// The scene's.

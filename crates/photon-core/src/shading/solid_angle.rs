@@ -37,6 +37,7 @@ pub fn is_near([a, b, c]: [Vec3; 3]) -> bool {
 }
 
 /// A point on a triangle, sampled uniformly in solid angle.
+// Exhaustive: backends write it as a literal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// Weight of the second corner, in `[0, 1]`.

@@ -24,7 +24,7 @@ pub(super) fn room([x, z]: [f64; 2], [width, depth]: [f64; 2], radiance: f64) ->
     let white = scene.material(MaterialDesc::lambert("white", WHITE));
     let red = scene.material(MaterialDesc::lambert("red", RED));
     let green = scene.material(MaterialDesc::lambert("green", GREEN));
-    let area_light = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], WARM.map(|part| part * radiance)));
+    let area_light = scene.material(MaterialDesc::emissive("light", [0.0; 3], WARM.map(|part| part * radiance)));
 
     let (h, top) = (HALF, 2.0 * HALF);
     scene.quad("floor", [[-h, 0., h], [h, 0., h], [h, 0., -h], [-h, 0., -h]], white);
@@ -35,7 +35,7 @@ pub(super) fn room([x, z]: [f64; 2], [width, depth]: [f64; 2], radiance: f64) ->
 
     let y = top - GAP;
     let ([x0, x1], [z0, z1]) = ([x - width / 2.0, x + width / 2.0], [z - depth / 2.0, z + depth / 2.0]);
-    scene.quad("lamp", [[x0, y, z0], [x1, y, z0], [x1, y, z1], [x0, y, z1]], area_light);
+    scene.quad("light", [[x0, y, z0], [x1, y, z0], [x1, y, z1], [x0, y, z1]], area_light);
 
     // At this distance the open front exactly fills a square picture.
     let distance = 8.0;

@@ -11,6 +11,7 @@ use std::f64::consts::PI;
 /// Wherever the light is, the irradiance that the wall receives from the wall is the same everywhere,
 /// [`IntegratingSphere::indirect_irradiance`]: between any two points of a sphere, the cosines and the
 /// distance in the form factor cancel.
+// Exhaustive: written as a literal with `..IntegratingSphere::default()`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratingSphere {
     /// Radius of the sphere whose area equals that of the mesh, > 0.

@@ -30,7 +30,7 @@ pub(super) fn two_rooms() -> SceneBuilder {
     let clay = scene.material(MaterialDesc::lambert("clay", [0.70, 0.34, 0.20]));
     let mirror = scene.material(MaterialDesc::mirror("mirror", [0.92; 3]));
     let glass = scene.material(MaterialDesc::glass("glass", 1.5));
-    let area_light = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [90., 83., 72.]));
+    let area_light = scene.material(MaterialDesc::emissive("light", [0.0; 3], [90., 83., 72.]));
 
     let (h, top, mid) = (HALF, HEIGHT, -WALL / 2.0);
     scene.quad("floor", [[-h, 0., FRONT], [h, 0., FRONT], [h, 0., BACK], [-h, 0., BACK]], floor);
@@ -62,7 +62,7 @@ pub(super) fn two_rooms() -> SceneBuilder {
     // Upright like a window, to the right of what the camera sees through the doorway: from there it shines
     // past the door onto the table, and a good share of its photons passes the doorway.
     let z = BACK + 0.02;
-    scene.quad("lamp", [[1.1, 0.9, z], [2.1, 0.9, z], [2.1, 2.3, z], [1.1, 2.3, z]], area_light);
+    scene.quad("light", [[1.1, 0.9, z], [2.1, 0.9, z], [2.1, 2.3, z], [1.1, 2.3, z]], area_light);
     scene.camera("dark room", CameraDesc::look_at([-0.35, 1.45, 4.25], [-0.15, 1.08, 0.], [0., 1., 0.], 0.80));
     scene
 }

@@ -12,6 +12,7 @@ const TWINS: usize = 64;
 
 /// A node of a binary tree, as both builders produce it.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Binary {
     /// Lower corner of the bounding box.
     pub low: [f32; 3],
@@ -25,6 +26,7 @@ pub struct Binary {
 
 /// A binary tree over padded triangle bounds, from which backends derive their own node formats.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct BinaryTree {
     /// The root first; empty without triangles.
     pub nodes: Vec<Binary>,

@@ -31,7 +31,7 @@ fn obj_and_mtl() {
     assert_eq!((rough.metallic, rough.roughness, rough.specular, rough.ior), (0.0, 0.4, 1.0, 1.5));
     assert_eq!(material(&scene, "nowhere").albedo, [0.5; 3]);
     assert_eq!(scene.view().lights.len(), 1);
-    let radiance = material(&scene, "lamp").emission.map(|part| f64::from(part) * scene.units().radiance_to_user());
+    let radiance = material(&scene, "light").emission.map(|part| f64::from(part) * scene.units().radiance_to_user());
     for (found, expected) in radiance.into_iter().zip([5.0, 4.0, 3.0]) {
         assert!((found - expected).abs() < 1e-5, "{radiance:?}");
     }
@@ -42,7 +42,7 @@ fn obj_and_mtl() {
         "note: material 'pane': is there for a share of 0.2 of the light (d)",
         "left out: material 'glow': its Ka of [20.0, 20.0, 20.0]",
         "left out: material 'rough': its texture map_Kd wood grain.png: the file does not exist",
-        "note: material 'lamp': emits [5.0, 4.0, 3.0]",
+        "note: material 'light': emits [5.0, 4.0, 3.0]",
         "material 'nowhere': is not defined",
         "1 statements 'l'",
         "has no camera",

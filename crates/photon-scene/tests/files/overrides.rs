@@ -220,7 +220,7 @@ fn override_faults() {
         &["over.toml, line 3", "albedoo", "`albedo`", "docs/scene-files.md"],
     );
     names(&fault("[[light]]\n"), &["line 1", "light"]);
-    names(&fault("[materials.wal]\n"), &["'wal'", "'wall'", "'lamp'", "new = true"]);
+    names(&fault("[materials.wal]\n"), &["'wal'", "'wall'", "'light'", "new = true"]);
     names(&fault("[materials.wall]\nnew = true\n"), &["'wall'", "is new"]);
     names(&fault("[materials.wall]\nior = 1.5\n"), &["'wall'", "lambert", "no ior"]);
     names(&fault("[materials.pane]\nkind = \"thin\"\nabsorption = 1\n"), &["'pane'", "thin", "no absorption"]);
@@ -240,7 +240,7 @@ fn override_faults() {
     names(&fault("[materials.wall]\nkind = \"glas\"\n"), &["line 2", "glas", "`glass`"]);
     names(&fault("[materials.wall]\nalbedo = [1, 2]\n"), &["line 2", "three numbers"]);
     names(&fault("[materials.wall]\nalbedo = 2\n"), &["'wall'", "albedo", "2.0"]);
-    names(&fault("[[lights]]\ntype = \"lamp\"\n"), &["line 2", "lamp", "`point`"]);
+    names(&fault("[[lights]]\ntype = \"laser\"\n"), &["line 2", "laser", "`point`"]);
     names(&fault("[[lights]]\ntype = \"point\"\nposition = [0, 0, 0]\n"), &["line 1", "intensity"]);
     names(&fault("[[lights]]\ntype = \"point\"\nposition = [0, 0, 0]\nintensity = 1\nradius = 2\n"), &["radius"]);
     names(

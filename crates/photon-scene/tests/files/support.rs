@@ -55,7 +55,7 @@ pub(crate) fn corners(scene: &Scene, triangle: usize) -> [[f64; 3]; 3] {
 pub(crate) const MTL: &str = "
 newmtl wall
 Kd 0.6 0.5 0.4
-newmtl lamp
+newmtl light
 Kd 0 0 0
 Ke 5 4 3
 newmtl shiny metal
@@ -91,7 +91,7 @@ vt 0 0
 vn 0 0 1
 usemtl wall
 f 1/1/1 2/1/1 3/1/1 4/1/1
-usemtl lamp
+usemtl light
 f -4 -3 \\
   -2
 o things

@@ -13,6 +13,7 @@ pub(super) fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
         .collect()
 }
 
+/// Sizes are about the blocks of this index. The Vulkan backend has sets of its own, about the sizes of its workgroups.
 pub(super) fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
     let mut random = SplitMix64(1);
     let mut many =

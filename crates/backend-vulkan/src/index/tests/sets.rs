@@ -13,6 +13,7 @@ fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
         .collect()
 }
 
+/// Larger than those of the searches and of the CPU, about the sizes of workgroups, lists and oversized runs.
 pub(super) fn point_sets() -> Vec<(String, Vec<[f32; 3]>)> {
     let mut random = SplitMix64(1);
     let mut many =

@@ -8,6 +8,7 @@ use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::layout::{Estimate, Photon, Query};
 
 /// The photon maps of a pass, each with its estimate parameters.
+// Exhaustive: as `Batch`.
 #[derive(Debug)]
 pub struct Maps<'a, B: Backend> {
     /// The maps that were built.

@@ -86,6 +86,7 @@ pub trait RadianceEstimator<B: Backend>: Send {
 }
 
 /// Per-query estimates and optional error statistics.
+// Exhaustive: as `Batch`.
 #[derive(Debug)]
 pub struct EstimateBuffers<'a, B: Backend> {
     /// One estimate per query.

@@ -28,6 +28,7 @@ pub struct MapStages<B: Backend> {
 }
 
 /// Stages for light paths that are aimed at mirrors and glass, and fill only the caustic map.
+// Exhaustive: as `Stages`.
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 pub struct Aimed<B: TransportBackend> {
     /// Emits photons in the directions of the [`crate::ProjectionMap`].

@@ -14,6 +14,7 @@ const LEAF: u32 = 3;
 
 /// A compressed wide BVH of a scene in normalised space, for upload to a device.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct CompressedTree {
     /// Nodes in breadth-first order, the root first; empty without triangles.
     pub nodes: Vec<CompressedNode>,

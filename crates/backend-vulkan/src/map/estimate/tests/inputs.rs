@@ -57,6 +57,8 @@ pub(super) fn caustic(count: usize, radius: f32) -> Vec<[f32; 3]> {
         .collect()
 }
 
+/// Fewer and smaller than those of the builders (`index/tests/sets.rs`) and of the CPU: every search kernel runs over all
+/// of them on llvmpipe.
 pub(super) fn point_sets() -> Vec<(&'static str, Vec<[f32; 3]>)> {
     let mut random = SplitMix64(1);
     let mut many =

@@ -28,13 +28,13 @@ fn file_with_camera(camera: &str, node: &str) -> File {
 #[test]
 fn candela_are_watts_per_steradian() {
     let file = lit(
-        r#""type": "point", "name": "lamp", "intensity": 3, "color": [1, 0.5, 0]"#,
+        r#""type": "point", "name": "bulb", "intensity": 3, "color": [1, 0.5, 0]"#,
         r#""translation": [1, 2, 3], "scale": [9, 9, 9],"#,
     );
     let (builder, report) = file.load();
     assert_eq!(
         builder.lights,
-        [("lamp".into(), LightDesc::Point { position: [1., 2., 3.], intensity: [3., 1.5, 0.] })]
+        [("bulb".into(), LightDesc::Point { position: [1., 2., 3.], intensity: [3., 1.5, 0.] })]
     );
     assert!(report.lines.iter().all(|line| !line.subject.contains("light")), "{report}");
     // The resulting power: 4π times the mean intensity.

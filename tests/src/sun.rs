@@ -115,7 +115,7 @@ pub fn g11_seen_in_a_paraboloid<T: TestBackend>() {
         builder.sun(sun([0.0, 1.0, 0.0], degrees));
         plate(&mut builder, [2.0, 0.0, 0.0], 0.1, true);
         let s = Settings { caustics: false, ..direct_settings(Direct::None, 0.2) };
-        film::<T>(&builder.build().unwrap(), &s, 12, 2).beauty()
+        film::<T>(&builder.build().unwrap(), &s, 2, 12).beauty()
     };
     let wrong = |pixels: &[[f32; 3]]| {
         pixels.iter().filter(|pixel| (f64::from(pixel[1]) / reflectance - 1.0).abs() > 1e-4).count()

@@ -123,7 +123,7 @@ pub(super) fn sky() -> SceneBuilder {
     let environment = EnvironmentDesc::sky(32.0, 3.0).rotated(52.0).scaled(0.03);
     scene.environment_from(&environment).expect("a sky within its range");
     let fov = 2.0 * libm::atan(0.36);
-    scene.camera("front", CameraDesc::look_at([0.5, 2.3, 6.4], [0.0, 0.68, 0.0], [0.0, 1.0, 0.0], fov));
+    scene.camera("front", CameraDesc::look_at([0.5, 1.8, 6.5], [0.0, 0.8, 0.0], [0.0, 1.0, 0.0], fov));
     scene
 }
 

@@ -56,8 +56,9 @@ const uint FEATURE_LIGHT_TREE = 262144u;
 const uint FEATURE_THIN_LENS = 524288u;
 const uint FEATURE_SPECULAR_COLORS = 1048576u;
 const uint FEATURE_CLEARCOAT = 2097152u;
+const uint FEATURE_SUN = 4194304u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 4194303u;
+const uint FEATURE_ALL = 8388607u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;

@@ -10,6 +10,7 @@
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
 #include "shading/solid_angle.glsl"
+#include "shading/sun.glsl"
 
 // A sampled direction towards a light: radiance over density, times a cosine c, is color * (factor * c / divisor).
 struct LightSample {
@@ -101,7 +102,13 @@ bool light_sample(SceneRef scene, uint index, vec3 from, uvec4 words, out LightS
     Light light = scene.lights[index].at;
     found = LightSample(Ray(from, vec3(0.0, 0.0, 1.0), 0.0), light.power, 1.0, 1.0, 0.0);
     if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0 && light.kind == LIGHT_DIRECTIONAL) {
-        found.ray = Ray(from, -light.direction, NO_LIMIT);
+        vec3 direction = -light.direction;
+        if (SUN && is_sun(light)) {
+            float versine = sun_versine(light.versine_outer, unit_f32(words.y));
+            direction = sampling_about(direction, versine, unit_f32(words.z));
+            found.factor = 1.0 / (1.0 - versine);
+        }
+        found.ray = Ray(from, direction, NO_LIMIT);
         found.divisor = 3.14159265 * light.radius * light.radius;
         return true;
     }

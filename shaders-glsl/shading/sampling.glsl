@@ -90,4 +90,12 @@ float spot_versine(float inner, float outer, float u) {
     return between;
 }
 
+// 1 - cos of the angle from the axis of a direction within a cone, with density proportional to the cosine.
+float sun_versine(float outer, float u) {
+    precise float squared_sine = u * (outer * (2.0 - outer));
+    precise float rest = 1.0 - squared_sine;
+    precise float divisor = 1.0 + sqrt(rest);
+    return squared_sine / divisor;
+}
+
 #endif

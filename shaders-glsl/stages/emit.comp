@@ -19,6 +19,7 @@ layout(constant_id = 3) const bool AIMED = false;
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
 #include "shading/environment.glsl"
+#include "shading/sun.glsl"
 
 layout(push_constant, scalar) uniform Push {
     SceneRef scene;
@@ -35,6 +36,12 @@ layout(push_constant, scalar) uniform Push {
 vec3 behind_disc(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, float radius) {
     precise vec3 behind = (tangent * at.x + bitangent * at.y - along) * radius;
     return behind;
+}
+
+// The same for the disc of the sun, from twice its radius away.
+vec3 before_disc(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, float radius) {
+    precise vec3 before = (tangent * at.x + bitangent * at.y - along * 2.0) * radius;
+    return before;
 }
 
 // The power of a photon of an environment; `carried` over `power` is the reciprocal of the light's probability.
@@ -80,7 +87,14 @@ void main() {
         vec2 at = sampling_disc(a, b);
         vec3 tangent, bitangent;
         sampling_basis(light.direction, tangent, bitangent);
-        origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
+        if (SUN && is_sun(light)) {
+            // Through the disc in the plane of the scene's centre.
+            vec3 along = sampling_about(light.direction, sun_versine(light.versine_outer, c), d);
+            origin = before_disc(along, tangent, bitangent, at, light.radius);
+            direction = along;
+        } else {
+            origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
+        }
     } else if (ENVIRONMENT && light.kind == LIGHT_ENVIRONMENT) {
         EnvironmentSample found = environment_sample(push.scene, start.xy);
         direction = -found.direction;

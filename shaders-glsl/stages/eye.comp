@@ -32,6 +32,7 @@ layout(constant_id = 8) const bool REFLECTIONS = false;
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
 #include "shading/environment.glsl"
+#include "shading/sun.glsl"
 #include "shading/glossy.glsl"
 
 const bool THIN_LENS = (FEATURES & FEATURE_THIN_LENS) != 0u;
@@ -66,8 +67,8 @@ struct Path {
     uint splits;
     // Index of this path among the pixel's paths; a key of random numbers.
     uint branch;
-    // The glossy surface or rough glass that it left last, if nothing specular lies between: density of the direction, or 0; position;
-    // geometric normal.
+    // The glossy surface or rough glass that it left last: density of the direction, 0 without one, or negative if something
+    // specular lies between (which is only distinguished from 0 for the sun); position; geometric normal.
     float reflected_pdf;
     vec3 reflected_position;
     vec3 reflected_normal;
@@ -119,7 +120,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
             other.throughput = share;
             other.branch |= 1u << path.splits;
             other.splits++;
-            other.reflected_pdf = 0.0;
+            other.reflected_pdf = SUN && path.reflected_pdf != 0.0 ? -1.0 : 0.0;
             lobe = LOBE_SPECULAR_TRANSMISSION;
         } else {
             uvec4 choice = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
@@ -129,7 +130,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
     vec3 onward = bsdf_direction(bsdf, lobe, path.ray.direction, normal, 0.0, 0.0);
     if (SHADING_NORMALS) onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
     path.throughput *= bsdf_weight(bsdf, lobe);
-    path.reflected_pdf = 0.0;
+    path.reflected_pdf = SUN && path.reflected_pdf != 0.0 ? -1.0 : 0.0;
     if (lobe == LOBE_SPECULAR_TRANSMISSION) {
         path.ray = surface_pass(at, onward);
         path.media = transmitted;
@@ -256,6 +257,12 @@ void main() {
             }
             emission += throughput * environment_radiance(push.scene, path.ray.direction);
         }
+        // Shadow rays and photons find the sun for paths with glossy surfaces.
+        if (SUN && escaped && !REFLECTIONS && !(HIDES_BACKGROUND && path.surfaces == 0) && path.reflected_pdf == 0.0) {
+            vec3 throughput = path.throughput;
+            if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
+            emission += throughput * sun_radiance(push.scene, path.ray.direction);
+        }
         if (!alive && waits > 0) {
             waits--;
             path = waiting[waits];
@@ -263,7 +270,7 @@ void main() {
         }
     }
     push.counts[pixel].at = found;
-    const uint lit = FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS;
+    const uint lit = FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_SUN | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS;
     if ((FEATURES & lit) != 0 && !REFLECTIONS && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
             Planes place = film_place(push.emission, c, push.width * push.height, pixel);

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use photon_core::{Direct, EnvironmentMap, Estimator, Layer, Pipeline, Render, Settings, View};
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, shapes};
+use photon_scene::{CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, Sun, shapes};
 
 use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, trace, watts};
 use crate::stats::{assert_agrees, moments, standard_error};
@@ -79,6 +79,52 @@ pub fn g10_power<T: TestBackend>() {
     let (_, tally) = trace::<T>(2, &scene, &settings(Direct::Photons), &[20_000]);
     let sent = watts(&scene, &tally, &tally.flux_emitted);
     assert!((sent / (4.0 * PI * PI * radius * radius) - 1.0).abs() < 1e-4, "{sent}");
+}
+
+/// A plate under the clear sky of the built-in scene `sky`, flat on the ground and tilted towards the sun: its irradiance
+/// is that of the map by quadrature, and that of the sun, `E cos θ`; by shadow rays and by photons.
+pub fn sky_and_sun<T: TestBackend>() {
+    let desc = EnvironmentDesc::sky(32.0, 3.0).rotated(52.0).scaled(0.03);
+    let baked = desc.bake().unwrap();
+    let Sun { direction, irradiance, .. } = baked.sun.unwrap();
+    for normal in [[0.0, 1.0, 0.0], [-0.48, 0.8, -0.36]] {
+        let cosine = -(0..3).map(|axis| direction[axis] * normal[axis]).sum::<f64>();
+        let sun = irradiance[0] * cosine;
+        let sky = quadrature(&baked.map, normal);
+        // Both matter.
+        assert!(sky > 0.1 * sun && sun > sky, "{sky} {sun}");
+        for direct in [Direct::Nee, Direct::Photons] {
+            let mut builder = plate(normal, 0.5);
+            builder.environment_from(&desc).unwrap();
+            let values = per_pass_red::<T>(&builder.build().unwrap(), &settings(direct), 12);
+            let truth = 0.5 / PI * (sky + sun);
+            let what = format!("{direct:?} {normal:?}");
+            assert_agrees(&what, moments(&values).0, truth, standard_error(&values), 1e-3 * truth);
+        }
+    }
+}
+
+/// Irradiance of a plane from the red channel of a map, by the midpoint rule with a point in the middle of each texel, in
+/// f64 but for the lookups.
+pub(crate) fn quadrature(map: &EnvironmentMap, normal: [f64; 3]) -> f64 {
+    let (width, height) = (map.width(), map.height());
+    let mut sum = 0.0;
+    for row in 0..height {
+        let v = (f64::from(row) + 0.5) / f64::from(height);
+        let (sin, cos) = (PI * v).sin_cos();
+        let mut line = 0.0;
+        for column in 0..width {
+            let u = (f64::from(column) + 0.5) / f64::from(width);
+            let phi = 2.0 * PI * (u - f64::from(map.rotation()) - 0.5);
+            let direction = [phi.sin() * sin, cos, -phi.cos() * sin];
+            let cosine: f64 = (0..3).map(|axis| direction[axis] * normal[axis]).sum();
+            if cosine > 0.0 {
+                line += cosine * f64::from(map.bilinear(u as f32, v as f32).x);
+            }
+        }
+        sum += line * sin;
+    }
+    sum * (PI / f64::from(height)) * (2.0 * PI / f64::from(width))
 }
 
 /// What leaves the scene sees the environment: straight, in a mirror and through glass; the centre of the map is −z, a

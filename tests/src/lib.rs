@@ -42,6 +42,7 @@ pub mod shading_normals;
 pub mod sheets;
 pub mod specular_colors;
 pub mod stats;
+pub mod sun;
 pub mod textures;
 pub mod twin;
 pub mod views;
@@ -154,8 +155,12 @@ macro_rules! whole_suite {
                 a_mirror_with_tilted_normals, smooth_balls_in_an_even_shell,
             }
             environment::{
-                g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,
+                sky_and_sun, g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,
                 even_light_through_glass, transparent_background,
+            }
+            sun::{
+                g11_irradiance, g11_seen_by_the_camera, g11_seen_in_a_paraboloid, g11_focus_of_a_paraboloid,
+                g11_aimed_at_a_mirror,
             }
             lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
             views::{ v1_hand_filled_views_are_checked }

@@ -39,7 +39,7 @@ const FEATURES: [(&str, Features); 17] = [
     ("area lights", Features::AREA_LIGHTS),
     ("point lights", Features::POINT_LIGHTS),
     ("spot lights", Features::SPOT_LIGHTS),
-    ("directional lights", Features::DIRECTIONAL_LIGHTS),
+    ("directional lights", Features::DIRECTIONAL_LIGHTS.union(Features::SUN)),
     ("environment", Features::ENVIRONMENT),
     ("light tree", Features::LIGHT_TREE),
     ("lens", Features::THIN_LENS),

@@ -1,7 +1,7 @@
 //! [`SceneBuilder`]: assembles a scene from materials, meshes, lights and cameras.
 
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
-use crate::environment::EnvironmentDesc;
+use crate::environment::{EnvironmentDesc, Sun};
 use crate::error::SceneError;
 use crate::mesh::{Mesh, VertexAttributes};
 use crate::scene::Scene;
@@ -38,7 +38,7 @@ pub struct SceneBuilder {
     pub(crate) lights: Vec<(String, LightDesc)>,
     pub(crate) environment: Option<EnvironmentMap>,
     /// The sun of the environment, and how that was described.
-    pub(crate) sun: Option<LightDesc>,
+    pub(crate) sun: Option<Sun>,
     pub(crate) environment_text: Option<String>,
     pub(crate) cameras: Vec<(String, CameraDesc)>,
 }
@@ -115,6 +115,12 @@ impl SceneBuilder {
         Ok(())
     }
 
+    /// Sets the sun: a light from infinitely far away, of constant radiance within a disc, which cameras see. Replaces that
+    /// of an environment, and is replaced by those that are set later.
+    pub fn sun(&mut self, sun: Sun) {
+        self.sun = Some(sun);
+    }
+
     /// Adds a camera; the first one is the default.
     pub fn camera(&mut self, name: impl Into<String>, desc: CameraDesc) {
         self.cameras.push((name.into(), desc));
@@ -158,7 +164,6 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError`] for any value out of range; it names the material, mesh, light or camera.
     pub fn build(mut self) -> Result<Scene, SceneError> {
-        self.lights.extend(self.sun.take().map(|sun| ("sun".to_owned(), sun)));
         validate::check(&self)?;
         shading::fold(&mut self.materials, &self.textures);
         shading::fold_alpha(&mut self.materials, &self.textures, &self.meshes);
@@ -170,7 +175,7 @@ impl SceneBuilder {
         frame.warn(&mut warnings);
         let radiances = shading::Radiances::new(source, &geometry);
         let lit = lights::table(
-            (&self.lights, self.environment.as_ref()),
+            lights::Sources { lights: &self.lights, sun: self.sun.as_ref(), environment: self.environment.as_ref() },
             &self.materials,
             &geometry,
             frame,

@@ -35,7 +35,7 @@ pub use builder::{MaterialId, SceneBuilder};
 pub use builtin::{FurnaceShape, IntegratingSphere, builtin, builtin_names, furnace, plates};
 pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode, CompressedTree};
 pub use describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
-pub use environment::{Environment, EnvironmentDesc, EnvironmentSource};
+pub use environment::{Environment, EnvironmentDesc, EnvironmentSource, Sun};
 pub use error::SceneError;
 #[cfg(feature = "files")]
 pub use load::{Image, ImageError, Overrides, load, load_builder, load_gltf, load_image, load_obj, load_ply};

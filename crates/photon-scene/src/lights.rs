@@ -1,6 +1,7 @@
 //! The tables of lights and materials, with powers relative to the scene's total power.
 
 use crate::describe::{AlphaMode, LightDesc, MaterialDesc, Surface};
+use crate::environment::Sun;
 use crate::error::SceneError;
 use crate::normalise::{Frame, Geometry};
 use crate::shading::Radiances;
@@ -34,13 +35,21 @@ impl Lit {
     }
 }
 
-/// Lists emissive triangles, the other lights, then the environment, each with its power.
+/// All lights but emissive triangles.
+#[derive(Clone, Copy)]
+pub(crate) struct Sources<'a> {
+    pub(crate) lights: &'a [(String, LightDesc)],
+    pub(crate) sun: Option<&'a Sun>,
+    pub(crate) environment: Option<&'a EnvironmentMap>,
+}
+
+/// Lists emissive triangles, the other lights, the sun, then the environment, each with its power.
 ///
 /// Powers are first computed relative to the squared scale, which stays in the range of f64 even for a scene
 /// ten to the thirty times as large, while its watts might not. A triangle on which an emission texture is black is no
 /// light.
 pub(crate) fn table(
-    (descs, environment): (&[(String, LightDesc)], Option<&EnvironmentMap>),
+    sources: Sources<'_>,
     materials: &[MaterialDesc],
     geometry: &Geometry,
     frame: Frame,
@@ -56,9 +65,10 @@ pub(crate) fn table(
         let flags = if material.emits_both_sides { Light::BOTH_SIDES } else { 0 };
         (Light { kind: Light::TRIANGLE, primitive, area: area as f32, flags, ..blank() }, power)
     });
-    let others = descs.iter().map(|(_, desc)| punctual(desc, geometry.radius, frame));
-    let sky = environment.map(|map| infinite(map, geometry.radius));
-    let all: Vec<(Light, DVec3)> = triangles.chain(others).chain(sky).collect();
+    let others = sources.lights.iter().map(|(_, desc)| punctual(desc, geometry.radius, frame));
+    let sun = sources.sun.map(|sun| disc(sun, geometry.radius));
+    let sky = sources.environment.map(|map| infinite(map, geometry.radius));
+    let all: Vec<(Light, DVec3)> = triangles.chain(others).chain(sun).chain(sky).collect();
 
     let total: f64 = all.iter().map(|(_, power)| mean(*power)).sum();
     let power = total * frame.scale * frame.scale;
@@ -98,6 +108,16 @@ pub(crate) fn table(
 fn infinite(map: &EnvironmentMap, radius: f64) -> (Light, DVec3) {
     let light = Light { kind: Light::ENVIRONMENT, radius: radius as f32, ..blank() };
     (light, DVec3::from_array(map.mean_radiance()) * (4.0 * PI * PI * radius * radius))
+}
+
+/// The sun, and its flux through a disc that contains the projection of the scene along every direction of its light.
+fn disc(sun: &Sun, radius: f64) -> (Light, DVec3) {
+    let half = 0.5 * sun.radius_degrees.to_radians();
+    let versine_outer = (2.0 * square(libm::sin(half))) as f32;
+    let radius = radius / (1.0 - f64::from(versine_outer));
+    let direction = unit(sun.direction).as_vec3().to_array();
+    let light = Light { kind: Light::DIRECTIONAL, direction, versine_outer, radius: radius as f32, ..blank() };
+    (light, DVec3::from_array(sun.irradiance) * (PI * radius * radius))
 }
 
 /// A point, spot or directional light, and its flux per squared scale.

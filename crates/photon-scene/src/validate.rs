@@ -4,6 +4,7 @@ mod textures;
 
 use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
+use crate::environment::Sun;
 use crate::error::SceneError;
 use crate::mesh::Mesh;
 use glam::DVec3;
@@ -30,6 +31,14 @@ pub(crate) fn check(scene: &SceneBuilder) -> Result<(), SceneError> {
     for (name, desc) in &scene.lights {
         light(desc).map_err(|(property, value, hint)| SceneError::Light {
             light: name.clone(),
+            property,
+            value,
+            hint,
+        })?;
+    }
+    if let Some(sun) = &scene.sun {
+        disc(sun).map_err(|(property, value, hint)| SceneError::Light {
+            light: "sun".to_owned(),
             property,
             value,
             hint,
@@ -171,6 +180,18 @@ fn light(desc: &LightDesc) -> Result<(), Fault> {
             not_negative("irradiance", irradiance)
         }
     }
+}
+
+fn disc(sun: &Sun) -> Result<(), Fault> {
+    heading("direction", sun.direction)?;
+    not_negative("irradiance", sun.irradiance)?;
+    require(
+        // Narrower ones would be blurred by rounding of directions to f32.
+        (0.001..=60.0).contains(&sun.radius_degrees),
+        "the radius",
+        sun.radius_degrees,
+        "it must lie between 0.001 and 60 degrees; a directional light has none",
+    )
 }
 
 /// Checks a camera; `name` is named in errors.

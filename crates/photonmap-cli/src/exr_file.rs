@@ -60,7 +60,7 @@ pub fn write(path: &Path, film: &Film, alpha: bool, attributes: &[(String, Strin
     atomic_write::write(path, |file| Ok(Image::from_layer(layer).write().to_buffered(file)?))
 }
 
-/// A picture read from a file.
+/// A picture in linear RGB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Width in pixels.
@@ -69,6 +69,23 @@ pub struct Picture {
     pub height: usize,
     /// Linear RGB, row by row from the top.
     pub pixels: Vec<[f32; 3]>,
+}
+
+/// Writes the channels `R`, `G` and `B` in f32. The file is written atomically.
+///
+/// # Errors
+/// [`Fault::Failure`] if the file cannot be written.
+pub fn write_picture(path: &Path, picture: &Picture) -> std::result::Result<(), Fault> {
+    let of = |position: Vec2<usize>| {
+        let [r, g, b] = picture.pixels[position.y() * picture.width + position.x()];
+        (r, g, b)
+    };
+    let image = Image::from_encoded_channels(
+        (picture.width, picture.height),
+        Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS },
+        SpecificChannels::rgb(of),
+    );
+    atomic_write::write(path, |file| Ok(image.write().to_buffered(file)?))
 }
 
 /// Reads the channels `R`, `G` and `B` of the first layer; other channels and layers are ignored.

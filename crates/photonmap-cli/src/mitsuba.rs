@@ -4,6 +4,7 @@
 //! W/(m²·sr), linear RGB. Surfaces scatter on both sides, as here. What Mitsuba handles differently is a warning, what
 //! it cannot express an error.
 
+mod environment;
 mod metal;
 mod ply;
 mod unsupported;
@@ -31,8 +32,7 @@ pub struct Written {
 /// Writes the scene with the given camera.
 ///
 /// # Errors
-/// [`Fault::Input`] for what is not written: textures, vertex normals and colours, an environment that is not constant,
-/// glossy surfaces that are not all metal, a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
+/// [`Fault::Input`] for what is not written: textures, vertex normals and colours, glossy surfaces that are not all metal, a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> Result<Written, Fault> {
     let view = scene.view();
     unsupported::refuse(scene)?;
@@ -55,11 +55,7 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> R
             text += &shape(scene, (material_name, material), &file, &mut written.warnings)?;
         }
     }
-    if let Some([r, g, b, _]) = view.environment.and_then(|map| map.texels().first()) {
-        // Of a constant environment, all others are refused.
-        let radiance = [r, g, b].map(|c| f64::from(*c) * scene.units().radiance_to_user());
-        let _ = writeln!(text, "    <emitter type=\"constant\">{}</emitter>", rgb("radiance", radiance));
-    }
+    text += &environment::emitter(scene, &folder, &folder_name)?;
     for light in view.lights {
         text += &emitter(scene, light, &mut written.warnings);
     }
@@ -254,7 +250,11 @@ fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
             )
         }
         Light::DIRECTIONAL => {
-            // Parallel light enters through a disc around the scene.
+            // Its light enters through a disc around the scene.
+            if light.is_sun() {
+                let degrees = 2.0 * (1.0 - light.versine_outer).acos().to_degrees();
+                warnings.push(format!("the disc of the sun, of {degrees:.2} degrees, is a point in Mitsuba"));
+            }
             let radius = units.length_to_user(light.radius);
             format!(
                 "    <emitter type=\"directional\"><vector name=\"direction\" value=\"{}\"/>{}</emitter>\n",

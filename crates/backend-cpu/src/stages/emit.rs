@@ -140,7 +140,13 @@ fn leave<const AIMED: bool, const TEXTURED: bool>(
         Light::DIRECTIONAL => {
             let (x, y) = sampling::disc(a, b);
             let (tangent, bitangent) = sampling::basis(along);
-            ((tangent * x + bitangent * y - along) * light.radius, along)
+            if light.is_sun() {
+                // Through the disc in the plane of the scene's centre, from twice its radius away.
+                let direction = sampling::about(along, sampling::sun_versine(light.versine_outer, c), d);
+                ((tangent * x + bitangent * y - direction * 2.0) * light.radius, direction)
+            } else {
+                ((tangent * x + bitangent * y - along) * light.radius, along)
+            }
         }
         _ => {
             let primitive = light.primitive as usize;

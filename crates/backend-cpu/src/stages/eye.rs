@@ -98,7 +98,7 @@ pub(crate) struct Path {
     pub(crate) splits: u32,
     /// Index of this path among the pixel's paths; part of the random-number key.
     pub(crate) branch: u32,
-    /// The glossy surface or rough glass that it left last, if nothing specular lies between.
+    /// The glossy surface or rough glass that it left last.
     pub(crate) reflected: Reflection,
 }
 
@@ -169,6 +169,18 @@ impl Eye<'_> {
                     radiance *= self.share(path, light, environment.pdf(path.ray.direction));
                 }
                 deposit(pixel, Layer::Emission, throughput.into(), radiance.to_array().map(f64::from));
+            }
+            // Shadow rays and photons find the sun for paths with glossy surfaces.
+            if self.scene.features.contains(Features::SUN)
+                && !is_hidden
+                && !REFLECTIONS
+                && path.reflected.pdf == 0.0
+                && let Some(sun) = self.scene.lights.iter().rfind(|light| light.is_sun())
+                && sampling::versine(path.ray.direction, -Vec3::from(sun.direction)) <= sun.versine_outer
+            {
+                let camera = MediumStack::from_bits(self.view.camera.media);
+                let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
+                deposit(pixel, Layer::Emission, throughput.into(), sun.sun_radiance().to_array().map(f64::from));
             }
             return None;
         };
@@ -264,7 +276,7 @@ impl Eye<'_> {
                 ray: surface.spawn(lobe, direction),
                 throughput: path.throughput * bsdf.weight(lobe),
                 media,
-                reflected: Reflection::default(),
+                reflected: path.reflected.before_specular(),
                 ..*path
             }
         };

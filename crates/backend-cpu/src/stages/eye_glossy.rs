@@ -18,7 +18,7 @@ use crate::stages::light_sampler::LightSampler;
 /// A reflection at a glossy surface, or a scattering at rough glass, from where lights are sampled too.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Reflection {
-    /// Density per solid angle of the direction; 0 without such a surface.
+    /// Density per solid angle of the direction; 0 without such a surface, and negative if something specular lies between.
     pub(crate) pdf: f32,
     position: Vec3,
     /// Geometric normal on the side to which the path goes on.
@@ -77,6 +77,12 @@ impl Leaves {
 }
 
 impl Reflection {
+    /// After a specular surface.
+    #[inline]
+    pub(crate) fn before_specular(self) -> Self {
+        Self { pdf: if self.pdf == 0.0 { 0.0 } else { -1.0 }, ..Self::default() }
+    }
+
     pub(crate) fn new(pdf: f32, position: Vec3, normal: Vec3) -> Self {
         Self { pdf, position, normal }
     }

@@ -40,8 +40,15 @@ pub(crate) fn sample<const SHADED: bool>(
     let mut power = Vec3::from(light.power);
     if light.kind == Light::DIRECTIONAL {
         let area = std::f32::consts::PI * light.radius * light.radius;
-        let ray = Ray { origin: from, direction: -Vec3::from(light.direction), t_max: f32::INFINITY };
-        return Some(LightSample { ray, color: power, factor: 1.0, divisor: area, pdf: 0.0 });
+        let (mut direction, mut factor) = (-Vec3::from(light.direction), 1.0);
+        if light.is_sun() {
+            let versine = sampling::sun_versine(light.versine_outer, unit_f32(u));
+            direction = sampling::about(direction, versine, unit_f32(v));
+            factor = 1.0 / (1.0 - versine);
+        }
+        let ray = Ray { origin: from, direction, t_max: f32::INFINITY };
+        // The sun counts as a light without extent: the camera paths that it is found by are those without shadow rays.
+        return Some(LightSample { ray, color: power, factor, divisor: area, pdf: 0.0 });
     }
     if let (Light::ENVIRONMENT, Some(environment)) = (light.kind, &scene.environment) {
         let found = environment.sample([u, v]);

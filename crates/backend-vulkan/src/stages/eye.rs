@@ -151,7 +151,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::FOLLOWED);
+        let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::SUN).union(Features::FOLLOWED);
         let lit = features.intersects(emits);
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as possible.

@@ -121,9 +121,9 @@ impl Marking<'_> {
 enum Beam {
     /// From a point in a sphere, within an angle to an axis; sine and cosine of the largest angle.
     Cone { from: Sphere, axis: DVec3, sin: f64, cos: f64 },
-    /// Along a direction perpendicular to both axes, through a disc whose centre is given in the
-    /// coordinates of the axes.
-    Tube { axes: [DVec3; 2], centre: DVec2, radius: f64 },
+    /// Along a direction perpendicular to both axes, or within an angle to it whose tangent is `slope`, through a disc in
+    /// the plane of both axes and the origin; its centre is given in the coordinates of the axes.
+    Tube { axes: [DVec3; 2], along: DVec3, centre: DVec2, radius: f64, slope: f64 },
 }
 
 impl Beam {
@@ -147,9 +147,10 @@ impl Beam {
                 let more_than_half = sin * along + cos * reach <= 0.0;
                 more_than_half || way.dot(*axis) >= least - 1e-12
             }
-            Self::Tube { axes, centre, radius } => {
+            Self::Tube { axes, along, centre, radius, slope } => {
                 let at = DVec2::new(sphere.centre.dot(axes[0]), sphere.centre.dot(axes[1]));
-                at.distance(*centre) <= radius + sphere.radius
+                let aside = slope * (sphere.centre.dot(*along).abs() + sphere.radius);
+                at.distance(*centre) <= radius + sphere.radius + aside
             }
         }
     }
@@ -193,7 +194,10 @@ impl Beams {
         if self.light.kind == Light::DIRECTIONAL {
             let scale = f64::from(self.light.radius);
             let (centre, radius) = ring(point.map(|x| x));
-            return Beam::Tube { axes: self.axes, centre: centre * scale, radius: radius * scale };
+            let versine = f64::from(self.light.versine_outer);
+            let slope = (versine * (2.0 - versine)).sqrt() / (1.0 - versine);
+            let (axes, along) = (self.axes, self.axis);
+            return Beam::Tube { axes, along, centre: centre * scale, radius: radius * scale, slope };
         }
         let (axis, angle) = self.cone(direction);
         let (sin, cos) = libm::sincos(angle.min(PI));

@@ -55,6 +55,8 @@ bitflags! {
         const SPECULAR_COLORS = 1 << 20;
         /// Clearcoats.
         const CLEARCOAT = 1 << 21;
+        /// A directional light with a disc, which camera rays see and which softens shadows.
+        const SUN = 1 << 22;
     }
 }
 
@@ -101,6 +103,7 @@ impl Features {
         "thin-lens",
         "specular-colors",
         "clearcoat",
+        "sun",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

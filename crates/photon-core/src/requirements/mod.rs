@@ -238,6 +238,7 @@ pub fn light_features(light: &Light) -> Features {
     match light.kind {
         Light::POINT => Features::POINT_LIGHTS,
         Light::SPOT => Features::SPOT_LIGHTS,
+        Light::DIRECTIONAL if light.is_sun() => Features::DIRECTIONAL_LIGHTS.union(Features::SUN),
         Light::DIRECTIONAL => Features::DIRECTIONAL_LIGHTS,
         Light::ENVIRONMENT => Features::ENVIRONMENT,
         _ => Features::AREA_LIGHTS,

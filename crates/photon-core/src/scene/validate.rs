@@ -208,6 +208,10 @@ fn check_light(light: &Light, triangles: usize, radius: f32) -> Check {
         }),
         _ => {
             direction()?;
+            let versine = light.versine_outer;
+            require((0.0..=Light::MAX_SUN_VERSINE).contains(&versine), || {
+                format!("the versine {versine} of its disc must lie between 0 and {}", Light::MAX_SUN_VERSINE)
+            })?;
             not_negative("radius", &[light.radius])
         }
     }

@@ -44,6 +44,15 @@ pub fn about(axis: Vec3, versine: f32, turns: f32) -> Vec3 {
     around(axis, sin_theta, 1.0 - versine, turns)
 }
 
+/// 1 − cos of the angle from the axis of a direction within a cone, with density proportional to the cosine: irradiance of
+/// a plane perpendicular to the axis is then the same from each sample. `outer` is the versine of the cone, at most 1.
+#[inline]
+#[must_use]
+pub fn sun_versine(outer: f32, u: f32) -> f32 {
+    let squared_sine = u * (outer * (2.0 - outer));
+    squared_sine / (1.0 + (1.0 - squared_sine).sqrt())
+}
+
 /// 1 − cos of the angle between two unit vectors, in `[0, 2]`; accurate for very small angles too.
 #[inline]
 #[must_use]

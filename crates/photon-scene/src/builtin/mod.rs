@@ -12,6 +12,8 @@ mod many_lights;
 mod plates;
 mod pool;
 mod ring;
+#[cfg(feature = "sky")]
+mod sky;
 mod textures;
 mod two_rooms;
 
@@ -23,7 +25,7 @@ use crate::builder::{MaterialId, SceneBuilder};
 use crate::shapes::Shape;
 
 /// Names, each with a one-line description.
-const NAMES: [(&str, &str); 12] = [
+const NAMES: &[(&str, &str)] = &[
     ("cornell", "the Cornell box: diffuse walls, two blocks, an area light in the ceiling"),
     ("cornell-glass", "the Cornell box with a mirror ball and a glass ball, with their caustics"),
     ("ring", "a golden ring on a table, with the cardioid caustic of its inner wall"),
@@ -32,6 +34,8 @@ const NAMES: [(&str, &str); 12] = [
     ("gloss", "metal and plastic balls of several roughnesses, on glazed tiles"),
     ("frosted-glass", "the Cornell box with two balls of rough glass, and a frosted pane before a spotlight"),
     ("many-lights", "a room under 256 coloured bulbs, with spotlights and glowing lanterns"),
+    #[cfg(feature = "sky")]
+    ("sky", "a terrace under a clear sky, with coloured panes, a glass ball and metals in the sun"),
     ("two-rooms", "a dark room, lit through a partly open door"),
     ("furnace", "inside a uniformly emitting sphere: radiosity 2 everywhere"),
     ("integrating-sphere", "inside a diffuse sphere: indirect irradiance 1 everywhere"),
@@ -41,7 +45,7 @@ const NAMES: [(&str, &str); 12] = [
 /// The built-in scenes: name and one-line description.
 #[must_use]
 pub fn builtin_names() -> &'static [(&'static str, &'static str)] {
-    &NAMES
+    NAMES
 }
 
 /// A built-in scene by name, one of [`builtin_names`]; `None` for any other name.
@@ -62,6 +66,8 @@ pub fn builtin(name: &str) -> Option<SceneBuilder> {
         "gloss" => gloss::gloss(),
         "frosted-glass" => frosted::frosted_glass(),
         "many-lights" => many_lights::many_lights(),
+        #[cfg(feature = "sky")]
+        "sky" => sky::sky(),
         "two-rooms" => two_rooms::two_rooms(),
         "furnace" => furnace(0.5, FurnaceShape::Sphere),
         "integrating-sphere" => IntegratingSphere::default().builder(),

@@ -14,7 +14,6 @@ use std::sync::Arc;
 
 use photon_core::EnvironmentMap;
 
-use crate::describe::LightDesc;
 use crate::error::SceneError;
 
 /// Where the light of an environment comes from. Radiances are in W/(m²·sr), finite and ≥ 0.
@@ -66,8 +65,37 @@ pub struct EnvironmentDesc {
 pub struct Environment {
     /// Radiance by direction, without the sun.
     pub map: EnvironmentMap,
-    /// The sun as a directional light: its disc of 0.5338° is taken to be a point.
-    pub sun: Option<LightDesc>,
+    /// The sun.
+    pub sun: Option<Sun>,
+}
+
+/// A disc of constant radiance, infinitely far away: the sun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Sun {
+    /// Direction in which its light travels; not zero, need not be unit.
+    pub direction: [f64; 3],
+    /// Irradiance of a plane facing it, W/m², finite and ≥ 0: its radiance times `π sin² δ`.
+    pub irradiance: [f64; 3],
+    /// Angular radius δ of the disc in degrees, in `[0.001, 60]`.
+    pub radius_degrees: f64,
+}
+
+impl Sun {
+    /// Angular radius of the sun as seen from the earth, in degrees.
+    pub const RADIUS_DEGREES: f64 = 0.2669;
+
+    /// The sun with its [`Self::RADIUS_DEGREES`].
+    #[must_use]
+    pub fn new(direction: [f64; 3], irradiance: [f64; 3]) -> Self {
+        Self { direction, irradiance, radius_degrees: Self::RADIUS_DEGREES }
+    }
+
+    /// The same with another [`Self::radius_degrees`].
+    #[must_use]
+    pub fn with_radius_degrees(self, radius_degrees: f64) -> Self {
+        Self { radius_degrees, ..self }
+    }
 }
 
 impl EnvironmentDesc {
@@ -168,7 +196,7 @@ impl EnvironmentDesc {
         let turn = std::f64::consts::TAU * f64::from(map.rotation());
         let (height, beside) = (libm::sin(elevation), libm::cos(elevation));
         let direction = [beside * libm::sin(turn), -height, beside * libm::cos(turn)];
-        let sun = (irradiance != [0.0; 3]).then_some(LightDesc::Directional { direction, irradiance });
+        let sun = (irradiance != [0.0; 3]).then_some(Sun::new(direction, irradiance));
         Ok(Environment { map, sun })
     }
 

@@ -11,7 +11,7 @@ use super::*;
 fn baked(elevation: f64, turbidity: f64, rotate_degrees: f64) -> (EnvironmentMap, DVec3, [f64; 3]) {
     let Environment { map, sun } =
         EnvironmentDesc::sky(elevation, turbidity).rotated(rotate_degrees).bake().expect("a sky");
-    let Some(LightDesc::Directional { direction, irradiance }) = sun else { panic!("{sun:?} is no sun") };
+    let Sun { direction, irradiance, .. } = sun.expect("a sun");
     (map, -DVec3::from(direction), irradiance)
 }
 
@@ -149,11 +149,7 @@ fn scale_applies_to_the_sky_and_to_its_sun() {
     let of = |scale| EnvironmentDesc::sky(30.0, 3.0).scaled(scale).bake().unwrap();
     let (one, two) = (of(1.0), of(2.0));
     assert!(two.map.texels().iter().zip(one.map.texels()).all(|(two, one)| *two == one.map(|c| 2.0 * c)));
-    let (Some(LightDesc::Directional { irradiance: a, .. }), Some(LightDesc::Directional { irradiance: b, .. })) =
-        (one.sun, two.sun)
-    else {
-        panic!("no sun")
-    };
+    let [a, b] = [one.sun, two.sun].map(|sun| sun.expect("a sun").irradiance);
     assert_eq!(a.map(|c| 2.0 * c), b);
     assert_eq!(of(0.0).sun, None);
 }

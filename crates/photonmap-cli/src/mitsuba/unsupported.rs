@@ -8,7 +8,7 @@ use crate::fault::Fault;
 /// Checks the whole scene.
 ///
 /// # Errors
-/// [`Fault::Input`], which names the first material with a texture, the vertex attributes, or the environment.
+/// [`Fault::Input`], which names the first material with a texture, or the vertex attributes.
 pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
     let view = scene.view();
     let refused =
@@ -48,14 +48,6 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
     }
     if !view.shading.colors.is_empty() {
         return refused("vertex colours".to_owned(), "write a .glb, which has them, or remove them first");
-    }
-    if let Some(map) = view.environment.filter(|map| map.texels().len() > 1) {
-        let name =
-            scene.environment_text().map_or_else(|| format!("{} × {}", map.width(), map.height()), str::to_owned);
-        return refused(
-            format!("the environment ({name})"),
-            "only a constant one can; leave it out, and add an emitter to the .xml",
-        );
     }
     Ok(())
 }

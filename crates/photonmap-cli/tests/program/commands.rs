@@ -19,6 +19,7 @@ fn scenes_are_listed() {
             "gloss",
             "frosted-glass",
             "many-lights",
+            "sky",
             "two-rooms",
             "furnace",
             "integrating-sphere",

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use photon_core::glam::Vec3;
-use photon_scene::{EnvironmentDesc, LightDesc};
+use photon_scene::{EnvironmentDesc, Sun};
 
 use crate::support::{channels, folder, json, refused, render, run, stdout, succeeded};
 
@@ -53,7 +53,7 @@ fn a_plate_shows_its_irradiance() {
     assert!(close(scaled, [2.0, 4.0, 1.0].map(|c| c * ALBEDO)), "{scaled:?}");
 
     let baked = EnvironmentDesc::sky(30.0, 3.0).bake().unwrap();
-    let Some(LightDesc::Directional { direction, irradiance }) = baked.sun else { panic!("no sun") };
+    let Sun { direction, irradiance, .. } = baked.sun.unwrap();
     let mut truth = irradiance.map(|c| -direction[1] * c);
     let (rows, columns) = (400, 800);
     for row in 0..rows {
@@ -158,7 +158,7 @@ fn wrong_environments_are_named() {
     }
 }
 
-/// Neither format has the sky: nothing is lost silently. An even environment is an emitter of Mitsuba.
+/// glTF has no environment: nothing is lost silently. An even one, and the sun, are emitters of Mitsuba.
 #[test]
 fn export_writes_or_refuses_the_environment() {
     let folder = folder("environment-export");
@@ -168,11 +168,53 @@ fn export_writes_or_refuses_the_environment() {
     let export = |environment: &str, file: &str| run("export", &[&obj, "--environment", environment, "-o", file]);
     refused(&export("sky:30,3", &glb), "the environment (sky:30,3) cannot be written");
     refused(&export("constant", &glb), "the environment (constant:1,1,1)");
-    refused(&export("sky:30,3", &xml), "the environment (sky:30,3) cannot be written for Mitsuba");
-    assert!(!Path::new(&xml).exists() && !folder.join("a-meshes").exists());
+    succeeded(&export("sky:30,3", &xml));
+    let text = std::fs::read_to_string(&xml).unwrap();
+    assert!(text.contains("<emitter type=\"directional\">") && text.contains("a-meshes/environment.exr"), "{text}");
     succeeded(&export("constant:1,2,3", &xml));
     let text = std::fs::read_to_string(&xml).unwrap();
     let emitter = text.split("<emitter type=\"constant\"><rgb name=\"radiance\" value=\"").nth(1).unwrap();
     let radiance: Vec<f64> = emitter.split('"').next().unwrap().split(", ").map(|c| c.parse().unwrap()).collect();
     assert!((0..3).all(|c| (radiance[c] / (c as f64 + 1.0) - 1.0).abs() < 1e-6), "{radiance:?}");
+}
+
+/// Mitsuba's lookup in the exported image gives our radiance in every direction: its columns have their centres at
+/// φ = 2π (i + ½)/W from −z, and its rows stand for θ = π j/(H − 1) (envmap.cpp of Mitsuba 3.9).
+#[test]
+fn images_are_resampled_for_mitsuba() {
+    let folder = folder("environment-mitsuba");
+    let [obj, _] = plate(&folder);
+    let xml = folder.join("a.xml").to_str().unwrap().to_owned();
+    let options = ["--environment", "sky:10,2", "--environment-rotate", "70", "-o", &xml];
+    succeeded(&run("export", &[&[&obj[..]], &options[..]].concat()));
+    let text = std::fs::read_to_string(&xml).unwrap();
+    let angle = text.split("<rotate y=\"1\" angle=\"").nth(1).unwrap().split('"').next().unwrap();
+    let turn = angle.parse::<f64>().unwrap().to_radians();
+    let image = photon_scene::load_image(&folder.join("a-meshes/environment.exr")).unwrap();
+    let (width, rows, texels) = (image.width as usize, image.height as usize - 1, image.linear_rgb());
+    let lookup = |[x, y, z]: [f64; 3], turn: f64| {
+        let (sin, cos) = turn.sin_cos();
+        let (local_x, local_z) = (cos * x - sin * z, sin * x + cos * z);
+        let u = local_x.atan2(-local_z) / std::f64::consts::TAU * width as f64 - 0.5;
+        let v = y.acos() / std::f64::consts::PI * rows as f64;
+        let (left, above) = (u.floor(), v.floor().min(rows as f64 - 1.0));
+        let at = |x: f64, y: f64| f64::from(texels[y as usize * width + x.rem_euclid(width as f64) as usize][1]);
+        let line = |y: f64| at(left, y) * (1.0 - u + left) + at(left + 1.0, y) * (u - left);
+        line(above) * (1.0 - v + above) + line(above + 1.0) * (v - above)
+    };
+    let map = EnvironmentDesc::sky(10.0, 2.0).rotated(70.0).bake().unwrap().map;
+    let mut differ = [0; 3];
+    for step in 0..2000 {
+        // Points of a spiral on the sphere.
+        let y = 1.0 - (f64::from(step) + 0.5) / 1000.0;
+        let (sin, cos) = (2.4 * f64::from(step)).sin_cos();
+        let beside = (1.0 - y * y).sqrt();
+        let direction = [sin * beside, y, -cos * beside];
+        let truth = f64::from(map.radiance(Vec3::from(direction.map(|c| c as f32))).y);
+        // Turned by half a column, or the other way round, the comparison fails.
+        for (count, turn) in differ.iter_mut().zip([turn, turn + std::f64::consts::PI / width as f64, -turn]) {
+            *count += u32::from((lookup(direction, turn) / truth - 1.0).abs() > 1e-3);
+        }
+    }
+    assert!(differ[0] == 0 && differ[1] > 20 && differ[2] > 500, "{differ:?}");
 }

@@ -1,0 +1,66 @@
+//! Runs the gallery on a folder with a model of each kind and one that is broken.
+#![expect(clippy::unwrap_used, reason = "test code")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn gallery(models: &Path, out: &Path) -> Output {
+    let options =
+        ["--environment", "constant", "--size", "24", "--passes", "2", "--photons", "1000", "--backend", "cpu"];
+    Command::new(env!("CARGO_BIN_EXE_gallery")).arg(models).args(options).arg("--out").arg(out).output().unwrap()
+}
+
+/// A square of half side 1 in the plane y = 0: seen from the side it would be a line.
+const FLOOR: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+element face 2\nproperty list uchar int vertex_indices\nend_header\n\
+-1 0 1\n1 0 1\n1 0 -1\n-1 0 -1\n3 0 1 2\n3 0 2 3\n";
+
+#[test]
+fn every_model_has_a_row_and_those_that_load_a_picture() {
+    let (models, out) = (folder("gallery-models"), folder("gallery-out"));
+    std::fs::create_dir(models.join("within")).unwrap();
+    std::fs::write(models.join("floor.ply"), FLOOR).unwrap();
+    let scene = photon_scene::builtin("cornell").unwrap();
+    std::fs::write(models.join("within/box.glb"), photon_scene::glb(&scene).unwrap()).unwrap();
+    std::fs::write(models.join("notes.txt"), "no model").unwrap();
+    let output = gallery(&models, &out);
+    assert!(output.status.success(), "{output:?}");
+    let table = std::fs::read_to_string(out.join("README.md")).unwrap();
+    let rows: Vec<&str> = table.lines().filter(|line| line.contains(".png) |")).collect();
+    assert_eq!(rows.len(), 2, "{table}");
+    assert!(rows[0].starts_with("| [floor.ply](floor-ply.png) | 2 |") && rows[0].contains("no material"), "{table}");
+    assert!(
+        rows[1].starts_with("| [within/box.glb](within-box-glb.png) | 36 |") && rows[1].ends_with("exact |"),
+        "{table}"
+    );
+    for (name, [width, height]) in
+        [("floor-ply.png", [24, 24]), ("within-box-glb.png", [24, 24]), ("sheet.png", [50, 25])]
+    {
+        let image = photon_scene::load_image(&out.join(name)).unwrap();
+        assert_eq!([image.width, image.height], [width, height], "{name}");
+    }
+    // The floor is lit by L = 1 and is a diffuse grey of one half: it is grey at the centre of its picture, and covers a
+    // good part of it.
+    let floor = photon_scene::load_image(&out.join("floor-ply.png")).unwrap().linear_rgb();
+    let grey = floor.iter().filter(|texel| (texel[1] - 0.18).abs() < 0.03).count();
+    assert!((floor[12 * 24 + 12][1] - 0.18).abs() < 0.03 && grey > 24 * 24 / 5, "{grey}");
+
+    // A broken file: its row has the error, the others are rendered, and the program fails.
+    std::fs::write(models.join("broken.glb"), "glTF but not really").unwrap();
+    let output = gallery(&models, &out);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let table = std::fs::read_to_string(out.join("README.md")).unwrap();
+    assert!(table.lines().any(|line| line.starts_with("| broken.glb | 0 |") && line.contains("**")), "{table}");
+    assert_eq!(table.lines().filter(|line| line.contains(".png) |")).count(), 2, "{table}");
+    // A folder without models, and one that is not there.
+    for nothing in [folder("gallery-none"), models.join("missing")] {
+        assert_eq!(gallery(&nothing, &out).status.code(), Some(2));
+    }
+}

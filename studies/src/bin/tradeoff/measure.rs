@@ -158,7 +158,6 @@ mod tests {
             standard_error: 0.01,
             bias: 0.0,
             bias_error: 0.0,
-            bounded: 0.0,
             half_width,
             flags: photon_core::Flags::default(),
         };

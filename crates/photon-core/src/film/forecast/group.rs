@@ -54,7 +54,7 @@ impl Relative {
         }
     }
 
-    /// Half width of the interval, with this quantile of Student's distribution.
+    /// Half width of the interval, with this quantile of Student's distribution, without its correction for skewness.
     pub(super) fn half_width(&self, quantile: f64) -> f64 {
         quantile * self.standard_error + 2.0 * self.bias + self.bounded
     }

@@ -47,7 +47,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     }
     Glossy glossy = glossy_new(scene, material, layers, dot3(a.xyz, normal));
     if (FUNCTION == 3u) {
-        float entering = glossy_entering(scene, glossy.coat, c.x);
+        float entering = glossy_entering(scene, glossy.coat, c.x) * 0.0625;
         return floats(vec4(glossy.diffuse, glossy.specular_probability),
             vec4(glossy.multiple_probability, entering, glossy_rest(c.y, glossy.specular_probability), 0.0));
     }

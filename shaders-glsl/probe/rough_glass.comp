@@ -15,8 +15,9 @@ layout(constant_id = 7) const uint MEDIA = 1;
 #include "probe/probe.glsl"
 #include "shading/rough_glass.glsl"
 
-// A direction and the roughness, another direction and the kind of boundary (0: into glass, 1: out of it, 2: a sheet) plus a
-// uniform number, two uniform numbers; address of the scene, whose first material is the glass and whose second the sheet.
+// A direction and the roughness, another direction and the kind of boundary (0: into glass, 1: out of it, 2: a sheet)
+// plus a uniform number, two uniform numbers; address of the scene, whose first material is the glass and whose second
+// the sheet.
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     SceneRef scene = SceneRef(words.c.zw);
     float kind = floor(b.w);

@@ -24,8 +24,8 @@ struct RoughGlass {
     float light_side;
 };
 
-// A sampled direction: whether it is on the side of the path, BSDF times cosine and density, and the uniform number that
-// is left.
+// A sampled direction: whether it is on the side of the path, BSDF times cosine and density, and the uniform number
+// that is left.
 struct RoughSample {
     vec3 direction;
     bool stays;

@@ -67,8 +67,8 @@ struct Path {
     uint splits;
     // Index of this path among the pixel's paths; a key of random numbers.
     uint branch;
-    // The glossy surface or rough glass that it left last: density of the direction, 0 without one, or negative if something
-    // specular lies between (which is only distinguished from 0 for the sun); position; geometric normal.
+    // The glossy surface or rough glass that it left last: density of the direction, 0 without one, or negative if
+    // something specular lies between (which is only distinguished from 0 for the sun); position; geometric normal.
     float reflected_pdf;
     vec3 reflected_position;
     vec3 reflected_normal;

@@ -77,8 +77,8 @@ Leaves leaves_reflection(Material material, Layers layers, Glossy glossy, vec3 s
     return leaves;
 }
 
-// Leaves a query at a glossy surface, and continues the path by its reflection; or, where the path has split as often as it
-// may, one of the two. Returns whether the path continues.
+// Leaves a query at a glossy surface, and continues the path by its reflection; or, where the path has split as often
+// as it may, one of the two. Returns whether the path continues.
 bool reflect_path(
     inout Path path, uint pixel, Surface at, vec3 normal, uint media, Glossy glossy, Leaves leaves, inout uint found
 ) {

@@ -41,7 +41,8 @@ bool scatter_path(inout Path path, uint pixel, Surface at, vec3 normal, Interfac
     float limited = glossy_limited(drawn.direction, geometric, drawn.stays ? normal : -normal);
     path.throughput *= glossy_weight(drawn.found, limited);
     if (path.throughput == vec3(0.0)) return false;
-    // Lights on this side are sampled with that probability: it divides the density, so as not to be a factor elsewhere.
+    // Lights on this side are sampled with that probability: it divides the density, so as not to be a factor
+    // elsewhere.
     path.reflected_pdf = drawn.found.pdf / (drawn.stays ? glass.light_side : 1.0 - glass.light_side);
     path.reflected_position = at.start;
     path.reflected_normal = geometric;

@@ -165,7 +165,8 @@ Path begin(uint number) {
     path.index = push.begins != 0u ? number : push.waiting[number].at;
     path.left = push.surfaces;
     PhotonRay start = push.rays[push.chunk.first + path.index].at;
-    path.numbers = sampler_new(RANDOM, push.chunk.seed, push.chunk.pass, AIMED ? DOMAIN_AIMED : DOMAIN_PHOTON, start.path);
+    uint domain = AIMED ? DOMAIN_AIMED : DOMAIN_PHOTON;
+    path.numbers = sampler_new(RANDOM, push.chunk.seed, push.chunk.pass, domain, start.path);
     if (push.begins != 0u) {
         if (RANDOM == RANDOM_LCG) {
             // The random sequence continues where emission left it.
@@ -246,8 +247,8 @@ bool has_delta_light(Path path) {
 
 // Continues a path at a glossy surface: stores a photon for the base, and follows the base or the reflection.
 uint step_glossy(
-    inout Path path, Surface at, vec3 normal, Material material, Layers layers, bool stores, float coverage, float choice,
-    float u, float v
+    inout Path path, Surface at, vec3 normal, Material material, Layers layers, bool stores, float coverage,
+    float choice, float u, float v
 ) {
     if (REFLECTIONS) {
         if (path.bounce > 0u && has_delta_light(path)) store(path, at, path.power, coverage);

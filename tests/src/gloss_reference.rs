@@ -28,26 +28,31 @@ pub(crate) fn single(alpha: f64, o: DVec3, i: DVec3) -> f64 {
     d / (1.0 + lambda(o.y) + lambda(i.y)) / (4.0 * o.y * i.y)
 }
 
-/// ∫ single scattering cos dω over half vectors, whose density is D cos: finer where the distribution is.
-pub(crate) fn albedo(alpha: f64, cosine: f64, f0: f64) -> f64 {
-    let o = DVec3::new((1.0 - cosine * cosine).sqrt(), cosine, 0.0);
-    let (across, around) = (400, 96);
-    let mut sum = 0.0;
-    for k in 0..across * around {
+/// Half vectors with the density D cos, normal +y: Walter et al. 2007, equation 35, on a grid.
+pub(crate) fn half_vectors(alpha: f64, (across, around): (u32, u32)) -> impl Iterator<Item = DVec3> {
+    (0..across * around).map(move |k| {
         let u = (f64::from(k % across) + 0.5) / f64::from(across);
         let phi = TAU * (f64::from(k / across) + 0.5) / f64::from(around);
-        // Walter et al. 2007, equation 35.
         let tangent = alpha * (u / (1.0 - u)).sqrt();
         let up = 1.0 / (1.0 + tangent * tangent).sqrt();
-        let h = DVec3::new(up * tangent * phi.cos(), up, up * tangent * phi.sin());
+        DVec3::new(up * tangent * phi.cos(), up, up * tangent * phi.sin())
+    })
+}
+
+/// ∫ single scattering cos dω over half vectors: finer where the distribution is.
+pub(crate) fn albedo(alpha: f64, cosine: f64, f0: f64) -> f64 {
+    let o = DVec3::new((1.0 - cosine * cosine).sqrt(), cosine, 0.0);
+    let grid = (400, 96);
+    let mut sum = 0.0;
+    for h in half_vectors(alpha, grid) {
         let across = o.dot(h);
         let i = h * (2.0 * across) - o;
         if across > 0.0 && i.y > 0.0 {
-            let d = alpha * alpha / (PI * (h.x * h.x + h.z * h.z + alpha * alpha * up * up).powi(2));
-            sum += single(alpha, o, i) * i.y * schlick(f0, across) * 4.0 * across / (d * up);
+            let d = alpha * alpha / (PI * (h.x * h.x + h.z * h.z + alpha * alpha * h.y * h.y).powi(2));
+            sum += single(alpha, o, i) * i.y * schlick(f0, across) * 4.0 * across / (d * h.y);
         }
     }
-    sum / f64::from(across * around)
+    sum / f64::from(grid.0 * grid.1)
 }
 
 impl Reference {

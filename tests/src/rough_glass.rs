@@ -6,6 +6,7 @@ use photon_core::glam::DVec3;
 use photon_core::{Direct, EnvironmentMap, Estimator, Indirect, Settings};
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, Surface, shapes};
 
+use crate::gloss_reference::half_vectors;
 use crate::harness::{TestBackend, look_at_point, per_pass, trace};
 use crate::stats::{assert_agrees, moments, standard_error};
 
@@ -52,17 +53,11 @@ fn distribution(alpha: f64, h: DVec3) -> f64 {
 /// ∫ (F G2(o, r) + (1 − F) G2(o, t)) (o·h) D / cos dω over half vectors, whose density is D cos.
 fn lost(alpha: f64, cosine: f64, eta: f64) -> f64 {
     let o = DVec3::new((1.0 - cosine * cosine).sqrt(), cosine, 0.0);
-    let (across, around) = (300, 64);
+    let grid = (300, 64);
     let masking = |height: f64| 1.0 / (1.0 + lambda(alpha, cosine) + lambda(alpha, height));
     let mut sum = 0.0;
-    for k in 0..across * around {
-        let u = (f64::from(k % across) + 0.5) / f64::from(across);
-        let phi = TAU * (f64::from(k / across) + 0.5) / f64::from(around);
-        // Walter et al. 2007, equation 35.
-        let tangent = alpha * (u / (1.0 - u)).sqrt();
-        let up = 1.0 / (1.0 + tangent * tangent).sqrt();
-        let h = DVec3::new(up * tangent * phi.cos(), up, up * tangent * phi.sin());
-        let across = o.dot(h);
+    for h in half_vectors(alpha, grid) {
+        let (across, up) = (o.dot(h), h.y);
         if across <= 0.0 {
             continue;
         }
@@ -76,7 +71,7 @@ fn lost(alpha: f64, cosine: f64, eta: f64) -> f64 {
         }
         sum += share * across / (cosine * up);
     }
-    1.0 - sum / f64::from(across * around)
+    1.0 - sum / f64::from(grid.0 * grid.1)
 }
 
 fn mean_lost(alpha: f64, eta: f64) -> f64 {

@@ -6,8 +6,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHTS, BLOCK_SURFACES, Sampler, unit_f32};
 use photon_core::{
-    FilmPixel, Glossy, Layer, Layers, Lobe, Material, MediumStack, Query, ReflectionLobe, SurfaceInteraction, glossy,
-    offset,
+    FilmPixel, Glossy, Layer, Layers, Lobe, Material, MediumStack, Query, Reflected, ReflectionLobe,
+    SurfaceInteraction, glossy, offset,
 };
 
 use super::eye::{Eye, Path};
@@ -76,6 +76,16 @@ impl Leaves {
     }
 }
 
+/// The side of a surface from which a light is sampled.
+pub(crate) struct Side {
+    pub(crate) start: Vec3,
+    /// Geometric and shading normal on that side.
+    pub(crate) normals: [Vec3; 2],
+    pub(crate) media: MediumStack,
+    /// Of choosing this side.
+    pub(crate) probability: f32,
+}
+
 impl Reflection {
     /// After a specular surface.
     #[inline]
@@ -99,26 +109,40 @@ impl Eye<'_> {
         pixel: &mut FilmPixel,
         sampler: &impl Fn(u32) -> Sampler,
     ) {
-        let (scene, surface) = (self.scene, at.surface);
-        if scene.lights.is_empty() {
-            return;
+        let words = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
+        let normals = [at.surface.normal, at.normal];
+        let side = Side { start: at.surface.start, normals, media: at.media, probability: 1.0 };
+        let evaluate = |direction| at.glossy.evaluate(-path.ray.direction, direction, at.normal);
+        if let Some(value) = self.sampled_light::<ALPHA>(words, &side, evaluate) {
+            deposit(pixel, Layer::Emission, seen.into(), value.to_array().map(f64::from));
         }
-        let [choice, u, v, low] = sampler(path.branch).words(BLOCK_LIGHTS + path.surfaces);
-        let (index, share) = LightSampler::at(scene, surface.start, surface.normal).pick([choice, low]);
-        let from = offset::off_surface(surface.start, surface.normal);
-        let Some(sampled) = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v) else { return };
+    }
+
+    /// Light that a shadow ray finds, as `evaluate` shows it: BSDF times cosine and density of a direction. Weighted for the
+    /// onward ray, which may find it too.
+    pub(crate) fn sampled_light<const ALPHA: bool>(
+        &self,
+        [choice, u, v, low]: [u32; 4],
+        side: &Side,
+        evaluate: impl FnOnce(Vec3) -> Reflected,
+    ) -> Option<Vec3> {
+        let (scene, [geometric, shading]) = (self.scene, side.normals);
+        if scene.lights.is_empty() {
+            return None;
+        }
+        let (index, share) = LightSampler::at(scene, side.start, geometric).pick([choice, low]);
+        let from = offset::off_surface(side.start, geometric);
+        let sampled = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v)?;
         let direction = sampled.ray.direction;
-        let reflected = at.glossy.evaluate(-path.ray.direction, direction, at.normal);
-        let limited = glossy::limited(direction, surface.normal, at.normal);
-        let value = sampled.times(limited) * reflected.value;
+        let found = evaluate(direction);
+        let value = sampled.times(glossy::limited(direction, geometric, shading)) * found.value;
         // NaN counts as no light.
         if !(value.max_element() > 0.0) || scene.occluded_with::<ALPHA>(&sampled.ray, || low) {
-            return;
+            return None;
         }
-        let share = share as f32;
-        let weight = balance(sampled.pdf * share, reflected.pdf);
-        let value = value * scene.attenuation(at.media, sampled.ray.t_max) * (weight / share);
-        deposit(pixel, Layer::Emission, seen.into(), value.to_array().map(f64::from));
+        let share = share as f32 * side.probability;
+        let weight = balance(sampled.pdf * share, found.pdf);
+        Some(value * scene.attenuation(side.media, sampled.ray.t_max) * (weight / share))
     }
 
     /// Leaves a query at a glossy surface, and continues the path by its reflection; or, where the path has split as often

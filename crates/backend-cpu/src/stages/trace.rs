@@ -7,13 +7,13 @@ use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Layers, Light, Lobe, MapKind, Material, MaterialKind,
     MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, RoughGlass,
-    RoughSample, Scheduling, Settings, SkipLimit, Tally, Tracer, glossy, light_features, octahedral, sampling,
-    shading_normal,
+    Scheduling, Settings, SkipLimit, Tally, Tracer, glossy, light_features, octahedral, shading_normal,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
+use crate::stages::photon_scattering::{glossy_scattered, rough_weight, russian_roulette, scattered};
 
 /// Paths per block of dynamic scheduling. The result does not depend on it.
 const BLOCK: usize = 2048;
@@ -379,70 +379,4 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
 fn is_reflected(scene: &CpuScene, start: &PhotonRay, material: &Material) -> bool {
     let is_delta = |light: &Light| light_features(light).intersects(Features::DELTA_LIGHTS);
     material.kind() == MaterialKind::Glossy && scene.lights.get(start.light as usize).is_some_and(is_delta)
-}
-
-/// The direction in which a photon leaves a surface with a shading normal, and the factor on its power.
-#[inline]
-fn scattered(
-    bsdf: &Bsdf,
-    lobe: Lobe,
-    incoming: Vec3,
-    geometric: Vec3,
-    shading: Vec3,
-    (u, v): (f32, f32),
-) -> (Vec3, f32) {
-    let outgoing = match lobe {
-        Lobe::Diffuse => bsdf.direction(lobe, incoming, geometric, u, v),
-        Lobe::SpecularReflection | Lobe::SpecularTransmission => {
-            shading_normal::on_side_of(lobe, bsdf.direction(lobe, incoming, shading, u, v), geometric)
-        }
-    };
-    (outgoing, shading_normal::photon_factor(lobe, incoming, outgoing, geometric, shading))
-}
-
-/// The direction in which a photon leaves a glossy surface by its reflection, if `specular`, or by its base, and the
-/// weight, over the probability of that choice.
-#[inline]
-fn glossy_scattered(
-    glossy: &Glossy,
-    specular: bool,
-    incoming: Vec3,
-    geometric: Vec3,
-    shading: Vec3,
-    (u, v): (f32, f32),
-) -> (Vec3, Vec3) {
-    let first = glossy.specular_probability();
-    if specular {
-        let (onward, found) = glossy.sample(-incoming, shading, u, v);
-        let above = onward.dot(geometric) > 0.0 && incoming.dot(geometric) < 0.0;
-        let factor =
-            shading_normal::photon_factor(Lobe::SpecularReflection, incoming, onward, geometric, shading) / first;
-        return (onward, found.weight(if above { factor } else { 0.0 }));
-    }
-    let onward = sampling::cosine_hemisphere(geometric, u, v);
-    let factor = shading_normal::photon_factor(Lobe::Diffuse, incoming, onward, geometric, shading);
-    (onward, glossy.diffuse() * (glossy.coat().entering(onward.dot(shading)) * factor / (1.0 - first)))
-}
-
-/// The weight of a photon that rough glass scatters; 0 where shading normals send it to the wrong side.
-#[inline]
-fn rough_weight(sampled: &RoughSample, incoming: Vec3, geometric: Vec3, shading: Vec3) -> Vec3 {
-    let stays = sampled.lobe == Lobe::SpecularReflection;
-    let lands = (sampled.direction.dot(geometric) > 0.0) == stays && incoming.dot(geometric) < 0.0;
-    let factor = shading_normal::photon_factor(sampled.lobe, incoming, sampled.direction, geometric, shading);
-    sampled.found.weight(if lands { factor } else { 0.0 })
-}
-
-/// Russian roulette (Arvo and Kirk 1990). A surviving photon keeps the power of its brightest channel, or, with
-/// `grows`, a larger one if a weight is above 1; `None` if the photon is absorbed.
-#[inline]
-fn russian_roulette(power: Vec3, weight: Vec3, choice: f32, grows: bool) -> Option<Vec3> {
-    let next = power * weight;
-    let mut chance = next.max_element() / power.max_element();
-    // Not `min`, which would turn 0/0 into 1.
-    if grows && chance > 1.0 {
-        chance = 1.0;
-    }
-    // Also false for 0/0.
-    if choice < chance { Some(next / chance) } else { None }
 }

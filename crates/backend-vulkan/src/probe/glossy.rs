@@ -100,7 +100,9 @@ fn parts(i: &Input, cosine: f32) -> Output {
     let [r, g, b] = glossy.diffuse().to_array();
     let first = glossy.specular_probability();
     let rest = glossy::rest_of(i.float(9), first);
-    output([r, g, b, first, glossy.multiple_probability(), glossy.coat().entering(cosine), rest])
+    // The factor is up to 1/T̄: with these coats less than 16.
+    let entering = glossy.coat().entering(cosine) / 16.0;
+    output([r, g, b, first, glossy.multiple_probability(), entering, rest])
 }
 
 fn evaluated(i: &Input, wo: Vec3, wi: Vec3) -> Output {

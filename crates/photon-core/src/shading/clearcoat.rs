@@ -26,8 +26,8 @@ pub const F0: f32 = 0.04;
 /// Number of cosines at which the mean of a product is evaluated.
 pub const NODES: u32 = 8;
 
-/// Steps between 0 and 1 of what [`pack`] packs: roughness of the lower coat, root of its F0, its F90, weight and
-/// roughness of the clearcoat.
+/// Steps between 0 and 1 of the parts of a packed [`crate::Coat`] with a clearcoat: roughness of the lower coat, root of
+/// its F0, its F90, weight and roughness of the clearcoat.
 pub const STEPS: [f32; 5] = [63.0, 127.0, 15.0, 63.0, 63.0];
 
 /// Mark of packed words: no [`crate::Coat`] without a clearcoat has an F0 of at least ½ and an F90 below ¼.

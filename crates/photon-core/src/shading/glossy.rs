@@ -122,6 +122,19 @@ pub struct Reflected {
     pub pdf: f32,
 }
 
+/// Multiple scattering of the metal, `m F_ms (1 − E_o) / (1 − Ē)`, for its color, its share m, and the albedos for the
+/// direction o and on average; and `1 − Ē`.
+#[inline]
+pub(crate) fn multiple_scattering(color: Vec3, metallic: f32, directional: Vec2, mean: Vec2) -> (Vec3, f32) {
+    let lost = 1.0 - (directional.x + directional.y);
+    let mean_total = mean.x + mean.y;
+    let mean_lost = 1.0 - mean_total;
+    let average = color + (Vec3::ONE - color) * (1.0 / 21.0);
+    let repeated = average * average * mean_total / (Vec3::ONE - average * mean_lost);
+    let multiple = if mean_lost > MIN_SHARE { repeated * (metallic * lost.max(0.0) / mean_lost) } else { Vec3::ZERO };
+    (multiple, mean_lost)
+}
+
 impl Glossy {
     /// The surface of `material` with `layers`, both evaluated at the point, for a path that arrives with `cosine` > 0 to the
     /// shading normal.
@@ -138,14 +151,7 @@ impl Glossy {
         let dielectric = 1.0 - metallic;
         let f0 = color * metallic + colored_f0 * dielectric;
         let f90 = metallic + weight * dielectric;
-        // Multiple scattering of the metal.
-        let lost = 1.0 - (directional.x + directional.y);
-        let mean_total = mean.x + mean.y;
-        let mean_lost = 1.0 - mean_total;
-        let average = color + (Vec3::ONE - color) * (1.0 / 21.0);
-        let repeated = average * average * mean_total / (Vec3::ONE - average * mean_lost);
-        let multiple =
-            if mean_lost > MIN_SHARE { repeated * (metallic * lost.max(0.0) / mean_lost) } else { Vec3::ZERO };
+        let (multiple, mean_lost) = multiple_scattering(color, metallic, directional, mean);
         let multiple_albedo = multiple * mean_lost;
         let specular = f0 * directional.x + Vec3::splat(f90 * directional.y) + multiple_albedo;
         let through = 1.0 - reflected(directional, coat_f0, weight);

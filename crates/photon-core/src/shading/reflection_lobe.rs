@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use crate::scene::material::Material;
 use crate::shading::albedo_table::AlbedoTable;
-use crate::shading::glossy::MIN_SHARE;
+use crate::shading::glossy::multiple_scattering;
 use crate::shading::layers::Layers;
 use crate::shading::{clearcoat, ggx, sampling, shading_normal};
 
@@ -121,14 +121,7 @@ impl ReflectionLobe {
         let (tangent, bitangent) = sampling::basis(normal);
         let wo = Vec3::new(wo.dot(tangent), wo.dot(bitangent), wo.dot(normal));
         let directional = table.directional(wo.z.clamp(0.0, 1.0), roughness);
-        let mean = table.mean(roughness);
-        let lost = 1.0 - (directional.x + directional.y);
-        let mean_total = mean.x + mean.y;
-        let mean_lost = 1.0 - mean_total;
-        let average = color + (Vec3::ONE - color) * (1.0 / 21.0);
-        let repeated = average * average * mean_total / (Vec3::ONE - average * mean_lost);
-        let multiple =
-            if mean_lost > MIN_SHARE { repeated * (metallic * lost.max(0.0) / mean_lost) } else { Vec3::ZERO };
+        let (multiple, _) = multiple_scattering(color, metallic, directional, table.mean(roughness));
         Self {
             alpha: (roughness * roughness).max(ggx::MIN_ALPHA),
             roughness,

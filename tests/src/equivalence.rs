@@ -263,7 +263,7 @@ pub fn means_are_equivalent<A: TestBackend, B: TestBackend>() {
             if way == "debiased" && name != "cornell-glass" {
                 continue;
             }
-            let (a, b) = (per_pass::<A>(&scene, &settings, 8, 24), per_pass::<B>(&scene, &settings, 8, 24));
+            let (a, b) = (per_pass::<A>(&scene, &settings, 5, 24), per_pass::<B>(&scene, &settings, 5, 24));
             let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
             let level = moments(&a).0;
             eprintln!("{name}, {way}: {:+.2e} of the mean", moments(&differences).0 / level);

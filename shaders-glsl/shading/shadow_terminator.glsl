@@ -15,7 +15,7 @@ vec3 shadow_terminator_lift(vec3 vertex, vec3 normal, float weight, vec3 point) 
     return lift;
 }
 
-// The vector from `point` to where shadow rays start; 0 if that is less than a step above the triangle.
+// The vector from `point` to where shadow rays start; 0 if that is less than a step above the triangle, or too far.
 vec3 shadow_terminator_offset(
     vec3 a, vec3 b, vec3 c, vec3 normal_a, vec3 normal_b, vec3 normal_c, vec3 weights, vec3 point, vec3 geometric
 ) {
@@ -23,7 +23,9 @@ vec3 shadow_terminator_offset(
     vec3 lift_b = shadow_terminator_lift(b, normal_b, weights.y, point);
     vec3 lift_c = shadow_terminator_lift(c, normal_c, weights.z, point);
     precise vec3 sum = lift_a + lift_b + lift_c;
-    return dot3(sum, geometric) >= OFFSET_STEP ? sum : vec3(0.0);
+    vec3 size = abs(sum);
+    bool is_small = max(max(size.x, size.y), size.z) < 1.0;
+    return dot3(sum, geometric) >= OFFSET_STEP && is_small ? sum : vec3(0.0);
 }
 
 uint shadow_terminator_bits(float coordinate, float scale) {

@@ -15,9 +15,9 @@ use glam::Vec3;
 use crate::scene::caster::Ray;
 use crate::shading::offset;
 
-/// The vector from `point` to where shadow rays start, 0 if that is less than [`offset::STEP`] above the triangle: `point`
-/// is on the triangle, with barycentric coordinates `weights`, and `geometric` is its unit normal. All normals are on the
-/// side of the viewer. At most as long as the longest edge.
+/// The vector from `point` to where shadow rays start: `point` is on the triangle, with barycentric coordinates `weights`,
+/// and `geometric` is its unit normal. All normals are on the side of the viewer. At most as long as the longest edge. 0 if
+/// it ends less than [`offset::STEP`] above the triangle, or if a coordinate is 1 or more, half the size of the scene.
 #[inline]
 #[must_use]
 pub fn offset(vertices: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3], point: Vec3, geometric: Vec3) -> Vec3 {
@@ -26,7 +26,7 @@ pub fn offset(vertices: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3], point:
         normals[corner] * (weights[corner] * below.max(0.0))
     });
     let sum = a + b + c;
-    if sum.dot(geometric) >= offset::STEP { sum } else { Vec3::ZERO }
+    if sum.dot(geometric) >= offset::STEP && sum.abs().max_element() < 1.0 { sum } else { Vec3::ZERO }
 }
 
 /// The ray from a surface to where shadow rays start. If it meets anything, they must start at the surface instead.
@@ -37,7 +37,7 @@ pub fn probe(point: Vec3, geometric: Vec3, offset: Vec3) -> Ray {
     Ray { origin: offset::off_surface(point, geometric), direction: offset / length, t_max: length }
 }
 
-/// `offset`, which is shorter than 1, in 32 bits: a common exponent of the coordinates in 5 bits, and 9 bits for each of
+/// `offset`, of coordinates below 1, in 32 bits: a common exponent of the coordinates in 5 bits, and 9 bits for each of
 /// them, so that it is off by at most 1/256 of its largest coordinate along each axis. 0 for 0 and for less than 2⁻³¹.
 #[inline]
 #[must_use]

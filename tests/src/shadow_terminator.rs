@@ -26,43 +26,34 @@ fn settings(terminator_offset: bool) -> Settings {
 /// Where the light of the first test comes from: at a right angle to no edge of the balls.
 const TOWARDS_LIGHT: [f64; 3] = [0.8, 0.36, -0.48];
 
-/// Sums over the pixels near the shadow terminator, where the cosine of the sphere's normal to the light is in (0, .25):
-/// of the radiance, of the cosine of the shading normal, and of that cosine of the sphere.
-fn near_terminator(film: &Film, half: f64) -> [f64; 3] {
-    let size = film.width() as usize;
-    let (beauty, normals) = (film.beauty(), film.normal());
-    let cosine = |normal: [f64; 3]| (0..3).map(|axis| normal[axis] * TOWARDS_LIGHT[axis]).sum::<f64>();
-    let mut sums = [0.0; 3];
-    for (index, (pixel, normal)) in beauty.iter().zip(&normals).enumerate() {
-        let across = |place: usize| ((place as f64 + 0.5) / size as f64 * 2.0 - 1.0) * half;
-        let (x, y) = (across(index % size), -across(index / size));
-        let of_sphere = cosine([x, y, (1.0 - x * x - y * y).sqrt()]);
-        if (0.0..0.25).contains(&of_sphere) {
-            let values = [f64::from(pixel[0]), cosine(normal.map(f64::from)).max(0.0), of_sphere];
-            sums = std::array::from_fn(|k| sums[k] + values[k]);
+/// The ratio of two sums over the pixels near the shadow terminator, where the cosine of the shading normal to the light is
+/// in (.03, .25): of the radiance, and of that cosine.
+fn near_terminator(film: &Film) -> f64 {
+    let (mut found, mut expected) = (0.0, 0.0);
+    for (pixel, normal) in film.beauty().iter().zip(film.normal()) {
+        let cosine = (0..3).map(|axis| f64::from(normal[axis]) * TOWARDS_LIGHT[axis]).sum::<f64>();
+        if cosine > 0.03 && cosine < 0.25 {
+            found += f64::from(pixel[0]);
+            expected += cosine;
         }
     }
-    sums
+    found / expected
 }
 
-/// A Lambertian sphere in parallel light of irradiance π: the radiance is the cosine to the shading normal. Near the
-/// terminator, a coarse sphere without the offset lacks a part of it, where triangles that face away from the light are
-/// black. With it, the light of the shading normals is whole, and nearer to that of a sphere.
+/// A Lambertian sphere in parallel light of irradiance π: the radiance is the cosine to the shading normal, which is the
+/// sphere's above the point of the triangle. Near the terminator, a coarse sphere lacks a part of it, where triangles that
+/// face away from the light are black; with the offset, it is whole.
 pub fn parallel_light_on_a_coarse_sphere<T: TestBackend>() {
-    let half = 0.65;
-    for (level, nearness) in [(1, 0.05), (2, 0.012)] {
+    for (level, lacks) in [(1, 0.05), (2, 0.02)] {
         let mut builder = SceneBuilder::new();
         ball(&mut builder, level, ([0.0; 3], 1.0), white());
         let direction = TOWARDS_LIGHT.map(|c| -c);
         builder.light("sun", LightDesc::Directional { direction, irradiance: [std::f64::consts::PI; 3] });
-        look_at_point(&mut builder, [0.0; 3], [0.0, 0.0, 1.0], 3.0, half);
+        look_at_point(&mut builder, [0.0; 3], [0.0, 0.0, 1.0], 3.0, 0.65);
         let scene = builder.build().unwrap();
-        let [on, off] = [true, false]
-            .map(|offset| near_terminator(&film::<T>(&scene, &settings(offset), 4, 48), half))
-            .map(|[found, smooth, sphere]| [found / smooth - 1.0, found / sphere - 1.0]);
-        eprintln!("level {level}: of the shading normals, of a sphere: {on:?} with the offset, {off:?} without");
-        assert!(on[0].abs() < 2e-3 && off[0].abs() > 20.0 * on[0].abs(), "level {level}: {on:?} {off:?}");
-        assert!(on[1].abs() < nearness && off[1].abs() > 2.0 * on[1].abs(), "level {level}: {on:?} {off:?}");
+        let [on, off] = [true, false].map(|offset| near_terminator(&film::<T>(&scene, &settings(offset), 4, 48)));
+        eprintln!("level {level}: {on} with the offset, {off} without");
+        assert!((on - 1.0).abs() < 1e-3 && off < 1.0 - lacks, "level {level}: {on} {off}");
     }
 }
 
@@ -111,7 +102,11 @@ pub fn offsets_do_not_pass_through_walls<T: TestBackend>() {
                 std::array::from_fn(|axis| outwards[axis] * (length + 0.05) + side[axis] * a + up[axis] * b)
             };
             let material = builder.material(white());
-            builder.quad("wall", [corner(-3.0, -3.0), corner(3.0, -3.0), corner(3.0, 3.0), corner(-3.0, 3.0)], material);
+            builder.quad(
+                "wall",
+                [corner(-3.0, -3.0), corner(3.0, -3.0), corner(3.0, 3.0), corner(-3.0, 3.0)],
+                material,
+            );
         }
         let position = outwards.map(|c| 3.0 * c);
         builder.light("point", LightDesc::Point { position, intensity: [9.0; 3] });
@@ -130,7 +125,7 @@ pub fn furnace_of_coarse_spheres<T: TestBackend>() {
         let surface = Surface::Glossy { base_color: [1.0; 3], metallic, roughness, specular: 1.0, ior: 1.5 };
         MaterialDesc::new("white", surface)
     };
-    for (what, material) in [("metal", glossy(1.0, 0.5)), ("coat", glossy(0.0, 0.3)), ("lambert", white())] {
+    for (what, material) in [("metal", glossy(1.0, 0.5)), ("coat", glossy(0.0, 0.3)), ("diffuse", white())] {
         let mut builder = SceneBuilder::new();
         ball(&mut builder, 1, ([0.0; 3], 1.0), material);
         builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap());
@@ -141,10 +136,12 @@ pub fn furnace_of_coarse_spheres<T: TestBackend>() {
             let beauty = film::<T>(&scene, &s, 16, 16).beauty();
             beauty.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / beauty.len() as f64
         };
-        let (on, off) = (mean(true), mean(false));
-        eprintln!("{what}: {on} {off}");
+        let on = mean(true);
         assert!((on - 1.0).abs() < 2.5e-3, "{what}: {on}");
-        assert!(off < 1.0 - 5e-3, "{what}: {off}");
+        if what == "metal" {
+            let off = mean(false);
+            assert!(off < 1.0 - 5e-3, "{what}: {off}");
+        }
     }
 }
 
@@ -152,7 +149,8 @@ pub fn furnace_of_coarse_spheres<T: TestBackend>() {
 #[must_use]
 pub fn coarse_balls() -> Scene {
     let mut builder = SceneBuilder::new();
-    let glossy = Surface::Glossy { base_color: [0.9, 0.6, 0.3], metallic: 1.0, roughness: 0.4, specular: 1.0, ior: 1.5 };
+    let glossy =
+        Surface::Glossy { base_color: [0.9, 0.6, 0.3], metallic: 1.0, roughness: 0.4, specular: 1.0, ior: 1.5 };
     let glass = Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3], roughness: 0.5 };
     let materials = [white(), MaterialDesc::new("metal", glossy), MaterialDesc::new("glass", glass)];
     for (x, material) in [-0.7, 0.0, 0.7].into_iter().zip(materials) {

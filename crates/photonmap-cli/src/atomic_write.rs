@@ -14,6 +14,10 @@ pub type Failure = Box<dyn std::error::Error>;
 /// Writes a file through `save`. If anything fails, a full disk included, the previous file is left as it was and
 /// nothing else remains; only a process that is killed may leave a file named `.NAME.….partial`.
 ///
+/// The file is on the disk, and so is its name, when this returns: a power failure afterwards does not undo it. Several
+/// processes may write the same file at once, each under a partial name of its own that the system guarantees to be new;
+/// the last one wins.
+///
 /// # Errors
 /// [`Fault::Failure`] names the file and why it could not be written.
 pub fn write(path: &Path, save: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>) -> Result<(), Fault> {
@@ -23,9 +27,31 @@ pub fn write(path: &Path, save: impl FnOnce(&mut BufWriter<File>) -> Result<(), 
         save(&mut file)?;
         // The last write may fail for lack of space; dropping the buffer would hide that.
         file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
-        Ok(partial.persist(path)?)
+        partial.persist(path)?;
+        Ok(sync_folder(path)?)
     };
     all().map_err(|why| Fault::writing(path, why))
+}
+
+/// Makes the name of a file in its folder durable.
+#[cfg(unix)]
+fn sync_folder(path: &Path) -> io::Result<()> {
+    match File::open(folder(path))?.sync_all() {
+        // Some file systems have no such operation for folders.
+        Err(why) if matches!(why.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => Ok(()),
+        result => result,
+    }
+}
+
+/// Folders cannot be opened as files on other systems.
+#[cfg(not(unix))]
+fn sync_folder(_path: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+/// The folder of a file.
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Writes bytes, with the same guarantees.
@@ -53,14 +79,14 @@ fn create(path: &Path) -> io::Result<NamedTempFile> {
     let name = path.file_name().ok_or_else(|| io::Error::other("it has no file name"))?;
     let mut prefix = std::ffi::OsString::from(".");
     prefix.push(name);
-    prefix.push(".");
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // With the process, so that a user who finds such a file can tell whether somebody still writes it.
+    prefix.push(format!(".{}.", std::process::id()));
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(".partial");
     // Temporary files are private by default; pictures have the usual permissions of new files.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    builder.tempfile_in(folder(path))
 }
 
 #[cfg(test)]
@@ -84,6 +110,22 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
         assert!(check(&folder.path().join("none/b.txt")).unwrap_err().to_string().contains("b.txt"));
         assert!(check(folder.path()).unwrap_err().to_string().contains("folder"));
+    }
+
+    /// Two writers of one file at a time, many times: the file is always that of one of them.
+    #[test]
+    fn two_writers_do_not_collide() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        std::thread::scope(|scope| {
+            for letter in [b'a', b'b'] {
+                let path = &path;
+                scope.spawn(move || (0..20).for_each(|_| write_bytes(path, &[letter; 10_000]).unwrap()));
+            }
+        });
+        let bytes = fs::read(&path).unwrap();
+        assert!(bytes.len() == 10_000 && bytes.iter().all(|byte| *byte == bytes[0]));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
     }
 
     #[cfg(unix)]

@@ -64,7 +64,10 @@ fn blocks_add_up(renderer: &mut dyn Render) {
     };
     assert!(sum([&first, &middle, &last]) == expected, "rendered in another order");
     let backwards = sum([&last, &middle, &first]);
-    assert!(backwards.contains == expected.contains && backwards.pixels != expected.pixels, "sums depend on their order");
+    assert!(
+        backwards.contains == expected.contains && backwards.pixels != expected.pixels,
+        "sums depend on their order"
+    );
     assert!(run(0..6, 3, None, 0).0.pixels != expected.pixels, "sums depend on the grain");
 
     // Stopped within the second block, then continued. A pass has two batches of each kind of paths, and its end.

@@ -107,7 +107,10 @@ impl Header {
             format: FORMAT,
             scene: info.scene.clone(),
             key: info.key.clone(),
-            passes: contains.ranges().map(|(seed, range)| Passes { seed, first: range.start, end: range.end }).collect(),
+            passes: contains
+                .ranges()
+                .map(|(seed, range)| Passes { seed, first: range.start, end: range.end })
+                .collect(),
             pass_count: u32::try_from(contains.count()).unwrap_or(u32::MAX),
             in_order: info.in_order,
             errors: info.errors,

@@ -100,8 +100,7 @@ impl<R: Read + Seek> FilmReader<R> {
         let header: Header = serde_json::from_value(json).map_err(|error| damaged(&format!("{NAME}: {error}")))?;
         let info = header.info().map_err(|why| damaged(&why))?;
         let all = Column::all(info.errors);
-        let arrays: Vec<Column> =
-            all.into_iter().filter(|column| header.arrays.contains(&column.name())).collect();
+        let arrays: Vec<Column> = all.into_iter().filter(|column| header.arrays.contains(&column.name())).collect();
         if arrays.len() != header.arrays.len() || zip.len() != arrays.len() + 1 {
             return Err(damaged(&"its arrays are not those that it lists"));
         }
@@ -118,14 +117,14 @@ impl<R: Read + Seek> FilmReader<R> {
         let (width, height) = self.info.key.size();
         let mut total = 0_u64;
         for &column in &self.arrays {
-            let expected =
-                npy::header(column, width, height).len() as u64 + npy::data_bytes(column, width, height);
+            let expected = npy::header(column, width, height).len() as u64 + npy::data_bytes(column, width, height);
             let name = format!("{}.npy", column.name());
             let file = self.zip.by_name(&name).map_err(|error| zip_error(&self.path, error))?;
             total = total.saturating_add(expected);
             let stored = file.compression() == zip::CompressionMethod::Stored;
             if !stored || file.size() != expected || file.compressed_size() != expected || total > length {
-                let why = format!("{name} has {} bytes, but a picture of {width}x{height} needs {expected}", file.size());
+                let why =
+                    format!("{name} has {} bytes, but a picture of {width}x{height} needs {expected}", file.size());
                 return Err(FilmFileError::damaged(&self.path, why));
             }
         }

@@ -26,7 +26,8 @@ fn render(settings: Settings, width: u32) -> Rendered {
     let mut renderer = Pipeline::new(Cpu::new().unwrap(), &scene.view(), view, settings.clone()).unwrap();
     let mut film = |passes| {
         let mut film = None;
-        render_blocks(&mut renderer, &Blocks::new(passes, GRAIN).unwrap(), &mut film, &mut (), &mut |_| Ok(())).unwrap();
+        render_blocks(&mut renderer, &Blocks::new(passes, GRAIN).unwrap(), &mut film, &mut (), &mut |_| Ok(()))
+            .unwrap();
         film.unwrap()
     };
     let (blocks, all) = ([0..2, 2..4, 4..6].map(&mut film).to_vec(), film(0..6));

@@ -117,7 +117,17 @@ impl Film {
             return Err(Error::OutOfMemory { label: "film", bytes });
         }
         pixels.resize(count, FilmPixel::default());
-        Ok(Self { width, height, pixels, errors: None, passes: 0, contains: PassSet::default(), cut: false, units, clamp: false })
+        Ok(Self {
+            width,
+            height,
+            pixels,
+            errors: None,
+            passes: 0,
+            contains: PassSet::default(),
+            cut: false,
+            units,
+            clamp: false,
+        })
     }
 
     /// Adds the passes of another film. If [`Film::contains`] is empty for one of them, the caller has to make sure that

@@ -100,7 +100,7 @@ impl FilmKey {
     pub(crate) fn validate(&self) -> Result<(), String> {
         check_size(self.width, self.height).map_err(|error| error.to_string())?;
         let units = self.units();
-        if !units.center.iter().all(|x| x.is_finite()) || !(units.scale > 0.0 && units.scale.is_finite()) {
+        if !(units.center.iter().all(|x| x.is_finite()) && units.scale > 0.0 && units.scale.is_finite()) {
             return Err("its units are no numbers".to_owned());
         }
         if !(units.power > 0.0 && units.power.is_finite()) {

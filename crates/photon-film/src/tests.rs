@@ -161,7 +161,8 @@ fn descriptions_are_not_believed() {
     forged(&path, |json| json["format"] = 2.into());
     let error = load(&path).unwrap_err();
     assert!(matches!(error, FilmFileError::Newer { found: 2, known: 1, .. }), "{error}");
-    let cases: [(&str, fn(&mut serde_json::Value)); 10] = [
+    type Change = fn(&mut serde_json::Value);
+    let cases: [(&str, Change); 10] = [
         // 2³¹ pixels: refused by the size of the arrays, without memory for them.
         ("needs 51539607680", |json| json["key"]["width"] = (1_u64 << 30).into()),
         ("2^31", |json| json["key"]["width"] = (1_u64 << 31).into()),
@@ -242,7 +243,6 @@ fn films_that_do_not_fit_are_named() {
 
 /// NumPy opens the file, and its arrays are those of the film.
 #[test]
-#[expect(clippy::print_stderr, reason = "a skipped test says so")]
 fn numpy_reads_films() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.film");

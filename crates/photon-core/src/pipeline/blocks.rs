@@ -34,7 +34,7 @@ impl Blocks {
         if passes.is_empty() {
             return invalid("passes", text, "must be at least one pass");
         }
-        if passes.start % grain != 0 || passes.end % grain != 0 {
+        if !(passes.start.is_multiple_of(grain) && passes.end.is_multiple_of(grain)) {
             let value = format!("{text} with grain {grain}");
             return invalid("passes", value, "must begin and end at a multiple of the grain");
         }
@@ -74,7 +74,7 @@ impl Blocks {
         if range.end % self.grain != 0 {
             return invalid("it ends within a block; render it again");
         }
-        Ok((range.end < self.passes.end).then(|| Self { passes: range.end..self.passes.end, grain: self.grain }))
+        Ok((range.end < self.passes.end).then_some(Self { passes: range.end..self.passes.end, grain: self.grain }))
     }
 }
 

@@ -18,7 +18,7 @@ pub trait Render: Send {
     /// rendered on any machine, and the films merged.
     ///
     /// # Errors
-    /// Errors of the backend. The film is unchanged then.
+    /// [`Error::PassTwice`] if the film contains the pass; errors of the backend. The film is unchanged then.
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd>;
 
     /// Returns the film so far.

@@ -60,7 +60,8 @@ pub struct PictureArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct OutputArgs {
-    /// Picture to write, .exr or .png; may be given more than once [default: SCENE.png in the current folder].
+    /// Picture to write, .exr or .png; may be given more than once [default: SCENE.png in the current folder; with --film
+    /// none].
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Exposure of the PNG, in stops, or `auto`.

@@ -102,12 +102,16 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     }
     let stopped = if outcome.cancelled { ", interrupted" } else { "" };
     let (passes, paths) = (outcome.passes, renderer.facts().photons);
-    eprintln!("wrote {}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}", written.join(", "));
+    let written = if written.is_empty() { "nothing".to_owned() } else { written.join(", ") };
+    eprintln!("wrote {written}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}");
     Ok(())
 }
 
 /// The output files, checked before anything is rendered.
 fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
+    if args.files.output.is_empty() && args.film.film.is_some() {
+        return Ok(Vec::new());
+    }
     if args.files.output.is_empty() {
         let stem = Path::new(&args.scene.scene).file_stem().unwrap_or_default();
         return Ok(vec![Path::new(stem).with_extension("png")]);

@@ -20,7 +20,7 @@ pub struct FilmInfo {
     /// The passes.
     pub contains: PassSet,
     /// Whether the sums are those of a single render, bit by bit: false after a merge in which they were added in another
-    /// order.
+    /// order, and with passes of several backends.
     pub in_order: bool,
     /// Whether there are error statistics.
     pub errors: bool,

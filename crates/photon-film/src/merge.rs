@@ -12,8 +12,8 @@ use crate::write::FilmWriter;
 /// Adds the passes of all `films` and writes them to `out`, which may be one of them. Films are added in order of seed and
 /// first pass, whatever the order in which they are named.
 ///
-/// If the first has whole blocks and each of the others is the next block ([`photon_core::Blocks`]), the sums are
-/// bitwise those of a single render, which [`FilmInfo::in_order`] of the result says; otherwise they may differ by
+/// If the first has whole blocks, each of the others is the next block ([`photon_core::Blocks`]), and all are of one backend, the
+/// sums are bitwise those of a single render, which [`FilmInfo::in_order`] of the result says; otherwise they may differ by
 /// rounding. Gaps between the passes are allowed.
 ///
 /// Memory: one array, at most 24 bytes for each pixel, for any number of films.
@@ -74,7 +74,9 @@ fn checked(films: &[(&Path, FilmInfo)]) -> Result<FilmInfo, FilmFileError> {
         let ends = all.contains.ranges().next().map(|(seed, range)| (seed, range.end));
         let begins = info.contains.ranges().next().map(|(seed, range)| (seed, range.start));
         let is_next_block = ends == begins && info.contains.count() == u64::from(all.key.grain());
-        all.in_order &= info.in_order && is_next_block;
+        let same_backend =
+            info.makers.iter().all(|maker| all.makers.iter().all(|known| known.backend == maker.backend));
+        all.in_order &= info.in_order && is_next_block && same_backend;
         all.contains.merge(&info.contains).map_err(|source| FilmFileError::film(path, source))?;
         info.makers.iter().for_each(|maker| all.add_maker(maker));
     }

@@ -29,7 +29,7 @@ fn text(info: &FilmInfo) -> String {
     let key = &info.key;
     let (width, height) = key.size();
     let order =
-        if info.in_order { "those of a single render" } else { "in another order than those of a single render" };
+        if info.in_order { "those of a single render" } else { "may differ from those of a single render by rounding" };
     let mut text = String::new();
     let mut line = |name: &str, value: &dyn std::fmt::Display| {
         // Writing to a string cannot fail.

@@ -29,8 +29,8 @@ pub fn run(args: &MergeArgs) -> Result<(), Fault> {
     let info = photon_film::merge(&args.output, &args.films)?;
     if !info.in_order {
         eprintln!(
-            "note: the last bits may differ from those of a single render, which each film after the first would have to \
-             continue by exactly one block of {} passes",
+            "note: the last bits may differ from those of a single render; for the same bits, render all films on one \
+             backend, and each after the first as the next block of {} passes",
             info.key.grain()
         );
     }

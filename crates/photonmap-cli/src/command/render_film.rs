@@ -94,7 +94,7 @@ pub(super) fn run(
         }
     }
     let key = FilmKey::new(&scene.view(), view, settings, renderer, blocks.grain());
-    let (mut film, info) = match stored {
+    let (mut film, mut info) = match stored {
         Some((film, info)) => {
             info.key.check(&key, path)?;
             (Some(film), info)
@@ -104,18 +104,19 @@ pub(super) fn run(
     let found = film.as_ref().map_or(&info.contains, |film| &film.contains);
     let named = |error| Fault::input(format!("{}: {error}", path.display()));
     let remaining = blocks.remaining(found, settings.seed).map_err(named)?;
+    let Some(remaining) = remaining else {
+        eprintln!("{}: has all passes already", path.display());
+        let film = film.ok_or_else(|| Fault::failure("no passes"))?;
+        return Ok(FilmOfRender { outcome: Outcome::default(), film, filed: Ok(true) });
+    };
     if let Some(other) = info.makers.iter().find(|maker| maker.backend != facts.backend) {
         eprintln!(
             "warning: {} was begun on the backend {}; a render on one backend has other bits",
             path.display(),
             other.backend
         );
+        info.in_order = false;
     }
-    let Some(remaining) = remaining else {
-        eprintln!("{}: has all passes already", path.display());
-        let film = film.ok_or_else(|| Fault::failure("no passes"))?;
-        return Ok(FilmOfRender { outcome: Outcome::default(), film, filed: Ok(true) });
-    };
     if let Some(film) = &film {
         eprintln!("{}: continued after {} passes", path.display(), film.passes);
     }

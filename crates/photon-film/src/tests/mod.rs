@@ -87,7 +87,7 @@ fn films_of_older_versions_are_read() {
     let (film, info) = load_from(source, bytes.len() as u64, "format1.film".as_ref()).unwrap();
     assert_eq!((film.width, film.height, film.passes, film.contains.to_string().as_str()), (2, 1, 2, "0..2"));
     assert!(
-        film.pixels.iter().all(|pixel| pixel.hits == 2) && film.beauty().iter().flatten().all(|&value| value > 0.0)
+        film.pixels.iter().all(|pixel| pixel.hits == 1) && film.beauty().iter().flatten().all(|&value| value > 0.0)
     );
     assert_eq!((info.scene.as_str(), info.makers[0].backend.as_str()), ("cornell", "cpu"));
 }

@@ -91,7 +91,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         // With few triangles: trees are built for every input.
         let mut glass = photon_scene::builtin("cornell").expect("listed");
         if let Some(material) = glass.materials_mut().first_mut() {
-            material.surface = photon_scene::Surface::Dielectric { ior: 1.5, absorption: [0.1; 3], tint: [0.9; 3] };
+            material.surface = photon_scene::Surface::Dielectric { ior: 1.5, absorption: [0.1; 3], tint: [0.9; 3], roughness: 0.0 };
         }
         let build = |scene: photon_scene::SceneBuilder| scene.build().expect("sound");
         ["cornell", "plates"]

@@ -155,7 +155,7 @@ void ask(uint index) {
     if (SHADING != 0) shading = octahedral_unpack(push.queries[index].at.shading_normal);
     if (SHADING == REFLECTED) {
         uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
-        lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.wo), shading);
+        lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.offset_or_wo), shading);
     }
     precise float radius = MODE == ROWS ? push.radius : push.queries[index].at.radius * push.radius;
     precise float most = radius * radius;

@@ -137,7 +137,7 @@ void main() {
         if (SHADING != 0) shading = octahedral_unpack(push.queries[index].at.shading_normal);
         if (SHADING == REFLECTED) {
             uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
-            lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.wo), shading);
+            lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.offset_or_wo), shading);
         }
         precise float radius = push.queries[index].at.radius * push.radius;
         squared_radius = radius * radius;

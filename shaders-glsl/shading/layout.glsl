@@ -26,7 +26,8 @@ struct Query {
     uint pixel;
     vec3 throughput;
     uint media;
-    uint wo;
+    // Packed offset of shadow rays; in a query for a reflection, the packed direction towards the viewer.
+    uint offset_or_wo;
     uint path;
     uint shading_normal;
     uint coat;

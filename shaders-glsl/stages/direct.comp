@@ -21,6 +21,7 @@ layout(constant_id = 3) const uint MEDIA = 1;
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
+#include "shading/shadow_terminator.glsl"
 #include "shading/two_float.glsl"
 #include "shading/glossy.glsl"
 #include "shading/light_sample.glsl"
@@ -73,7 +74,15 @@ void main() {
     vec3 normal = push.queries[i].at.normal;
     uint key = push.queries[i].at.path;
     vec3 shading = normal;
-    if (SHADING_NORMALS) shading = octahedral_unpack(push.queries[i].at.shading_normal);
+    if (SHADING_NORMALS) {
+        shading = octahedral_unpack(push.queries[i].at.shading_normal);
+        uint offset = push.queries[i].at.offset_or_wo;
+        if (offset != 0u) {
+            // The smooth surface instead of the triangle.
+            position += shadow_terminator_unpack(offset);
+            normal = shading;
+        }
+    }
     uint coat = GLOSSY ? push.queries[i].at.coat : 0u;
     vec3 from = off_surface(position, normal);
     LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, position, normal);

@@ -21,6 +21,8 @@ layout(constant_id = 6) const uint WEIGHED = 0;
 layout(constant_id = 7) const bool HIDES_BACKGROUND = false;
 // Paths leave queries for the reflection of glossy surfaces, instead of all else.
 layout(constant_id = 8) const bool REFLECTIONS = false;
+// Shadow rays from triangles with vertex normals start outside the mesh.
+layout(constant_id = 9) const bool TERMINATOR_OFFSET = false;
 
 #include "shading/bsdf.glsl"
 #include "shading/constants.glsl"
@@ -34,6 +36,7 @@ layout(constant_id = 8) const bool REFLECTIONS = false;
 #include "shading/environment.glsl"
 #include "shading/sun.glsl"
 #include "shading/glossy.glsl"
+#include "shading/shadow_terminator.glsl"
 
 const bool THIN_LENS = (FEATURES & FEATURE_THIN_LENS) != 0u;
 
@@ -145,13 +148,33 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
     return split;
 }
 
+// Whether lights are sampled from a surface.
+bool samples_lights(Material material) {
+    return material.kind == MATERIAL_LAMBERT || material.kind == MATERIAL_GLOSSY
+        || (ROUGH_GLASS && kind_transmits(material.kind)
+            && material.roughness * material.roughness >= GGX_MIN_ALPHA);
+}
+
+// The surface as rays to lights see it, and paths that are weighed against them: `offset` is that of shadow rays.
+Surface lit_surface(Surface at, vec3 normal, vec3 offset) {
+    if (!TERMINATOR_OFFSET || offset == vec3(0.0)) return at;
+    at.start += offset;
+    at.normal = normal;
+    return at;
+}
+
 // Adds a query at a surface point, unless it has no effect.
-void leave_query(Path path, uint pixel, Surface at, vec3 normal, uvec2 media_coat, vec3 throughput, inout uint found) {
+void leave_query(
+    Path path, uint pixel, Surface at, vec3 offset, vec3 normal, uvec2 media_coat, vec3 throughput, inout uint found
+) {
     if (throughput == vec3(0.0)) return;
     uint key = (pixel << PATHS_LOG2) + path.branch;
+    uint offset_or_wo = 0u;
+    if (REFLECTIONS) offset_or_wo = octahedral_pack(-path.ray.direction);
+    else if (TERMINATOR_OFFSET) offset_or_wo = shadow_terminator_pack(offset);
     // Moved away from edges, next to which rounding might put it behind the adjacent wall, out of its shadow.
     push.found[(pixel << MAX_SPLITS) + found].at = Query(
-        at.start, 1.0, at.normal, pixel, throughput, media_coat.x, octahedral_pack(-path.ray.direction), key,
+        at.start, 1.0, at.normal, pixel, throughput, media_coat.x, offset_or_wo, key,
         SHADING_NORMALS || REFLECTIONS ? octahedral_pack(normal) : 0u, media_coat.y);
     found++;
 }
@@ -215,6 +238,10 @@ void main() {
                 }
                 emission += throughput * material.emission;
             }
+            vec3 offset = vec3(0.0);
+            if (TERMINATOR_OFFSET && SHADING_NORMALS && samples_lights(material)) {
+                offset = shadow_terminator_at(push.scene, hit, at, word);
+            }
             if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
                 vec3 seen = path.throughput;
                 if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before);
@@ -223,17 +250,18 @@ void main() {
                 if (REFLECTIONS) {
                     leaves = leaves_reflection(material, layers, glossy, seen);
                 } else {
-                    emission += seen * light_reflection(path, pixel, at, normal, sides.before, glossy);
+                    emission += seen * light_reflection(path, pixel, lit_surface(at, normal, offset), normal, sides.before, glossy);
                     leaves = leaves_base(glossy, sides.before, seen);
                 }
-                alive = reflect_path(path, pixel, at, normal, sides.before, glossy, leaves, found);
-            } else if (!ROUGH_GLASS || !meet_rough_glass(path, pixel, at, normal, material, sides, emission, alive)) {
+                alive = reflect_path(path, pixel, at, offset, normal, sides.before, glossy, leaves, found);
+            } else if (!ROUGH_GLASS || !meet_rough_glass(path, pixel, at, offset, normal, material, sides, emission, alive)) {
                 Bsdf bsdf = bsdf_new(material, at.cosine, sides);
                 if (bsdf.kind == MATERIAL_LAMBERT) {
                     vec3 throughput = path.throughput;
                     if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
                     throughput = throughput * bsdf.albedo * 0.318309886;
-                    if (!REFLECTIONS) leave_query(path, pixel, at, normal, uvec2(sides.before, 0u), throughput, found);
+                    uvec2 media_coat = uvec2(sides.before, 0u);
+                    if (!REFLECTIONS) leave_query(path, pixel, at, offset, normal, media_coat, throughput, found);
                     alive = false;
                 } else {
                     path.surfaces++;

@@ -80,7 +80,8 @@ Leaves leaves_reflection(Material material, Layers layers, Glossy glossy, vec3 s
 // Leaves a query at a glossy surface, and continues the path by its reflection; or, where the path has split as often
 // as it may, one of the two. Returns whether the path continues.
 bool reflect_path(
-    inout Path path, uint pixel, Surface at, vec3 normal, uint media, Glossy glossy, Leaves leaves, inout uint found
+    inout Path path, uint pixel, Surface at, vec3 offset, vec3 normal, uint media, Glossy glossy, Leaves leaves,
+    inout uint found
 ) {
     float first = leaves.first;
     // The next block, as at glass: the words of this one belong to the surface before.
@@ -99,23 +100,24 @@ bool reflect_path(
             }
         }
         vec3 throughput = left * (leaves.scale / (splits ? 1.0 : 1.0 - first));
-        leave_query(path, pixel, at, normal, media_coat, throughput, found);
+        leave_query(path, pixel, at, offset, normal, media_coat, throughput, found);
     }
     if (!reflects || path.surfaces >= push.max_bounces) return false;
+    Surface lit = lit_surface(at, normal, offset);
     vec3 onward;
     Reflected reflected = glossy_sample(
         push.scene, glossy, -path.ray.direction, normal, unit_f32(random.y), unit_f32(random.z), onward);
-    path.throughput *= glossy_weight(reflected, glossy_limited(onward, at.normal, normal) / (splits ? 1.0 : first));
+    path.throughput *= glossy_weight(reflected, glossy_limited(onward, lit.normal, normal) / (splits ? 1.0 : first));
     if (path.throughput == vec3(0.0)) return false;
     if (splits) {
         path.branch |= 1u << path.splits;
         path.splits++;
     }
     path.reflected_pdf = reflected.pdf;
-    path.reflected_position = at.start;
-    path.reflected_normal = at.normal;
+    path.reflected_position = lit.start;
+    path.reflected_normal = lit.normal;
     path.media = media;
-    path.ray = surface_leave(at, onward);
+    path.ray = surface_leave(lit, onward);
     return true;
 }
 

@@ -4,18 +4,26 @@
 
 #include "shading/rough_glass.glsl"
 
+// Where rays to lights start, on the side of the path or beyond, where they have no offset.
+Surface rough_glass_side(bool stays, Surface at, vec3 normal, vec3 offset) {
+    if (stays) return lit_surface(at, normal, offset);
+    at.normal = -at.normal;
+    return at;
+}
+
 // The light that a shadow ray from rough glass finds, on the side of the path or beyond: its contribution to the pixel.
-vec3 light_through(Path path, uint pixel, Surface at, vec3 normal, Interface sides, RoughGlass glass) {
+vec3 light_through(Path path, uint pixel, Surface at, vec3 offset, vec3 normal, Interface sides, RoughGlass glass) {
     if (push.scene.light_count == 0u) return vec3(0.0);
     uvec4 random = words(pixel, path.branch, BLOCK_LIGHTS + path.surfaces);
     bool stays = unit_f32(words(pixel, path.branch, BLOCK_LIGHT_SIDES + path.surfaces).x) < glass.light_side;
     float of_side = stays ? glass.light_side : 1.0 - glass.light_side;
-    vec3 geometric = stays ? at.normal : -at.normal;
-    LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, at.start, geometric);
+    Surface from = rough_glass_side(stays, at, normal, offset);
+    vec3 geometric = from.normal;
+    LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, from.start, geometric);
     float share;
     uint index = light_sampler_pick(push.scene, light_sampler, random.xw, share);
     LightSample found;
-    if (!light_sample(push.scene, index, off_surface(at.start, geometric), random, found)) return vec3(0.0);
+    if (!light_sample(push.scene, index, off_surface(from.start, geometric), random, found)) return vec3(0.0);
     vec3 direction = found.ray.direction;
     Reflected scattered = rough_glass_evaluate(push.scene, glass, -path.ray.direction, direction, normal);
     float limited = glossy_limited(direction, geometric, stays ? normal : -normal);
@@ -31,36 +39,36 @@ vec3 light_through(Path path, uint pixel, Surface at, vec3 normal, Interface sid
 }
 
 // Continues the path by reflection or transmission. Returns whether it goes on.
-bool scatter_path(inout Path path, uint pixel, Surface at, vec3 normal, Interface sides, RoughGlass glass) {
+bool scatter_path(inout Path path, uint pixel, Surface at, vec3 offset, vec3 normal, Interface sides, RoughGlass glass) {
     path.surfaces++;
     if (path.surfaces >= push.max_bounces) return false;
     uvec4 random = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
     RoughSample drawn = rough_glass_sample(push.scene, glass, -path.ray.direction, normal, unit_f32(random.x),
         unit_f32(random.y), unit_f32(random.z));
-    vec3 geometric = drawn.stays ? at.normal : -at.normal;
+    Surface from = rough_glass_side(drawn.stays, at, normal, offset);
+    vec3 geometric = from.normal;
     float limited = glossy_limited(drawn.direction, geometric, drawn.stays ? normal : -normal);
     path.throughput *= glossy_weight(drawn.found, limited);
     if (path.throughput == vec3(0.0)) return false;
     // Lights on this side are sampled with that probability: it divides the density, so as not to be a factor
     // elsewhere.
     path.reflected_pdf = drawn.found.pdf / (drawn.stays ? glass.light_side : 1.0 - glass.light_side);
-    path.reflected_position = at.start;
+    path.reflected_position = from.start;
     path.reflected_normal = geometric;
     path.media = drawn.stays ? sides.before : sides.transmitted;
-    if (drawn.stays) path.ray = surface_leave(at, drawn.direction);
-    else path.ray = surface_pass(at, drawn.direction);
+    path.ray = surface_leave(from, drawn.direction);
     return true;
 }
 
 // If the path meets rough glass, adds the light that is sampled there, and continues the path. Returns whether it does.
 bool meet_rough_glass(
-    inout Path path, uint pixel, Surface at, vec3 normal, Material material, Interface sides, inout vec3 emission,
-    inout bool alive
+    inout Path path, uint pixel, Surface at, vec3 offset, vec3 normal, Material material, Interface sides,
+    inout vec3 emission, inout bool alive
 ) {
     RoughGlass glass;
     if (!rough_glass_new(push.scene, material, at.cosine, sides, glass)) return false;
-    if (!REFLECTIONS) emission += light_through(path, pixel, at, normal, sides, glass);
-    alive = scatter_path(path, pixel, at, normal, sides, glass);
+    if (!REFLECTIONS) emission += light_through(path, pixel, at, offset, normal, sides, glass);
+    alive = scatter_path(path, pixel, at, offset, normal, sides, glass);
     return true;
 }
 

@@ -140,7 +140,6 @@ void main() {
             if (GLASS) throughput *= radiance_scale(push.scene, start, sides.before);
             landing.throughput = throughput * bsdf_weight(bsdf, lobe);
             landing.media = sides.before;
-            landing.wo = octahedral_pack(-ray.direction);
             if (SHADING_NORMALS) landing.shading_normal = octahedral_pack(facing);
             break;
         }

@@ -159,7 +159,7 @@ def main():
     mi.Bitmap(theirs.astype(np.float32)).write(str(files[0]))
     program = args.program.resolve()
     command = [program, "render", args.model, "--environment", args.environment]
-    command += ["--size", f"{args.size}x{args.size}", "--passes", str(args.passes), "-o", files[1]]
+    command += ["--no-terminator-offset", "--size", f"{args.size}x{args.size}", "--passes", str(args.passes), "-o", files[1]]
     subprocess.run([*map(str, command), *further], check=True, stderr=subprocess.DEVNULL)
     layers = dict(mi.Bitmap(str(files[1])).split())
     ours = np.array(layers["<root>"], dtype=np.float64)[..., :3]

@@ -46,6 +46,8 @@ def render(args, scene, mi):
         picture = args.folder / f"ours-{seed}.exr"
         command = [args.program, "render", args.folder / "scene.obj", "--overrides", args.folder / "scene.toml"]
         command += ["--size", f"{SIZE}x{SIZE}", "--passes", str(args.passes), "--seed", str(seed), "-o", picture]
+        # Mitsuba's shadow rays start at the triangles.
+        command += ["--no-terminator-offset"]
         subprocess.run([*map(str, command), *args.arguments], check=True, stderr=subprocess.DEVNULL)
         layers = dict(mi.Bitmap(str(picture)).split())
         ours.append(np.array(layers["<root>"], dtype=np.float64)[..., :3])

@@ -13,6 +13,7 @@ use photon_core::{
 use photon_scene::{Scene, builtin};
 
 use crate::harness::{TestBackend, Uniform, estimate, estimates, film, per_pass, photon_at, query_at, trace};
+use crate::shadow_terminator::coarse_balls;
 use crate::stats::{moments, standard_error};
 
 /// Scenes that together contain every kind of light, and every lobe but those of rough glass.
@@ -263,7 +264,7 @@ pub fn means_are_equivalent<A: TestBackend, B: TestBackend>() {
             if way == "debiased" && name != "cornell-glass" {
                 continue;
             }
-            let (a, b) = (per_pass::<A>(&scene, &settings, 8, 24), per_pass::<B>(&scene, &settings, 8, 24));
+            let (a, b) = (per_pass::<A>(&scene, &settings, 5, 24), per_pass::<B>(&scene, &settings, 5, 24));
             let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
             let level = moments(&a).0;
             eprintln!("{name}, {way}: {:+.2e} of the mean", moments(&differences).0 / level);
@@ -275,8 +276,9 @@ pub fn means_are_equivalent<A: TestBackend, B: TestBackend>() {
 /// Images, pixel by pixel: at most 1 % of the pixels differ by more than 1 % of the image's mean.
 pub fn pictures_are_alike<A: TestBackend, B: TestBackend>() {
     // The furnace tests nearby area lights.
-    for name in SCENES.into_iter().chain(["furnace"]) {
-        let scene = builtin(name).unwrap().build().unwrap();
+    let built_in = |name| (name, builtin(name).unwrap().build().unwrap());
+    let scenes = SCENES.into_iter().chain(["furnace"]).map(built_in);
+    for (name, scene) in scenes.chain([("coarse balls", coarse_balls())]) {
         let settings = Settings { photons: 50_000, seed: 4, ..Settings::default() };
         let (a, b) = (film::<A>(&scene, &settings, 2, 48).beauty(), film::<B>(&scene, &settings, 2, 48).beauty());
         let mean = a.iter().flatten().sum::<f32>() / (3 * a.len()) as f32;

@@ -60,10 +60,10 @@ fn check<T: TestBackend>(what: &str, builder: SceneBuilder, settings: &Settings,
     check_within::<T>(what, builder, settings, truth, 0.0);
 }
 
-/// The mean of 16 passes; its standard error is that of independent values. Emission alone has none, but roundings.
+/// The mean of 10 passes; its standard error is that of independent values. Emission alone has none, but roundings.
 fn check_within<T: TestBackend>(what: &str, builder: SceneBuilder, settings: &Settings, truth: f64, bound: f64) {
     let scene = builder.build().unwrap();
-    let values = per_pass::<T>(&scene, settings, 16, 6);
+    let values = per_pass::<T>(&scene, settings, 10, 6);
     assert_agrees(what, moments(&values).0, truth, standard_error(&values), bound + 2e-6 * truth);
 }
 

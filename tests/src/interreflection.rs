@@ -67,7 +67,7 @@ pub fn c1_furnace<T: TestBackend>() {
                 continue;
             }
             let bound = if name == "ball" { 2e-3 * radiosity } else { 0.0 };
-            let values: Vec<f64> = per_pass::<T>(&scene, &s, 16, 6).iter().map(|l| l * PI).collect();
+            let values: Vec<f64> = per_pass::<T>(&scene, &s, 10, 6).iter().map(|l| l * PI).collect();
             let what = format!("{name}, {way}, {radiosity}");
             assert_agrees(&what, moments(&values).0, radiosity, standard_error(&values), bound);
         }
@@ -104,7 +104,7 @@ pub fn c2_integrating_sphere<T: TestBackend>() {
         let scene = builder.build().unwrap();
         let s = Settings { direct: Direct::None, ..settings() };
         let factor = PI / albedo;
-        let values: Vec<f64> = per_pass::<T>(&scene, &s, 16, 6).iter().map(|l| l * factor).collect();
+        let values: Vec<f64> = per_pass::<T>(&scene, &s, 10, 6).iter().map(|l| l * factor).collect();
         let truth = 100.0 * albedo / (area * (1.0 - albedo));
         assert_agrees("sphere", moments(&values).0, truth, standard_error(&values), 2e-3 * truth);
     }

@@ -40,6 +40,7 @@ pub mod precision;
 pub mod required_format;
 pub mod rough_glass;
 pub mod shading_normals;
+pub mod shadow_terminator;
 pub mod sheets;
 pub mod specular_colors;
 pub mod stats;
@@ -155,6 +156,10 @@ macro_rules! whole_suite {
             shading_normals::{
                 g9_parallel_light, g9_light_from_the_sides, g9_even_sky, photons_scattered_by_a_tilted_normal,
                 a_mirror_with_tilted_normals, smooth_balls_in_an_even_shell,
+            }
+            shadow_terminator::{
+                parallel_light_on_a_coarse_sphere, hollow_and_flat_meshes_are_unchanged, offsets_do_not_pass_through_walls,
+                furnace_of_coarse_spheres,
             }
             environment::{
                 sky_and_sun, g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,

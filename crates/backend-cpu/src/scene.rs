@@ -7,7 +7,7 @@ use photon_core::light_tree::LightTree;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, Material, MediaFeatures, Medium, MediumStack,
     Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids,
-    SurfaceInteraction, alpha, interface, math, offset, radiance_scale,
+    SurfaceInteraction, alpha, interface, math, offset, radiance_scale, shadow_terminator,
 };
 
 use crate::cpu::Cpu;
@@ -176,6 +176,29 @@ impl CpuScene {
             Some(shading) => shading.view().shade(surface, hit, material),
             None => Shaded { material: *material, normal: surface.normal, layers: Layers::NONE },
         }
+    }
+
+    /// The vector from a visible point to where shadow rays start, 0 if it has no vertex normals: see
+    /// [`shadow_terminator`]. 0 as well if something is in between, for the random word `word`.
+    #[inline]
+    pub(crate) fn shadow_offset<const ALPHA: bool>(
+        &self,
+        surface: &SurfaceInteraction,
+        hit: &Hit,
+        word: impl FnOnce() -> u32,
+    ) -> Vec3 {
+        let Some(normals) = self.shading.as_ref().and_then(|shading| shading.view().vertex_normals(surface, hit))
+        else {
+            return Vec3::ZERO;
+        };
+        let (vertices, weights) = (self.vertices[hit.primitive as usize], [1.0 - hit.u - hit.v, hit.u, hit.v]);
+        let offset = shadow_terminator::offset(vertices, normals, weights, surface.start, surface.normal);
+        if offset == Vec3::ZERO
+            || self.occluded_with::<ALPHA>(&shadow_terminator::probe(surface.start, surface.normal, offset), word)
+        {
+            return Vec3::ZERO;
+        }
+        offset
     }
 
     /// Ratio of the radiance that a triangle emits at barycentric coordinates (u, v) to its mean, where `light` is its

@@ -33,6 +33,7 @@ impl TransportBackend for Cpu {
                 max_bounces: settings.max_bounces,
                 hides_background: settings.transparent_background,
                 reflections: false,
+                terminator_offset: required.terminator_offset,
             }),
             direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
             gather: if required.final_gather {
@@ -45,7 +46,12 @@ impl TransportBackend for Cpu {
             aimed: None,
             gloss_caustics: required.gloss_caustics.then(|| GlossCaustics {
                 tracer: Box::new(CpuTracer::for_reflections(settings, required)),
-                eye: Box::new(CpuEye { max_bounces: settings.max_bounces, hides_background: false, reflections: true }),
+                eye: Box::new(CpuEye {
+                    max_bounces: settings.max_bounces,
+                    hides_background: false,
+                    reflections: true,
+                    terminator_offset: required.terminator_offset,
+                }),
             }),
             map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },
         })

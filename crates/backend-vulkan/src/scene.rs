@@ -33,6 +33,7 @@ pub struct VulkanScene {
     features: Features,
     media: MediaFeatures,
     light_count: u32,
+    has_vertex_normals: bool,
     /// Labels and sizes in bytes of the tables.
     bytes: Vec<(&'static str, u64)>,
     /// Time to build the BVH on the CPU, in seconds.
@@ -129,7 +130,8 @@ impl VulkanScene {
         // A lens is the view's: camera kernels add it.
         let absent = WITH_TABLES.without(present).union(unlit).union(Features::THIN_LENS);
         let (features, media) = (required.features.without(absent), required.media);
-        Ok(Self { record, _tables: tables, features, media, light_count, bytes, build_seconds })
+        let has_vertex_normals = !view.shading.normals.is_empty();
+        Ok(Self { record, _tables: tables, features, media, light_count, has_vertex_normals, bytes, build_seconds })
     }
 
     /// Address of the record that is passed to kernels.
@@ -140,6 +142,11 @@ impl VulkanScene {
     /// Features that kernels must support.
     pub(crate) fn features(&self) -> Features {
         self.features
+    }
+
+    /// Whether triangles have vertex normals.
+    pub(crate) fn has_vertex_normals(&self) -> bool {
+        self.has_vertex_normals
     }
 
     /// Media features that kernels must support.

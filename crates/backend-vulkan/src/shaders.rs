@@ -136,6 +136,9 @@ pub(crate) static PROBE_SHADE: Module =
 pub(crate) static PROBE_SHADING_NORMAL: Module =
     Module { name: "probe_shading_normal", bytes: include_bytes!("../spirv/probe_shading_normal.spv") };
 
+pub(crate) static PROBE_SHADOW_TERMINATOR: Module =
+    Module { name: "probe_shadow_terminator", bytes: include_bytes!("../spirv/probe_shadow_terminator.spv") };
+
 pub(crate) static PROBE_SOLID_ANGLE: Module =
     Module { name: "probe_solid_angle", bytes: include_bytes!("../spirv/probe_solid_angle.spv") };
 
@@ -228,7 +231,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 79] = [
+pub(crate) static ALL: [&Module; 80] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -276,6 +279,7 @@ pub(crate) static ALL: [&Module; 79] = [
     &PROBE_SAMPLING,
     &PROBE_SHADE,
     &PROBE_SHADING_NORMAL,
+    &PROBE_SHADOW_TERMINATOR,
     &PROBE_SOLID_ANGLE,
     &PROBE_TEXTURE,
     &PROBE_TRIANGLE,

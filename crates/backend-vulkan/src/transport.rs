@@ -34,7 +34,7 @@ impl TransportBackend for Vulkan {
         Ok(Stages {
             emitter: Box::new(VulkanEmitter),
             tracer: Box::new(VulkanTracer::new(self, settings)?),
-            eye: Box::new(VulkanEye::new(self, settings.max_bounces, settings.transparent_background)?),
+            eye: Box::new(VulkanEye::new(self, settings, required)?),
             direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
             gather: if required.final_gather {
                 Some(Box::new(VulkanGather::new(settings.max_bounces, Box::new(VulkanEstimator::default()))))
@@ -46,7 +46,7 @@ impl TransportBackend for Vulkan {
             aimed: None,
             gloss_caustics: if required.gloss_caustics {
                 let tracer = Box::new(VulkanTracer::for_reflections(self, settings)?);
-                Some(GlossCaustics { tracer, eye: Box::new(VulkanEye::for_reflections(self, settings.max_bounces)?) })
+                Some(GlossCaustics { tracer, eye: Box::new(VulkanEye::for_reflections(self, settings, required)?) })
             } else {
                 None
             },

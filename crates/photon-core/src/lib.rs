@@ -79,5 +79,5 @@ pub use shading::rough_glass_table::RoughGlassTable;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
     alpha, area, clearcoat, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset, random,
-    rough_glass, sampling, shade, shading_normal, sobol, solid_angle, texture,
+    rough_glass, sampling, shade, shading_normal, shadow_terminator, sobol, solid_angle, texture,
 };

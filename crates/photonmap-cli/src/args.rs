@@ -154,6 +154,7 @@ impl SettingsArgs {
             shadow_rays: light.shadow_rays.unwrap_or(base.shadow_rays),
             gather_rays: light.gather_rays.unwrap_or(base.gather_rays),
             irradiance_every,
+            terminator_offset: base.terminator_offset && !light.no_terminator_offset,
             ..base
         };
         settings.validate()?;

@@ -4,7 +4,7 @@ use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler};
 use photon_core::{
     Coat, DirectLight, Features, Layer, MediumStack, Pass, Query, RandomKind, Result, octahedral, offset,
-    shading_normal,
+    shading_normal, shadow_terminator,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -57,11 +57,16 @@ fn irradiance<const SHADED: bool, const ALPHA: bool>(
     rays: u32,
 ) -> [f64; 3] {
     let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
-    let light_sampler = LightSampler::at(scene, query.position.into(), query.normal.into());
-    let normal = Vec3::from(query.normal);
-    let from = offset::off_surface(query.position.into(), normal);
+    let (mut position, mut normal) = (Vec3::from(query.position), Vec3::from(query.normal));
     let has_shading_normals = SHADED && scene.present.contains(Features::SHADING_NORMALS);
     let shading = if has_shading_normals { octahedral::unpack(query.shading_normal) } else { normal };
+    if has_shading_normals && query.offset_or_wo != 0 {
+        // The smooth surface instead of the triangle.
+        position += shadow_terminator::unpack(query.offset_or_wo);
+        normal = shading;
+    }
+    let light_sampler = LightSampler::at(scene, position, normal);
+    let from = offset::off_surface(position, normal);
     // Cosine to the shading normal; 0 or below on the far side of the surface.
     let cosine_of = |direction: Vec3| {
         if has_shading_normals { shading_normal::cosine(direction, normal, shading) } else { normal.dot(direction) }

@@ -145,7 +145,7 @@ impl Scattering {
 
     fn of(query: &Query, gather: &EstimateParams) -> Self {
         if gather.reflection {
-            let (wo, normal) = (octahedral::unpack(query.wo), octahedral::unpack(query.shading_normal));
+            let (wo, normal) = (octahedral::unpack(query.offset_or_wo), octahedral::unpack(query.shading_normal));
             return Self::Reflected(ReflectionLobe::new([query.media, query.coat], wo, normal));
         }
         if gather.shading_normals { Self::Shaded(octahedral::unpack(query.shading_normal)) } else { Self::Even }

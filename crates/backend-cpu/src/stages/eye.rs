@@ -5,8 +5,8 @@ use photon_core::light_sampler::light_of_triangle;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Layers, Light, Lobe, Material, MaterialKind,
-    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, View, octahedral, sampling,
-    shading_normal,
+    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, SurfaceInteraction, View,
+    octahedral, sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
 
@@ -28,6 +28,8 @@ pub(crate) struct CpuEye {
     /// Whether paths leave queries for the reflection of glossy surfaces, instead of all else:
     /// [`photon_core::GlossCaustics`].
     pub(crate) reflections: bool,
+    /// [`photon_core::Requirements::terminator_offset`].
+    pub(crate) terminator_offset: bool,
 }
 
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
@@ -43,8 +45,8 @@ impl EyeTracer<Cpu> for CpuEye {
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let Self { max_bounces, hides_background, reflections } = *self;
-        let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits };
+        let Self { max_bounces, hides_background, reflections, terminator_offset } = *self;
+        let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits, terminator_offset };
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
         let is_shaded = scene.features.intersects(Features::SHADED);
         let look = match (is_shaded, scene.present.contains(Features::ALPHA), has_lens) {
@@ -85,6 +87,7 @@ pub(crate) struct Eye<'a> {
     pub(crate) max_bounces: u32,
     hides_background: bool,
     pub(crate) max_splits: u32,
+    terminator_offset: bool,
 }
 
 /// State of a camera path.
@@ -218,7 +221,17 @@ impl Eye<'_> {
             }
             deposit(pixel, Layer::Emission, throughput.into(), material.emission.map(f64::from));
         }
-        let wo = -path.ray.direction;
+        // Where rays to lights start, and paths that are weighed against them.
+        let (mut lit, mut offset) = (surface, Vec3::ZERO);
+        if SHADED && self.terminator_offset && samples_lights(material) {
+            let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
+            offset = self.scene.shadow_offset::<ALPHA>(&surface, &hit, layer);
+            if offset != Vec3::ZERO {
+                lit = SurfaceInteraction { start: surface.start + offset, normal, ..surface };
+            }
+        }
+        let offset_or_wo =
+            if REFLECTIONS { octahedral::pack(-path.ray.direction) } else { shadow_terminator::pack(offset) };
         let query = |throughput: Vec3, branch: u32, [media, coat]: [u32; 2]| Query {
             // Moved off edges: beside an edge, rounding may put the point behind the adjacent wall, outside
             // its shadow.
@@ -228,14 +241,14 @@ impl Eye<'_> {
             pixel: number,
             throughput: throughput.into(),
             media,
-            wo: octahedral::pack(wo),
+            offset_or_wo,
             path: number * QUERIES_PER_PIXEL + branch,
             shading_normal: if SHADED { octahedral::pack(normal) } else { 0 },
             coat,
         };
         if SHADED && material.kind() == MaterialKind::Glossy {
             let glossy = Glossy::new(material, &layers, surface.cosine);
-            let at = GlossyPoint { surface: &surface, normal, media: interface.before, glossy: &glossy };
+            let at = GlossyPoint { surface: &lit, normal, media: interface.before, glossy: &glossy };
             let leaves = if REFLECTIONS {
                 Leaves::reflection(material, &layers, &glossy, seen())
             } else {
@@ -248,7 +261,7 @@ impl Eye<'_> {
             && self.scene.features.contains(Features::ROUGH_GLASS)
             && let Some(glass) = RoughGlass::new(&self.scene.rough_glass, material, surface.cosine, &interface)
         {
-            let at = RoughPoint { surface: &surface, normal, interface: &interface, glass: &glass };
+            let at = RoughPoint { surface: &surface, lit: &lit, normal, interface: &interface, glass: &glass };
             if !REFLECTIONS {
                 self.light_through::<ALPHA>(path, &at, pixel, sampler);
             }
@@ -302,6 +315,11 @@ impl Eye<'_> {
         *path = go_on(lobe);
         Some(None)
     }
+}
+
+/// Whether lights are sampled from a surface.
+fn samples_lights(material: &Material) -> bool {
+    matches!(material.kind(), MaterialKind::Lambert | MaterialKind::Glossy) || material.is_rough_glass()
 }
 
 /// The ray through a point of the image; both coordinates are in `[-1, 1]`.

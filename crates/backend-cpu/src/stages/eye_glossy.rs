@@ -27,6 +27,8 @@ pub(crate) struct Reflection {
 
 /// A glossy surface where a camera path arrives.
 pub(crate) struct GlossyPoint<'a> {
+    /// With the origin of shadow rays for its own, and the shading normal for the geometric one where that is offset:
+    /// [`photon_core::shadow_terminator`].
     pub(crate) surface: &'a SurfaceInteraction,
     /// Shading normal.
     pub(crate) normal: Vec3,

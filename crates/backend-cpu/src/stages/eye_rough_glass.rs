@@ -14,6 +14,9 @@ use crate::film::deposit;
 /// Rough glass where a camera path arrives.
 pub(crate) struct RoughPoint<'a> {
     pub(crate) surface: &'a SurfaceInteraction,
+    /// As [`super::eye_glossy::GlossyPoint::surface`]. Only for the side of the path: light that is transmitted has no
+    /// offset.
+    pub(crate) lit: &'a SurfaceInteraction,
     /// Shading normal.
     pub(crate) normal: Vec3,
     pub(crate) interface: &'a Interface,
@@ -23,10 +26,14 @@ pub(crate) struct RoughPoint<'a> {
 impl RoughPoint<'_> {
     /// The side of the path, or the one beyond.
     fn side(&self, stays: bool) -> Side {
-        let towards = |normal: Vec3| if stays { normal } else { -normal };
+        let (start, normals) = if stays {
+            (self.lit.start, [self.lit.normal, self.normal])
+        } else {
+            (self.surface.start, [-self.surface.normal, -self.normal])
+        };
         Side {
-            start: self.surface.start,
-            normals: [towards(self.surface.normal), towards(self.normal)],
+            start,
+            normals,
             media: if stays { self.interface.before } else { self.interface.transmitted },
             probability: if stays { self.glass.light_side() } else { 1.0 - self.glass.light_side() },
         }
@@ -73,9 +80,10 @@ impl Eye<'_> {
         }
         // Lights on this side are sampled with that probability: it divides the density, so as not to be a factor
         // elsewhere.
-        path.reflected = Reflection::new(sampled.found.pdf / side.probability, at.surface.start, geometric);
+        path.reflected = Reflection::new(sampled.found.pdf / side.probability, side.start, geometric);
         path.media = side.media;
-        path.ray = at.surface.spawn(sampled.lobe, sampled.direction);
+        let from = if stays { at.lit } else { at.surface };
+        path.ray = from.spawn(sampled.lobe, sampled.direction);
         true
     }
 }

@@ -47,7 +47,7 @@ fn records() -> Vec<Record> {
     vec![
         record!(Photon: position normal power direction),
         record!(PhotonRay: origin path direction light power media),
-        record!(Query: position radius normal pixel throughput media wo path shading_normal coat),
+        record!(Query: position radius normal pixel throughput media offset_or_wo path shading_normal coat),
         record!(Estimate: flux radius_squared photons flags reserved),
         record!(ErrorMoments: wide power narrow power_squared slope quadrupole stray photons reserved),
         record!(Primitive: normal material),

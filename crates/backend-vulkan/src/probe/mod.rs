@@ -29,6 +29,7 @@ mod scene;
 mod shade;
 mod shaded_scene;
 mod shading_normal;
+mod shadow_terminator;
 mod solid_angle;
 pub(crate) mod specialization;
 mod spirv;
@@ -67,7 +68,7 @@ pushed!(
     push_layout: Push => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL
         PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
         PROBE_PROJECTION PROBE_RANDOM PROBE_ROUGH_GLASS PROBE_SAMPLING PROBE_SHADE
-        PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
+        PROBE_SHADING_NORMAL PROBE_SHADOW_TERMINATOR PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
     inputs outputs count padding
 );
 
@@ -75,7 +76,8 @@ specialized!(
     probe_constants: ProbeConstants => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSSY PROBE_KERNEL
         PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
         PROBE_PROJECTION PROBE_RANDOM PROBE_ROUGH_GLASS
-        PROBE_SAMPLING PROBE_SHADE PROBE_SHADING_NORMAL PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
+        PROBE_SAMPLING PROBE_SHADE PROBE_SHADING_NORMAL PROBE_SHADOW_TERMINATOR PROBE_SOLID_ANGLE PROBE_TEXTURE
+        PROBE_TRIANGLE,
     2 function: u32; default features shared_groups media
 );
 
@@ -149,6 +151,7 @@ fn all_rows() -> Vec<Row> {
     let shading =
         [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows(), glossy::rows(), alpha::rows()]
             .concat();
+    let shading = [shading, shadow_terminator::rows()].concat();
     [table::rows(), light_sampler::rows(), light_tree::rows(), media::rows(), projection::rows(), shading, single]
         .concat()
 }

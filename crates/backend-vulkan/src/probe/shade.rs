@@ -108,7 +108,7 @@ fn hit_of(d: &mut Draw, triangle: u32) -> Input {
     made
 }
 
-fn hit(d: &mut Draw) -> Input {
+pub(super) fn hit(d: &mut Draw) -> Input {
     let triangle = d.word() % TRIANGLES;
     hit_of(d, triangle)
 }

@@ -20,8 +20,8 @@ pub(super) const LIGHTS: u32 = 8;
 /// The tables of the scene.
 #[derive(Debug, Default)]
 pub(super) struct ShadedScene {
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
     pub(super) primitives: Vec<Primitive>,
     pub(super) materials: Vec<Material>,
     pub(super) lights: Vec<Light>,

@@ -1,7 +1,10 @@
 //! Camera paths, traced to the first diffuse surface.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Camera, EyeTracer, Features, Layer, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Result, View};
+use photon_core::{
+    Camera, EyeTracer, Features, Layer, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Requirements, Result, Settings,
+    View,
+};
 
 use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
@@ -31,6 +34,8 @@ pub(crate) struct VulkanEye {
     /// Whether paths leave queries for the reflection of glossy surfaces, instead of all else:
     /// [`photon_core::GlossCaustics`].
     reflections: bool,
+    /// [`photon_core::Requirements::terminator_offset`].
+    terminator_offset: bool,
     scan: Scan,
     camera: Memory,
     scratch: Option<EyeScratch>,
@@ -101,25 +106,31 @@ pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offset
 specialized!(
     eye_constants: EyeConstants => STAGES_EYE,
     0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures,
-    6 weighed: u32, 7 hides_background: bool, 8 reflections: bool;
+    6 weighed: u32, 7 hides_background: bool, 8 reflections: bool,
+    9 terminator_offset: bool;
     default shared_groups
 );
 
 specialized!(compact_constants: CompactConstants => STAGES_EYE_COMPACT, 2 places_log2: u32);
 
 impl VulkanEye {
-    /// Constructs a tracer for paths of at most `max_bounces` surfaces; with `hides_background`, camera rays that hit
-    /// nothing do not see the environment.
-    pub(crate) fn new(on: &mut Vulkan, max_bounces: u32, hides_background: bool) -> Result<Self> {
+    /// Constructs a tracer for camera paths.
+    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
-        Ok(Self { max_bounces, hides_background, reflections: false, scan: Scan::new(on)?, camera, scratch: None })
+        Ok(Self {
+            max_bounces: settings.max_bounces,
+            hides_background: settings.transparent_background,
+            reflections: false,
+            terminator_offset: required.terminator_offset,
+            scan: Scan::new(on)?,
+            camera,
+            scratch: None,
+        })
     }
-}
 
-impl VulkanEye {
     /// Constructs a tracer for the camera paths of [`photon_core::GlossCaustics`].
-    pub(crate) fn for_reflections(on: &mut Vulkan, max_bounces: u32) -> Result<Self> {
-        Ok(Self { reflections: true, ..Self::new(on, max_bounces, false)? })
+    pub(crate) fn for_reflections(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
+        Ok(Self { hides_background: false, reflections: true, ..Self::new(on, settings, required)? })
     }
 }
 
@@ -165,6 +176,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
             weighed: if features.intersects(Features::FOLLOWED) { weighed(scene) } else { 0 },
             hides_background: self.hides_background,
             reflections: self.reflections,
+            terminator_offset: self.terminator_offset && scene.has_vertex_normals(),
         };
         let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);

@@ -142,6 +142,20 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             Direct::None => "direct light is left out",
         },
     );
+    let has_normals = !scene.shading.normals.is_empty();
+    say(
+        "shadow terminator offset",
+        required.terminator_offset,
+        match (required.terminator_offset, has_normals, settings.terminator_offset) {
+            (true, ..) => {
+                "vertex normals: shadow rays start outside the mesh, so that coarse meshes are shaded smoothly; light by \
+                 photons is not affected"
+            }
+            (false, false, _) => "no triangle has vertex normals",
+            (false, true, true) => "there are no shadow rays",
+            (false, true, false) => "the settings turn it off",
+        },
+    );
     say(
         "final gathering",
         required.final_gather,

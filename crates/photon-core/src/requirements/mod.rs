@@ -41,6 +41,8 @@ pub struct Requirements {
     pub gloss_caustics: bool,
     /// Direct light is computed with shadow rays.
     pub shadow_rays: bool,
+    /// Shadow rays from triangles with vertex normals start outside the mesh: [`crate::shadow_terminator`].
+    pub terminator_offset: bool,
     /// Indirect light is computed by final gathering.
     pub final_gather: bool,
     /// Photon format of the maps.
@@ -56,13 +58,17 @@ impl Requirements {
             MapKind::Caustic => reads(settings, kind) && specular_is_lit(scene),
             MapKind::Direct | MapKind::Global => reads(settings, kind),
         });
+        let features = Features::of(scene);
+        let shadow_rays = settings.direct == Direct::Nee;
+        let samples_lights = shadow_rays || features.intersects(Features::FOLLOWED);
         Self {
-            features: Features::of(scene),
+            features,
             media: Solids::of(scene).features(),
             maps,
             aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
             gloss_caustics: maps[MapKind::Caustic] && shows_gloss_caustics(settings) && has_gloss_caustics(scene),
-            shadow_rays: settings.direct == Direct::Nee,
+            shadow_rays,
+            terminator_offset: settings.terminator_offset && samples_lights && !scene.shading.normals.is_empty(),
             final_gather: settings.indirect == Indirect::Gather,
             photon_format: PhotonFormat::of(scene, settings),
         }
@@ -79,6 +85,7 @@ impl Requirements {
             aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
             gloss_caustics: shows_gloss_caustics(settings),
             shadow_rays: settings.direct == Direct::Nee,
+            terminator_offset: settings.terminator_offset,
             final_gather: settings.indirect == Indirect::Gather,
             photon_format: PhotonFormat::Full,
         }

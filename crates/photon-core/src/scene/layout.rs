@@ -78,8 +78,10 @@ pub struct Query {
     /// for a reflection ([`crate::EstimateParams::reflection`]), from which no rays start, the first word of a
     /// [`crate::ReflectionLobe`].
     pub media: u32,
-    /// Unit vector towards the viewer, packed by [`crate::octahedral::pack`].
-    pub wo: u32,
+    /// Vector from the position to where shadow rays start, packed by [`crate::shadow_terminator::pack`]; 0 if they start at
+    /// the position; read only in scenes with [`crate::Features::SHADING_NORMALS`]. In a query for a reflection, the unit
+    /// vector towards the viewer, packed by [`crate::octahedral::pack`].
+    pub offset_or_wo: u32,
     /// Index of the camera path within its pass: the key of the random numbers used here.
     pub path: u32,
     /// Unit shading normal on the visible side, packed by [`crate::octahedral::pack`]; read only in scenes with
@@ -221,7 +223,7 @@ mod tests {
             assert_eq!(scalar, vector + 12);
         }
         assert_eq!(offset_of!(Light, versine_outer), 48);
-        assert_eq!(offset_of!(Query, wo), 48);
+        assert_eq!(offset_of!(Query, offset_or_wo), 48);
         assert_eq!(offset_of!(Estimate, photons), 16);
         assert_eq!(offset_of!(ErrorMoments, slope), 32);
         assert_eq!(offset_of!(ErrorMoments, stray), 48);

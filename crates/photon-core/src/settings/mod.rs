@@ -221,6 +221,10 @@ pub struct Settings {
     /// Whether camera rays that hit no surface see nothing in place of the environment; mirrors, glass and light are
     /// not affected. With [`crate::Film::alpha`], the picture can be put before another background.
     pub transparent_background: bool,
+    /// Whether shadow rays from visible points of meshes with vertex normals start outside the mesh, so that coarse meshes
+    /// do not shade themselves in blocks: [`crate::shadow_terminator`]. Light by photons then differs from light by shadow
+    /// rays near the shadow terminator. Other scenes are not affected.
+    pub terminator_offset: bool,
 }
 
 impl Default for Settings {
@@ -251,6 +255,7 @@ impl Default for Settings {
             memory: None,
             errors: false,
             transparent_background: false,
+            terminator_offset: true,
         }
     }
 }
@@ -268,6 +273,7 @@ impl Settings {
             random: RandomKind::Lcg,
             caustic_photons: CausticPhotons::Shared,
             alpha: 1.0,
+            terminator_offset: false,
             ..Self::default()
         }
     }

@@ -24,6 +24,7 @@ pub(crate) mod rough_glass_table;
 pub mod sampling;
 pub mod shade;
 pub mod shading_normal;
+pub mod shadow_terminator;
 pub mod sobol;
 pub mod solid_angle;
 pub mod texture;

@@ -170,6 +170,17 @@ impl Shading<'_> {
         }
     }
 
+    /// The normals at the vertices of the triangle at `hit`, on the side of `surface`; `None` if it has none.
+    #[inline]
+    #[must_use]
+    pub fn vertex_normals(&self, surface: &SurfaceInteraction, hit: &Hit) -> Option<[Vec3; 3]> {
+        let side = if surface.front { 1.0 } else { -1.0 };
+        match self.tables.normals.get(hit.primitive as usize) {
+            Some(&[ShadingTables::FLAT, ..]) | None => None,
+            Some(packed) => Some(packed.map(|bits| octahedral::unpack(bits) * side)),
+        }
+    }
+
     /// `normal` turned by a texel of a normal map, in the frame of the vertex tangents.
     #[inline]
     fn mapped_normal(&self, corners: &Corners, normal: Vec3, texel: Vec3, scale: f32) -> Vec3 {

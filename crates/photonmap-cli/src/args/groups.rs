@@ -209,6 +209,11 @@ pub struct LightArgs {
     /// Shadow rays per visible point and pass [default: 2].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub shadow_rays: Option<u32>,
+    /// Start shadow rays at the triangles of meshes with vertex normals, not outside the mesh.
+    ///
+    /// Coarse meshes then have a blocky edge of the shadow on their own dark side, as light by photons has.
+    #[arg(long, hide_short_help = true)]
+    pub no_terminator_offset: bool,
     /// Final-gather rays per visible point and pass [default: 8].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub gather_rays: Option<u32>,

@@ -25,7 +25,7 @@ pub struct EstimateParams {
     pub shading_normals: bool,
     /// Queries are for the reflection of glossy surfaces: photons are weighted by its BSDF, that of the
     /// [`crate::ReflectionLobe`] whose bits are in [`crate::Query::media`] and [`crate::Query::coat`], towards
-    /// [`crate::Query::wo`] and about [`crate::Query::shading_normal`]. An area correction counts glossy surfaces, all metals
+    /// [`crate::Query::offset_or_wo`] and about [`crate::Query::shading_normal`]. An area correction counts glossy surfaces, all metals
     /// included. Needs [`PhotonFormat::Full`], and [`crate::RadianceEstimator::weighs_reflections`]. Not with
     /// [`Search::Paper`].
     pub reflection: bool,

@@ -200,9 +200,10 @@ fn entries(settings: &Settings) -> BTreeMap<String, String> {
         memory: _,
         errors,
         transparent_background,
+        terminator_offset,
     } = settings;
     // The debug text of a float is the shortest one that is read back as the same bits.
-    let entries: [(&str, &dyn std::fmt::Debug); 20] = [
+    let entries: [(&str, &dyn std::fmt::Debug); 21] = [
         ("estimator", estimator),
         ("radius_factor", radius_factor),
         ("kernel", kernel),
@@ -223,6 +224,7 @@ fn entries(settings: &Settings) -> BTreeMap<String, String> {
         ("max_plane_distance", max_plane_distance),
         ("errors", errors),
         ("transparent_background", transparent_background),
+        ("terminator_offset", terminator_offset),
     ];
     entries.into_iter().map(|(name, value)| (name.to_owned(), format!("{value:?}"))).collect()
 }

@@ -10,6 +10,7 @@ pub mod aiming;
 pub mod alpha;
 pub mod alpha_surfaces;
 pub mod backends;
+pub mod blocks;
 pub mod clearcoat;
 pub mod debias;
 pub mod determinism;
@@ -170,6 +171,7 @@ macro_rules! whole_suite {
             }
             lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
             views::{ v1_hand_filled_views_are_checked }
+            blocks::{ films_of_blocks }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,
                 wider_requirements_change_nothing, passes_merge, one_backend_renders_again, a_restart_is_a_fresh_start, s31_full_photon_buffers,

@@ -5,8 +5,8 @@ use crate::shell;
 /// The backends, which take a scene as slices.
 const BACKENDS: [&str; 2] = ["backend-cpu", "backend-vulkan"];
 
-/// The dependencies of photon-scene's loaders (feature `files`).
-const LOADERS: [&str; 8] = ["exr", "gltf", "image-webp", "ply-rs-bw", "png", "serde", "toml", "zune-jpeg"];
+/// The dependencies of photon-scene's loaders (feature `files`), and of film files.
+const LOADERS: [&str; 9] = ["exr", "gltf", "image-webp", "ply-rs-bw", "png", "serde", "toml", "zip", "zune-jpeg"];
 
 /// Fails if a backend, built by itself, depends on a loader.
 pub(crate) fn step() -> Result<(), String> {

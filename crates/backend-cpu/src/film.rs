@@ -150,6 +150,13 @@ impl FilmBackend for Cpu {
         Ok(())
     }
 
+    fn clear_film(&mut self, film: &mut CpuFilm) -> Result<()> {
+        film.film.pixels.fill(FilmPixel::default());
+        film.film.errors.iter_mut().for_each(|errors| errors.fill(ErrorPixel::default()));
+        film.film.passes = 0;
+        self.abandon_pass(film)
+    }
+
     fn read_film(&mut self, film: &CpuFilm) -> Result<Film> {
         Ok(film.film.clone())
     }

@@ -258,6 +258,17 @@ pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()>
     on.fill_words(&film.first_pass, 0, film.first_pass.bytes(), 0)
 }
 
+/// Empties sums and current pass.
+pub(crate) fn clear(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
+    abandon_pass(on, film)?;
+    for plane in film.layers.iter().flatten() {
+        on.fill_words(&plane.sum, 0, plane.sum.bytes(), 0)?;
+    }
+    errors::clear_sums(on, film)?;
+    film.passes = 0;
+    on.fill_words(&film.first_sum, 0, film.first_sum.bytes(), 0)
+}
+
 /// Reads back the sums.
 pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     let mut picture = Film::new(film.width, film.height, film.units)?;

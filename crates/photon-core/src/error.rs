@@ -1,5 +1,7 @@
 //! Errors, each with its cause and a remedy.
 
+use std::ops::Range;
+
 use crate::requirements::features::Features;
 
 /// The result type of this crate.
@@ -111,6 +113,21 @@ pub enum Error {
     /// The observer cancelled the render before there was a picture.
     #[error("cancelled before there was a picture")]
     Cancelled,
+    /// A film would contain a pass twice.
+    #[error(
+        "passes {}..{} of seed {seed} would count twice; render other passes, or the same passes with another seed",
+        passes.start,
+        passes.end
+    )]
+    PassTwice {
+        /// Seed of the passes.
+        seed: u64,
+        /// Their indices.
+        passes: Range<u32>,
+    },
+    /// A film whose pass was cut short was to be merged.
+    #[error("a film with a pass that was cut short can be shown, but not merged; render the pass again")]
+    CutPass,
     /// An error of a library or driver beneath the backend.
     #[error("{backend}")]
     Backend {

@@ -31,8 +31,10 @@ pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, 
 pub use error::{Error, Result};
 pub use film::confidence::{ConfidenceInterval, ErrorPixel, Flags, PhotonMoments, student_975};
 pub use film::forecast::{ErrorModel, Forecast};
-pub use film::{Film, FilmPixel, Layer, check_size};
+pub use film::pass_set::PassSet;
+pub use film::{Film, FilmPixel, Layer, NUMERICS, check_size};
 pub use glam;
+pub use pipeline::blocks::{BlockOutcome, Blocks, render_blocks};
 pub use pipeline::render::{Facts, Outcome, PassEnd, Render, render};
 pub use pipeline::{Pipeline, QUERIES_PER_PIXEL};
 pub use projection::{NoProjection, ProjectionMap, ProjectionSample, ProjectionTarget};

@@ -52,6 +52,12 @@ impl Scene {
         }
     }
 
+    /// Digest of all that passes depend on, cameras excluded: [`SceneView::digest`]. Names do not count.
+    #[must_use]
+    pub fn digest(&self) -> u128 {
+        self.view().digest()
+    }
+
     /// The camera of the given name, or the first one, for a picture of `width` by `height` pixels.
     ///
     /// The vertical field of view is kept; the horizontal one follows from the picture's aspect ratio.

@@ -10,13 +10,16 @@ use crate::exposure::Exposure;
 use crate::fault::Fault;
 
 mod environment;
+mod film;
 mod groups;
 #[cfg(test)]
 mod tests;
 mod values;
 
 pub use environment::{EnvironmentArgs, EnvironmentName};
+pub use film::FilmArgs;
 pub use groups::{BudgetArgs, EstimateArgs, LightArgs, MachineArgs, OutputArgs, PhotonArgs, PictureArgs, SceneArgs};
+pub use values::PassRange;
 
 /// Parser of the names of photon map data structures.
 pub(crate) fn index_names() -> impl TypedValueParser<Value = IndexKind> {
@@ -57,6 +60,9 @@ pub struct RenderArgs {
     /// Output files.
     #[command(flatten)]
     pub files: OutputArgs,
+    /// Film file.
+    #[command(flatten)]
+    pub film: FilmArgs,
     /// Render settings.
     #[command(flatten)]
     pub settings: SettingsArgs,
@@ -106,7 +112,7 @@ impl SettingsArgs {
             None if paper => Settings { gather_rays: 8, ..Settings::paper() },
             None => Settings { gather_rays: 8, ..Settings::default() },
         };
-        if budget.passes == Some(0) {
+        if budget.passes.is_some_and(|passes| passes.count == 0) {
             return Err(Fault::input("--passes is 0, but at least 1 is needed"));
         }
         if let Some(time) = budget.time.filter(|time| !(*time > 0.0 && time.is_finite())) {
@@ -179,7 +185,8 @@ impl SettingsArgs {
     #[must_use]
     pub fn plan(&self, time: Option<Duration>) -> Plan {
         let budget = &self.budget;
-        let until = match (budget.target_error, budget.total_photons, time, budget.passes) {
+        let passes = budget.passes.map(|passes| passes.count);
+        let until = match (budget.target_error, budget.total_photons, time, passes) {
             (Some(target), ..) => Budget::Error { target, share_of_pixels: budget.share },
             (None, Some(photons), ..) => Budget::Photons(photons),
             (None, None, Some(time), _) => Budget::Time(time),
@@ -187,7 +194,8 @@ impl SettingsArgs {
                 Budget::Passes(passes.unwrap_or_else(|| budget.preset.map_or(PASSES, Preset::passes)))
             }
         };
-        Plan { first: 0, until, most_passes: budget.passes, most_time: time }
+        let first = budget.passes.map_or(0, |passes| passes.first);
+        Plan { first, until, most_passes: passes, most_time: time }
     }
 }
 

@@ -1,31 +1,19 @@
-//! Atomic file writes: a file appears complete under its name, or not at all.
+//! Atomic file writes ([`photon_film::atomic_write`]), with the errors of the program.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::BufWriter;
 use std::path::Path;
 
-use tempfile::NamedTempFile;
+pub use photon_film::atomic_write::Failure;
 
 use crate::fault::Fault;
 
-/// The errors that a writer may return.
-pub type Failure = Box<dyn std::error::Error>;
-
-/// Writes a file through `save`. If anything fails, a full disk included, the previous file is left as it was and
-/// nothing else remains; only a process that is killed may leave a file named `.NAME.….partial`.
+/// Writes a file through `save`: [`photon_film::atomic_write::write`].
 ///
 /// # Errors
 /// [`Fault::Failure`] names the file and why it could not be written.
 pub fn write(path: &Path, save: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>) -> Result<(), Fault> {
-    let all = || -> Result<(), Failure> {
-        let (file, partial) = create(path)?.into_parts();
-        let mut file = BufWriter::new(file);
-        save(&mut file)?;
-        // The last write may fail for lack of space; dropping the buffer would hide that.
-        file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
-        Ok(partial.persist(path)?)
-    };
-    all().map_err(|why| Fault::writing(path, why))
+    photon_film::atomic_write::write(path, save).map_err(|why| Fault::writing(path, why))
 }
 
 /// Writes bytes, with the same guarantees.
@@ -33,7 +21,7 @@ pub fn write(path: &Path, save: impl FnOnce(&mut BufWriter<File>) -> Result<(), 
 /// # Errors
 /// As [`write()`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
-    write(path, |file| Ok(file.write_all(bytes)?))
+    photon_film::atomic_write::write_bytes(path, bytes).map_err(|why| Fault::writing(path, why))
 }
 
 /// Checks that [`write()`] could start, so that an invalid path is reported before an hour of rendering.
@@ -41,60 +29,6 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
 /// # Errors
 /// [`Fault::Input`], which names the file and the reason.
 pub fn check(path: &Path) -> Result<(), Fault> {
-    let refused = |why: &dyn std::fmt::Display| Fault::input(format!("{}: cannot be written: {why}", path.display()));
-    if path.is_dir() {
-        return Err(refused(&"it is a folder"));
-    }
-    create(path).map(drop).map_err(|why| refused(&why))
-}
-
-/// A temporary file in the folder of `path`, since only there a rename is atomic.
-fn create(path: &Path) -> io::Result<NamedTempFile> {
-    let name = path.file_name().ok_or_else(|| io::Error::other("it has no file name"))?;
-    let mut prefix = std::ffi::OsString::from(".");
-    prefix.push(name);
-    prefix.push(".");
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".partial");
-    // Temporary files are private by default; pictures have the usual permissions of new files.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::fs;
-
-    #[test]
-    fn a_failed_write_leaves_the_previous_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.txt");
-        write_bytes(&path, b"good").unwrap();
-        let failed = write(&path, |file| {
-            file.write_all(b"half of")?;
-            Err("no more".into())
-        });
-        let words = failed.unwrap_err().to_string();
-        assert!(words.contains("a.txt") && words.contains("no more"), "{words}");
-        assert_eq!(fs::read(&path).unwrap(), b"good");
-        check(&path).unwrap();
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
-        assert!(check(&folder.path().join("none/b.txt")).unwrap_err().to_string().contains("b.txt"));
-        assert!(check(folder.path()).unwrap_err().to_string().contains("folder"));
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_file_has_the_usual_permissions() {
-        use std::os::unix::fs::PermissionsExt as _;
-        let folder = tempfile::tempdir().unwrap();
-        let (ours, plain) = (folder.path().join("a"), folder.path().join("b"));
-        write_bytes(&ours, b"").unwrap();
-        File::create(&plain).unwrap();
-        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
-        assert_eq!(mode(&ours), mode(&plain));
-    }
+    photon_film::atomic_write::check(path)
+        .map_err(|why| Fault::input(format!("{}: cannot be written: {why}", path.display())))
 }

@@ -56,6 +56,16 @@ impl From<photon_scene::SceneError> for Fault {
     }
 }
 
+impl From<photon_film::FilmFileError> for Fault {
+    fn from(error: photon_film::FilmFileError) -> Self {
+        use photon_film::FilmFileError as E;
+        match error {
+            E::Write { .. } => Self::failure(error),
+            _ => Self::input(error),
+        }
+    }
+}
+
 /// An error and its causes, in one line.
 #[must_use]
 pub fn chain(error: &dyn std::error::Error) -> String {

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`Pipeline`], [`render`], [`Settings`], [`Film`] and all else at the top | `photon-core` |
 //! | [`scene`] | `photon-scene`: scene builder, loaders (feature `files`), built-in scenes |
+//! | `film` (feature `files`) | `photon-film`: films in files |
 //! | `cpu` (feature `cpu`) | `backend-cpu` |
 //! | `vulkan` (feature `vulkan`) | `backend-vulkan` |
 //!
@@ -28,6 +29,9 @@
 
 pub use photon_core::*;
 pub use photon_scene as scene;
+
+#[cfg(feature = "files")]
+pub use photon_film as film;
 
 #[cfg(feature = "cpu")]
 pub use backend_cpu as cpu;

@@ -48,6 +48,10 @@ impl FilmBackend for Vulkan {
         super::abandon_pass(self, film)
     }
 
+    fn clear_film(&mut self, film: &mut VulkanFilm) -> Result<()> {
+        super::clear(self, film)
+    }
+
     fn read_film(&mut self, film: &VulkanFilm) -> Result<Film> {
         super::read(self, film)
     }

@@ -78,6 +78,11 @@ impl Errors {
         self.pass.bytes() + self.sum.bytes() + photon_moments.sum::<u64>()
     }
 
+    /// Buffers of the sums.
+    fn sums(&self) -> impl Iterator<Item = &Memory> {
+        std::iter::once(&self.sum).chain(self.photon_moments.values().flatten().map(|(_, sum)| sum))
+    }
+
     /// Buffers of the current pass.
     fn passes(&self) -> impl Iterator<Item = &Memory> {
         std::iter::once(&self.pass).chain(self.photon_moments.values().flatten().map(|(pass, _)| pass))
@@ -185,6 +190,11 @@ pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
 /// Discards the current pass.
 pub(super) fn abandon_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
     film.errors.iter().flat_map(Errors::passes).try_for_each(|memory| on.fill_words(memory, 0, memory.bytes(), 0))
+}
+
+/// Empties the sums.
+pub(super) fn clear_sums(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
+    film.errors.iter().flat_map(Errors::sums).try_for_each(|memory| on.fill_words(memory, 0, memory.bytes(), 0))
 }
 
 /// Reads the sums back into `picture`.

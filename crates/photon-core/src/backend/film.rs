@@ -72,6 +72,12 @@ pub trait FilmBackend: Backend {
     /// [`crate::Error::DeviceLost`].
     fn abandon_pass(&mut self, film: &mut Self::Film) -> Result<()>;
 
+    /// Empties the film: sums over finished passes, and the current pass.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`].
+    fn clear_film(&mut self, film: &mut Self::Film) -> Result<()>;
+
     /// Reads back the film so far. Blocks.
     ///
     /// # Errors

@@ -2,10 +2,16 @@
 
 pub(crate) mod confidence;
 pub(crate) mod forecast;
+pub(crate) mod pass_set;
 
 use crate::error::{Error, Result};
 use crate::film::confidence::ErrorPixel;
+use crate::film::pass_set::PassSet;
 use crate::scene::units::Units;
+
+/// Version of the numerics, which stored films record: raised with each change that alters the bits of passes (*Numerics*
+/// in the changelog), so that films of two versions are not merged.
+pub const NUMERICS: u32 = 1;
 
 /// The layers of a picture. Each light path belongs to exactly one; their sum is the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +91,11 @@ pub struct Film {
     pub errors: Option<Vec<ErrorPixel>>,
     /// Number of passes in the sums.
     pub passes: u32,
+    /// Which passes these are; empty if that is not known, as for a film that was filled by hand.
+    pub contains: PassSet,
+    /// Whether its only pass was cut short, with fewer photons than the settings ask for. Such a film can be shown, but
+    /// neither merged nor stored.
+    pub cut: bool,
     /// Conversion to user space and watts.
     pub units: Units,
     /// Whether colours are clamped to `[0, 1]` when read, as in Lin and Wang 2010.
@@ -106,14 +117,30 @@ impl Film {
             return Err(Error::OutOfMemory { label: "film", bytes });
         }
         pixels.resize(count, FilmPixel::default());
-        Ok(Self { width, height, pixels, errors: None, passes: 0, units, clamp: false })
+        Ok(Self {
+            width,
+            height,
+            pixels,
+            errors: None,
+            passes: 0,
+            contains: PassSet::default(),
+            cut: false,
+            units,
+            clamp: false,
+        })
     }
 
-    /// Adds the passes of another film. The caller has to make sure that they are different passes.
+    /// Adds the passes of another film. If [`Film::contains`] is empty for one of them, the caller has to make sure that
+    /// they are different passes. The caller also makes sure that scene, view and settings are the same.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] if size or units differ, or only one of them has error statistics.
+    /// The film is unchanged then. [`Error::InvalidSetting`] if size or units differ, or only one of them has error
+    /// statistics; [`Error::CutPass`] if the pass of one of them was cut short; [`Error::PassTwice`] if both contain a
+    /// pass.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
+        if self.cut || other.cut {
+            return Err(Error::CutPass);
+        }
         if (self.width, self.height, self.units) != (other.width, other.height, other.units) {
             return Err(Error::InvalidSetting {
                 name: "merged film",
@@ -121,16 +148,16 @@ impl Film {
                 hint: "must have the size and the units of the film that it is merged into",
             });
         }
-        match (&mut self.errors, &other.errors) {
-            (None, None) => {}
-            (Some(mine), Some(theirs)) => mine.iter_mut().zip(theirs).for_each(|(mine, theirs)| mine.add(theirs)),
-            (mine, _) => {
-                return Err(Error::InvalidSetting {
-                    name: "merged film",
-                    value: (if mine.is_some() { "without errors" } else { "with errors" }).into(),
-                    hint: "must have error statistics if and only if the film that it is merged into has them",
-                });
-            }
+        if self.errors.is_some() != other.errors.is_some() {
+            return Err(Error::InvalidSetting {
+                name: "merged film",
+                value: (if self.errors.is_some() { "without errors" } else { "with errors" }).into(),
+                hint: "must have error statistics if and only if the film that it is merged into has them",
+            });
+        }
+        self.contains.merge(&other.contains)?;
+        for (mine, theirs) in self.errors.iter_mut().flatten().zip(other.errors.iter().flatten()) {
+            mine.add(theirs);
         }
         for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
             mine.add(theirs);
@@ -250,6 +277,25 @@ mod tests {
         assert_eq!(film.beauty(), once);
         assert_eq!(film.passes, 2);
         assert!(film.merge(&Film::new(1, 2, film.units).unwrap()).is_err());
+    }
+
+    #[test]
+    fn a_pass_counts_once_and_a_cut_one_never() {
+        let of = |passes: std::ops::Range<u32>| {
+            let mut film = Film::new(1, 1, Units::default()).unwrap();
+            film.pixels[0].hits = 1;
+            (film.passes, film.contains) = (passes.end - passes.start, PassSet::of(7, passes));
+            film
+        };
+        let mut film = of(0..4);
+        let before = film.clone();
+        assert!(matches!(film.merge(&of(3..5)), Err(Error::PassTwice { seed: 7, .. })));
+        let cut = Film { cut: true, ..of(4..5) };
+        assert!(matches!(film.merge(&cut), Err(Error::CutPass)));
+        assert!(matches!(cut.clone().merge(&film), Err(Error::CutPass)));
+        assert_eq!(film, before);
+        film.merge(&of(4..5)).unwrap();
+        assert_eq!((film.passes, film.contains, film.pixels[0].hits), (5, PassSet::of(7, 0..5), 2));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! One pass, from photons to film, on any backend.
 
+pub(crate) mod blocks;
 pub(crate) mod render;
 
 use std::ops::ControlFlow;
@@ -12,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::film::confidence::ErrorPixel;
 use crate::film::forecast::ErrorModel;
+use crate::film::pass_set::PassSet;
 use crate::pipeline::render::{Facts, PassEnd, Render};
 use crate::radius::bandwidth;
 use crate::radius::radii;
@@ -49,6 +51,9 @@ pub struct Pipeline<B: TransportBackend> {
     film: B::Film,
     schedule: Schedule,
     passes: u32,
+    /// The passes in the film, and whether its only one was cut short.
+    contains: PassSet,
+    cut: bool,
     batch: u32,
     setup: StageTimings,
     rays: B::Buffer<PhotonRay>,
@@ -233,6 +238,8 @@ impl<B: TransportBackend> Pipeline<B> {
             film,
             schedule,
             passes: 0,
+            contains: PassSet::default(),
+            cut: false,
             batch,
             setup: StageTimings::default(),
             rays,
@@ -328,7 +335,39 @@ impl<B: TransportBackend> Render for Pipeline<B> {
     fn film(&mut self) -> Result<Film> {
         let mut film = self.on.read_film(&self.film)?;
         film.clamp = matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp);
+        (film.contains, film.cut) = (self.contains.clone(), self.cut);
         Ok(film)
+    }
+
+    fn take(&mut self) -> Result<Film> {
+        if self.bandwidth.is_some() {
+            return Err(Error::InvalidSetting {
+                name: "bandwidth",
+                value: "per pixel".into(),
+                hint: "passes then depend on the film of all earlier passes; use a shared bandwidth",
+            });
+        }
+        let film = self.film()?;
+        self.on.clear_film(&mut self.film)?;
+        self.schedule = self.schedule.without_passes();
+        (self.passes, self.contains, self.cut) = (0, PassSet::default(), false);
+        Ok(film)
+    }
+
+    fn radii(&self) -> Vec<f32> {
+        self.maps.iter().map(|slot| slot.radius).collect()
+    }
+
+    fn set_radii(&mut self, radii: &[f32]) -> Result<()> {
+        let invalid = |index: usize, why: String| Error::InvalidInput { what: "radius", index: index as u64, why };
+        if radii.len() != self.maps.len() {
+            return Err(invalid(radii.len(), format!("{} are needed, one for each map", self.maps.len())));
+        }
+        if let Some(index) = radii.iter().position(|radius| radius.is_nan() || *radius <= 0.0) {
+            return Err(invalid(index, format!("{} must be above 0", radii[index])));
+        }
+        self.maps.iter_mut().zip(radii).for_each(|(slot, &radius)| slot.radius = radius);
+        Ok(())
     }
 
     fn model(&mut self, share: f64) -> Result<Option<ErrorModel>> {
@@ -373,6 +412,10 @@ impl<B: TransportBackend> Pipeline<B> {
                 hint: "passes are numbered from 0 to 2^32 - 2",
             });
         }
+        let this = PassSet::of(self.settings.seed, index..index + 1);
+        if let Some((seed, passes)) = self.contains.overlap(&this) {
+            return Err(Error::PassTwice { seed, passes });
+        }
         let sent = self.emit_and_trace(index, self.settings.photons, observer)?;
         // If the first pass is cut short, it is a valid pass with fewer photons; a later one is discarded,
         // since the film is valid without it.
@@ -396,6 +439,8 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.end_pass(&mut self.film)?;
         self.on.mark(None);
         self.passes += 1;
+        self.contains.merge(&this)?;
+        self.cut |= sent.cut;
         self.schedule.add(index);
         if let Some((radii, factors)) = self.bandwidth.as_mut().filter(|(radii, _)| radii.is_due(self.passes)) {
             radii.learn(&self.on.read_film(&self.film)?);
@@ -415,7 +460,7 @@ impl<B: TransportBackend> Pipeline<B> {
             queries,
             seconds: self.on.timings()?,
         };
-        let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || sent.cut;
+        let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || sent.stop;
         Ok(if stop { PassEnd::Last(report) } else { PassEnd::Done(report) })
     }
 }

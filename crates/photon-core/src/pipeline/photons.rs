@@ -20,6 +20,8 @@ pub(super) struct Sent {
     pub(super) aimed_tally: Tally,
     /// Whether the observer stopped it before all were emitted.
     pub(super) cut: bool,
+    /// Whether the observer asked to stop, perhaps after the last path.
+    pub(super) stop: bool,
 }
 
 impl Sent {
@@ -64,6 +66,8 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Fills the photon buffers with the photons of `paths` paths and the corresponding aimed ones. If the
     /// observer stops it, there are fewer paths, but some of each kind.
     pub(super) fn emit_and_trace(&mut self, index: u32, paths: u32, observer: &mut dyn Observer) -> Result<Sent> {
+        // An observer may ask to stop only once: after the last batch, or in an attempt that is repeated.
+        let mut stop = false;
         loop {
             for photons in self.maps.iter_mut().filter_map(|slot| slot.photons.as_mut()) {
                 self.on.clear(photons)?;
@@ -71,13 +75,13 @@ impl<B: TransportBackend> Pipeline<B> {
             let mut sent = Sent { paths, ..Sent::default() };
             let total = paths.saturating_add(self.aimed_paths(paths).unwrap_or(0));
             if self.needs_others() {
-                sent.paths = self.send(index, false, paths, (0, total), observer)?;
+                sent.paths = self.send(index, false, paths, (0, total), &mut stop, observer)?;
                 sent.tally = self.stages.tracer.take_tally(&mut self.on)?;
                 sent.cut = sent.paths < paths;
             }
             // If a pass is cut short, the share of aimed paths is unchanged.
             if let Some(aimed) = self.aimed_paths(sent.paths) {
-                let traced = self.send(index, true, aimed, (sent.paths, total), observer)?;
+                let traced = self.send(index, true, aimed, (sent.paths, total), &mut stop, observer)?;
                 sent.aimed = Some(traced);
                 sent.cut |= traced < aimed;
                 if let Some(stages) = &mut self.stages.aimed {
@@ -89,19 +93,21 @@ impl<B: TransportBackend> Pipeline<B> {
                 caustics.tracer.take_tally(&mut self.on)?;
             }
             if !self.grow_if_needed()? {
+                sent.stop = stop;
                 return Ok(sent);
             }
         }
     }
 
     /// Emits and traces paths of one kind, batch by batch, and returns their number; `before` and `total`
-    /// are for the observer.
+    /// are for the observer. `stop`: whether the observer asked to stop, which ends it after a batch.
     fn send(
         &mut self,
         index: u32,
         aimed: bool,
         paths: u32,
         (before, total): (u32, u32),
+        stop: &mut bool,
         observer: &mut dyn Observer,
     ) -> Result<u32> {
         let mut traced = 0;
@@ -110,7 +116,8 @@ impl<B: TransportBackend> Pipeline<B> {
             self.send_batch(index, aimed, traced..end)?;
             traced = end;
             let event = Event::Photons { pass: index, traced: before.saturating_add(traced), total };
-            if observer.on_event(&event).is_break() && traced < paths {
+            *stop |= observer.on_event(&event).is_break();
+            if *stop {
                 break;
             }
         }

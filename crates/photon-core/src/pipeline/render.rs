@@ -18,7 +18,7 @@ pub trait Render: Send {
     /// rendered on any machine, and the films merged.
     ///
     /// # Errors
-    /// Errors of the backend. The film is unchanged then.
+    /// [`Error::PassTwice`] if the film contains the pass; errors of the backend. The film is unchanged then.
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd>;
 
     /// Returns the film so far.
@@ -26,6 +26,32 @@ pub trait Render: Send {
     /// # Errors
     /// Errors of the backend.
     fn film(&mut self) -> Result<Film>;
+
+    /// Returns the film and starts an empty one: the sums of the passes since the last call. Sums of such films on the
+    /// host, in order, do not depend on how the passes are distributed over calls, renderers and machines: see
+    /// [`crate::render_blocks`].
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] with [`crate::Bandwidth::PerPixel`], since passes then depend on the film; errors of the
+    /// backend.
+    fn take(&mut self) -> Result<Film>;
+
+    /// Radii of the first pass, normalised space, one for each map. Those of a film must be the same in all passes; they
+    /// may have been derived from a pilot pass.
+    fn radii(&self) -> Vec<f32> {
+        Vec::new()
+    }
+
+    /// Replaces the radii, so that a film can be continued with those it was begun with.
+    ///
+    /// # Errors
+    /// [`Error::InvalidInput`] for another number of radii, or one that is not above 0.
+    fn set_radii(&mut self, radii: &[f32]) -> Result<()> {
+        if radii.is_empty() {
+            return Ok(());
+        }
+        Err(Error::InvalidInput { what: "radius", index: 0, why: "this renderer has no radii to replace".into() })
+    }
 
     /// The error model of the film, which forecasts the error that a fraction `share` of the pixels does not exceed;
     /// `None` if error statistics are disabled, or no pixel has an error estimate.
@@ -103,6 +129,18 @@ pub struct Outcome {
     pub reached: Option<Forecast>,
 }
 
+impl Outcome {
+    /// Adds a pass.
+    pub(super) fn add(&mut self, report: PassReport) {
+        self.passes += 1;
+        self.paths += report.paths;
+        self.tally.merge(&report.tally);
+        self.aimed.merge(&report.aimed);
+        self.seconds.merge(&report.seconds);
+        self.last = Some(report);
+    }
+}
+
 /// The share of pixels for a forecast if the budget has none.
 const SHARE: f64 = 0.95;
 
@@ -136,12 +174,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
                 break;
             }
         };
-        outcome.passes += 1;
-        outcome.paths += report.paths;
-        outcome.tally.merge(&report.tally);
-        outcome.aimed.merge(&report.aimed);
-        outcome.seconds.merge(&report.seconds);
-        outcome.last = Some(report);
+        outcome.add(report);
         if flow.is_break() {
             outcome.cancelled = outcome.passes < plan.passes();
             break;
@@ -253,6 +286,9 @@ mod tests {
         }
         fn film(&mut self) -> Result<Film> {
             Film::new(1, 1, crate::Units::default())
+        }
+        fn take(&mut self) -> Result<Film> {
+            self.film()
         }
         fn model(&mut self, share: f64) -> Result<Option<ErrorModel>> {
             let noise = f64::from(self.passes).sqrt().recip();

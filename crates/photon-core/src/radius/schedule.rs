@@ -27,6 +27,12 @@ impl Schedule {
         Self { alpha, scale: 1.0, passes, sum, inverse }
     }
 
+    /// The schedule without passes, whose next passes have the same radii.
+    #[must_use]
+    pub fn without_passes(self) -> Self {
+        Self { passes: 0, sum: 0.0, inverse: 0.0, ..self }
+    }
+
     /// Number of passes.
     #[must_use]
     pub fn passes(&self) -> u32 {

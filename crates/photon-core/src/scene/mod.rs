@@ -2,6 +2,7 @@
 
 pub(crate) mod camera;
 pub(crate) mod caster;
+mod digest;
 pub(crate) mod environment;
 pub(crate) mod layout;
 pub(crate) mod light;

@@ -12,7 +12,7 @@ use photon_core::{
 use photon_scene::{Scene, SceneError, ThinLens};
 
 use super::environment::EnvironmentArgs;
-use super::values::{caustic_photons, choice, count, size, total};
+use super::values::{PassRange, caustic_photons, choice, count, passes, size, total};
 use crate::backend::BackendName;
 use crate::exposure::Exposure;
 use crate::tonemap::ToneMap;
@@ -60,7 +60,8 @@ pub struct PictureArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct OutputArgs {
-    /// Picture to write, .exr or .png; may be given more than once [default: SCENE.png in the current folder].
+    /// Picture to write, .exr or .png; may be given more than once [default: SCENE.png in the current folder; with --film
+    /// none].
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Exposure of the PNG, in stops, or `auto`.
@@ -91,9 +92,11 @@ pub struct BudgetArgs {
     /// precedence.
     #[arg(long, value_parser = choice::<Preset>(Preset::ALL.map(Preset::name)))]
     pub preset: Option<Preset>,
-    /// Number of passes [default: 32, that of the preset, or as many as --time allows].
-    #[arg(long, value_name = "N")]
-    pub passes: Option<u32>,
+    /// Number of passes, or a range such as 64..128 [default: 32, that of the preset, or as many as --time allows].
+    ///
+    /// Passes depend on their index alone: ranges can be rendered on several machines (see --film and `photonmap merge`).
+    #[arg(long, value_name = "N|A..B", value_parser = passes)]
+    pub passes: Option<PassRange>,
     /// Time limit in seconds, from start to finished file.
     ///
     /// Passes are rendered until the time is used up. Unless --passes, --radius or a target is given, the radii are

@@ -61,7 +61,27 @@ fn limits_and_targets_become_a_plan() {
     assert_eq!(error.until, Budget::Error { target: 0.05, share_of_pixels: 0.95 });
     assert_eq!((error.time(), error.passes()), (second, u32::MAX - 1));
     assert_eq!(plan(&["--total-photons", "3M"], None).until, Budget::Photons(3_000_000));
+    let range = plan(&["--passes", "64..128"], None);
+    assert_eq!((range.first, range.until), (64, Budget::Passes(64)));
+    for wrong in ["8..8", "9..8", "..8", "8..", "0..4294967295", "eight"] {
+        let error = args(&["--passes", wrong]).unwrap_err().to_string();
+        assert!(error.contains("64..128"), "{wrong}: {error}");
+    }
     assert!(settings(&["--errors"]).unwrap().errors && settings(&["--target-error", "0.1"]).unwrap().errors);
+}
+
+#[test]
+fn times_have_units() {
+    let checkpoint =
+        |text| args(&["--film", "a.film", "--checkpoint", text]).map(|args| args.film.checkpoint.as_secs_f64());
+    for (text, seconds) in [("0s", 0.0), ("90s", 90.0), ("5min", 300.0), ("1.5h", 5400.0)] {
+        assert_eq!(checkpoint(text).unwrap(), seconds);
+    }
+    for wrong in ["5", "min", "5 min", "-1s", "1e30h", "nans", ""] {
+        assert!(checkpoint(wrong).is_err(), "{wrong}");
+    }
+    assert_eq!(args(&[]).unwrap().film.checkpoint.as_secs(), 300);
+    assert!(args(&["--checkpoint", "1h"]).unwrap_err().to_string().contains("--film"));
 }
 
 #[test]

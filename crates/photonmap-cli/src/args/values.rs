@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::str::FromStr;
+use std::time::Duration;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use photon_core::CausticPhotons;
@@ -13,6 +14,43 @@ where
     T::Err: Into<Box<dyn Error + Send + Sync>>,
 {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
+}
+
+/// A range of passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PassRange {
+    /// Index of the first pass.
+    pub first: u32,
+    /// Number of passes.
+    pub count: u32,
+}
+
+/// Parses a number of passes, or a range such as `64..128`.
+pub(super) fn passes(text: &str) -> Result<PassRange, String> {
+    const ASK: &str = "give a number of passes such as 64, or a range such as 64..128";
+    let index = |text: &str| text.parse::<u32>().map_err(|_| ASK.to_owned());
+    let Some((first, end)) = text.split_once("..") else {
+        return Ok(PassRange { first: 0, count: index(text)? });
+    };
+    let (first, end) = (index(first)?, index(end)?);
+    if first >= end || end == u32::MAX {
+        return Err(format!("{text} is no range of passes: the second number is not part of it; {ASK}"));
+    }
+    Ok(PassRange { first, count: end - first })
+}
+
+/// Parses a time with its unit.
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
+    let split = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let (digits, unit) = text.split_at(split);
+    let unit = match unit {
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err("give a time with its unit: s, min or h".to_owned()),
+    };
+    let seconds = digits.parse::<f64>().map_err(|error| error.to_string())? * unit;
+    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
 }
 
 /// A total number of photons, which may exceed 32 bits.

@@ -4,10 +4,14 @@ pub mod compare;
 pub mod devices;
 pub mod explain;
 pub mod export;
+pub mod info;
 pub mod manual;
 pub mod map;
 mod map_search;
+pub mod merge;
+pub mod picture;
 pub mod render;
+mod render_film;
 pub mod scenes;
 
 use std::process::ExitCode;
@@ -37,7 +41,8 @@ Examples:
   photonmap render room.glb --time 60 -o room.png
   photonmap render room.obj --overrides room.toml --target-error 0.03 -o room.exr
   photonmap render car.glb --environment studio.exr --environment-rotate 90 -o car.png
-  photonmap render house.glb --environment sky:30,3 --exposure -5 -o house.png";
+  photonmap render house.glb --environment sky:30,3 --exposure -5 -o house.png
+  photonmap render house.glb --passes 4096 --film house.film -o house.exr      again after an interruption: continues";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -51,6 +56,9 @@ enum Command {
     Explain(Box<ExplainArgs>),
     Compare(compare::CompareArgs),
     Export(export::ExportArgs),
+    Merge(merge::MergeArgs),
+    Info(info::InfoArgs),
+    Picture(picture::PictureArgs),
     Completions(manual::CompletionsArgs),
     Man(manual::ManArgs),
 }
@@ -76,6 +84,9 @@ fn run(command: &Command) -> Result<(), Fault> {
         Command::Explain(args) => explain::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Export(args) => export::run(args),
+        Command::Merge(args) => merge::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Picture(args) => picture::run(args),
         Command::Completions(args) => manual::completions(args),
         Command::Man(args) => manual::man(args),
     }

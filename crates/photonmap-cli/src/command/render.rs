@@ -14,13 +14,13 @@ use photon_scene::Scene;
 
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen};
-use crate::exposure::{self, Exposure};
+use crate::command::picture::{self, Look};
+use crate::command::render_film;
 use crate::fault::Fault;
 use crate::forecast_text::{error_line, forecast_lines};
-use crate::png_file::Picture;
 use crate::progress::{Limit, Progress};
 use crate::report::{self, Details};
-use crate::{atomic_write, exr_file, load, memory, png_file, stdout};
+use crate::{atomic_write, load, memory, stdout};
 
 /// Renders the scene and writes the files.
 ///
@@ -31,6 +31,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     args.files.check()?;
     let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     let outputs = outputs(args)?;
+    render_film::check(args, &settings)?;
     let json = args.files.json.iter().filter(|path| path.as_os_str() != "-");
     outputs.iter().chain(json).try_for_each(|path| atomic_write::check(path))?;
     let begun = Instant::now();
@@ -44,8 +45,13 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     warnings.extend(starving);
 
     let stop = interrupt()?;
-    let outcome = passes(args, settings.photons, &mut *renderer, begun, &stop)?;
-    let film = renderer.film()?;
+    let (outcome, film, mut filed) = match &args.film.film {
+        Some(path) => {
+            let film = render_film::run(path, args, (&scene, &view, &settings), &mut *renderer, &stop)?;
+            (film.outcome, film.film, Some((path, film.filed)))
+        }
+        None => (passes(args, settings.photons, &mut *renderer, begun, &stop)?, renderer.film()?, None),
+    };
     let seconds_total = begun.elapsed().as_secs_f64();
     if let Some(warning) = too_deep(&outcome) {
         eprintln!("warning: {warning}");
@@ -65,6 +71,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         seconds_total,
     };
     let mut written = Vec::new();
+    if let Some((path, Ok(true))) = &filed {
+        written.push(format!("{} ({} passes)", path.display(), film.passes));
+    }
     for output in &outputs {
         save(args, output, &film, &*renderer, &details)?;
         written.push(output.display().to_string());
@@ -85,23 +94,30 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
             cap as f64 / 1_048_576.0
         );
     }
+    // The pictures are written even if the film could not be.
+    if let Some((_, Err(_))) = &filed
+        && let Some((_, Err(fault))) = filed.take()
+    {
+        return Err(fault);
+    }
     let stopped = if outcome.cancelled { ", interrupted" } else { "" };
     let (passes, paths) = (outcome.passes, renderer.facts().photons);
-    eprintln!("wrote {}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}", written.join(", "));
+    let written = if written.is_empty() { "nothing".to_owned() } else { written.join(", ") };
+    eprintln!("wrote {written}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}");
     Ok(())
 }
 
 /// The output files, checked before anything is rendered.
 fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
+    if args.files.output.is_empty() && args.film.film.is_some() {
+        return Ok(Vec::new());
+    }
     if args.files.output.is_empty() {
         let stem = Path::new(&args.scene.scene).file_stem().unwrap_or_default();
         return Ok(vec![Path::new(stem).with_extension("png")]);
     }
     for path in &args.files.output {
-        let known = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr") || e.eq_ignore_ascii_case("png"));
-        if !known {
-            return Err(Fault::input(format!("{}: the name of a picture ends in .exr or .png", path.display())));
-        }
+        picture::check_name(path)?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
             return Err(Fault::input(format!("{}: there is no folder {}", path.display(), folder.display())));
@@ -111,7 +127,7 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
 }
 
 /// A flag that is set by Ctrl-C.
-fn interrupt() -> Result<Arc<AtomicBool>, Fault> {
+pub(super) fn interrupt() -> Result<Arc<AtomicBool>, Fault> {
     let stop = Arc::new(AtomicBool::new(false));
     let heard = Arc::clone(&stop);
     let handler = ctrlc::set_handler(move || {
@@ -191,24 +207,25 @@ fn passes(
     if each < photons {
         eprintln!("memory: {each} paths a pass fit the limit");
         let more = |passes: u32| passes.saturating_mul(photons.div_ceil(each)).min(u32::MAX - 1);
-        if let Budget::Passes(passes) = &mut plan.until {
+        // A range is what it says.
+        if let (Budget::Passes(passes), 0) = (&mut plan.until, plan.first) {
             *passes = more(*passes);
         }
         plan.most_passes = plan.most_passes.map(more);
     }
     let mut progress = Progress::new(match (plan.until, time) {
         (Budget::Error { .. }, Some(time)) => Limit::Time(time),
-        (Budget::Time(time), _) if args.settings.budget.passes.is_none() => Limit::Time(time),
+        (Budget::Time(time), _) if plan.most_passes.is_none() => Limit::Time(time),
         (Budget::Passes(passes), _) => Limit::Passes(passes),
         (Budget::Photons(all), _) => {
             Limit::Passes(u32::try_from(all.div_ceil(u64::from(each.max(1)))).unwrap_or(u32::MAX))
         }
-        _ => args.settings.budget.passes.map_or(Limit::Open, Limit::Passes),
+        _ => plan.most_passes.map_or(Limit::Open, Limit::Passes),
     });
     let mut forecast_shown = false;
     let mut observer = |event: &Event<'_>| {
         match event {
-            Event::PassDone(pass) => progress.passes(pass.index + 1),
+            Event::PassDone(pass) => progress.passes(pass.index + 1 - plan.first),
             Event::Forecast(forecast) if !std::mem::replace(&mut forecast_shown, true) => {
                 progress.say(&forecast_lines(forecast, photons));
             }
@@ -231,7 +248,7 @@ fn passes(
 fn writing(args: &RenderArgs) -> Duration {
     let (width, height) = args.settings.picture.size;
     let pixels = f64::from(width) * f64::from(height);
-    let exr = args.files.output.iter().any(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")));
+    let exr = args.files.output.iter().any(|path| picture::is_exr(path));
     Duration::from_secs_f64(pixels * if exr { 1.5e-6 } else { 1e-7 })
 }
 
@@ -242,13 +259,9 @@ fn save(
     renderer: &dyn Render,
     details: &Details<'_>,
 ) -> Result<(), Fault> {
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-        let picture = Picture::new(film, args.files.transparent);
-        let stops = args.files.exposure.stops(&exposure::measured(&picture.colours, &film.alpha()));
-        if args.files.exposure == Exposure::Auto {
-            eprintln!("exposure of {}: {stops:.2} stops", path.display());
-        }
-        return png_file::write(path, &picture, args.files.tonemap, stops);
+    let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
+    if !picture::is_exr(path) {
+        return picture::write(path, film, look, &[]);
     }
     let facts = renderer.facts();
     let seconds: Vec<String> = photon_core::Stage::ALL
@@ -269,5 +282,5 @@ fn save(
     attributes.extend(details.environment.map(|text| ("photon:environment", text.to_owned())));
     let attributes: Vec<(String, String)> =
         attributes.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    exr_file::write(path, film, args.files.transparent, &attributes)
+    picture::write(path, film, look, &attributes)
 }

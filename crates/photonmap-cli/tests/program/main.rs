@@ -7,6 +7,7 @@ mod compare;
 mod environment;
 mod export;
 mod files;
+mod film;
 mod map;
 mod progress;
 mod render;

@@ -1,0 +1,210 @@
+//! Passes in blocks, whose sums are added on the host.
+
+use std::ops::{ControlFlow, Range};
+
+use crate::backend::observer::Observer;
+use crate::error::{Error, Result};
+use crate::film::Film;
+use crate::film::pass_set::PassSet;
+use crate::pipeline::render::{Outcome, PassEnd, Render};
+
+/// A range of passes, in blocks of `grain` passes each.
+///
+/// Floating-point sums depend on their order, which is fixed by the blocks: passes are added in order within each block,
+/// and blocks are added in order. The film is a function of scene, settings, passes and grain alone, and not of where and
+/// when the blocks are rendered. With grain 1, the bits on the CPU are those of [`crate::render`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Blocks {
+    passes: Range<u32>,
+    grain: u32,
+}
+
+impl Blocks {
+    /// The passes of a range, in blocks of `grain`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] for an empty range, a grain of 0, a range that does not begin and end at a multiple of
+    /// the grain, or one that contains pass 2³² − 1, which is reserved.
+    pub fn new(passes: Range<u32>, grain: u32) -> Result<Self> {
+        let text = format!("{}..{}", passes.start, passes.end);
+        let invalid = |name, value, hint| Err(Error::InvalidSetting { name, value, hint });
+        if grain == 0 {
+            return invalid("grain", "0".into(), "must be at least 1");
+        }
+        if passes.is_empty() {
+            return invalid("passes", text, "must be at least one pass");
+        }
+        if !(passes.start.is_multiple_of(grain) && passes.end.is_multiple_of(grain)) {
+            let value = format!("{text} with grain {grain}");
+            return invalid("passes", value, "must begin and end at a multiple of the grain");
+        }
+        Ok(Self { passes, grain })
+    }
+
+    /// All passes.
+    #[must_use]
+    pub fn passes(&self) -> Range<u32> {
+        self.passes.clone()
+    }
+
+    /// Passes in a block.
+    #[must_use]
+    pub fn grain(&self) -> u32 {
+        self.grain
+    }
+
+    /// The blocks that remain after those of a film; `None` if it contains all. `seed` is that of the settings.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] if the film does not contain whole blocks from the first one on, and nothing else; or if
+    /// it contains more than these blocks.
+    pub fn remaining(&self, film: &PassSet, seed: u64) -> Result<Option<Self>> {
+        let mut ranges = film.ranges();
+        let Some((found, range)) = ranges.next() else { return Ok(Some(self.clone())) };
+        let invalid = |hint| Err(Error::InvalidSetting { name: "film", value: format!("of passes {film}"), hint });
+        if ranges.next().is_some() || found != seed || range.start != self.passes.start {
+            return invalid(
+                "it can be continued only if it has one seed, no gaps, and the first of the passes asked for; render the \
+                 others to another film and merge the two",
+            );
+        }
+        if range.end > self.passes.end {
+            return invalid("it has more passes than are asked for; ask for at least as many");
+        }
+        if range.end % self.grain != 0 {
+            return invalid("it ends within a block; render it again");
+        }
+        Ok((range.end < self.passes.end).then_some(Self { passes: range.end..self.passes.end, grain: self.grain }))
+    }
+}
+
+/// Results of [`render_blocks`].
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct BlockOutcome {
+    /// Results of all passes that were rendered. There are no forecasts.
+    pub outcome: Outcome,
+    /// The passes of the block in which the observer stopped it, which are not in the film; `None` if there are none.
+    /// Its only pass may be cut short.
+    pub unfinished: Option<Film>,
+}
+
+/// Renders blocks and adds each to `film`, in order; `None` is an empty film. After each block, `after_block` gets the
+/// film, and may store it.
+///
+/// The film of the renderer has to be empty, and is empty afterwards.
+///
+/// # Errors
+/// [`Error::InvalidSetting`] if the renderer has a film, or one that cannot be taken ([`Render::take`]); [`Error::PassTwice`]
+/// if a pass is in the film already; [`Error::Cancelled`] if no pass was finished; errors of a pass and of `after_block`.
+/// `film` has the whole blocks then.
+pub fn render_blocks(
+    renderer: &mut dyn Render,
+    blocks: &Blocks,
+    film: &mut Option<Film>,
+    observer: &mut dyn Observer,
+    after_block: &mut dyn FnMut(&Film) -> Result<()>,
+) -> Result<BlockOutcome> {
+    let mut results = BlockOutcome::default();
+    for start in blocks.passes().step_by(blocks.grain as usize) {
+        let (block, flow) = block(renderer, start..start + blocks.grain, observer, &mut results.outcome)?;
+        if block.cut || block.passes < blocks.grain {
+            results.outcome.cancelled = true;
+            results.unfinished = (block.passes > 0).then_some(block);
+            break;
+        }
+        if block.passes > blocks.grain {
+            return Err(Error::InvalidSetting {
+                name: "film of the renderer",
+                value: format!("of {} passes", block.passes - blocks.grain),
+                hint: "must be empty before blocks are rendered; take it first",
+            });
+        }
+        let film = match film {
+            Some(film) => {
+                film.merge(&block)?;
+                film
+            }
+            None => film.insert(block),
+        };
+        after_block(film)?;
+        if flow.is_break() {
+            results.outcome.cancelled = start + blocks.grain < blocks.passes.end;
+            break;
+        }
+    }
+    if film.is_none() && results.unfinished.is_none() {
+        return Err(Error::Cancelled);
+    }
+    Ok(results)
+}
+
+/// Renders the passes of a block until the observer asks to stop. If there is an error, the passes are discarded.
+fn block(
+    renderer: &mut dyn Render,
+    passes: Range<u32>,
+    observer: &mut dyn Observer,
+    outcome: &mut Outcome,
+) -> Result<(Film, ControlFlow<()>)> {
+    let mut flow = ControlFlow::Continue(());
+    for index in passes {
+        let report = match renderer.pass(index, observer) {
+            Ok(PassEnd::Done(report)) => report,
+            Ok(PassEnd::Last(report)) => {
+                flow = ControlFlow::Break(());
+                report
+            }
+            Ok(PassEnd::Cancelled) => {
+                flow = ControlFlow::Break(());
+                break;
+            }
+            Err(error) => {
+                // The first error matters; if the device is lost, so is the film.
+                let _ = renderer.take();
+                return Err(error);
+            }
+        };
+        outcome.add(report);
+        if flow.is_break() {
+            break;
+        }
+    }
+    Ok((renderer.take()?, flow))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_whole() {
+        assert_eq!(Blocks::new(4..8, 2).unwrap().passes(), 4..8);
+        for (passes, grain, culprit) in
+            [(0..0, 1, "at least one"), (0..5, 2, "grain 2"), (3..4, 2, "multiple"), (0..4, 0, "grain")]
+        {
+            let text = Blocks::new(passes, grain).unwrap_err().to_string();
+            assert!(text.contains(culprit), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_film_is_continued_where_it_ends() {
+        let blocks = Blocks::new(4..12, 2).unwrap();
+        let rest = |film: &PassSet| blocks.remaining(film, 3);
+        assert_eq!(rest(&PassSet::default()).unwrap(), Some(blocks.clone()));
+        assert_eq!(rest(&PassSet::of(3, 4..8)).unwrap(), Some(Blocks::new(8..12, 2).unwrap()));
+        assert_eq!(rest(&PassSet::of(3, 4..12)).unwrap(), None);
+        let mut gap = PassSet::of(3, 4..6);
+        gap.merge(&PassSet::of(3, 8..10)).unwrap();
+        for (film, culprit) in [
+            (gap, "gaps"),
+            (PassSet::of(2, 4..8), "seed"),
+            (PassSet::of(3, 0..8), "first"),
+            (PassSet::of(3, 4..14), "more passes"),
+            (PassSet::of(3, 4..7), "within a block"),
+        ] {
+            let text = rest(&film).unwrap_err().to_string();
+            assert!(text.contains(culprit) && text.contains(&film.to_string()), "{text}");
+        }
+    }
+}

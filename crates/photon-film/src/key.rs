@@ -1,0 +1,230 @@
+//! What the passes of a film depend on. Films are continued and merged only if their keys agree.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use photon_core::{NUMERICS, Render, SceneView, Settings, Units, View, check_size};
+use serde::{Deserialize, Serialize};
+
+use crate::error::FilmFileError;
+
+/// Scene, view, settings and derived choices of a film. Seeds are not part of it: passes of several seeds can be merged.
+///
+/// Numbers that have to agree bit by bit are stored as hexadecimal bits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FilmKey {
+    /// [`SceneView::digest`].
+    scene: String,
+    width: u32,
+    height: u32,
+    /// Bytes of the camera's record.
+    camera: String,
+    settings: BTreeMap<String, String>,
+    photons_per_pass: u32,
+    aimed_per_pass: Option<u32>,
+    /// Centre, scale and power of [`Units`], f64.
+    units: [String; 5],
+    /// Radii of the first pass, f32.
+    radii: Vec<String>,
+    grain: u32,
+    numerics: u32,
+}
+
+impl FilmKey {
+    /// The key of the passes that `renderer` renders of `scene` in blocks of `grain`. It contains the radii that the
+    /// renderer has now: to continue a film, restore them first ([`FilmKey::radii`], [`Render::set_radii`]).
+    #[must_use]
+    pub fn new(scene: &SceneView<'_>, view: &View, settings: &Settings, renderer: &dyn Render, grain: u32) -> Self {
+        let facts = renderer.facts();
+        let Units { center: [x, y, z], scale, power } = scene.units;
+        Self {
+            scene: format!("{:032x}", scene.digest()),
+            width: view.width,
+            height: view.height,
+            camera: bytemuck::bytes_of(&view.camera).iter().map(|byte| format!("{byte:02x}")).collect(),
+            settings: entries(settings),
+            photons_per_pass: facts.photons,
+            aimed_per_pass: facts.aimed,
+            units: [x, y, z, scale, power].map(|number| format!("{:016x}", number.to_bits())),
+            radii: renderer.radii().iter().map(|radius| format!("{:08x}", radius.to_bits())).collect(),
+            grain,
+            numerics: NUMERICS,
+        }
+    }
+
+    /// Width and height in pixels.
+    #[must_use]
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// Passes in a block.
+    #[must_use]
+    pub fn grain(&self) -> u32 {
+        self.grain
+    }
+
+    /// Paths of a pass that are not aimed.
+    #[must_use]
+    pub fn photons(&self) -> u32 {
+        self.photons_per_pass
+    }
+
+    /// Digest of the scene, in hexadecimal.
+    #[must_use]
+    pub fn scene_digest(&self) -> &str {
+        &self.scene
+    }
+
+    /// Names and values of the settings.
+    pub fn settings(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.settings.iter().map(|(name, value)| (name.as_str(), value.as_str()))
+    }
+
+    /// Conversion to user space and watts.
+    #[must_use]
+    pub fn units(&self) -> Units {
+        let bits = |text: &String| u64::from_str_radix(text, 16).map_or(f64::NAN, f64::from_bits);
+        let [x, y, z, scale, power] = self.units.each_ref().map(bits);
+        Units { center: [x, y, z], scale, power }
+    }
+
+    /// Radii of the first pass, for [`Render::set_radii`].
+    #[must_use]
+    pub fn radii(&self) -> Vec<f32> {
+        self.radii.iter().map(|text| u32::from_str_radix(text, 16).map_or(f32::NAN, f32::from_bits)).collect()
+    }
+
+    /// Checks the numbers of a key that was read.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        check_size(self.width, self.height).map_err(|error| error.to_string())?;
+        let units = self.units();
+        if !(units.center.iter().all(|x| x.is_finite()) && units.scale > 0.0 && units.scale.is_finite()) {
+            return Err("its units are no numbers".to_owned());
+        }
+        if !(units.power > 0.0 && units.power.is_finite()) {
+            return Err("its power is no positive number".to_owned());
+        }
+        if self.radii().iter().any(|radius| radius.is_nan()) {
+            return Err("its radii are no numbers".to_owned());
+        }
+        if self.grain == 0 {
+            return Err("its grain is 0".to_owned());
+        }
+        Ok(())
+    }
+
+    /// Checks that the key of the film in `path` is `expected`.
+    ///
+    /// # Errors
+    /// [`FilmFileError::OtherKey`] names the first part that differs.
+    pub fn check(&self, expected: &Self, path: &Path) -> Result<(), FilmFileError> {
+        let (found, expected) = (self.parts(), expected.parts());
+        let absent = || "absent".to_owned();
+        let names = found.keys().chain(expected.keys());
+        let differ = names.into_iter().find(|name| found.get(*name) != expected.get(*name));
+        let Some(name) = differ else { return Ok(()) };
+        Err(FilmFileError::OtherKey {
+            path: path.to_owned(),
+            what: name.clone(),
+            found: found.get(name).cloned().unwrap_or_else(absent),
+            expected: expected.get(name).cloned().unwrap_or_else(absent),
+        })
+    }
+
+    /// All parts by name, as text.
+    fn parts(&self) -> BTreeMap<String, String> {
+        // Every member by name: a new one is an error here until it is compared.
+        let Self {
+            scene,
+            width,
+            height,
+            camera,
+            settings,
+            photons_per_pass,
+            aimed_per_pass,
+            units,
+            radii,
+            grain,
+            numerics,
+        } = self;
+        let aimed = aimed_per_pass.map_or("none".to_owned(), |aimed| aimed.to_string());
+        let parts = [
+            ("digest of the scene", scene.clone()),
+            ("size", format!("{width}x{height}")),
+            ("camera", camera.clone()),
+            ("number of photons per pass", photons_per_pass.to_string()),
+            ("number of aimed photons per pass", aimed),
+            ("units (bits of centre, scale and power)", units.join(" ")),
+            ("list of radii (bits)", radii.join(" ")),
+            ("grain", grain.to_string()),
+            ("version of the numerics", numerics.to_string()),
+        ];
+        let settings = settings.iter().map(|(name, value)| (format!("setting {name}"), value.clone()));
+        parts.into_iter().map(|(name, value)| (name.to_owned(), value)).chain(settings).collect()
+    }
+}
+
+/// The settings that passes depend on, by name.
+fn entries(settings: &Settings) -> BTreeMap<String, String> {
+    // Every member by name: a new one is an error here until it is decided whether passes depend on it.
+    let Settings {
+        // The renderer may have fewer: `photons_per_pass`.
+        photons: _,
+        estimator,
+        radius_factor,
+        kernel,
+        area,
+        bandwidth,
+        // Photons are summed in the order of the data structure.
+        index,
+        direct,
+        indirect,
+        caustics,
+        caustic_photons,
+        max_bounces,
+        // Part of the set of passes.
+        seed: _,
+        alpha,
+        // The result is the same.
+        scheduling: _,
+        random,
+        shadow_rays,
+        gather_rays,
+        irradiance_every,
+        min_normal_cosine,
+        max_plane_distance,
+        // A pass that exceeds it is an error.
+        photon_capacity: _,
+        memory: _,
+        errors,
+        transparent_background,
+        terminator_offset,
+    } = settings;
+    // The debug text of a float is the shortest one that is read back as the same bits.
+    let entries: [(&str, &dyn std::fmt::Debug); 21] = [
+        ("estimator", estimator),
+        ("radius_factor", radius_factor),
+        ("kernel", kernel),
+        ("area", area),
+        ("bandwidth", bandwidth),
+        ("index", index),
+        ("direct", direct),
+        ("indirect", indirect),
+        ("caustics", caustics),
+        ("caustic_photons", caustic_photons),
+        ("max_bounces", max_bounces),
+        ("alpha", alpha),
+        ("random", random),
+        ("shadow_rays", shadow_rays),
+        ("gather_rays", gather_rays),
+        ("irradiance_every", irradiance_every),
+        ("min_normal_cosine", min_normal_cosine),
+        ("max_plane_distance", max_plane_distance),
+        ("errors", errors),
+        ("transparent_background", transparent_background),
+        ("terminator_offset", terminator_offset),
+    ];
+    entries.into_iter().map(|(name, value)| (name.to_owned(), format!("{value:?}"))).collect()
+}

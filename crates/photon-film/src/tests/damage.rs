@@ -1,0 +1,104 @@
+//! Damaged and forged files.
+
+use std::path::Path;
+
+use photon_core::Film;
+
+use super::{RENDERED, Rendered};
+use crate::header::Header;
+use crate::write::FilmWriter;
+use crate::{FilmFileError, FilmInfo, atomic_write, load, load_from, save};
+
+/// What comes of bytes.
+fn read(bytes: &[u8]) -> Result<(Film, FilmInfo), FilmFileError> {
+    load_from(std::io::Cursor::new(bytes), bytes.len() as u64, Path::new("a.film"))
+}
+
+/// Whether bytes are refused, or are the same film.
+fn is_harmless(bytes: &[u8]) -> bool {
+    read(bytes).map_or(true, |(film, info)| film == RENDERED.all && info.key == RENDERED.info.key)
+}
+
+#[test]
+fn damage_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.film");
+    save(&path, &RENDERED.all, &RENDERED.info).unwrap();
+    let good = std::fs::read(&path).unwrap();
+    assert!(read(&good).unwrap().0 == RENDERED.all);
+    for at in 0..good.len() {
+        let mut bytes = good.clone();
+        bytes[at] ^= 1 << (at % 8);
+        assert!(is_harmless(&bytes), "byte {at} of {}", good.len());
+    }
+    for length in (0..good.len()).step_by(7) {
+        let error = read(&good[..length]).unwrap_err().to_string();
+        assert!(error.contains("a.film") && error.contains("not a whole film file"), "{error}");
+    }
+    // A few bytes at a time, by a linear congruential generator.
+    let mut state = 1_u64;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for _ in 0..2000 {
+        let mut bytes = good.clone();
+        for _ in 0..1 + next(8) {
+            let at = next(bytes.len());
+            bytes[at] = next(256) as u8;
+        }
+        assert!(is_harmless(&bytes));
+    }
+    assert!(matches!(load(&folder.path().join("none.film")), Err(FilmFileError::Read { .. })));
+}
+
+/// Writes a file with the description of the film, changed by `change`, and its arrays.
+fn forged(path: &Path, change: impl FnOnce(&mut serde_json::Value)) {
+    let Rendered { all, info, .. } = &*RENDERED;
+    let info = FilmInfo { errors: true, ..info.clone() };
+    let header = std::cell::RefCell::new(Header::new(&info, &all.contains));
+    atomic_write::write(path, |file| {
+        let mut writer = FilmWriter::new(file, all.width, all.height);
+        for column in crate::column::Column::all(true) {
+            let mut pixels = 0..all.pixels.len();
+            writer.array(column, false, &mut header.borrow_mut(), |row| {
+                row.chunks_exact_mut(column.width()).zip(&mut pixels).for_each(|(to, i)| column.get(all, i, to));
+                Ok(())
+            })?;
+        }
+        let mut json = serde_json::to_value(&*header.borrow())?;
+        change(&mut json);
+        writer.finish(&json)
+    })
+    .unwrap();
+}
+
+#[test]
+fn descriptions_are_not_believed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.film");
+    forged(&path, |_| {});
+    assert!(load(&path).unwrap().0 == RENDERED.all, "the forger works");
+    forged(&path, |json| json["format"] = 2.into());
+    let error = load(&path).unwrap_err();
+    assert!(matches!(error, FilmFileError::Newer { found: 2, known: 1, .. }), "{error}");
+    type Change = fn(&mut serde_json::Value);
+    let cases: [(&str, Change); 10] = [
+        // 2³¹ pixels: refused by the size of the arrays, without memory for them.
+        ("needs 51539607680", |json| json["key"]["width"] = (1_u64 << 30).into()),
+        ("2^31", |json| json["key"]["width"] = (1_u64 << 31).into()),
+        ("0x2", |json| json["key"]["width"] = 0.into()),
+        ("6 passes, but lists 8", |json| json["passes"][0]["end"] = 8.into()),
+        ("none", |json| json["passes"][0]["first"] = 6.into()),
+        ("arrays", |json| json["arrays"].as_array_mut().unwrap().truncate(3)),
+        ("arrays", |json| json["errors"] = false.into()),
+        ("format", |json| json["format"] = "one".into()),
+        ("units", |json| json["key"]["units"][3] = "7ff8000000000000".into()),
+        ("radii", |json| json["key"]["radii"][0] = "x".into()),
+    ];
+    for (culprit, change) in cases {
+        forged(&path, change);
+        let error = load(&path).unwrap_err().to_string();
+        assert!(error.contains(culprit), "{culprit}: {error}");
+    }
+}

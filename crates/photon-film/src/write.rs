@@ -1,0 +1,114 @@
+//! Writes film files.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use photon_core::Film;
+use zip::write::{SimpleFileOptions, ZipWriter};
+
+use crate::atomic_write;
+use crate::column::Column;
+use crate::error::FilmFileError;
+use crate::header::{FilmInfo, Header, NAME};
+use crate::npy;
+
+/// Writes a film, atomically and durably ([`atomic_write`]). Of `info`, the key, the scene and the makers are stored, and
+/// whether sums are in order; all else is that of the film.
+///
+/// # Errors
+/// [`FilmFileError::NotStorable`] for a film with a pass that was cut short, or whose passes are not known;
+/// [`FilmFileError::Write`]. A previous file is left as it was.
+pub fn save(path: &Path, film: &Film, info: &FilmInfo) -> Result<(), FilmFileError> {
+    let refuse = |why| Err(FilmFileError::NotStorable { path: path.to_owned(), why });
+    if film.cut {
+        return refuse("its pass was cut short");
+    }
+    if film.contains.is_empty() || film.contains.count() != u64::from(film.passes) {
+        return refuse("its passes are not known");
+    }
+    if info.key.size() != (film.width, film.height) || info.key.units() != film.units {
+        return refuse("it has not the size and the units of its key");
+    }
+    let info = FilmInfo { errors: film.errors.is_some(), clamp: film.clamp, ..info.clone() };
+    let mut header = Header::new(&info, &film.contains);
+    let written = atomic_write::write(path, |file| {
+        let mut zip = FilmWriter::new(file, film.width, film.height);
+        for column in Column::all(info.errors) {
+            let mut bits = [0; 3];
+            let bits = &mut bits[..column.width()];
+            let mut pixels = 0..film.pixels.len();
+            let is_empty = pixels.clone().all(|pixel| {
+                column.get(film, pixel, bits);
+                bits.iter().all(|&bits| bits == 0)
+            });
+            zip.array(column, is_empty, &mut header, |row| {
+                for (to, pixel) in row.chunks_exact_mut(column.width()).zip(&mut pixels) {
+                    column.get(film, pixel, to);
+                }
+                Ok(())
+            })?;
+        }
+        zip.finish(&header)
+    });
+    written.map_err(|why| FilmFileError::write(path, why))
+}
+
+/// A film file while it is written.
+pub(crate) struct FilmWriter<'a> {
+    zip: ZipWriter<&'a mut BufWriter<File>>,
+    width: u32,
+    height: u32,
+}
+
+impl<'a> FilmWriter<'a> {
+    pub(crate) fn new(file: &'a mut BufWriter<File>, width: u32, height: u32) -> Self {
+        Self { zip: ZipWriter::new(file), width, height }
+    }
+
+    /// Writes an array row by row; `fill` sets the next row. An empty array is left out, except for the hits, so that a
+    /// small file cannot claim to be a large picture.
+    pub(crate) fn array(
+        &mut self,
+        column: Column,
+        is_empty: bool,
+        header: &mut Header,
+        mut fill: impl FnMut(&mut [u64]) -> Result<(), atomic_write::Failure>,
+    ) -> Result<(), atomic_write::Failure> {
+        if is_empty && column != Column::Hits {
+            return Ok(());
+        }
+        let head = npy::header(column, self.width, self.height);
+        let bytes = head.len() as u64 + npy::data_bytes(column, self.width, self.height);
+        self.start(&format!("{}.npy", column.name()), bytes)?;
+        self.zip.write_all(&head)?;
+        let mut row = vec![0_u64; self.width as usize * column.width()];
+        let mut bytes = Vec::with_capacity(row.len() * 8);
+        for _ in 0..self.height {
+            fill(&mut row)?;
+            bytes.clear();
+            bytes.extend(row.iter().flat_map(|bits| bits.to_le_bytes()));
+            self.zip.write_all(&bytes)?;
+        }
+        header.arrays.push(column.name());
+        Ok(())
+    }
+
+    /// Writes the description and the directory.
+    pub(crate) fn finish(mut self, header: &impl serde::Serialize) -> Result<(), atomic_write::Failure> {
+        let text = format!("{}\n", serde_json::to_string_pretty(header)?);
+        self.start(NAME, text.len() as u64)?;
+        self.zip.write_all(text.as_bytes())?;
+        self.zip.finish()?.flush()?;
+        Ok(())
+    }
+
+    fn start(&mut self, name: &str, bytes: u64) -> io::Result<()> {
+        // Without a time, so that the same film is the same file.
+        let options = SimpleFileOptions::default()
+            .compression_method(zip::CompressionMethod::Stored)
+            .last_modified_time(zip::DateTime::default())
+            .large_file(bytes >= u64::from(u32::MAX));
+        Ok(self.zip.start_file(name, options)?)
+    }
+}

@@ -1,0 +1,27 @@
+//! The options of film files.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+
+use super::values::duration;
+
+/// The film file of a render.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Film file")]
+pub struct FilmArgs {
+    /// Keep the sums of all passes in this file, .film; if it exists, the render is continued from it.
+    ///
+    /// The result is the same as without interruption, bit by bit. Passes are given by --passes or --total-photons; radii
+    /// that were derived are those in the file.
+    #[arg(long, value_name = "FILE")]
+    pub film: Option<PathBuf>,
+    /// How often the film file is written: a time such as 30s, 5min or 1h; 0s: after every block.
+    #[arg(long, value_name = "TIME", default_value = "5min", value_parser = duration, requires = "film", hide_short_help = true)]
+    pub checkpoint: Duration,
+    /// Passes in a block. A film contains whole blocks, and the film of a job array is that of a single render, bit by bit,
+    /// if each job renders one block.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "film", hide_short_help = true)]
+    pub grain: u32,
+}

@@ -1,0 +1,55 @@
+//! `photonmap info`
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use photon_film::FilmInfo;
+
+use crate::fault::Fault;
+use crate::stdout;
+
+/// Show what a film file contains: passes, scene, settings, and who rendered it.
+#[derive(Clone, Debug, Args)]
+pub struct InfoArgs {
+    /// The film file.
+    #[arg(value_name = "FILE.film")]
+    film: PathBuf,
+}
+
+/// Prints the description; the pixels are not read.
+///
+/// # Errors
+/// [`Fault::Input`] for a file that is no film.
+pub fn run(args: &InfoArgs) -> Result<(), Fault> {
+    stdout::write(text(&photon_film::read_info(&args.film)?).as_bytes())
+}
+
+fn text(info: &FilmInfo) -> String {
+    let key = &info.key;
+    let (width, height) = key.size();
+    let order =
+        if info.in_order { "those of a single render" } else { "may differ from those of a single render by rounding" };
+    let mut text = String::new();
+    let mut line = |name: &str, value: &dyn std::fmt::Display| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name:<12} {value}");
+    };
+    line("scene", &format!("{}, digest {}", info.scene, key.scene_digest()));
+    line("size", &format!("{width}x{height}"));
+    line("passes", &format!("{} ({} in all)", info.contains, info.contains.count()));
+    line("photons", &format!("{} paths per pass", key.photons()));
+    line("grain", &key.grain());
+    line("sums", &order);
+    line("errors", &if info.errors { "estimated" } else { "not estimated" });
+    for maker in &info.makers {
+        line(
+            "rendered by",
+            &format!("{}, {} on {}, {:.1} s", maker.program, maker.backend, maker.device, maker.seconds),
+        );
+    }
+    for (name, value) in key.settings() {
+        line("setting", &format!("{name} = {value}"));
+    }
+    text
+}

@@ -1,0 +1,102 @@
+//! `photonmap picture`, and the pictures of a render.
+#![expect(clippy::print_stderr, reason = "the automatic exposure and the closing line go to standard error")]
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use photon_core::Film;
+
+use crate::exposure::{self, Exposure};
+use crate::fault::Fault;
+use crate::png_file::Picture;
+use crate::tonemap::ToneMap;
+use crate::{atomic_write, exr_file, png_file};
+
+/// Write the picture of a film file.
+#[derive(Clone, Debug, Args)]
+pub struct PictureArgs {
+    /// The film file.
+    #[arg(value_name = "FILE.film")]
+    film: PathBuf,
+    /// Picture to write, .exr or .png; may be given more than once.
+    #[arg(short, long, value_name = "FILE", required = true)]
+    output: Vec<PathBuf>,
+    /// Exposure of the PNG, in stops, or `auto`.
+    #[arg(long, value_name = "EV|auto", default_value = "0", allow_negative_numbers = true)]
+    exposure: Exposure,
+    /// Tone curve of the PNG.
+    #[arg(long, value_enum, default_value_t = ToneMap::Neutral)]
+    tonemap: ToneMap,
+}
+
+/// How a film becomes a picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    /// Whether the background is transparent.
+    pub(super) transparent: bool,
+    /// Exposure of a PNG.
+    pub(super) exposure: Exposure,
+    /// Tone curve of a PNG.
+    pub(super) tonemap: ToneMap,
+}
+
+/// Reads the film and writes the pictures.
+///
+/// # Errors
+/// [`Fault::Input`] for a file that is no film, or names that are no pictures; [`Fault::Failure`] if a file cannot be
+/// written.
+pub fn run(args: &PictureArgs) -> Result<(), Fault> {
+    if let Exposure::Stops(stops) = args.exposure
+        && !stops.is_finite()
+    {
+        return Err(Fault::input(format!("--exposure is {stops}, but must be finite")));
+    }
+    for path in &args.output {
+        check_name(path)?;
+        atomic_write::check(path)?;
+    }
+    let (film, info) = photon_film::load(&args.film)?;
+    let transparent = info.key.settings().any(|setting| setting == ("transparent_background", "true"));
+    let look = Look { transparent, exposure: args.exposure, tonemap: args.tonemap };
+    let settings: Vec<String> = info.key.settings().map(|(name, value)| format!("{name}: {value}")).collect();
+    let makers: Vec<&str> = info.makers.iter().map(|maker| maker.device.as_str()).collect();
+    let attributes = [
+        ("photon:scene", info.scene.clone()),
+        ("photon:passes", info.contains.to_string()),
+        ("photon:photons_per_pass", info.key.photons().to_string()),
+        ("photon:settings", settings.join(", ")),
+        ("photon:device", makers.join(", ")),
+    ];
+    let attributes = attributes.map(|(name, value)| (name.to_owned(), value));
+    for path in &args.output {
+        write(path, &film, look, &attributes)?;
+        eprintln!("wrote {}: {} passes", path.display(), film.passes);
+    }
+    Ok(())
+}
+
+/// Checks that a name is that of a picture.
+pub(super) fn check_name(path: &Path) -> Result<(), Fault> {
+    if is_exr(path) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return Ok(());
+    }
+    Err(Fault::input(format!("{}: the name of a picture ends in .exr or .png", path.display())))
+}
+
+/// Whether a name is that of an EXR.
+pub(super) fn is_exr(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
+}
+
+/// Writes the picture of a film; an EXR has the attributes.
+pub(super) fn write(path: &Path, film: &Film, look: Look, attributes: &[(String, String)]) -> Result<(), Fault> {
+    if is_exr(path) {
+        return exr_file::write(path, film, look.transparent, attributes);
+    }
+    let picture = Picture::new(film, look.transparent);
+    let stops = look.exposure.stops(&exposure::measured(&picture.colours, &film.alpha()));
+    if look.exposure == Exposure::Auto {
+        eprintln!("exposure of {}: {stops:.2} stops", path.display());
+    }
+    png_file::write(path, &picture, look.tonemap, stops)
+}

@@ -1,0 +1,137 @@
+//! Blocks of passes: any order of rendering gives the same bits, and an observer stops them at any event.
+
+use std::ops::{ControlFlow, Range};
+
+use photon_core::{
+    Blocks, Budget, CausticPhotons, Error, Event, Film, PassSet, Pipeline, Render, Settings, View, render,
+    render_blocks,
+};
+
+use crate::harness::TestBackend;
+
+/// The renderer of all checks, since some backends take seconds to make one.
+fn pipeline<T: TestBackend>() -> Pipeline<T::On> {
+    let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
+    let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+    let caustic_photons = CausticPhotons::Aimed(2000);
+    let settings = Settings { photons: 3000, caustic_photons, errors: true, seed: 5, ..Settings::default() };
+    Pipeline::in_batches(T::make(2), &scene.view(), view, settings, 1500).unwrap()
+}
+
+/// An observer that asks to stop at the event with this number alone, and counts events.
+fn once(number: u32, events: &mut u32) -> impl FnMut(&Event<'_>) -> ControlFlow<()> {
+    move |_| {
+        *events += 1;
+        if *events == number { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// All checks with one renderer.
+pub fn films_of_blocks<T: TestBackend>() {
+    let mut renderer = pipeline::<T>();
+    blocks_add_up(&mut renderer);
+    single_passes_add_up(&mut renderer);
+    a_break_said_once_stops(&mut renderer);
+    radii_are_restored(&mut renderer);
+}
+
+/// The film of blocks that are added to `film`, and whether the observer stopped them at event `stop_at`.
+fn blocks(
+    renderer: &mut dyn Render,
+    passes: Range<u32>,
+    grain: u32,
+    mut film: Option<Film>,
+    stop_at: u32,
+) -> (Film, bool) {
+    let (blocks, mut events) = (Blocks::new(passes, grain).unwrap(), 0);
+    let results = render_blocks(renderer, &blocks, &mut film, &mut once(stop_at, &mut events), &mut |_| Ok(()));
+    (film.unwrap(), results.unwrap().outcome.cancelled)
+}
+
+/// Blocks in one run, rendered in another order, and in a run that was stopped and continued: the same film, errors
+/// included. Added backwards, or in blocks of another size, the sums differ in some bits.
+fn blocks_add_up(renderer: &mut dyn Render) {
+    let mut run = |passes, grain, film, stop_at| blocks(renderer, passes, grain, film, stop_at);
+    let expected = run(0..6, 2, None, 0).0;
+    assert_eq!((expected.passes, &expected.contains), (6, &PassSet::of(5, 0..6)));
+    assert!(expected.errors.is_some() && !expected.cut);
+
+    let [middle, first, last] = [2..4, 0..2, 4..6].map(|passes| run(passes, 2, None, 0).0);
+    let sum = |films: [&Film; 3]| {
+        let mut sum = films[0].clone();
+        films[1..].iter().for_each(|film| sum.merge(film).unwrap());
+        sum
+    };
+    assert!(sum([&first, &middle, &last]) == expected, "rendered in another order");
+    let backwards = sum([&last, &middle, &first]);
+    assert!(
+        backwards.contains == expected.contains && backwards.pixels != expected.pixels,
+        "sums depend on their order"
+    );
+    assert!(run(0..6, 3, None, 0).0.pixels != expected.pixels, "sums depend on the grain");
+
+    // Stopped within the second block, then continued. A pass has two batches of each kind of paths, and its end.
+    let (film, stopped) = run(0..6, 2, None, 14);
+    assert!(stopped && film.contains == PassSet::of(5, 0..2));
+    let rest = Blocks::new(0..6, 2).unwrap().remaining(&film.contains, 5).unwrap().unwrap();
+    assert!(run(rest.passes(), 2, Some(film), 0).0 == expected, "continued");
+    let twice = Blocks::new(4..8, 2).unwrap();
+    assert!(matches!(
+        render_blocks(renderer, &twice, &mut Some(expected.clone()), &mut (), &mut |_| Ok(())),
+        Err(Error::PassTwice { seed: 5, .. })
+    ));
+}
+
+/// Sums of single passes on the host are those of one run: bitwise with sums in f64, and nearly with others.
+fn single_passes_add_up(renderer: &mut dyn Render) {
+    render(renderer, Budget::passes(4), &mut ()).unwrap();
+    let run = renderer.take().unwrap();
+    assert!(renderer.film().unwrap().pixels.iter().all(|pixel| pixel.hits == 0 && pixel.layers == [[0.0; 3]; 4]));
+    let (film, _) = blocks(renderer, 0..4, 1, None, 0);
+    if renderer.facts().backend == "cpu" {
+        assert!(film == run);
+    }
+    for (a, b) in film.pixels.iter().zip(&run.pixels) {
+        for (a, b) in a.layers.iter().flatten().zip(b.layers.iter().flatten()) {
+            assert!((a - b).abs() <= 1e-12 * a.abs(), "{a} {b}");
+        }
+    }
+}
+
+/// An observer that asks to stop once, at whichever event, stops the render with that pass; a first pass that it cuts
+/// short is marked.
+fn a_break_said_once_stops(renderer: &mut dyn Render) {
+    const PASSES: u32 = 3;
+    let mut events = 0;
+    render(renderer, Budget::passes(PASSES), &mut once(0, &mut events)).unwrap();
+    renderer.take().unwrap();
+    let each = events / PASSES;
+    assert!(each >= 5 && events == PASSES * each, "two batches of each kind of paths, and the end of a pass: {events}");
+    for number in 1..=events {
+        let mut said = 0;
+        let outcome = render(renderer, Budget::passes(PASSES), &mut once(number, &mut said)).unwrap();
+        let film = renderer.take().unwrap();
+        let pass = (number - 1) / each;
+        assert!(outcome.passes <= pass + 1, "event {number}: {} passes", outcome.passes);
+        assert_eq!(outcome.passes, film.passes);
+        assert_eq!(outcome.cancelled, outcome.passes < PASSES, "event {number}");
+        // Only the first pass is kept if it is cut short; the last batch of all does not cut it.
+        assert_eq!(film.cut, number + 1 < each, "event {number}");
+    }
+}
+
+/// Radii can be replaced by those of another renderer, so that a film can be continued; impossible ones are refused.
+fn radii_are_restored(renderer: &mut dyn Render) {
+    let radii = renderer.radii();
+    let (expected, _) = blocks(renderer, 0..1, 1, None, 0);
+    let wider: Vec<f32> = radii.iter().map(|radius| 2.0 * radius).collect();
+    renderer.set_radii(&wider).unwrap();
+    assert!(blocks(renderer, 0..1, 1, None, 0).0.pixels != expected.pixels);
+    let mut wrong = radii.clone();
+    wrong[0] = f32::NAN;
+    for wrong in [wrong, radii[1..].to_vec()] {
+        assert!(matches!(renderer.set_radii(&wrong), Err(Error::InvalidInput { what: "radius", .. })));
+    }
+    renderer.set_radii(&radii).unwrap();
+    assert!(blocks(renderer, 0..1, 1, None, 0).0 == expected);
+}

@@ -146,9 +146,12 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
 }
 
 // Adds a query at a surface point, unless it has no effect.
-void leave_query(Path path, uint pixel, Surface at, vec3 normal, uvec2 media_coat, vec3 throughput, inout uint found) {
+void leave_query(
+    Path path, uint pixel, Surface at, vec3 normal, uvec2 media_coat, uint anisotropy, vec3 throughput, inout uint found
+) {
     if (throughput == vec3(0.0)) return;
     uint key = (pixel << PATHS_LOG2) + path.branch;
+    if (REFLECTIONS && ANISOTROPY) key = anisotropy_path_word(key, anisotropy);
     // Moved away from edges, next to which rounding might put it behind the adjacent wall, out of its shadow.
     push.found[(pixel << MAX_SPLITS) + found].at = Query(
         at.start, 1.0, at.normal, pixel, throughput, media_coat.x, octahedral_pack(-path.ray.direction), key,
@@ -221,7 +224,7 @@ void main() {
                 Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
                 Leaves leaves;
                 if (REFLECTIONS) {
-                    leaves = leaves_reflection(material, layers, glossy, seen);
+                    leaves = leaves_reflection(material, layers, glossy, normal, seen);
                 } else {
                     emission += seen * light_reflection(path, pixel, at, normal, sides.before, glossy);
                     leaves = leaves_base(glossy, sides.before, seen);
@@ -233,7 +236,7 @@ void main() {
                     vec3 throughput = path.throughput;
                     if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
                     throughput = throughput * bsdf.albedo * 0.318309886;
-                    if (!REFLECTIONS) leave_query(path, pixel, at, normal, uvec2(sides.before, 0u), throughput, found);
+                    if (!REFLECTIONS) leave_query(path, pixel, at, normal, uvec2(sides.before, 0u), 0u, throughput, found);
                     alive = false;
                 } else {
                     path.surfaces++;

@@ -26,7 +26,7 @@ pub fn widths(roughness: f32, strength: f32) -> Vec2 {
 }
 
 /// The roughness of the isotropic reflection whose albedos stand for those of these widths: the width is the root mean
-/// square of both. Its mean albedo over the hemisphere is right within 0.02; see the tests for single directions.
+/// square of both. Its mean albedo over the hemisphere is right within 0.025; docs/studies/surfaces.md has single directions.
 #[inline]
 #[must_use]
 pub fn equivalent_roughness(widths: Vec2) -> f32 {

@@ -24,6 +24,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         case 5u: return floats(vec4(sampling_disc(a.x, a.y), 0.0, 0.0), vec4(0.0));
         case 6u: return floats(vec4(spot_falloff(a.x, a.y, a.z), 0.0, 0.0, 0.0), vec4(0.0));
         case 7u: return floats(vec4(spot_solid_angle(a.y, a.z), 0.0, 0.0, 0.0), vec4(0.0));
-        default: return floats(vec4(spot_versine(a.y, a.z, a.x), 0.0, 0.0, 0.0), vec4(0.0));
+        case 8u: return floats(vec4(spot_versine(a.y, a.z, a.x), 0.0, 0.0, 0.0), vec4(0.0));
+        default: return floats(vec4(sun_versine(a.z, a.x), 0.0, 0.0, 0.0), vec4(0.0));
     }
 }

@@ -1,15 +1,12 @@
 //! Runs the gallery on a folder with a model of each kind and one that is broken.
 #![expect(clippy::unwrap_used, reason = "test code")]
 
-use std::path::{Path, PathBuf};
+mod folder;
+
+use std::path::Path;
 use std::process::{Command, Output};
 
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&path);
-    std::fs::create_dir_all(&path).unwrap();
-    path
-}
+use folder::folder;
 
 fn gallery(models: &Path, out: &Path) -> Output {
     let options =

@@ -1,15 +1,11 @@
 //! Runs the study of the paper.
 #![expect(clippy::unwrap_used, reason = "test code")]
 
-use std::path::{Path, PathBuf};
+mod folder;
+
 use std::process::{Command, Output};
 
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&path);
-    std::fs::create_dir_all(&path).unwrap();
-    path
-}
+use folder::folder;
 
 fn paper(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_paper")).args(arguments).output().unwrap()

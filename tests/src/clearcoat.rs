@@ -2,15 +2,13 @@
 
 use photon_core::glam::DVec3;
 use photon_core::{Direct, EnvironmentMap, Filter, Render, Settings};
-use photon_scene::{
-    CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc,
-    VertexAttributes,
-};
+use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc};
 
 use crate::gloss_caustics::through_a_pane;
 use crate::gloss_reference::{Reference, albedo, schlick, single};
 use crate::harness::{TestBackend, direct_settings, renderer};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
+use crate::stripes::{self, VIEW};
 
 /// A clearcoat in double precision: normal +y.
 struct Clearcoat {
@@ -37,32 +35,15 @@ impl Clearcoat {
 }
 
 const SUN: DVec3 = DVec3::new(-0.2, 1.0, -0.3);
-const VIEW: DVec3 = DVec3::new(0.0, 1.2, 0.8);
 
-/// Stripes at y = 0 of the given numbers of columns of pixels, eight in all, under an even sky or a sun, which with a pane
-/// only photons find.
-fn stripes(descs: Vec<(u32, MaterialDesc)>, mut builder: SceneBuilder, light: Option<bool>) -> Scene {
-    let mut x = -1.0;
-    for (columns, desc) in descs {
-        let material = builder.material(desc);
-        let end = x + 0.25 * f64::from(columns);
-        let positions = vec![[x, 0.0, 1.5], [end, 0.0, 1.5], [end, 0.0, -1.5], [x, 0.0, -1.5]];
-        let uvs = vec![[0.0, 0.5], [1.0, 0.5], [1.0, 0.5], [0.0, 0.5]];
-        let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
-        builder.mesh_with("stripe", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
-        x = end;
-    }
-    if light == Some(true) {
-        let glass = builder.material(MaterialDesc::thin("pane", 1.5));
-        builder.quad("pane", [[-3.0, 2.5, 3.0], [3.0, 2.5, 3.0], [3.0, 2.5, -3.0], [-3.0, 2.5, -3.0]], glass);
-    }
+/// Stripes under an even sky, or under a sun that with a pane only photons find.
+fn scene(descs: Vec<(u32, MaterialDesc)>, mut builder: SceneBuilder, light: Option<bool>) -> Scene {
+    stripes::add(&mut builder, descs, light == Some(true));
     if light.is_some() {
         builder.light("sun", LightDesc::Directional { direction: (-SUN).to_array(), irradiance: [2.0; 3] });
     } else {
         builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap());
     }
-    let projection = Projection::Orthographic { half_height: 1.0 };
-    builder.camera("oblique", CameraDesc::new(VIEW.to_array(), (-VIEW).to_array(), [0.0, 1.0, 0.0], projection));
     builder.build().unwrap()
 }
 
@@ -95,7 +76,7 @@ pub fn white_furnace<T: TestBackend>() {
         (1, MaterialDesc::plastic("plastic", [1.0; 3], 0.4).with_clearcoat(1.0, 0.2)),
         (1, MaterialDesc::plastic("plastic", [1.0; 3], 0.4)),
     ];
-    let scene = stripes(descs, SceneBuilder::new(), None);
+    let scene = scene(descs, SceneBuilder::new(), None);
     let found = columns::<T>(&scene, &direct_settings(Direct::Nee, 0.1), 16);
     for (column, values) in found.iter().enumerate() {
         let (mean, error) = (moments(values).0, standard_error(values));
@@ -106,8 +87,8 @@ pub fn white_furnace<T: TestBackend>() {
     }
 }
 
-/// A sun on coated surfaces: the BSDF by shadow rays, and by photons where only these find it, on the base and in the reflections. A
-/// textured clearcoat looks like two materials.
+/// A sun on coated surfaces: the BSDF by shadow rays, and by photons where only these find it, on the base and in the
+/// reflections. A textured clearcoat looks like two materials.
 pub fn sunlit_surfaces<T: TestBackend>() {
     let (o, i) = (VIEW.normalize_or_zero(), SUN.normalize_or_zero());
     let whole = Clearcoat { weight: 1.0, alpha: 0.4 * 0.4 };
@@ -135,7 +116,7 @@ pub fn sunlit_surfaces<T: TestBackend>() {
             // Photons on bases beside each other have different factors: one base, whose edges are not looked at.
             descs.splice(0..3, [(4, diffuse().with_clearcoat(1.0, 0.4))]);
         }
-        stripes(descs, builder, Some(pane))
+        scene(descs, builder, Some(pane))
     };
     let shown = |f: f64| f * 2.0 * i.y;
     let expected = [

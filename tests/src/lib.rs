@@ -43,6 +43,7 @@ pub mod shading_normals;
 pub mod sheets;
 pub mod specular_colors;
 pub mod stats;
+mod stripes;
 pub mod sun;
 pub mod textures;
 pub mod twin;

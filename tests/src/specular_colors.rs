@@ -1,12 +1,10 @@
 //! Specular colours of coats: each channel looks as if all had its factor.
 
 use photon_core::{Direct, Filter};
-use photon_scene::{
-    CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, TextureDesc, TextureRef,
-    TexturesDesc, VertexAttributes,
-};
+use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, TextureDesc, TextureRef, TexturesDesc};
 
 use crate::harness::{TestBackend, direct_settings, film};
+use crate::stripes;
 
 /// sRGB of byte 188.
 const HALF: f64 = 0.502_886_458_032_568_5;
@@ -19,7 +17,7 @@ fn coat(metallic: f64, specular_color: [f64; 3]) -> MaterialDesc {
 
 /// Eight stripes at y = 0 under a sun, one for each column of pixels. The texture of the first two times a factor of 2 gives
 /// the colours (2, 2 HALF, 0) and (2 HALF, 2, 2 HALF); grey ones follow. With a pane, only photons find the sun.
-fn stripes(pane: bool) -> Scene {
+fn scene(pane: bool) -> Scene {
     let mut builder = SceneBuilder::new();
     let image = TextureDesc::srgb8("colours", 2, 1, &[[255, 188, 0, 255], [188, 255, 188, 0]]);
     let image = TextureRef::new(builder.texture(image.filtered(Filter::Nearest)));
@@ -35,23 +33,8 @@ fn stripes(pane: bool) -> Scene {
         (1, grey(0.4, 1.0)),
         (1, grey(0.4, HALF)),
     ];
-    let mut x = -1.0;
-    for (columns, desc) in descs {
-        let material = builder.material(desc);
-        let end = x + 0.25 * f64::from(columns);
-        let positions = vec![[x, 0.0, 1.5], [end, 0.0, 1.5], [end, 0.0, -1.5], [x, 0.0, -1.5]];
-        let uvs = vec![[0.0, 0.5], [1.0, 0.5], [1.0, 0.5], [0.0, 0.5]];
-        let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
-        builder.mesh_with("stripe", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
-        x = end;
-    }
-    if pane {
-        let glass = builder.material(MaterialDesc::thin("pane", 1.5));
-        builder.quad("pane", [[-3.0, 2.5, 3.0], [3.0, 2.5, 3.0], [3.0, 2.5, -3.0], [-3.0, 2.5, -3.0]], glass);
-    }
+    stripes::add(&mut builder, descs, pane);
     builder.light("sun", LightDesc::Directional { direction: [0.2, -1.0, 0.3], irradiance: [2.0; 3] });
-    let projection = Projection::Orthographic { half_height: 1.0 };
-    builder.camera("oblique", CameraDesc::new([0.0, 1.2, 0.8], [0.0, -1.2, -0.8], [0.0, 1.0, 0.0], projection));
     builder.build().unwrap()
 }
 
@@ -70,7 +53,7 @@ pub fn channels_are_grey_coats<T: TestBackend>() {
     let close = |what: &str, found: f64, expected: f64, allowed: f64| {
         assert!((found / expected - 1.0).abs() < allowed, "{what}: {found}, {expected}");
     };
-    let [first, second, white, half, black, mixture, mixed_white, mixed_half] = columns::<T>(&stripes(false), 1);
+    let [first, second, white, half, black, mixture, mixed_white, mixed_half] = columns::<T>(&scene(false), 1);
     for (found, expected) in [(first, [white, half, black]), (second, [half, white, half])] {
         (0..3).for_each(|c| close("a texture", found[c], expected[c][0], 1e-4));
     }
@@ -79,7 +62,7 @@ pub fn channels_are_grey_coats<T: TestBackend>() {
     assert!(white[0] > 1.5 * half[0] && half[0] > 1.5 * black[0] && mixed_white[0] > 1.2 * mixed_half[0], "{white:?}");
 
     // The same photons in all channels; their colours have steps of 1/255.
-    let [first, second, ..] = columns::<T>(&stripes(true), 2);
+    let [first, second, ..] = columns::<T>(&scene(true), 2);
     close("photons, green", first[1] / first[0], half[0] / white[0], 5e-3);
     close("photons, blue", first[2] / first[0], black[0] / white[0], 5e-3);
     close("photons, red of the second", second[0] / second[1], half[0] / white[0], 5e-3);

@@ -10,7 +10,7 @@ use photon_core::{
     Backend, Batch, EstimateParams, Film, FilmBackend, IndexKind, Indirect, Kernel, Layer, Maps, Pass, PerMap, Photon,
     PhotonRay, Query, RandomKind, Requirements, Search, Settings, TransportBackend, View,
 };
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, ThinLens, builtin};
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Sun, ThinLens, builtin};
 
 const SCENES: [&str; 4] = ["cornell", "cornell-glass", "ring", "pool"];
 const SIZE: u32 = 64;
@@ -219,7 +219,7 @@ fn direct_light_is_the_same_light() {
 }
 
 /// A floor with a pane of glass above it, under the given number of lights: in turn a point light, spot lights
-/// with and without a soft edge, a two-sided area light, and one sun.
+/// with and without a soft edge, a two-sided area light, and a parallel light; beyond four, also a sun.
 fn lights(count: usize) -> Scene {
     let mut scene = lit(count);
     let above = CameraDesc::look_at([0.3, 2.0, 3.0], [0., 0., 0.], [0., 1., 0.], 0.8);
@@ -264,6 +264,10 @@ fn lit(count: usize) -> SceneBuilder {
                 },
             ),
         }
+    }
+    if count > 4 {
+        // So large that the sheet shows it.
+        scene.sun(Sun::new([0.1, -1.0, -0.4], [0.4, 0.3, 0.2]).with_radius_degrees(40.0));
     }
     scene
 }

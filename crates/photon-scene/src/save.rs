@@ -65,14 +65,14 @@ pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     file.finish(materials, lights, cameras)
 }
 
-/// glTF has no environment in its core or in a ratified extension.
+/// glTF has no environment in its core or in a ratified extension, and no light with a disc.
 fn refuse_environment(scene: &SceneBuilder) -> Result<(), SceneError> {
     if scene.environment.is_none() && scene.sun.is_none() {
         return Ok(());
     }
-    let what = scene.environment_text.as_ref().map_or_else(String::new, |text| format!(" ({text})"));
+    let text = scene.environment_text.as_ref().map_or_else(String::new, |text| format!(" ({text})"));
     Err(SceneError::Export {
-        what: format!("the environment{what}"),
+        what: if scene.environment.is_none() { "the sun".to_owned() } else { format!("the environment{text}") },
         hint: "write the scene without it, and give it again when the file is rendered",
     })
 }

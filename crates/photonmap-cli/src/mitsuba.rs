@@ -32,7 +32,8 @@ pub struct Written {
 /// Writes the scene with the given camera.
 ///
 /// # Errors
-/// [`Fault::Input`] for what is not written: textures, vertex normals and colours, glossy surfaces that are not all metal, a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
+/// [`Fault::Input`] for what is not written: textures, vertex normals and colours, glossy surfaces that are not all metal,
+/// clearcoats, a material that emits from both sides; [`Fault::Failure`] if a file cannot be written.
 pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> Result<Written, Fault> {
     let view = scene.view();
     unsupported::refuse(scene)?;

@@ -205,6 +205,10 @@ fn direction_rows(row: Make) -> Vec<Row> {
         row("spot_versine", module, 8, Bound::Within(1e-6), spot, |i| {
             output([sampling::spot_versine(i.float(1), i.float(2), i.float(0))])
         }),
+        // A square root and a division, each within 2.5 steps.
+        row("sun_versine", module, 9, Bound::Relative(8e-7), spot, |i| {
+            output([sampling::sun_versine(i.float(2), i.float(0))])
+        }),
     ]
 }
 

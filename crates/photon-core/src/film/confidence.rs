@@ -260,8 +260,12 @@ impl Film {
             }
             let curved = differ(bias, bias_error, 2.0 * half, 2.0 * half_error);
             flags.set(Flags::CURVED, curved);
-            // Light of maps whose bias is not known. Where it is a small part of the pixel, its error is small too.
-            let light = |kind: MapKind| pixel.layers[kind.layer() as usize].iter().sum::<f64>() / 3.0;
+            // Light of maps whose bias is not known. Where it is a small part of the pixel, its error is small too. A map
+            // without photons gave none of its layer, which is of shadow rays then.
+            let light = |kind: MapKind| match error.photon_moments[kind].power > 0.0 {
+                true => pixel.layers[kind.layer() as usize].iter().sum::<f64>() / 3.0,
+                false => 0.0,
+            };
             let unknown: f64 =
                 doubtful.iter().filter(|(_, doubt)| curved || **doubt).map(|(kind, _)| light(kind)).sum();
             let bounded = if unknown <= MINOR * sum && !(few && photons < MIN_BOUNDED_PHOTONS) {

@@ -87,6 +87,11 @@ fn whole(view: &SceneView<'_>) -> Result<()> {
         let value = format!("{skies} lights of kind Light::ENVIRONMENT");
         return invalid("environment", value, "with an environment map there must be one, otherwise none");
     }
+    let suns = view.lights.iter().filter(|light| light.is_sun()).count();
+    if suns > 1 {
+        let value = format!("{suns} directional lights with a disc");
+        return invalid("lights", value, "cameras see one of them: set the versine_outer of the others to 0");
+    }
     let Units { center, scale, power } = view.units;
     if !center.iter().all(|c| c.is_finite()) {
         return invalid("units.center", format!("{center:?}"), "each coordinate must be a finite number");

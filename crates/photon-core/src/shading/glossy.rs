@@ -25,7 +25,7 @@ use crate::shading::shading_normal;
 use crate::shading::{clearcoat, ggx, sampling};
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// The coat over the base of a glossy surface, packed into 32 bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

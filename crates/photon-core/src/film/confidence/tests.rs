@@ -113,6 +113,11 @@ fn little_light_at_an_edge_is_bounded() {
     // Even light needs no bound; hardly any photons have none.
     assert_eq!(of(39.0, EVEN).bounded, 0.0);
     assert_eq!(of(39.0, PhotonMoments { power: 9.0, power_squared: 9.0, ..EVEN }).bounded, 0.0);
+    // Direct light by shadow rays is no light of a map.
+    let few = PhotonMoments { power: 0.6, power_squared: 0.6, ..EVEN };
+    let mut film = film(16, [0.0; 2], few);
+    film.pixels[0].layers[1] = [16.0 * 39.0; 3];
+    assert!((film.confidence_intervals().unwrap()[0].bounded - 3.0 * 2.0).abs() < 1e-12);
     let hardly = PhotonMoments { power: 0.4, power_squared: 0.4, ..EVEN };
     assert_eq!(of(39.0, hardly).flags, Flags::FEW_PHOTONS);
 }

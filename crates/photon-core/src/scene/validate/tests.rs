@@ -124,6 +124,7 @@ fn lengths_and_units() {
         (|t| t.primitives.push(t.primitives[0]), "scene view: the number of primitives is 3 for 2 triangles"),
         (|t| t.starts.truncate(3), "scene view: the length of light_cdf is 3 for 4 lights"),
         (|t| t.starts.push(u32::MAX), "scene view: the length of light_cdf is 5 for 4 lights"),
+        (|t| t.lights[2] = t.lights[3], "scene view: lights is 2 directional lights with a disc"),
         (|t| t.radius = f32::NAN, "scene view: the radius is NaN"),
         (|t| t.radius = -1.0, "scene view: the radius is -1"),
         (|t| t.radius = 17.0, "scene view: the radius is 17"),

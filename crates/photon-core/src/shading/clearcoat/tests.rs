@@ -4,7 +4,8 @@ use std::f32::consts::TAU;
 
 use super::*;
 use crate::random::{SplitMix64, unit_f32};
-use crate::shading::glossy::{Coat, Glossy, limited};
+use crate::shading::glossy::tests::white_share;
+use crate::shading::glossy::{Coat, Glossy};
 use crate::shading::sampling;
 
 fn material(metallic: f32, specular: f32, roughness: f32) -> Material {
@@ -31,22 +32,7 @@ fn white_surfaces_gain_nothing_and_lose_little() {
             for cosine in [1.0_f32, 0.5, 0.15] {
                 let layers = Layers::NONE.with_clearcoat(weight, roughness);
                 let glossy = Glossy::new(&material, &layers, cosine);
-                let wo = towards(cosine, 0.3);
-                let n = 20_000;
-                let (mut sum, mut squares) = (0.0_f64, 0.0);
-                let mut numbers = SplitMix64(7);
-                let mut number = || unit_f32(numbers.word() as u32);
-                for _ in 0..n {
-                    let (u, v) = (number(), number());
-                    let (wi, found) = glossy.sample(wo, Vec3::Z, u, v);
-                    let base = sampling::cosine_hemisphere(Vec3::Z, u, v);
-                    let whole = found.weight(limited(wi, Vec3::Z, Vec3::Z)).x
-                        + glossy.diffuse().x * glossy.coat().entering(base.z);
-                    sum += f64::from(whole);
-                    squares += f64::from(whole * whole);
-                }
-                let whole = sum / f64::from(n);
-                let error = ((squares / f64::from(n) - whole * whole) / f64::from(n)).max(0.0).sqrt();
+                let (whole, error) = white_share(&glossy, cosine, 20_000);
                 let allowed = 4.5 * error + 3e-3;
                 let what = format!("{material:?}, weight {weight}, roughness {roughness}, cos {cosine}: {whole}");
                 assert!(whole > least - allowed && whole < 1.0 + allowed, "{what}");

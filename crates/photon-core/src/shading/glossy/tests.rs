@@ -20,31 +20,34 @@ fn towards(cosine: f32, turns: f32) -> Vec3 {
     sampling::about(Vec3::Z, 1.0 - cosine, turns)
 }
 
-/// G4: what all parts together reflect of an even white surrounding, by sampling the reflection, and the base with the
-/// coat's factor on each direction.
+/// What all parts together reflect of an even white surrounding, red, by sampling the reflection, and the base with the
+/// coat's factor on each direction; and its standard error √((⟨x²⟩ − ⟨x⟩²)/n).
+pub(in crate::shading) fn white_share(glossy: &Glossy, cosine: f32, n: u32) -> (f64, f64) {
+    let wo = towards(cosine, 0.3);
+    let (mut sum, mut squares) = (0.0_f64, 0.0);
+    let mut numbers = SplitMix64(5);
+    let mut number = || unit_f32(numbers.word() as u32);
+    for _ in 0..n {
+        let (u, v) = (number(), number());
+        let (wi, found) = glossy.sample(wo, Vec3::Z, u, v);
+        let base = sampling::cosine_hemisphere(Vec3::Z, u, v);
+        let whole = found.weight(limited(wi, Vec3::Z, Vec3::Z)).x + glossy.diffuse().x * glossy.coat().entering(base.z);
+        sum += f64::from(whole);
+        squares += f64::from(whole * whole);
+    }
+    let whole = sum / f64::from(n);
+    (whole, ((squares / f64::from(n) - whole * whole) / f64::from(n)).max(0.0).sqrt())
+}
+
+/// G4: white surfaces reflect all of an even surrounding.
 #[test]
 fn white_surfaces_lose_nothing() {
     for roughness in [0.0_f32, 0.2, 0.5, 0.77, 1.0] {
         for metallic in [0.0, 0.4, 1.0] {
             for cosine in [1.0_f32, 0.5, 0.1] {
                 let glossy = Glossy::new(&material(metallic, roughness, [1.0; 3]), &Layers::NONE, cosine);
-                let wo = towards(cosine, 0.3);
-                let n = 40_000;
-                let (mut sum, mut squares) = (0.0_f64, 0.0);
-                let mut numbers = SplitMix64(5);
-                let mut number = || unit_f32(numbers.word() as u32);
-                for _ in 0..n {
-                    let (u, v) = (number(), number());
-                    let (wi, found) = glossy.sample(wo, Vec3::Z, u, v);
-                    let base = sampling::cosine_hemisphere(Vec3::Z, u, v);
-                    let whole = found.weight(limited(wi, Vec3::Z, Vec3::Z)).x
-                        + glossy.diffuse().x * glossy.coat().entering(base.z);
-                    sum += f64::from(whole);
-                    squares += f64::from(whole * whole);
-                }
-                // Standard error of a mean: √((⟨x²⟩ − ⟨x⟩²)/n); beside it the error of the tables.
-                let whole = sum / f64::from(n);
-                let error = ((squares / f64::from(n) - whole * whole) / f64::from(n)).max(0.0).sqrt();
+                let (whole, error) = white_share(&glossy, cosine, 40_000);
+                // Beside the standard error that of the tables.
                 let allowed = 4.5 * error + 2.5e-3;
                 assert!((whole - 1.0).abs() < allowed, "m {metallic}, r {roughness}, cos {cosine}: {whole}");
             }

@@ -5,8 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use photon_core::glam::DVec3;
 use photon_core::{Direct, EnvironmentMap, Filter};
 use photon_scene::{
-    CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, TextureDesc, TextureRef,
-    TexturesDesc, VertexAttributes,
+    LightDesc, MaterialDesc, Scene, SceneBuilder, Surface, TextureDesc, TextureRef, TexturesDesc, VertexAttributes,
 };
 
 use crate::clearcoat::columns;
@@ -14,9 +13,9 @@ use crate::gloss_caustics::through_a_pane;
 use crate::gloss_reference::Reference;
 use crate::harness::{TestBackend, direct_settings};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
+use crate::stripes::{self, VIEW};
 
 const SUN: DVec3 = DVec3::new(-0.2, 1.0, -0.3);
-const VIEW: DVec3 = DVec3::new(0.0, 1.2, 0.8);
 const ROUGHNESS: f64 = 0.4;
 
 /// A brushed surface in double precision: normal +y, wider along `tangent`.
@@ -98,25 +97,13 @@ enum Frame {
 
 const GIVEN: [f64; 4] = [0.6, 0.0, 0.8, 1.0];
 
-/// Plates at y = 0 of the given numbers of columns of pixels, eight in all.
-fn plates(descs: Vec<(u32, MaterialDesc, Frame)>, mut builder: SceneBuilder) -> SceneBuilder {
-    let mut x = -1.0;
-    for (columns, desc, frame) in descs {
-        let material = builder.material(desc);
-        let end = x + 0.25 * f64::from(columns);
-        let positions = vec![[x, 0.0, 1.5], [end, 0.0, 1.5], [end, 0.0, -1.5], [x, 0.0, -1.5]];
-        let (near, far) = if frame == Frame::Mirrored { (0.0, 1.0) } else { (1.0, 0.0) };
+impl Frame {
+    fn attributes(self) -> VertexAttributes {
+        let (near, far) = if self == Self::Mirrored { (0.0, 1.0) } else { (1.0, 0.0) };
         let uvs = vec![[0.0, near], [1.0, near], [1.0, far], [0.0, far]];
-        let mut attributes = VertexAttributes::default().with_uvs(vec![uvs]);
-        if frame == Frame::Tangents {
-            attributes = attributes.with_tangents(vec![GIVEN; 4]);
-        }
-        builder.mesh_with("plate", positions, vec![[0, 1, 2], [0, 2, 3]], attributes, material);
-        x = end;
+        let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
+        if self == Self::Tangents { attributes.with_tangents(vec![GIVEN; 4]) } else { attributes }
     }
-    let projection = Projection::Orthographic { half_height: 1.0 };
-    builder.camera("oblique", CameraDesc::new(VIEW.to_array(), (-VIEW).to_array(), [0.0, 1.0, 0.0], projection));
-    builder
 }
 
 /// White surfaces in an even sky show its radiance of 1, but for the difference of their albedo and that of the equivalent
@@ -124,9 +111,10 @@ fn plates(descs: Vec<(u32, MaterialDesc, Frame)>, mut builder: SceneBuilder) -> 
 fn check_furnace<T: TestBackend>() {
     let all = [(1.0, 0.8, 0.0), (1.0, 0.8, FRAC_PI_2), (1.0, 1.0, 0.0), (0.0, 0.8, FRAC_PI_2)];
     let descs = all.map(|(metallic, strength, angle)| {
-        (2, surface(metallic, 1.0).with_anisotropy(strength, angle), Frame::Plain)
+        (2, surface(metallic, 1.0).with_anisotropy(strength, angle), Frame::Plain.attributes())
     });
-    let mut builder = plates(descs.to_vec(), SceneBuilder::new());
+    let mut builder = SceneBuilder::new();
+    stripes::add_with(&mut builder, descs, false);
     builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap());
     let found = columns::<T>(&builder.build().unwrap(), &direct_settings(Direct::Nee, 0.1), 16);
     let o = VIEW.normalize_or_zero();
@@ -162,11 +150,8 @@ pub fn brushed_plates<T: TestBackend>() {
             (1, surface(0.0, 0.0).with_anisotropy(0.8, 0.6), Frame::Plain),
             (2, metal(0.2).with_textures(textures), Frame::Plain),
         ];
-        let mut builder = plates(descs, builder);
-        if pane {
-            let glass = builder.material(MaterialDesc::thin("pane", 1.5));
-            builder.quad("pane", [[-3.0, 2.5, 3.0], [3.0, 2.5, 3.0], [3.0, 2.5, -3.0], [-3.0, 2.5, -3.0]], glass);
-        }
+        let descs = descs.into_iter().map(|(columns, desc, frame)| (columns, desc, frame.attributes()));
+        stripes::add_with(&mut builder, descs, pane);
         builder.light("sun", LightDesc::Directional { direction: (-SUN).to_array(), irradiance: [2.0; 3] });
         builder.build().unwrap()
     };

@@ -2,7 +2,9 @@
 
 use super::Tables;
 use crate::scene::SceneView;
-use crate::scene::texture::{Anisotropy, Filter, MaterialTextures, ShadingTables, TexelFormat, Texture, TextureUse, Wrap};
+use crate::scene::texture::{
+    Anisotropy, Filter, MaterialTextures, ShadingTables, TexelFormat, Texture, TextureUse, Wrap,
+};
 
 /// Vertex attributes of two triangles, and a texture that the first material uses.
 struct Shading {

@@ -150,7 +150,8 @@ impl SceneBuilder {
         normalise::bounds(&self.meshes)
     }
 
-    /// A camera that shows the whole scene from the front: from +z, with y upwards.
+    /// A camera that shows the whole scene, with y upwards: from the front (+z), or obliquely from above where the scene
+    /// is nearly flat along x or y.
     #[must_use]
     pub fn frame_camera(&self) -> CameraDesc {
         camera::framing(self.bounds())

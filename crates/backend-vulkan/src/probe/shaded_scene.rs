@@ -130,7 +130,6 @@ impl ShadedScene {
                 clearcoat_roughness_factor: of_specular.unit(),
                 anisotropy: if index % 3 == 0 { none } else { index % 3 - 1 },
                 specular_color_factor: [(); 3].map(|()| of_specular.between(0.5, 3.0)),
-                ..MaterialTextures::default()
             };
             self.shading.material_textures.push(entry);
             let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];

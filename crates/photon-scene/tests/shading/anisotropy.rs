@@ -11,7 +11,6 @@ fn brushed(strength: f64, rotation: f64) -> MaterialDesc {
 }
 
 fn features(scene: &Scene) -> Features {
-    scene.view().validate().unwrap();
     Features::of(&scene.view())
 }
 

@@ -64,8 +64,7 @@ impl Reference {
         Self { alpha, metallic, color, albedos, means }
     }
 
-    /// Of the reflection of a white metal, `which` 0, or of a coat, 1.
-    pub(crate) fn albedo(&self, which: usize, cosine: f64) -> f64 {
+    fn albedo(&self, which: usize, cosine: f64) -> f64 {
         let at = cosine * 256.0;
         let first = (at as usize).min(255);
         let e = &self.albedos[which];
@@ -77,17 +76,9 @@ impl Reference {
         if o.y <= 0.0 || i.y <= 0.0 {
             return 0.0;
         }
-        self.fresnel((o + i).normalize_or_zero().dot(o)) * single(self.alpha, o, i) + self.beside(o, i)
-    }
-
-    /// Schlick's factor, by the cosine to the half vector.
-    pub(crate) fn fresnel(&self, cosine: f64) -> f64 {
-        self.metallic * schlick(self.color, cosine) + (1.0 - self.metallic) * schlick(0.04, cosine)
-    }
-
-    /// The BSDF without single scattering.
-    pub(crate) fn beside(&self, o: DVec3, i: DVec3) -> f64 {
         let m = self.metallic;
+        let h = (o + i).normalize_or_zero();
+        let fresnel = m * schlick(self.color, o.dot(h)) + (1.0 - m) * schlick(0.04, o.dot(h));
         let lost = |c: f64| 1.0 - self.albedo(0, c);
         let average = self.color + (1.0 - self.color) / 21.0;
         let mean = self.means[0];
@@ -95,7 +86,7 @@ impl Reference {
         let multiple = m * repeated * lost(o.y) * lost(i.y) / (PI * (1.0 - mean));
         let through = |c: f64| 1.0 - self.albedo(1, c);
         let base = (1.0 - m) * self.color / PI * through(o.y) * through(i.y) / (1.0 - self.means[1]);
-        multiple + base
+        fresnel * single(self.alpha, o, i) + multiple + base
     }
 
     pub(crate) fn material(&self) -> MaterialDesc {

@@ -1,4 +1,4 @@
-// Evaluates the functions of ggx.glsl, albedo_table.glsl, glossy.glsl and reflection_lobe.glsl.
+// Evaluates the functions of ggx.glsl, anisotropy.glsl, albedo_table.glsl, glossy.glsl and reflection_lobe.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -28,6 +28,11 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     layers.specular_color = vec3(1.0, 1.0 - b.w, 1.0 + 30.0 * b.w);
     float alpha = max(a.w * a.w, GGX_MIN_ALPHA);
     vec3 normal = vec3(0.48, 0.6, -0.64);
+    vec2 widths = anisotropy_widths(a.w, c.y);
+    if (FUNCTION >= 10u) {
+        layers.anisotropy = 0.7;
+        layers.tangent = vec3(c.x, c.y, 0.3);
+    }
     switch (FUNCTION) {
         case 0u: return floats(vec4(ggx_sample(alpha, a.xyz, c.x, c.y), 0.0), vec4(0.0));
         case 1u:
@@ -37,13 +42,36 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
                 vec4(0.0));
         case 2u:
             return floats(vec4(albedo_directional(scene, c.x, a.w), albedo_mean(scene, a.w)), vec4(0.0));
+        case 7u: return floats(vec4(anisotropy_sample(widths, a.xyz, c.x, c.y), 0.0), vec4(0.0));
+        case 8u:
+            return floats(
+                vec4(anisotropy_distribution(widths, b.xyz), anisotropy_visibility(widths, a.xyz, b.xyz),
+                    anisotropy_pdf(widths, a.xyz, b.xyz), anisotropy_equivalent_roughness(widths)),
+                vec4(0.0));
+        case 9u: {
+            vec3 tangent;
+            layers.anisotropy = b.w;
+            layers.tangent = a.xyz;
+            uint word = anisotropy_pack(layers, normal);
+            float strength = anisotropy_unpack(word, normal, tangent);
+            // Opposite directions are the same.
+            vec3 sign = vec3(dot3(tangent, a.xyz) < 0.0 ? -1.0 : 1.0);
+            return floats(vec4(tangent * sign, strength), vec4(float(anisotropy_path_word(words.c.x, word) >> 16)));
+        }
     }
-    if (FUNCTION == 6u) {
+    if (FUNCTION == 6u || FUNCTION == 12u) {
         vec3 factor;
         uvec2 words = lobe_pack(material, layers, factor);
         Albedos albedos = Albedos(uvec2(scene.shading.albedos));
         ReflectionLobe lobe = lobe_new(albedos, words, a.xyz, normal);
-        return floats(vec4(factor, 0.0), vec4(lobe_weight(albedos, lobe, b.xyz, vec3(0.6, 0.48, -0.64)), 0.0));
+        vec3 geometric = vec3(0.6, 0.48, -0.64);
+        vec3 weight = lobe_weight(albedos, lobe, b.xyz, geometric);
+        if (FUNCTION == 12u) {
+            vec2 own;
+            lobe = lobe_anisotropic(albedos, words, anisotropy_pack(layers, normal), a.xyz, normal, own);
+            weight = lobe_weight_anisotropic(albedos, lobe, own, b.xyz, geometric);
+        }
+        return floats(vec4(factor, 0.0), vec4(weight, 0.0));
     }
     Glossy glossy = glossy_new(scene, material, layers, dot3(a.xyz, normal));
     if (FUNCTION == 3u) {
@@ -51,7 +79,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         return floats(vec4(glossy.diffuse, glossy.specular_probability),
             vec4(glossy.multiple_probability, entering, glossy_rest(c.y, glossy.specular_probability), 0.0));
     }
-    if (FUNCTION == 4u) {
+    if (FUNCTION == 4u || FUNCTION == 10u) {
         Reflected reflected = glossy_evaluate(scene, glossy, a.xyz, b.xyz, normal);
         return floats(vec4(reflected.value, reflected.pdf), vec4(glossy_limited(b.xyz, vec3(0.6, 0.48, -0.64), normal)));
     }

@@ -36,6 +36,7 @@ void main() {
         case 9u: COPY(Cameras); break;
         case 10u: COPY(TextureUses); break;
         case 11u: COPY(MaterialTextureTable); break;
+        case 12u: COPY(AnisotropyTable); break;
         default: COPY(LightNodes); break;
     }
 }

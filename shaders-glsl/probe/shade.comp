@@ -46,5 +46,6 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         return floats(vec4(material.specular, layers.specular_color),
             vec4(layers.clearcoat, layers.clearcoat_roughness, 0.0, 0.0));
     }
+    if (FUNCTION == 7u) return floats(vec4(layers.tangent, layers.anisotropy), vec4(0.0));
     return floats(vec4(normal, 0.0), vec4(0.0));
 }

@@ -36,6 +36,8 @@ layout(constant_id = 5) const uint FILTER = 1;
 // What photons are weighted by: nothing, the cosine to the query's shading normal, or the reflection of the query.
 layout(constant_id = 10) const uint SHADING = 0;
 const uint REFLECTED = 2;
+// The same, which may be anisotropic.
+const uint ANISOTROPIC = 3;
 
 // Positions; then normals or directions, and powers or ids.
 shared uvec4 staged[TILES * TILE_POINTS];
@@ -47,8 +49,10 @@ shared uint directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 vec3 at, normal;
 // The shading normal, if `SHADING`.
 vec3 shading;
-// If `REFLECTED`.
+// If `REFLECTED` or `ANISOTROPIC`.
 ReflectionLobe lobe;
+// If `ANISOTROPIC`.
+vec2 widths;
 
 Albedos albedos() { return Albedos(uvec2(push.threshold, floatBitsToUint(push.max_plane_distance))); }
 
@@ -57,6 +61,7 @@ vec3 shading_factor(uint direction, uint photon_normal) {
     if (SHADING == 0) return vec3(1.0);
     vec3 from = octahedral_unpack(direction), geometric = octahedral_unpack(photon_normal);
     if (SHADING == REFLECTED) return lobe_weight(albedos(), lobe, from, geometric);
+    if (SHADING == ANISOTROPIC) return lobe_weight_anisotropic(albedos(), lobe, widths, from, geometric);
     return vec3(shading_cosine_ratio(from, geometric, shading));
 }
 uint limit, accepted;
@@ -156,6 +161,11 @@ void ask(uint index) {
     if (SHADING == REFLECTED) {
         uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
         lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.offset_or_wo), shading);
+    }
+    if (SHADING == ANISOTROPIC) {
+        uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
+        lobe = lobe_anisotropic(albedos(), words, push.queries[index].at.path,
+            octahedral_unpack(push.queries[index].at.offset_or_wo), shading, widths);
     }
     precise float radius = MODE == ROWS ? push.radius : push.queries[index].at.radius * push.radius;
     precise float most = radius * radius;

@@ -35,6 +35,8 @@ layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 // What photons are weighted by: nothing, the cosine to the query's shading normal, or the reflection of the query.
 layout(constant_id = 10) const uint SHADING = 0;
 const uint REFLECTED = 2;
+// The same, which may be anisotropic.
+const uint ANISOTROPIC = 3;
 
 // Positions with packed normals, normals, powers.
 shared uvec4 staged[TILES * TILE_POINTS];
@@ -46,8 +48,10 @@ shared vec3 directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 vec3 at, normal;
 // The shading normal, if `SHADING`.
 vec3 shading;
-// If `REFLECTED`.
+// If `REFLECTED` or `ANISOTROPIC`.
 ReflectionLobe lobe;
+// If `ANISOTROPIC`.
+vec2 widths;
 uint limit;
 float scale;
 // Maximum distance of a photon from the query's plane, if `FLAT`.
@@ -70,6 +74,9 @@ Albedos albedos() { return Albedos(uvec2(push.threshold, push.k)); }
 vec3 power_of(uint place) {
     if (SHADING == 0) return powers[place];
     if (SHADING == REFLECTED) return powers[place] * lobe_weight(albedos(), lobe, directions[place], normals[place]);
+    if (SHADING == ANISOTROPIC) {
+        return powers[place] * lobe_weight_anisotropic(albedos(), lobe, widths, directions[place], normals[place]);
+    }
     return powers[place] * shading_cosine_ratio(directions[place], normals[place], shading);
 }
 
@@ -138,6 +145,11 @@ void main() {
         if (SHADING == REFLECTED) {
             uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
             lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.offset_or_wo), shading);
+        }
+        if (SHADING == ANISOTROPIC) {
+            uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
+            lobe = lobe_anisotropic(albedos(), words, push.queries[index].at.path,
+                octahedral_unpack(push.queries[index].at.offset_or_wo), shading, widths);
         }
         precise float radius = push.queries[index].at.radius * push.radius;
         squared_radius = radius * radius;

@@ -57,8 +57,9 @@ const uint FEATURE_THIN_LENS = 524288u;
 const uint FEATURE_SPECULAR_COLORS = 1048576u;
 const uint FEATURE_CLEARCOAT = 2097152u;
 const uint FEATURE_SUN = 4194304u;
+const uint FEATURE_ANISOTROPY = 8388608u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 8388607u;
+const uint FEATURE_ALL = 16777215u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;
@@ -185,6 +186,10 @@ const float GLOSSY_MIN_SHARE = 9.999999974752427e-7;
 const float GLOSSY_COAT_ROUGHNESS = 1023.0;
 const float GLOSSY_COAT_F0 = 4095.0;
 const float GLOSSY_COAT_F90 = 1023.0;
+
+// anisotropy.
+const float ANISOTROPY_STRENGTHS = 32767.0;
+const float ANISOTROPY_DIRECTIONS = 65536.0;
 
 // clearcoat.
 const float CLEARCOAT_F0 = 0.03999999910593033;

@@ -4,6 +4,7 @@
 #define GLOSSY_GLSL
 
 #include "shading/albedo_table.glsl"
+#include "shading/anisotropy.glsl"
 #include "shading/clearcoat.glsl"
 #include "shading/constants.glsl"
 #include "shading/ggx.glsl"
@@ -28,6 +29,10 @@ struct Glossy {
     float clearcoat_roughness;
     float through;
     float clearcoat_probability;
+    // Whether the reflection is anisotropic; its widths and tangent.
+    bool is_anisotropic;
+    vec2 widths;
+    vec3 tangent;
 };
 
 // The reflection in one direction: BSDF times cosine, and density.
@@ -65,6 +70,12 @@ float glossy_entering(SceneRef scene, uint coat, float cosine) {
 
 Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine) {
     float roughness = material.roughness, metallic = material.metallic, weight = material.specular;
+    bool is_anisotropic = ANISOTROPY && layers.anisotropy > 0.0;
+    vec2 widths = vec2(0.0);
+    if (is_anisotropic) {
+        widths = anisotropy_widths(roughness, layers.anisotropy);
+        roughness = anisotropy_equivalent_roughness(widths);
+    }
     vec3 color = material.albedo;
     vec2 directional = albedo_directional(scene, min(cosine, 1.0), roughness);
     vec2 mean = albedo_mean(scene, roughness);
@@ -119,6 +130,9 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
     glossy.clearcoat_roughness = layers.clearcoat_roughness;
     glossy.through = through_above;
     glossy.clearcoat_probability = clearcoat_share;
+    glossy.is_anisotropic = is_anisotropic;
+    glossy.widths = widths;
+    glossy.tangent = layers.tangent;
     return glossy;
 }
 
@@ -127,9 +141,18 @@ vec3 glossy_local(vec3 w, vec3 tangent, vec3 bitangent, vec3 normal) {
     return vec3(dot3(w, tangent), dot3(w, bitangent), dot3(w, normal));
 }
 
+// Two vectors perpendicular to the shading normal, along and across the anisotropy.
+void glossy_frame(Glossy glossy, vec3 normal, out vec3 tangent, out vec3 bitangent) {
+    if (ANISOTROPY && glossy.is_anisotropic) {
+        anisotropy_frame(glossy.tangent, normal, tangent, bitangent);
+    } else {
+        sampling_basis(normal, tangent, bitangent);
+    }
+}
+
 Reflected glossy_evaluate(SceneRef scene, Glossy glossy, vec3 wo, vec3 wi, vec3 normal) {
     vec3 tangent, bitangent;
-    sampling_basis(normal, tangent, bitangent);
+    glossy_frame(glossy, normal, tangent, bitangent);
     vec3 o = glossy_local(wo, tangent, bitangent, normal);
     vec3 i = glossy_local(wi, tangent, bitangent, normal);
     precise vec3 both = o + i;
@@ -140,9 +163,16 @@ Reflected glossy_evaluate(SceneRef scene, Glossy glossy, vec3 wo, vec3 wi, vec3 
     precise float square = across * across;
     precise float grazing = square * square * across;
     precise vec3 fresnel = glossy.f0 * (1.0 - grazing) + vec3(glossy.f90 * grazing);
-    precise float single = ggx_distribution(glossy.alpha, h) * ggx_visibility(glossy.alpha, o.z, i.z) * i.z;
+    precise float single;
+    precise float pdf;
+    if (ANISOTROPY && glossy.is_anisotropic) {
+        single = anisotropy_distribution(glossy.widths, h) * anisotropy_visibility(glossy.widths, o, i) * i.z;
+        pdf = anisotropy_pdf(glossy.widths, o, h);
+    } else {
+        single = ggx_distribution(glossy.alpha, h) * ggx_visibility(glossy.alpha, o.z, i.z) * i.z;
+        pdf = ggx_pdf(glossy.alpha, o, h);
+    }
     precise vec3 value = fresnel * single;
-    precise float pdf = ggx_pdf(glossy.alpha, o, h);
     float p = glossy.multiple_probability;
     if (p > 0.0) {
         vec2 albedo = albedo_directional(scene, min(i.z, 1.0), glossy.roughness);
@@ -181,11 +211,14 @@ Reflected glossy_sample(SceneRef scene, Glossy glossy, vec3 wo, vec3 normal, flo
         wi = cosine_hemisphere(normal, rest, v);
     } else {
         vec3 tangent, bitangent;
-        sampling_basis(normal, tangent, bitangent);
+        glossy_frame(glossy, normal, tangent, bitangent);
         precise float rest = (u - p) / (1.0 - p);
         float alpha = is_below ? glossy.alpha : clearcoat_alpha(glossy.clearcoat_roughness);
-        vec3 i = ggx_sample(alpha, glossy_local(wo, tangent, bitangent, normal),
-            is_below ? min(rest, 1.0 - 1.1920929e-7) : u, v);
+        vec3 o = glossy_local(wo, tangent, bitangent, normal);
+        float first = is_below ? min(rest, 1.0 - 1.1920929e-7) : u;
+        vec3 i;
+        if (ANISOTROPY && glossy.is_anisotropic && is_below) i = anisotropy_sample(glossy.widths, o, first, v);
+        else i = ggx_sample(alpha, o, first, v);
         precise vec3 direction = tangent * i.x + bitangent * i.y + normal * i.z;
         wi = direction;
     }

@@ -10,9 +10,12 @@ struct Layers {
     // Weight and roughness of the clearcoat.
     float clearcoat;
     float clearcoat_roughness;
+    // Strength and direction of the anisotropy.
+    float anisotropy;
+    vec3 tangent;
 };
 
-Layers layers_none() { return Layers(vec3(1.0), 0.0, 0.0); }
+Layers layers_none() { return Layers(vec3(1.0), 0.0, 0.0, 0.0, vec3(0.0)); }
 
 // Reflectance of the coat at normal incidence.
 vec3 layers_coat_f0(Layers layers, Material material) {

@@ -124,7 +124,13 @@ struct MaterialTextures {
     float clearcoat_roughness_factor;
     uint clearcoat;
     uint clearcoat_roughness;
-    uint reserved;
+    uint anisotropy;
+};
+
+struct Anisotropy {
+    float strength;
+    vec2 direction;
+    uint texture;
 };
 
 struct LightNode {
@@ -150,5 +156,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Cameras { C
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TextureUses { TextureUse at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer LightNodes { LightNode at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MaterialTextureTable { MaterialTextures at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer AnisotropyTable { Anisotropy at; };
 
 #endif

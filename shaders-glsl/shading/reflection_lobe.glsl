@@ -3,6 +3,7 @@
 #ifndef REFLECTION_LOBE_GLSL
 #define REFLECTION_LOBE_GLSL
 
+#include "shading/anisotropy.glsl"
 #include "shading/constants.glsl"
 #include "shading/ggx.glsl"
 #include "shading/layers.glsl"
@@ -107,15 +108,21 @@ vec3 lobe_local(vec3 w, vec3 tangent, vec3 bitangent, vec3 normal) {
     return vec3(dot3(w, tangent), dot3(w, bitangent), dot3(w, normal));
 }
 
-ReflectionLobe lobe_new(Albedos albedos, uvec2 words, vec3 wo, vec3 normal) {
+float lobe_roughness(uvec2 words) { return float(words.y & 0x3FFFu) / LOBE_ROUGHNESS_STEPS; }
+
+// With a frame and the roughness of the albedos.
+ReflectionLobe lobe_in(
+    Albedos albedos, uvec2 words, float roughness, vec3 wo, vec3 tangent, vec3 bitangent, vec3 normal
+) {
     ReflectionLobe lobe;
     vec3 color = lobe_color(words.x);
     float metallic = lobe_part(words.y, 14u), weight = float(words.y >> 22 & 127u) / LOBE_WEIGHT_STEPS;
-    lobe.roughness = float(words.y & 0x3FFFu) / LOBE_ROUGHNESS_STEPS;
+    lobe.roughness = roughness;
     lobe.alpha = max(lobe.roughness * lobe.roughness, GGX_MIN_ALPHA);
     lobe.f0 = lobe_unpack_f0(words);
     lobe.f90 = metallic + weight * (1.0 - metallic);
-    sampling_basis(normal, lobe.tangent, lobe.bitangent);
+    lobe.tangent = tangent;
+    lobe.bitangent = bitangent;
     lobe.normal = normal;
     lobe.wo = lobe_local(wo, lobe.tangent, lobe.bitangent, normal);
     vec2 directional = lobe_albedo(albedos, clamp(lobe.wo.z, 0.0, 1.0), lobe.roughness);
@@ -129,9 +136,27 @@ ReflectionLobe lobe_new(Albedos albedos, uvec2 words, vec3 wo, vec3 normal) {
     return lobe;
 }
 
+ReflectionLobe lobe_new(Albedos albedos, uvec2 words, vec3 wo, vec3 normal) {
+    vec3 tangent, bitangent;
+    sampling_basis(normal, tangent, bitangent);
+    return lobe_in(albedos, words, lobe_roughness(words), wo, tangent, bitangent, normal);
+}
+
+// With the anisotropy of `word`: the widths, 0 without any.
+ReflectionLobe lobe_anisotropic(Albedos albedos, uvec2 words, uint word, vec3 wo, vec3 normal, out vec2 widths) {
+    vec3 along, tangent, bitangent;
+    float strength = anisotropy_unpack(word, normal, along), roughness = lobe_roughness(words);
+    widths = vec2(0.0);
+    if (!(strength > 0.0)) return lobe_new(albedos, words, wo, normal);
+    widths = anisotropy_widths(roughness, strength);
+    anisotropy_frame(along, normal, tangent, bitangent);
+    return lobe_in(
+        albedos, words, anisotropy_equivalent_roughness(widths), wo, tangent, bitangent, normal);
+}
+
 // The factor on the power of a photon that came from the direction `wi`, on a surface with the geometric normal
 // `geometric`: BSDF times ratio of cosines.
-vec3 lobe_weight(Albedos albedos, ReflectionLobe lobe, vec3 wi, vec3 geometric) {
+vec3 lobe_weight_of(Albedos albedos, ReflectionLobe lobe, bool is_anisotropic, vec2 widths, vec3 wi, vec3 geometric) {
     float ratio = shading_cosine_ratio(wi, geometric, lobe.normal);
     vec3 o = lobe.wo;
     vec3 i = lobe_local(wi, lobe.tangent, lobe.bitangent, lobe.normal);
@@ -143,10 +168,21 @@ vec3 lobe_weight(Albedos albedos, ReflectionLobe lobe, vec3 wi, vec3 geometric) 
     float square = across * across;
     float grazing = square * square * across;
     vec3 fresnel = lobe.f0 * (1.0 - grazing) + vec3(lobe.f90 * grazing);
-    float single = ggx_distribution(lobe.alpha, h) * ggx_visibility(lobe.alpha, o.z, i.z);
+    float single;
+    if (is_anisotropic) single = anisotropy_distribution(widths, h) * anisotropy_visibility(widths, o, i);
+    else single = ggx_distribution(lobe.alpha, h) * ggx_visibility(lobe.alpha, o.z, i.z);
     vec2 albedo = lobe_albedo(albedos, min(i.z, 1.0), lobe.roughness);
     float lost = max(1.0 - (albedo.x + albedo.y), 0.0);
     return (fresnel * single + lobe.multiple * (lost * 0.318309886)) * ratio;
+}
+
+vec3 lobe_weight(Albedos albedos, ReflectionLobe lobe, vec3 wi, vec3 geometric) {
+    return lobe_weight_of(albedos, lobe, false, vec2(0.0), wi, geometric);
+}
+
+// The same of lobe_anisotropic.
+vec3 lobe_weight_anisotropic(Albedos albedos, ReflectionLobe lobe, vec2 widths, vec3 wi, vec3 geometric) {
+    return lobe_weight_of(albedos, lobe, widths.x > 0.0, widths, wi, geometric);
 }
 
 #endif

@@ -85,6 +85,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     uint has_normals;
     // Number of ratios of refractive indices at rough glass.
     uint rough_ratios;
+    AnisotropyTable anisotropies;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };

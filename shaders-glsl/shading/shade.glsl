@@ -21,7 +21,9 @@ const bool FOLLOWED = GLOSSY || ROUGH_GLASS;
 const bool BENT_NORMALS = SHADING_NORMALS || FOLLOWED;
 const bool SPECULAR_COLORS = (FEATURES & FEATURE_SPECULAR_COLORS) != 0u;
 const bool CLEARCOAT = (FEATURES & FEATURE_CLEARCOAT) != 0u;
-const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS || SPECULAR_COLORS || CLEARCOAT;
+const bool ANISOTROPY = (FEATURES & FEATURE_ANISOTROPY) != 0u;
+const bool SHADED =
+    TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS || SPECULAR_COLORS || CLEARCOAT || ANISOTROPY;
 const bool TEXTURED_LIGHTS = (FEATURES & FEATURE_TEXTURED_LIGHTS) != 0u;
 
 vec3 shade_interpolate(vec3 a, vec3 b, vec3 c, vec3 weights) {
@@ -65,6 +67,35 @@ vec3 shade_mapped_normal(SceneRef scene, uint slot, vec3 weights, vec3 normal, v
     return shade_turned(tangent, (packed.a & 1u) == 1u ? -1.0 : 1.0, normal, texel, scale);
 }
 
+// Strength and direction of an anisotropy with a texel of its texture.
+vec3 shade_direction(float strength, vec2 direction, vec3 texel) {
+    precise vec2 at = texel.xy * 2.0 - vec2(1.0);
+    precise vec2 turned = vec2(direction.x * at.x - direction.y * at.y, direction.y * at.x + direction.x * at.y);
+    precise float scaled = strength * texel.z;
+    return vec3(scaled, turned);
+}
+
+// The unit vector of this direction in the frame of a tangent and normal.
+vec3 shade_turned_tangent(vec3 tangent, float sign, vec3 normal, vec2 direction) {
+    precise vec3 across = tangent - normal * dot3(normal, tangent);
+    across = normalize_or(across, vec3(0.0));
+    precise vec3 bitangent = cross3(normal, across) * sign;
+    precise vec3 turned = across * direction.x + bitangent * direction.y;
+    return normalize_or(turned, across);
+}
+
+void shade_anisotropy(SceneRef scene, uint index, uint slot, vec3 weights, vec3 normal, inout Layers layers) {
+    Anisotropy found = scene.shading.anisotropies[index].at;
+    vec3 texel = vec3(1.0, 0.5, 1.0);
+    if (found.texture != NO_TEXTURE) texel = texel_at(scene, found.texture, slot, weights).xyz;
+    vec3 turned = shade_direction(found.strength, found.direction, texel);
+    CornerWords packed = scene.shading.tangents + int(slot);
+    vec3 tangent =
+        shade_interpolate(octahedral_unpack(packed.a), octahedral_unpack(packed.b), octahedral_unpack(packed.c), weights);
+    layers.anisotropy = turned.x;
+    layers.tangent = shade_turned_tangent(tangent, (packed.a & 1u) == 1u ? -1.0 : 1.0, normal, turned.yz);
+}
+
 // Evaluates the surface `at` of a hit: replaces the colours of `material` and `layers`, and returns the shading normal.
 vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout Layers layers) {
     vec3 weights = texel_weights(hit.u, hit.v);
@@ -85,7 +116,7 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
             normal = normalize_or(normal, front);
         }
     }
-    if ((TEXTURES || NORMAL_MAPS || SPECULAR_COLORS || CLEARCOAT) && material.textures != 0u) {
+    if ((TEXTURES || NORMAL_MAPS || SPECULAR_COLORS || CLEARCOAT || ANISOTROPY) && material.textures != 0u) {
         MaterialTextures textures = scene.shading.material_textures[material.textures - 1u].at;
         if (TEXTURES) {
             material.albedo =
@@ -112,6 +143,9 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
             float roughness = shade_sample(scene, textures.clearcoat_roughness, slot, weights).y;
             layers.clearcoat = alpha_multiply(textures.clearcoat_factor, weight);
             layers.clearcoat_roughness = alpha_multiply(textures.clearcoat_roughness_factor, roughness);
+        }
+        if (ANISOTROPY && textures.anisotropy != NO_TEXTURE) {
+            shade_anisotropy(scene, textures.anisotropy, slot, weights, normal, layers);
         }
         if (NORMAL_MAPS && textures.normal != NO_TEXTURE) {
             vec3 texel = shade_sample(scene, textures.normal, slot, weights);

@@ -77,7 +77,10 @@ void main() {
     vec3 normal = push.queries[i].at.normal;
     vec3 tangent, bitangent;
     sampling_basis(normal, tangent, bitangent);
-    uvec4 words = philox4x32(uvec4(push.queries[i].at.path, 0u, push.pass, DOMAIN_AREA), push.seed);
+    uint key = push.queries[i].at.path;
+    // The word for the path may have the anisotropy, which is that of many queries.
+    if (REFLECTIONS && (FEATURES & FEATURE_ANISOTROPY) != 0u && key >> 31 != 0u) key = push.queries[i].at.pixel;
+    uvec4 words = philox4x32(uvec4(key, 0u, push.pass, DOMAIN_AREA), push.seed);
     float turn = unit_f32(words.x), shift = unit_f32(words.y);
     vec3 from = off_surface(push.queries[i].at.position, normal);
     Surface at;

@@ -165,10 +165,12 @@ Surface lit_surface(Surface at, vec3 normal, vec3 offset) {
 
 // Adds a query at a surface point, unless it has no effect.
 void leave_query(
-    Path path, uint pixel, Surface at, vec3 offset, vec3 normal, uvec2 media_coat, vec3 throughput, inout uint found
+    Path path, uint pixel, Surface at, vec3 offset, vec3 normal, uvec2 media_coat, uint anisotropy, vec3 throughput,
+    inout uint found
 ) {
     if (throughput == vec3(0.0)) return;
     uint key = (pixel << PATHS_LOG2) + path.branch;
+    if (REFLECTIONS && ANISOTROPY) key = anisotropy_path_word(key, anisotropy);
     uint offset_or_wo = 0u;
     if (REFLECTIONS) offset_or_wo = octahedral_pack(-path.ray.direction);
     else if (TERMINATOR_OFFSET) offset_or_wo = shadow_terminator_pack(offset);
@@ -248,7 +250,7 @@ void main() {
                 Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
                 Leaves leaves;
                 if (REFLECTIONS) {
-                    leaves = leaves_reflection(material, layers, glossy, seen);
+                    leaves = leaves_reflection(material, layers, glossy, normal, seen);
                 } else {
                     emission += seen * light_reflection(path, pixel, lit_surface(at, normal, offset), normal, sides.before, glossy);
                     leaves = leaves_base(glossy, sides.before, seen);
@@ -261,7 +263,7 @@ void main() {
                     if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
                     throughput = throughput * bsdf.albedo * 0.318309886;
                     uvec2 media_coat = uvec2(sides.before, 0u);
-                    if (!REFLECTIONS) leave_query(path, pixel, at, offset, normal, media_coat, throughput, found);
+                    if (!REFLECTIONS) leave_query(path, pixel, at, offset, normal, media_coat, 0u, throughput, found);
                     alive = false;
                 } else {
                     path.surfaces++;

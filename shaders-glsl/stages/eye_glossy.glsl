@@ -54,19 +54,23 @@ struct Leaves {
     float clearcoat_probability;
     vec3 clearcoat_throughput;
     uvec2 clearcoat_words;
+    // From anisotropy_pack.
+    uint anisotropy;
 };
 
 // For the base. `seen` is the factor from radiance that leaves the surface to its contribution at the camera.
 Leaves leaves_base(Glossy glossy, uint media, vec3 seen) {
     return Leaves(glossy.specular_probability, glossy.diffuse * seen, 0.318309886, uvec2(media, glossy.coat), 0.0,
-        vec3(0.0), uvec2(0u));
+        vec3(0.0), uvec2(0u), 0u);
 }
 
 // For the reflection: the path goes on in search of other glossy surfaces.
-Leaves leaves_reflection(Material material, Layers layers, Glossy glossy, vec3 seen) {
+Leaves leaves_reflection(Material material, Layers layers, Glossy glossy, vec3 normal, vec3 seen) {
     vec3 factor;
     uvec2 words = lobe_pack(material, layers, factor);
-    Leaves leaves = Leaves(0.5, seen * factor, 1.0, words, 0.0, vec3(0.0), uvec2(0u));
+    Leaves leaves = Leaves(0.5, seen * factor, 1.0, words, 0.0, vec3(0.0), uvec2(0u), 0u);
+    // Relative to the normal as the query has it.
+    if (ANISOTROPY) leaves.anisotropy = anisotropy_pack(layers, octahedral_unpack(octahedral_pack(normal)));
     float share = glossy.clearcoat_probability;
     if (CLEARCOAT && share > 0.0) {
         leaves.clearcoat_probability = share;
@@ -92,15 +96,17 @@ bool reflect_path(
     if (splits || !reflects) {
         vec3 left = leaves.throughput;
         uvec2 media_coat = leaves.words;
+        uint packed = leaves.anisotropy;
         if (CLEARCOAT && leaves.clearcoat_probability > 0.0) {
             float choice = splits ? unit_f32(random.x) : glossy_rest(unit_f32(random.x), first);
             if (choice < leaves.clearcoat_probability) {
                 left = leaves.clearcoat_throughput;
                 media_coat = leaves.clearcoat_words;
+                packed = 0u;
             }
         }
         vec3 throughput = left * (leaves.scale / (splits ? 1.0 : 1.0 - first));
-        leave_query(path, pixel, at, offset, normal, media_coat, throughput, found);
+        leave_query(path, pixel, at, offset, normal, media_coat, packed, throughput, found);
     }
     if (!reflects || path.surfaces >= push.max_bounces) return false;
     Surface lit = lit_surface(at, normal, offset);

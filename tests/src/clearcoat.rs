@@ -48,7 +48,7 @@ fn scene(descs: Vec<(u32, MaterialDesc)>, mut builder: SceneBuilder, light: Opti
 }
 
 /// The mean of each column in each pass, of red.
-fn columns<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32) -> [Vec<f64>; 8] {
+pub(crate) fn columns<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32) -> [Vec<f64>; 8] {
     let mut renderer = renderer::<T>(scene, settings, 8);
     let mut before = [0.0; 8];
     let mut found = [(); 8].map(|()| Vec::new());

@@ -9,6 +9,7 @@ pub mod accuracy;
 pub mod aiming;
 pub mod alpha;
 pub mod alpha_surfaces;
+pub mod anisotropy;
 pub mod backends;
 pub mod blocks;
 pub mod clearcoat;
@@ -138,6 +139,7 @@ macro_rules! whole_suite {
             gloss_behind_glass::{ plastic_behind_panes }
             specular_colors::{ channels_are_grey_coats }
             clearcoat::{ white_furnace, sunlit_surfaces }
+            anisotropy::{ brushed_plates }
             gloss_caustics::{
                 sun_through_a_pane, photons_behind_a_pane_are_like_shadow_rays, tilted_normals_behind_a_pane,
                 point_light_in_a_mirror, seen_in_another_metal, rough_panes_are_not_counted_twice,

@@ -76,6 +76,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_SPECULAR_COLORS", Features::SPECULAR_COLORS.bits()),
                 ("FEATURE_CLEARCOAT", Features::CLEARCOAT.bits()),
                 ("FEATURE_SUN", Features::SUN.bits()),
+                ("FEATURE_ANISOTROPY", Features::ANISOTROPY.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],

@@ -18,7 +18,7 @@ const KERNELS: [&str; 6] =
     ["stages/emit", "stages/trace", "stages/eye", "stages/direct", "stages/final_gather", "stages/area"];
 
 /// Features that are left out together.
-const FEATURES: [(&str, Features); 17] = [
+const FEATURES: [(&str, Features); 18] = [
     ("nothing", Features::NONE),
     ("mirrors", Features::MIRROR),
     ("glass, solid and thin", Features::DIELECTRIC.union(Features::THIN).union(Features::ABSORPTION)),
@@ -26,6 +26,7 @@ const FEATURES: [(&str, Features); 17] = [
     ("glossy surfaces", Features::GLOSSY),
     ("rough glass", Features::ROUGH_GLASS),
     ("clearcoats", Features::CLEARCOAT),
+    ("anisotropy", Features::ANISOTROPY),
     ("specular colours", Features::SPECULAR_COLORS),
     ("alpha", Features::ALPHA),
     (

@@ -57,7 +57,7 @@ pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radianc
 pub use scene::medium::Medium;
 pub use scene::solids::{Locator, Solids};
 pub use scene::texture::{
-    Filter, MaterialTextures, OwnedShadingTables, ShadingTables, TexelFormat, Texture, TextureUse, Wrap,
+    Anisotropy, Filter, MaterialTextures, OwnedShadingTables, ShadingTables, TexelFormat, Texture, TextureUse, Wrap,
 };
 pub use scene::units::Units;
 pub use scene::{SceneView, light_cdf, light_probability, pick_light};
@@ -78,6 +78,6 @@ pub use shading::rough_glass::{RoughGlass, RoughSample};
 pub use shading::rough_glass_table::RoughGlassTable;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::{
-    alpha, area, clearcoat, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset, random,
-    rough_glass, sampling, shade, shading_normal, shadow_terminator, sobol, solid_angle, texture,
+    alpha, anisotropy, area, clearcoat, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset,
+    random, rough_glass, sampling, shade, shading_normal, shadow_terminator, sobol, solid_angle, texture,
 };

@@ -106,6 +106,14 @@ pub struct MaterialDesc {
     pub clearcoat: f64,
     /// Roughness of the clearcoat, in `[0, 1]`: the square root of the width of its distribution.
     pub clearcoat_roughness: f64,
+    /// Strength s of the anisotropy of a [`Surface::Glossy`], in `[0, 1]`; 0 without any. The reflection is wider along the
+    /// direction of [`Self::anisotropy_rotation`], where the width of its distribution is `α + (1 − α) s²`; across, it is
+    /// α, the square of the roughness.
+    pub anisotropy: f64,
+    /// Angle of that direction from the tangent of the mesh, towards the bitangent, in radians. Meshes without tangents get
+    /// those of `MikkTSpace` for the texture coordinates of the normal map, else of [`TexturesDesc::anisotropy`], else of
+    /// UV set 0; without these, the tangent is around the y axis.
+    pub anisotropy_rotation: f64,
     /// Textures that multiply the colours above, and a normal map.
     pub textures: TexturesDesc,
 }
@@ -125,6 +133,8 @@ impl MaterialDesc {
             specular_color: [1.0; 3],
             clearcoat: 0.0,
             clearcoat_roughness: 0.0,
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
             textures: TexturesDesc::default(),
         }
     }
@@ -189,6 +199,12 @@ impl MaterialDesc {
     #[must_use]
     pub fn with_clearcoat(self, clearcoat: f64, clearcoat_roughness: f64) -> Self {
         Self { clearcoat, clearcoat_roughness, ..self }
+    }
+
+    /// The material with this [`Self::anisotropy`] and [`Self::anisotropy_rotation`].
+    #[must_use]
+    pub fn with_anisotropy(self, anisotropy: f64, anisotropy_rotation: f64) -> Self {
+        Self { anisotropy, anisotropy_rotation, ..self }
     }
 
     /// The material with these [`Self::textures`].

@@ -136,6 +136,9 @@ pub(crate) enum MaterialExtras {
         /// Weight and roughness.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         clearcoat: Option<[Exact; 2]>,
+        /// Strength and rotation.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        anisotropy: Option<[Exact; 2]>,
     },
 }
 
@@ -177,6 +180,8 @@ impl MaterialExtras {
                 specular: Exact(specular),
                 ior: Exact(ior),
                 clearcoat,
+                anisotropy: (desc.anisotropy > 0.0)
+                    .then_some([Exact(desc.anisotropy), Exact(desc.anisotropy_rotation)]),
                 specular_color: (desc.specular_color != [1.0; 3]).then(|| exact(desc.specular_color)),
                 emission,
                 emits_both_sides,
@@ -199,6 +204,10 @@ impl MaterialExtras {
             Self::Lambert { clearcoat: Some(both), .. }
             | Self::Mirror { clearcoat: Some(both), .. }
             | Self::Glossy { clearcoat: Some(both), .. } => both.map(|value| value.0),
+            _ => [0.0; 2],
+        };
+        let [anisotropy, rotation] = match &self {
+            Self::Glossy { anisotropy: Some(both), .. } => both.map(|value| value.0),
             _ => [0.0; 2],
         };
         let specular_color = match &self {
@@ -238,7 +247,7 @@ impl MaterialExtras {
         };
         let emission = plain(emission);
         let base = MaterialDesc::new(name, surface).with_specular_color(specular_color);
-        let base = base.with_clearcoat(clearcoat, clearcoat_roughness);
+        let base = base.with_clearcoat(clearcoat, clearcoat_roughness).with_anisotropy(anisotropy, rotation);
         Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..base })
     }
 }

@@ -176,6 +176,7 @@ impl File {
         }
         let mut used = Vec::new();
         for extension in [
+            "KHR_materials_anisotropy",
             "KHR_materials_clearcoat",
             "KHR_materials_emissive_strength",
             "KHR_materials_ior",

@@ -140,6 +140,9 @@ pub struct TexturesDesc {
     pub clearcoat: Option<TextureRef>,
     /// Its green multiplies [`crate::MaterialDesc::clearcoat_roughness`]; linear.
     pub clearcoat_roughness: Option<TextureRef>,
+    /// Red and green are the direction of the anisotropy, `2 rg − 1` along tangent and bitangent, which
+    /// [`crate::MaterialDesc::anisotropy_rotation`] turns; blue multiplies [`crate::MaterialDesc::anisotropy`]. Linear.
+    pub anisotropy: Option<TextureRef>,
 }
 
 impl Default for TexturesDesc {
@@ -156,6 +159,7 @@ impl Default for TexturesDesc {
             specular_color: None,
             clearcoat: None,
             clearcoat_roughness: None,
+            anisotropy: None,
         }
     }
 }
@@ -221,6 +225,12 @@ impl TexturesDesc {
         Self { clearcoat_roughness: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::anisotropy`].
+    #[must_use]
+    pub fn with_anisotropy(self, texture: TextureRef) -> Self {
+        Self { anisotropy: Some(texture), ..self }
+    }
+
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
         let all = [
@@ -233,6 +243,7 @@ impl TexturesDesc {
             ("specular_color", self.specular_color),
             ("clearcoat", self.clearcoat),
             ("clearcoat_roughness", self.clearcoat_roughness),
+            ("anisotropy", self.anisotropy),
         ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))
     }

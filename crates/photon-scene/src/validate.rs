@@ -80,9 +80,16 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
     }
     not_negative("emission", desc.emission)?;
     not_negative("specular_color", desc.specular_color)?;
-    for (name, share) in [("clearcoat", desc.clearcoat), ("clearcoat_roughness", desc.clearcoat_roughness)] {
+    let shares = [
+        ("clearcoat", desc.clearcoat),
+        ("clearcoat_roughness", desc.clearcoat_roughness),
+        ("anisotropy", desc.anisotropy),
+    ];
+    for (name, share) in shares {
         require((0.0..=1.0).contains(&share), name, share, "it must lie between 0 and 1")?;
     }
+    let rotation = desc.anisotropy_rotation;
+    require(rotation.is_finite(), "anisotropy_rotation", rotation, "it must be a finite number")?;
     let narrow = desc.specular_color.iter().all(|part| (*part as f32).is_finite());
     require(narrow, "specular_color", desc.specular_color, "each channel must be finite in single precision")?;
     require((0.0..=1.0).contains(&desc.alpha), "alpha", desc.alpha, "it must lie between 0 and 1")?;

@@ -48,6 +48,7 @@ fn everything() -> SceneBuilder {
         MaterialDesc::new("pane", Surface::Thin { ior: 1.33, tint: [0.2, 0.4, third], roughness: 0.0 }),
         both,
         MaterialDesc::metal("brass", [0.9, third, 0.1], 0.3 * third),
+        MaterialDesc::metal("brushed", [0.9, third, 0.1], 0.3 * third).with_anisotropy(third, 10.0 * third),
         MaterialDesc::lambert("sealed", [0.9, third, 0.1]).with_clearcoat(1.0, third),
         MaterialDesc::mirror("sealed mirror", [0.9, third, 0.1]).with_clearcoat(third, 0.0),
         MaterialDesc::plastic("plastic", [third, 0.9, 0.1], third),

@@ -1,9 +1,9 @@
 //! Numbers of algorithms in photon-core and photon-scene that have a twin in GLSL.
 
 use photon_core::{
-    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, RoughGlassTable, area, clearcoat, ggx,
-    glossy, kd_tree, light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal,
-    solid_angle,
+    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, RoughGlassTable, anisotropy, area,
+    clearcoat, ggx, glossy, kd_tree, light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass,
+    shading_normal, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -104,6 +104,13 @@ pub(super) fn groups() -> Vec<Group> {
                 ("GLOSSY_COAT_ROUGHNESS", Coat::STEPS[0].into()),
                 ("GLOSSY_COAT_F0", Coat::STEPS[1].into()),
                 ("GLOSSY_COAT_F90", Coat::STEPS[2].into()),
+            ],
+        ),
+        (
+            "anisotropy.",
+            vec![
+                ("ANISOTROPY_STRENGTHS", anisotropy::STEPS[0].into()),
+                ("ANISOTROPY_DIRECTIONS", anisotropy::STEPS[1].into()),
             ],
         ),
         (

@@ -7,7 +7,7 @@ use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
     AreaProbe, EstimateBuffers, EstimateParams, Features, Lobe, MaterialKind, Pass, Query, RandomKind, Ray, Result,
-    SurfaceInteraction, math, offset, sampling,
+    SurfaceInteraction, anisotropy, math, offset, sampling,
 };
 use rayon::prelude::*;
 
@@ -91,7 +91,9 @@ impl Disc<'_> {
         }
         let normal = Vec3::from(query.normal);
         let (tangent, bitangent) = sampling::basis(normal);
-        let mut sampler = Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Area, query.path);
+        // The word for the path may have the anisotropy, which is that of many queries.
+        let key = if gather.anisotropy && anisotropy::is_packed(query.path) { query.pixel } else { query.path };
+        let mut sampler = Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Area, key);
         let [turn, shift, ..] = sampler.words(0).map(unit_f32);
         let from = offset::off_surface(query.position.into(), normal);
         // Under a ceiling, the apex is at half the ceiling's height.

@@ -146,7 +146,8 @@ impl Scattering {
     fn of(query: &Query, gather: &EstimateParams) -> Self {
         if gather.reflection {
             let (wo, normal) = (octahedral::unpack(query.offset_or_wo), octahedral::unpack(query.shading_normal));
-            return Self::Reflected(ReflectionLobe::new([query.media, query.coat], wo, normal));
+            let anisotropy = if gather.anisotropy { query.path } else { 0 };
+            return Self::Reflected(ReflectionLobe::with_anisotropy([query.media, query.coat], anisotropy, wo, normal));
         }
         if gather.shading_normals { Self::Shaded(octahedral::unpack(query.shading_normal)) } else { Self::Even }
     }

@@ -6,7 +6,7 @@ use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32
 use photon_core::{
     Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Layers, Light, Lobe, Material, MaterialKind,
     MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, SurfaceInteraction, View,
-    octahedral, sampling, shading_normal, shadow_terminator,
+    anisotropy, octahedral, sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
 
@@ -250,7 +250,10 @@ impl Eye<'_> {
             let glossy = Glossy::new(material, &layers, surface.cosine);
             let at = GlossyPoint { surface: &lit, normal, media: interface.before, glossy: &glossy };
             let leaves = if REFLECTIONS {
-                Leaves::reflection(material, &layers, &glossy, seen())
+                // Relative to the normal as the query has it.
+                let packed = || anisotropy::pack(&layers, octahedral::unpack(octahedral::pack(normal)));
+                let anisotropy = self.scene.present.contains(Features::ANISOTROPY).then(packed);
+                Leaves::reflection(material, &layers, &glossy, seen(), anisotropy)
             } else {
                 self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
                 Leaves::base(&at, seen())

@@ -7,7 +7,7 @@ use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHTS, BLOCK_SURFACES, Sampler, unit_f32};
 use photon_core::{
     FilmPixel, Glossy, Layer, Layers, Lobe, Material, MediumStack, Query, Reflected, ReflectionLobe,
-    SurfaceInteraction, glossy, offset,
+    SurfaceInteraction, anisotropy, glossy, offset,
 };
 
 use super::eye::{Eye, Path};
@@ -48,6 +48,8 @@ pub(crate) struct Leaves {
     words: [u32; 2],
     /// Of the reflection of a clearcoat, left instead with its probability.
     clearcoat: Option<(f32, Vec3, [u32; 2])>,
+    /// From [`anisotropy::pack`], in scenes with anisotropy.
+    anisotropy: Option<u32>,
 }
 
 impl Leaves {
@@ -60,11 +62,18 @@ impl Leaves {
             scale: std::f32::consts::FRAC_1_PI,
             words: [media.bits(), glossy.coat().bits()],
             clearcoat: None,
+            anisotropy: None,
         }
     }
 
     /// For the reflection of `material`: the path goes on in search of other glossy surfaces.
-    pub(crate) fn reflection(material: &Material, layers: &Layers, glossy: &Glossy, seen: Vec3) -> Self {
+    pub(crate) fn reflection(
+        material: &Material,
+        layers: &Layers,
+        glossy: &Glossy,
+        seen: Vec3,
+        anisotropy: Option<u32>,
+    ) -> Self {
         let (words, factor) = ReflectionLobe::pack(material, layers);
         let mut throughput = seen * factor;
         let mut clearcoat = None;
@@ -74,7 +83,7 @@ impl Leaves {
             clearcoat = Some((share, seen * factor / share, words));
             throughput *= glossy.clearcoat_through() / (1.0 - share).max(f32::EPSILON);
         }
-        Self { first: 0.5, throughput, scale: 1.0, words, clearcoat }
+        Self { first: 0.5, throughput, scale: 1.0, words, clearcoat, anisotropy }
     }
 }
 
@@ -168,13 +177,19 @@ impl Eye<'_> {
             let share = if splits { 1.0 } else { 1.0 - first };
             let choice = unit_f32(choice);
             let choice = if splits { choice } else { glossy::rest_of(choice, first) };
-            let (left, words) = match leaves.clearcoat {
-                Some((probability, throughput, words)) if choice < probability => (throughput, words),
-                _ => (leaves.throughput, leaves.words),
+            let (left, words, packed) = match leaves.clearcoat {
+                Some((probability, throughput, words)) if choice < probability => {
+                    (throughput, words, leaves.anisotropy.and(Some(0)))
+                }
+                _ => (leaves.throughput, leaves.words, leaves.anisotropy),
             };
             let throughput = left * (leaves.scale / share);
             if throughput != Vec3::ZERO {
-                queries.push(query(throughput, path.branch, words));
+                let mut query = query(throughput, path.branch, words);
+                if let Some(packed) = packed {
+                    query.path = anisotropy::path_word(query.path, packed);
+                }
+                queries.push(query);
             }
         }
         if !reflects || path.surfaces >= self.max_bounces {

@@ -2,9 +2,9 @@
 
 use std::sync::LazyLock;
 
-use photon_core::glam::Vec3;
+use photon_core::glam::{Vec2, Vec3};
 use photon_core::{
-    AlbedoTable, Glossy, Layers, Material, ReflectionLobe, Requirements, Settings, ggx, glossy, sampling,
+    AlbedoTable, Glossy, Layers, Material, ReflectionLobe, Requirements, Settings, anisotropy, ggx, glossy, sampling,
 };
 use photon_scene::{MaterialDesc, Scene, SceneBuilder};
 
@@ -45,11 +45,55 @@ pub(super) fn rows() -> Vec<Row> {
         }),
         row("albedo_directional", 2, Bound::Within(1e-5), local, |i| albedos(i, i.float(8))),
         row("glossy_new", 3, Bound::Within(3e-5), world, |i| parts(i, i.float(8))),
-        row("glossy_evaluate", 4, Bound::Relative(1e-4), world, |i| evaluated(i, i.vector(0), i.vector(4))),
+        row("glossy_evaluate", 4, Bound::Relative(1e-4), world, |i| evaluated(i, &layers(i), i.vector(0), i.vector(4))),
         // Factors are 1 within a step of the colours; the narrowest width is that of glossy_evaluate.
-        row("lobe_weight", 6, Bound::Relative(1e-4), world, |i| lobe(i, i.vector(0), i.vector(4))),
-        row("glossy_sample", 5, Bound::Within(1e-3), world, |i| sampled(i, i.float(8))),
+        row("lobe_weight", 6, Bound::Relative(1e-4), world, |i| lobe(i, &layers(i), i.vector(0), i.vector(4))),
+        row("glossy_sample", 5, Bound::Within(1e-3), world, |i| sampled(i, &layers(i), i.float(8))),
+        row("anisotropy_sample", 7, Bound::Within(1e-4), local, |i| anisotropic_sample(i, i.float(8))),
+        row("anisotropy_pdf", 8, Bound::Relative(4e-6), local, |i| anisotropic_parts(i, i.vector(0), i.vector(4))),
+        // A step of the direction.
+        row("anisotropy_pack", 9, Bound::Within(1e-4), tangent, |i| packed(i, i.vector(0))),
+        row("glossy_evaluate, anisotropic", 10, Bound::Relative(1e-4), world, |i| {
+            evaluated(i, &anisotropic(i), i.vector(0), i.vector(4))
+        }),
+        row("glossy_sample, anisotropic", 11, Bound::Within(1e-3), world, |i| sampled(i, &anisotropic(i), i.float(8))),
+        row("lobe_weight, anisotropic", 12, Bound::Relative(1e-4), world, |i| {
+            lobe(i, &anisotropic(i), i.vector(0), i.vector(4))
+        }),
     ]
+}
+
+/// A tangent of the normal, a strength, and words for a path.
+fn tangent(d: &mut Draw) -> Input {
+    let (x, y) = sampling::basis(NORMAL);
+    let (sin, cos) = photon_core::math::sin_cos_turns(d.unit());
+    let mut made =
+        input((x * cos + y * sin).extend(0.0).to_array(), [0.0, 0.0, 0.0, d.pick(&[0.0, 0.2, 1.0])], [0.0; 4]);
+    made.0[8] = d.word();
+    made
+}
+
+fn widths(i: &Input) -> Vec2 {
+    anisotropy::widths(i.float(3), i.float(9))
+}
+
+fn anisotropic_sample(i: &Input, u: f32) -> Output {
+    let [x, y, z] = anisotropy::sample(widths(i), i.vector(0), u, i.float(9)).to_array();
+    output([x, y, z])
+}
+
+fn anisotropic_parts(i: &Input, o: Vec3, h: Vec3) -> Output {
+    let widths = widths(i);
+    let (pdf, roughness) = (anisotropy::pdf(widths, o, h), anisotropy::equivalent_roughness(widths));
+    output([anisotropy::distribution(widths, h), anisotropy::visibility(widths, o, h), pdf, roughness])
+}
+
+fn packed(i: &Input, along: Vec3) -> Output {
+    let word = anisotropy::pack(&Layers::default().with_anisotropy(i.float(7), along), NORMAL);
+    let (strength, tangent) = anisotropy::unpack(word, NORMAL).unwrap_or((0.0, sampling::basis(NORMAL).0));
+    let [x, y, z] = if tangent.dot(along) < 0.0 { -tangent } else { tangent }.to_array();
+    let path = (anisotropy::path_word(i.0[8], word) >> 16) as f32;
+    output([x, y, z, strength, path, path, path, path])
 }
 
 fn alpha(i: &Input) -> f32 {
@@ -85,8 +129,13 @@ fn layers(i: &Input) -> Layers {
     Layers::default().with_specular_color(Vec3::new(1.0, 1.0 - part, 1.0 + 30.0 * part)).with_clearcoat(clearcoat, 0.3)
 }
 
-fn glossy(i: &Input) -> Glossy {
-    Glossy::new(&material(i), &layers(i), i.vector(0).dot(NORMAL))
+/// The same with anisotropy, in any direction.
+fn anisotropic(i: &Input) -> Layers {
+    layers(i).with_anisotropy(0.7, Vec3::new(i.float(8), i.float(9), 0.3))
+}
+
+fn glossy(i: &Input, layers: &Layers) -> Glossy {
+    Glossy::new(&material(i), layers, i.vector(0).dot(NORMAL))
 }
 
 fn albedos(i: &Input, cosine: f32) -> Output {
@@ -96,7 +145,7 @@ fn albedos(i: &Input, cosine: f32) -> Output {
 }
 
 fn parts(i: &Input, cosine: f32) -> Output {
-    let glossy = glossy(i);
+    let glossy = glossy(i, &layers(i));
     let [r, g, b] = glossy.diffuse().to_array();
     let first = glossy.specular_probability();
     let rest = glossy::rest_of(i.float(9), first);
@@ -105,22 +154,23 @@ fn parts(i: &Input, cosine: f32) -> Output {
     output([r, g, b, first, glossy.multiple_probability(), entering, rest])
 }
 
-fn evaluated(i: &Input, wo: Vec3, wi: Vec3) -> Output {
-    let found = glossy(i).evaluate(wo, wi, NORMAL);
+fn evaluated(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {
+    let found = glossy(i, layers).evaluate(wo, wi, NORMAL);
     let [r, g, b] = found.value.to_array();
     let limited = glossy::limited(i.vector(4), GEOMETRIC, NORMAL);
     output([r, g, b, found.pdf, limited, limited, limited, limited])
 }
 
-fn lobe(i: &Input, wo: Vec3, wi: Vec3) -> Output {
-    let (words, factor) = ReflectionLobe::pack(&material(i), &layers(i));
-    let weight = ReflectionLobe::new(words, wo, NORMAL).weight(wi, GEOMETRIC);
+fn lobe(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {
+    let (words, factor) = ReflectionLobe::pack(&material(i), layers);
+    let anisotropy = anisotropy::pack(layers, NORMAL);
+    let weight = ReflectionLobe::with_anisotropy(words, anisotropy, wo, NORMAL).weight(wi, GEOMETRIC);
     let ([x, y, z], [r, g, b]) = (factor.to_array(), weight.to_array());
     output([x, y, z, 0.0, r, g, b])
 }
 
-fn sampled(i: &Input, u: f32) -> Output {
-    let (wi, found) = glossy(i).sample(i.vector(0), NORMAL, u, i.float(9));
+fn sampled(i: &Input, layers: &Layers, u: f32) -> Output {
+    let (wi, found) = glossy(i, layers).sample(i.vector(0), NORMAL, u, i.float(9));
     let ([x, y, z], [r, g, b]) = (wi.to_array(), found.weight(1.0).to_array());
     output([x, y, z, 0.0, r, g, b])
 }
@@ -147,9 +197,16 @@ fn glossy_surfaces_are_those_of_rust() {
             },
             2 => |i| albedos(i, i.float(9)),
             3 => |i| parts(i, i.float(9)),
-            4 => |i| evaluated(i, i.vector(4), i.vector(0)),
-            6 => |i| lobe(i, i.vector(0), i.vector(0)),
-            _ => |i| sampled(i, i.float(8) * 0.99),
+            4 => |i| evaluated(i, &layers(i), i.vector(4), i.vector(0)),
+            5 => |i| sampled(i, &layers(i), i.float(8) * 0.99),
+            6 => |i| lobe(i, &layers(i), i.vector(0), i.vector(0)),
+            7 => |i| anisotropic_sample(i, i.float(9)),
+            8 => |i| anisotropic_parts(i, i.vector(4), i.vector(0)),
+            9 => |i| packed(i, sampling::basis(NORMAL).0),
+            // Without the anisotropy.
+            10 => |i| evaluated(i, &layers(i), i.vector(0), i.vector(4)),
+            11 => |i| sampled(i, &layers(i), i.float(8)),
+            _ => |i| lobe(i, &layers(i), i.vector(0), i.vector(4)),
         };
         assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);
     }

@@ -5,8 +5,8 @@ use std::mem::offset_of;
 use bytemuck::{Pod, Zeroable};
 use photon_core::light_tree::LightNode;
 use photon_core::{
-    Camera, Element, ErrorMoments, Estimate, Light, Material, MaterialTextures, Medium, Photon, PhotonRay, Primitive,
-    Query, TextureUse,
+    Anisotropy, Camera, Element, ErrorMoments, Estimate, Light, Material, MaterialTextures, Medium, Photon, PhotonRay,
+    Primitive, Query, TextureUse,
 };
 
 use super::spirv::{Member, Shape, structs};
@@ -58,7 +58,8 @@ fn records() -> Vec<Record> {
         record!(TextureUse: transform texture_index uv_set),
         record!(MaterialTextures: base_color emission normal normal_scale metallic_roughness alpha specular specular_color
             specular_color_factor clearcoat_factor
-            clearcoat_roughness_factor clearcoat clearcoat_roughness reserved),
+            clearcoat_roughness_factor clearcoat clearcoat_roughness anisotropy),
+        record!(Anisotropy: strength direction texture),
         record!(LightNode: center radius intensity axis cone next),
     ]
 }

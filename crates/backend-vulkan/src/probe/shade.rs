@@ -34,6 +34,8 @@ pub(super) fn rows() -> Vec<Row> {
         row("shade_emission_ratio", 3, Bound::Relative(4e-7), light, |i| ratio(i, i.0[2])),
         row("shade, colours", 4, Bound::Bits, hit, |i| colors(&shaded(i, [i.float(0), i.float(1)]))),
         row("shade, specular", 6, Bound::Bits, hit, |i| specular(&shaded(i, [i.float(0), i.float(1)]))),
+        // As of normals; directions of the texture are at least 0.5 long.
+        row("shade, anisotropy", 7, Bound::Within(3e-5), hit, |i| anisotropy(&shaded(i, [i.float(0), i.float(1)]))),
         // Vertex normals and tangents are off by 1e-6, a perpendicular of the tangent by four times that, and its
         // length is at least 0.5.
         row("shade, normal", 5, Bound::Within(2e-5), hit, |i| four_of(shaded(i, [i.float(0), i.float(1)]).normal)),
@@ -150,6 +152,11 @@ fn shaded(i: &Input, [u, v]: [f32; 2]) -> Shaded {
 fn specular(shaded: &Shaded) -> Output {
     let [r, g, b] = shaded.layers.specular_color.to_array();
     output([shaded.material.specular, r, g, b, shaded.layers.clearcoat, shaded.layers.clearcoat_roughness])
+}
+
+fn anisotropy(shaded: &Shaded) -> Output {
+    let [x, y, z] = shaded.layers.tangent.to_array();
+    output([x, y, z, shaded.layers.anisotropy])
 }
 
 fn colors(shaded: &Shaded) -> Output {

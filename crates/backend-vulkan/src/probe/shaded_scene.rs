@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Filter, Light, Material, MaterialKind, MaterialTextures, OwnedShadingTables, Primitive, SceneView, ShadingTables,
-    TexelFormat, Texture, TextureUse, Wrap, octahedral, sampling,
+    Anisotropy, Filter, Light, Material, MaterialKind, MaterialTextures, OwnedShadingTables, Primitive, SceneView,
+    ShadingTables, TexelFormat, Texture, TextureUse, Wrap, octahedral, sampling,
 };
 use photon_scene::CompressedTree;
 
@@ -87,16 +87,27 @@ impl ShadedScene {
             let texels = texels.collect();
             self.shading.textures.push(Texture { texels, width: 4, height: 3, format, wrap: [wrap; 2], filter });
         }
+        // Directions within 70 degrees of the tangent, of all strengths.
+        let mut of_anisotropy = Draw::of(0, 5);
+        let texels = (0..12).map(|_| of_anisotropy.word() | 0xC0);
+        let (format, filter, wrap) = (TexelFormat::Linear8, Filter::Linear, [Wrap::Repeat; 2]);
+        let anisotropic = Texture { texels: texels.collect(), width: 3, height: 4, format, wrap, filter };
         for texture_index in 0..self.shading.textures.len() as u32 {
             let transform = [[(); 3]; 2].map(|row| row.map(|()| d.between(-1.5, 1.5)));
             self.shading.uses.push(TextureUse { transform, texture_index, uv_set: d.word() % 2 });
+        }
+        self.shading.uses.push(TextureUse::new(self.shading.textures.len() as u32));
+        self.shading.textures.push(anisotropic);
+        for texture in [MaterialTextures::NONE, self.shading.uses.len() as u32 - 1] {
+            let direction = [0.6, if texture == MaterialTextures::NONE { 0.8 } else { -0.8 }];
+            self.shading.anisotropies.push(Anisotropy { strength: 0.7, direction, texture });
         }
     }
 
     /// Materials with and without textures.
     fn add_materials(&mut self, d: &mut Draw) {
         let none = MaterialTextures::NONE;
-        let images = self.shading.textures.len() as u32 - 3;
+        let images = self.shading.textures.len() as u32 - 4;
         let mut of_specular = Draw::of(0, 4);
         for index in 0..12 {
             let mut image = || if d.now_and_then() { none } else { d.word() % images };
@@ -117,8 +128,8 @@ impl ShadedScene {
                 clearcoat_roughness: if of_specular.now_and_then() { none } else { of_specular.word() % images },
                 clearcoat_factor: of_specular.pick(&[0.0, 0.5, 1.0]),
                 clearcoat_roughness_factor: of_specular.unit(),
+                anisotropy: if index % 3 == 0 { none } else { index % 3 - 1 },
                 specular_color_factor: [(); 3].map(|()| of_specular.between(0.5, 3.0)),
-                ..MaterialTextures::default()
             };
             self.shading.material_textures.push(entry);
             let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];

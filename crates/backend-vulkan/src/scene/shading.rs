@@ -21,6 +21,7 @@ struct Record {
     albedos: u64,
     has_normals: u32,
     rough_ratios: u32,
+    anisotropies: u64,
 }
 
 /// `Texture` of texture.glsl.
@@ -58,6 +59,9 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
             record.uses = upload.table("textures", tables.uses)?;
         }
         record.material_textures = upload.table("textures", tables.material_textures)?;
+        if !tables.anisotropies.is_empty() {
+            record.anisotropies = upload.table("textures", tables.anisotropies)?;
+        }
         record.values = upload.table("textures", byte_values().as_flattened())?;
     }
     if followed {

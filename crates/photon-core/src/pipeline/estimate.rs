@@ -70,6 +70,7 @@ impl<B: TransportBackend> Pipeline<B> {
             let gather = EstimateParams {
                 shading_normals: self.shading_normals,
                 reflection: slot.reflected,
+                anisotropy: slot.reflected && self.anisotropy,
                 ..radii::gather(&self.settings, slot.radius, index)
             };
             let MapSlot { kind, reflected, .. } = *slot;

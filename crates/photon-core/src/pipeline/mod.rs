@@ -43,6 +43,8 @@ pub struct Pipeline<B: TransportBackend> {
     required: Requirements,
     /// Whether surfaces of the scene have shading normals.
     shading_normals: bool,
+    /// Whether the scene has anisotropic surfaces.
+    anisotropy: bool,
     settings: Settings,
     /// Paths per pass in the settings, even if fewer fit into memory.
     asked: u32,
@@ -232,6 +234,7 @@ impl<B: TransportBackend> Pipeline<B> {
             stages,
             required,
             shading_normals: Features::of(scene).contains(Features::SHADING_NORMALS),
+            anisotropy: Features::of(scene).contains(Features::ANISOTROPY),
             asked: settings.photons,
             settings,
             view,

@@ -73,5 +73,6 @@ pub(crate) fn gather(settings: &Settings, radius: f32, index: u32) -> EstimatePa
         max_plane_distance: settings.max_plane_distance,
         shading_normals: false,
         reflection: false,
+        anisotropy: false,
     }
 }

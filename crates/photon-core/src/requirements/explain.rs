@@ -29,6 +29,9 @@ const GLOSSY: &str = "camera paths follow their reflection, and sample a light a
 /// What clearcoats cost, and how to do without.
 const CLEARCOAT: &str = "a second reflection at each of its surfaces; clearcoat = 0 in an override file removes it";
 
+/// What anisotropy costs, and how to do without.
+const ANISOTROPY: &str = "a frame of tangents at each of its surfaces; anisotropy = 0 in an override file removes it";
+
 /// What rough glass costs, and how to do without.
 const ROUGH_GLASS: &str = "camera paths sample a light at each of its surfaces, on one of the two sides; roughness = 0 in an \
                            override file makes it smooth";
@@ -60,6 +63,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 }
                 (triangles, _) if feature == Features::CLEARCOAT => {
                     format!("{}; {CLEARCOAT}", counted(triangles, "triangle"))
+                }
+                (triangles, _) if feature == Features::ANISOTROPY => {
+                    format!("{}; {ANISOTROPY}", counted(triangles, "triangle"))
                 }
                 (triangles, _) if feature == Features::ROUGH_GLASS => {
                     format!("{}; {ROUGH_GLASS}", counted(triangles, "triangle"))

@@ -57,6 +57,8 @@ bitflags! {
         const CLEARCOAT = 1 << 21;
         /// A directional light with a disc, which camera rays see and which softens shadows.
         const SUN = 1 << 22;
+        /// Anisotropic reflection.
+        const ANISOTROPY = 1 << 23;
     }
 }
 
@@ -73,7 +75,8 @@ impl Features {
         .union(Self::GLOSSY)
         .union(Self::ROUGH_GLASS)
         .union(Self::SPECULAR_COLORS)
-        .union(Self::CLEARCOAT);
+        .union(Self::CLEARCOAT)
+        .union(Self::ANISOTROPY);
     /// Where camera paths sample lights, and go on.
     pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);
     /// All lobes that are not diffuse.
@@ -104,6 +107,7 @@ impl Features {
         "specular-colors",
         "clearcoat",
         "sun",
+        "anisotropy",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

@@ -217,6 +217,7 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
     let Some(textures) = index.and_then(|index| tables.material_textures.get(index)) else { return attributes };
     let used = |index: u32| index != MaterialTextures::NONE;
     let is_glossy = material.kind() == MaterialKind::Glossy;
+    let anisotropy = tables.anisotropies.get(textures.anisotropy as usize);
     let all = [
         textures.base_color,
         textures.emission,
@@ -225,11 +226,13 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
         textures.specular_color,
         textures.clearcoat,
         textures.clearcoat_roughness,
+        anisotropy.map_or(MaterialTextures::NONE, |anisotropy| anisotropy.texture),
     ];
     attributes
         .union(when(all.into_iter().any(used), Features::TEXTURES))
         .union(when(is_glossy && textures.has_specular_color(), Features::SPECULAR_COLORS))
         .union(when(is_glossy && textures.clearcoat_factor > 0.0, Features::CLEARCOAT))
+        .union(when(is_glossy && anisotropy.is_some(), Features::ANISOTROPY))
         .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
         .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))
 }

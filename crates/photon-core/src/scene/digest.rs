@@ -46,7 +46,7 @@ impl SceneView<'_> {
             radius,
             units: Units { center, scale, power },
         } = *self;
-        let ShadingTables { normals, tangents, colors, uvs, material_textures, uses, textures } = shading;
+        let ShadingTables { normals, tangents, colors, uvs, material_textures, anisotropies, uses, textures } = shading;
         let mut digest = Digest(Digest::BASIS);
         digest.table(positions);
         digest.table(triangles);
@@ -60,6 +60,7 @@ impl SceneView<'_> {
         digest.table(colors);
         digest.table(uvs);
         digest.table(material_textures);
+        digest.table(anisotropies);
         digest.table(uses);
         digest.table(&[textures.len() as u64]);
         for Texture { texels, width, height, format, wrap, filter } in textures {

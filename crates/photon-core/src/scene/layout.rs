@@ -10,7 +10,7 @@ use crate::scene::camera::Camera;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
-use crate::scene::texture::{MaterialTextures, TextureUse};
+use crate::scene::texture::{Anisotropy, MaterialTextures, TextureUse};
 use crate::shading::light_tree::LightNode;
 
 /// An element type of buffers; its GLSL counterpart has the same offsets.
@@ -82,7 +82,8 @@ pub struct Query {
     /// the position; read only in scenes with [`crate::Features::SHADING_NORMALS`]. In a query for a reflection, the unit
     /// vector towards the viewer, packed by [`crate::octahedral::pack`].
     pub offset_or_wo: u32,
-    /// Index of the camera path within its pass: the key of the random numbers used here.
+    /// Index of the camera path within its pass: the key of the random numbers used here. In a query for a reflection with
+    /// anisotropy ([`crate::EstimateParams::anisotropy`]), that: [`crate::anisotropy::pack`].
     pub path: u32,
     /// Unit shading normal on the visible side, packed by [`crate::octahedral::pack`]; read only in scenes with
     /// [`crate::Features::SHADING_NORMALS`], and in queries for a reflection.
@@ -180,6 +181,7 @@ elements!(
     Camera = 64,
     TextureUse = 32,
     MaterialTextures = 64,
+    Anisotropy = 16,
     LightNode = 32,
 );
 

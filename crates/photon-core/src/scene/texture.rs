@@ -151,8 +151,22 @@ pub struct MaterialTextures {
     pub clearcoat: u32,
     /// Its green multiplies [`Self::clearcoat_roughness_factor`].
     pub clearcoat_roughness: u32,
-    /// [`Self::NONE`].
-    pub reserved: u32,
+    /// Index into [`ShadingTables::anisotropies`]; [`Self::NONE`] without one. Only of glossy materials.
+    pub anisotropy: u32,
+}
+
+/// The anisotropy of a glossy material: [`crate::anisotropy`].
+// Exhaustive: a record of buffers, whose layout is part of the interface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Anisotropy {
+    /// Strength, in `[0, 1]`.
+    pub strength: f32,
+    /// Direction in which the reflection is wider: cosine and sine of its angle from the vertex tangent towards the bitangent.
+    pub direction: [f32; 2],
+    /// `2 rg − 1` is the direction which [`Self::direction`] turns, as complex numbers multiply; blue multiplies
+    /// [`Self::strength`]. Index into [`ShadingTables::uses`]; [`MaterialTextures::NONE`] stands for (1, ½, 1).
+    pub texture: u32,
 }
 
 impl MaterialTextures {
@@ -182,7 +196,7 @@ impl Default for MaterialTextures {
             clearcoat_roughness_factor: 0.0,
             clearcoat: Self::NONE,
             clearcoat_roughness: Self::NONE,
-            reserved: Self::NONE,
+            anisotropy: Self::NONE,
         }
     }
 }
@@ -196,7 +210,7 @@ pub struct ShadingTables<'a> {
     /// normals. [`Self::FLAT`] at the first vertex: the triangle has none, and its geometric normal is used.
     pub normals: &'a [[u32; 3]],
     /// Vertex tangents of each triangle, packed by [`crate::octahedral::pack`], with the sign of the bitangent
-    /// `sign · normal × tangent` in the lowest bit: 1 is negative. Empty without normal maps.
+    /// `sign · normal × tangent` in the lowest bit: 1 is negative. Empty without normal maps and anisotropy.
     pub tangents: &'a [[u32; 3]],
     /// Vertex colours of each triangle: red and green, blue and alpha, each times 65535 in 16 bits, red and blue in the
     /// lower ones. Linear; they multiply the albedo, and alpha that of materials with [`crate::Material::ALPHA`]. Empty
@@ -206,6 +220,8 @@ pub struct ShadingTables<'a> {
     pub uvs: &'a [[[f32; 2]; 3]],
     /// Indexed by [`crate::Material::textures`] less 1.
     pub material_textures: &'a [MaterialTextures],
+    /// Indexed by [`MaterialTextures::anisotropy`]. Needs tangents.
+    pub anisotropies: &'a [Anisotropy],
     /// Indexed by the members of [`MaterialTextures`].
     pub uses: &'a [TextureUse],
     /// Indexed by [`TextureUse::texture_index`].
@@ -226,6 +242,8 @@ pub struct OwnedShadingTables {
     pub uvs: Vec<[[f32; 2]; 3]>,
     /// [`ShadingTables::material_textures`].
     pub material_textures: Vec<MaterialTextures>,
+    /// [`ShadingTables::anisotropies`].
+    pub anisotropies: Vec<Anisotropy>,
     /// [`ShadingTables::uses`].
     pub uses: Vec<TextureUse>,
     /// [`ShadingTables::textures`].
@@ -243,6 +261,7 @@ impl OwnedShadingTables {
             colors: &self.colors,
             uvs: &self.uvs,
             material_textures: &self.material_textures,
+            anisotropies: &self.anisotropies,
             uses: &self.uses,
             textures: &self.textures,
         }
@@ -258,6 +277,7 @@ impl From<&ShadingTables<'_>> for OwnedShadingTables {
             colors: tables.colors.to_vec(),
             uvs: tables.uvs.to_vec(),
             material_textures: tables.material_textures.to_vec(),
+            anisotropies: tables.anisotropies.to_vec(),
             uses: tables.uses.to_vec(),
             textures: tables.textures.to_vec(),
         }

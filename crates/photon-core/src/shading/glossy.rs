@@ -11,11 +11,14 @@
 //!
 //! All are reciprocal. The base is Lambertian for photons that are stored with the factor `(1 − S_i)/(1 − S̄)`, that of
 //! [`Coat::entering`], so that density estimation needs no BSDF.
+//!
+//! Single scattering may be anisotropic ([`crate::anisotropy`]); albedos are then those of its equivalent roughness.
 
 use glam::{Vec2, Vec3};
 
 use crate::scene::material::Material;
 use crate::shading::albedo_table::AlbedoTable;
+use crate::shading::anisotropy::{self, Anisotropic};
 use crate::shading::clearcoat::Clearcoat;
 use crate::shading::layers::Layers;
 use crate::shading::shading_normal;
@@ -95,7 +98,9 @@ fn reflected(albedo: Vec2, f0: f32, f90: f32) -> f32 {
 #[derive(Clone, Copy, Debug)]
 pub struct Glossy {
     alpha: f32,
+    /// Of the albedos.
     roughness: f32,
+    anisotropic: Option<Anisotropic>,
     f0: Vec3,
     f90: f32,
     /// Multiple scattering: `m F_ms (1 − E_o) / (1 − Ē)`.
@@ -142,7 +147,9 @@ impl Glossy {
     #[must_use]
     pub fn new(material: &Material, layers: &Layers, cosine: f32) -> Self {
         let table = AlbedoTable::get();
-        let (roughness, metallic, weight) = (material.roughness, material.metallic, material.specular);
+        let (metallic, weight) = (material.metallic, material.specular);
+        let anisotropic = Anisotropic::of(layers, material.roughness);
+        let roughness = anisotropic.map_or(material.roughness, |found| anisotropy::equivalent_roughness(found.widths));
         let color = Vec3::from(material.albedo);
         let directional = table.directional(cosine.min(1.0), roughness);
         let mean = table.mean(roughness);
@@ -183,6 +190,7 @@ impl Glossy {
         Self {
             alpha: (roughness * roughness).max(ggx::MIN_ALPHA),
             roughness,
+            anisotropic,
             f0,
             f90,
             multiple,
@@ -244,7 +252,7 @@ impl Glossy {
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, normal: Vec3) -> Reflected {
-        let (tangent, bitangent) = sampling::basis(normal);
+        let (tangent, bitangent) = self.frame(normal);
         let local = |w: Vec3| Vec3::new(w.dot(tangent), w.dot(bitangent), w.dot(normal));
         let (o, i) = (local(wo), local(wi));
         let half = o + i;
@@ -257,9 +265,13 @@ impl Glossy {
         let grazing = across * across;
         let grazing = grazing * grazing * across;
         let fresnel = self.f0 * (1.0 - grazing) + Vec3::splat(self.f90 * grazing);
-        let single = ggx::distribution(self.alpha, h) * ggx::visibility(self.alpha, o.z, i.z) * i.z;
-        let mut value = fresnel * single;
-        let mut pdf = ggx::pdf(self.alpha, o, h);
+        let (single, mut pdf) = match &self.anisotropic {
+            None => {
+                (ggx::distribution(self.alpha, h) * ggx::visibility(self.alpha, o.z, i.z), ggx::pdf(self.alpha, o, h))
+            }
+            Some(anisotropic) => anisotropic.single(o, i, h),
+        };
+        let mut value = fresnel * (single * i.z);
         if self.multiple_probability > 0.0 {
             let albedo = AlbedoTable::get().directional(i.z.min(1.0), self.roughness);
             let cosine = i.z * std::f32::consts::FRAC_1_PI;
@@ -275,6 +287,12 @@ impl Glossy {
         Reflected { value, pdf }
     }
 
+    /// Two vectors perpendicular to the shading normal, along and across the anisotropy.
+    #[inline]
+    fn frame(&self, normal: Vec3) -> (Vec3, Vec3) {
+        self.anisotropic.as_ref().map_or_else(|| sampling::basis(normal), |anisotropic| anisotropic.frame(normal))
+    }
+
     /// Samples a direction of the reflection, and its value and density: the weight of the path is their ratio. `u` and
     /// `v` are uniform in `[0, 1)`.
     #[inline]
@@ -286,12 +304,12 @@ impl Glossy {
         let wi = if is_below && u < p {
             sampling::cosine_hemisphere(normal, u / p, v)
         } else {
-            let (tangent, bitangent) = sampling::basis(normal);
+            let (tangent, bitangent) = self.frame(normal);
             let o = Vec3::new(wo.dot(tangent), wo.dot(bitangent), wo.dot(normal));
-            let i = if is_below {
-                ggx::sample(self.alpha, o, ((u - p) / (1.0 - p)).min(1.0 - f32::EPSILON), v)
-            } else {
-                ggx::sample(self.clearcoat.alpha(), o, u, v)
+            let rest = if is_below { ((u - p) / (1.0 - p)).min(1.0 - f32::EPSILON) } else { u };
+            let i = match &self.anisotropic {
+                Some(anisotropic) if is_below => anisotropy::sample(anisotropic.widths, o, rest, v),
+                _ => ggx::sample(if is_below { self.alpha } else { self.clearcoat.alpha() }, o, rest, v),
             };
             tangent * i.x + bitangent * i.y + normal * i.z
         };

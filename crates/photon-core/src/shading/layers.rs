@@ -14,11 +14,22 @@ pub struct Layers {
     pub clearcoat: f32,
     /// Its roughness, in `[0, 1]`; the width of the distribution is its square.
     pub clearcoat_roughness: f32,
+    /// Strength of the anisotropy of the reflection, in `[0, 1]`; 0 without any: [`crate::anisotropy`].
+    pub anisotropy: f32,
+    /// Direction of the anisotropy, in which the reflection is wider: a vector along the surface, of which only the line
+    /// matters, or 0 for any.
+    pub tangent: Vec3,
 }
 
 impl Layers {
     /// Of a material without any of it.
-    pub const NONE: Self = Self { specular_color: Vec3::ONE, clearcoat: 0.0, clearcoat_roughness: 0.0 };
+    pub const NONE: Self = Self {
+        specular_color: Vec3::ONE,
+        clearcoat: 0.0,
+        clearcoat_roughness: 0.0,
+        anisotropy: 0.0,
+        tangent: Vec3::ZERO,
+    };
 
     /// The same with this [`Self::specular_color`].
     #[must_use]
@@ -30,6 +41,12 @@ impl Layers {
     #[must_use]
     pub const fn with_clearcoat(self, weight: f32, roughness: f32) -> Self {
         Self { clearcoat: weight, clearcoat_roughness: roughness, ..self }
+    }
+
+    /// The same with this [`Self::anisotropy`] in the direction of [`Self::tangent`].
+    #[must_use]
+    pub const fn with_anisotropy(self, anisotropy: f32, tangent: Vec3) -> Self {
+        Self { anisotropy, tangent, ..self }
     }
 
     /// Reflectance at normal incidence of the coat of `material`: its factor times `min(s ((n−1)/(n+1))², 1)`.

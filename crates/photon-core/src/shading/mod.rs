@@ -2,6 +2,7 @@
 
 pub(crate) mod albedo_table;
 pub mod alpha;
+pub mod anisotropy;
 pub mod area;
 mod bias;
 pub(crate) mod bsdf;

@@ -4,11 +4,14 @@
 //! evaluates [`crate::Glossy`] without the base. The radiance that it estimates is
 //! `Σ Φ f(ω_o, ω_i) c(ω_i)/|ω_i·n_g| / (π r²)`: photons arrive with a density in proportion to |ω_i·n_g|, so that the
 //! cosine must not be multiplied once more. The ratio is [`shading_normal::cosine_ratio`].
+//!
+//! Anisotropy is in a third word, [`crate::anisotropy::pack`].
 
 use glam::Vec3;
 
 use crate::scene::material::Material;
 use crate::shading::albedo_table::AlbedoTable;
+use crate::shading::anisotropy::{self, Anisotropic};
 use crate::shading::glossy::multiple_scattering;
 use crate::shading::layers::Layers;
 use crate::shading::{clearcoat, ggx, sampling, shading_normal};
@@ -17,7 +20,9 @@ use crate::shading::{clearcoat, ggx, sampling, shading_normal};
 #[derive(Clone, Copy, Debug)]
 pub struct ReflectionLobe {
     alpha: f32,
+    /// Of the albedos.
     roughness: f32,
+    anisotropic: Option<Anisotropic>,
     f0: Vec3,
     f90: f32,
     /// Multiple scattering: `m F_ms (1 − E_o) / (1 − Ē)`.
@@ -115,16 +120,30 @@ impl ReflectionLobe {
     #[inline]
     #[must_use]
     pub fn new(words: [u32; 2], wo: Vec3, normal: Vec3) -> Self {
+        Self::with_anisotropy(words, 0, wo, normal)
+    }
+
+    /// The same; `anisotropy` is from [`anisotropy::pack`] with the same `normal`, or without anisotropy any other word
+    /// below 2³¹.
+    #[inline]
+    #[must_use]
+    pub fn with_anisotropy(words: [u32; 2], anisotropy: u32, wo: Vec3, normal: Vec3) -> Self {
         let table = AlbedoTable::get();
         let parameters = Parameters::unpack(words);
-        let Parameters { color, metallic, roughness, weight, .. } = parameters;
-        let (tangent, bitangent) = sampling::basis(normal);
+        let Parameters { color, metallic, weight, .. } = parameters;
+        let anisotropic = anisotropy::unpack(anisotropy, normal)
+            .and_then(|(strength, tangent)| Anisotropic::new(parameters.roughness, strength, tangent));
+        let roughness =
+            anisotropic.map_or(parameters.roughness, |found| anisotropy::equivalent_roughness(found.widths));
+        let (tangent, bitangent) =
+            anisotropic.as_ref().map_or_else(|| sampling::basis(normal), |found| found.frame(normal));
         let wo = Vec3::new(wo.dot(tangent), wo.dot(bitangent), wo.dot(normal));
         let directional = table.directional(wo.z.clamp(0.0, 1.0), roughness);
         let (multiple, _) = multiple_scattering(color, metallic, directional, table.mean(roughness));
         Self {
             alpha: (roughness * roughness).max(ggx::MIN_ALPHA),
             roughness,
+            anisotropic,
             f0: parameters.f0(),
             f90: metallic + weight * (1.0 - metallic),
             multiple,
@@ -151,7 +170,10 @@ impl ReflectionLobe {
         let square = across * across;
         let grazing = square * square * across;
         let fresnel = self.f0 * (1.0 - grazing) + Vec3::splat(self.f90 * grazing);
-        let single = ggx::distribution(self.alpha, h) * ggx::visibility(self.alpha, o.z, i.z);
+        let single = match &self.anisotropic {
+            None => ggx::distribution(self.alpha, h) * ggx::visibility(self.alpha, o.z, i.z),
+            Some(anisotropic) => anisotropic.single(o, i, h).0,
+        };
         let albedo = AlbedoTable::get().directional(i.z.min(1.0), self.roughness);
         let lost = (1.0 - (albedo.x + albedo.y)).max(0.0);
         (fresnel * single + self.multiple * (lost * std::f32::consts::FRAC_1_PI)) * ratio

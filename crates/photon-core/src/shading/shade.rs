@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::scene::caster::Hit;
 use crate::scene::light::Light;
 use crate::scene::material::Material;
-use crate::scene::texture::{MaterialTextures, ShadingTables};
+use crate::scene::texture::{Anisotropy, MaterialTextures, ShadingTables};
 use crate::shading::alpha;
 use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::layers::Layers;
@@ -80,6 +80,11 @@ impl Shading<'_> {
                 if let Some(color) = self.sample(textures.clearcoat_roughness, &corners) {
                     layers.clearcoat_roughness *= color.y;
                 }
+            }
+            if let Some(anisotropy) = self.tables.anisotropies.get(textures.anisotropy as usize) {
+                let texel = self.sample(anisotropy.texture, &corners);
+                let (strength, direction) = direction(anisotropy, texel);
+                layers = layers.with_anisotropy(strength, self.tangent(&corners, normal, direction));
             }
             if let Some(texel) = self.sample(textures.normal, &corners) {
                 normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
@@ -181,6 +186,14 @@ impl Shading<'_> {
         }
     }
 
+    /// The tangent of this direction in the frame of the vertex tangents.
+    #[inline]
+    fn tangent(&self, corners: &Corners, normal: Vec3, direction: [f32; 2]) -> Vec3 {
+        let Some(packed) = self.tables.tangents.get(corners.triangle) else { return Vec3::ZERO };
+        let tangent = interpolate(packed.map(octahedral::unpack), corners.weights);
+        turned_tangent(tangent, if packed[0] & 1 == 1 { -1.0 } else { 1.0 }, normal, direction)
+    }
+
     /// `normal` turned by a texel of a normal map, in the frame of the vertex tangents.
     #[inline]
     fn mapped_normal(&self, corners: &Corners, normal: Vec3, texel: Vec3, scale: f32) -> Vec3 {
@@ -216,6 +229,26 @@ pub fn turned(tangent: Vec3, sign: f32, normal: Vec3, texel: Vec3, scale: f32) -
     let bitangent = normal.cross(tangent) * sign;
     let [x, y, z] = (texel * 2.0 - Vec3::ONE).to_array();
     (tangent * (x * scale) + bitangent * (y * scale) + normal * z).normalize_or(normal)
+}
+
+/// Strength and direction of an anisotropy with a texel of its texture, if it has one.
+#[inline]
+#[must_use]
+pub fn direction(anisotropy: &Anisotropy, texel: Option<Vec3>) -> (f32, [f32; 2]) {
+    let [cos, sin] = anisotropy.direction;
+    let Some(texel) = texel else { return (anisotropy.strength, anisotropy.direction) };
+    let (x, y) = (texel.x * 2.0 - 1.0, texel.y * 2.0 - 1.0);
+    (anisotropy.strength * texel.z, [cos * x - sin * y, sin * x + cos * y])
+}
+
+/// The unit vector of this direction in the frame of `tangent` and `normal`, as that of [`turned`]; 0 where the tangent is
+/// parallel to the normal or 0, and the tangent for the direction 0.
+#[inline]
+#[must_use]
+pub fn turned_tangent(tangent: Vec3, sign: f32, normal: Vec3, [x, y]: [f32; 2]) -> Vec3 {
+    let tangent = (tangent - normal * normal.dot(tangent)).normalize_or(Vec3::ZERO);
+    let bitangent = normal.cross(tangent) * sign;
+    (tangent * x + bitangent * y).normalize_or(tangent)
 }
 
 /// Of 16 bits.

@@ -70,7 +70,9 @@ impl Agrees for MaterialDesc {
         let sides = !self.is_emissive() || !exact.is_emissive() || self.emits_both_sides == exact.emits_both_sides;
         let coat = all_close(self.specular_color, exact.specular_color)
             && close(self.clearcoat, exact.clearcoat)
-            && close(self.clearcoat_roughness, exact.clearcoat_roughness);
+            && close(self.clearcoat_roughness, exact.clearcoat_roughness)
+            && close(self.anisotropy, exact.anisotropy)
+            && close(self.anisotropy_rotation, exact.anisotropy_rotation);
         surface && coat && sides && all_close(self.emission, exact.emission)
     }
 }

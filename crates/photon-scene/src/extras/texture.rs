@@ -29,6 +29,8 @@ pub(crate) struct TexturesExtras {
     clearcoat: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     clearcoat_roughness: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    anisotropy: Option<Transform>,
     normal_scale: Exact,
 }
 
@@ -45,6 +47,7 @@ impl TexturesExtras {
         let (metallic_roughness, specular) = (of(textures.metallic_roughness), of(textures.specular));
         let specular_color = of(textures.specular_color);
         let (clearcoat, clearcoat_roughness) = (of(textures.clearcoat), of(textures.clearcoat_roughness));
+        let anisotropy = of(textures.anisotropy);
         let normal_scale = Exact(textures.normal_scale);
         let all = [
             &base_color,
@@ -55,6 +58,7 @@ impl TexturesExtras {
             &specular_color,
             &clearcoat,
             &clearcoat_roughness,
+            &anisotropy,
         ];
         let is_plain = all.iter().all(|used| used.is_none());
         (!is_plain || normal_scale.0 != 1.0).then_some(Self {
@@ -66,6 +70,7 @@ impl TexturesExtras {
             specular_color,
             clearcoat,
             clearcoat_roughness,
+            anisotropy,
             normal_scale,
         })
     }
@@ -92,6 +97,7 @@ impl TexturesExtras {
             specular_color: of(textures.specular_color, &self.specular_color)?,
             clearcoat: of(textures.clearcoat, &self.clearcoat)?,
             clearcoat_roughness: of(textures.clearcoat_roughness, &self.clearcoat_roughness)?,
+            anisotropy: of(textures.anisotropy, &self.anisotropy)?,
             normal_scale: self.normal_scale.0,
             // In glTF, the same texture.
             alpha: textures.alpha.and(base_color),

@@ -178,6 +178,13 @@ impl Overrides {
             desc.clearcoat = new_clearcoat.take().unwrap_or(desc.clearcoat);
             desc.clearcoat_roughness = new_clearcoat_roughness.take().unwrap_or(desc.clearcoat_roughness);
         }
+        if with.anisotropy.is_some() || with.anisotropy_degrees.is_some() || kind != before {
+            desc.textures.anisotropy = None;
+        }
+        if kind != before {
+            (desc.anisotropy, desc.anisotropy_rotation) = (0.0, 0.0);
+        }
+        let (mut new_anisotropy, mut new_rotation) = (with.anisotropy, with.anisotropy_degrees);
         if with.specular_color.is_some() || kind != before {
             (desc.specular_color, desc.textures.specular_color) = ([1.0; 3], None);
         }
@@ -204,6 +211,8 @@ impl Overrides {
                 *roughness = new_roughness.take().unwrap_or(*roughness);
                 *specular = new_specular.take().unwrap_or(*specular);
                 *ior = new_ior.take().unwrap_or(*ior);
+                desc.anisotropy = new_anisotropy.take().unwrap_or(desc.anisotropy);
+                desc.anisotropy_rotation = new_rotation.take().map_or(desc.anisotropy_rotation, f64::to_radians);
             }
         }
         let left = [
@@ -218,13 +227,16 @@ impl Overrides {
             ("specular_color", new_specular_color.is_some()),
             ("clearcoat", new_clearcoat.is_some()),
             ("clearcoat_roughness", new_clearcoat_roughness.is_some()),
+            ("anisotropy", new_anisotropy.is_some()),
+            ("anisotropy_degrees", new_rotation.is_some()),
         ];
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
             let hint = "lambert and mirror have albedo, glass has ior, tint, roughness, absorption and \
                         priority, thin has ior, tint and roughness, \
-                        glossy has albedo, metallic, roughness, specular, specular_color and ior, \
+                        glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy and \
+                        anisotropy_degrees, \
                         all but glass and thin have clearcoat and clearcoat_roughness; \
                         give another kind, or leave it out";
             return Err(self.fault(what, hint));

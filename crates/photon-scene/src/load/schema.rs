@@ -34,6 +34,8 @@ pub(super) struct Material {
     pub(super) specular_color: Option<Colour>,
     pub(super) clearcoat: Option<f64>,
     pub(super) clearcoat_roughness: Option<f64>,
+    pub(super) anisotropy: Option<f64>,
+    pub(super) anisotropy_degrees: Option<f64>,
     /// Share of the light that meets the surface; the rest passes. 1 is opaque.
     pub(super) alpha: Option<f64>,
     pub(super) emission: Option<Colour>,

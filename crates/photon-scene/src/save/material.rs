@@ -56,6 +56,12 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "clearcoatRoughnessFactor": single(desc.clearcoat_roughness, what)?,
         });
     }
+    if desc.anisotropy > 0.0 {
+        extensions["KHR_materials_anisotropy"] = json!({
+            "anisotropyStrength": single(desc.anisotropy, what)?,
+            "anisotropyRotation": single(desc.anisotropy_rotation, what)?,
+        });
+    }
     let (strength, factor) = scaled(desc.emission);
     if strength > 0.0 {
         extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": single(strength, what)? });
@@ -87,6 +93,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "clearcoat_roughness" => {
                 extensions["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"] = info.clone();
             }
+            "anisotropy" => extensions["KHR_materials_anisotropy"]["anisotropyTexture"] = info.clone(),
             "specular_color" => {
                 extensions["KHR_materials_specular"]["specularColorTexture"] = info.clone();
             }

@@ -55,7 +55,8 @@ impl File {
     fn texture(&mut self, id: TextureId, slot: &str, desc: &TextureDesc) -> Result<usize, SceneError> {
         let refused = |why: &str, hint| SceneError::Export { what: format!("texture '{}', {why}", desc.name), hint };
         let is_linear = desc.image.format == TexelFormat::Linear8;
-        let is_data = matches!(slot, "normal" | "metallic_roughness" | "clearcoat" | "clearcoat_roughness");
+        let is_data =
+            matches!(slot, "normal" | "metallic_roughness" | "clearcoat" | "clearcoat_roughness" | "anisotropy");
         if is_data && desc.image.format == TexelFormat::Srgb8 {
             let why = format!("a {} texture in sRGB", slot.replace('_', "-"));
             return Err(refused(&why, "glTF has linear ones: convert it"));

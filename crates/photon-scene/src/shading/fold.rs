@@ -4,6 +4,7 @@
 use photon_core::{Texture, ggx};
 
 use super::alpha::uniform_alpha;
+use super::anisotropy::{fold_anisotropy, remove_anisotropy};
 use super::clearcoat::fold_clearcoat;
 use super::specular_color::fold_specular_color;
 use super::texel::Decoder;
@@ -42,7 +43,11 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
         if textures.normal.is_some_and(flat) {
             textures.normal = None;
         }
-        material.surface = simplest(material.surface.clone(), textures.metallic_roughness.is_some());
+        fold_anisotropy(material, color_of);
+        let is_varied = material.textures.metallic_roughness.is_some() || material.anisotropy > 0.0;
+        material.surface = simplest(material.surface.clone(), is_varied);
+        remove_anisotropy(material);
+        let textures = &mut material.textures;
         if roughness_of(&mut material.surface).is_none() {
             (textures.metallic_roughness, textures.specular) = (None, None);
         }
@@ -53,15 +58,16 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
 
 /// The same surface without a glossy reflection where it has none: a base without a coat is diffuse, and a metal is a
 /// mirror if its distribution is narrower than what is rendered. A coat of refractive index 1 reflects nothing, since
-/// light passes a boundary between equal indices. `has_texture`: whether a texture multiplies roughness and metal.
-pub(crate) fn simplest(surface: Surface, has_texture: bool) -> Surface {
+/// light passes a boundary between equal indices. `is_varied`: whether a texture multiplies roughness and metal, or the
+/// reflection is anisotropic.
+pub(crate) fn simplest(surface: Surface, is_varied: bool) -> Surface {
     let Surface::Glossy { base_color, metallic, roughness, specular, ior } = surface else { return surface };
     let specular = if ior == 1.0 { 0.0 } else { specular };
     if specular == 0.0 && metallic == 0.0 {
         return Surface::Lambert { albedo: base_color };
     }
     let is_smooth = roughness * roughness < f64::from(ggx::MIN_ALPHA);
-    if is_smooth && metallic >= 1.0 && !has_texture {
+    if is_smooth && metallic >= 1.0 && !is_varied {
         return Surface::Mirror { reflectance: base_color };
     }
     Surface::Glossy { base_color, metallic, roughness, specular, ior }

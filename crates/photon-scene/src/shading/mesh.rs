@@ -7,7 +7,7 @@ use photon_core::{OwnedShadingTables, ShadingTables};
 
 use super::normals::Corners;
 use super::uvs::{self, UvSet};
-use super::{Source, tangents};
+use super::{Source, anisotropy, tangents};
 use crate::describe::AlphaMode;
 use crate::mesh::Mesh;
 use crate::normalise::Geometry;
@@ -21,15 +21,21 @@ const WHITE: [u32; 2] = [u32::MAX; 2];
 pub(super) struct Census {
     replaced_normals: u64,
     lost_tangents: u64,
+    undirected: u64,
     uvs: uvs::Census,
 }
 
 impl Census {
     pub(super) fn warn(&self, warnings: &mut Vec<String>) {
-        let Self { replaced_normals, lost_tangents, uvs } = self;
+        let Self { replaced_normals, lost_tangents, undirected, uvs } = self;
         let counts = [
             (*replaced_normals, "vertex normals are zero, not finite or behind their triangle; its own normal is used"),
             (*lost_tangents, "vertex tangents are zero, not finite or parallel to the normal; any are used"),
+            (
+                *undirected,
+                "triangles are anisotropic without tangents or texture coordinates; their reflection is wider around the \
+                 y axis, or turned from there",
+            ),
             (uvs.invalid, "triangles have texture coordinates that are not finite numbers; 0 is used"),
             (
                 uvs.coarse,
@@ -52,7 +58,8 @@ pub(super) fn add_meshes(
 ) {
     let count = geometry.triangles.len();
     let mut triangles = Triangles { source, geometry, census };
-    let has_maps = geometry.primitives.iter().any(|&(_, m)| source.materials[m as usize].textures.normal.is_some());
+    let mut materials = geometry.primitives.iter().map(|&(_, material)| &source.materials[material as usize]);
+    let has_maps = materials.any(anisotropy::has_tangents);
     let has_colors = source.meshes.iter().any(|mesh| !mesh.attributes.colors.is_empty());
     tables.uvs.resize(count * sets.len(), [[0.0; 2]; 3]);
     tables.normals.reserve_exact(count);
@@ -149,11 +156,17 @@ impl Triangles<'_, '_> {
     }
 
     fn tangents(&mut self, mesh: &Mesh, range: Range, normals: &[Corners]) -> Vec<[u32; 3]> {
-        let Some(map) = self.source.materials[mesh.material.0 as usize].textures.normal else {
+        let material = &self.source.materials[mesh.material.0 as usize];
+        if !anisotropy::has_tangents(material) {
             return vec![[0; 3]; range.len()];
-        };
+        }
         let given = &mesh.attributes.tangents;
-        let found = if given.is_empty() {
+        let map = anisotropy::tangent_map(material);
+        let has_uvs = map.is_some() || mesh.attributes.uvs.first().is_some_and(|uvs| !uvs.is_empty());
+        let found = if given.is_empty() && !has_uvs {
+            self.census.undirected += range.len() as u64;
+            normals.iter().map(|corners| corners.normals.map(|normal| Some(tangents::around(normal)))).collect()
+        } else if given.is_empty() {
             self.generated_tangents(mesh, range, normals, map)
         } else {
             self.corners(mesh, range)
@@ -190,13 +203,17 @@ impl Triangles<'_, '_> {
         mesh: &Mesh,
         range: Range,
         normals: &[Corners],
-        map: TextureRef,
+        map: Option<TextureRef>,
     ) -> Vec<[Option<tangents::Tangent>; 3]> {
         let place = |vertex: usize| self.source.frame.point(mesh.positions[vertex]);
         let positions: Vec<[DVec3; 3]> = self.corners(mesh, range.clone()).map(|corners| corners.map(place)).collect();
-        let on_map = |corner: [f64; 2]| map.place(corner.map(uvs::finite)).map(uvs::finite);
+        let on_map = |corner: [f64; 2]| {
+            let corner = corner.map(uvs::finite);
+            map.map_or(corner, |map| map.place(corner)).map(uvs::finite)
+        };
+        let set = map.map_or(0, |map| map.uv_set);
         let coordinates: Vec<[[f64; 2]; 3]> =
-            self.coordinates(mesh, range, map.uv_set).into_iter().map(|corners| corners.map(on_map)).collect();
+            self.coordinates(mesh, range, set).into_iter().map(|corners| corners.map(on_map)).collect();
         tangents::generate(&positions, normals, &coordinates)
     }
 }

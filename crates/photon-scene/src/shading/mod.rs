@@ -1,6 +1,7 @@
 //! Builds the tables of vertex attributes and textures, of which a scene without any of it has none.
 
 mod alpha;
+mod anisotropy;
 mod clearcoat;
 mod fold;
 mod mesh;
@@ -58,7 +59,10 @@ impl Source<'_> {
 
 /// Whether a material needs an entry of [`MaterialTextures`].
 fn has_record(desc: &MaterialDesc) -> bool {
-    desc.textures.all().next().is_some() || desc.specular_color != [1.0; 3] || desc.clearcoat > 0.0
+    desc.textures.all().next().is_some()
+        || desc.specular_color != [1.0; 3]
+        || desc.clearcoat > 0.0
+        || desc.anisotropy > 0.0
 }
 
 /// Fills the tables, and [`Material::textures`] of each material.
@@ -109,6 +113,7 @@ fn add_materials(
             tables.uses.len() as u32 - 1
         };
         let base_color = add(textures.base_color);
+        let anisotropy = anisotropy::record(desc, add(textures.anisotropy));
         let textures = MaterialTextures {
             base_color,
             emission: add(textures.emission),
@@ -123,7 +128,7 @@ fn add_materials(
             clearcoat_factor: desc.clearcoat as f32,
             clearcoat_roughness_factor: desc.clearcoat_roughness as f32,
             specular_color_factor: desc.specular_color.map(|part| part as f32),
-            ..MaterialTextures::default()
+            anisotropy: anisotropy::add(&mut tables.anisotropies, anisotropy),
         };
         tables.material_textures.push(textures);
         materials[index as usize].textures = tables.material_textures.len() as u32;

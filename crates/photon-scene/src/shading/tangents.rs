@@ -1,4 +1,4 @@
-//! Vertex tangents for normal maps: those of the mesh, or `MikkTSpace`.
+//! Vertex tangents for normal maps and anisotropy: those of the mesh, or `MikkTSpace`.
 
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use glam::DVec3;
@@ -21,6 +21,12 @@ pub(super) fn given([x, y, z, sign]: [f64; 4], normal: DVec3) -> Option<Tangent>
 /// Any tangent.
 pub(super) fn any(normal: DVec3) -> Tangent {
     (normal.any_orthonormal_vector(), false)
+}
+
+/// Around the y axis; along x where the normal is parallel to it.
+pub(super) fn around(normal: DVec3) -> Tangent {
+    let tangent = DVec3::Y.cross(normal);
+    (if tangent.length() > PARALLEL { tangent.normalize_or(DVec3::X) } else { DVec3::X }, false)
 }
 
 fn across(tangent: DVec3, normal: DVec3) -> Option<DVec3> {

@@ -190,6 +190,8 @@ fn glossy_surfaces_become_diffuse() {
     let clear = paint("[materials.paint]\nkind = \"lambert\"\nclearcoat = 1\nclearcoat_roughness = 0.25\n");
     assert_eq!((clear.kind, clear.specular, clear.textures), (MaterialKind::Glossy as u32, 0.0, 1));
     assert_eq!(paint("[materials.paint]\nkind = \"lambert\"\nclearcoat = 0\n"), diffuse);
+    assert_eq!(paint("[materials.paint]\nanisotropy = 0.5\nanisotropy_degrees = 30\n").textures, 1);
+    assert_eq!(paint("[materials.paint]\nanisotropy_degrees = 30\n").textures, 0);
     let mirror = paint("[materials.paint]\nmetallic = 1\nroughness = 0\n");
     assert_eq!((mirror.kind, mirror.albedo), (MaterialKind::Mirror as u32, [0.5, 0.25, 1.0]));
 }
@@ -249,6 +251,9 @@ fn override_faults() {
         names(&fault(&text), &["'wall'", "specular_color", "finite"]);
     }
     names(&fault("[materials.pane]\nkind = \"thin\"\nclearcoat = 1\n"), &["'pane'", "thin", "no clearcoat"]);
+    names(&fault("[materials.pane]\nkind = \"thin\"\nanisotropy = 1\n"), &["'pane'", "thin", "no anisotropy"]);
+    names(&fault("[materials.wall]\nkind = \"glossy\"\nanisotropy = 2\n"), &["'wall'", "between 0 and 1"]);
+    names(&fault("[materials.wall]\nkind = \"glossy\"\nanisotropy_degrees = inf\n"), &["'wall'", "finite"]);
     for key in ["clearcoat", "clearcoat_roughness"] {
         names(&fault(&format!("[materials.wall]\n{key} = 1.5\n")), &["'wall'", key, "between 0 and 1"]);
     }

@@ -1,6 +1,7 @@
 //! Textures and vertex attributes of a builder, as tables.
 
 mod alpha;
+mod anisotropy;
 mod attributes;
 mod emission;
 mod invalid;

@@ -29,6 +29,12 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
                 "write a .glb, which has it, or remove it (clearcoat = 0 in an override file)",
             );
         }
+        if textures.anisotropy != MaterialTextures::NONE {
+            return refused(
+                format!("the anisotropy of material '{name}'"),
+                "write a .glb, which has it, or remove it (anisotropy = 0 in an override file)",
+            );
+        }
         let uses = [
             ("base colour", textures.base_color),
             ("emission", textures.emission),

@@ -146,7 +146,8 @@ impl VulkanEstimator {
                 albedos
             }
         };
-        Ok(Weighting::Reflection(self.albedos.insert(albedos).address()))
+        let address = self.albedos.insert(albedos).address();
+        Ok(if gather.anisotropy { Weighting::Anisotropic(address) } else { Weighting::Reflection(address) })
     }
 }
 

@@ -54,6 +54,8 @@ pub(super) enum Weighting {
     Cosine,
     /// The reflection of the query; the address of the albedo table.
     Reflection(u64),
+    /// The same, which may be anisotropic.
+    Anisotropic(u64),
 }
 
 impl Weighting {
@@ -62,6 +64,7 @@ impl Weighting {
             Self::Even => 0,
             Self::Cosine => 1,
             Self::Reflection(_) => 2,
+            Self::Anisotropic(_) => 3,
         }
     }
 }
@@ -275,7 +278,7 @@ impl MapSearch {
             capacity: capacity.min(u64::from(u32::MAX)) as u32,
             max_plane_distance: question.max_plane_distance,
         };
-        if let Weighting::Reflection(albedos) = question.shading {
+        if let Weighting::Reflection(albedos) | Weighting::Anisotropic(albedos) = question.shading {
             // In words that these searches do not use: search_map.glsl.
             let (low, high) = (albedos as u32, (albedos >> 32) as u32);
             push.threshold = low;

@@ -29,6 +29,8 @@ pub struct EstimateParams {
     /// included. Needs [`PhotonFormat::Full`], and [`crate::RadianceEstimator::weighs_reflections`]. Not with
     /// [`Search::Paper`].
     pub reflection: bool,
+    /// With `reflection`, in scenes with [`crate::Features::ANISOTROPY`]: [`crate::Query::path`] may have that of a surface.
+    pub anisotropy: bool,
 }
 
 impl EstimateParams {
@@ -47,6 +49,7 @@ impl EstimateParams {
             max_plane_distance: 1.0,
             shading_normals: false,
             reflection: false,
+            anisotropy: false,
         }
     }
 

@@ -3,7 +3,7 @@
 use super::{Check, each, index, require};
 use crate::error::{Error, Result};
 use crate::scene::SceneView;
-use crate::scene::texture::{MaterialTextures, ShadingTables, Texture, TextureUse};
+use crate::scene::texture::{Anisotropy, MaterialTextures, ShadingTables, Texture, TextureUse};
 
 /// Largest number of texels in a row, and of rows: their indices stay exact in `f32`.
 const MAX_TEXELS: u32 = 65_536;
@@ -31,6 +31,7 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
     })?;
     each("texture", tables.textures, check_texture)?;
     each("texture use", tables.uses, |used| check_use(used, tables.textures.len(), sets))?;
+    each("anisotropy", tables.anisotropies, |anisotropy| check_anisotropy(anisotropy, tables.uses.len()))?;
     each("material_textures entry", tables.material_textures, |material| check_material(material, tables))?;
     each("material", view.materials, |material| {
         let (textures, count) = (material.textures as usize, tables.material_textures.len());
@@ -56,6 +57,15 @@ fn check_use(used: &TextureUse, textures: usize, sets: usize) -> Check {
     index("UV set", used.uv_set, sets)?;
     require(used.transform.as_flattened().iter().all(|c| c.is_finite()), || {
         format!("its transform {:?} must be finite", used.transform)
+    })
+}
+
+fn check_anisotropy(of: &Anisotropy, uses: usize) -> Check {
+    let (strength, [x, y], used) = (of.strength, of.direction, of.texture);
+    require((0.0..=1.0).contains(&strength), || format!("its strength {strength} must lie between 0 and 1"))?;
+    require((x.hypot(y) - 1.0).abs() < 1e-3, || format!("its direction [{x}, {y}] must have the length 1"))?;
+    require(used == MaterialTextures::NONE || (used as usize) < uses, || {
+        format!("its texture {used} is out of range, {uses} uses exist")
     })
 }
 
@@ -90,5 +100,11 @@ fn check_material(textures: &MaterialTextures, tables: &ShadingTables<'_>) -> Ch
     require(scale.is_finite(), || format!("its normal_scale {scale} must be finite"))?;
     require(textures.normal == MaterialTextures::NONE || !tables.tangents.is_empty(), || {
         "it has a normal map, but the scene has no tangents".to_owned()
-    })
+    })?;
+    let (anisotropy, count) = (textures.anisotropy, tables.anisotropies.len());
+    let is_some = anisotropy != MaterialTextures::NONE;
+    require(!is_some || (anisotropy as usize) < count, || {
+        format!("its anisotropy {anisotropy} is out of range, {count} exist")
+    })?;
+    require(!is_some || !tables.tangents.is_empty(), || "it is anisotropic, but the scene has no tangents".to_owned())
 }

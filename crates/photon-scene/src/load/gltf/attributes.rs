@@ -31,7 +31,7 @@ pub(super) fn read(
         ..VertexAttributes::default()
     };
     attributes.colors.as_flattened_mut().iter_mut().filter(|part| part.is_nan()).for_each(|part| *part = 0.0);
-    if material.textures.normal.is_some() {
+    if material.textures.normal.is_some() || material.anisotropy > 0.0 {
         attributes.tangents = reader.list(Semantic::Tangents, &[Type::Vec4], [0.0; 4])?.unwrap_or_default();
     }
     let (normals, colors) = (std::mem::take(&mut attributes.normals), std::mem::take(&mut attributes.colors));
@@ -41,7 +41,12 @@ pub(super) fn read(
         let tangents = std::mem::take(&mut attributes.tangents);
         attributes.tangents = refined(accessors, extras.tangents, tangents, standard::tangent, part, reader.report);
     }
-    let sets: BTreeSet<u32> = material.textures.all().map(|(_, used)| used.uv_set).collect();
+    let mut sets: BTreeSet<u32> = material.textures.all().map(|(_, used)| used.uv_set).collect();
+    // Tangents follow these coordinates if nothing else gives them: MaterialDesc::anisotropy_rotation.
+    let has_none = material.textures.normal.is_none() && material.textures.anisotropy.is_none();
+    if material.anisotropy > 0.0 && has_none && attribute(primitive, Semantic::TexCoords(0)).is_some() {
+        sets.insert(0);
+    }
     for &set in &sets {
         let found = reader.list(Semantic::TexCoords(set), &[Type::Vec2], [0.0; 2])?;
         let uvs = found.unwrap_or_else(|| {

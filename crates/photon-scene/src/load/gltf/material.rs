@@ -20,8 +20,13 @@ const SOME_METAL: f64 = 0.01;
 const DARKEST: f64 = 1e-6;
 
 /// Extensions of materials that are supported, or reported by separate code.
-const KNOWN: &[&str] =
-    &["KHR_materials_specular", "KHR_materials_unlit", specular_glossiness::NAME, parameters::CLEARCOAT];
+const KNOWN: &[&str] = &[
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
+    specular_glossiness::NAME,
+    parameters::CLEARCOAT,
+    parameters::ANISOTROPY,
+];
 
 /// Converts one material; what is lost is reported.
 pub(super) fn describe(
@@ -39,6 +44,9 @@ pub(super) fn describe(
     let surface = surface(&mut parameters, &subject, &mut lines);
     close_solid(&mut parameters, &surface, &subject, &mut lines);
     check_clearcoat(material, &parameters, &surface, &subject, &mut lines);
+    if parameters.anisotropy[0] > 0.0 && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
+        lines.left_out(&subject, "its anisotropy, which glass does not have here");
+    }
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
@@ -48,6 +56,8 @@ pub(super) fn describe(
         specular_color: parameters.specular_color,
         clearcoat: parameters.clearcoat[0],
         clearcoat_roughness: parameters.clearcoat[1],
+        anisotropy: parameters.anisotropy[0],
+        anisotropy_rotation: parameters.anisotropy[1],
         textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
@@ -92,7 +102,7 @@ fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.specular > 1.0 {
         report.approximated(subject, format!("its specular factor {:.3} is replaced by 1", of.specular));
     }
-    let textured = of.textures.metallic_roughness.is_some();
+    let is_varied = of.textures.metallic_roughness.is_some() || of.anisotropy[0] > 0.0;
     let surface = Surface::Glossy {
         base_color: of.base,
         metallic: of.metallic,
@@ -100,7 +110,7 @@ fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
         specular: of.specular.min(1.0),
         ior: of.ior,
     };
-    simplest(surface, textured)
+    simplest(surface, is_varied)
 }
 
 /// A transmissive material: a solid if it has a volume, otherwise a thin sheet.

@@ -37,6 +37,8 @@ pub(super) struct Parameters {
     pub(super) specular_color: [f64; 3],
     /// Weight and roughness of the clearcoat.
     pub(super) clearcoat: [f64; 2],
+    /// Strength and rotation of the anisotropy.
+    pub(super) anisotropy: [f64; 2],
     /// Whether it bounds a volume rather than being a thin sheet.
     pub(super) is_solid: bool,
     /// Transmittance of `attenuation_distance`.
@@ -151,7 +153,17 @@ pub(super) fn read(
     };
     let clearcoat =
         [number("clearcoatFactor") * uniform(weight, 0), number("clearcoatRoughnessFactor") * uniform(rough, 1)];
+    let brushed = extensions.others.get(ANISOTROPY);
+    let number = |name: &str| brushed.and_then(|brushed| numbers(brushed, name)).map_or(0.0, |[number]| number);
+    let [strength, rotation] = [number("anisotropyStrength"), number("anisotropyRotation")];
+    let slot = brushed.and_then(|brushed| Slot::of_json(brushed.get("anisotropyTexture")?));
+    let slot = slot.filter(|_| strength > 0.0);
+    if slot.is_some_and(|slot| slot.is_turned) {
+        means.report.note(subject, "its anisotropy texture is turned; directions are turned with the tangents alone");
+    }
+    let direction = means.image(slot, DIRECTION)?;
     Ok(Parameters {
+        anisotropy: if strength > 0.0 { [strength, rotation] } else { [0.0; 2] },
         clearcoat: if is_clear { clearcoat } else { [0.0; 2] },
         base: color,
         alpha: if is_opaque { 1.0 } else { factor[3] * even },
@@ -179,12 +191,16 @@ pub(super) fn read(
             specular_color: tint.and_then(|tint| tint.used),
             clearcoat: weight.and_then(|weight| weight.used),
             clearcoat_roughness: rough.and_then(|rough| rough.used),
+            anisotropy: direction.and_then(|direction| direction.used),
         },
     })
 }
 
 /// Extension of materials.
 pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
+
+/// Extension of materials.
+pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy";
 
 /// UV sets with higher numbers are treated as damage.
 const MAX_UV_SETS: u32 = 64;
@@ -221,6 +237,7 @@ const SPECULAR: Role = Role { name: "specular", bytes: TexelFormat::Srgb8, is_fa
 const SPECULAR_COLOR: Role = Role { name: "specular colour", bytes: TexelFormat::Srgb8, is_factor: true };
 const CLEARCOAT_WEIGHT: Role = Role { name: "clearcoat", bytes: TexelFormat::Linear8, is_factor: true };
 const CLEARCOAT_ROUGHNESS: Role = Role { name: "clearcoat roughness", ..CLEARCOAT_WEIGHT };
+const DIRECTION: Role = Role { name: "anisotropy", bytes: TexelFormat::Linear8, is_factor: false };
 const NORMAL_MAP: Role = Role { name: "normal map", bytes: TexelFormat::Linear8, is_factor: false };
 
 /// The textures of one material.

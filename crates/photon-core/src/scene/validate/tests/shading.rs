@@ -2,7 +2,9 @@
 
 use super::Tables;
 use crate::scene::SceneView;
-use crate::scene::texture::{Filter, MaterialTextures, ShadingTables, TexelFormat, Texture, TextureUse, Wrap};
+use crate::scene::texture::{
+    Anisotropy, Filter, MaterialTextures, ShadingTables, TexelFormat, Texture, TextureUse, Wrap,
+};
 
 /// Vertex attributes of two triangles, and a texture that the first material uses.
 struct Shading {
@@ -11,6 +13,7 @@ struct Shading {
     tangents: Vec<[u32; 3]>,
     uvs: Vec<[[f32; 2]; 3]>,
     material_textures: Vec<MaterialTextures>,
+    anisotropies: Vec<Anisotropy>,
     uses: Vec<TextureUse>,
     textures: Vec<Texture>,
 }
@@ -32,7 +35,13 @@ impl Shading {
             normals: vec![[ShadingTables::FLAT; 3]; 2],
             tangents: vec![[0; 3]; 2],
             uvs: vec![[[0.0; 2]; 3]; 4],
-            material_textures: vec![MaterialTextures { base_color: 0, normal: 0, ..MaterialTextures::default() }],
+            material_textures: vec![MaterialTextures {
+                base_color: 0,
+                normal: 0,
+                anisotropy: 0,
+                ..MaterialTextures::default()
+            }],
+            anisotropies: vec![Anisotropy { strength: 1.0, direction: [0.6, -0.8], texture: 0 }],
             uses: vec![TextureUse { uv_set: 1, ..TextureUse::new(0) }],
             textures: vec![texture],
         }
@@ -44,6 +53,7 @@ impl Shading {
             tangents: &self.tangents,
             uvs: &self.uvs,
             material_textures: &self.material_textures,
+            anisotropies: &self.anisotropies,
             uses: &self.uses,
             textures: &self.textures,
             ..ShadingTables::default()
@@ -59,7 +69,7 @@ type Case = (fn(&mut Shading), &'static str);
 #[test]
 fn invalid_attributes_and_textures_are_named() {
     Shading::new().check().unwrap();
-    let cases: [Case; 14] = [
+    let cases: [Case; 19] = [
         (|s| s.normals.truncate(1), "scene view: shading.normals is 1 entries for 2 triangles"),
         (|s| s.tangents.truncate(1), "scene view: shading.tangents is 1"),
         (|s| s.tangents.clear(), "material_textures entry 0: it has a normal map, but the scene has no tangents"),
@@ -69,6 +79,17 @@ fn invalid_attributes_and_textures_are_named() {
         (|s| s.tables.materials[2].textures = 2, "material 2: its textures 2 are out of range"),
         (|s| s.material_textures[0].emission = 1, "material_textures entry 0: its emission texture 1 is out of range"),
         (|s| s.material_textures[0].normal_scale = f32::NAN, "material_textures entry 0: its normal_scale NaN"),
+        (|s| s.anisotropies.clear(), "material_textures entry 0: its anisotropy 0 is out of range"),
+        (|s| s.anisotropies[0].strength = 1.1, "anisotropy 0: its strength 1.1"),
+        (|s| s.anisotropies[0].direction = [0.0; 2], "anisotropy 0: its direction [0, 0]"),
+        (|s| s.anisotropies[0].texture = 1, "anisotropy 0: its texture 1 is out of range"),
+        (
+            |s| {
+                s.material_textures[0].normal = MaterialTextures::NONE;
+                s.tangents.clear();
+            },
+            "material_textures entry 0: it is anisotropic, but the scene has no tangents",
+        ),
         (|s| s.uses[0].texture_index = 1, "texture use 0: texture 1 is out of range"),
         (|s| s.uses[0].transform[1][2] = f32::INFINITY, "texture use 0: its transform"),
         (|s| s.textures[0].width = 0, "texture 0: its size 0 × 2"),

@@ -252,3 +252,34 @@ fn clearcoats_are_read() {
     let glass = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_clearcoat": {"clearcoatFactor": 1}}"#;
     assert!(says(&read(glass).1, "it", "its clearcoat, which glass"));
 }
+
+/// Strength, rotation and texture of an anisotropy are kept.
+#[test]
+fn anisotropies_are_read() {
+    let of = |rest: &str| {
+        format!(
+            r#""pbrMetallicRoughness": {{"roughnessFactor": 0}}, "extensions": {{"KHR_materials_anisotropy": {{{rest}}}}}"#
+        )
+    };
+    let (material, report) = read(&of(r#""anisotropyStrength": 0.5, "anisotropyRotation": 0.25"#));
+    assert_eq!([material.anisotropy, material.anisotropy_rotation], [0.5, 0.25]);
+    // No perfect mirror, although its roughness is 0.
+    assert!(matches!(material.surface, Surface::Glossy { .. }) && report.lines.is_empty(), "{report}");
+    // The strength is 0 unless it is given.
+    let (material, report) = read(&of(r#""anisotropyRotation": 0.25, "anisotropyTexture": {"index": 9}"#));
+    assert_eq!([material.anisotropy, material.anisotropy_rotation], [0.0; 2]);
+    assert!(matches!(material.surface, Surface::Mirror { .. }) && report.lines.is_empty(), "{report}");
+
+    let texture = r#""anisotropyStrength": 0.5, "anisotropyTexture": {"index": 0}"#;
+    let texels = [[51, 102, 255, 255], [255, 0, 0, 255]];
+    let (builder, report) = textured(&of(texture), &texels).load();
+    let found = &builder.materials[0];
+    let image = &builder.textures[found.textures.anisotropy.unwrap().texture.0 as usize].image;
+    assert_eq!((image.format, &image.texels[..]), (TexelFormat::Linear8, &texels.map(u32::from_le_bytes)[..]));
+    assert!(is_exact(&report), "{report}");
+    let turned = r#""anisotropyStrength": 1, "anisotropyTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"rotation": 1}}}"#;
+    assert!(says(&textured(&of(turned), &texels).load().1, "it", "anisotropy texture is turned"));
+    // Glass has none.
+    let glass = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_anisotropy": {"anisotropyStrength": 1}}"#;
+    assert!(says(&read(glass).1, "it", "its anisotropy, which glass"));
+}

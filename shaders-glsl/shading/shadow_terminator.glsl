@@ -11,7 +11,7 @@
 vec3 shadow_terminator_lift(vec3 vertex, vec3 normal, float weight, vec3 point) {
     precise vec3 across = point - vertex;
     float below = -dot3(across, normal);
-    precise vec3 lift = normal * (weight * max(below, 0.0));
+    precise vec3 lift = normal * (weight * below);
     return lift;
 }
 

@@ -59,8 +59,6 @@ fn settings() -> Settings {
         alpha: 1.0,
         estimator: Estimator::Radius { radius: Some(0.2) },
         indirect: Indirect::None,
-        // With it, shadow rays would find more light at tilted normals than photons.
-        terminator_offset: false,
         ..Settings::default()
     }
 }

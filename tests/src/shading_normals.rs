@@ -11,14 +11,7 @@ use crate::harness::{TestBackend, look_at_point, per_pass};
 use crate::stats::{assert_agrees, moments, standard_error};
 
 fn settings() -> Settings {
-    Settings {
-        photons: 20_000,
-        alpha: 1.0,
-        estimator: Estimator::Radius { radius: Some(0.05) },
-        // With it, shadow rays would find more light than photons.
-        terminator_offset: false,
-        ..Settings::default()
-    }
+    Settings { photons: 20_000, alpha: 1.0, estimator: Estimator::Radius { radius: Some(0.05) }, ..Settings::default() }
 }
 
 /// A square of half side `half` in the plane y = `y`, facing up, whose normals are tilted towards +x by `degrees`: by

@@ -21,7 +21,7 @@ pub(super) fn rows() -> Vec<Row> {
         row("shadow_terminator_pack", 0, Bound::Words, short, |i| words([pack(i.vector(0))])),
         row("shadow_terminator_unpack", 1, Bound::Bits, packed, |i| output(four(unpack(i.0[0])))),
         // Vertex normals are off by 1e-6, and edges are at most 2 long.
-        row("shadow_terminator_of", 2, Bound::Within(5e-6), hit, |i| output(four(offset_at(i, 1.0)))),
+        row("shadow_terminator_of", 2, Bound::Within(5e-6), hit, |i| output(four(offset_at(i, [0, 1, 2])))),
     ]
 }
 
@@ -39,8 +39,8 @@ fn packed(d: &mut Draw) -> Input {
     Input([word, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0])
 }
 
-/// The offset at a hit; `side` is -1 for the vertex normals of the other side.
-fn offset_at(i: &Input, side: f32) -> Vec3 {
+/// The offset at a hit, with the vertex normals in this order.
+fn offset_at(i: &Input, order: [usize; 3]) -> Vec3 {
     let index = i.0[5] as usize;
     let [a, b, c] = SHADED.triangles[index].map(|vertex| Vec3::from(SHADED.positions[vertex as usize]));
     let primitive = &SHADED.primitives[index];
@@ -52,7 +52,7 @@ fn offset_at(i: &Input, side: f32) -> Vec3 {
     let tables = Shading { tables: SHADED.view().shading, values: &VALUES, triangles: TRIANGLES as usize };
     let Some(normals) = tables.vertex_normals(&at, &hit) else { return Vec3::ZERO };
     let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-    offset(vertices, normals.map(|normal| normal * side), weights, at.start, at.normal)
+    offset(vertices, order.map(|corner| normals[corner]), weights, at.start, at.normal)
 }
 
 #[test]
@@ -61,11 +61,11 @@ fn offsets_of_shadow_rays_are_those_of_rust() {
     let scene = whole_scene(&mut on, &SHADED.view());
     let address = words_of(scene.address());
     for row in rows() {
-        // Coordinates that are exchanged, and the normals of the other side: all are detected.
+        // Coordinates that are exchanged, another sign, and normals of other vertices: all are detected.
         let wrong: Twin = match row.function {
             0 => |i| words([pack(Vec3::new(i.float(1), i.float(0), i.float(2)))]),
             1 => |i| output(four(-unpack(i.0[0]))),
-            _ => |i| output(four(offset_at(i, -1.0))),
+            _ => |i| output(four(offset_at(i, [1, 2, 0]))),
         };
         assert_twin(&mut on, &row, if row.function < 2 { &[] } else { &address }, wrong);
     }

@@ -2,10 +2,11 @@
 //!
 //! Near the shadow terminator, where light grazes the smooth surface that vertex normals describe, whole triangles face
 //! away from the light: they would be black, beside triangles that are shaded smoothly. Shadow rays therefore start
-//! outside the mesh. Hanika 2021 ("Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4) projects the point p to
-//! the tangent planes of those vertices that it lies below, and interpolates the projections:
-//! `p' = p − Σ wᵢ min(0, (p − vᵢ)·nᵢ) nᵢ`. On a convex surface p' is outside of all tangent planes nearby; at vertices, at
-//! hollows, and on triangles with one normal at all vertices that is the triangle's own, p' is p.
+//! outside the mesh, at the mean of the projections of the point p to the tangent planes of the vertices,
+//! `p' = p − Σ wᵢ ((p − vᵢ)·nᵢ) nᵢ`. That is a point of the smooth surface of Boubekeur and Alexa 2008 ("Phong
+//! Tessellation", equation 3). On a convex surface, where p is below all of these planes, it is the point of Hanika 2021
+//! ("Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4), who leaves out planes that p is above; with those,
+//! p' is p on a flat triangle with the same normal at all vertices, tilted or not. At vertices and in hollows, p' is p too.
 //!
 //! Where p' is not p, light counts by its cosine to the shading normal alone, although it may come from below the plane of
 //! the triangle: the limit of [`crate::shading_normal`] does not apply.
@@ -23,7 +24,7 @@ use crate::shading::offset;
 pub fn offset(vertices: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3], point: Vec3, geometric: Vec3) -> Vec3 {
     let [a, b, c]: [Vec3; 3] = std::array::from_fn(|corner| {
         let below = -(point - vertices[corner]).dot(normals[corner]);
-        normals[corner] * (weights[corner] * below.max(0.0))
+        normals[corner] * (weights[corner] * below)
     });
     let sum = a + b + c;
     if sum.dot(geometric) >= offset::STEP && sum.abs().max_element() < 1.0 { sum } else { Vec3::ZERO }
@@ -105,6 +106,14 @@ mod tests {
         for weights in WEIGHTS {
             let point = interpolated(corners, weights);
             assert_eq!(offset(corners, [normal; 3], weights, point, normal), Vec3::ZERO);
+        }
+        // Nor with a tilted one.
+        for tilted in [[0.2, 0.4, 0.9], [-0.6, 0.1, 0.7]] {
+            let tilted = (normal * 2.0 + Vec3::from(tilted)).normalize_or_zero();
+            for weights in WEIGHTS {
+                let point = interpolated(corners, weights);
+                assert_eq!(offset(corners, [tilted; 3], weights, point, normal), Vec3::ZERO);
+            }
         }
         // Normals that point below the surface never move it there.
         let below = offset(corners, [-normal, -normal, normal], WEIGHTS[0], interpolated(corners, WEIGHTS[1]), normal);

@@ -37,6 +37,26 @@ def sensor(mi, origin, target, fov):
     return {"type": "perspective", "fov": fov, "fov_axis": "y", "to_world": to_world, "film": film}
 
 
+def write_overrides(args, materials, sky, eye, target, fov):
+    """scene.toml: tables of materials by name, an even sky, and a camera."""
+    lines = ["[materials]", *(f"{name} = {material}" for name, material in materials.items())]
+    lines += ["[environment]", f"radiance = [{sky}, {sky}, {sky}]"]
+    lines += ["[[cameras]]", 'name = "main"', f"from = {eye}", f"to = {target}", "up = [0, 1, 0]", f"fov_degrees = {fov}"]
+    (args.folder / "scene.toml").write_text("\n".join(lines) + "\n")
+
+
+def scene_of_meshes(args, mi, bsdfs, light, sky, eye, target, fov):
+    """The same for Mitsuba: NAME.obj with each BSDF, of which `light` emits, under an even sky."""
+    scene = {"type": "scene", "sensor": sensor(mi, eye, target, fov)}
+    scene["sky"] = {"type": "constant", "radiance": {"type": "rgb", "value": sky}}
+    for name, bsdf in bsdfs.items():
+        shape = {"type": "obj", "filename": str(args.folder / f"{name}.obj"), "face_normals": True, "bsdf": bsdf}
+        if name == "light":
+            shape["emitter"] = {"type": "area", "radiance": {"type": "rgb", "value": light}}
+        scene[name] = shape
+    return mi.load_dict(scene)
+
+
 def render(args, scene, mi):
     """Pictures of the folder's scene.obj with scene.toml by photonmap, and of `scene` by Mitsuba."""
     path = mi.load_dict({"type": "path", "max_depth": -1, "rr_depth": 32})

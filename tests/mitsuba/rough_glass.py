@@ -49,24 +49,15 @@ def main():
         "floor": f'{{ kind = "lambert", albedo = {FLOOR} }}',
         "light": f'{{ kind = "lambert", albedo = 0.0, emission = {LIGHT} }}',
     }
-    lines = ["[materials]", *(f"{name} = {material}" for name, material in materials.items())]
-    lines += ["[environment]", f"radiance = [{SKY}, {SKY}, {SKY}]"]
-    lines += ["[[cameras]]", 'name = "main"', f"from = {eye}", f"to = {target}", "up = [0, 1, 0]", f"fov_degrees = {fov}"]
-    (args.folder / "scene.toml").write_text("\n".join(lines) + "\n")
+    pair.write_overrides(args, materials, SKY, eye, target, fov)
 
     bsdfs = {
         "ball": {"type": "roughdielectric", "distribution": "ggx", "alpha": ALPHA, "int_ior": 1.5, "ext_ior": 1.0},
         "floor": {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": FLOOR}}},
         "light": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
     }
-    scene = {"type": "scene", "sensor": pair.sensor(mi, eye, target, fov)}
-    scene["sky"] = {"type": "constant", "radiance": {"type": "rgb", "value": SKY}}
-    for name, bsdf in bsdfs.items():
-        shape = {"type": "obj", "filename": str(args.folder / f"{name}.obj"), "face_normals": True, "bsdf": bsdf}
-        if name == "light":
-            shape["emitter"] = {"type": "area", "radiance": {"type": "rgb", "value": LIGHT}}
-        scene[name] = shape
-    pair.compare(*pair.render(args, mi.load_dict(scene), mi), args.folder)
+    scene = pair.scene_of_meshes(args, mi, bsdfs, LIGHT, SKY, eye, target, fov)
+    pair.compare(*pair.render(args, scene, mi), args.folder)
 
 
 if __name__ == "__main__":

@@ -56,14 +56,13 @@ vec3 shadow_terminator_unpack(uint bits) {
 vec3 shadow_terminator_of(SceneRef scene, Hit hit, Surface at) {
     CornerWords packed = scene.shading.normals + int(hit.slot);
     if (packed.a == FLAT_TRIANGLE) return vec3(0.0);
-    float side = at.front ? 1.0 : -1.0;
     Corners corners = scene.corners[hit.slot];
     vec4 a = corners.a;
     vec4 b = corners.b;
     vec4 c = corners.c;
     return shadow_terminator_offset(
-        a.xyz, b.xyz, c.xyz, octahedral_unpack(packed.a) * side, octahedral_unpack(packed.b) * side,
-        octahedral_unpack(packed.c) * side, texel_weights(hit.u, hit.v), at.start, at.normal);
+        a.xyz, b.xyz, c.xyz, octahedral_unpack(packed.a), octahedral_unpack(packed.b), octahedral_unpack(packed.c),
+        texel_weights(hit.u, hit.v), at.start, at.normal);
 }
 
 // As `shadow_terminator_of`, but 0 if something is in between, for the random word `word`.

@@ -187,8 +187,7 @@ impl CpuScene {
         hit: &Hit,
         word: impl FnOnce() -> u32,
     ) -> Vec3 {
-        let Some(normals) = self.shading.as_ref().and_then(|shading| shading.view().vertex_normals(surface, hit))
-        else {
+        let Some(normals) = self.shading.as_ref().and_then(|shading| shading.view().vertex_normals(hit)) else {
             return Vec3::ZERO;
         };
         let (vertices, weights) = (self.vertices[hit.primitive as usize], [1.0 - hit.u - hit.v, hit.u, hit.v]);

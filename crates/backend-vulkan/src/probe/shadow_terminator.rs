@@ -50,7 +50,7 @@ fn offset_at(i: &Input, order: [usize; 3]) -> Vec3 {
     let vertices = [a, b, c];
     let at = SurfaceInteraction::new(direction, &hit, vertices, surface_offset::margin(vertices), primitive);
     let tables = Shading { tables: SHADED.view().shading, values: &VALUES, triangles: TRIANGLES as usize };
-    let Some(normals) = tables.vertex_normals(&at, &hit) else { return Vec3::ZERO };
+    let Some(normals) = tables.vertex_normals(&hit) else { return Vec3::ZERO };
     let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
     offset(vertices, order.map(|corner| normals[corner]), weights, at.start, at.normal)
 }

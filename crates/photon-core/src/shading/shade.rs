@@ -175,14 +175,13 @@ impl Shading<'_> {
         }
     }
 
-    /// The normals at the vertices of the triangle at `hit`, on the side of `surface`; `None` if it has none.
+    /// The normals at the vertices of the triangle at `hit`, on its front; `None` if it has none.
     #[inline]
     #[must_use]
-    pub fn vertex_normals(&self, surface: &SurfaceInteraction, hit: &Hit) -> Option<[Vec3; 3]> {
-        let side = if surface.front { 1.0 } else { -1.0 };
+    pub fn vertex_normals(&self, hit: &Hit) -> Option<[Vec3; 3]> {
         match self.tables.normals.get(hit.primitive as usize) {
             Some(&[ShadingTables::FLAT, ..]) | None => None,
-            Some(packed) => Some(packed.map(|bits| octahedral::unpack(bits) * side)),
+            Some(packed) => Some(packed.map(octahedral::unpack)),
         }
     }
 

@@ -17,7 +17,7 @@ use crate::scene::caster::Ray;
 use crate::shading::offset;
 
 /// The vector from `point` to where shadow rays start: `point` is on the triangle, with barycentric coordinates `weights`,
-/// and `geometric` is its unit normal. All normals are on the side of the viewer. At most as long as the longest edge. 0 if
+/// and `geometric` is its unit normal on the side of the viewer; the sides of `normals` do not matter. At most as long as the longest edge. 0 if
 /// it ends less than [`offset::STEP`] above the triangle, or if a coordinate is 1 or more, half the size of the scene.
 #[inline]
 #[must_use]

@@ -2,10 +2,13 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod film;
 mod frame;
 mod gpu;
 mod points;
 mod process;
+mod render;
+mod scene;
 mod tree;
 
 use pyo3::prelude::*;
@@ -13,6 +16,12 @@ use pyo3::prelude::*;
 /// The compiled part of `photonmap`.
 #[pymodule]
 mod _photonmap {
+    #[pymodule_export]
+    use crate::film::{RawFilm, check_blocks, check_writable, write_bytes};
+    #[pymodule_export]
+    use crate::render::{Renderer, preset_passes, settings_json};
+    #[pymodule_export]
+    use crate::scene::{RawBuilder, RawScene, builtin_scenes};
     #[pymodule_export]
     use crate::tree::Tree;
 }

@@ -20,7 +20,7 @@ pub use header::{FORMAT, FilmInfo, Maker};
 pub use key::FilmKey;
 pub use merge::merge;
 pub use read::{load, load_from, read_info};
-pub use write::save;
+pub use write::{save, save_to};
 
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,7 @@ from ._errors import DeviceError, Error, FileError, ForkError, InputError, OutOf
 from ._film import Film
 from ._kdtree import KDTree
 from ._materials import Glass, Lambert, Material, Metal, Mirror, Plastic
+from ._photons import PhotonMap, Photons, trace
 from ._progress import Progress
 from ._render import builtin_scenes, render
 from ._scene import Scene
@@ -25,10 +26,13 @@ __all__ = [
     "Metal",
     "Mirror",
     "OutOfMemoryError",
+    "PhotonMap",
+    "Photons",
     "Plastic",
     "Progress",
     "Scene",
     "Settings",
     "builtin_scenes",
     "render",
+    "trace",
 ]

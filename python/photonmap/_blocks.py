@@ -12,7 +12,7 @@ import pickle
 import time
 import warnings
 from collections import Counter
-from typing import Any, Callable, Iterator
+from typing import Any, Callable, Generator
 
 from ._errors import DeviceError, Error, FileError, InputError
 from ._job import Job, work
@@ -47,7 +47,7 @@ def render_blocks(
         first, radii = film.next_pass(0, passes, grain, seed, path), film.radii()
         if first == passes:
             _check_complete(job, film, path, grain)
-        reporter.add(first)
+    reporter.add(first)
     starts = range(first, passes, grain)
     if executor is None:
         blocks = _local(job, starts, grain, radii, reporter)
@@ -90,7 +90,7 @@ def _check_complete(job: Job, film: RawFilm, path: str, grain: int) -> None:
 
 def _local(
     job: Job, starts: range, grain: int, radii: list[float] | None, reporter: Reporter
-) -> Iterator[RawFilm]:
+) -> Generator[RawFilm, None, None]:
     if not starts:
         return
     renderer = job.renderer()
@@ -109,7 +109,7 @@ def _remote(
     executor: Any,
     window: int | None,
     retries: int,
-) -> Iterator[RawFilm]:
+) -> Generator[RawFilm, None, None]:
     """Blocks in order. At most `window` blocks are asked for, or wait for an earlier one, at a time."""
     payload = pickle.dumps(job, protocol=pickle.HIGHEST_PROTOCOL)
     key = hashlib.sha256(payload).hexdigest()

@@ -8,6 +8,7 @@ import threading
 from dataclasses import dataclass
 from typing import Any
 
+from ._errors import DeviceError
 from ._film import Film
 from ._photonmap import Renderer
 from ._scene import Scene
@@ -56,4 +57,6 @@ def work(payload: bytes, key: str, first: int, grain: int, radii: list[float] | 
     with _lock:
         _idle.clear()
         _idle[place] = renderer
+    if block is None:
+        raise DeviceError(f"passes {first}..{first + grain} were stopped")
     return Film(block)

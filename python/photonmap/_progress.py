@@ -76,7 +76,7 @@ class _Bar:
 
     def __init__(self, total: int | None) -> None:
         try:
-            from tqdm.auto import tqdm
+            from tqdm.auto import tqdm  # type: ignore[import-untyped, unused-ignore]
         except ImportError:
             self._bar = None
         else:
@@ -94,7 +94,7 @@ class _Bar:
             self._bar.refresh()
         else:
             of = "" if self._total is None else f" of {self._total}"
-            sys.stderr.write(f"\r{done}{of} passes")
+            sys.stderr.write(f"\r{done:g}{of} passes")
             sys.stderr.flush()
 
     def close(self) -> None:

@@ -107,6 +107,7 @@ def render(
                 reporter=reporter,
             )
         else:
+            reporter.add(0)
             error = None if target_error is None else (_number("target_error", target_error), _number("share", share))
             raw, _ = job.renderer().render(passes, None if time is None else _number("time", time), error, reporter)
     finally:

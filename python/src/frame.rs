@@ -49,6 +49,11 @@ impl Frame {
         Self { center, scale: if half > 0.0 { reciprocal_power(half) } else { 1.0 } }
     }
 
+    /// The factor from lengths to lengths in the frame, a power of two.
+    pub(crate) fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// A point in the frame, rounded.
     pub(crate) fn rounded(&self, point: &[f64; 3]) -> [f32; 3] {
         std::array::from_fn(|axis| ((point[axis] - self.center[axis]) * self.scale) as f32)

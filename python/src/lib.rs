@@ -9,6 +9,7 @@ mod points;
 mod process;
 mod render;
 mod scene;
+mod trace;
 mod tree;
 
 use pyo3::prelude::*;
@@ -22,6 +23,8 @@ mod _photonmap {
     use crate::render::{Renderer, preset_passes, settings_json};
     #[pymodule_export]
     use crate::scene::{RawBuilder, RawScene, builtin_scenes};
+    #[pymodule_export]
+    use crate::trace::{RawMap, trace_photons};
     #[pymodule_export]
     use crate::tree::Tree;
 }

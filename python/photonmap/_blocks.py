@@ -156,7 +156,8 @@ def _remote(
                                 f"the executor is broken ({why}); give a function that makes executors, such as "
                                 "executor=lambda: ProcessPoolExecutor(4), and another one is made"
                             ) from why
-                        lose(lost, why)
+                        # If it was broken before it had any, the next block counts, so that this ends.
+                        lose(lost or [waiting.pop()], why)
                         pool.shutdown(wait=False, cancel_futures=True)
                         pool = make()
                     else:

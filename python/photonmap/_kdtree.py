@@ -150,7 +150,10 @@ def _restore(points: np.ndarray, device: str) -> KDTree:
 
 def _vectors(name: str, values: Any) -> np.ndarray:
     """The coordinates of vectors as a flat array in C order."""
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except ValueError as why:
+        raise InputError(f"{name} is not an array: {why}") from None
     if array.dtype.kind not in "fiub":
         raise InputError(f"{name} has the type {array.dtype}, but must have real numbers")
     if array.ndim == 0 or array.shape[-1] != 3:

@@ -5,10 +5,13 @@ mod error;
 mod film;
 mod frame;
 mod gpu;
+mod map;
+mod observe;
 mod points;
 mod process;
 mod render;
 mod scene;
+mod settings;
 mod trace;
 mod tree;
 
@@ -20,11 +23,15 @@ mod _photonmap {
     #[pymodule_export]
     use crate::film::{RawFilm, check_blocks, check_writable, write_bytes};
     #[pymodule_export]
-    use crate::render::{Renderer, preset_passes, settings_json};
+    use crate::map::RawMap;
+    #[pymodule_export]
+    use crate::render::Renderer;
     #[pymodule_export]
     use crate::scene::{RawBuilder, RawScene, builtin_scenes};
     #[pymodule_export]
-    use crate::trace::{RawMap, trace_photons};
+    use crate::settings::{preset_passes, settings_json};
+    #[pymodule_export]
+    use crate::trace::trace_photons;
     #[pymodule_export]
     use crate::tree::Tree;
 }

@@ -1,6 +1,5 @@
 //! Renderers: a pipeline on a device, and its passes.
 
-use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -8,54 +7,20 @@ use photonmap::cpu::Cpu;
 use photonmap::film::{FilmInfo, FilmKey, Maker};
 use photonmap::scene::Scene;
 use photonmap::{
-    Bandwidth, Blocks, Budget, Event, Film, Pipeline, Plan, Preset, Render, Settings, TransportBackend, View, render,
-    render_blocks,
+    Bandwidth, Blocks, Budget, Film, Pipeline, Plan, Render, Settings, TransportBackend, View, render, render_blocks,
 };
 use pyo3::prelude::*;
 
 use crate::error::Failure;
 use crate::film::RawFilm;
 use crate::gpu;
+use crate::observe::{Latch, observe};
 use crate::process::Local;
 use crate::scene::RawScene;
+use crate::settings::parse;
 
 /// Program and version, in film files.
 const PROGRAM: &str = concat!("photonmap for Python ", env!("CARGO_PKG_VERSION"));
-
-/// The settings of JSON text with the defaults of the others, as JSON.
-#[pyfunction]
-#[pyo3(signature = (json, preset=None, pixels=0))]
-pub(crate) fn settings_json(json: &str, preset: Option<&str>, pixels: u64) -> PyResult<String> {
-    let base = match preset {
-        Some(name) => Settings::preset(name.parse::<Preset>().map_err(Failure::from)?, pixels),
-        None => Settings::default(),
-    };
-    let write = |settings: &Settings| serde_json::to_value(settings).map_err(|why| Failure::input(why.to_string()));
-    let mut all = write(&base)?;
-    let given: serde_json::Map<String, serde_json::Value> =
-        serde_json::from_str(json).map_err(|why| Failure::input(format!("settings: {why}")))?;
-    if let Some(all) = all.as_object_mut() {
-        all.extend(given);
-    }
-    let settings = parse(&all.to_string())?;
-    settings.validate().map_err(Failure::from)?;
-    Ok(write(&settings)?.to_string())
-}
-
-/// The number of passes of a preset.
-#[pyfunction]
-pub(crate) fn preset_passes(name: &str) -> PyResult<u32> {
-    Ok(name.parse::<Preset>().map_err(Failure::from)?.passes())
-}
-
-pub(crate) fn parse(json: &str) -> Result<Settings, Failure> {
-    serde_json::from_str(json).map_err(|why| {
-        // The position is that of text which the user has not seen.
-        let text = why.to_string();
-        let text = text.split(" at line ").next().unwrap_or_default();
-        Failure::input(format!("settings: {text}"))
-    })
-}
 
 /// A renderer of one scene.
 #[pyclass(frozen, module = "photonmap._photonmap")]
@@ -65,13 +30,6 @@ pub(crate) struct Renderer {
     name: String,
     view: View,
     settings: Settings,
-}
-
-/// What the observer of Python wants, remembered until the render has ended.
-#[derive(Default)]
-struct Latch {
-    error: Option<PyErr>,
-    stop: bool,
 }
 
 #[pymethods]
@@ -218,9 +176,12 @@ impl Renderer {
     }
 
     /// Name of the backend, description of the device, paths per pass.
-    fn facts(&self) -> PyResult<(String, String, u32)> {
-        let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-        let facts = inner.get("this renderer")?.facts();
+    fn facts(&self, py: Python<'_>) -> PyResult<(String, String, u32)> {
+        // A render in another thread holds this lock while it waits for that of the interpreter.
+        let facts = py.detach(|| {
+            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+            Ok::<_, Failure>(inner.get("this renderer")?.facts())
+        })?;
         Ok((facts.backend.to_owned(), facts.device, facts.photons))
     }
 }
@@ -256,35 +217,4 @@ fn pipeline<B: TransportBackend>(
     settings: &Settings,
 ) -> Result<Box<dyn Render>, Failure> {
     Ok(Box::new(Pipeline::new(on, &scene.view(), view, settings.clone())?))
-}
-
-/// Calls the observer of Python with a kind of event, two numbers, a fraction and a text, and checks for signals such as
-/// Ctrl-C. What is raised is kept in `latch`, and the render is stopped, as it is if the observer returns `False`.
-fn observe<'a>(
-    observer: Option<&'a Py<PyAny>>,
-    latch: &'a mut Latch,
-) -> impl FnMut(&Event<'_>) -> ControlFlow<()> + 'a {
-    move |event| {
-        let (kind, pass, count, number, text) = match event {
-            Event::Photons { pass, traced, total } => {
-                ("photons", *pass, u64::from(*traced), f64::from(*traced) / f64::from((*total).max(1)), "")
-            }
-            Event::PassDone(report) => ("pass", report.index, report.paths, 1.0, ""),
-            Event::Forecast(forecast) => ("error", forecast.passes, 0, forecast.error, ""),
-            Event::Warning(text) => ("warning", 0, 0, 0.0, *text),
-            _ => return ControlFlow::Continue(()),
-        };
-        let answered = Python::attach(|py| {
-            py.check_signals()?;
-            let Some(observer) = observer else { return Ok(true) };
-            let answer = observer.call1(py, (kind, pass, count, number, text))?;
-            Ok::<bool, PyErr>(!answer.bind(py).is(pyo3::types::PyBool::new(py, false)))
-        });
-        match answered {
-            Ok(go_on) => latch.stop |= !go_on,
-            Err(error) if latch.error.is_none() => latch.error = Some(error),
-            Err(_) => {}
-        }
-        if latch.stop || latch.error.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
 }

@@ -135,6 +135,19 @@ def test_lost_blocks_are_asked_for_again(expected):
     assert len(set(pool.asked)) == len(pool.asked)
     with pytest.raises(pm.DeviceError, match="function that makes"):
         pm.render(**JOB, executor=Unreliable(1, BrokenExecutor("gone")))
+    for losses in [BrokenExecutor("gone"), None]:
+
+        class Broken(Unreliable):
+            def submit(self, *args):
+                if losses is None:
+                    raise BrokenExecutor("never worked")
+                return super().submit(*args)
+
+            def shutdown(self, **options):
+                pass
+
+        with pytest.raises(pm.DeviceError, match="were lost 4 times"):
+            pm.render(**JOB, executor=lambda: Broken(9, losses))
 
 
 def test_the_memory_of_a_window_is_bounded():

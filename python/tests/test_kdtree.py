@@ -200,6 +200,7 @@ def test_balls_are_those_of_scipy(tree):
         (lambda t: pm.KDTree([[0, 0, -math.inf]]), ["points[0]", "not finite"]),
         (lambda t: pm.KDTree([[0, 0, 1e301]]), ["points[0]", "larger unit"]),
         (lambda t: pm.KDTree(np.zeros((4, 3), complex)), ["complex", "real"]),
+        (lambda t: pm.KDTree([[1, 2, 3], [4]]), ["points is not an array"]),
         (lambda t: pm.KDTree([["a", "b", "c"]]), ["real numbers"]),
         (lambda t: pm.KDTree(POINTS, boxsize=1.0), ["boxsize"]),
         (lambda t: pm.KDTree(POINTS, device="tpu"), ["tpu", "cpu"]),

@@ -46,12 +46,7 @@ pub fn write(path: &Path, picture: &Picture, curve: ToneMap, exposure: f32) -> R
 ///
 /// # Errors
 /// Those of the destination.
-pub fn encode(
-    to: impl Write,
-    picture: &Picture,
-    curve: ToneMap,
-    exposure: f32,
-) -> Result<(), atomic_write::Failure> {
+pub fn encode(to: impl Write, picture: &Picture, curve: ToneMap, exposure: f32) -> Result<(), atomic_write::Failure> {
     let colours = picture.colours.iter().map(|&colour| tonemap::map(curve, exposure, colour).map(tonemap::encode));
     let (bytes, color): (Vec<u8>, _) = match &picture.alpha {
         None => (colours.flatten().collect(), png::ColorType::Rgb),

@@ -8,8 +8,6 @@ import sys
 
 import pytest
 
-import photonmap
-
 FOLDER = pathlib.Path(__file__).parent.parent
 
 
@@ -27,22 +25,18 @@ def test_an_example_that_fails_is_noticed(tmp_path):
     assert doctest.testfile(str(page), module_relative=False, report=False, verbose=False).failed == 1
 
 
-def stubtest(*options):
-    command = [sys.executable, "-m", "mypy.stubtest", "--concise", "photonmap._photonmap", *options]
-    return subprocess.run(command, capture_output=True, text=True, cwd=pathlib.Path(photonmap.__file__).parent.parent)
-
-
-def test_stubs():
+def test_stubs(tmp_path):
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("mypy is not installed")
-    result = stubtest()
+    command = [sys.executable, "-m", "mypy.stubtest", "--concise", "photonmap._photonmap"]
+    result = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert result.returncode == 0, result.stdout + result.stderr
 
 
-def test_types():
+def test_types(tmp_path):
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("mypy is not installed")
     program = "import photonmap as pm\nfilm: pm.Film = pm.render('cornell', size=8)\nfilm.save(3)\n"
-    result = subprocess.run([sys.executable, "-m", "mypy", "-c", program], capture_output=True, text=True)
+    result = subprocess.run([sys.executable, "-m", "mypy", "-c", program], capture_output=True, text=True, cwd=tmp_path)
     # One error, which shows that types are seen.
     assert "save" in result.stdout and "Found 1 error" in result.stdout, result.stdout + result.stderr

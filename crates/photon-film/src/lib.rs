@@ -22,7 +22,7 @@ pub use key::FilmKey;
 pub use merge::merge;
 pub use read::{load, load_from, read_info};
 pub use words::FilmWords;
-pub use write::save;
+pub use write::{save, save_to};
 
 #[cfg(test)]
 mod tests;

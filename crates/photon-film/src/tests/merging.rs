@@ -57,7 +57,7 @@ fn films_that_do_not_fit_are_named() {
     for (other, culprit) in [
         (render(Settings { shadow_rays: 3, ..settings() }, 3), "setting shadow_rays is 3, not 2"),
         (render(Settings { photons: 600, ..settings() }, 3), "number of photons per pass is 600, not 500"),
-        (render(settings(), 4), "camera"),
+        (render(settings(), 4), "size is 4x2, not 3x2"),
     ] {
         // Named second, since films are sorted by seed and pass.
         let mut film = other.blocks[1].clone();

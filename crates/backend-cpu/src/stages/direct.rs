@@ -42,7 +42,7 @@ impl DirectLight<Cpu> for CpuDirect {
                 },
             );
         });
-        Ok(())
+        scene.check_caster()
     }
 }
 

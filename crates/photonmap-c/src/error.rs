@@ -15,8 +15,8 @@ use crate::pointer;
 /// end of structs may be added without.
 pub const PM_ABI: u32 = 1;
 
-/// What a call returns. Except for `PM_STATUS_OK`, pm_last_error() has words, and what the call should have written is
-/// unspecified but initialised: a handle is NULL.
+/// What a call returns. Except for PM_STATUS_OK, pm_last_error() has words, a handle that should have been made is NULL,
+/// and arrays and structs of the caller are as they were.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PmStatus {

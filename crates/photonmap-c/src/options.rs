@@ -54,8 +54,8 @@ pub struct PmProgress {
     pub total: u32,
 }
 
-/// A progress function: called several times during each pass, and after it, on the thread that renders. Returns 0 to
-/// go on; anything else stops the render within the pass. It must not use the renderer, nor throw exceptions.
+/// A progress function: called several times while the photons of each pass are traced, on the thread that renders.
+/// Returns 0 to go on; anything else stops the render within the pass. It must not use the renderer, nor throw exceptions.
 pub type PmProgressFunction = Option<unsafe extern "C" fn(user: *mut c_void, progress: *const PmProgress) -> i32>;
 
 pointer::versioned!(PmView, PmDevice, PmProgress);

@@ -49,7 +49,7 @@ pub struct PmPhotonArrays {
 
 pointer::versioned!(PmPhotonArrays);
 
-/// Most photons that are kept of a map, so that an absurd number is refused instead of filling the memory.
+/// Most photons, so that an absurd number is refused instead of filling the memory.
 const MAX_PHOTONS: u64 = 1 << 31;
 
 impl PmPhotons {
@@ -90,12 +90,15 @@ impl PmPhotons {
                 }
                 capacity = needed;
             };
+            let found: u64 = maps.values().flatten().map(|buffer| buffer.as_slice().len() as u64).sum();
+            let all = photons.len() as u64 + found;
+            let refused = || Fault::new(PmStatus::OutOfMemory, format!("{all} photons are too many; trace fewer paths"));
+            if all > MAX_PHOTONS || photons.try_reserve(found as usize).is_err() {
+                return Err(refused());
+            }
             for (kind, buffer) in maps.iter() {
                 let found = buffer.iter().flat_map(|buffer| buffer.as_slice());
                 photons.extend(found.map(|&photon| (kind, photon)));
-            }
-            if photons.len() as u64 > MAX_PHOTONS {
-                return Err(Fault::new(PmStatus::OutOfMemory, "more than 2^31 photons; trace fewer at a time"));
             }
             first = paths.end;
         }

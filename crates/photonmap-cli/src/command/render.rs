@@ -15,7 +15,7 @@ use photon_scene::Scene;
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen};
 use crate::command::picture::{self, Look};
-use crate::command::render_film;
+use crate::command::{render_blocks, render_film};
 use crate::fault::Fault;
 use crate::forecast_text::{error_line, forecast_lines};
 use crate::progress::{Limit, Progress};
@@ -31,26 +31,41 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     args.files.check()?;
     let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     let outputs = outputs(args)?;
-    render_film::check(args, &settings)?;
+    render_blocks::check(args, &settings)?;
+    render_film::check(args)?;
     let json = args.files.json.iter().filter(|path| path.as_os_str() != "-");
     outputs.iter().chain(json).try_for_each(|path| atomic_write::check(path))?;
     let begun = Instant::now();
     let (scene, loaded) = load::scene(&args.scene)?;
     let seconds_load = begun.elapsed().as_secs_f64();
     let view = args.settings.picture.view(&scene)?;
-    let mut renderer = start(args, &scene, view, &settings)?;
+    let mut renderers = start(args, &scene, view, &settings)?;
     let mut warnings = scene.warnings().to_vec();
-    let starving = starving(&scene, &*renderer);
+    let starving = starving(&scene, &*renderers[0]);
     starving.iter().for_each(|warning| eprintln!("warning: {warning}"));
     warnings.extend(starving);
 
     let stop = interrupt()?;
     let (outcome, film, mut filed) = match &args.film.film {
         Some(path) => {
-            let film = render_film::run(path, args, (&scene, &view, &settings), &mut *renderer, &stop)?;
+            let film = render_film::run(path, args, (&scene, &view, &settings), &mut renderers, &stop)?;
             (film.outcome, film.film, Some((path, film.filed)))
         }
-        None => (passes(args, settings.photons, &mut *renderer, begun, &stop)?, renderer.film()?, None),
+        None if render_blocks::in_blocks(args) => {
+            let (outcome, film) = render_blocks::run(args, &settings, &mut renderers, &stop)?;
+            (outcome, film, None)
+        }
+        None => {
+            let renderer = &mut *renderers[0];
+            (passes(args, settings.photons, renderer, begun, &stop)?, renderer.film()?, None)
+        }
+    };
+    let renderer = &*renderers[0];
+    let device = render_blocks::devices(&renderers);
+    let grain = if render_blocks::in_blocks(args) {
+        Some(render_blocks::blocks(args, settings.photons, renderers.len())?.grain())
+    } else {
+        None
     };
     let seconds_total = begun.elapsed().as_secs_f64();
     if let Some(warning) = too_deep(&outcome) {
@@ -62,6 +77,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         scene: &args.scene.scene,
         environment: scene.environment_text(),
         size: args.settings.picture.size,
+        device: &device,
+        grain,
         settings: &settings,
         outcome: &outcome,
         load: &loaded,
@@ -75,11 +92,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         written.push(format!("{} ({} passes)", path.display(), film.passes));
     }
     for output in &outputs {
-        save(args, output, &film, &*renderer, &details)?;
+        save(args, output, &film, renderer, &details)?;
         written.push(output.display().to_string());
     }
     if let Some(path) = &args.files.json {
-        let text = format!("{:#}\n", report::json(&*renderer, &details));
+        let text = format!("{:#}\n", report::json(renderer, &details));
         if path.as_os_str() == "-" {
             stdout::write(text.as_bytes())?;
         } else {
@@ -171,15 +188,31 @@ fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
     few.map(warning).collect()
 }
 
-fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
-    let chosen = backend::open(args.machine.backend, args.machine.threads)?;
+/// A renderer for each device, at least one.
+fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &Settings) -> Result<Vec<Box<dyn Render>>, Fault> {
+    if args.machine.several() {
+        let devices = backend::open_devices(&args.machine.device)?;
+        // The devices of one host compile their kernels at the same time.
+        return std::thread::scope(|threads| {
+            let start = |on| threads.spawn(move || pipeline(on, scene, view, settings));
+            let starting: Vec<_> = devices.into_iter().map(start).collect();
+            starting
+                .into_iter()
+                .map(|renderer| renderer.join().map_err(|_| Fault::failure("a device failed"))?)
+                .collect()
+        });
+    }
+    let chosen = match args.machine.device.as_slice() {
+        [device] => Chosen::Vulkan(Box::new(backend::open_device(device)?)),
+        _ => backend::open(args.machine.backend, args.machine.threads)?,
+    };
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
     let settings = &Settings { memory, ..settings.clone() };
-    match chosen {
-        Chosen::Cpu(on) => pipeline(on, scene, view, settings),
-        Chosen::Vulkan(on) => pipeline(*on, scene, view, settings),
-    }
+    Ok(vec![match chosen {
+        Chosen::Cpu(on) => pipeline(on, scene, view, settings)?,
+        Chosen::Vulkan(on) => pipeline(*on, scene, view, settings)?,
+    }])
 }
 
 fn pipeline<B: TransportBackend>(
@@ -275,7 +308,7 @@ fn save(
         ("photon:photons_per_pass", facts.photons.to_string()),
         ("photon:settings", format!("{:?}", details.settings)),
         ("photon:backend", facts.backend.to_owned()),
-        ("photon:device", facts.device),
+        ("photon:device", details.device.to_owned()),
         ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
         ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
     ];

@@ -149,8 +149,8 @@
 #define PM_PHOTON_GLOBAL 2
 
 /**
- * What a call returns. Except for `PM_STATUS_OK`, pm_last_error() has words, and what the call should have written is
- * unspecified but initialised: a handle is NULL.
+ * What a call returns. Except for PM_STATUS_OK, pm_last_error() has words, a handle that should have been made is NULL,
+ * and arrays and structs of the caller are as they were.
  */
 enum PmStatus
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -620,8 +620,8 @@ typedef struct PmProgress {
 } PmProgress;
 
 /**
- * A progress function: called several times during each pass, and after it, on the thread that renders. Returns 0 to
- * go on; anything else stops the render within the pass. It must not use the renderer, nor throw exceptions.
+ * A progress function: called several times while the photons of each pass are traced, on the thread that renders.
+ * Returns 0 to go on; anything else stops the render within the pass. It must not use the renderer, nor throw exceptions.
  */
 typedef int32_t (*PmProgressFunction)(void *user, const struct PmProgress *progress);
 

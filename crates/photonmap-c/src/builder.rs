@@ -4,13 +4,13 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use photonmap::scene::{
-    CameraDesc, LightDesc, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, SceneBuilder, Surface, ThinLens,
-    VertexAttributes, builtin, builtin_names, load_builder,
+    CameraDesc, LightDesc, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, SceneBuilder, Surface,
+    ThinLens, VertexAttributes, builtin, builtin_names, load_builder,
 };
 
 use crate::describe::{
-    PM_LIGHT_DIRECTIONAL, PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY, PM_MATERIAL_LAMBERT,
-    PM_MATERIAL_MIRROR, PM_MATERIAL_THIN, PmCamera, PmLight, PmMaterial, PmMesh,
+    PM_LIGHT_DIRECTIONAL, PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY,
+    PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR, PM_MATERIAL_THIN, PmCamera, PmLight, PmMaterial, PmMesh,
 };
 use crate::error::{Fault, PmStatus, Result, call, free};
 use crate::pointer;
@@ -34,7 +34,10 @@ impl PmBuilder {
     pub(crate) fn built_in(name: &str) -> Result<Self> {
         let Some(scene) = builtin(name) else {
             let names: Vec<&str> = builtin_names().iter().map(|(name, _)| *name).collect();
-            return Err(Fault::argument(format!("no built-in scene is called {name:?}; there are {}", names.join(", "))));
+            return Err(Fault::argument(format!(
+                "no built-in scene is called {name:?}; there are {}",
+                names.join(", ")
+            )));
         };
         Ok(Self { scene, ..Self::default() })
     }
@@ -62,10 +65,7 @@ pub unsafe extern "C" fn pm_builder_load(
         // SAFETY: the caller's texts, and pointer to a handle.
         unsafe {
             pointer::hand_out(builder, || {
-                PmBuilder::from_file(
-                    pointer::text(file, "file")?,
-                    pointer::text_or_null(overrides, "overrides")?,
-                )
+                PmBuilder::from_file(pointer::text(file, "file")?, pointer::text_or_null(overrides, "overrides")?)
             })
         }
     })

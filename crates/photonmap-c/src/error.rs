@@ -91,10 +91,8 @@ impl From<Error> for Fault {
 
 impl From<SceneError> for Fault {
     fn from(error: SceneError) -> Self {
-        let file = matches!(
-            error,
-            SceneError::Read { .. } | SceneError::Content { .. } | SceneError::UnknownFormat { .. }
-        );
+        let file =
+            matches!(error, SceneError::Read { .. } | SceneError::Content { .. } | SceneError::UnknownFormat { .. });
         let status = match error {
             _ if file => PmStatus::File,
             SceneError::PictureSize { .. } => PmStatus::InvalidArgument,

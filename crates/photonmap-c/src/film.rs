@@ -101,7 +101,10 @@ pub unsafe extern "C" fn pm_film_info(film: *const PmFilm, info: *mut PmFilmInfo
 pub unsafe extern "C" fn pm_film_merge(film: *mut PmFilm, other: *const PmFilm) -> PmStatus {
     call(|| {
         if !film.is_null() && std::ptr::eq(film, other) {
-            return Err(Fault::new(PmStatus::Film, "a film cannot be merged with itself: its passes would count twice"));
+            return Err(Fault::new(
+                PmStatus::Film,
+                "a film cannot be merged with itself: its passes would count twice",
+            ));
         }
         // SAFETY: the caller's handles, which are two.
         let (film, other) = unsafe { (pointer::exclusive(film, "film")?, pointer::shared(other, "other")?) };
@@ -117,12 +120,7 @@ pub unsafe extern "C" fn pm_film_merge(film: *mut PmFilm, other: *const PmFilm) 
 ///
 /// `count` is the length of `values`, and has to be width times height times pm_layer_channels().
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pm_film_layer(
-    film: *const PmFilm,
-    layer: u32,
-    values: *mut f32,
-    count: usize,
-) -> PmStatus {
+pub unsafe extern "C" fn pm_film_layer(film: *const PmFilm, layer: u32, values: *mut f32, count: usize) -> PmStatus {
     call(|| {
         // SAFETY: the caller's handle.
         let film = &unsafe { pointer::shared(film, "film") }?.film;

@@ -42,7 +42,8 @@ unsafe fn triples<'a>(pointer: *const f32, count: usize, name: &str) -> Result<&
 
 impl PmMap {
     fn new(positions: &[[f32; 3]], normals: &[[f32; 3]], powers: &[[f32; 3]]) -> Result<Self> {
-        let index = PointIndex::build(positions, IndexKind::Morton).map_err(|error: IndexError| Fault::argument(error))?;
+        let index =
+            PointIndex::build(positions, IndexKind::Morton).map_err(|error: IndexError| Fault::argument(error))?;
         let sorted = |all: &[[f32; 3]]| -> Vec<Vec3> {
             if all.is_empty() { Vec::new() } else { index.order().iter().map(|&id| all[id as usize].into()).collect() }
         };

@@ -67,8 +67,15 @@ pointer::versioned!(PmView, PmDevice, PmProgress);
 pub(crate) unsafe fn settings(json: *const c_char) -> Result<Settings> {
     // SAFETY: as the caller ensures.
     let Some(text) = (unsafe { pointer::text_or_null(json, "settings") })? else { return Ok(Settings::default()) };
-    let settings: Settings =
-        serde_json::from_str(text).map_err(|error| Fault::new(PmStatus::InvalidSettings, format!("settings: {error}")))?;
+    // An array would be read as the values of the first fields.
+    if !text.trim_start().starts_with('{') {
+        return Err(Fault::new(
+            PmStatus::InvalidSettings,
+            "settings: not a JSON object, such as {\"photons\": 100000}",
+        ));
+    }
+    let settings: Settings = serde_json::from_str(text)
+        .map_err(|error| Fault::new(PmStatus::InvalidSettings, format!("settings: {error}")))?;
     settings.validate()?;
     Ok(settings)
 }

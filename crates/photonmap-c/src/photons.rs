@@ -92,7 +92,8 @@ impl PmPhotons {
             };
             let found: u64 = maps.values().flatten().map(|buffer| buffer.as_slice().len() as u64).sum();
             let all = photons.len() as u64 + found;
-            let refused = || Fault::new(PmStatus::OutOfMemory, format!("{all} photons are too many; trace fewer paths"));
+            let refused =
+                || Fault::new(PmStatus::OutOfMemory, format!("{all} photons are too many; trace fewer paths"));
             if all > MAX_PHOTONS || photons.try_reserve(found as usize).is_err() {
                 return Err(refused());
             }

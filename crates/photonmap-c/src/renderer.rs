@@ -49,8 +49,14 @@ impl PmRenderer {
             let finished = *done;
             let mut observer = |event: &Event<'_>| match event {
                 Event::Photons { pass, traced, total } => {
-                    let report =
-                        PmProgress { size: size_of::<PmProgress>(), pass: *pass, done: finished, count, traced: *traced, total: *total };
+                    let report = PmProgress {
+                        size: size_of::<PmProgress>(),
+                        pass: *pass,
+                        done: finished,
+                        count,
+                        traced: *traced,
+                        total: *total,
+                    };
                     progress.call(&report)
                 }
                 _ => ControlFlow::Continue(()),

@@ -135,12 +135,7 @@ pub unsafe extern "C" fn pm_scene_triangle_sources(
 
 /// Copies the name of a mesh: as pm_last_error(). Returns 0 for one that does not exist.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pm_scene_mesh_name(
-    scene: *const PmScene,
-    mesh: u32,
-    text: *mut c_char,
-    room: usize,
-) -> usize {
+pub unsafe extern "C" fn pm_scene_mesh_name(scene: *const PmScene, mesh: u32, text: *mut c_char, room: usize) -> usize {
     length(|| {
         // SAFETY: the caller's handle.
         let scene = &unsafe { pointer::shared(scene, "scene") }?.scene;

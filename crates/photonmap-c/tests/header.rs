@@ -49,10 +49,7 @@ fn generated(root: &Path) -> String {
         documentation_style: DocumentationStyle::Doxy,
         style: Style::Both,
         line_length: 120,
-        enumeration: EnumConfig {
-            rename_variants: RenameRule::QualifiedScreamingSnakeCase,
-            ..EnumConfig::default()
-        },
+        enumeration: EnumConfig { rename_variants: RenameRule::QualifiedScreamingSnakeCase, ..EnumConfig::default() },
         export: ExportConfig { include: vec!["PmProgress".into()], ..ExportConfig::default() },
         ..Config::default()
     };

@@ -119,6 +119,7 @@ static void renderers(const PmScene *scene)
 {
     PmRenderer *renderer = NULL;
     PmFilm *film = NULL, *other = NULL;
+    PmFilmInfo info = {sizeof info, 0, 0, 0, 0, 0};
     PmView view = {sizeof view, NULL, 8, 6}, odd = {sizeof odd, NULL, 0, 6};
     const char *few = "{\"photons\": 500}";
     uint32_t done = 99;
@@ -133,7 +134,7 @@ static void renderers(const PmScene *scene)
     BAD(pm_renderer_new(NULL, &view, few, NULL, &renderer), "scene is NULL");
     BAD(pm_renderer_new(scene, NULL, few, NULL, &renderer), "PmView is NULL");
     const char *settings[][2] = {
-        {"", "settings"}, {"{", "settings"}, {"[1]", "settings"}, {"{\"photon\": 3}", "photon"},
+        {"", "settings"}, {"{", "settings"}, {"[1]", "object"}, {"{\"photon\": 3}", "photon"},
         {"{\"photons\": 0}", "photons is 0"}, {"{\"photons\": -1}", "-1"}, {"{\"photons\": 1e400}", "settings"},
         {"{\"alpha\": 2}", "alpha is 2"}, {"{\"index\": \"grid\"}", "grid"},
     };
@@ -171,9 +172,14 @@ static void renderers(const PmScene *scene)
     BAD(pm_film_merge(film, NULL), "other is NULL");
     BAD(pm_film_merge(NULL, NULL), "film is NULL");
     OK(pm_film_merge(film, other));
+    OK(pm_film_info(film, &info));
+    TRUE(info.passes == 3 && info.width == 8 && !info.cut && !info.errors);
+    info.size = 1;
+    BAD(pm_film_info(film, &info), "sizeof(PmFilmInfo)");
     BAD(pm_film_write(film, "picture.bmp", 0), ".exr");
     BAD(pm_film_write(film, "picture.png", NAN), "exposure");
     EXPECT(pm_film_write(film, "no/such/folder/a.exr", 0), PM_STATUS_FILE, "folder");
+    pm_film_free(other);
     EXPECT(pm_film_load("no-such.film", &other), PM_STATUS_FILE, "no-such.film");
     pm_film_free(film);
 }

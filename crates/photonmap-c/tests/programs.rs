@@ -109,5 +109,5 @@ fn programs_in_c_and_cpp_compile_without_warnings_and_give_the_pictures_of_rust(
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains("2048 in the longest") && text.contains("stopped after"), "{text}");
 
-    succeed(&mut Command::new(place.compile("cc", "-std=c99", "tests/c/faults.c")).current_dir(place.folder.path()));
+    succeed(Command::new(place.compile("cc", "-std=c99", "tests/c/faults.c")).current_dir(place.folder.path()));
 }

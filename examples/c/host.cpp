@@ -117,6 +117,17 @@ Scene make_scene() {
     return made<Scene>([&](PmScene **scene) { return pm_builder_build(builder.get(), scene); });
 }
 
+// Which triangle of the arrays each triangle is that a ray caster sees.
+void show_sources(const PmScene *scene) {
+    PmSceneInfo info{};
+    info.size = sizeof info;
+    check(pm_scene_info(scene, &info));
+    std::vector<uint32_t> meshes(info.triangles), triangles(info.triangles);
+    check(pm_scene_triangle_sources(scene, meshes.data(), triangles.data(), info.triangles));
+    std::printf("%zu triangles; the second one is triangle %u of mesh %u\n", info.triangles, triangles[1], meshes[1]);
+    if (info.dropped != 1 || meshes[1] != 0 || triangles[1] != 2) throw std::runtime_error("wrong triangle");
+}
+
 constexpr uint32_t WIDTH = 48, HEIGHT_PIXELS = 32;
 
 // Renders `passes` passes, or until `progress` stops it; the status goes to `status`.
@@ -192,6 +203,7 @@ void estimate(const PmScene *scene) {
 int main() {
     try {
         Scene scene = make_scene();
+        show_sources(scene.get());
         compare_casters(scene.get());
         cancel(scene.get());
         estimate(scene.get());

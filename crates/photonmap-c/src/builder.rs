@@ -186,6 +186,18 @@ pub unsafe extern "C" fn pm_builder_camera(builder: *mut PmBuilder, camera: *con
     })
 }
 
+/// Applies the text of an override file: an environment, lights and cameras, and changes of materials
+/// that were added before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_overrides(builder: *mut PmBuilder, toml: *const c_char) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle and text.
+        let (builder, text) = unsafe { (pointer::exclusive(builder, "builder")?, pointer::text(toml, "toml")?) };
+        Overrides::parse(text, Path::new("overrides"))?.apply(&mut builder.scene, &mut builder.report)?;
+        Ok(())
+    })
+}
+
 /// Checks everything and makes the scene. A scene without a camera gets one that shows all of it. The builder may be
 /// changed and built again. `*scene` is to be freed with pm_scene_free().
 #[unsafe(no_mangle)]

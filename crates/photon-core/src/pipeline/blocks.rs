@@ -2,7 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 
-use crate::backend::observer::Observer;
+use crate::backend::observer::{Observer, show};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::film::pass_set::PassSet;
@@ -110,7 +110,7 @@ pub fn render_blocks(
         let (block, flow) = block(renderer, start..start + blocks.grain, observer, &mut results.outcome)?;
         let Some(film) = add(film, block, blocks.grain, &mut results)? else { break };
         after_block(film)?;
-        if flow.is_break() {
+        if flow.is_break() || show(film, observer).is_break() {
             results.outcome.cancelled = start + blocks.grain < blocks.passes.end;
             break;
         }

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use crate::backend::observer::{Event, Observer, PassReport};
+use crate::backend::observer::{Event, Observer, PassReport, show};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::pipeline::blocks::{BlockOutcome, Blocks, add, block};
@@ -167,8 +167,8 @@ fn work(renderer: &mut dyn Render, queue: &Queue, sender: &Sender<Message>) {
             Event::Photons { pass, traced, total } => Some(Message::Photons { pass, traced, total }),
             Event::PassDone(report) => Some(Message::PassDone(Box::new(report.clone()))),
             Event::Warning(text) => Some(Message::Warning(text.to_owned())),
-            // There are none in blocks.
-            Event::Forecast(_) => None,
+            // There are none within blocks.
+            Event::Forecast(_) | Event::Film(_) => None,
         };
         // The receiver is dropped last.
         if let Some(message) = message {
@@ -223,9 +223,15 @@ fn collect(
             let (block, outcome) = *block;
             results.outcome.add_all(outcome);
             let added = add(film, block, queue.blocks.grain(), &mut results);
-            let whole = added.and_then(|film| film.map(&mut *after_block).transpose());
+            let whole = added
+                .and_then(|film| film.map(|film| after_block(film).map(|()| show(film, &mut *observer))).transpose());
             next = match whole {
-                Ok(Some(())) => Some(number + 1),
+                Ok(Some(flow)) => {
+                    if flow.is_break() {
+                        queue.stop();
+                    }
+                    Some(number + 1)
+                }
                 Ok(None) => None,
                 Err(error) => {
                     failure.get_or_insert(error);

@@ -189,6 +189,10 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
             outcome.cancelled = outcome.passes < plan.passes();
             break;
         }
+        if observer.wants_film(outcome.passes) && observer.on_event(&Event::Film(&renderer.film()?)).is_break() {
+            outcome.cancelled = outcome.passes < plan.passes();
+            break;
+        }
         if outcome.passes == next_look {
             let forecast = look(renderer, &plan, &outcome, clock.elapsed())?;
             next_look = after(&plan, outcome.passes, forecast.as_ref());

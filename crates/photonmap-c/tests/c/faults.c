@@ -99,6 +99,10 @@ static void scenes(void)
     OK(pm_builder_light(builder, &light));
     BAD(pm_builder_camera(builder, NULL), "PmCamera is NULL");
     OK(pm_builder_mesh(builder, &mesh));
+    BAD(pm_builder_overrides(builder, NULL), "toml is NULL");
+    EXPECT(pm_builder_overrides(builder, "[[["), PM_STATUS_FILE, "overrides");
+    EXPECT(pm_builder_overrides(builder, "[materials.gold]\nalbedo = [1, 1, 0]\n"), PM_STATUS_FILE, "gold");
+    OK(pm_builder_overrides(builder, "[materials.white]\nalbedo = [0.1, 0.2, 0.3]\n"));
     OK(pm_builder_build(builder, &scene));
     pm_scene_free(scene);
     /* What only building finds. */

@@ -1,6 +1,7 @@
 //! `photonmap render`
 #![expect(clippy::print_stderr, reason = "warnings and the closing line go to standard error")]
 
+use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,6 +21,7 @@ use crate::fault::Fault;
 use crate::forecast_text::{error_line, forecast_lines};
 use crate::progress::{Limit, Progress};
 use crate::report::{self, Details};
+use crate::watch::{Watch, Watching};
 use crate::{atomic_write, load, memory, stdout};
 
 /// Renders the scene and writes the files.
@@ -35,6 +37,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     render_film::check(args)?;
     let json = args.files.json.iter().filter(|path| path.as_os_str() != "-");
     outputs.iter().chain(json).try_for_each(|path| atomic_write::check(path))?;
+    let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
+    let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
     let begun = Instant::now();
     let (scene, loaded) = load::scene(&args.scene)?;
     let seconds_load = begun.elapsed().as_secs_f64();
@@ -48,18 +52,19 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let stop = interrupt()?;
     let (outcome, film, mut filed) = match &args.film.film {
         Some(path) => {
-            let film = render_film::run(path, args, (&scene, &view, &settings), &mut renderers, &stop)?;
+            let film = render_film::run(path, args, (&scene, &view, &settings), &mut renderers, (&mut watch, &stop))?;
             (film.outcome, film.film, Some((path, film.filed)))
         }
         None if render_blocks::in_blocks(args) => {
-            let (outcome, film) = render_blocks::run(args, &settings, &mut renderers, &stop)?;
+            let (outcome, film) = render_blocks::run(args, &settings, &mut renderers, &mut watch, &stop)?;
             (outcome, film, None)
         }
         None => {
             let renderer = &mut *renderers[0];
-            (passes(args, settings.photons, renderer, begun, &stop)?, renderer.film()?, None)
+            (passes(args, settings.photons, renderer, begun, (&mut watch, &stop))?, renderer.film()?, None)
         }
     };
+    watch.finish(&film);
     let renderer = &*renderers[0];
     let device = render_blocks::devices(&renderers);
     let grain = if render_blocks::in_blocks(args) {
@@ -92,7 +97,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         written.push(format!("{} ({} passes)", path.display(), film.passes));
     }
     for output in &outputs {
-        save(args, output, &film, renderer, &details)?;
+        save(args, output, (&film, look), renderer, &details)?;
         written.push(output.display().to_string());
     }
     if let Some(path) = &args.files.json {
@@ -229,7 +234,7 @@ fn passes(
     photons: u32,
     renderer: &mut dyn Render,
     started: Instant,
-    stop: &AtomicBool,
+    (watch, stop): (&mut Watch, &AtomicBool),
 ) -> Result<Outcome, Fault> {
     // The requested time is that of the whole program.
     let limit = args.settings.budget.time.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX));
@@ -246,7 +251,7 @@ fn passes(
         }
         plan.most_passes = plan.most_passes.map(more);
     }
-    let mut progress = Progress::new(match (plan.until, time) {
+    let progress = RefCell::new(Progress::new(match (plan.until, time) {
         (Budget::Error { .. }, Some(time)) => Limit::Time(time),
         (Budget::Time(time), _) if plan.most_passes.is_none() => Limit::Time(time),
         (Budget::Passes(passes), _) => Limit::Passes(passes),
@@ -254,21 +259,22 @@ fn passes(
             Limit::Passes(u32::try_from(all.div_ceil(u64::from(each.max(1)))).unwrap_or(u32::MAX))
         }
         _ => plan.most_passes.map_or(Limit::Open, Limit::Passes),
-    });
+    }));
     let mut forecast_shown = false;
-    let mut observer = |event: &Event<'_>| {
+    let inner = |event: &Event<'_>| {
         match event {
-            Event::PassDone(pass) => progress.passes(pass.index + 1 - plan.first),
+            Event::PassDone(pass) => progress.borrow_mut().passes(pass.index + 1 - plan.first),
             Event::Forecast(forecast) if !std::mem::replace(&mut forecast_shown, true) => {
-                progress.say(&forecast_lines(forecast, photons));
+                progress.borrow().say(&forecast_lines(forecast, photons));
             }
-            Event::Warning(text) => progress.say(&format!("warning: {text}")),
+            Event::Warning(text) => progress.borrow().say(&format!("warning: {text}")),
             _ => {}
         }
         if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let outcome = render(renderer, plan, &mut observer);
-    progress.finish();
+    let mut say = |text: &str| progress.borrow().say(text);
+    let outcome = render(renderer, plan, &mut Watching { watch, inner, say: &mut say });
+    progress.into_inner().finish();
     let outcome = outcome?;
     if let Some(reached) = &outcome.reached {
         eprintln!("{}", error_line("result", reached));
@@ -288,11 +294,10 @@ fn writing(args: &RenderArgs) -> Duration {
 fn save(
     args: &RenderArgs,
     path: &Path,
-    film: &Film,
+    (film, look): (&Film, Look),
     renderer: &dyn Render,
     details: &Details<'_>,
 ) -> Result<(), Fault> {
-    let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
     if !picture::is_exr(path) {
         return picture::write(path, film, look, &[]);
     }

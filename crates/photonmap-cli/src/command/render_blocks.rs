@@ -12,6 +12,7 @@ use crate::args::RenderArgs;
 use crate::backend::BackendName;
 use crate::fault::Fault;
 use crate::progress::{Limit, Progress};
+use crate::watch::{Watch, Watching};
 
 /// Checks the options, before anything is loaded: what stops a render or changes its passes must not depend on time, nor
 /// on passes that are not in the film.
@@ -109,12 +110,13 @@ pub(super) fn run(
     args: &RenderArgs,
     settings: &Settings,
     renderers: &mut [Box<dyn Render>],
+    watch: &mut Watch,
     stop: &AtomicBool,
 ) -> Result<(Outcome, Film), Fault> {
     check_memory(renderers[0].facts().photons, settings)?;
     let blocks = blocks(args, settings.photons, renderers.len())?;
     let mut film = None;
-    let BlockOutcome { outcome, unfinished, .. } = remaining(renderers, &blocks, &mut film, stop, |_, _| ())?;
+    let BlockOutcome { outcome, unfinished, .. } = remaining(renderers, &blocks, &mut film, (watch, stop), |_, _| ())?;
     Ok((outcome, film.or(unfinished).ok_or(photon_core::Error::Cancelled)?))
 }
 
@@ -123,13 +125,13 @@ pub(super) fn remaining(
     renderers: &mut [Box<dyn Render>],
     blocks: &Blocks,
     film: &mut Option<Film>,
-    stop: &AtomicBool,
+    (watch, stop): (&mut Watch, &AtomicBool),
     mut after_block: impl FnMut(&Film, &Progress),
 ) -> photon_core::Result<BlockOutcome> {
     let passes = blocks.passes();
     let progress = RefCell::new(Progress::new(Limit::Passes(passes.end - passes.start)));
     let mut done = 0;
-    let mut observer = |event: &Event<'_>| {
+    let inner = |event: &Event<'_>| {
         match event {
             Event::PassDone(_) => {
                 done += 1;
@@ -140,6 +142,8 @@ pub(super) fn remaining(
         }
         if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
+    let mut say = |text: &str| progress.borrow().say(text);
+    let mut observer = Watching { watch, inner, say: &mut say };
     let mut after_block = |film: &Film| {
         after_block(film, &progress.borrow());
         Ok(())

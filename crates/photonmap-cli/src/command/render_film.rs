@@ -15,6 +15,7 @@ use crate::atomic_write;
 use crate::command::render_blocks;
 use crate::fault::Fault;
 use crate::progress::Progress;
+use crate::watch::Watch;
 
 /// A render into a film file.
 pub(super) struct FilmOfRender {
@@ -40,7 +41,7 @@ pub(super) fn run(
     args: &RenderArgs,
     (scene, view, settings): (&Scene, &View, &Settings),
     renderers: &mut [Box<dyn Render>],
-    stop: &AtomicBool,
+    (watch, stop): (&mut Watch, &AtomicBool),
 ) -> Result<FilmOfRender, Fault> {
     let device = render_blocks::devices(renderers);
     let renderer = &mut *renderers[0];
@@ -88,7 +89,7 @@ pub(super) fn run(
     let mut file = Checkpoints { path, info, args, begun: Instant::now(), written: Instant::now(), unsaved: false };
     file.info.add_maker(&Maker::new(PROGRAM, facts.backend, &device, 0.0));
     let maker = (facts.backend, device.as_str());
-    let results = render_blocks::remaining(renderers, &remaining, &mut film, stop, |film, progress| {
+    let results = render_blocks::remaining(renderers, &remaining, &mut film, (watch, stop), |film, progress| {
         file.after_block(film, maker, progress);
     });
     let filed = match &film {

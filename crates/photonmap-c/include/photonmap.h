@@ -781,6 +781,12 @@ PmStatus pm_builder_light(struct PmBuilder *builder, const struct PmLight *light
 PmStatus pm_builder_camera(struct PmBuilder *builder, const struct PmCamera *camera);
 
 /**
+ * Applies the text of an override file: an environment, lights and cameras, and changes of materials that were added
+ * before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
+ */
+PmStatus pm_builder_overrides(struct PmBuilder *builder, const char *toml);
+
+/**
  * Checks everything and makes the scene. A scene without a camera gets one that shows all of it. The builder may be
  * changed and built again. `*scene` is to be freed with pm_scene_free().
  */

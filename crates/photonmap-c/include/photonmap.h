@@ -561,8 +561,9 @@ typedef struct PmCaster {
    */
   int32_t (*nearest)(void *user, const struct PmRay *rays, struct PmHit *hits, size_t count);
   /**
-   * Not 0: photon and camera paths are traced surface by surface, so that `count` is up to some thousands; shadow rays,
-   * final-gather rays and all rays of scenes with alpha still come one by one. 0: all do. The picture is the same.
+   * Not 0: photon and camera paths are traced surface by surface, and shadow rays of diffuse surfaces together, so that
+   * `count` is up to some thousands; final-gather rays, shadow rays of other surfaces and all rays of scenes with alpha
+   * still come one by one. 0: all do. The picture is the same.
    */
   uint32_t batches;
 } PmCaster;

@@ -66,8 +66,9 @@ pub struct PmCaster {
     /// Finds what `count` rays hit, at least 1. Called by several threads at once. Not NULL.
     pub nearest:
         Option<unsafe extern "C" fn(user: *mut c_void, rays: *const PmRay, hits: *mut PmHit, count: usize) -> i32>,
-    /// Not 0: photon and camera paths are traced surface by surface, so that `count` is up to some thousands; shadow rays,
-    /// final-gather rays and all rays of scenes with alpha still come one by one. 0: all do. The picture is the same.
+    /// Not 0: photon and camera paths are traced surface by surface, and shadow rays of diffuse surfaces together, so that
+    /// `count` is up to some thousands; final-gather rays, shadow rays of other surfaces and all rays of scenes with alpha
+    /// still come one by one. 0: all do. The picture is the same.
     pub batches: u32,
 }
 

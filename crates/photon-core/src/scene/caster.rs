@@ -101,8 +101,8 @@ pub trait RayCaster: Send + Sync {
     }
 
     /// Whether calls of [`Self::nearest_many`] with many rays are worth their memory traffic: for casters that trace packets,
-    /// or whose calls are expensive. The CPU then traces photons and camera paths surface by surface in blocks, in scenes
-    /// without alpha. The result is the same, bit by bit.
+    /// or whose calls are expensive. The CPU then traces photons and camera paths surface by surface in blocks, and shadow
+    /// rays of diffuse surfaces together, in scenes without alpha. The result is the same, bit by bit.
     fn prefers_batches(&self) -> bool {
         false
     }

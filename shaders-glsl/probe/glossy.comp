@@ -73,11 +73,19 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         }
         return floats(vec4(factor, 0.0), vec4(weight, 0.0));
     }
+    if (FUNCTION == 13u) {
+        layers.diffuse_transmission = c.x;
+        layers.transmission_color = vec3(0.9, 0.5, 0.1);
+    }
     Glossy glossy = glossy_new(scene, material, layers, dot3(a.xyz, normal));
     if (FUNCTION == 3u) {
         float entering = glossy_entering(scene, glossy.coat, c.x) * 0.0625;
         return floats(vec4(glossy.diffuse, glossy.specular_probability),
             vec4(glossy.multiple_probability, entering, glossy_rest(c.y, glossy.specular_probability), 0.0));
+    }
+    if (FUNCTION == 13u) {
+        return floats(vec4(glossy.diffuse, glossy.specular_probability),
+            vec4(glossy.transmitted, glossy.transmission_probability));
     }
     if (FUNCTION == 4u || FUNCTION == 10u) {
         Reflected reflected = glossy_evaluate(scene, glossy, a.xyz, b.xyz, normal);

@@ -22,6 +22,9 @@ struct Glossy {
     vec3 multiple;
     float multiple_probability;
     vec3 diffuse;
+    // Of light from the other side, and its probability among both.
+    vec3 transmitted;
+    float transmission_probability;
     float specular_probability;
     uint coat;
     // Weight and roughness of the clearcoat, what it lets through, and the probability of sampling its reflection.
@@ -96,6 +99,20 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
     precise float through = 1.0 - glossy_reflected(directional, coat_f0, weight);
     precise vec3 diffuse = color * (dielectric * max(through, 0.0));
     float most_specular = glossy_greatest(specular), most_diffuse = glossy_greatest(diffuse);
+    vec3 transmitted = vec3(0.0);
+    float transmission_share = 0.0;
+    if (DIFFUSE_TRANSMISSION && layers.diffuse_transmission > 0.0) {
+        precise vec3 beyond =
+            layers.transmission_color * (layers.diffuse_transmission * (dielectric * max(through, 0.0)));
+        precise vec3 left = diffuse * (1.0 - layers.diffuse_transmission);
+        float most_transmitted = glossy_greatest(beyond);
+        precise float both = glossy_greatest(left) + most_transmitted;
+        precise float share = most_transmitted / both;
+        transmitted = beyond;
+        diffuse = left;
+        most_diffuse = both;
+        transmission_share = left == vec3(0.0) ? (most_transmitted > 0.0 ? 1.0 : 0.0) : share;
+    }
     precise float multiple_share = glossy_greatest(multiple_albedo) / most_specular;
     if (!(most_specular > 0.0)) multiple_share = 0.0;
     float through_above = 1.0, clearcoat_share = 0.0;
@@ -103,6 +120,7 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
     if (has_clearcoat) {
         through_above = clearcoat_through(scene, layers.clearcoat, layers.clearcoat_roughness, min(cosine, 1.0));
         diffuse = diffuse * through_above;
+        transmitted = transmitted * through_above;
         precise float dimmed = most_diffuse * through_above, reflected = 1.0 - through_above;
         precise float all_specular = reflected + through_above * most_specular;
         precise float share = reflected / all_specular;
@@ -123,6 +141,8 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
     glossy.multiple = multiple;
     glossy.multiple_probability = multiple_share;
     glossy.diffuse = diffuse;
+    glossy.transmitted = transmitted;
+    glossy.transmission_probability = transmission_share;
     glossy.specular_probability = specular_share;
     glossy.coat = has_clearcoat ? clearcoat_pack(roughness, coat_f0, weight, layers)
                                 : glossy_coat(roughness, coat_f0, weight);

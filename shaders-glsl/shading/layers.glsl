@@ -13,9 +13,12 @@ struct Layers {
     // Strength and direction of the anisotropy.
     float anisotropy;
     vec3 tangent;
+    // Share of the base that transmits, and its albedo.
+    float diffuse_transmission;
+    vec3 transmission_color;
 };
 
-Layers layers_none() { return Layers(vec3(1.0), 0.0, 0.0, 0.0, vec3(0.0)); }
+Layers layers_none() { return Layers(vec3(1.0), 0.0, 0.0, 0.0, vec3(0.0), 0.0, vec3(1.0)); }
 
 // Reflectance of the coat at normal incidence.
 vec3 layers_coat_f0(Layers layers, Material material) {

@@ -133,6 +133,14 @@ struct Anisotropy {
     uint texture;
 };
 
+struct DiffuseTransmission {
+    vec3 color;
+    float factor;
+    uint color_texture;
+    uint factor_texture;
+    uint reserved[2];
+};
+
 struct LightNode {
     vec3 center;
     float radius;
@@ -157,5 +165,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TextureUses
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer LightNodes { LightNode at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MaterialTextureTable { MaterialTextures at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer AnisotropyTable { Anisotropy at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TransmissionTable { DiffuseTransmission at; };
 
 #endif

@@ -143,6 +143,10 @@ pub struct TexturesDesc {
     /// Red and green are the direction of the anisotropy, `2 rg − 1` along tangent and bitangent, which
     /// [`crate::MaterialDesc::anisotropy_rotation`] turns; blue multiplies [`crate::MaterialDesc::anisotropy`]. Linear.
     pub anisotropy: Option<TextureRef>,
+    /// Its alpha multiplies [`crate::MaterialDesc::diffuse_transmission`]; its colours are not read.
+    pub diffuse_transmission: Option<TextureRef>,
+    /// Its colour multiplies [`crate::MaterialDesc::diffuse_transmission_color`].
+    pub diffuse_transmission_color: Option<TextureRef>,
 }
 
 impl Default for TexturesDesc {
@@ -160,6 +164,8 @@ impl Default for TexturesDesc {
             clearcoat: None,
             clearcoat_roughness: None,
             anisotropy: None,
+            diffuse_transmission: None,
+            diffuse_transmission_color: None,
         }
     }
 }
@@ -231,6 +237,18 @@ impl TexturesDesc {
         Self { anisotropy: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::diffuse_transmission`].
+    #[must_use]
+    pub fn with_diffuse_transmission(self, texture: TextureRef) -> Self {
+        Self { diffuse_transmission: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::diffuse_transmission_color`].
+    #[must_use]
+    pub fn with_diffuse_transmission_color(self, texture: TextureRef) -> Self {
+        Self { diffuse_transmission_color: Some(texture), ..self }
+    }
+
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
         let all = [
@@ -244,6 +262,8 @@ impl TexturesDesc {
             ("clearcoat", self.clearcoat),
             ("clearcoat_roughness", self.clearcoat_roughness),
             ("anisotropy", self.anisotropy),
+            ("diffuse_transmission", self.diffuse_transmission),
+            ("diffuse_transmission_color", self.diffuse_transmission_color),
         ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))
     }

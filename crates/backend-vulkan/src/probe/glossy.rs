@@ -58,6 +58,7 @@ pub(super) fn rows() -> Vec<Row> {
             evaluated(i, &anisotropic(i), i.vector(0), i.vector(4))
         }),
         row("glossy_sample, anisotropic", 11, Bound::Within(1e-3), world, |i| sampled(i, &anisotropic(i), i.float(8))),
+        row("glossy_new, transmission", 13, Bound::Within(3e-5), world, |i| transmitted(i, i.float(8))),
         row("lobe_weight, anisotropic", 12, Bound::Relative(1e-4), world, |i| {
             lobe(i, &anisotropic(i), i.vector(0), i.vector(4))
         }),
@@ -155,6 +156,13 @@ fn parts(i: &Input, cosine: f32) -> Output {
     output([r, g, b, first, glossy.multiple_probability(), entering, rest])
 }
 
+/// With diffuse transmission of this share.
+fn transmitted(i: &Input, share: f32) -> Output {
+    let glossy = glossy(i, &layers(i).with_diffuse_transmission(share, Vec3::new(0.9, 0.5, 0.1)));
+    let ([r, g, b], [x, y, z]) = (glossy.diffuse().to_array(), glossy.transmitted().to_array());
+    output([r, g, b, glossy.specular_probability(), x, y, z, glossy.transmission_probability()])
+}
+
 fn evaluated(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {
     let found = glossy(i, layers).evaluate(wo, wi, NORMAL);
     let [r, g, b] = found.value.to_array();
@@ -206,6 +214,7 @@ fn glossy_surfaces_are_those_of_rust() {
             9 => |i| packed(i, sampling::basis(NORMAL).0),
             // Without the anisotropy.
             10 => |i| evaluated(i, &layers(i), i.vector(0), i.vector(4)),
+            13 => |i| transmitted(i, i.float(9)),
             11 => |i| sampled(i, &layers(i), i.float(8)),
             _ => |i| lobe(i, &layers(i), i.vector(0), i.vector(4)),
         };

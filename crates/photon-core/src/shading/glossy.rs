@@ -12,6 +12,9 @@
 //! All are reciprocal. The base is Lambertian for photons that are stored with the factor `(1 − S_i)/(1 − S̄)`, that of
 //! [`Coat::entering`], so that density estimation needs no BSDF.
 //!
+//! A sheet may transmit light diffusely: a share of its base has the BTDF `(1 − m) f τ/π (1 − S_o)(1 − S_i) / (1 − S̄)`
+//! towards the other side, with the same coat there, and `(1 − f) c` in place of c: `KHR_materials_diffuse_transmission`.
+//!
 //! Single scattering may be anisotropic ([`crate::anisotropy`]); albedos are then those of its equivalent roughness.
 
 use glam::{Vec2, Vec3};
@@ -108,6 +111,10 @@ pub struct Glossy {
     /// Probability that multiple scattering is sampled rather than single scattering.
     multiple_probability: f32,
     diffuse: Vec3,
+    /// As `diffuse`, for light from the other side.
+    transmitted: Vec3,
+    /// Probability of transmission among both.
+    transmission_probability: f32,
     specular_probability: f32,
     coat: Coat,
     clearcoat: Clearcoat,
@@ -162,18 +169,29 @@ impl Glossy {
         let multiple_albedo = multiple * mean_lost;
         let specular = f0 * directional.x + Vec3::splat(f90 * directional.y) + multiple_albedo;
         let through = 1.0 - reflected(directional, coat_f0, weight);
-        let diffuse = color * (dielectric * through.max(0.0));
+        let mut diffuse = color * (dielectric * through.max(0.0));
+        let (mut transmitted, mut transmission_probability) = (Vec3::ZERO, 0.0);
         let mut coat = Coat::new(roughness, coat_f0, weight);
-        let (most_specular, mut most_diffuse) = (specular.max_element(), diffuse.max_element());
+        let (mut most_specular, mut most_diffuse) = (specular.max_element(), diffuse.max_element());
+        if layers.diffuse_transmission > 0.0 {
+            let share = layers.diffuse_transmission;
+            transmitted = layers.transmission_color * (share * (dielectric * through.max(0.0)));
+            diffuse *= 1.0 - share;
+            let most_transmitted = transmitted.max_element();
+            most_diffuse = diffuse.max_element() + most_transmitted;
+            // As with a metal below: a sheet that only transmits must not count as a mixture.
+            transmission_probability =
+                if diffuse == Vec3::ZERO { f32::from(most_transmitted > 0.0) } else { most_transmitted / most_diffuse };
+        }
         let multiple_probability =
             if most_specular > 0.0 { multiple_albedo.max_element() / most_specular } else { 0.0 };
         let clearcoat = Clearcoat::of(layers);
-        let (mut diffuse, mut most_specular) = (diffuse, most_specular);
         let (mut under, mut clearcoat_probability) = (1.0, 0.0);
         if clearcoat.weight > 0.0 {
             coat = Coat(clearcoat::pack(roughness, coat_f0, weight, clearcoat));
             under = clearcoat.through(cosine.min(1.0));
             diffuse *= under;
+            transmitted *= under;
             most_diffuse *= under;
             let reflected = 1.0 - under;
             most_specular = reflected + under * most_specular;
@@ -196,6 +214,8 @@ impl Glossy {
             multiple,
             multiple_probability,
             diffuse,
+            transmitted,
+            transmission_probability,
             specular_probability,
             coat,
             clearcoat,
@@ -210,6 +230,20 @@ impl Glossy {
     #[must_use]
     pub fn diffuse(&self) -> Vec3 {
         self.diffuse
+    }
+
+    /// As [`Self::diffuse`], for irradiance on the other side; 0 without diffuse transmission.
+    #[inline]
+    #[must_use]
+    pub fn transmitted(&self) -> Vec3 {
+        self.transmitted
+    }
+
+    /// Probability of choosing transmission rather than reflection by the base, where one of them is chosen.
+    #[inline]
+    #[must_use]
+    pub fn transmission_probability(&self) -> f32 {
+        self.transmission_probability
     }
 
     /// Probability of following the reflection rather than the base, where one of them is chosen.

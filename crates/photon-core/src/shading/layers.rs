@@ -19,6 +19,10 @@ pub struct Layers {
     /// Direction of the anisotropy, in which the reflection is wider: a vector along the surface, of which only the line
     /// matters, or 0 for any.
     pub tangent: Vec3,
+    /// Share of the base that transmits instead of reflecting, in `[0, 1]`; 0 without diffuse transmission.
+    pub diffuse_transmission: f32,
+    /// Its albedo where all of the base transmits.
+    pub transmission_color: Vec3,
 }
 
 impl Layers {
@@ -29,6 +33,8 @@ impl Layers {
         clearcoat_roughness: 0.0,
         anisotropy: 0.0,
         tangent: Vec3::ZERO,
+        diffuse_transmission: 0.0,
+        transmission_color: Vec3::ONE,
     };
 
     /// The same with this [`Self::specular_color`].
@@ -47,6 +53,12 @@ impl Layers {
     #[must_use]
     pub const fn with_anisotropy(self, anisotropy: f32, tangent: Vec3) -> Self {
         Self { anisotropy, tangent, ..self }
+    }
+
+    /// The same with this [`Self::diffuse_transmission`] and [`Self::transmission_color`].
+    #[must_use]
+    pub const fn with_diffuse_transmission(self, share: f32, color: Vec3) -> Self {
+        Self { diffuse_transmission: share, transmission_color: color, ..self }
     }
 
     /// Reflectance at normal incidence of the coat of `material`: its factor times `min(s ((n−1)/(n+1))², 1)`.

@@ -86,6 +86,17 @@ impl Shading<'_> {
                 let (strength, direction) = direction(anisotropy, texel);
                 layers = layers.with_anisotropy(strength, self.tangent(&corners, normal, direction));
             }
+            let index = (material.textures as usize).wrapping_sub(1);
+            if let Some(entry) = self.tables.diffuse_transmissions.get(index) {
+                let (mut share, mut color) = (entry.factor, Vec3::from(entry.color));
+                if let Some([.., alpha]) = self.texel(entry.factor_texture, &corners) {
+                    share *= alpha;
+                }
+                if let Some(texel) = self.sample(entry.color_texture, &corners) {
+                    color *= texel;
+                }
+                layers = layers.with_diffuse_transmission(share, color);
+            }
             if let Some(texel) = self.sample(textures.normal, &corners) {
                 normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
             }

@@ -31,6 +31,10 @@ pub(crate) struct TexturesExtras {
     clearcoat_roughness: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     anisotropy: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    diffuse_transmission: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    diffuse_transmission_color: Option<Transform>,
     normal_scale: Exact,
 }
 
@@ -48,6 +52,8 @@ impl TexturesExtras {
         let specular_color = of(textures.specular_color);
         let (clearcoat, clearcoat_roughness) = (of(textures.clearcoat), of(textures.clearcoat_roughness));
         let anisotropy = of(textures.anisotropy);
+        let diffuse_transmission = of(textures.diffuse_transmission);
+        let diffuse_transmission_color = of(textures.diffuse_transmission_color);
         let normal_scale = Exact(textures.normal_scale);
         let all = [
             &base_color,
@@ -59,6 +65,8 @@ impl TexturesExtras {
             &clearcoat,
             &clearcoat_roughness,
             &anisotropy,
+            &diffuse_transmission,
+            &diffuse_transmission_color,
         ];
         let is_plain = all.iter().all(|used| used.is_none());
         (!is_plain || normal_scale.0 != 1.0).then_some(Self {
@@ -71,6 +79,8 @@ impl TexturesExtras {
             clearcoat,
             clearcoat_roughness,
             anisotropy,
+            diffuse_transmission,
+            diffuse_transmission_color,
             normal_scale,
         })
     }
@@ -98,6 +108,8 @@ impl TexturesExtras {
             clearcoat: of(textures.clearcoat, &self.clearcoat)?,
             clearcoat_roughness: of(textures.clearcoat_roughness, &self.clearcoat_roughness)?,
             anisotropy: of(textures.anisotropy, &self.anisotropy)?,
+            diffuse_transmission: of(textures.diffuse_transmission, &self.diffuse_transmission)?,
+            diffuse_transmission_color: of(textures.diffuse_transmission_color, &self.diffuse_transmission_color)?,
             normal_scale: self.normal_scale.0,
             // In glTF, the same texture.
             alpha: textures.alpha.and(base_color),

@@ -6,6 +6,7 @@ use photon_core::{Texture, ggx};
 use super::alpha::uniform_alpha;
 use super::anisotropy::{fold_anisotropy, remove_anisotropy};
 use super::clearcoat::fold_clearcoat;
+use super::diffuse_transmission::fold_diffuse_transmission;
 use super::specular_color::fold_specular_color;
 use super::texel::Decoder;
 use crate::describe::{MaterialDesc, Surface};
@@ -53,6 +54,7 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
         }
         fold_specular_color(material, color_of);
         fold_clearcoat(material, color_of);
+        fold_diffuse_transmission(material, color_of, alpha_of);
     }
 }
 

@@ -26,6 +26,7 @@ const KNOWN: &[&str] = &[
     specular_glossiness::NAME,
     parameters::CLEARCOAT,
     parameters::ANISOTROPY,
+    parameters::DIFFUSE_TRANSMISSION,
 ];
 
 /// Converts one material; what is lost is reported.
@@ -47,6 +48,7 @@ pub(super) fn describe(
     if parameters.anisotropy[0] > 0.0 && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
         lines.left_out(&subject, "its anisotropy, which glass does not have here");
     }
+    check_transmission(&parameters, &surface, &subject, &mut lines);
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
@@ -58,6 +60,8 @@ pub(super) fn describe(
         clearcoat_roughness: parameters.clearcoat[1],
         anisotropy: parameters.anisotropy[0],
         anisotropy_rotation: parameters.anisotropy[1],
+        diffuse_transmission: parameters.diffuse_transmission,
+        diffuse_transmission_color: parameters.transmission_color,
         textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
@@ -193,6 +197,19 @@ fn check_clearcoat(material: &Material, of: &Parameters, surface: &Surface, subj
     }
     if of.emission != [0.0; 3] {
         report.approximated(subject, "its clearcoat does not dim its emission");
+    }
+}
+
+/// Reports what of diffuse transmission is not modelled.
+fn check_transmission(of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
+    if of.diffuse_transmission == 0.0 {
+        return;
+    }
+    if matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
+        return report.left_out(subject, "its diffuse transmission, which glass does not have here");
+    }
+    if of.is_solid {
+        report.approximated(subject, "transmits light diffusely as a sheet: its volume does not scatter or absorb");
     }
 }
 

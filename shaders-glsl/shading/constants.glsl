@@ -60,8 +60,9 @@ const uint FEATURE_CLEARCOAT = 2097152u;
 const uint FEATURE_SUN = 4194304u;
 const uint FEATURE_ANISOTROPY = 8388608u;
 const uint FEATURE_DIFFUSE_TRANSMISSION = 16777216u;
+const uint FEATURE_CLEARCOAT_NORMALS = 33554432u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 33554431u;
+const uint FEATURE_ALL = 67108863u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;

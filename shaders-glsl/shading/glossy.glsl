@@ -32,6 +32,9 @@ struct Glossy {
     float clearcoat_roughness;
     float through;
     float clearcoat_probability;
+    // The clearcoat's shading normal, 0 for that of the surface below; whether the path carries light.
+    vec3 coat_normal;
+    bool carries_light;
     // Whether the reflection is anisotropic; its widths and tangent.
     bool is_anisotropic;
     vec2 widths;
@@ -71,7 +74,9 @@ float glossy_entering(SceneRef scene, uint coat, float cosine) {
     return mean > GLOSSY_MIN_SHARE ? share : 0.0;
 }
 
-Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine) {
+Glossy glossy_with_coat_normal(
+    SceneRef scene, Material material, Layers layers, float cosine, vec3 coat_normal, float coat_cosine
+) {
     float roughness = material.roughness, metallic = material.metallic, weight = material.specular;
     bool is_anisotropic = ANISOTROPY && layers.anisotropy > 0.0;
     vec2 widths = vec2(0.0);
@@ -121,7 +126,12 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
         through_above = clearcoat_through(scene, layers.clearcoat, layers.clearcoat_roughness, min(cosine, 1.0));
         diffuse = diffuse * through_above;
         transmitted = transmitted * through_above;
-        precise float dimmed = most_diffuse * through_above, reflected = 1.0 - through_above;
+        precise float dimmed = most_diffuse * through_above;
+        if (CLEARCOAT_NORMALS && coat_normal != vec3(0.0)) {
+            through_above =
+                clearcoat_through(scene, layers.clearcoat, layers.clearcoat_roughness, min(coat_cosine, 1.0));
+        }
+        precise float reflected = 1.0 - through_above;
         precise float all_specular = reflected + through_above * most_specular;
         precise float share = reflected / all_specular;
         most_diffuse = dimmed;
@@ -153,7 +163,31 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
     glossy.is_anisotropic = is_anisotropic;
     glossy.widths = widths;
     glossy.tangent = layers.tangent;
+    glossy.coat_normal = coat_normal;
+    glossy.carries_light = false;
     return glossy;
+}
+
+Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine) {
+    return glossy_with_coat_normal(scene, material, layers, cosine, vec3(0.0), cosine);
+}
+
+// The same for a path that arrives from the direction `wo`, with a clearcoat that may have a normal of its own.
+Glossy glossy_at(SceneRef scene, Material material, Layers layers, float cosine, vec3 wo, bool carries_light) {
+    vec3 normal = vec3(0.0);
+    float coat_cosine = cosine;
+    if (CLEARCOAT_NORMALS && layers.coat_normal != vec3(0.0) && layers.clearcoat > 0.0) {
+        normal = shading_bend(layers.coat_normal, wo);
+        coat_cosine = dot3(wo, normal);
+    }
+    Glossy glossy = glossy_with_coat_normal(scene, material, layers, cosine, normal, coat_cosine);
+    glossy.carries_light = carries_light;
+    return glossy;
+}
+
+// The normal of the clearcoat, or that of the surface below.
+vec3 glossy_coat_normal(Glossy glossy, vec3 normal) {
+    return CLEARCOAT_NORMALS && glossy.coat_normal != vec3(0.0) ? glossy.coat_normal : normal;
 }
 
 // A direction in the frame of a normal.
@@ -168,6 +202,26 @@ void glossy_frame(Glossy glossy, vec3 normal, out vec3 tangent, out vec3 bitange
     } else {
         sampling_basis(normal, tangent, bitangent);
     }
+}
+
+// The reflection of a clearcoat with a normal of its own, value and density, and the cosine of `wi` to it. `cosines` are those
+// to the shading normal.
+vec3 glossy_above(Glossy glossy, vec3 wo, vec3 wi, vec2 cosines) {
+    vec3 tangent, bitangent;
+    sampling_basis(glossy.coat_normal, tangent, bitangent);
+    vec3 o = glossy_local(wo, tangent, bitangent, glossy.coat_normal);
+    vec3 i = glossy_local(wi, tangent, bitangent, glossy.coat_normal);
+    if (!(o.z > 0.0 && i.z > 0.0)) return vec3(0.0, 0.0, i.z);
+    precise vec3 both = o + i;
+    vec2 above = clearcoat_evaluate(
+        glossy.clearcoat, glossy.clearcoat_roughness, o, i, normalize_or(both, vec3(0.0, 0.0, 1.0)));
+    precise float counted = min(i.z, SHADING_MAX_RATIO * cosines.y);
+    if (glossy.carries_light) {
+        precise float light = min(o.z, SHADING_MAX_RATIO * cosines.x) * cosines.y / cosines.x;
+        counted = light;
+    }
+    precise float value = above.x * (counted / i.z);
+    return vec3(value, above.y, i.z);
 }
 
 Reflected glossy_evaluate(SceneRef scene, Glossy glossy, vec3 wo, vec3 wi, vec3 normal) {
@@ -202,9 +256,12 @@ Reflected glossy_evaluate(SceneRef scene, Glossy glossy, vec3 wo, vec3 wi, vec3 
         pdf = pdf * (1.0 - p) + cosine * p;
     }
     if (CLEARCOAT && glossy.clearcoat > 0.0) {
-        vec2 above = clearcoat_evaluate(glossy.clearcoat, glossy.clearcoat_roughness, o, i, h);
+        vec3 above = vec3(clearcoat_evaluate(glossy.clearcoat, glossy.clearcoat_roughness, o, i, h), i.z);
+        if (CLEARCOAT_NORMALS && glossy.coat_normal != vec3(0.0)) {
+            above = glossy_above(glossy, wo, wi, vec2(o.z, i.z));
+        }
         float through = min(
-            glossy.through, clearcoat_through(scene, glossy.clearcoat, glossy.clearcoat_roughness, i.z));
+            glossy.through, clearcoat_through(scene, glossy.clearcoat, glossy.clearcoat_roughness, above.z));
         float share = glossy.clearcoat_probability;
         value = value * through + vec3(above.x);
         pdf = pdf * (1.0 - share) + above.y * share;
@@ -231,15 +288,20 @@ Reflected glossy_sample(SceneRef scene, Glossy glossy, vec3 wo, vec3 normal, flo
         wi = cosine_hemisphere(normal, rest, v);
     } else {
         vec3 tangent, bitangent;
-        glossy_frame(glossy, normal, tangent, bitangent);
+        vec3 axis = is_below ? normal : glossy_coat_normal(glossy, normal);
+        if (CLEARCOAT_NORMALS && !is_below && glossy.coat_normal != vec3(0.0)) {
+            sampling_basis(axis, tangent, bitangent);
+        } else {
+            glossy_frame(glossy, normal, tangent, bitangent);
+        }
         precise float rest = (u - p) / (1.0 - p);
         float alpha = is_below ? glossy.alpha : clearcoat_alpha(glossy.clearcoat_roughness);
-        vec3 o = glossy_local(wo, tangent, bitangent, normal);
+        vec3 o = glossy_local(wo, tangent, bitangent, axis);
         float first = is_below ? min(rest, 1.0 - 1.1920929e-7) : u;
         vec3 i;
         if (ANISOTROPY && glossy.is_anisotropic && is_below) i = anisotropy_sample(glossy.widths, o, first, v);
         else i = ggx_sample(alpha, o, first, v);
-        precise vec3 direction = tangent * i.x + bitangent * i.y + normal * i.z;
+        precise vec3 direction = tangent * i.x + bitangent * i.y + axis * i.z;
         wi = direction;
     }
     return glossy_evaluate(scene, glossy, wo, wi, normal);

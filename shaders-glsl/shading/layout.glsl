@@ -141,6 +141,13 @@ struct DiffuseTransmission {
     uint reserved[2];
 };
 
+struct ClearcoatNormal {
+    uint is_own;
+    uint texture;
+    float scale;
+    uint reserved;
+};
+
 struct LightNode {
     vec3 center;
     float radius;
@@ -165,6 +172,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TextureUses
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer LightNodes { LightNode at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MaterialTextureTable { MaterialTextures at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer AnisotropyTable { Anisotropy at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ClearcoatNormalTable { ClearcoatNormal at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TransmissionTable { DiffuseTransmission at; };
 
 #endif

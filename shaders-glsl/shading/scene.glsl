@@ -89,6 +89,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     uint rough_ratios;
     AnisotropyTable anisotropies;
     TransmissionTable diffuse_transmissions;
+    ClearcoatNormalTable clearcoat_normals;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };

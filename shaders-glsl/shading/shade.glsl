@@ -22,6 +22,7 @@ const bool BENT_NORMALS = SHADING_NORMALS || FOLLOWED;
 const bool SPECULAR_COLORS = (FEATURES & FEATURE_SPECULAR_COLORS) != 0u;
 const bool CLEARCOAT = (FEATURES & FEATURE_CLEARCOAT) != 0u;
 const bool ANISOTROPY = (FEATURES & FEATURE_ANISOTROPY) != 0u;
+const bool CLEARCOAT_NORMALS = (FEATURES & FEATURE_CLEARCOAT_NORMALS) != 0u;
 const bool DIFFUSE_TRANSMISSION = (FEATURES & FEATURE_DIFFUSE_TRANSMISSION) != 0u;
 // Whether materials have a record of layers, with or without textures.
 const bool LAYERED = SPECULAR_COLORS || CLEARCOAT || ANISOTROPY || DIFFUSE_TRANSMISSION;
@@ -98,6 +99,20 @@ void shade_anisotropy(SceneRef scene, uint index, uint slot, vec3 weights, vec3 
     layers.tangent = shade_turned_tangent(tangent, (packed.a & 1u) == 1u ? -1.0 : 1.0, normal, turned.yz);
 }
 
+// `normal` is the vertex normal on the front.
+void shade_coat_normal(
+    SceneRef scene, Surface at, uint index, uint slot, vec3 weights, vec3 normal, inout Layers layers
+) {
+    ClearcoatNormal found = scene.shading.clearcoat_normals[index].at;
+    if (found.is_own == 0u) return;
+    if (found.texture != NO_TEXTURE) {
+        vec3 texel = texel_at(scene, found.texture, slot, weights).xyz;
+        normal = shade_mapped_normal(scene, slot, weights, normal, texel, found.scale);
+    }
+    normal = shading_bend(normal, at.front ? at.normal : -at.normal);
+    layers.coat_normal = at.front ? normal : -normal;
+}
+
 void shade_transmission(SceneRef scene, uint index, uint slot, vec3 weights, inout Layers layers) {
     DiffuseTransmission found = scene.shading.diffuse_transmissions[index].at;
     layers.diffuse_transmission = found.factor;
@@ -155,6 +170,9 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
             float roughness = shade_sample(scene, textures.clearcoat_roughness, slot, weights).y;
             layers.clearcoat = alpha_multiply(textures.clearcoat_factor, weight);
             layers.clearcoat_roughness = alpha_multiply(textures.clearcoat_roughness_factor, roughness);
+        }
+        if (CLEARCOAT_NORMALS && textures.clearcoat_factor > 0.0) {
+            shade_coat_normal(scene, at, material.textures - 1u, slot, weights, normal, layers);
         }
         if (ANISOTROPY && textures.anisotropy != NO_TEXTURE) {
             shade_anisotropy(scene, textures.anisotropy, slot, weights, normal, layers);

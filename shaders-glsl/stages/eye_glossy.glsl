@@ -101,12 +101,14 @@ bool reflect_path(
         vec3 left = leaves.throughput;
         uvec2 media_coat = leaves.words;
         uint packed = leaves.anisotropy;
+        vec3 facing = normal;
         if (CLEARCOAT && leaves.clearcoat_probability > 0.0) {
             float choice = splits ? unit_f32(random.x) : glossy_rest(unit_f32(random.x), first);
             if (choice < leaves.clearcoat_probability) {
                 left = leaves.clearcoat_throughput;
                 media_coat = leaves.clearcoat_words;
                 packed = 0u;
+                facing = glossy_coat_normal(glossy, normal);
             }
         }
         float scale = leaves.scale / (splits ? 1.0 : 1.0 - first);
@@ -129,7 +131,7 @@ bool reflect_path(
             leave_query(beyond, pixel, under, vec3(0.0), -normal, media_coat, packed, dimmed, found);
             throughput *= near;
         }
-        leave_query(path, pixel, at, offset, normal, media_coat, packed, throughput, found);
+        leave_query(path, pixel, at, offset, facing, media_coat, packed, throughput, found);
     }
     if (!reflects || path.surfaces >= push.max_bounces) return false;
     Surface lit = lit_surface(at, normal, offset);

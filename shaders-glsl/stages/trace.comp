@@ -255,7 +255,7 @@ uint step_glossy(
         ++path.bounce;
         return FATE_TERMINATED;
     }
-    Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
+    Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, true);
     if (stores && !(AIMED && path.bounce == 0u)) {
         store(path, at, tinted(path.power, vec3(glossy_entering(push.scene, glossy.coat, at.cosine))), coverage);
     }

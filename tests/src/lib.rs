@@ -139,7 +139,7 @@ macro_rules! whole_suite {
             }
             gloss_behind_glass::{ plastic_behind_panes }
             specular_colors::{ channels_are_grey_coats }
-            clearcoat::{ white_furnace, sunlit_surfaces }
+            clearcoat::{ white_furnace, sunlit_surfaces, own_normals }
             anisotropy::{ brushed_plates }
             diffuse_transmission::{
                 sunlit_from_behind, white_furnace, g5_closed_room, photons_leave_on_both_sides,

@@ -82,6 +82,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_SUN", Features::SUN.bits()),
                 ("FEATURE_ANISOTROPY", Features::ANISOTROPY.bits()),
                 ("FEATURE_DIFFUSE_TRANSMISSION", Features::DIFFUSE_TRANSMISSION.bits()),
+                ("FEATURE_CLEARCOAT_NORMALS", Features::CLEARCOAT_NORMALS.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],

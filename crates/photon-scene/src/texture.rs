@@ -140,6 +140,11 @@ pub struct TexturesDesc {
     pub clearcoat: Option<TextureRef>,
     /// Its green multiplies [`crate::MaterialDesc::clearcoat_roughness`]; linear.
     pub clearcoat_roughness: Option<TextureRef>,
+    /// Tangent-space normals of the clearcoat, as [`Self::normal`] with [`Self::clearcoat_normal_scale`]. Without it the
+    /// clearcoat has the vertex normals, whatever the normal map of the surface below is.
+    pub clearcoat_normal: Option<TextureRef>,
+    /// Factor on the x and y of that normal map; finite.
+    pub clearcoat_normal_scale: f64,
     /// Red and green are the direction of the anisotropy, `2 rg − 1` along tangent and bitangent, which
     /// [`crate::MaterialDesc::anisotropy_rotation`] turns; blue multiplies [`crate::MaterialDesc::anisotropy`]. Linear.
     pub anisotropy: Option<TextureRef>,
@@ -163,6 +168,8 @@ impl Default for TexturesDesc {
             specular_color: None,
             clearcoat: None,
             clearcoat_roughness: None,
+            clearcoat_normal: None,
+            clearcoat_normal_scale: 1.0,
             anisotropy: None,
             diffuse_transmission: None,
             diffuse_transmission_color: None,
@@ -231,6 +238,12 @@ impl TexturesDesc {
         Self { clearcoat_roughness: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::clearcoat_normal`], and this [`Self::clearcoat_normal_scale`].
+    #[must_use]
+    pub fn with_clearcoat_normal(self, texture: TextureRef, scale: f64) -> Self {
+        Self { clearcoat_normal: Some(texture), clearcoat_normal_scale: scale, ..self }
+    }
+
     /// The same with this texture as [`Self::anisotropy`].
     #[must_use]
     pub fn with_anisotropy(self, texture: TextureRef) -> Self {
@@ -261,6 +274,7 @@ impl TexturesDesc {
             ("specular_color", self.specular_color),
             ("clearcoat", self.clearcoat),
             ("clearcoat_roughness", self.clearcoat_roughness),
+            ("clearcoat_normal", self.clearcoat_normal),
             ("anisotropy", self.anisotropy),
             ("diffuse_transmission", self.diffuse_transmission),
             ("diffuse_transmission_color", self.diffuse_transmission_color),

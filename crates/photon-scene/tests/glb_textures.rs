@@ -73,6 +73,8 @@ fn everything() -> SceneBuilder {
     (worn_paint.clearcoat, worn_paint.clearcoat_roughness) = (third, 0.7);
     worn_paint.textures.clearcoat = Some(TextureRef::new(worn).with_transform(turned));
     worn_paint.textures.clearcoat_roughness = Some(TextureRef::new(worn));
+    worn_paint.textures.clearcoat_normal = Some(TextureRef::new(worn).with_transform(turned));
+    worn_paint.textures.clearcoat_normal_scale = third;
     (worn_paint.anisotropy, worn_paint.anisotropy_rotation) = (third, -third);
     worn_paint.textures.anisotropy = Some(TextureRef::new(worn).with_transform(turned));
     worn_paint.diffuse_transmission = third;

@@ -181,11 +181,11 @@ impl Eye<'_> {
             let share = if splits { 1.0 } else { 1.0 - first };
             let choice = unit_f32(choice);
             let choice = if splits { choice } else { glossy::rest_of(choice, first) };
-            let (left, words, packed) = match leaves.clearcoat {
+            let (left, words, packed, normal) = match leaves.clearcoat {
                 Some((probability, throughput, words)) if choice < probability => {
-                    (throughput, words, leaves.anisotropy.and(Some(0)))
+                    (throughput, words, leaves.anisotropy.and(Some(0)), glossy.coat_normal(at.normal))
                 }
-                _ => (leaves.throughput, leaves.words, leaves.anisotropy),
+                _ => (leaves.throughput, leaves.words, leaves.anisotropy, at.normal),
             };
             let mut throughput = left * (leaves.scale / share);
             let (second, through) = leaves.transmitted;
@@ -207,6 +207,9 @@ impl Eye<'_> {
             }
             if throughput != Vec3::ZERO {
                 let mut query = query(throughput, path.branch, words);
+                if normal != at.normal {
+                    query.shading_normal = octahedral::pack(normal);
+                }
                 if let Some(packed) = packed {
                     query.path = anisotropy::path_word(query.path, packed);
                 }

@@ -191,7 +191,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         }
         let bsdf = Bsdf::new(scene.features, material, surface.cosine, &interface);
         let lobe = if SHADED && material.kind() == MaterialKind::Glossy {
-            let glossy = Glossy::new(material, &layers, surface.cosine);
+            let glossy = Glossy::at(material, &layers, surface.cosine, -ray.direction, false);
             let [choice, u, v, _] = sampler.words(block + bounce);
             let first = glossy.specular_probability();
             if unit_f32(choice) < first {

@@ -287,7 +287,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 store(power, tally);
                 return tally.end(Fate::Terminated, flux);
             }
-            let glossy = Glossy::new(material, &layers, surface.cosine);
+            let glossy = Glossy::at(material, &layers, surface.cosine, -ray.direction, true);
             if stores {
                 store(power * glossy.coat().entering(surface.cosine), tally);
             }

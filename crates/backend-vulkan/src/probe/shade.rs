@@ -37,6 +37,9 @@ pub(super) fn rows() -> Vec<Row> {
         // As of normals; directions of the texture are at least 0.5 long.
         row("shade, anisotropy", 7, Bound::Within(3e-5), hit, |i| anisotropy(&shaded(i, [i.float(0), i.float(1)]))),
         row("shade, transmission", 8, Bound::Bits, hit, |i| transmission(&shaded(i, [i.float(0), i.float(1)]))),
+        row("shade, clearcoat's normal", 9, Bound::Within(2e-5), hit, |i| {
+            four_of(shaded(i, [i.float(0), i.float(1)]).layers.coat_normal)
+        }),
         // Vertex normals and tangents are off by 1e-6, a perpendicular of the tangent by four times that, and its
         // length is at least 0.5.
         row("shade, normal", 5, Bound::Within(2e-5), hit, |i| four_of(shaded(i, [i.float(0), i.float(1)]).normal)),
@@ -214,6 +217,7 @@ fn hits_are_shaded_as_in_rust() {
             2 => |i| four_of(turned(i, -i.float(3))),
             3 => |i| ratio(i, i.0[2] ^ 1),
             4 => |i| colors(&shaded(i, [i.float(1), i.float(0)])),
+            9 => |i| four_of(shaded(i, [i.float(1), i.float(0)]).layers.coat_normal),
             8 => |i| transmission(&shaded(i, [i.float(1), i.float(0)])),
             6 => |i| specular(&shaded(i, [i.float(1), i.float(0)])),
             _ => |i| four_of(shaded(i, [i.float(1), i.float(0)]).normal),

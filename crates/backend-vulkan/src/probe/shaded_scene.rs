@@ -4,8 +4,9 @@ use std::sync::LazyLock;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Anisotropy, DiffuseTransmission, Filter, Light, Material, MaterialKind, MaterialTextures, OwnedShadingTables,
-    Primitive, SceneView, ShadingTables, TexelFormat, Texture, TextureUse, Wrap, octahedral, sampling,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, Light, Material, MaterialKind, MaterialTextures,
+    OwnedShadingTables, Primitive, SceneView, ShadingTables, TexelFormat, Texture, TextureUse, Wrap, octahedral,
+    sampling,
 };
 use photon_scene::CompressedTree;
 
@@ -138,6 +139,10 @@ impl ShadedScene {
             let factor = if index % 4 == 3 { of_leaves.between(0.1, 1.0) } else { 0.0 };
             let leaf =
                 DiffuseTransmission { color, factor, color_texture, factor_texture, ..DiffuseTransmission::NONE };
+            // Vertex normals, and normal maps.
+            let texture = if index % 4 == 1 { images + index % 3 } else { none };
+            let coat = ClearcoatNormal { is_own: u32::from(index % 2), texture, scale: 0.7, reserved: 0 };
+            self.shading.clearcoat_normals.push(coat);
             // Those without any are not read.
             self.shading.diffuse_transmissions.push(if factor > 0.0 { leaf } else { DiffuseTransmission::NONE });
             let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];

@@ -23,6 +23,7 @@ struct Record {
     rough_ratios: u32,
     anisotropies: u64,
     diffuse_transmissions: u64,
+    clearcoat_normals: u64,
 }
 
 /// `Texture` of texture.glsl.
@@ -65,6 +66,9 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
         }
         if !tables.diffuse_transmissions.is_empty() {
             record.diffuse_transmissions = upload.table("textures", tables.diffuse_transmissions)?;
+        }
+        if !tables.clearcoat_normals.is_empty() {
+            record.clearcoat_normals = upload.table("textures", tables.clearcoat_normals)?;
         }
         record.values = upload.table("textures", byte_values().as_flattened())?;
     }

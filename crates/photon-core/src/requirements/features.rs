@@ -61,6 +61,8 @@ bitflags! {
         const ANISOTROPY = 1 << 23;
         /// Diffuse transmission through sheets: leaves, paper, cloth.
         const DIFFUSE_TRANSMISSION = 1 << 24;
+        /// Clearcoats with normals of their own.
+        const CLEARCOAT_NORMALS = 1 << 25;
     }
 }
 
@@ -79,7 +81,8 @@ impl Features {
         .union(Self::SPECULAR_COLORS)
         .union(Self::CLEARCOAT)
         .union(Self::ANISOTROPY)
-        .union(Self::DIFFUSE_TRANSMISSION);
+        .union(Self::DIFFUSE_TRANSMISSION)
+        .union(Self::CLEARCOAT_NORMALS);
     /// Where camera paths sample lights, and go on.
     pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);
     /// All lobes that are not diffuse.
@@ -112,6 +115,7 @@ impl Features {
         "sun",
         "anisotropy",
         "diffuse-transmission",
+        "clearcoat-normals",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

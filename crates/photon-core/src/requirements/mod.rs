@@ -229,6 +229,8 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
     let used = |index: u32| index != MaterialTextures::NONE;
     let is_glossy = material.kind() == MaterialKind::Glossy;
     let anisotropy = tables.anisotropies.get(textures.anisotropy as usize);
+    let coat = index.and_then(|index| tables.clearcoat_normals.get(index));
+    let coat = coat.filter(|coat| coat.is_own != 0 && textures.clearcoat_factor > 0.0);
     let transmission = index.and_then(|index| tables.diffuse_transmissions.get(index));
     let transmission = transmission.filter(|entry| entry.factor > 0.0);
     let all = [
@@ -240,6 +242,7 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
         textures.clearcoat,
         textures.clearcoat_roughness,
         anisotropy.map_or(MaterialTextures::NONE, |anisotropy| anisotropy.texture),
+        coat.map_or(MaterialTextures::NONE, |coat| coat.texture),
         transmission.map_or(MaterialTextures::NONE, |entry| entry.color_texture),
         transmission.map_or(MaterialTextures::NONE, |entry| entry.factor_texture),
     ];
@@ -248,6 +251,7 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
         .union(when(is_glossy && textures.has_specular_color(), Features::SPECULAR_COLORS))
         .union(when(is_glossy && textures.clearcoat_factor > 0.0, Features::CLEARCOAT))
         .union(when(is_glossy && anisotropy.is_some(), Features::ANISOTROPY))
+        .union(when(is_glossy && coat.is_some(), Features::CLEARCOAT_NORMALS))
         .union(when(is_glossy && transmission.is_some(), Features::DIFFUSE_TRANSMISSION))
         .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
         .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))

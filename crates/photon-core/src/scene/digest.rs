@@ -54,6 +54,7 @@ impl SceneView<'_> {
             material_textures,
             anisotropies,
             diffuse_transmissions,
+            clearcoat_normals,
             uses,
             textures,
         } = shading;
@@ -71,9 +72,12 @@ impl SceneView<'_> {
         digest.table(uvs);
         digest.table(material_textures);
         digest.table(anisotropies);
-        // Scenes without it keep the digest that they had before.
+        // Scenes without these keep the digest that they had before.
         if !diffuse_transmissions.is_empty() {
             digest.table(diffuse_transmissions);
+        }
+        if !clearcoat_normals.is_empty() {
+            digest.table(clearcoat_normals);
         }
         digest.table(uses);
         digest.table(&[textures.len() as u64]);

@@ -197,6 +197,27 @@ impl DiffuseTransmission {
     };
 }
 
+/// The normal of a clearcoat, where it differs from that of the surface below.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ClearcoatNormal {
+    /// 1: the clearcoat has the vertex normal, turned by a texture if there is one; 0: the normal of the surface below.
+    pub is_own: u32,
+    /// Tangent-space normals as [`MaterialTextures::normal`]. Index into [`ShadingTables::uses`];
+    /// [`MaterialTextures::NONE`] without one.
+    pub texture: u32,
+    /// Factor on the x and y of the texture, finite.
+    pub scale: f32,
+    /// 0.
+    pub reserved: u32,
+}
+
+impl ClearcoatNormal {
+    /// The normal of the surface below.
+    pub const NONE: Self = Self { is_own: 0, texture: MaterialTextures::NONE, scale: 1.0, reserved: 0 };
+}
+
 impl MaterialTextures {
     /// No texture.
     pub const NONE: u32 = u32::MAX;
@@ -253,6 +274,8 @@ pub struct ShadingTables<'a> {
     /// As [`Self::material_textures`]; empty if no material has diffuse transmission. A factor above 0 needs
     /// [`crate::Material::DIFFUSE_TRANSMISSION`].
     pub diffuse_transmissions: &'a [DiffuseTransmission],
+    /// As [`Self::material_textures`]; empty if no clearcoat has a normal of its own. Textures need tangents.
+    pub clearcoat_normals: &'a [ClearcoatNormal],
     /// Indexed by the members of [`MaterialTextures`].
     pub uses: &'a [TextureUse],
     /// Indexed by [`TextureUse::texture_index`].
@@ -277,6 +300,8 @@ pub struct OwnedShadingTables {
     pub anisotropies: Vec<Anisotropy>,
     /// [`ShadingTables::diffuse_transmissions`].
     pub diffuse_transmissions: Vec<DiffuseTransmission>,
+    /// [`ShadingTables::clearcoat_normals`].
+    pub clearcoat_normals: Vec<ClearcoatNormal>,
     /// [`ShadingTables::uses`].
     pub uses: Vec<TextureUse>,
     /// [`ShadingTables::textures`].
@@ -296,6 +321,7 @@ impl OwnedShadingTables {
             material_textures: &self.material_textures,
             anisotropies: &self.anisotropies,
             diffuse_transmissions: &self.diffuse_transmissions,
+            clearcoat_normals: &self.clearcoat_normals,
             uses: &self.uses,
             textures: &self.textures,
         }
@@ -313,6 +339,7 @@ impl From<&ShadingTables<'_>> for OwnedShadingTables {
             material_textures: tables.material_textures.to_vec(),
             anisotropies: tables.anisotropies.to_vec(),
             diffuse_transmissions: tables.diffuse_transmissions.to_vec(),
+            clearcoat_normals: tables.clearcoat_normals.to_vec(),
             uses: tables.uses.to_vec(),
             textures: tables.textures.to_vec(),
         }

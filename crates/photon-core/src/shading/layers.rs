@@ -14,6 +14,8 @@ pub struct Layers {
     pub clearcoat: f32,
     /// Its roughness, in `[0, 1]`; the width of the distribution is its square.
     pub clearcoat_roughness: f32,
+    /// Its shading normal, on the side that the ray came from; 0 for that of the surface below.
+    pub coat_normal: Vec3,
     /// Strength of the anisotropy of the reflection, in `[0, 1]`; 0 without any: [`crate::anisotropy`].
     pub anisotropy: f32,
     /// Direction of the anisotropy, in which the reflection is wider: a vector along the surface, of which only the line
@@ -31,6 +33,7 @@ impl Layers {
         specular_color: Vec3::ONE,
         clearcoat: 0.0,
         clearcoat_roughness: 0.0,
+        coat_normal: Vec3::ZERO,
         anisotropy: 0.0,
         tangent: Vec3::ZERO,
         diffuse_transmission: 0.0,
@@ -47,6 +50,12 @@ impl Layers {
     #[must_use]
     pub const fn with_clearcoat(self, weight: f32, roughness: f32) -> Self {
         Self { clearcoat: weight, clearcoat_roughness: roughness, ..self }
+    }
+
+    /// The same with this [`Self::coat_normal`].
+    #[must_use]
+    pub const fn with_coat_normal(self, coat_normal: Vec3) -> Self {
+        Self { coat_normal, ..self }
     }
 
     /// The same with this [`Self::anisotropy`] in the direction of [`Self::tangent`].

@@ -172,6 +172,7 @@ impl Overrides {
         if kind != before {
             (desc.clearcoat, desc.clearcoat_roughness) = (0.0, 0.0);
             (desc.textures.clearcoat, desc.textures.clearcoat_roughness) = (None, None);
+            desc.textures.clearcoat_normal = None;
         }
         let (mut new_clearcoat, mut new_clearcoat_roughness) = (with.clearcoat, with.clearcoat_roughness);
         if !matches!(kind, Kind::Glass | Kind::Thin) {

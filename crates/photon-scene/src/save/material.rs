@@ -99,6 +99,9 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "clearcoat_roughness" => {
                 extensions["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"] = info.clone();
             }
+            "clearcoat_normal" => {
+                extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = info.clone();
+            }
             "anisotropy" => extensions["KHR_materials_anisotropy"]["anisotropyTexture"] = info.clone(),
             "diffuse_transmission" => {
                 extensions["KHR_materials_diffuse_transmission"]["diffuseTransmissionTexture"] = info.clone();

@@ -155,7 +155,7 @@ pub(crate) fn uniform(image: &Texture) -> Option<[f64; 3]> {
 }
 
 /// Whether a normal map of this colour leaves normals as they are, up to its rounding to 8 bits.
-fn is_flat([x, y, z]: [f64; 3]) -> bool {
+pub(super) fn is_flat([x, y, z]: [f64; 3]) -> bool {
     let tilt = |part: f64| (part - 0.5).abs() <= 0.5 / 255.0 + 1e-9;
     tilt(x) && tilt(y) && z > 0.5
 }

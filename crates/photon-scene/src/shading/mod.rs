@@ -118,6 +118,8 @@ fn add_materials(
         let anisotropy = anisotropy::record(desc, add(textures.anisotropy));
         let (color, share) = (add(textures.diffuse_transmission_color), add(textures.diffuse_transmission));
         tables.diffuse_transmissions.push(diffuse_transmission::record(desc, color, share));
+        let coat = add(textures.clearcoat_normal);
+        tables.clearcoat_normals.push(clearcoat::record(desc, coat));
         let textures = MaterialTextures {
             base_color,
             emission: add(textures.emission),
@@ -139,6 +141,9 @@ fn add_materials(
     }
     if tables.diffuse_transmissions.iter().all(|entry| entry.factor == 0.0) {
         tables.diffuse_transmissions = Vec::new();
+    }
+    if tables.clearcoat_normals.iter().all(|entry| entry.is_own == 0) {
+        tables.clearcoat_normals = Vec::new();
     }
     sets
 }

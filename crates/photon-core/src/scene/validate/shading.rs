@@ -4,7 +4,9 @@ use super::{Check, each, index, require};
 use crate::error::{Error, Result};
 use crate::scene::SceneView;
 use crate::scene::material::{Material, MaterialKind};
-use crate::scene::texture::{Anisotropy, DiffuseTransmission, MaterialTextures, ShadingTables, Texture, TextureUse};
+use crate::scene::texture::{
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, ShadingTables, Texture, TextureUse,
+};
 
 /// Largest number of texels in a row, and of rows: their indices stay exact in `f32`.
 const MAX_TEXELS: u32 = 65_536;
@@ -34,14 +36,17 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
     each("texture use", tables.uses, |used| check_use(used, tables.textures.len(), sets))?;
     each("anisotropy", tables.anisotropies, |anisotropy| check_anisotropy(anisotropy, tables.uses.len()))?;
     each("material_textures entry", tables.material_textures, |material| check_material(material, tables))?;
-    let (count, entries) = (tables.diffuse_transmissions.len(), tables.material_textures.len());
-    if count != 0 && count != entries {
-        return Err(Error::InvalidScene {
-            what: "shading.diffuse_transmissions",
-            value: format!("{count} entries for {entries} of material_textures"),
-            hint: "it must be empty, or have one for each",
-        });
+    for (what, count) in [
+        ("shading.diffuse_transmissions", tables.diffuse_transmissions.len()),
+        ("shading.clearcoat_normals", tables.clearcoat_normals.len()),
+    ] {
+        let entries = tables.material_textures.len();
+        if count != 0 && count != entries {
+            let value = format!("{count} entries for {entries} of material_textures");
+            return Err(Error::InvalidScene { what, value, hint: "it must be empty, or have one for each" });
+        }
     }
+    each("clearcoat_normals entry", tables.clearcoat_normals, |entry| check_clearcoat(entry, tables))?;
     each("diffuse_transmissions entry", tables.diffuse_transmissions, |entry| {
         check_transmission(entry, tables.uses.len())
     })?;
@@ -55,6 +60,17 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
             "it must be glossy and have Material::DIFFUSE_TRANSMISSION, or its entry of diffuse_transmissions the factor 0"
                 .to_owned()
         })
+    })
+}
+
+fn check_clearcoat(of: &ClearcoatNormal, tables: &ShadingTables<'_>) -> Check {
+    let (scale, used, uses) = (of.scale, of.texture, tables.uses.len());
+    require(scale.is_finite(), || format!("its scale {scale} must be finite"))?;
+    require(used == MaterialTextures::NONE || (used as usize) < uses, || {
+        format!("its texture {used} is out of range, {uses} uses exist")
+    })?;
+    require(used == MaterialTextures::NONE || !tables.tangents.is_empty(), || {
+        "it has a normal map, but the scene has no tangents".to_owned()
     })
 }
 

@@ -44,7 +44,7 @@ pub(super) fn describe(
     let mut parameters = parameters::read(root, index, textures, &subject, builder, &mut lines)?;
     let surface = surface(&mut parameters, &subject, &mut lines);
     close_solid(&mut parameters, &surface, &subject, &mut lines);
-    check_clearcoat(material, &parameters, &surface, &subject, &mut lines);
+    check_clearcoat(&parameters, &surface, &subject, &mut lines);
     if parameters.anisotropy[0] > 0.0 && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
         lines.left_out(&subject, "its anisotropy, which glass does not have here");
     }
@@ -181,19 +181,12 @@ fn close_solid(of: &mut Parameters, surface: &Surface, subject: &str, report: &m
 }
 
 /// Reports what of a clearcoat is not modelled.
-fn check_clearcoat(material: &Material, of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
+fn check_clearcoat(of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
     if of.clearcoat[0] == 0.0 {
         return;
     }
     if matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
         return report.left_out(subject, "its clearcoat, which glass does not have here");
-    }
-    let others = material.extensions.as_ref().and_then(|extensions| extensions.others.get(parameters::CLEARCOAT));
-    if others.is_some_and(|clearcoat| clearcoat.get("clearcoatNormalTexture").is_some()) {
-        report.left_out(subject, "the normal map of its clearcoat");
-    }
-    if of.textures.normal.is_some() {
-        report.approximated(subject, "its clearcoat has the normal map of the surface below");
     }
     if of.emission != [0.0; 3] {
         report.approximated(subject, "its clearcoat does not dim its emission");

@@ -151,6 +151,14 @@ pub(super) fn read(
     let is_clear = number("clearcoatFactor") > 0.0;
     let weight = means.image(slot("clearcoatTexture").filter(|_| is_clear), CLEARCOAT_WEIGHT)?;
     let rough = means.image(slot("clearcoatRoughnessTexture").filter(|_| is_clear), CLEARCOAT_ROUGHNESS)?;
+    let coat_map = slot("clearcoatNormalTexture").filter(|_| is_clear);
+    let coat_normal = means.image(coat_map, NORMAL_MAP)?.and_then(|map| map.used);
+    if coat_map.is_some_and(|slot| slot.is_turned) {
+        means
+            .report
+            .note(subject, "the normal map of its clearcoat is turned; tangents of the file are taken to be too");
+    }
+    let coat_scale = clear.and_then(|clear| numbers(clear.get("clearcoatNormalTexture")?, "scale"));
     let uniform = |used: Option<Used>, channel: usize| {
         used.filter(|used| used.used.is_none()).map_or(1.0, |used| used.mean.plain[channel])
     };
@@ -203,6 +211,8 @@ pub(super) fn read(
             specular_color: tint.and_then(|tint| tint.used),
             clearcoat: weight.and_then(|weight| weight.used),
             clearcoat_roughness: rough.and_then(|rough| rough.used),
+            clearcoat_normal: coat_normal,
+            clearcoat_normal_scale: coat_scale.filter(|_| coat_normal.is_some()).map_or(1.0, |[scale]| scale),
             anisotropy: direction.and_then(|direction| direction.used),
             diffuse_transmission: shares.and_then(|shares| shares.used),
             diffuse_transmission_color: colors.and_then(|colors| colors.used),

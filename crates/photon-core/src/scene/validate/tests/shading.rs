@@ -4,7 +4,8 @@ use super::Tables;
 use crate::scene::SceneView;
 use crate::scene::material::Material;
 use crate::scene::texture::{
-    Anisotropy, DiffuseTransmission, Filter, MaterialTextures, ShadingTables, TexelFormat, Texture, TextureUse, Wrap,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, ShadingTables, TexelFormat, Texture,
+    TextureUse, Wrap,
 };
 
 /// Vertex attributes of two triangles, and a texture that the first material uses.
@@ -16,6 +17,7 @@ struct Shading {
     material_textures: Vec<MaterialTextures>,
     anisotropies: Vec<Anisotropy>,
     diffuse_transmissions: Vec<DiffuseTransmission>,
+    clearcoat_normals: Vec<ClearcoatNormal>,
     uses: Vec<TextureUse>,
     textures: Vec<Texture>,
 }
@@ -45,6 +47,7 @@ impl Shading {
             }],
             anisotropies: vec![Anisotropy { strength: 1.0, direction: [0.6, -0.8], texture: 0 }],
             diffuse_transmissions: vec![DiffuseTransmission { color_texture: 0, ..DiffuseTransmission::NONE }],
+            clearcoat_normals: vec![ClearcoatNormal { is_own: 1, texture: 0, ..ClearcoatNormal::NONE }],
             uses: vec![TextureUse { uv_set: 1, ..TextureUse::new(0) }],
             textures: vec![texture],
         }
@@ -58,6 +61,7 @@ impl Shading {
             material_textures: &self.material_textures,
             anisotropies: &self.anisotropies,
             diffuse_transmissions: &self.diffuse_transmissions,
+            clearcoat_normals: &self.clearcoat_normals,
             uses: &self.uses,
             textures: &self.textures,
             ..ShadingTables::default()
@@ -73,7 +77,7 @@ type Case = (fn(&mut Shading), &'static str);
 #[test]
 fn invalid_attributes_and_textures_are_named() {
     Shading::new().check().unwrap();
-    let cases: [Case; 25] = [
+    let cases: [Case; 29] = [
         (|s| s.normals.truncate(1), "scene view: shading.normals is 1 entries for 2 triangles"),
         (|s| s.tangents.truncate(1), "scene view: shading.tangents is 1"),
         (|s| s.tangents.clear(), "material_textures entry 0: it has a normal map, but the scene has no tangents"),
@@ -93,6 +97,16 @@ fn invalid_attributes_and_textures_are_named() {
                 s.tangents.clear();
             },
             "material_textures entry 0: it is anisotropic, but the scene has no tangents",
+        ),
+        (|s| s.clearcoat_normals.push(ClearcoatNormal::NONE), "scene view: shading.clearcoat_normals is 2"),
+        (|s| s.clearcoat_normals[0].scale = f32::INFINITY, "clearcoat_normals entry 0: its scale inf"),
+        (|s| s.clearcoat_normals[0].texture = 1, "clearcoat_normals entry 0: its texture 1 is out of range"),
+        (
+            |s| {
+                (s.material_textures[0].normal, s.material_textures[0].anisotropy) = (u32::MAX, u32::MAX);
+                s.tangents.clear();
+            },
+            "clearcoat_normals entry 0: it has a normal map, but the scene has no tangents",
         ),
         (|s| s.diffuse_transmissions.push(DiffuseTransmission::NONE), "scene view: shading.diffuse_transmissions is 2"),
         (|s| s.diffuse_transmissions[0].factor = f32::NAN, "diffuse_transmissions entry 0: its factor NaN"),

@@ -235,8 +235,12 @@ fn clearcoats_are_read() {
     let (material, report) = read(&of(r#""clearcoatRoughnessFactor": 0.25"#));
     assert_eq!([material.clearcoat, material.clearcoat_roughness], [0.0; 2]);
     assert!(report.lines.is_empty(), "{report}");
-    let (_, report) = read(&of(r#""clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0}"#));
-    assert!(says(&report, "it", "the normal map of its clearcoat"), "{report}");
+    let bumpy = r#""clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0, "scale": 0.5}"#;
+    let (builder, report) = textured(&of(bumpy), &[[51, 102, 230, 255], [128, 128, 255, 255]]).load();
+    let found = &builder.materials[0].textures;
+    let image = &builder.textures[found.clearcoat_normal.unwrap().texture.0 as usize].image;
+    assert_eq!((image.format, found.clearcoat_normal_scale, found.normal), (TexelFormat::Linear8, 0.5, None));
+    assert!(is_exact(&report), "{report}");
 
     let textures = r#""clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 1, "clearcoatTexture": {"index": 0}, "clearcoatRoughnessTexture": {"index": 0}"#;
     let texels = [[51, 102, 0, 255], [255, 0, 0, 255]];

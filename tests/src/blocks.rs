@@ -4,7 +4,7 @@ use std::ops::{ControlFlow, Range};
 
 use photon_core::{
     Blocks, Budget, CausticPhotons, Error, Event, Film, PassSet, Pipeline, Render, Settings, View, render,
-    render_blocks,
+    render_blocks, render_blocks_in_parallel,
 };
 
 use crate::harness::TestBackend;
@@ -33,6 +33,7 @@ pub fn films_of_blocks<T: TestBackend>() {
     single_passes_add_up(&mut renderer);
     a_break_said_once_stops(&mut renderer);
     radii_are_restored(&mut renderer);
+    renderers_share_blocks::<T>(renderer);
 }
 
 /// The film of blocks that are added to `film`, and whether the observer stopped them at event `stop_at`.
@@ -134,4 +135,27 @@ fn radii_are_restored(renderer: &mut dyn Render) {
     }
     renderer.set_radii(&radii).unwrap();
     assert!(blocks(renderer, 0..1, 1, None, 0).0 == expected);
+}
+
+/// Two renderers render the film of one, with the radii of the first; renderers with other passes are refused.
+fn renderers_share_blocks<T: TestBackend>(mut one: Pipeline<T::On>) {
+    let (expected, _) = blocks(&mut one, 0..6, 1, None, 0);
+    let mut two = pipeline::<T>();
+    let wider: Vec<f32> = two.radii().iter().map(|radius| 2.0 * radius).collect();
+    two.set_radii(&wider).unwrap();
+    let mut both: Vec<Box<dyn Render>> = vec![Box::new(one), Box::new(two)];
+    let six = Blocks::new(0..6, 1).unwrap();
+    let mut film = None;
+    let results = render_blocks_in_parallel(&mut both, &six, &mut film, &mut (), &mut |_| Ok(())).unwrap();
+    assert!(film == Some(expected), "the film of one");
+    assert_eq!((results.outcome.passes, results.outcome.cancelled), (6, false));
+
+    let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
+    let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+    let fewer = Settings { photons: 2999, errors: true, seed: 5, ..Settings::default() };
+    both[1] = Box::new(Pipeline::new(T::make(2), &scene.view(), view, fewer).unwrap());
+    for mut renderers in [both, Vec::new()] {
+        let error = render_blocks_in_parallel(&mut renderers, &six, &mut None, &mut (), &mut |_| Ok(())).unwrap_err();
+        assert!(matches!(error, Error::InvalidSetting { name: "renderers", .. }), "{error}");
+    }
 }

@@ -15,11 +15,13 @@ mod groups;
 #[cfg(test)]
 mod tests;
 mod values;
+mod watch;
 
 pub use environment::{EnvironmentArgs, EnvironmentName};
 pub use film::FilmArgs;
 pub use groups::{BudgetArgs, EstimateArgs, LightArgs, MachineArgs, OutputArgs, PhotonArgs, PictureArgs, SceneArgs};
 pub use values::PassRange;
+pub use watch::WatchArgs;
 
 /// Parser of the names of photon map data structures.
 pub(crate) fn index_names() -> impl TypedValueParser<Value = IndexKind> {
@@ -69,6 +71,9 @@ pub struct RenderArgs {
     /// Backend, threads and memory.
     #[command(flatten)]
     pub machine: MachineArgs,
+    /// Where the picture is shown while it is rendered.
+    #[command(flatten)]
+    pub watch: WatchArgs,
     /// Same as `photonmap scenes`.
     #[arg(long, hide = true)]
     pub list: bool,

@@ -58,6 +58,39 @@ pub fn open(name: BackendName, threads: Option<usize>) -> Result<Chosen, Fault> 
     }
 }
 
+/// Opens the Vulkan devices of `--device`, at least one; `all` is all suitable GPUs. A device that is listed twice is opened
+/// twice.
+///
+/// # Errors
+/// [`Fault::Input`] naming the device that is unknown or not suitable.
+pub fn open_devices(wanted: &[String]) -> Result<Vec<Vulkan>, Fault> {
+    let wanted = if wanted == ["all"] { gpus()? } else { wanted.to_vec() };
+    wanted.iter().map(|device| open_device(device)).collect()
+}
+
+/// Opens a Vulkan device by its index or a part of its name.
+///
+/// # Errors
+/// [`Fault::Input`] naming the device that is unknown or not suitable.
+pub fn open_device(wanted: &str) -> Result<Vulkan, Fault> {
+    let mut options = Options::default();
+    options.disk_cache = true;
+    options.device = Some(wanted.to_owned());
+    let on = Vulkan::with_options(&options)
+        .map_err(|error| Fault::Input(format!("--device {wanted}: {}", why_not(&error))))?;
+    eprintln!("backend: vulkan on {}, as requested", device(&on));
+    Ok(on)
+}
+
+/// Indices of all suitable devices that are not software drivers.
+fn gpus() -> Result<Vec<String>, Fault> {
+    let fault = |why: String| Fault::Input(format!("--device all: {why}"));
+    let found = backend_vulkan::devices().map_err(|error| fault(why_not(&error)))?;
+    worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>()).map_err(fault)?;
+    let suitable = found.iter().filter(|device| device.lacks.is_empty() && device.kind != SOFTWARE);
+    Ok(suitable.map(|device| device.index.to_string()).collect())
+}
+
 fn cpu(threads: Option<usize>) -> Result<Chosen, Fault> {
     Ok(Chosen::Cpu(match threads {
         Some(threads) => Cpu::with_threads(threads)?,

@@ -22,3 +22,4 @@ pub mod relmse;
 pub mod report;
 pub mod stdout;
 pub mod tonemap;
+pub(crate) mod watch;

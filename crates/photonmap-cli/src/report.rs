@@ -13,6 +13,10 @@ pub struct Details<'a> {
     pub environment: Option<&'a str>,
     /// Width and height in pixels.
     pub size: (u32, u32),
+    /// The devices that rendered.
+    pub device: &'a str,
+    /// Passes in a block; `None`: passes were added one by one on the device.
+    pub grain: Option<u32>,
     /// The settings.
     pub settings: &'a Settings,
     /// Result of the passes.
@@ -65,7 +69,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         "environment": details.environment,
         "size": [details.size.0, details.size.1],
         "backend": facts.backend,
-        "device": facts.device,
+        "device": details.device,
         "requirements": {
             "features": required.features.names().collect::<Vec<_>>(),
             "shadow_rays": required.shadow_rays,
@@ -128,7 +132,8 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
             "total": details.seconds_total,
         },
         "photons_per_second": if tracing > 0.0 { tally.emitted as f64 / tracing } else { 0.0 },
-        "settings": format!("{:?}", details.settings),
+        "grain": details.grain,
+        "settings": details.settings,
         "report": details.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": details.warnings,
     })

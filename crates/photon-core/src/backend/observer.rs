@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::backend::StageTimings;
 use crate::backend::tally::Tally;
+use crate::film::Film;
 use crate::film::forecast::Forecast;
 use crate::requirements::map_kind::PerMap;
 
@@ -24,6 +25,8 @@ pub enum Event<'a> {
     PassDone(&'a PassReport),
     /// The current error estimate, and a forecast for more passes.
     Forecast(&'a Forecast),
+    /// The film so far, after a pass for which [`Observer::wants_film`] returned true.
+    Film(&'a Film),
     /// A warning for the user.
     Warning(&'a str),
 }
@@ -32,6 +35,17 @@ pub enum Event<'a> {
 pub trait Observer {
     /// [`ControlFlow::Break`] asks to stop as soon as the film is valid.
     fn on_event(&mut self, event: &Event<'_>) -> ControlFlow<()>;
+
+    /// Whether to report the film as [`Event::Film`] now that it has this number of passes. Without blocks, it is copied
+    /// from the device, which takes time, and memory for another film. By default false.
+    fn wants_film(&mut self, _passes: u32) -> bool {
+        false
+    }
+}
+
+/// Asks the observer whether to continue, and shows it a film if it wants one.
+pub(crate) fn show(film: &Film, observer: &mut dyn Observer) -> ControlFlow<()> {
+    if observer.wants_film(film.passes) { observer.on_event(&Event::Film(film)) } else { ControlFlow::Continue(()) }
 }
 
 /// Ignores all events, and never stops.

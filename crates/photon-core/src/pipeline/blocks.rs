@@ -2,7 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 
-use crate::backend::observer::Observer;
+use crate::backend::observer::{Observer, show};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::film::pass_set::PassSet;
@@ -108,27 +108,9 @@ pub fn render_blocks(
     let mut results = BlockOutcome::default();
     for start in blocks.passes().step_by(blocks.grain as usize) {
         let (block, flow) = block(renderer, start..start + blocks.grain, observer, &mut results.outcome)?;
-        if block.cut || block.passes < blocks.grain {
-            results.outcome.cancelled = true;
-            results.unfinished = (block.passes > 0).then_some(block);
-            break;
-        }
-        if block.passes > blocks.grain {
-            return Err(Error::InvalidSetting {
-                name: "film of the renderer",
-                value: format!("of {} passes", block.passes - blocks.grain),
-                hint: "must be empty before blocks are rendered; take it first",
-            });
-        }
-        let film = match film {
-            Some(film) => {
-                film.merge(&block)?;
-                film
-            }
-            None => film.insert(block),
-        };
+        let Some(film) = add(film, block, blocks.grain, &mut results)? else { break };
         after_block(film)?;
-        if flow.is_break() {
+        if flow.is_break() || show(film, observer).is_break() {
             results.outcome.cancelled = start + blocks.grain < blocks.passes.end;
             break;
         }
@@ -139,8 +121,36 @@ pub fn render_blocks(
     Ok(results)
 }
 
+/// Adds a block to the film and returns the film; `None` for a block that was stopped, which is kept in `results`.
+pub(super) fn add<'a>(
+    film: &'a mut Option<Film>,
+    block: Film,
+    grain: u32,
+    results: &mut BlockOutcome,
+) -> Result<Option<&'a Film>> {
+    if block.cut || block.passes < grain {
+        results.outcome.cancelled = true;
+        results.unfinished = (block.passes > 0).then_some(block);
+        return Ok(None);
+    }
+    if block.passes > grain {
+        return Err(Error::InvalidSetting {
+            name: "film of the renderer",
+            value: format!("of {} passes", block.passes - grain),
+            hint: "must be empty before blocks are rendered; take it first",
+        });
+    }
+    match film {
+        Some(film) => {
+            film.merge(&block)?;
+            Ok(Some(film))
+        }
+        None => Ok(Some(film.insert(block))),
+    }
+}
+
 /// Renders the passes of a block until the observer asks to stop. If there is an error, the passes are discarded.
-fn block(
+pub(super) fn block(
     renderer: &mut dyn Render,
     passes: Range<u32>,
     observer: &mut dyn Observer,

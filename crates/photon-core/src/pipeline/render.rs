@@ -139,6 +139,16 @@ impl Outcome {
         self.seconds.merge(&report.seconds);
         self.last = Some(report);
     }
+
+    /// Adds the passes of another outcome, which come after these.
+    pub(super) fn add_all(&mut self, other: Self) {
+        self.passes += other.passes;
+        self.paths += other.paths;
+        self.tally.merge(&other.tally);
+        self.aimed.merge(&other.aimed);
+        self.seconds.merge(&other.seconds);
+        self.last = other.last.or(self.last.take());
+    }
 }
 
 /// The share of pixels for a forecast if the budget has none.
@@ -176,6 +186,10 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
         };
         outcome.add(report);
         if flow.is_break() {
+            outcome.cancelled = outcome.passes < plan.passes();
+            break;
+        }
+        if observer.wants_film(outcome.passes) && observer.on_event(&Event::Film(&renderer.film()?)).is_break() {
             outcome.cancelled = outcome.passes < plan.passes();
             break;
         }

@@ -4,6 +4,8 @@ pub(crate) mod budget;
 pub(crate) mod kernel;
 pub(crate) mod option_names;
 pub(crate) mod preset;
+#[cfg(feature = "serde")]
+mod serialized;
 
 use crate::error::{Error, Result};
 use crate::settings::kernel::Kernel;
@@ -44,6 +46,8 @@ pub enum Estimator {
 
 /// Parameters of the estimator of Lin and Wang 2010.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 // Exhaustive: written as a literal with `..Paper::default()`.
 pub struct Paper {
     /// Maximum number of photons; the radius shrinks to the farthest of them. ≥ 1.
@@ -156,7 +160,14 @@ pub enum CausticPhotons {
 }
 
 /// Settings that a user chooses. Lengths are in user space.
+///
+/// With the feature `serde` they are read and written, for example as JSON: an object of fields, all of which are
+/// optional. Choices are written as in the program's options (`"index": "morton"`, `"kernel": "cone:1.5"`,
+/// `"caustic_photons": 100000`), estimators also with parameters (`"estimator": {"knn": {"k": 50}}`). An unknown field is
+/// an error; ranges are checked by [`Settings::validate`], that is, by the renderer.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 // Exhaustive: written as a literal with `..Settings::default()`, which stays valid when fields are added.
 pub struct Settings {
     /// Paths emitted per pass, ≥ 1.

@@ -20,8 +20,10 @@ pub struct FilmArgs {
     /// How often the film file is written: a time such as 30s, 5min or 1h; 0s: after every block.
     #[arg(long, value_name = "TIME", default_value = "5min", value_parser = duration, requires = "film", hide_short_help = true)]
     pub checkpoint: Duration,
-    /// Passes in a block. A film contains whole blocks, and the film of a job array is that of a single render, bit by bit,
-    /// if each job renders one block.
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "film", hide_short_help = true)]
-    pub grain: u32,
+    /// Passes in a block [default: 1; with several devices but no --film, such that each renders two blocks or more].
+    ///
+    /// Passes are added in order within each block, and blocks in order: the picture depends on the grain in its last bits. A film contains whole blocks, and the film of a job array is that of a single render, bit by bit, if each job renders
+    /// one block.
+    #[arg(long, value_name = "N", hide_short_help = true)]
+    pub grain: Option<u32>,
 }

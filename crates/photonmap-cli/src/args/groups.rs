@@ -229,12 +229,25 @@ pub struct MachineArgs {
     /// Backend that computes.
     #[arg(long, value_enum, default_value_t = BackendName::Auto)]
     pub backend: BackendName,
+    /// Vulkan devices: indices or parts of names as in `photonmap devices`, separated by commas, or `all` for all GPUs.
+    ///
+    /// Several devices render blocks of --grain passes. If they are of one kind, the picture does not depend on their number.
+    /// Passes are then given by --passes or --total-photons, as with --film.
+    #[arg(long, value_name = "A,B,…|all", value_delimiter = ',', hide_short_help = true)]
+    pub device: Vec<String>,
     /// Number of threads on the CPU [default: all cores].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub threads: Option<usize>,
     /// Limit on the memory of the process, such as 2GiB; passes then have fewer photons, and there are more passes.
     #[arg(long, value_name = "SIZE", value_parser = crate::memory::parse, hide_short_help = true)]
     pub memory: Option<u64>,
+}
+
+impl MachineArgs {
+    /// Whether `--device` may choose several devices.
+    pub(crate) fn several(&self) -> bool {
+        self.device.len() > 1 || self.device == ["all"]
+    }
 }
 
 impl PictureArgs {

@@ -11,6 +11,7 @@ mod map_search;
 pub mod merge;
 pub mod picture;
 pub mod render;
+mod render_blocks;
 mod render_film;
 pub mod scenes;
 

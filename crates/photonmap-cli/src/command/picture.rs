@@ -31,13 +31,13 @@ pub struct PictureArgs {
 
 /// How a film becomes a picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
+pub(crate) struct Look {
     /// Whether the background is transparent.
-    pub(super) transparent: bool,
+    pub(crate) transparent: bool,
     /// Exposure of a PNG.
-    pub(super) exposure: Exposure,
+    pub(crate) exposure: Exposure,
     /// Tone curve of a PNG.
-    pub(super) tonemap: ToneMap,
+    pub(crate) tonemap: ToneMap,
 }
 
 /// Reads the film and writes the pictures.
@@ -76,7 +76,7 @@ pub fn run(args: &PictureArgs) -> Result<(), Fault> {
 }
 
 /// Checks that a name is that of a picture.
-pub(super) fn check_name(path: &Path) -> Result<(), Fault> {
+pub(crate) fn check_name(path: &Path) -> Result<(), Fault> {
     if is_exr(path) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         return Ok(());
     }
@@ -88,15 +88,26 @@ pub(super) fn is_exr(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
 }
 
-/// Writes the picture of a film; an EXR has the attributes.
+/// Writes the picture of a film, and prints an automatic exposure; an EXR has the attributes.
 pub(super) fn write(path: &Path, film: &Film, look: Look, attributes: &[(String, String)]) -> Result<(), Fault> {
+    let stops = write_quietly(path, film, look, attributes)?;
+    if let Some(stops) = stops.filter(|_| look.exposure == Exposure::Auto) {
+        eprintln!("exposure of {}: {stops:.2} stops", path.display());
+    }
+    Ok(())
+}
+
+/// As [`write()`], without a message. Returns the exposure of a PNG.
+pub(crate) fn write_quietly(
+    path: &Path,
+    film: &Film,
+    look: Look,
+    attributes: &[(String, String)],
+) -> Result<Option<f32>, Fault> {
     if is_exr(path) {
-        return exr_file::write(path, film, look.transparent, attributes);
+        return exr_file::write(path, film, look.transparent, attributes).map(|()| None);
     }
     let picture = Picture::new(film, look.transparent);
     let stops = look.exposure.stops(&exposure::measured(&picture.colours, &film.alpha()));
-    if look.exposure == Exposure::Auto {
-        eprintln!("exposure of {}: {stops:.2} stops", path.display());
-    }
-    png_file::write(path, &picture, look.tonemap, stops)
+    png_file::write(path, &picture, look.tonemap, stops).map(|()| Some(stops))
 }

@@ -1,6 +1,7 @@
 //! `photonmap render`
 #![expect(clippy::print_stderr, reason = "warnings and the closing line go to standard error")]
 
+use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,11 +16,12 @@ use photon_scene::Scene;
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen};
 use crate::command::picture::{self, Look};
-use crate::command::render_film;
+use crate::command::{render_blocks, render_film};
 use crate::fault::Fault;
 use crate::forecast_text::{error_line, forecast_lines};
 use crate::progress::{Limit, Progress};
 use crate::report::{self, Details};
+use crate::watch::{Watch, Watching};
 use crate::{atomic_write, load, memory, stdout};
 
 /// Renders the scene and writes the files.
@@ -31,26 +33,44 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     args.files.check()?;
     let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     let outputs = outputs(args)?;
-    render_film::check(args, &settings)?;
+    render_blocks::check(args, &settings)?;
+    render_film::check(args)?;
     let json = args.files.json.iter().filter(|path| path.as_os_str() != "-");
     outputs.iter().chain(json).try_for_each(|path| atomic_write::check(path))?;
+    let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
+    let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
     let begun = Instant::now();
     let (scene, loaded) = load::scene(&args.scene)?;
     let seconds_load = begun.elapsed().as_secs_f64();
     let view = args.settings.picture.view(&scene)?;
-    let mut renderer = start(args, &scene, view, &settings)?;
+    let mut renderers = start(args, &scene, view, &settings)?;
     let mut warnings = scene.warnings().to_vec();
-    let starving = starving(&scene, &*renderer);
+    let starving = starving(&scene, &*renderers[0]);
     starving.iter().for_each(|warning| eprintln!("warning: {warning}"));
     warnings.extend(starving);
 
     let stop = interrupt()?;
     let (outcome, film, mut filed) = match &args.film.film {
         Some(path) => {
-            let film = render_film::run(path, args, (&scene, &view, &settings), &mut *renderer, &stop)?;
+            let film = render_film::run(path, args, (&scene, &view, &settings), &mut renderers, (&mut watch, &stop))?;
             (film.outcome, film.film, Some((path, film.filed)))
         }
-        None => (passes(args, settings.photons, &mut *renderer, begun, &stop)?, renderer.film()?, None),
+        None if render_blocks::in_blocks(args) => {
+            let (outcome, film) = render_blocks::run(args, &settings, &mut renderers, &mut watch, &stop)?;
+            (outcome, film, None)
+        }
+        None => {
+            let renderer = &mut *renderers[0];
+            (passes(args, settings.photons, renderer, begun, (&mut watch, &stop))?, renderer.film()?, None)
+        }
+    };
+    watch.finish(&film);
+    let renderer = &*renderers[0];
+    let device = render_blocks::devices(&renderers);
+    let grain = if render_blocks::in_blocks(args) {
+        Some(render_blocks::blocks(args, settings.photons, renderers.len())?.grain())
+    } else {
+        None
     };
     let seconds_total = begun.elapsed().as_secs_f64();
     if let Some(warning) = too_deep(&outcome) {
@@ -62,6 +82,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         scene: &args.scene.scene,
         environment: scene.environment_text(),
         size: args.settings.picture.size,
+        device: &device,
+        grain,
         settings: &settings,
         outcome: &outcome,
         load: &loaded,
@@ -75,11 +97,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         written.push(format!("{} ({} passes)", path.display(), film.passes));
     }
     for output in &outputs {
-        save(args, output, &film, &*renderer, &details)?;
+        save(args, output, (&film, look), renderer, &details)?;
         written.push(output.display().to_string());
     }
     if let Some(path) = &args.files.json {
-        let text = format!("{:#}\n", report::json(&*renderer, &details));
+        let text = format!("{:#}\n", report::json(renderer, &details));
         if path.as_os_str() == "-" {
             stdout::write(text.as_bytes())?;
         } else {
@@ -171,15 +193,31 @@ fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
     few.map(warning).collect()
 }
 
-fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &Settings) -> Result<Box<dyn Render>, Fault> {
-    let chosen = backend::open(args.machine.backend, args.machine.threads)?;
+/// A renderer for each device, at least one.
+fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &Settings) -> Result<Vec<Box<dyn Render>>, Fault> {
+    if args.machine.several() {
+        let devices = backend::open_devices(&args.machine.device)?;
+        // The devices of one host compile their kernels at the same time.
+        return std::thread::scope(|threads| {
+            let start = |on| threads.spawn(move || pipeline(on, scene, view, settings));
+            let starting: Vec<_> = devices.into_iter().map(start).collect();
+            starting
+                .into_iter()
+                .map(|renderer| renderer.join().map_err(|_| Fault::failure("a device failed"))?)
+                .collect()
+        });
+    }
+    let chosen = match args.machine.device.as_slice() {
+        [device] => Chosen::Vulkan(Box::new(backend::open_device(device)?)),
+        _ => backend::open(args.machine.backend, args.machine.threads)?,
+    };
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
     let settings = &Settings { memory, ..settings.clone() };
-    match chosen {
-        Chosen::Cpu(on) => pipeline(on, scene, view, settings),
-        Chosen::Vulkan(on) => pipeline(*on, scene, view, settings),
-    }
+    Ok(vec![match chosen {
+        Chosen::Cpu(on) => pipeline(on, scene, view, settings)?,
+        Chosen::Vulkan(on) => pipeline(*on, scene, view, settings)?,
+    }])
 }
 
 fn pipeline<B: TransportBackend>(
@@ -196,7 +234,7 @@ fn passes(
     photons: u32,
     renderer: &mut dyn Render,
     started: Instant,
-    stop: &AtomicBool,
+    (watch, stop): (&mut Watch, &AtomicBool),
 ) -> Result<Outcome, Fault> {
     // The requested time is that of the whole program.
     let limit = args.settings.budget.time.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX));
@@ -213,7 +251,7 @@ fn passes(
         }
         plan.most_passes = plan.most_passes.map(more);
     }
-    let mut progress = Progress::new(match (plan.until, time) {
+    let progress = RefCell::new(Progress::new(match (plan.until, time) {
         (Budget::Error { .. }, Some(time)) => Limit::Time(time),
         (Budget::Time(time), _) if plan.most_passes.is_none() => Limit::Time(time),
         (Budget::Passes(passes), _) => Limit::Passes(passes),
@@ -221,21 +259,22 @@ fn passes(
             Limit::Passes(u32::try_from(all.div_ceil(u64::from(each.max(1)))).unwrap_or(u32::MAX))
         }
         _ => plan.most_passes.map_or(Limit::Open, Limit::Passes),
-    });
+    }));
     let mut forecast_shown = false;
-    let mut observer = |event: &Event<'_>| {
+    let inner = |event: &Event<'_>| {
         match event {
-            Event::PassDone(pass) => progress.passes(pass.index + 1 - plan.first),
+            Event::PassDone(pass) => progress.borrow_mut().passes(pass.index + 1 - plan.first),
             Event::Forecast(forecast) if !std::mem::replace(&mut forecast_shown, true) => {
-                progress.say(&forecast_lines(forecast, photons));
+                progress.borrow().say(&forecast_lines(forecast, photons));
             }
-            Event::Warning(text) => progress.say(&format!("warning: {text}")),
+            Event::Warning(text) => progress.borrow().say(&format!("warning: {text}")),
             _ => {}
         }
         if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let outcome = render(renderer, plan, &mut observer);
-    progress.finish();
+    let mut say = |text: &str| progress.borrow().say(text);
+    let outcome = render(renderer, plan, &mut Watching { watch, inner, say: &mut say });
+    progress.into_inner().finish();
     let outcome = outcome?;
     if let Some(reached) = &outcome.reached {
         eprintln!("{}", error_line("result", reached));
@@ -255,11 +294,10 @@ fn writing(args: &RenderArgs) -> Duration {
 fn save(
     args: &RenderArgs,
     path: &Path,
-    film: &Film,
+    (film, look): (&Film, Look),
     renderer: &dyn Render,
     details: &Details<'_>,
 ) -> Result<(), Fault> {
-    let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
     if !picture::is_exr(path) {
         return picture::write(path, film, look, &[]);
     }
@@ -275,7 +313,7 @@ fn save(
         ("photon:photons_per_pass", facts.photons.to_string()),
         ("photon:settings", format!("{:?}", details.settings)),
         ("photon:backend", facts.backend.to_owned()),
-        ("photon:device", facts.device),
+        ("photon:device", details.device.to_owned()),
         ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
         ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
     ];

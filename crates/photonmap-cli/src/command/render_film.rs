@@ -2,21 +2,20 @@
 #![expect(clippy::print_stderr, reason = "warnings go to standard error")]
 
 use std::io::ErrorKind;
-use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use photon_core::{
-    Bandwidth, BlockOutcome, Blocks, Budget, Event, Film, Outcome, Render, Settings, View, render_blocks,
-};
+use photon_core::{BlockOutcome, Film, Outcome, Render, Settings, View};
 use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
 
 use crate::args::RenderArgs;
 use crate::atomic_write;
+use crate::command::render_blocks;
 use crate::fault::Fault;
-use crate::progress::{Limit, Progress};
+use crate::progress::Progress;
+use crate::watch::Watch;
 
 /// A render into a film file.
 pub(super) struct FilmOfRender {
@@ -27,43 +26,13 @@ pub(super) struct FilmOfRender {
     pub(super) filed: Result<bool, Fault>,
 }
 
-/// Checks the options, before anything is loaded: what stops a render or changes its passes must not depend on time, nor
-/// on passes that are not in the film.
-pub(super) fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault> {
+/// Checks the name of the film file, before anything is loaded.
+pub(super) fn check(args: &RenderArgs) -> Result<(), Fault> {
     let Some(path) = &args.film.film else { return Ok(()) };
-    let budget = &args.settings.budget;
-    for (option, given) in [("--time", budget.time.is_some()), ("--target-error", budget.target_error.is_some())] {
-        if given {
-            return Err(Fault::input(format!(
-                "{option}: the passes of a film must not depend on when it is interrupted; with --film, give --passes"
-            )));
-        }
-    }
-    if settings.bandwidth == Bandwidth::PerPixel {
-        return Err(Fault::input(
-            "--bandwidth per-pixel: passes then depend on all passes before them, which a film file does not allow; with \
-             --film, give --bandwidth shared",
-        ));
-    }
     if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("film")) {
         return Err(Fault::input(format!("{}: the name of a film file ends in .film", path.display())));
     }
-    blocks(args, settings.photons)?;
     atomic_write::check(path)
-}
-
-/// The blocks that the options ask for, with this many paths per pass.
-fn blocks(args: &RenderArgs, photons: u32) -> Result<Blocks, Fault> {
-    let plan = args.settings.plan(None);
-    let count = match plan.until {
-        Budget::Photons(all) => {
-            let passes = u32::try_from(all.div_ceil(u64::from(photons.max(1)))).unwrap_or(u32::MAX);
-            plan.most_passes.map_or(passes, |most| most.min(passes))
-        }
-        _ => plan.passes(),
-    };
-    let count = count.min(u32::MAX - 1 - plan.first);
-    Ok(Blocks::new(plan.first..plan.first + count, args.film.grain)?)
 }
 
 /// Renders the blocks that are not in the file yet, and writes the file as often as asked for and at the end.
@@ -71,17 +40,14 @@ pub(super) fn run(
     path: &Path,
     args: &RenderArgs,
     (scene, view, settings): (&Scene, &View, &Settings),
-    renderer: &mut dyn Render,
-    stop: &AtomicBool,
+    renderers: &mut [Box<dyn Render>],
+    (watch, stop): (&mut Watch, &AtomicBool),
 ) -> Result<FilmOfRender, Fault> {
+    let device = render_blocks::devices(renderers);
+    let renderer = &mut *renderers[0];
     let facts = renderer.facts();
-    if facts.photons < settings.photons {
-        return Err(Fault::input(format!(
-            "--memory: only {0} paths a pass fit the limit; with --film, give --photons {0}",
-            facts.photons
-        )));
-    }
-    let blocks = blocks(args, facts.photons)?;
+    render_blocks::check_memory(facts.photons, settings)?;
+    let blocks = render_blocks::blocks(args, facts.photons, 1)?;
     let stored = match photon_film::load(path) {
         Err(FilmFileError::Read { source, .. }) if source.kind() == ErrorKind::NotFound => None,
         result => Some(result?),
@@ -121,9 +87,9 @@ pub(super) fn run(
         eprintln!("{}: continued after {} passes", path.display(), film.passes);
     }
     let mut file = Checkpoints { path, info, args, begun: Instant::now(), written: Instant::now(), unsaved: false };
-    file.info.add_maker(&Maker::new(PROGRAM, facts.backend, &facts.device, 0.0));
-    let maker = (facts.backend, facts.device.as_str());
-    let results = render_remaining(renderer, &remaining, &mut film, stop, |film, progress| {
+    file.info.add_maker(&Maker::new(PROGRAM, facts.backend, &device, 0.0));
+    let maker = (facts.backend, device.as_str());
+    let results = render_blocks::remaining(renderers, &remaining, &mut film, (watch, stop), |film, progress| {
         file.after_block(film, maker, progress);
     });
     let filed = match &film {
@@ -141,32 +107,6 @@ pub(super) fn run(
 }
 
 const PROGRAM: &str = concat!("photonmap ", env!("CARGO_PKG_VERSION"));
-
-/// Renders blocks and shows the progress.
-fn render_remaining(
-    renderer: &mut dyn Render,
-    blocks: &Blocks,
-    film: &mut Option<Film>,
-    stop: &AtomicBool,
-    mut after_block: impl FnMut(&Film, &Progress),
-) -> photon_core::Result<BlockOutcome> {
-    let passes = blocks.passes();
-    let progress = std::cell::RefCell::new(Progress::new(Limit::Passes(passes.end - passes.start)));
-    let mut observer = |event: &Event<'_>| {
-        match event {
-            Event::PassDone(pass) => progress.borrow_mut().passes(pass.index + 1 - passes.start),
-            Event::Warning(text) => progress.borrow().say(&format!("warning: {text}")),
-            _ => {}
-        }
-        if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    let results = render_blocks(renderer, blocks, film, &mut observer, &mut |film| {
-        after_block(film, &progress.borrow());
-        Ok(())
-    });
-    progress.into_inner().finish();
-    results
-}
 
 /// Writes the film file from time to time.
 struct Checkpoints<'a> {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use crate::support::{folder, photonmap, refused, stderr};
+use crate::support::{channels, folder, photonmap, refused, stderr};
 
 /// `render` with one environment variable set.
 fn render(arguments: &[&str], variable: (&str, &Path)) -> Output {
@@ -93,6 +93,48 @@ fn a_device_is_chosen_by_number_or_name() {
     let output = render(&arguments, ("PHOTON_VK_DEVICE", Path::new("99")));
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     assert!(stderr(&output).contains("is not the 99 that was asked for"), "{output:?}");
+}
+
+/// Two devices of one kind (the same one twice) make the picture of one, bit by bit, and the report names them.
+#[test]
+fn several_devices_make_the_picture_of_one() {
+    let suitable = |found: Vec<backend_vulkan::Candidate>| found.into_iter().find(|device| device.lacks.is_empty());
+    let Some(device) = backend_vulkan::devices().ok().and_then(suitable) else {
+        return eprintln!("skipped: no Vulkan");
+    };
+    let folder = folder("devices");
+    let json = folder.join("a.json");
+    let run = |devices: &str, options: &[&str]| {
+        let picture = folder.join("a.exr");
+        let files = ["-o", picture.to_str().unwrap(), "--json", json.to_str().unwrap(), "--device", devices];
+        let settings = ["--size", "16x12", "--photons", "2000", "--passes", "8"];
+        let output = photonmap("render").arg("cornell").args(settings).args(files).args(options).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        (channels(&picture), report)
+    };
+    let one = device.index.to_string();
+    let (both, report) = run(&format!("{one},{one}"), &[]);
+    assert!(report["device"].as_str().unwrap().starts_with(&format!("2 × {}", device.name)), "{report}");
+    assert_eq!((report["grain"].as_u64(), report["passes"].as_u64()), (Some(2), Some(8)));
+    assert!(run(&one, &["--grain", "2"]).0 == both);
+}
+
+/// What does not go together with several devices, or with blocks, is refused by name before anything is rendered.
+#[test]
+fn impossible_devices_are_refused() {
+    let refuse = |options: &[&str], culprit: &str| {
+        let output = photonmap("render").args(SMALL).args(options).output().unwrap();
+        refused(&output, culprit);
+    };
+    refuse(&["--device", "0,0", "--time", "3"], "--time");
+    refuse(&["--device", "all", "--bandwidth", "per-pixel", "--errors"], "--bandwidth per-pixel");
+    refuse(&["--device", "0,0", "--memory", "2GiB"], "--memory");
+    refuse(&["--device", "0", "--backend", "cpu"], "--device");
+    refuse(&["--device", "0,,1"], "a name is empty");
+    refuse(&["--grain", "2"], "grain 2");
+    refuse(&["--grain", "2", "--target-error", "0.1"], "--target-error");
+    refuse(&["--device", "nonsense"], "--device nonsense");
 }
 
 /// Compiled pipelines are cached in the user's cache folder. A damaged cache file is replaced,

@@ -12,3 +12,4 @@ mod map;
 mod progress;
 mod render;
 mod support;
+mod watch;

@@ -1,0 +1,172 @@
+//! Rendering in blocks of passes: into a film file, or on several devices.
+
+use std::cell::RefCell;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use photon_core::{
+    Bandwidth, BlockOutcome, Blocks, Budget, Event, Film, Outcome, Render, Settings, render_blocks_in_parallel,
+};
+
+use crate::args::RenderArgs;
+use crate::backend::BackendName;
+use crate::fault::Fault;
+use crate::progress::{Limit, Progress};
+use crate::watch::{Watch, Watching};
+
+/// Checks the options, before anything is loaded: what stops a render or changes its passes must not depend on time, nor
+/// on passes that are not in the film.
+pub(super) fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault> {
+    let devices = &args.machine.device;
+    if devices.iter().any(|device| device.trim().is_empty()) {
+        return Err(Fault::input("--device: a name is empty; `photonmap devices` lists devices"));
+    }
+    if !devices.is_empty() && args.machine.backend == BackendName::Cpu {
+        return Err(Fault::input(
+            "--device: these are Vulkan devices; give --backend vulkan, or --threads for the CPU",
+        ));
+    }
+    let several = args.machine.several();
+    if several && args.machine.memory.is_some() {
+        return Err(Fault::input("--memory: is not divided between devices; give fewer --photons, or a single device"));
+    }
+    let with = match (&args.film.film, args.film.grain) {
+        (Some(_), _) => "--film",
+        (None, Some(_)) => "--grain",
+        (None, None) if several => "several devices",
+        (None, None) => return Ok(()),
+    };
+    let budget = &args.settings.budget;
+    for (option, given) in [("--time", budget.time.is_some()), ("--target-error", budget.target_error.is_some())] {
+        if given {
+            return Err(Fault::input(format!(
+                "{option}: the passes of blocks must not depend on when they are rendered; with {with}, give --passes"
+            )));
+        }
+    }
+    if settings.bandwidth == Bandwidth::PerPixel {
+        return Err(Fault::input(format!(
+            "--bandwidth per-pixel: passes then depend on all passes before them, which is not possible in blocks; with \
+             {with}, give --bandwidth shared"
+        )));
+    }
+    blocks(args, settings.photons, devices.len()).map(|_| ())
+}
+
+/// The blocks that the options ask for, with this many paths per pass.
+pub(super) fn blocks(args: &RenderArgs, photons: u32, devices: usize) -> Result<Blocks, Fault> {
+    let plan = args.settings.plan(None);
+    let count = match plan.until {
+        Budget::Photons(all) => {
+            let passes = u32::try_from(all.div_ceil(u64::from(photons.max(1)))).unwrap_or(u32::MAX);
+            plan.most_passes.map_or(passes, |most| most.min(passes))
+        }
+        _ => plan.passes(),
+    };
+    let count = count.min(u32::MAX - 1 - plan.first);
+    let grain = match (args.film.grain, &args.film.film) {
+        (Some(grain), _) => grain,
+        (None, Some(_)) => 1,
+        (None, None) => usual_grain(plan.first, count, devices),
+    };
+    Ok(Blocks::new(plan.first..plan.first + count, grain)?)
+}
+
+/// The largest grain that divides the passes such that there are two blocks for each device at least, if possible: so the
+/// devices finish at about the same time, and few films are copied.
+fn usual_grain(first: u32, count: u32, devices: usize) -> u32 {
+    let most = count / u32::try_from(2 * devices).unwrap_or(u32::MAX).max(1);
+    let whole = |grain: &u32| first.is_multiple_of(*grain) && count.is_multiple_of(*grain);
+    (1..=most.clamp(1, 4096)).rev().find(whole).unwrap_or(1)
+}
+
+/// Passes of blocks must not depend on memory.
+pub(super) fn check_memory(photons: u32, settings: &Settings) -> Result<(), Fault> {
+    if photons < settings.photons {
+        return Err(Fault::input(format!(
+            "--memory: only {photons} paths a pass fit the limit; with --film or --grain, give --photons {photons}"
+        )));
+    }
+    Ok(())
+}
+
+/// Whether passes are rendered in blocks.
+pub(super) fn in_blocks(args: &RenderArgs) -> bool {
+    args.film.film.is_some() || args.film.grain.is_some() || args.machine.several()
+}
+
+/// The devices of the renderers, in words.
+pub(super) fn devices(renderers: &[Box<dyn Render>]) -> String {
+    let all: Vec<String> = renderers.iter().map(|renderer| renderer.facts().device).collect();
+    match all.as_slice() {
+        [device] => device.clone(),
+        [first, others @ ..] if others.iter().all(|other| other == first) => format!("{} × {first}", all.len()),
+        _ => all.join(", "),
+    }
+}
+
+/// Renders all blocks; the film is in memory alone.
+pub(super) fn run(
+    args: &RenderArgs,
+    settings: &Settings,
+    renderers: &mut [Box<dyn Render>],
+    watch: &mut Watch,
+    stop: &AtomicBool,
+) -> Result<(Outcome, Film), Fault> {
+    check_memory(renderers[0].facts().photons, settings)?;
+    let blocks = blocks(args, settings.photons, renderers.len())?;
+    let mut film = None;
+    let BlockOutcome { outcome, unfinished, .. } = remaining(renderers, &blocks, &mut film, (watch, stop), |_, _| ())?;
+    Ok((outcome, film.or(unfinished).ok_or(photon_core::Error::Cancelled)?))
+}
+
+/// Renders blocks and shows the progress.
+pub(super) fn remaining(
+    renderers: &mut [Box<dyn Render>],
+    blocks: &Blocks,
+    film: &mut Option<Film>,
+    (watch, stop): (&mut Watch, &AtomicBool),
+    mut after_block: impl FnMut(&Film, &Progress),
+) -> photon_core::Result<BlockOutcome> {
+    let passes = blocks.passes();
+    let progress = RefCell::new(Progress::new(Limit::Passes(passes.end - passes.start)));
+    let mut done = 0;
+    let inner = |event: &Event<'_>| {
+        match event {
+            Event::PassDone(_) => {
+                done += 1;
+                progress.borrow_mut().passes(done);
+            }
+            Event::Warning(text) => progress.borrow().say(&format!("warning: {text}")),
+            _ => {}
+        }
+        if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let mut say = |text: &str| progress.borrow().say(text);
+    let mut observer = Watching { watch, inner, say: &mut say };
+    let mut after_block = |film: &Film| {
+        after_block(film, &progress.borrow());
+        Ok(())
+    };
+    let results = match renderers {
+        [renderer] => photon_core::render_blocks(&mut **renderer, blocks, film, &mut observer, &mut after_block),
+        _ => render_blocks_in_parallel(renderers, blocks, film, &mut observer, &mut after_block),
+    };
+    progress.into_inner().finish();
+    results
+}
+
+#[cfg(test)]
+mod tests {
+    use super::usual_grain;
+
+    #[test]
+    fn every_device_gets_two_blocks_if_the_passes_can_be_divided() {
+        assert_eq!(
+            [(0, 64, 2), (0, 60, 4), (0, 64, 1), (8, 64, 2)].map(|(f, c, d)| usual_grain(f, c, d)),
+            [16, 6, 32, 8]
+        );
+        // A prime number of passes, and fewer than devices.
+        assert_eq!([usual_grain(0, 31, 2), usual_grain(0, 2, 8), usual_grain(3, 64, 2)], [1, 1, 1]);
+    }
+}

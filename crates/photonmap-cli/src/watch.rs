@@ -1,0 +1,158 @@
+//! The picture of a render while it is rendered: in a file, on a web page, in a viewer, in the terminal.
+
+mod page;
+mod preview;
+mod terminal;
+mod tev;
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use photon_core::{Event, Film, Observer};
+
+use crate::args::WatchArgs;
+use crate::command::picture::Look;
+use crate::fault::Fault;
+
+/// Interval between pictures, once passes that double the film have become rare.
+const INTERVAL: Duration = Duration::from_secs(5);
+
+/// At most this share of the time is spent on showing: one in twenty.
+const SHARE: u32 = 20;
+
+/// Shows films.
+trait Sink: Send {
+    /// Shows a film. Returns text for the terminal, if any.
+    ///
+    /// # Errors
+    /// Why it cannot be shown; it is not asked again.
+    fn show(&mut self, film: &Film) -> Result<Option<String>, String>;
+}
+
+/// Shows the film of a render from time to time.
+pub(crate) struct Watch {
+    sinks: Vec<Box<dyn Sink>>,
+    /// When the last picture was asked for, and how long it took to read and show.
+    last: Option<(Instant, Duration)>,
+}
+
+impl Watch {
+    /// Opens everything that the options ask for.
+    ///
+    /// # Errors
+    /// [`Fault::Input`] naming the option that is not possible.
+    pub(crate) fn start(args: &WatchArgs, look: Look, title: &str) -> Result<Self, Fault> {
+        let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
+        if let Some(path) = &args.preview {
+            sinks.push(Box::new(preview::Preview::new(path, look)?));
+        }
+        if let Some(address) = args.serve {
+            sinks.push(Box::new(page::Page::serve(address, title)?));
+        }
+        if let Some(host) = &args.tev {
+            sinks.push(Box::new(tev::Tev::connect(host, title)?));
+        }
+        if args.show {
+            sinks.push(Box::new(terminal::Terminal::new(look)?));
+        }
+        Ok(Self { sinks, last: None })
+    }
+
+    /// Shows a film. `say` prints to the terminal.
+    pub(crate) fn show(&mut self, film: &Film, say: &mut dyn FnMut(&str)) {
+        let begun = Instant::now();
+        self.sinks.retain_mut(|sink| match sink.show(film) {
+            Ok(text) => {
+                if let Some(text) = text {
+                    say(&text);
+                }
+                true
+            }
+            Err(why) => {
+                say(&format!("warning: {why}; rendering goes on without it"));
+                false
+            }
+        });
+        // With the time for reading the film, if it was asked for.
+        let asked = self.last.map_or(begun, |(asked, _)| asked);
+        self.last = Some((asked, asked.elapsed()));
+    }
+
+    /// Shows the finished film and closes everything.
+    #[expect(clippy::print_stderr, reason = "warnings")]
+    pub(crate) fn finish(mut self, film: &Film) {
+        self.show(film, &mut |text| eprintln!("{text}"));
+    }
+
+    fn is_due(&mut self, passes: u32) -> bool {
+        let due = !self.sinks.is_empty() && is_due(passes, self.last.map(|(asked, cost)| (asked.elapsed(), cost)));
+        if due {
+            self.last = Some((Instant::now(), Duration::ZERO));
+        }
+        due
+    }
+}
+
+/// Whether to show a film of this many passes, with the time since the last one and what that one cost.
+fn is_due(passes: u32, last: Option<(Duration, Duration)>) -> bool {
+    let Some((since, cost)) = last else { return true };
+    (passes.is_power_of_two() || since >= INTERVAL) && since >= cost * SHARE
+}
+
+/// An observer that also shows films.
+pub(crate) struct Watching<'a, F> {
+    pub(crate) watch: &'a mut Watch,
+    /// Receives all events, films included.
+    pub(crate) inner: F,
+    pub(crate) say: &'a mut dyn FnMut(&str),
+}
+
+impl<F: FnMut(&Event<'_>) -> ControlFlow<()>> Observer for Watching<'_, F> {
+    fn on_event(&mut self, event: &Event<'_>) -> ControlFlow<()> {
+        if let Event::Film(film) = event {
+            self.watch.show(film, self.say);
+        }
+        (self.inner)(event)
+    }
+
+    fn wants_film(&mut self, passes: u32) -> bool {
+        self.watch.is_due(passes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_come_at_powers_of_two_then_by_time_and_never_cost_much() {
+        let seconds = Duration::from_secs_f64;
+        let due = |passes, since, cost| is_due(passes, Some((seconds(since), seconds(cost))));
+        assert!(is_due(1, None) && is_due(3, None));
+        assert!(due(4, 0.1, 0.001) && !due(5, 0.1, 0.001) && due(5, 5.0, 0.001));
+        // A second for each picture: every 20 s at most.
+        assert!(!due(8, 19.0, 1.0) && !due(9, 19.0, 1.0) && due(9, 20.0, 1.0));
+    }
+
+    #[test]
+    fn nothing_is_shown_without_being_asked_for() {
+        assert!(!Watch { sinks: Vec::new(), last: None }.is_due(1));
+    }
+
+    #[test]
+    fn a_failure_is_reported_once() {
+        struct Fails;
+        impl Sink for Fails {
+            fn show(&mut self, _film: &Film) -> Result<Option<String>, String> {
+                Err("the screen is gone".into())
+            }
+        }
+        let film = Film::new(1, 1, photon_core::Units::default()).unwrap();
+        let mut watch = Watch { sinks: vec![Box::new(Fails)], last: None };
+        let mut said = Vec::new();
+        for _ in 0..2 {
+            watch.show(&film, &mut |text| said.push(text.to_owned()));
+        }
+        assert_eq!(said, ["warning: the screen is gone; rendering goes on without it"]);
+    }
+}

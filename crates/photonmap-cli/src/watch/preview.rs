@@ -1,0 +1,32 @@
+//! The picture so far in a file.
+
+use std::path::{Path, PathBuf};
+
+use photon_core::Film;
+
+use super::Sink;
+use crate::atomic_write;
+use crate::command::picture::{self, Look};
+use crate::fault::Fault;
+
+pub(super) struct Preview {
+    path: PathBuf,
+    look: Look,
+}
+
+impl Preview {
+    pub(super) fn new(path: &Path, look: Look) -> Result<Self, Fault> {
+        picture::check_name(path)?;
+        atomic_write::check(path)?;
+        Ok(Self { path: path.to_owned(), look })
+    }
+}
+
+impl Sink for Preview {
+    fn show(&mut self, film: &Film) -> Result<Option<String>, String> {
+        let attributes = [("photon:passes".to_owned(), film.passes.to_string())];
+        picture::write_quietly(&self.path, film, self.look, &attributes)
+            .map(|_stops| None)
+            .map_err(|fault| fault.to_string())
+    }
+}

@@ -1,0 +1,65 @@
+//! The picture of a render while it is rendered.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::Stdio;
+
+use crate::support::{folder, photonmap, refused, succeeded};
+
+const SCENE: [&str; 9] = ["cornell", "--size", "24x16", "--photons", "3000", "--backend", "cpu", "--exposure", "auto"];
+
+/// The preview ends as the picture; without a terminal or a viewer, the options are refused before anything is rendered.
+#[test]
+fn a_preview_ends_as_the_picture() {
+    let folder = folder("preview");
+    let (picture, preview) = (folder.join("a.png"), folder.join("preview.png"));
+    let render = |preview: &str, more: &[&str]| {
+        let files = ["-o", picture.to_str().unwrap(), "--preview", preview];
+        photonmap("render").args(SCENE).args(files).args(more).output().unwrap()
+    };
+    succeeded(&render(preview.to_str().unwrap(), &["--passes", "3"]));
+    assert_eq!(std::fs::read(&preview).unwrap(), std::fs::read(&picture).unwrap());
+    refused(&render("preview.gif", &[]), "preview.gif: the name of a picture ends in");
+    refused(&render("none/preview.png", &[]), "none/preview.png");
+    let preview = preview.to_str().unwrap();
+    refused(&render(preview, &["--show"]), "--show: standard error is not a terminal");
+    refused(&render(preview, &["--tev=127.0.0.1:1"]), "--tev=127.0.0.1:1");
+    refused(&render(preview, &["--serve", "everywhere"]), "--serve");
+}
+
+/// A page shows the passes of a running render; when it is closed, the render goes on.
+#[test]
+fn a_page_shows_a_running_render() {
+    let folder = folder("serve");
+    let mut child = photonmap("render")
+        .args(SCENE)
+        .args(["--time", "300", "--serve", "127.0.0.1:0", "-o", folder.join("a.png").to_str().unwrap()])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let address =
+        lines.find_map(|line| Some(line.unwrap().strip_prefix("watch at http://")?.trim_end_matches('/').to_owned()));
+    let address = address.expect("the address is printed");
+    let status = || -> serde_json::Value {
+        let mut stream = TcpStream::connect(&address).unwrap();
+        stream.write_all(b"GET /status HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n").unwrap();
+        let mut text = String::new();
+        stream.read_to_string(&mut text).unwrap();
+        serde_json::from_str(text.split_once("\r\n\r\n").unwrap().1).unwrap()
+    };
+    let mut seen = Vec::new();
+    for _ in 0..1200 {
+        let passes = status()["passes"].as_u64().unwrap();
+        if passes > 0 && seen.last() != Some(&passes) {
+            seen.push(passes);
+        }
+        if seen.len() == 3 {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(seen.len() == 3 && seen.is_sorted(), "{seen:?}");
+}

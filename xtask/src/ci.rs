@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use crate::{book, constants, deny, extremes, loaders, msrv, requirements, shaders, shell, tidy};
+use crate::{book, constants, deny, extremes, loaders, msrv, python, requirements, shaders, shell, tidy};
 
 /// A check that passes or fails.
 #[derive(Clone, Copy, Debug)]
@@ -34,8 +34,9 @@ const STEPS: [Step; 12] = [
     Step { name: "test", what: "all other tests", run: test },
 ];
 
-/// Steps that write instead of checking, and so are not part of `ci`.
-const WRITERS: [Step; 6] = [
+/// Steps that are not part of `ci`: those that need Python, or write instead of checking.
+const OTHERS: [Step; 7] = [
+    Step { name: "python", what: "the Python package, in a virtual environment", run: python::step },
     Step { name: "constants", what: "write the numbers that GLSL shares with Rust", run: constants::write },
     Step { name: "shaders", what: "the same, then compile the GLSL, write the SPIR-V", run: shaders::write },
     Step { name: "extremes", what: "write docs/studies/extremes.csv from a run, two minutes", run: extremes::quick },
@@ -62,7 +63,7 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
         if name == "ci" {
             chosen.extend(STEPS);
         } else {
-            let known = STEPS.iter().chain(&WRITERS).find(|step| step.name == name);
+            let known = STEPS.iter().chain(&OTHERS).find(|step| step.name == name);
             chosen.push(*known.ok_or_else(|| format!("no step is named {name:?}"))?);
         }
     }
@@ -72,7 +73,7 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
 /// The usage text.
 pub(crate) fn usage() -> String {
     let mut text = "usage: cargo xtask STEP...\n\n  ci            all of the following, in this order\n".to_owned();
-    for step in STEPS.iter().chain(&WRITERS) {
+    for step in STEPS.iter().chain(&OTHERS) {
         let _ = writeln!(text, "  {:<13} {}", step.name, step.what);
     }
     text

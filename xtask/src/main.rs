@@ -10,6 +10,7 @@ mod graph;
 mod links;
 mod loaders;
 mod msrv;
+mod python;
 mod requirements;
 mod shaders;
 mod shell;

@@ -122,7 +122,9 @@ impl FilmKey {
     pub fn check(&self, expected: &Self, path: &Path) -> Result<(), FilmFileError> {
         let (found, expected) = (self.parts(), expected.parts());
         let absent = || "absent".to_owned();
-        let names = found.keys().chain(expected.keys());
+        // The camera depends on the size too.
+        let size = "size".to_owned();
+        let names = std::iter::once(&size).chain(found.keys()).chain(expected.keys());
         let differ = names.into_iter().find(|name| found.get(*name) != expected.get(*name));
         let Some(name) = differ else { return Ok(()) };
         Err(FilmFileError::OtherKey {

@@ -13,6 +13,7 @@ mod key;
 mod merge;
 mod npy;
 mod read;
+mod words;
 mod write;
 
 pub use error::FilmFileError;
@@ -20,7 +21,8 @@ pub use header::{FORMAT, FilmInfo, Maker};
 pub use key::FilmKey;
 pub use merge::merge;
 pub use read::{load, load_from, read_info};
-pub use write::save;
+pub use words::FilmWords;
+pub use write::{save, save_to};
 
 #[cfg(test)]
 mod tests;

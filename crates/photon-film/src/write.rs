@@ -1,7 +1,6 @@
 //! Writes film files.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use photon_core::Film;
@@ -20,6 +19,22 @@ use crate::npy;
 /// [`FilmFileError::NotStorable`] for a film with a pass that was cut short, or whose passes are not known;
 /// [`FilmFileError::Write`]. A previous file is left as it was.
 pub fn save(path: &Path, film: &Film, info: &FilmInfo) -> Result<(), FilmFileError> {
+    check(path, film, info)?;
+    let written = atomic_write::write(path, |file| write_film(file, film, info));
+    written.map_err(|why| FilmFileError::write(path, why))
+}
+
+/// Writes a film as [`save`] does, to any destination, such as memory; `path` is for messages.
+///
+/// # Errors
+/// As [`save`].
+pub fn save_to(to: impl Write + Seek, film: &Film, info: &FilmInfo, path: &Path) -> Result<(), FilmFileError> {
+    check(path, film, info)?;
+    write_film(to, film, info).map_err(|why| FilmFileError::write(path, why))
+}
+
+/// Checks that a film can be stored.
+fn check(path: &Path, film: &Film, info: &FilmInfo) -> Result<(), FilmFileError> {
     let refuse = |why| Err(FilmFileError::NotStorable { path: path.to_owned(), why });
     if film.cut {
         return refuse("its pass was cut short");
@@ -30,39 +45,40 @@ pub fn save(path: &Path, film: &Film, info: &FilmInfo) -> Result<(), FilmFileErr
     if info.key.size() != (film.width, film.height) || info.key.units() != film.units {
         return refuse("it has not the size and the units of its key");
     }
+    Ok(())
+}
+
+fn write_film(to: impl Write + Seek, film: &Film, info: &FilmInfo) -> Result<(), atomic_write::Failure> {
     let info = FilmInfo { errors: film.errors.is_some(), clamp: film.clamp, ..info.clone() };
     let mut header = Header::new(&info, &film.contains);
-    let written = atomic_write::write(path, |file| {
-        let mut zip = FilmWriter::new(file, film.width, film.height);
-        for column in Column::all(info.errors) {
-            let mut bits = [0; 3];
-            let bits = &mut bits[..column.width()];
-            let mut pixels = 0..film.pixels.len();
-            let is_empty = pixels.clone().all(|pixel| {
-                column.get(film, pixel, bits);
-                bits.iter().all(|&bits| bits == 0)
-            });
-            zip.array(column, is_empty, &mut header, |row| {
-                for (to, pixel) in row.chunks_exact_mut(column.width()).zip(&mut pixels) {
-                    column.get(film, pixel, to);
-                }
-                Ok(())
-            })?;
-        }
-        zip.finish(&header)
-    });
-    written.map_err(|why| FilmFileError::write(path, why))
+    let mut zip = FilmWriter::new(to, film.width, film.height);
+    for column in Column::all(info.errors) {
+        let mut bits = [0; 3];
+        let bits = &mut bits[..column.width()];
+        let mut pixels = 0..film.pixels.len();
+        let is_empty = pixels.clone().all(|pixel| {
+            column.get(film, pixel, bits);
+            bits.iter().all(|&bits| bits == 0)
+        });
+        zip.array(column, is_empty, &mut header, |row| {
+            for (to, pixel) in row.chunks_exact_mut(column.width()).zip(&mut pixels) {
+                column.get(film, pixel, to);
+            }
+            Ok(())
+        })?;
+    }
+    zip.finish(&header)
 }
 
 /// A film file while it is written.
-pub(crate) struct FilmWriter<'a> {
-    zip: ZipWriter<&'a mut BufWriter<File>>,
+pub(crate) struct FilmWriter<W: Write + Seek> {
+    zip: ZipWriter<W>,
     width: u32,
     height: u32,
 }
 
-impl<'a> FilmWriter<'a> {
-    pub(crate) fn new(file: &'a mut BufWriter<File>, width: u32, height: u32) -> Self {
+impl<W: Write + Seek> FilmWriter<W> {
+    pub(crate) fn new(file: W, width: u32, height: u32) -> Self {
         Self { zip: ZipWriter::new(file), width, height }
     }
 

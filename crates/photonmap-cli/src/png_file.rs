@@ -1,5 +1,6 @@
 //! PNG output.
 
+use std::io::Write;
 use std::path::Path;
 
 use photon_core::Film;
@@ -38,6 +39,14 @@ impl Picture {
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
 pub fn write(path: &Path, picture: &Picture, curve: ToneMap, exposure: f32) -> Result<(), Fault> {
+    atomic_write::write(path, |file| encode(file, picture, curve, exposure))
+}
+
+/// Writes the bytes of such a file to any destination.
+///
+/// # Errors
+/// Those of the destination.
+pub fn encode(to: impl Write, picture: &Picture, curve: ToneMap, exposure: f32) -> Result<(), atomic_write::Failure> {
     let colours = picture.colours.iter().map(|&colour| tonemap::map(curve, exposure, colour).map(tonemap::encode));
     let (bytes, color): (Vec<u8>, _) = match &picture.alpha {
         None => (colours.flatten().collect(), png::ColorType::Rgb),
@@ -46,7 +55,7 @@ pub fn write(path: &Path, picture: &Picture, curve: ToneMap, exposure: f32) -> R
             (colours.zip(opacity).flat_map(|([r, g, b], a)| [r, g, b, a]).collect(), png::ColorType::Rgba)
         }
     };
-    write_colour(path, (picture.width, picture.height), color, &bytes)
+    encode_colour(to, (picture.width, picture.height), color, &bytes)
 }
 
 /// Writes RGB of 8 bits, sRGB, row by row. The file is written atomically.
@@ -54,17 +63,20 @@ pub fn write(path: &Path, picture: &Picture, curve: ToneMap, exposure: f32) -> R
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
 pub fn write_bytes(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), Fault> {
-    write_colour(path, (width, height), png::ColorType::Rgb, bytes)
+    atomic_write::write(path, |file| encode_colour(file, (width, height), png::ColorType::Rgb, bytes))
 }
 
-fn write_colour(path: &Path, (width, height): (u32, u32), color: png::ColorType, bytes: &[u8]) -> Result<(), Fault> {
-    atomic_write::write(path, |file| {
-        let mut encoder = png::Encoder::new(file, width, height);
-        encoder.set_color(color);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(bytes)?;
-        Ok(writer.finish()?)
-    })
+fn encode_colour(
+    to: impl Write,
+    (width, height): (u32, u32),
+    color: png::ColorType,
+    bytes: &[u8],
+) -> Result<(), atomic_write::Failure> {
+    let mut encoder = png::Encoder::new(to, width, height);
+    encoder.set_color(color);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(bytes)?;
+    Ok(writer.finish()?)
 }

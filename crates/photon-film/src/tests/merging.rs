@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use photon_core::Settings;
 
 use super::{RENDERED, render, settings};
-use crate::{FilmFileError, FilmInfo, Maker, load, merge, read_info, save};
+use crate::{FilmFileError, FilmInfo, FilmWords, Maker, load, merge, read_info, save};
 
 /// The three blocks in files.
 fn files(folder: &Path) -> Vec<PathBuf> {
@@ -57,7 +57,7 @@ fn films_that_do_not_fit_are_named() {
     for (other, culprit) in [
         (render(Settings { shadow_rays: 3, ..settings() }, 3), "setting shadow_rays is 3, not 2"),
         (render(Settings { photons: 600, ..settings() }, 3), "number of photons per pass is 600, not 500"),
-        (render(settings(), 4), "camera"),
+        (render(settings(), 4), "size is 4x2, not 3x2"),
     ] {
         // Named second, since films are sorted by seed and pass.
         let mut film = other.blocks[1].clone();
@@ -78,4 +78,28 @@ fn films_that_do_not_fit_are_named() {
     std::fs::write(&odd, bytes).unwrap();
     refused(&["odd.film", "not a whole film"]);
     assert!(matches!(merge(&out, &[]), Err(FilmFileError::NoFilms)));
+}
+
+/// The sums of blocks as words have the bits of merged films; other pixels are not touched.
+#[test]
+fn words_of_films_are_added_as_films_are() {
+    let words = FilmWords::new(true);
+    let [first, second, _] = &RENDERED.blocks[..] else { panic!("three blocks") };
+    let mut sums = words.of(first, 1..5);
+    assert_eq!(sums.len(), 4 * words.per_pixel());
+    words.add(&mut sums, &words.of(second, 1..5));
+    let mut expected = first.clone();
+    expected.merge(second).unwrap();
+    let mut film = first.clone();
+    words.set(&mut film, 1..5, &sums);
+    for pixel in 0..6 {
+        let (pixels, errors) = if pixel == 0 || pixel == 5 {
+            (&first.pixels, &first.errors)
+        } else {
+            (&expected.pixels, &expected.errors)
+        };
+        assert_eq!(film.pixels[pixel], pixels[pixel], "{pixel}");
+        assert!(film.errors.as_ref().unwrap()[pixel] == errors.as_ref().unwrap()[pixel], "{pixel}");
+    }
+    assert!(FilmWords::new(false).per_pixel() < words.per_pixel());
 }

@@ -1,0 +1,219 @@
+//! `photonmap-mpi`: `photonmap render` on the ranks of an MPI job.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use clap::{CommandFactory, FromArgMatches};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::{Communicator, Root};
+use photon_core::{Bandwidth, Blocks, Budget, Event, Film, Pipeline, Render, Settings, View};
+use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
+use photon_scene::Scene;
+use photonmap_cli::args::RenderArgs;
+use photonmap_cli::backend::{self, Chosen};
+use photonmap_cli::fault::Fault;
+use photonmap_cli::png_file::{self, Picture};
+use photonmap_cli::{atomic_write, exposure, exr_file, load};
+use photonmap_mpi::{Checkpoints, Outcome, render};
+
+const ABOUT: &str = "Render a scene on the ranks of an MPI job, which add their films in a fixed order.
+
+Each rank renders blocks of --grain passes. Passes are given by --passes; with --film the render is continued, and the film \
+is that of `photonmap render` with the same grain, bit by bit, if all devices are of one kind. Start it with mpirun --bind-to \
+none, or give --threads: otherwise a rank may be bound to one core.";
+
+fn main() -> ExitCode {
+    let Some(universe) = mpi::initialize() else {
+        eprintln!("error: MPI is initialised already");
+        return ExitCode::FAILURE;
+    };
+    let world = universe.world();
+    let command = RenderArgs::command().name("photonmap-mpi").about(ABOUT).long_about(ABOUT);
+    let args = match command.try_get_matches().and_then(|matches| RenderArgs::from_arg_matches(&matches)) {
+        Ok(args) => args,
+        Err(error) => {
+            if world.rank() == 0 {
+                // Where nothing can be printed, the exit code remains.
+                let _ = error.print();
+            }
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    match run(&world, &args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            eprintln!("error: rank {}: {fault}", world.rank());
+            let code = if matches!(fault, Fault::Input(_)) { 2 } else { 1 };
+            // The others may wait for this one.
+            world.abort(code)
+        }
+    }
+}
+
+fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
+    let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
+    check(args, &settings)?;
+    let blocks = blocks(args)?;
+    let (scene, _) = load::scene(&args.scene)?;
+    let view = args.settings.picture.view(&scene)?;
+    let mut renderer = start(world, args, &scene, view, &settings)?;
+    let root = (world.rank() == 0).then_some(&args.film.film).and_then(Option::as_ref);
+    let stored = root.map_or(Ok(None), |path| stored(path))?;
+    // Rank 0 gives its radii to all.
+    if let Some((_, info)) = &stored {
+        renderer.set_radii(&info.key.radii())?;
+    }
+    let facts = renderer.facts();
+    let key = FilmKey::new(&scene.view(), &view, &settings, &*renderer, blocks.grain());
+    let maker =
+        |seconds| Maker::new(PROGRAM, facts.backend, &format!("{} ranks, {}", world.size(), facts.device), seconds);
+    let mut info = FilmInfo::new(key, &args.scene.scene);
+    let mut film = None;
+    let mut remaining = Some(blocks.clone());
+    if let (Some(path), Some((found, known))) = (root, stored) {
+        known.key.check(&info.key, path)?;
+        let named = |error| Fault::input(format!("{}: {error}", path.display()));
+        remaining = blocks.remaining(&found.contains, settings.seed).map_err(named)?;
+        info.in_order = known.in_order && known.makers.iter().all(|maker| maker.backend == facts.backend);
+        (info.makers, film) = (known.makers, Some(found));
+    }
+    let Some(remaining) = first_of(world, remaining)? else {
+        return film.map_or(Ok(()), |film| pictures(args, &film));
+    };
+    let stop = Arc::new(AtomicBool::new(false));
+    let heard = Arc::clone(&stop);
+    ctrlc::set_handler(move || heard.store(true, Ordering::SeqCst)).map_err(Fault::failure)?;
+    let mut observer =
+        |_: &Event<'_>| if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let begun = Instant::now();
+    let mut file = File { path: root, info, args, begun, written: begun, maker: &maker };
+    let identity = (settings.seed, settings.errors);
+    let outcome = render(world, &mut *renderer, &remaining, identity, film, &mut observer, &mut file)?;
+    let Outcome { film: Some(film), passes, stopped } = outcome else { return Ok(()) };
+    if root.is_some() {
+        file.write(&film)?;
+    }
+    pictures(args, &film)?;
+    let (ranks, seconds) = (world.size(), begun.elapsed().as_secs_f64());
+    let stopped = if stopped { ", interrupted" } else { "" };
+    eprintln!("{passes} passes on {ranks} ranks in {seconds:.1} s{stopped}; the film has {}", film.passes);
+    Ok(())
+}
+
+const PROGRAM: &str = concat!("photonmap-mpi ", env!("CARGO_PKG_VERSION"));
+
+/// Refuses options that need a single process.
+fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault> {
+    let (budget, watch) = (&args.settings.budget, &args.watch);
+    let refused = [
+        ("--time", budget.time.is_some()),
+        ("--target-error", budget.target_error.is_some()),
+        ("--total-photons", budget.total_photons.is_some()),
+        ("--memory", args.machine.memory.is_some()),
+        ("--json", args.files.json.is_some()),
+        ("--preview", watch.preview.is_some()),
+        ("--serve", watch.serve.is_some()),
+        ("--tev", watch.tev.is_some()),
+        ("--show", watch.show),
+        ("--bandwidth per-pixel", settings.bandwidth == Bandwidth::PerPixel),
+    ];
+    match refused.iter().find(|(_, given)| *given) {
+        Some((option, _)) => {
+            Err(Fault::input(format!("{option}: is not possible on several ranks; leave it out, and give --passes")))
+        }
+        None => Ok(()),
+    }
+}
+
+fn blocks(args: &RenderArgs) -> Result<Blocks, Fault> {
+    let plan = args.settings.plan(None);
+    let Budget::Passes(count) = plan.until else { return Err(Fault::input("--passes: is needed")) };
+    Ok(Blocks::new(plan.first..plan.first.saturating_add(count), args.film.grain.unwrap_or(1))?)
+}
+
+/// The renderer of this rank: with several devices, each rank of a host takes the next one.
+fn start(
+    world: &SimpleCommunicator,
+    args: &RenderArgs,
+    scene: &Scene,
+    view: View,
+    settings: &Settings,
+) -> Result<Box<dyn Render>, Fault> {
+    let local = world.split_shared(world.rank()).rank() as usize;
+    let devices = &args.machine.device;
+    let chosen = if devices.is_empty() {
+        backend::open(args.machine.backend, args.machine.threads)?
+    } else {
+        Chosen::Vulkan(Box::new(backend::open_device(&devices[local % devices.len()])?))
+    };
+    Ok(match chosen {
+        Chosen::Cpu(on) => Box::new(Pipeline::new(on, &scene.view(), view, settings.clone())?),
+        Chosen::Vulkan(on) => Box::new(Pipeline::new(*on, &scene.view(), view, settings.clone())?),
+    })
+}
+
+fn stored(path: &Path) -> Result<Option<(Film, FilmInfo)>, Fault> {
+    atomic_write::check(path)?;
+    match photon_film::load(path) {
+        Err(FilmFileError::Read { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        result => Ok(Some(result?)),
+    }
+}
+
+/// The blocks that remain on rank 0, for all ranks.
+fn first_of(world: &SimpleCommunicator, remaining: Option<Blocks>) -> Result<Option<Blocks>, Fault> {
+    let mut words = remaining.map_or([0; 3], |blocks| [blocks.passes().start, blocks.passes().end, blocks.grain()]);
+    world.process_at_rank(0).broadcast_into(&mut words);
+    let [start, end, grain] = words;
+    Ok(if end > start { Some(Blocks::new(start..end, grain)?) } else { None })
+}
+
+/// Writes the pictures of the film.
+fn pictures(args: &RenderArgs, film: &Film) -> Result<(), Fault> {
+    for path in &args.files.output {
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+            exr_file::write(path, film, args.files.transparent, &[])?;
+        } else {
+            let picture = Picture::new(film, args.files.transparent);
+            let stops = args.files.exposure.stops(&exposure::measured(&picture.colours, &film.alpha()));
+            png_file::write(path, &picture, args.files.tonemap, stops)?;
+        }
+    }
+    Ok(())
+}
+
+/// The film file of rank 0.
+struct File<'a, M> {
+    path: Option<&'a PathBuf>,
+    info: FilmInfo,
+    args: &'a RenderArgs,
+    begun: Instant,
+    written: Instant,
+    maker: M,
+}
+
+impl<M: Fn(f64) -> Maker> File<'_, M> {
+    fn write(&mut self, film: &Film) -> Result<(), Fault> {
+        let Some(path) = self.path else { return Ok(()) };
+        let mut info = self.info.clone();
+        info.add_maker(&(self.maker)(self.begun.elapsed().as_secs_f64()));
+        Ok(photon_film::save(path, film, &info)?)
+    }
+}
+
+impl<M: Fn(f64) -> Maker> Checkpoints for File<'_, M> {
+    fn due(&mut self) -> bool {
+        self.path.is_some() && self.written.elapsed() >= self.args.film.checkpoint
+    }
+
+    fn save(&mut self, film: &Film) {
+        if let Err(fault) = self.write(film) {
+            eprintln!("warning: {fault}; rendering goes on");
+        }
+        self.written = Instant::now();
+    }
+}

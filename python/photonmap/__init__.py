@@ -1,0 +1,38 @@
+"""Photon mapping on CPUs and GPUs, and exact nearest-neighbour searches in three dimensions."""
+
+from ._errors import DeviceError, Error, FileError, ForkError, InputError, OutOfMemoryError
+from ._film import Film
+from ._kdtree import KDTree
+from ._materials import Glass, Lambert, Material, Metal, Mirror, Plastic
+from ._photons import PhotonMap, Photons, trace
+from ._progress import Progress
+from ._render import builtin_scenes, render
+from ._scene import Scene
+from ._settings import Settings
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "DeviceError",
+    "Error",
+    "FileError",
+    "Film",
+    "ForkError",
+    "Glass",
+    "InputError",
+    "KDTree",
+    "Lambert",
+    "Material",
+    "Metal",
+    "Mirror",
+    "OutOfMemoryError",
+    "PhotonMap",
+    "Photons",
+    "Plastic",
+    "Progress",
+    "Scene",
+    "Settings",
+    "builtin_scenes",
+    "render",
+    "trace",
+]

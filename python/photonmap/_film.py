@@ -1,0 +1,134 @@
+"""`Film`: what a render returns."""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ._errors import InputError
+from ._photonmap import RawFilm, check_writable, write_bytes
+
+__all__ = ["Film"]
+
+LAYERS = ("emission", "direct", "caustic", "indirect")
+
+
+class Film:
+    """The sums of all passes of a render. Arrays have the shape (height, width, 3) or (height, width), float32, the top row
+    first; light is linear RGB in W/(m² sr). In a notebook it is shown as a picture.
+    """
+
+    def __init__(self, raw: RawFilm) -> None:
+        self._raw = raw
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Film:
+        """Reads a .film file."""
+        return cls(RawFilm.load(os.fspath(path)))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width."""
+        return self._raw.height, self._raw.width
+
+    @property
+    def passes(self) -> int:
+        """Number of passes."""
+        return self._raw.passes
+
+    @property
+    def contains(self) -> list[tuple[int, range]]:
+        """Which passes these are: seeds, and indices."""
+        return [(seed, range(first, end)) for seed, first, end in self._raw.ranges()]
+
+    @cached_property
+    def beauty(self) -> np.ndarray:
+        """The picture, the sum of the layers."""
+        return self._colors("beauty")
+
+    @cached_property
+    def layers(self) -> dict[str, np.ndarray]:
+        """The picture by paths of light: emission, direct, caustic, indirect."""
+        return {name: self._colors(name) for name in LAYERS}
+
+    @cached_property
+    def error(self) -> np.ndarray:
+        """Standard error of the mean over RGB of each pixel; infinite after one pass."""
+        return self._numbers("error")
+
+    @cached_property
+    def error_bound(self) -> np.ndarray:
+        """Half the width of a 95 % confidence interval of each pixel, bias included; NaN where there is no estimate.
+
+        Needs a render with `errors=True` or a target error.
+        """
+        bound = self._raw.bounds()
+        if bound is None:
+            raise InputError("the film has no error statistics; render it with errors=True")
+        return bound.reshape(self.shape)
+
+    @cached_property
+    def alpha(self) -> np.ndarray:
+        """Share of the camera rays that hit a surface."""
+        return self._numbers("alpha")
+
+    @cached_property
+    def depth(self) -> np.ndarray:
+        """Mean distance to the first surface; infinite where there is none."""
+        return self._numbers("depth")
+
+    @cached_property
+    def normal(self) -> np.ndarray:
+        """Mean normal of the first surface; 0 where there is none."""
+        return self._colors("normal")
+
+    @cached_property
+    def albedo(self) -> np.ndarray:
+        """Mean albedo of the first surface."""
+        return self._colors("albedo")
+
+    def save(
+        self, path: str | os.PathLike[str], *, exposure: float | None = 0.0, tonemap: str = "neutral"
+    ) -> None:
+        """Writes a picture or a film, atomically.
+
+        .exr: all layers, linear. .png: tone-mapped by "neutral", "agx", "aces", "reinhard" or "none", after an `exposure` in
+        stops; None: automatic. .film: the sums themselves, which `render(film=)` continues.
+        """
+        name = os.fspath(path)
+        check_name(name)
+        if name.lower().endswith(".exr"):
+            self._raw.save_exr(name)
+        elif name.lower().endswith(".film"):
+            self._raw.save(name)
+        else:
+            write_bytes(name, self._raw.png(exposure, tonemap))
+
+    def _repr_png_(self) -> bytes:
+        return self._raw.png(None, "neutral")
+
+    def _colors(self, name: str) -> np.ndarray:
+        return self._raw.colors(name).reshape(*self.shape, 3)
+
+    def _numbers(self, name: str) -> np.ndarray:
+        return self._raw.numbers(name).reshape(self.shape)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, self._raw.to_bytes()
+
+    def __repr__(self) -> str:
+        return f"Film({self._raw.width}x{self._raw.height}, {self.passes} passes)"
+
+
+def _restore(data: bytes, refused: str | None) -> Film:
+    return Film(RawFilm.from_bytes(data, refused))
+
+
+def check_name(name: str) -> None:
+    """Checks the name of an output, and that it can be written."""
+    if not name.lower().endswith((".exr", ".png", ".film")):
+        raise InputError(f"{name}: the name of a picture ends in .exr or .png, that of a film in .film")
+    check_writable(name)

@@ -1,0 +1,135 @@
+"""Materials. Colours are linear RGB in [0, 1]: a number for grey, or three numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ._errors import InputError
+
+__all__ = ["Glass", "Lambert", "Material", "Metal", "Mirror", "Plastic"]
+
+
+def triple(name: str, value: Any) -> list[float]:
+    """Three finite or infinite numbers; of one number, three times that. Ranges are checked when the scene is built."""
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if numbers.shape not in ((), (3,)):
+        raise InputError(f"{name} is {value!r}, but must be a number or three of them")
+    return np.broadcast_to(numbers, (3,)).tolist()
+
+
+def vector(name: str, value: Any) -> list[float]:
+    """Three finite numbers."""
+    numbers = triple(name, value) if np.shape(value) == (3,) else []
+    if len(numbers) != 3 or not np.isfinite(numbers).all():
+        raise InputError(f"{name} is {value!r}, but must be three finite numbers")
+    return numbers
+
+
+def number(name: str, value: Any) -> float:
+    """A number that is not NaN."""
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        result = np.nan
+    if np.isnan(result):
+        raise InputError(f"{name} is {value!r}, but must be a number")
+    return result
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """What all materials have.
+
+    `emission`: radiance that the front emits, W/(m² sr), a number or RGB: a mesh of such a material is an area light.
+    `emits_both_sides`: the back emits too. `clearcoat`: weight of a colourless layer of lacquer, in [0, 1].
+    """
+
+    emission: Any = 0.0
+    emits_both_sides: bool = False
+    clearcoat: float = 0.0
+    clearcoat_roughness: float = 0.0
+
+    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
+        """Kind, colour, second colour, ior, roughness, specular."""
+        raise InputError("Material itself has no surface; use Lambert, Mirror, Glass, Metal or Plastic")
+
+    def _add_to(self, builder: Any, name: str) -> int:
+        kind, color, second, ior, roughness, specular = self._surface()
+        surface = (
+            kind,
+            triple("the colour of a material", color),
+            triple("absorption", second),
+            number("ior", ior),
+            number("roughness", roughness),
+            number("specular", specular),
+        )
+        coat = (number("clearcoat", self.clearcoat), number("clearcoat_roughness", self.clearcoat_roughness))
+        return builder.material(name, surface, triple("emission", self.emission), bool(self.emits_both_sides), coat)
+
+
+@dataclass(frozen=True)
+class Lambert(Material):
+    """A diffuse surface."""
+
+    albedo: Any = 0.5
+
+    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
+        return "lambert", self.albedo, 0.0, 1.0, 0.0, 1.0
+
+
+@dataclass(frozen=True)
+class Mirror(Material):
+    """A perfect mirror, on both sides."""
+
+    reflectance: Any = 1.0
+
+    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
+        return "mirror", self.reflectance, 0.0, 1.0, 0.0, 1.0
+
+
+@dataclass(frozen=True)
+class Glass(Material):
+    """A solid of glass, whose mesh must be closed and face outwards; `thin`: a pane without thickness.
+
+    `ior`: refractive index. `absorption`: per unit of length. `tint` multiplies the light at each crossing. `roughness` in
+    [0, 1]; 0 is smooth.
+    """
+
+    ior: float = 1.5
+    tint: Any = 1.0
+    absorption: Any = 0.0
+    roughness: float = 0.0
+    thin: bool = False
+
+    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
+        return ("thin" if self.thin else "glass"), self.tint, self.absorption, self.ior, self.roughness, 1.0
+
+
+@dataclass(frozen=True)
+class Metal(Material):
+    """A metal of this reflectance, and roughness in [0, 1] (GGX)."""
+
+    reflectance: Any = 0.9
+    roughness: float = 0.2
+
+    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
+        return "metal", self.reflectance, 0.0, 1.5, self.roughness, 1.0
+
+
+@dataclass(frozen=True)
+class Plastic(Material):
+    """A diffuse base under a coat of refractive index `ior`, and roughness in [0, 1] (GGX)."""
+
+    albedo: Any = 0.5
+    roughness: float = 0.2
+    ior: float = 1.5
+    specular: float = 1.0
+
+    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
+        return "plastic", self.albedo, 0.0, self.ior, self.roughness, self.specular

@@ -1,0 +1,188 @@
+"""`render`: scenes to films."""
+
+from __future__ import annotations
+
+import math
+import operator
+import os
+from typing import Any, Callable
+
+from ._blocks import check_executor, render_blocks
+from ._errors import InputError
+from ._film import Film
+from ._job import Job
+from ._photonmap import builtin_scenes as _builtin_scenes
+from ._photonmap import check_blocks, check_writable, preset_passes
+from ._progress import Progress, Reporter
+from ._scene import Scene
+from ._settings import Settings
+
+__all__ = ["builtin_scenes", "render"]
+
+DEFAULT_PASSES = 32
+
+
+def builtin_scenes() -> dict[str, str]:
+    """Names and descriptions of the built-in scenes."""
+    return dict(_builtin_scenes())
+
+
+def render(
+    scene: Scene | str | os.PathLike[str],
+    *,
+    size: tuple[int, int] | int = (512, 512),
+    passes: int | None = None,
+    time: float | None = None,
+    target_error: float | None = None,
+    share: float = 0.95,
+    camera: str | None = None,
+    preset: str | None = None,
+    settings: Settings | None = None,
+    device: str = "cpu",
+    threads: int | None = None,
+    progress: bool | Callable[[Progress], Any] | None = None,
+    film: str | os.PathLike[str] | None = None,
+    grain: int | None = None,
+    checkpoint: float = 300.0,
+    executor: Any = None,
+    window: int | None = None,
+    retries: int = 3,
+    overrides: str | os.PathLike[str] | None = None,
+    **fields: Any,
+) -> Film:
+    """Renders a scene: a `Scene`, the name of a built-in one, or a file, to which `overrides` are applied.
+
+    It ends after so many `passes` (default 32, or those of the preset), after `time` in seconds, or when the estimated
+    relative error of the `share` of pixels is at most `target_error`, whichever comes first. `device`: "cpu" or "gpu".
+    Further keyword arguments are fields of `Settings`, such as `photons=200_000`; they change those of `settings` or of the
+    `preset`.
+
+    `progress`: True for a progress bar, or a function that is called with a `Progress`, and stops the render by returning
+    False. Ctrl-C stops it within a pass.
+
+    `film`: a .film file, which is continued if it exists, and written every `checkpoint` seconds and at the end. `executor`: a
+    `concurrent.futures.Executor`, or a function that makes one if it breaks, whose workers render blocks of `grain` passes.
+    At most `window` blocks are kept in memory, and a block that is lost with its worker is asked for again, up to `retries`
+    times. The bits depend on scene, settings, passes and grain (default 1) alone.
+    """
+    width, height = _size(size)
+    if settings is not None and preset is not None:
+        raise InputError("give either settings= or preset=, not both")
+    if target_error is not None:
+        fields.setdefault("errors", True)
+    chosen = Settings(preset=preset, size=(width, height), **fields) if settings is None else settings.replace(**fields)
+    if device not in ("cpu", "gpu"):
+        raise InputError(f'device is {device!r}, but must be "cpu" or "gpu"')
+    workers = 0 if threads is None else _whole("threads", threads, 4096)
+    if passes is not None:
+        passes = _whole("passes", passes, 2**32 - 2)
+    elif time is None and target_error is None:
+        passes = DEFAULT_PASSES if preset is None else preset_passes(preset)
+    in_blocks = film is not None or executor is not None or grain is not None
+    if in_blocks:
+        _check_blocks(time, target_error, chosen)
+        grain = 1 if grain is None else _whole("grain", grain, 2**32 - 2)
+        check_blocks(0, passes or DEFAULT_PASSES, grain)
+    if film is not None:
+        _check_film(os.fspath(film))
+    if executor is not None:
+        check_executor(executor)
+        if threads is None and device == "cpu":
+            workers = _threads_of_worker(executor)
+    opened = _scene(scene, overrides)
+    job = Job(opened, chosen.to_json(), (width, height), camera, device == "gpu", workers)
+    reporter = Reporter(progress, passes)
+    try:
+        if in_blocks:
+            raw = render_blocks(
+                job,
+                chosen.seed,
+                passes or DEFAULT_PASSES,
+                grain or 1,
+                path=None if film is None else os.fspath(film),
+                checkpoint=_number("checkpoint", checkpoint),
+                executor=executor,
+                window=None if window is None else _whole("window", window, 2**31),
+                retries=operator.index(retries),
+                reporter=reporter,
+            )
+        else:
+            reporter.add(0)
+            error = None if target_error is None else (_number("target_error", target_error), _number("share", share))
+            raw, _ = job.renderer().render(passes, None if time is None else _number("time", time), error, reporter)
+    finally:
+        reporter.close()
+    return Film(raw)
+
+
+def _scene(scene: Any, overrides: str | os.PathLike[str] | None) -> Scene:
+    if isinstance(scene, Scene):
+        if overrides is not None:
+            raise InputError("overrides= is for files; give it to Scene.load")
+        return scene
+    if not isinstance(scene, (str, os.PathLike)):
+        raise InputError(f"scene is {scene!r}, but must be a Scene, a name or a path")
+    name = os.fspath(scene)
+    if os.path.splitext(name)[1]:
+        return Scene.load(name, overrides)
+    opened = Scene.builtin(name)
+    if overrides is not None:
+        opened._call("overrides", os.path.abspath(os.fspath(overrides)))
+    return opened
+
+
+def _check_blocks(time: float | None, target_error: float | None, settings: Settings) -> None:
+    """What would make passes depend on time, or on each other."""
+    for name, given in [("time", time), ("target_error", target_error)]:
+        if given is not None:
+            raise InputError(
+                f"{name}: with film, grain or executor, the passes must not depend on when and where they are rendered; give "
+                "passes instead"
+            )
+    if settings.bandwidth == "per-pixel":
+        raise InputError(
+            'bandwidth "per-pixel": passes then depend on all passes before them; with film, grain or executor, use '
+            'bandwidth="shared"'
+        )
+
+
+def _check_film(name: str) -> None:
+    if not name.lower().endswith(".film"):
+        raise InputError(f"{name}: the name of a film file ends in .film")
+    check_writable(name)
+
+
+def _threads_of_worker(executor: Any) -> int:
+    """Threads of a worker: those of a local pool share the cores."""
+    workers = getattr(executor, "_max_workers", None)
+    return max(1, (os.cpu_count() or 1) // workers) if isinstance(workers, int) and workers > 0 else 0
+
+
+def _size(size: Any) -> tuple[int, int]:
+    try:
+        width, height = (size, size) if isinstance(size, int) else size
+        return _whole("size", width, 2**31), _whole("size", height, 2**31)
+    except (TypeError, ValueError) as why:
+        if isinstance(why, InputError):
+            raise
+        raise InputError(f"size is {size!r}, but must be width and height, such as (640, 480)") from None
+
+
+def _whole(name: str, value: Any, most: int) -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = 0
+    if not 1 <= number <= most:
+        raise InputError(f"{name} is {value!r}, but must be a whole number from 1 to {most}")
+    return number
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if math.isnan(number):
+        raise InputError(f"{name} is {value!r}, but must be a number")
+    return number

@@ -1,0 +1,265 @@
+"""`Scene`: from arrays, from files, or built in."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any
+
+import numpy as np
+
+from ._errors import InputError
+from ._materials import Lambert, Material, number, triple, vector
+from ._photonmap import RawBuilder, RawScene
+
+__all__ = ["Scene"]
+
+
+class Scene:
+    """A scene in the user's own unit of length, with light in watts.
+
+    Its methods add objects and return the scene. Nothing is checked against the rest of the scene before it is rendered, or
+    `build` is called. It can be pickled; a scene of a file is read again where it is unpickled, and must be the same there.
+    """
+
+    def __init__(self) -> None:
+        self._source: tuple[str, str] | None = None
+        self._calls: list[tuple[str, tuple[Any, ...]]] = []
+        self._built: RawScene | None = None
+        self._digest: str | None = None
+
+    @classmethod
+    def builtin(cls, name: str) -> Scene:
+        """A built-in scene; `photonmap.builtin_scenes()` lists them."""
+        scene = cls()
+        scene._source = ("builtin", str(name))
+        RawBuilder.builtin(str(name))
+        return scene
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], overrides: str | os.PathLike[str] | None = None) -> Scene:
+        """A .gltf, .glb, .obj or .ply file, changed by an override file (TOML)."""
+        scene = cls()
+        scene._source = ("file", os.path.abspath(os.fspath(path)))
+        if overrides is not None:
+            scene._call("overrides", os.path.abspath(os.fspath(overrides)))
+        scene.build()
+        return scene
+
+    def mesh(
+        self,
+        name: str,
+        vertices: Any,
+        triangles: Any,
+        material: Material | None = None,
+        *,
+        normals: Any = None,
+    ) -> Scene:
+        """Adds triangles: `vertices` (n, 3), `triangles` (m, 3) indices into them, counter-clockwise from the front.
+
+        `normals`: one for each vertex, of any length, for smooth shading. `material`: by default `Lambert(0.5)`.
+        """
+        material = Lambert() if material is None else material
+        if not isinstance(material, Material):
+            raise InputError(f"mesh {name!r}: material is {material!r}, but must be one such as photonmap.Lambert(0.5)")
+        positions = _rows(f"mesh {name!r}: vertices", vertices)
+        corners = np.asarray(triangles)
+        if corners.ndim != 2 or corners.shape[1] != 3 or (corners.dtype.kind not in "iu" and corners.size > 0):
+            raise InputError(
+                f"mesh {name!r}: triangles has the shape {corners.shape} and the type {corners.dtype}, but must have (m, 3) "
+                "whole numbers"
+            )
+        count = len(positions) // 3
+        outside = (corners < 0) | (corners >= count)
+        if outside.any():
+            row = int(np.nonzero(outside.any(axis=1))[0][0])
+            raise InputError(f"mesh {name!r}: triangle {row} is {corners[row].tolist()}, but there are {count} vertices")
+        toward = None
+        if normals is not None:
+            toward = _rows(f"mesh {name!r}: normals", normals)
+            if toward.size != positions.size:
+                raise InputError(f"mesh {name!r}: {toward.size // 3} normals for {count} vertices")
+        flat = np.ascontiguousarray(corners, dtype=np.uint32).reshape(-1)
+        return self._call("mesh", str(name), positions, flat, material, toward)
+
+    def quad(self, name: str, corners: Any, material: Material | None = None) -> Scene:
+        """Adds a quadrilateral of four corners, counter-clockwise as seen from the front."""
+        if np.shape(corners) != (4, 3):
+            raise InputError(f"quad {name!r}: corners has the shape {np.shape(corners)}, but must have (4, 3)")
+        return self.mesh(name, corners, [[0, 1, 2], [0, 2, 3]], material)
+
+    def point_light(self, position: Any, intensity: Any, *, name: str = "point light") -> Scene:
+        """Adds a light that emits equally in all directions; `intensity` in W/sr, a number or RGB."""
+        return self._call("point_light", name, vector("position", position), triple("intensity", intensity))
+
+    def spot_light(
+        self,
+        position: Any,
+        direction: Any,
+        intensity: Any,
+        *,
+        inner: float = 30.0,
+        outer: float = 40.0,
+        name: str = "spot light",
+    ) -> Scene:
+        """Adds a light within a cone; angles from its axis to where it starts and ends to fade, in degrees."""
+        angles = (math.radians(number("inner", inner)), math.radians(number("outer", outer)))
+        return self._call(
+            "spot_light",
+            name,
+            vector("position", position),
+            vector("direction", direction),
+            triple("intensity", intensity),
+            angles,
+        )
+
+    def directional_light(self, direction: Any, irradiance: Any, *, name: str = "directional light") -> Scene:
+        """Adds parallel light that travels in `direction`; `irradiance` in W/m², of a plane that faces it."""
+        return self._call(
+            "directional_light", name, vector("direction", direction), triple("irradiance", irradiance)
+        )
+
+    def sun(self, direction: Any, irradiance: Any, *, radius: float = 0.2669) -> Scene:
+        """Sets the sun: a disc, infinitely far away, whose light travels in `direction`; its `radius` in degrees."""
+        return self._call("sun", vector("direction", direction), triple("irradiance", irradiance), number("radius", radius))
+
+    def environment(self, light: Any, *, rotate: float = 0.0, scale: float = 1.0) -> Scene:
+        """Sets the light from all around, and replaces that of before.
+
+        `light`: a radiance in W/(m² sr), a number or RGB; an image as an array (h, w, 3), w = 2h, in latitude and longitude;
+        the path of one; or a clear sky with its sun, as "sky:ELEVATION,TURBIDITY" in degrees and from 1 to 10.
+        `rotate`: degrees, counter-clockwise as seen from above (+y).
+        """
+        turn, factor = number("rotate", rotate), number("scale", scale)
+        if isinstance(light, (str, os.PathLike)):
+            text = os.fspath(light)
+            if not text.startswith("sky:"):
+                return self._call("environment_file", os.path.abspath(text), turn, factor)
+            try:
+                elevation, turbidity = (float(part) for part in text[4:].split(","))
+            except ValueError:
+                raise InputError(f"environment {text!r}: give two numbers, such as sky:30,3") from None
+            return self._call("environment_sky", elevation, turbidity, turn, factor)
+        if np.ndim(light) == 3:
+            image = np.ascontiguousarray(light, dtype=np.float32)
+            if image.shape[2] != 3:
+                raise InputError(f"environment: the image has the shape {image.shape}, but must have (h, w, 3)")
+            return self._call("environment_image", image.shape[1], image.reshape(-1, 3), turn, factor)
+        radiance = [channel * factor for channel in triple("environment", light)]
+        return self._call("environment_constant", radiance)
+
+    def camera(
+        self,
+        position: Any,
+        *,
+        to: Any = None,
+        direction: Any = None,
+        up: Any = (0, 1, 0),
+        fov: float = 40.0,
+        height: float | None = None,
+        aperture: float = 0.0,
+        focus: float | None = None,
+        name: str = "camera",
+    ) -> Scene:
+        """Adds a camera that looks at the point `to`, or in a `direction`; the first camera is the default.
+
+        `fov`: degrees between the lower and the upper edge of the picture. `height`: an orthographic camera, whose picture is
+        so high. `aperture`: diameter of the lens, `focus`: distance of what is sharp, by default that of `to`.
+        """
+        origin = vector("position", position)
+        if (to is None) == (direction is None):
+            raise InputError(f"camera {name!r}: give either to= or direction=")
+        if to is not None:
+            toward = [b - a for a, b in zip(origin, vector("to", to))]
+            distance: float | None = math.hypot(*toward)
+        else:
+            toward, distance = vector("direction", direction), None
+        lens = None
+        if aperture != 0:
+            far = distance if focus is None else number("focus", focus)
+            if far is None:
+                raise InputError(f"camera {name!r}: with an aperture and a direction, focus= is needed")
+            lens = (number("aperture", aperture), far)
+        view = (False, math.radians(number("fov", fov))) if height is None else (True, 0.5 * number("height", height))
+        return self._call("camera", name, origin, toward, vector("up", up), view, lens)
+
+    def build(self) -> Scene:
+        """Checks everything, which `render` does too."""
+        self._raw()
+        return self
+
+    @property
+    def warnings(self) -> list[str]:
+        """Problems that do not prevent rendering."""
+        return self._raw().warnings()
+
+    @property
+    def report(self) -> list[str]:
+        """What the file has that is rendered differently, or left out."""
+        return self._raw().report()
+
+    @property
+    def cameras(self) -> list[str]:
+        """Names of the cameras."""
+        return self._raw().cameras()
+
+    @property
+    def digest(self) -> str:
+        """Digest of all that is rendered, cameras excluded, in hexadecimal."""
+        return self._raw().digest()
+
+    @property
+    def name(self) -> str:
+        """Name of the file or of the built-in scene."""
+        return os.path.basename(self._source[1]) if self._source else "scene"
+
+    def _call(self, method: str, *args: Any) -> Scene:
+        self._calls.append((method, args))
+        self._built = self._digest = None
+        return self
+
+    def _raw(self) -> RawScene:
+        if self._built is None:
+            builder = self._builder()
+            materials: dict[int, int] = {}
+            for method, args in self._calls:
+                if method == "mesh":
+                    name, positions, corners, material, normals = args
+                    # One material for meshes that share the object.
+                    if id(material) not in materials:
+                        materials[id(material)] = material._add_to(builder, f"{type(material).__name__} of {name}")
+                    builder.mesh(name, positions, corners, materials[id(material)], normals)
+                else:
+                    getattr(builder, method)(*args)
+            built = builder.build()
+            if self._digest is not None and built.digest() != self._digest:
+                raise InputError(
+                    f"{self.name}: the scene has changed since it was pickled, or is another on this machine; give all "
+                    "machines the same files"
+                )
+            self._built = built
+        return self._built
+
+    def _builder(self) -> RawBuilder:
+        if self._source is None:
+            return RawBuilder()
+        kind, name = self._source
+        return RawBuilder.builtin(name) if kind == "builtin" else RawBuilder.load(name)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Arrays are part of the pickle, files are not: their contents must be the same.
+        reads_files = self._source is not None or any(call in ("overrides", "environment_file") for call, _ in self._calls)
+        digest = self.digest if reads_files else None
+        return {"_source": self._source, "_calls": self._calls, "_built": None, "_digest": digest}
+
+    def __repr__(self) -> str:
+        source = f"{self.name}, " if self._source else ""
+        return f"Scene({source}{len(self._calls)} additions)"
+
+
+def _rows(name: str, values: Any) -> np.ndarray:
+    """Vectors as a flat array of their coordinates."""
+    array = np.asarray(values)
+    if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "fiub":
+        raise InputError(f"{name} has the shape {array.shape} and the type {array.dtype}, but must have (n, 3) real numbers")
+    return np.array(array, dtype=np.float64, order="C").reshape(-1)

@@ -1,0 +1,220 @@
+//! Renderers: a pipeline on a device, and its passes.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use photonmap::cpu::Cpu;
+use photonmap::film::{FilmInfo, FilmKey, Maker};
+use photonmap::scene::Scene;
+use photonmap::{
+    Bandwidth, Blocks, Budget, Film, Pipeline, Plan, Render, Settings, TransportBackend, View, render, render_blocks,
+};
+use pyo3::prelude::*;
+
+use crate::error::Failure;
+use crate::film::RawFilm;
+use crate::gpu;
+use crate::observe::{Latch, observe};
+use crate::process::Local;
+use crate::scene::RawScene;
+use crate::settings::parse;
+
+/// Program and version, in film files.
+const PROGRAM: &str = concat!("photonmap for Python ", env!("CARGO_PKG_VERSION"));
+
+/// A renderer of one scene.
+#[pyclass(frozen, module = "photonmap._photonmap")]
+pub(crate) struct Renderer {
+    inner: Mutex<Local<Box<dyn Render>>>,
+    scene: Arc<Scene>,
+    name: String,
+    view: View,
+    settings: Settings,
+}
+
+#[pymethods]
+impl Renderer {
+    /// Uploads a scene to a device and derives the radii. `device`: whether it is a GPU, and the number of threads, 0 for all
+    /// cores.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        scene: &RawScene,
+        name: &str,
+        settings: &str,
+        size: (u32, u32),
+        camera: Option<&str>,
+        device: (bool, usize),
+    ) -> PyResult<Self> {
+        let ((width, height), (gpu, threads)) = (size, device);
+        let settings = parse(settings)?;
+        let scene = Arc::clone(&scene.scene);
+        let view = View { camera: scene.camera(camera, width, height).map_err(Failure::from)?, width, height };
+        let inner = py.detach(|| start(&scene, view, &settings, gpu, threads))?;
+        Ok(Self { inner: Mutex::new(Local::new(inner)), scene, name: name.to_owned(), view, settings })
+    }
+
+    /// Renders until the budget is spent, or the observer stops it. Returns the film, and whether it was stopped.
+    /// `error`: target and share of pixels.
+    fn render(
+        &self,
+        py: Python<'_>,
+        passes: Option<u32>,
+        seconds: Option<f64>,
+        error: Option<(f64, f64)>,
+        observer: Option<Py<PyAny>>,
+    ) -> PyResult<(RawFilm, bool)> {
+        let time = seconds.map(|seconds| {
+            let time = Duration::try_from_secs_f64(seconds);
+            time.map_err(|_| Failure::input(format!("time is {seconds}, but must be at least 0 and finite")))
+        });
+        let time = time.transpose()?;
+        let until = match (error, passes, time) {
+            (Some((target, share_of_pixels)), ..) => Budget::Error { target, share_of_pixels },
+            (None, Some(passes), _) => Budget::Passes(passes),
+            (None, None, Some(time)) => Budget::Time(time),
+            (None, None, None) => return Err(Failure::input("passes, time or target_error is needed").into()),
+        };
+        let plan = Plan { most_passes: passes, most_time: time, ..Plan::from(until) };
+        let mut latch = Latch::default();
+        let begun = Instant::now();
+        let rendered = py.detach(|| {
+            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+            let inner = inner.get("this renderer")?;
+            let outcome = render(&mut **inner, plan, &mut observe(observer.as_ref(), &mut latch));
+            let outcome = match outcome {
+                Err(error) => {
+                    // Passes before the error must not be in the next film.
+                    let _ = inner.take();
+                    return Err(Failure::from(error));
+                }
+                Ok(outcome) => outcome,
+            };
+            let film = inner.film()?;
+            let mut info = self.info(&**inner, 1, begun);
+            // A GPU adds passes in another precision.
+            info.in_order = info.makers.iter().all(|maker| maker.backend == "cpu") || film.passes == 1;
+            let adapted = outcome.predicted.is_some_and(|forecast| forecast.radius_factor != 1.0);
+            // Nothing is left for another render; with radii of its own for each pixel, it cannot be used again.
+            let _ = inner.take();
+            Ok((film, info, adapted, outcome.cancelled))
+        });
+        if let Some(error) = latch.error {
+            return Err(error);
+        }
+        let (film, info, adapted, cancelled) = rendered?;
+        let mut raw = RawFilm { film, info, refused: None };
+        if self.settings.bandwidth == Bandwidth::PerPixel {
+            raw.refused = Some(
+                "passes with bandwidth=\"per-pixel\" depend on all passes before them, which a film file \
+                                does not allow; use bandwidth=\"shared\""
+                    .to_owned(),
+            );
+        } else if adapted {
+            raw.refused = Some(
+                "its radii were adapted to the target or the time, so that it cannot be continued as a \
+                                film file; render a number of passes, or save a picture"
+                    .to_owned(),
+            );
+        }
+        Ok((raw, cancelled))
+    }
+
+    /// Renders one block of passes; stopped by the observer, there is none.
+    fn block(
+        &self,
+        py: Python<'_>,
+        first: u32,
+        grain: u32,
+        radii: Option<Vec<f32>>,
+        observer: Option<Py<PyAny>>,
+    ) -> PyResult<Option<RawFilm>> {
+        let blocks = Blocks::new(first..first.saturating_add(grain), grain).map_err(Failure::from)?;
+        let mut latch = Latch::default();
+        let begun = Instant::now();
+        let rendered = py.detach(|| {
+            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+            let inner = inner.get("this renderer")?;
+            if let Some(radii) = radii.filter(|radii| radii.len() == inner.radii().len()) {
+                inner.set_radii(&radii)?;
+            }
+            let facts = inner.facts();
+            if facts.photons < self.settings.photons {
+                return Err(Failure::input(format!(
+                    "memory: only {0} paths a pass fit the limit, and passes of a film must not depend on it; give \
+                     photons={0}",
+                    facts.photons
+                )));
+            }
+            let mut film: Option<Film> = None;
+            let mut observer = observe(observer.as_ref(), &mut latch);
+            match render_blocks(&mut **inner, &blocks, &mut film, &mut observer, &mut |_| Ok(())) {
+                Ok(_) | Err(photonmap::Error::Cancelled) => {}
+                Err(error) => return Err(error.into()),
+            }
+            Ok(film.map(|film| (film, self.info(&**inner, grain, begun))))
+        });
+        if let Some(error) = latch.error {
+            return Err(error);
+        }
+        Ok(rendered?.map(|(film, info)| RawFilm { film, info, refused: None }))
+    }
+
+    /// A film without passes, whose key is that of the blocks of a render with these radii.
+    fn empty(&self, py: Python<'_>, grain: u32, radii: Vec<f32>) -> PyResult<RawFilm> {
+        let made = py.detach(|| {
+            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+            let inner = inner.get("this renderer")?;
+            if radii.len() == inner.radii().len() {
+                inner.set_radii(&radii)?;
+            }
+            let film = Film::new(self.view.width, self.view.height, self.scene.units())?;
+            let info = self.info(&**inner, grain, Instant::now());
+            Ok::<_, Failure>(RawFilm { film, info, refused: Some("it has no passes".to_owned()) })
+        });
+        Ok(made?)
+    }
+
+    /// Name of the backend, description of the device, paths per pass.
+    fn facts(&self, py: Python<'_>) -> PyResult<(String, String, u32)> {
+        // A render in another thread holds this lock while it waits for that of the interpreter.
+        let facts = py.detach(|| {
+            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+            Ok::<_, Failure>(inner.get("this renderer")?.facts())
+        })?;
+        Ok((facts.backend.to_owned(), facts.device, facts.photons))
+    }
+}
+
+impl Renderer {
+    /// What the passes depend on, and who rendered them.
+    fn info(&self, renderer: &dyn Render, grain: u32, begun: Instant) -> FilmInfo {
+        let key = FilmKey::new(&self.scene.view(), &self.view, &self.settings, renderer, grain);
+        let mut info = FilmInfo::new(key, &self.name);
+        let facts = renderer.facts();
+        info.add_maker(&Maker::new(PROGRAM, facts.backend, &facts.device, begun.elapsed().as_secs_f64()));
+        info
+    }
+}
+
+fn start(
+    scene: &Scene,
+    view: View,
+    settings: &Settings,
+    gpu: bool,
+    threads: usize,
+) -> Result<Box<dyn Render>, Failure> {
+    if gpu {
+        return pipeline(gpu::open()?, scene, view, settings);
+    }
+    pipeline(if threads == 0 { Cpu::new()? } else { Cpu::with_threads(threads)? }, scene, view, settings)
+}
+
+fn pipeline<B: TransportBackend>(
+    on: B,
+    scene: &Scene,
+    view: View,
+    settings: &Settings,
+) -> Result<Box<dyn Render>, Failure> {
+    Ok(Box::new(Pipeline::new(on, &scene.view(), view, settings.clone())?))
+}

@@ -1,0 +1,244 @@
+//! Scenes: a builder that the Python class replays its calls on, and the built scene.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use photonmap::scene::{
+    CameraDesc, EnvironmentDesc, LightDesc, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, Scene,
+    SceneBuilder, Sun, Surface, ThinLens, VertexAttributes, builtin, builtin_names, load_builder,
+};
+use pyo3::prelude::*;
+
+use crate::error::Failure;
+use crate::tree::vectors;
+
+/// A scene under construction.
+#[pyclass(module = "photonmap._photonmap")]
+pub(crate) struct RawBuilder {
+    builder: SceneBuilder,
+    report: LoadReport,
+    materials: Vec<MaterialId>,
+}
+
+/// Names and one-line descriptions of the built-in scenes.
+#[pyfunction]
+pub(crate) fn builtin_scenes() -> Vec<(&'static str, &'static str)> {
+    builtin_names().to_vec()
+}
+
+/// A surface: its kind and numbers by position.
+type SurfaceNumbers = (String, [f64; 3], [f64; 3], f64, f64, f64);
+
+#[pymethods]
+impl RawBuilder {
+    #[new]
+    fn new() -> Self {
+        Self { builder: SceneBuilder::new(), report: LoadReport::default(), materials: Vec::new() }
+    }
+
+    /// A built-in scene.
+    #[staticmethod]
+    fn builtin(name: &str) -> PyResult<Self> {
+        let builder = builtin(name).ok_or_else(|| {
+            let names: Vec<&str> = builtin_names().iter().map(|(name, _)| *name).collect();
+            let list = names.join(", ");
+            Failure::input(format!(
+                "no built-in scene is called {name:?}; there are {list}, and files with an extension"
+            ))
+        })?;
+        Ok(Self { builder, report: LoadReport::default(), materials: Vec::new() })
+    }
+
+    /// A scene file.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: &str) -> PyResult<Self> {
+        let (builder, report) = py.detach(|| load_builder(Path::new(path), None).map_err(Failure::from))?;
+        Ok(Self { builder, report, materials: Vec::new() })
+    }
+
+    /// Applies an override file.
+    fn overrides(&mut self, path: &str) -> PyResult<()> {
+        let overrides = Overrides::read(Path::new(path)).map_err(Failure::from)?;
+        Ok(overrides.apply(&mut self.builder, &mut self.report).map_err(Failure::from)?)
+    }
+
+    /// Adds a material and returns its number. `surface`: kind, colour, second colour, ior, roughness, specular.
+    fn material(
+        &mut self,
+        name: &str,
+        surface: SurfaceNumbers,
+        emission: [f64; 3],
+        emits_both_sides: bool,
+        clearcoat: (f64, f64),
+    ) -> PyResult<usize> {
+        let (kind, color, second, ior, roughness, specular) = surface;
+        let glossy = |metallic| Surface::Glossy { base_color: color, metallic, roughness, specular, ior };
+        let surface = match kind.as_str() {
+            "lambert" => Surface::Lambert { albedo: color },
+            "mirror" => Surface::Mirror { reflectance: color },
+            "glass" => Surface::Dielectric { ior, absorption: second, tint: color, roughness },
+            "thin" => Surface::Thin { ior, tint: color, roughness },
+            "metal" => glossy(1.0),
+            "plastic" => glossy(0.0),
+            other => return Err(Failure::input(format!("there is no kind of material called {other:?}")).into()),
+        };
+        let mut desc = MaterialDesc::new(name, surface);
+        desc.emission = emission;
+        let desc = desc.with_both_sides(emits_both_sides).with_clearcoat(clearcoat.0, clearcoat.1);
+        self.materials.push(self.builder.material(desc));
+        Ok(self.materials.len() - 1)
+    }
+
+    /// Adds triangles of a material. Arrays of vectors are flat.
+    fn mesh(
+        &mut self,
+        name: &str,
+        positions: PyReadonlyArray1<'_, f64>,
+        triangles: PyReadonlyArray1<'_, u32>,
+        material: usize,
+        normals: Option<PyReadonlyArray1<'_, f64>>,
+    ) -> PyResult<()> {
+        let corners: Vec<u32> = triangles.as_array().iter().copied().collect();
+        let (triangles, rest) = corners.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(Failure::input("corners of triangles must come in threes").into());
+        }
+        let unknown = || Failure::input(format!("mesh '{name}': no material has the number {material}"));
+        let material = *self.materials.get(material).ok_or_else(unknown)?;
+        let mut attributes = VertexAttributes::default();
+        if let Some(normals) = normals {
+            attributes = attributes.with_normals(vectors(&normals)?);
+        }
+        self.builder.mesh_with(name, vectors(&positions)?, triangles.to_vec(), attributes, material);
+        Ok(())
+    }
+
+    fn point_light(&mut self, name: &str, position: [f64; 3], intensity: [f64; 3]) {
+        self.builder.light(name, LightDesc::Point { position, intensity });
+    }
+
+    fn spot_light(
+        &mut self,
+        name: &str,
+        position: [f64; 3],
+        direction: [f64; 3],
+        intensity: [f64; 3],
+        angles: (f64, f64),
+    ) {
+        let (inner_angle, outer_angle) = angles;
+        self.builder.light(name, LightDesc::Spot { position, direction, intensity, inner_angle, outer_angle });
+    }
+
+    fn directional_light(&mut self, name: &str, direction: [f64; 3], irradiance: [f64; 3]) {
+        self.builder.light(name, LightDesc::Directional { direction, irradiance });
+    }
+
+    fn sun(&mut self, direction: [f64; 3], irradiance: [f64; 3], radius_degrees: f64) {
+        self.builder.sun(Sun::new(direction, irradiance).with_radius_degrees(radius_degrees));
+    }
+
+    /// Light from all around: the same from all directions.
+    fn environment_constant(&mut self, radiance: [f64; 3]) -> PyResult<()> {
+        self.environment(&EnvironmentDesc::constant(radiance), 0.0, 1.0)
+    }
+
+    /// A clear sky with its sun.
+    fn environment_sky(&mut self, elevation: f64, turbidity: f64, rotate: f64, scale: f64) -> PyResult<()> {
+        self.environment(&EnvironmentDesc::sky(elevation, turbidity), rotate, scale)
+    }
+
+    /// An image file in latitude and longitude.
+    fn environment_file(&mut self, path: &str, rotate: f64, scale: f64) -> PyResult<()> {
+        let desc = EnvironmentDesc::read(Path::new(path), &mut self.report).map_err(Failure::from)?;
+        self.environment(&desc, rotate, scale)
+    }
+
+    /// An image, one row for each texel.
+    fn environment_image(
+        &mut self,
+        width: usize,
+        texels: PyReadonlyArray2<'_, f32>,
+        rotate: f64,
+        scale: f64,
+    ) -> PyResult<()> {
+        let flat: Vec<f32> = texels.as_array().iter().copied().collect();
+        let (texels, _) = flat.as_chunks::<3>();
+        self.environment(&EnvironmentDesc::image("array", width, texels), rotate, scale)
+    }
+
+    /// A camera; `view`: whether it is orthographic, and half the height or the vertical angle; `lens`: diameter and distance
+    /// of focus.
+    fn camera(
+        &mut self,
+        name: &str,
+        position: [f64; 3],
+        direction: [f64; 3],
+        up: [f64; 3],
+        view: (bool, f64),
+        lens: Option<(f64, f64)>,
+    ) {
+        let (orthographic, size) = view;
+        let projection = if orthographic {
+            Projection::Orthographic { half_height: size }
+        } else {
+            Projection::Perspective { vertical_fov: size }
+        };
+        let mut camera = CameraDesc::new(position, direction, up, projection);
+        if let Some((diameter, focus)) = lens {
+            camera = camera.with_lens(ThinLens::new(diameter, focus));
+        }
+        self.builder.camera(name, camera);
+    }
+
+    /// Checks everything. A scene without a camera gets one that shows all of it.
+    fn build(&self, py: Python<'_>) -> PyResult<RawScene> {
+        let mut builder = self.builder.clone();
+        if !builder.has_camera() {
+            let camera = builder.frame_camera();
+            builder.camera("automatic", camera);
+        }
+        let scene = py.detach(|| builder.build().map_err(Failure::from))?;
+        let report = self.report.lines.iter().map(ToString::to_string).collect();
+        Ok(RawScene { scene: Arc::new(scene), report })
+    }
+}
+
+impl RawBuilder {
+    fn environment(&mut self, desc: &EnvironmentDesc, rotate: f64, scale: f64) -> PyResult<()> {
+        let desc = desc.clone().rotated(rotate).scaled(scale);
+        Ok(self.builder.environment_from(&desc).map_err(Failure::from)?)
+    }
+}
+
+/// A scene that can be rendered.
+#[pyclass(frozen, module = "photonmap._photonmap")]
+pub(crate) struct RawScene {
+    pub(crate) scene: Arc<Scene>,
+    report: Vec<String>,
+}
+
+#[pymethods]
+impl RawScene {
+    /// Digest of all that passes depend on, cameras excluded.
+    fn digest(&self) -> String {
+        format!("{:032x}", self.scene.digest())
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.scene.warnings().to_vec()
+    }
+
+    /// What the loader could not represent.
+    fn report(&self) -> Vec<String> {
+        self.report.clone()
+    }
+
+    fn cameras(&self) -> Vec<String> {
+        self.scene.camera_names().map(str::to_owned).collect()
+    }
+
+    fn triangles(&self) -> usize {
+        self.scene.view().triangles.len()
+    }
+}

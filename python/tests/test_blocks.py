@@ -1,0 +1,239 @@
+"""Renders in blocks: the same bits from one process, from workers, after losses, and from a continued file."""
+
+import io
+import os
+import pickle
+import signal
+import zipfile
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+
+import photonmap as pm
+
+JOB = {"scene": "cornell", "size": (16, 12), "photons": 3000, "passes": 8, "grain": 2}
+
+
+def bits(film):
+    """All sums, as the arrays of a film file."""
+    arrays = [*film.layers.values(), film.error, film.normal, film.albedo, film.depth]
+    data, _ = film._raw.to_bytes()
+    with zipfile.ZipFile(io.BytesIO(data)) as file:
+        sums = [file.read(name) for name in sorted(file.namelist()) if name.endswith(".npy")]
+    assert len(sums) > 4
+    return b"".join(sums) + b"".join(array.tobytes() for array in arrays)
+
+
+@pytest.fixture(scope="module")
+def expected():
+    return bits(pm.render(**JOB))
+
+
+def test_the_grain_decides_on_the_bits(expected):
+    assert bits(pm.render(**JOB)) == expected
+    assert bits(pm.render(**{**JOB, "grain": 4})) != expected
+    # A grain of 1 has the bits of a render without blocks.
+    without = {name: value for name, value in JOB.items() if name != "grain"}
+    assert bits(pm.render(**{**JOB, "grain": 1})) == bits(pm.render(**without))
+
+
+def test_blocks_backwards_have_other_bits(expected):
+    """The comparison of bits notices another order."""
+    from photonmap._job import Job
+
+    settings = pm.Settings(photons=JOB["photons"]).to_json()
+    renderer = Job(pm.Scene.builtin(JOB["scene"]), settings, JOB["size"], None, False, 0).renderer()
+    blocks = [renderer.block(first, 2, None, None) for first in range(0, 8, 2)]
+
+    def fold(blocks):
+        first, *others = (pickle.loads(pickle.dumps(pm.Film(block))) for block in blocks)
+        for other in others:
+            first._raw.merge(other._raw)
+        return bits(first)
+
+    assert fold(blocks) == expected
+    assert fold(blocks[::-1]) != expected
+    with pytest.raises(pm.InputError, match="count twice"):
+        fold([blocks[0], blocks[0]])
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_workers_give_the_bits_of_one_process(expected, workers):
+    context = get_context("spawn" if workers == 1 else "fork")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        assert bits(pm.render(**JOB, executor=pool)) == expected
+
+
+def test_threads_and_a_window_of_one(expected):
+    with ThreadPoolExecutor(3) as pool:
+        assert bits(pm.render(**JOB, executor=pool)) == expected
+        seen = []
+        assert bits(pm.render(**JOB, executor=pool, window=1, progress=seen.append)) == expected
+        assert [progress.passes for progress in seen] == [0, 2, 4, 6, 8]
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
+def test_a_killed_worker_changes_nothing(expected):
+    made = []
+
+    def make():
+        made.append(ProcessPoolExecutor(2, mp_context=get_context("fork")))
+        return made[-1]
+
+    killed = []
+
+    def kill(progress):
+        if progress.passes == 2:
+            process = next(iter(made[0]._processes.values()))
+            os.kill(process.pid, signal.SIGKILL)
+            killed.append(process.pid)
+
+    film = pm.render(**JOB, executor=make, progress=kill, window=2)
+    assert len(killed) == 1 and len(made) == 2
+    assert bits(film) == expected
+    # An executor that cannot be replaced: an error that says what to do.
+    with ProcessPoolExecutor(1, mp_context=get_context("fork")) as pool:
+        made[:] = [pool]
+        with pytest.raises(pm.DeviceError, match="a function that makes executors"):
+            pm.render(**JOB, executor=pool, progress=kill, window=2)
+
+
+class Unreliable:
+    """An executor that loses blocks."""
+
+    _max_workers = 2
+
+    def __init__(self, losses, why):
+        self.losses, self.why, self.asked = losses, why, []
+
+    def submit(self, work, payload, key, first, *rest):
+        future = Future()
+        self.asked.append(first)
+        if self.asked.count(first) <= self.losses:
+            future.set_exception(self.why)
+        else:
+            future.set_result(work(payload, key, first, *rest))
+        return future
+
+
+def test_lost_blocks_are_asked_for_again(expected):
+    class KilledWorker(Exception):
+        pass
+
+    for why in [ConnectionError("gone"), KilledWorker("gone")]:
+        pool = Unreliable(2, why)
+        assert bits(pm.render(**JOB, executor=pool)) == expected
+        assert sorted(pool.asked) == [0] * 3 + [2] * 3 + [4] * 3 + [6] * 3
+    with pytest.raises(pm.DeviceError, match="passes 0..2 were lost 4 times.*gone"):
+        pm.render(**JOB, executor=Unreliable(9, ConnectionError("gone")))
+    # What the input causes is final.
+    pool = Unreliable(9, pm.InputError("a wrong scene"))
+    with pytest.raises(pm.InputError, match="a wrong scene"):
+        pm.render(**JOB, executor=pool)
+    assert len(set(pool.asked)) == len(pool.asked)
+    with pytest.raises(pm.DeviceError, match="function that makes"):
+        pm.render(**JOB, executor=Unreliable(1, BrokenExecutor("gone")))
+    for losses in [BrokenExecutor("gone"), None]:
+
+        class Broken(Unreliable):
+            def submit(self, *args):
+                if losses is None:
+                    raise BrokenExecutor("never worked")
+                return super().submit(*args)
+
+            def shutdown(self, **options):
+                pass
+
+        with pytest.raises(pm.DeviceError, match="were lost 4 times"):
+            pm.render(**JOB, executor=lambda: Broken(9, losses))
+
+
+def test_the_memory_of_a_window_is_bounded():
+    """Blocks that come early count, so that a slow first block stops the others."""
+
+    class Slow:
+        asked = []
+
+        def submit(self, work, payload, key, first, *rest):
+            future = Future()
+            self.asked.append(first)
+            if first > 0:
+                future.set_result(work(payload, key, first, *rest))
+                if first == 4:
+                    # Only now the first one: 6 was not asked for.
+                    assert self.asked == [0, 2, 4]
+                    self.first.set_result(work(payload, key, 0, *rest))
+            else:
+                self.first = future
+            return future
+
+    pm.render(**JOB, executor=Slow(), window=3)
+    assert Slow.asked == [0, 2, 4, 6]
+
+
+def test_a_film_is_continued(expected, tmp_path):
+    path = tmp_path / "a.film"
+    assert bits(pm.render(**{**JOB, "passes": 4}, film=path)) != expected
+    with ThreadPoolExecutor(2) as pool:
+        assert bits(pm.render(**JOB, film=path, executor=pool, checkpoint=0)) == expected
+    assert bits(pm.Film.load(path)) == expected
+    # Nothing is left to do.
+    assert bits(pm.render(**JOB, film=path)) == expected
+    for other, words in [
+        ({"passes": 4}, "more passes"),
+        ({"passes": 10, "grain": 5}, "block|grain"),
+        ({"passes": 10, "size": (12, 16)}, "size"),
+        ({"passes": 10, "photons": 2000}, "photons"),
+        ({"photons": 2000}, "photons"),
+        ({"passes": 10, "scene": "two-rooms"}, "scene"),
+        ({"passes": 10, "alpha": 0.5}, "alpha"),
+        ({"passes": 10, "seed": 1}, "seed"),
+    ]:
+        before = path.read_bytes()
+        with pytest.raises(pm.InputError, match=words):
+            pm.render(**{**JOB, **other}, film=path)
+        assert path.read_bytes() == before, other
+
+
+def test_what_was_finished_before_ctrl_c_is_kept(expected, tmp_path):
+    path = tmp_path / "a.film"
+
+    def interrupt(progress):
+        if progress.passes == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        pm.render(**JOB, film=path, progress=interrupt)
+    assert pm.Film.load(path).passes == 4
+    assert bits(pm.render(**JOB, film=path)) == expected
+
+
+def test_a_checkpoint_that_fails_stops_nothing(tmp_path, monkeypatch, expected):
+    from photonmap import _blocks
+
+    saves = []
+
+    original = _blocks._local
+
+    def watched(*args):
+        for block in original(*args):
+            saves.append(block.passes)
+            if len(saves) == 2:
+                os.rename(tmp_path / "out", tmp_path / "away")
+            if len(saves) == 3:
+                os.rename(tmp_path / "away", tmp_path / "out")
+            yield block
+
+    (tmp_path / "out").mkdir()
+    monkeypatch.setattr(_blocks, "_local", watched)
+    with pytest.warns(RuntimeWarning, match="rendering goes on"):
+        film = pm.render(**JOB, film=tmp_path / "out" / "a.film", checkpoint=0)
+    assert bits(film) == expected == bits(pm.Film.load(tmp_path / "out" / "a.film"))
+
+
+def test_dask(expected):
+    distributed = pytest.importorskip("distributed", reason="Dask is not installed")
+    with distributed.Client(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as client:
+        assert bits(pm.render(**JOB, executor=client.get_executor(retries=3))) == expected

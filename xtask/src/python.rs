@@ -1,0 +1,34 @@
+//! The Python package: built as `pip install ./python` does, installed in a bare virtual environment, and tested.
+
+use std::fs;
+
+use crate::shell;
+
+/// What the build and the tests need; the package itself needs only NumPy.
+const NEEDED: [&str; 6] = ["maturin>=1.9,<2", "numpy", "pytest", "scipy", "mypy", "tqdm"];
+
+/// Builds with the profile of the other tests, in the same target folder, so that dependencies are compiled once.
+pub(crate) fn step() -> Result<(), String> {
+    let check = "import sys; sys.exit(sys.version_info < (3, 11))";
+    if !shell::present(&["python3", "-c", check]) {
+        return Err("python3 3.11 or later is needed, with the module venv (Debian: python3-venv)".to_owned());
+    }
+    let format = ["cargo", "fmt", "--check", "--manifest-path", "python/Cargo.toml"];
+    shell::run(&format, &[])?;
+    let target = fs::canonicalize(shell::root()).map_err(|error| error.to_string())?.join("target");
+    let target = target.to_str().ok_or("the path of the workspace is not UTF-8")?;
+    let venv = format!("{target}/python");
+    let python = format!("{venv}/bin/python");
+    shell::run(&["python3", "-m", "venv", "--clear", &venv], &[])?;
+    let install = [python.as_str(), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    shell::run(&[&install[..], &NEEDED].concat(), &[])?;
+    let variables = [
+        ("CARGO_TARGET_DIR", target),
+        ("MATURIN_PEP517_ARGS", "--profile=dev --locked"),
+        // Where maturin is found.
+        ("PATH", &format!("{venv}/bin:{}", std::env::var("PATH").unwrap_or_default())),
+    ];
+    shell::run(&[&install[..], &["--no-build-isolation", "--no-deps", "./python"]].concat(), &variables)?;
+    shell::run(&[&python, "-m", "mypy", "python/photonmap"], &[])?;
+    shell::run(&[&python, "-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider", "python/tests"], &[])
+}

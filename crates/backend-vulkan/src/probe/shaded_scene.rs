@@ -141,7 +141,7 @@ impl ShadedScene {
                 DiffuseTransmission { color, factor, color_texture, factor_texture, ..DiffuseTransmission::NONE };
             // Vertex normals, and normal maps.
             let texture = if index % 4 == 1 { images + index % 3 } else { none };
-            let coat = ClearcoatNormal { is_own: u32::from(index % 2), texture, scale: 0.7, reserved: 0 };
+            let coat = ClearcoatNormal { is_own: index % 2, texture, scale: 0.7, reserved: 0 };
             self.shading.clearcoat_normals.push(coat);
             // Those without any are not read.
             self.shading.diffuse_transmissions.push(if factor > 0.0 { leaf } else { DiffuseTransmission::NONE });

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use crate::{book, constants, deny, extremes, loaders, msrv, python, requirements, shaders, shell, tidy};
+use crate::{book, constants, deny, extremes, full, loaders, msrv, python, requirements, shaders, shell, tidy};
 
 /// A check that passes or fails.
 #[derive(Clone, Copy, Debug)]
@@ -34,9 +34,16 @@ const STEPS: [Step; 12] = [
     Step { name: "test", what: "all other tests", run: test },
 ];
 
-/// Steps that are not part of `ci`: those that need Python, or write instead of checking.
-const OTHERS: [Step; 7] = [
+/// Steps of `full`, which need Python, MPI or a browser, or take long.
+const FULL: [Step; 4] = [
     Step { name: "python", what: "the Python package, in a virtual environment", run: python::step },
+    Step { name: "mpi", what: "photonmap-mpi with processes of this host", run: full::mpi },
+    Step { name: "page", what: "the page of a running render, in headless Chromium", run: full::page },
+    Step { name: "powerset", what: "every combination of features of the facade", run: full::powerset },
+];
+
+/// Steps that write instead of checking.
+const WRITERS: [Step; 6] = [
     Step { name: "constants", what: "write the numbers that GLSL shares with Rust", run: constants::write },
     Step { name: "shaders", what: "the same, then compile the GLSL, write the SPIR-V", run: shaders::write },
     Step { name: "extremes", what: "write docs/studies/extremes.csv from a run, two minutes", run: extremes::quick },
@@ -49,7 +56,8 @@ const OTHERS: [Step; 7] = [
     Step { name: "requirements", what: "write docs/studies/requirements.md, some minutes", run: requirements::write },
 ];
 
-/// The steps with the given names, in that order; `ci` stands for all.
+/// The steps with the given names, in that order; `ci` stands for all that a change must pass, `full` for those that are run
+/// before a release.
 ///
 /// # Errors
 ///
@@ -62,8 +70,10 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
     for name in names {
         if name == "ci" {
             chosen.extend(STEPS);
+        } else if name == "full" {
+            chosen.extend(FULL);
         } else {
-            let known = STEPS.iter().chain(&OTHERS).find(|step| step.name == name);
+            let known = STEPS.iter().chain(&FULL).chain(&WRITERS).find(|step| step.name == name);
             chosen.push(*known.ok_or_else(|| format!("no step is named {name:?}"))?);
         }
     }
@@ -73,7 +83,8 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
 /// The usage text.
 pub(crate) fn usage() -> String {
     let mut text = "usage: cargo xtask STEP...\n\n  ci            all of the following, in this order\n".to_owned();
-    for step in STEPS.iter().chain(&OTHERS) {
+    text += "  full          python, mpi, page, powerset\n";
+    for step in STEPS.iter().chain(&FULL).chain(&WRITERS) {
         let _ = writeln!(text, "  {:<13} {}", step.name, step.what);
     }
     text

@@ -73,7 +73,7 @@ fn program(root: &Path) -> Result<PathBuf, String> {
     }
     let own = root.join(FOLDER).join("bin").join(format!("cargo-deny{}", std::env::consts::EXE_SUFFIX));
     if !own.exists() {
-        shell::run(&INSTALL, &[])?;
+        shell::run(&INSTALL, &[("CARGO_PROFILE_DEV_DEBUG", "0")])?;
     }
     Ok(own)
 }

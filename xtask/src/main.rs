@@ -6,6 +6,7 @@ mod ci;
 mod constants;
 mod deny;
 mod extremes;
+mod full;
 mod graph;
 mod links;
 mod loaders;

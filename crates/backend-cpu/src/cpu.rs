@@ -54,6 +54,10 @@ impl Cpu {
 
     /// Uses the caller's ray caster instead of `photon_scene::Accel`. It is built once per scene, from vertices and
     /// triangles in normalised space.
+    ///
+    /// A hit whose `t` is negative or not finite, whose triangle does not exist, or whose `u` or `v` is not between 0 and 1,
+    /// a panic of the caster, and what [`RayCaster::take_error`] returns, are errors of the pass
+    /// ([`Error::Backend`]). Hits beyond the end of a ray do not count.
     #[must_use]
     pub fn with_caster<F>(mut self, make: F) -> Self
     where

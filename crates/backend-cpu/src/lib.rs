@@ -5,6 +5,7 @@
 #![deny(unsafe_code)]
 
 mod backend;
+mod caster;
 mod cpu;
 mod film;
 pub mod index;

@@ -10,6 +10,7 @@ use photon_core::{
     SurfaceInteraction, alpha, interface, math, offset, radiance_scale, shadow_terminator,
 };
 
+use crate::caster::Checked;
 use crate::cpu::Cpu;
 use crate::shading::CpuShading;
 
@@ -61,7 +62,7 @@ impl CpuScene {
         };
         let start = Instant::now();
         let caster = match &on.make_caster {
-            Some(make) => make(view)?,
+            Some(make) => Box::new(Checked::new(make(view)?, view.triangles.len())),
             None => on.pool.install(|| {
                 photon_scene::Accel::build(view.positions, view.triangles)
                     .map(|accel| Box::new(accel) as Box<dyn RayCaster>)
@@ -93,6 +94,29 @@ impl CpuScene {
         })
     }
 
+    /// Whether rays are traced in batches, as the ray caster prefers; never in scenes with alpha.
+    pub(crate) fn traces_batches(&self) -> bool {
+        !self.present.contains(Features::ALPHA) && self.caster.prefers_batches()
+    }
+
+    /// [`Self::hit`] for each ray.
+    pub(crate) fn hit_many(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.resize(rays.len(), None);
+        self.caster.nearest_many(rays, hits);
+    }
+
+    /// An error of the ray caster since the last call, after which the pass is invalid.
+    ///
+    /// # Errors
+    /// [`Error::Backend`].
+    pub(crate) fn check_caster(&self) -> Result<()> {
+        match self.caster.take_error() {
+            Some(source) => Err(Error::Backend { backend: "cpu: tracing rays", source }),
+            None => Ok(()),
+        }
+    }
+
     /// The nearest intersection along `ray`, with everything that shading needs.
     #[inline]
     pub(crate) fn surface(&self, ray: &Ray) -> Option<SurfaceInteraction> {
@@ -106,8 +130,9 @@ impl CpuScene {
         Some((self.interaction(ray, &hit), hit))
     }
 
+    /// What shading needs of a hit along `ray`.
     #[inline(always)]
-    fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+    pub(crate) fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         let (index, record) = (hit.primitive as usize, &self.primitives[hit.primitive as usize]);
         SurfaceInteraction::new(ray.direction, hit, self.vertices[index], self.margins[index], record)
     }

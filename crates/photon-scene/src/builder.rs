@@ -196,8 +196,8 @@ impl SceneBuilder {
                 geometry.invisible
             ));
         }
-        if geometry.dropped > 0 {
-            warnings.push(format!("{} triangles without area were dropped", geometry.dropped));
+        if !geometry.dropped.is_empty() {
+            warnings.push(format!("{} triangles without area were dropped", geometry.dropped.len()));
         }
         solids::warn(&geometry, &self.materials, &mut warnings);
 

@@ -29,8 +29,8 @@ pub(crate) struct Geometry {
     pub(crate) sources: Vec<u32>,
     /// Emissive triangles, with their areas.
     pub(crate) emitters: Vec<(u32, f64)>,
-    /// Number of triangles dropped because they have no area.
-    pub(crate) dropped: u64,
+    /// Triangles dropped because they have no area: index of the mesh, and of the triangle within it.
+    pub(crate) dropped: Vec<[u32; 2]>,
     /// Number of triangles left out because light passes them unchanged.
     pub(crate) invisible: u64,
     /// Radius of a sphere around the origin that contains the vertices.
@@ -194,7 +194,7 @@ impl Geometry {
             // Rays are tested against the rounded triangle, and sampling divides by its area.
             let (_, narrow_area) = cross_and_area(narrow);
             if 2.0 * area <= noise * longest || narrow_area == 0.0 || area < f64::from(f32::MIN_POSITIVE) {
-                self.dropped += 1;
+                self.dropped.push([self.mesh_starts.len() as u32 - 1, index as u32]);
                 continue;
             }
             let primitive = self.triangles.len() as u32;

@@ -29,7 +29,8 @@ pub struct Scene {
     pub(crate) mesh_names: Vec<String>,
     pub(crate) material_names: Vec<String>,
     pub(crate) cameras: Vec<(String, CameraDesc)>,
-    pub(crate) dropped: u64,
+    /// Mesh and triangle, sorted.
+    pub(crate) dropped: Vec<[u32; 2]>,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -136,12 +137,63 @@ impl Scene {
     /// Number of triangles that had no area and were dropped.
     #[must_use]
     pub fn dropped_triangles(&self) -> u64 {
-        self.dropped
+        self.dropped.len() as u64
+    }
+
+    /// For each triangle of [`Self::view`], the triangle that it was in the description: the index of its mesh, in the order
+    /// in which meshes were added, and its index within the mesh.
+    pub fn triangle_sources(&self) -> impl Iterator<Item = (u32, u32)> {
+        let mut dropped = self.dropped.iter().peekable();
+        let ends = self.mesh_starts.iter().skip(1).copied().chain([self.triangles.len() as u32]);
+        self.mesh_starts.iter().zip(ends).zip(0..).flat_map(move |((&start, end), mesh)| {
+            let mut kept = Vec::with_capacity((end - start) as usize);
+            let mut next = 0;
+            while kept.len() < (end - start) as usize {
+                match dropped.next_if(|&&at| at <= [mesh, next]) {
+                    Some(&at) => next += u32::from(at == [mesh, next]),
+                    None => {
+                        kept.push((mesh, next));
+                        next += 1;
+                    }
+                }
+            }
+            kept
+        })
+    }
+
+    /// Names of the meshes, in the order in which they were added.
+    pub fn mesh_names(&self) -> impl Iterator<Item = &str> {
+        self.mesh_names.iter().map(String::as_str)
     }
 
     /// Warnings: problems that do not prevent rendering.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{MaterialDesc, SceneBuilder};
+
+    #[test]
+    fn triangles_know_what_they_were_in_the_description() {
+        let mut scene = SceneBuilder::new();
+        let white = scene.material(MaterialDesc::lambert("white", [0.5; 3]));
+        let air = scene.material(MaterialDesc::thin("air", 1.0));
+        let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 1.0]];
+        let (flat, good, other) = ([0, 0, 1], [0, 1, 2], [1, 3, 2]);
+        scene.mesh("a", corners.clone(), vec![flat, good, flat, flat, other, flat], white);
+        scene.mesh("invisible", corners.clone(), vec![good], air);
+        scene.mesh("none", corners.clone(), vec![flat, flat], white);
+        scene.mesh("b", corners, vec![good, flat, other], white);
+        let scene = scene.build().unwrap();
+        let sources: Vec<_> = scene.triangle_sources().collect();
+        assert_eq!(sources, [(0, 1), (0, 4), (3, 0), (3, 2)]);
+        assert_eq!((scene.dropped_triangles(), sources.len()), (7, scene.view().triangles.len()));
+        for (primitive, (mesh, _)) in sources.into_iter().enumerate() {
+            assert_eq!(scene.mesh_names().nth(mesh as usize), Some(scene.mesh_of_triangle(primitive as u32)));
+        }
     }
 }

@@ -67,7 +67,7 @@ impl AreaProbe<Cpu> for CpuArea {
                 );
             }
         });
-        Ok(())
+        scene.check_caster()
     }
 }
 

@@ -3,9 +3,10 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler};
 use photon_core::{
-    Coat, DirectLight, Features, Layer, MediumStack, Pass, Query, RandomKind, Result, octahedral, offset,
+    Coat, DirectLight, Features, Layer, MediumStack, Pass, Query, RandomKind, Ray, Result, octahedral, offset,
     shading_normal, shadow_terminator,
 };
+use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
@@ -28,33 +29,70 @@ impl DirectLight<Cpu> for CpuDirect {
         film: &mut CpuFilm,
     ) -> Result<()> {
         let irradiance = match (scene.present.intersects(SHADED), scene.present.contains(Features::ALPHA)) {
-            (_, true) => irradiance::<true, true>,
-            (true, false) => irradiance::<true, false>,
-            (false, false) => irradiance::<false, false>,
+            (_, true) => traced::<true, true>,
+            (true, false) => traced::<true, false>,
+            (false, false) => traced::<false, false>,
         };
+        let in_batches = scene.traces_batches().then(|| {
+            let chunks = queries.as_slice().par_chunks(BATCH);
+            let found = chunks.flat_map_iter(|chunk| traced_in_batch(scene, pass, chunk, shadow_rays));
+            on.pool.install(|| found.collect::<Vec<_>>())
+        });
         on.pool.install(|| {
             film.for_queries(
                 queries.as_slice(),
                 || (),
-                |(), _, query, pixel, _| {
-                    let irradiance = irradiance(scene, pass, query, shadow_rays);
+                |(), index, query, pixel, _| {
+                    let irradiance = match &in_batches {
+                        Some(irradiance) => irradiance[index],
+                        None => irradiance(scene, pass, query, shadow_rays),
+                    };
                     deposit(pixel, Layer::Direct, query.throughput, irradiance);
                 },
             );
         });
-        Ok(())
+        scene.check_caster()
     }
 }
 
 /// What shadow rays need a kernel of their own for.
 const SHADED: Features = Features::SHADING_NORMALS.union(Features::TEXTURED_LIGHTS).union(Features::GLOSSY);
 
-/// Direct irradiance: the mean over `rays` shadow rays. `ALPHA`: surfaces are in their way with a probability.
-fn irradiance<const SHADED: bool, const ALPHA: bool>(
+/// Queries whose shadow rays are traced together in batches.
+const BATCH: usize = 1024;
+
+/// Direct irradiance. `ALPHA`: surfaces are in the way of shadow rays with a probability.
+fn traced<const SHADED: bool, const ALPHA: bool>(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
+    irradiance::<SHADED>(scene, pass, query, rays, |ray, low| scene.occluded_with::<ALPHA>(ray, || low))
+}
+
+/// Direct irradiance at each query, in a scene without alpha: the lights are sampled once to collect the shadow rays, and
+/// once more to use what they hit.
+fn traced_in_batch(scene: &CpuScene, pass: Pass, queries: &[Query], rays: u32) -> Vec<[f64; 3]> {
+    let (mut all, mut hits) = (Vec::new(), Vec::new());
+    for query in queries {
+        irradiance::<true>(scene, pass, query, rays, |ray, _| {
+            all.push(*ray);
+            true
+        });
+    }
+    if !all.is_empty() {
+        scene.hit_many(&all, &mut hits);
+    }
+    let mut hits = hits.into_iter();
+    let mut is_hit = || hits.next().flatten().is_some();
+    queries.iter().map(|query| irradiance::<true>(scene, pass, query, rays, |_, _| is_hit())).collect()
+}
+
+/// Direct irradiance: the mean over `rays` shadow rays; `occluded` says for a ray and a random word whether something is in
+/// its way.
+#[inline(always)]
+fn irradiance<const SHADED: bool>(
     scene: &CpuScene,
     pass: Pass,
     query: &Query,
     rays: u32,
+    mut occluded: impl FnMut(&Ray, u32) -> bool,
 ) -> [f64; 3] {
     let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
     let (mut position, mut normal) = (Vec3::from(query.position), Vec3::from(query.normal));
@@ -87,7 +125,7 @@ fn irradiance<const SHADED: bool, const ALPHA: bool>(
         if SHADED && query.coat != 0 {
             value *= Coat::from_bits(query.coat).entering(ray.direction.dot(shading));
         }
-        if value != Vec3::ZERO && !scene.occluded_with::<ALPHA>(&ray, || low) {
+        if value != Vec3::ZERO && !occluded(&ray, low) {
             // The segment is unoccluded, so all of it lies in the query's medium.
             let value = value * scene.attenuation(MediumStack::from_bits(query.media), ray.t_max);
             for c in 0..3 {

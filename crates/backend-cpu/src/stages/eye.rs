@@ -4,7 +4,7 @@ use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Layer, Layers, Light, Lobe, Material, MaterialKind,
+    Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Hit, Layer, Layers, Light, Lobe, Material, MaterialKind,
     MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, SurfaceInteraction, View,
     anisotropy, octahedral, sampling, shading_normal, shadow_terminator,
 };
@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
+use crate::stages::eye_batch;
 use crate::stages::eye_glossy::{GlossyPoint, Leaves, Reflection};
 use crate::stages::eye_rough_glass::RoughPoint;
 
@@ -59,12 +60,17 @@ impl EyeTracer<Cpu> for CpuEye {
             (false, false, true) => Eye::look::<false, false, true, false>,
             (false, false, false) => Eye::look::<false, false, false, false>,
         };
+        let in_batches = scene.traces_batches();
         let rows: Vec<Vec<Query>> = on.pool.install(|| {
             film.pending
                 .par_chunks_mut(view.width as usize)
                 .enumerate()
                 .map(|(row, pixels)| {
                     let mut found = Vec::with_capacity(pixels.len());
+                    if in_batches {
+                        eye_batch::trace_row(&eye, row as u32, (has_lens, reflections), pixels, &mut found);
+                        return found;
+                    }
                     for (column, pixel) in pixels.iter_mut().enumerate() {
                         look(&eye, column as u32, row as u32, pixel, &mut found);
                     }
@@ -76,7 +82,7 @@ impl EyeTracer<Cpu> for CpuEye {
         for row in rows {
             queries.append(&row);
         }
-        Ok(())
+        scene.check_caster()
     }
 }
 
@@ -116,31 +122,14 @@ impl Eye<'_> {
         queries: &mut Vec<Query>,
     ) {
         let number = y * self.view.width + x;
-        let sampler = |branch: u32| {
-            let key = number * QUERIES_PER_PIXEL + branch;
-            Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Eye, key)
-        };
-        let [a, b, c, d] = sampler(0).words(BLOCK_START);
-        let across = 2.0 * (x as f32 + unit_f32(a)) / self.view.width as f32 - 1.0;
-        let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;
-        let camera = &self.view.camera;
-        let ray = if LENS { lens_ray(camera, across, -down, [c, d]) } else { camera_ray(camera, across, -down) };
-        let first = Path {
-            ray,
-            throughput: Vec3::ONE,
-            media: MediumStack::from_bits(self.view.camera.media),
-            surfaces: 0,
-            splits: 0,
-            branch: 0,
-            reflected: Reflection::default(),
-        };
-        let mut waiting = [first; QUERIES_PER_PIXEL as usize];
+        let sampler = |branch: u32| self.sampler(number, branch);
+        let mut waiting = [self.first::<LENS>(x, y); QUERIES_PER_PIXEL as usize];
         let mut count = 1;
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
             while let Some(branch) =
-                self.step::<SHADED, ALPHA, REFLECTIONS>(&mut path, number, pixel, queries, &sampler)
+                self.step::<SHADED, ALPHA, REFLECTIONS>(&mut path, None, number, pixel, queries, &sampler)
             {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
@@ -150,18 +139,47 @@ impl Eye<'_> {
         }
     }
 
-    /// Traces the path to its next surface. Returns `None` when the path has ended, `Some(Some(other))` when it has
-    /// split.
-    fn step<const SHADED: bool, const ALPHA: bool, const REFLECTIONS: bool>(
+    /// The random numbers of a path of pixel `number`.
+    pub(super) fn sampler(&self, number: u32, branch: u32) -> Sampler {
+        let key = number * QUERIES_PER_PIXEL + branch;
+        Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Eye, key)
+    }
+
+    /// The first path of a pixel. `LENS`: the camera has a lens.
+    pub(super) fn first<const LENS: bool>(&self, x: u32, y: u32) -> Path {
+        let [a, b, c, d] = self.sampler(y * self.view.width + x, 0).words(BLOCK_START);
+        let across = 2.0 * (x as f32 + unit_f32(a)) / self.view.width as f32 - 1.0;
+        let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;
+        let camera = &self.view.camera;
+        let ray = if LENS { lens_ray(camera, across, -down, [c, d]) } else { camera_ray(camera, across, -down) };
+        Path {
+            ray,
+            throughput: Vec3::ONE,
+            media: MediumStack::from_bits(self.view.camera.media),
+            surfaces: 0,
+            splits: 0,
+            branch: 0,
+            reflected: Reflection::default(),
+        }
+    }
+
+    /// Traces the path to its next surface; `known` is what its ray hits, if that is known. Returns `None` when the path has
+    /// ended, `Some(Some(other))` when it has split.
+    pub(super) fn step<const SHADED: bool, const ALPHA: bool, const REFLECTIONS: bool>(
         &self,
         path: &mut Path,
+        known: Option<Option<Hit>>,
         number: u32,
         pixel: &mut FilmPixel,
         queries: &mut Vec<Query>,
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
         let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
-        let Some((mut surface, hit)) = self.scene.hit_with::<ALPHA>(&path.ray, layer).ok()? else {
+        let found = match known {
+            Some(hit) => hit.map(|hit| (self.scene.interaction(&path.ray, &hit), hit)),
+            None => self.scene.hit_with::<ALPHA>(&path.ray, layer).ok()?,
+        };
+        let Some((mut surface, hit)) = found else {
             let is_hidden = self.hides_background && path.surfaces == 0;
             if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && !REFLECTIONS) {
                 let camera = MediumStack::from_bits(self.view.camera.media);

@@ -56,7 +56,7 @@ impl FinalGather<Cpu> for CpuGather {
                 }
             });
         });
-        Ok(())
+        scene.check_caster()
     }
 
     fn required_format(&self) -> PhotonFormat {

@@ -5,15 +5,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Layers, Light, Lobe, MapKind, Material, MaterialKind,
-    MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, RoughGlass,
-    Scheduling, Settings, SkipLimit, Tally, Tracer, light_features, octahedral, shading_normal,
+    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Hit, Layers, Light, Lobe, MapKind, Material,
+    MaterialKind, MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result,
+    RoughGlass, Scheduling, Settings, SkipLimit, Tally, Tracer, light_features, octahedral, shading_normal,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
 use crate::stages::photon_scattering::{GlossyLobe, glossy_scattered, rough_weight, russian_roulette, scattered};
+use crate::stages::trace_batch;
 
 /// Paths per block of dynamic scheduling. The result does not depend on it.
 const BLOCK: usize = 2048;
@@ -51,8 +52,8 @@ impl CpuTracer {
 
 /// The output of tracing some paths: photons for each map.
 #[derive(Default)]
-struct TraceOutput {
-    photons: PerMap<Vec<Photon>>,
+pub(super) struct TraceOutput {
+    pub(super) photons: PerMap<Vec<Photon>>,
     tally: Tally,
 }
 
@@ -66,9 +67,15 @@ impl Tracer<Cpu> for CpuTracer {
         mut deposits: Deposits<'_, Cpu>,
     ) -> Result<()> {
         let wanted = deposits.each_ref().map(|target| target.is_some());
-        let follow =
-            if self.reflections { follow::<REFLECTIONS> } else { kernel(self.features, self.nested, self.aimed) };
-        let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, follow };
+        let in_batches = scene.traces_batches();
+        let follow = match (in_batches, self.reflections) {
+            (true, true) => follow::<{ REFLECTIONS | BATCHED }>,
+            (true, false) if self.aimed => follow::<{ SHADED | BATCHED | AIMED }>,
+            (true, false) => follow::<{ SHADED | BATCHED }>,
+            (false, true) => follow::<REFLECTIONS>,
+            (false, false) => kernel(self.features, self.nested, self.aimed),
+        };
+        let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, in_batches, follow };
         let rays = rays.as_slice();
         let outputs = match self.scheduling {
             Scheduling::Static => share_statically(on, &walk, rays),
@@ -82,7 +89,7 @@ impl Tracer<Cpu> for CpuTracer {
                 }
             }
         }
-        Ok(())
+        scene.check_caster()
     }
 
     fn take_tally(&mut self, _on: &mut Cpu) -> Result<Tally> {
@@ -124,21 +131,48 @@ fn share_dynamically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<Trace
     outputs.into_iter().map(|(_, output)| output).collect()
 }
 
-type Follow = fn(&Walk<'_>, &PhotonRay, &mut TraceOutput);
+type Follow = fn(&Walk<'_>, &PhotonRay, &mut TraceOutput, &mut Paused);
 
-struct Walk<'a> {
-    scene: &'a CpuScene,
+pub(super) struct Walk<'a> {
+    pub(super) scene: &'a CpuScene,
     batch: &'a Batch,
     wanted: PerMap<bool>,
     max_bounces: u32,
-    follow: Follow,
+    in_batches: bool,
+    pub(super) follow: Follow,
+}
+
+/// A path that waits for the result of its ray. Only kernels with [`BATCHED`] use it; the others follow a path to its end.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Paused {
+    /// Before the first call, and after the end of the path, `None`.
+    pub(super) path: Option<PausedPath>,
+    /// What the ray of `path` hits, once that is known.
+    pub(super) hit: Option<Option<Hit>>,
+}
+
+/// The state of a path at a surface that it has not met yet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PausedPath {
+    pub(super) ray: Ray,
+    bounce: u32,
+    sampler: Sampler,
+    power: Vec3,
+    flux: FixedFlux,
+    specular_only: bool,
+    media: MediumStack,
+    too_deep: bool,
 }
 
 impl Walk<'_> {
     fn trace_all(&self, rays: &[PhotonRay]) -> TraceOutput {
         let mut output = TraceOutput::default();
+        if self.in_batches {
+            rays.chunks(BLOCK).for_each(|block| trace_batch::trace(self, block, &mut output));
+            return output;
+        }
         for ray in rays {
-            (self.follow)(self, ray, &mut output);
+            (self.follow)(self, ray, &mut output, &mut Paused::default());
         }
         output
     }
@@ -153,6 +187,17 @@ const NESTED: u32 = 1 << 30;
 const REFLECTED: u32 = 1 << 29;
 /// The kernel for them, with all lobes.
 const REFLECTIONS: u32 = Features::ALL.bits() | AIMED | NESTED | REFLECTED;
+/// Flag beside the bits of the lobes: paths pause before each ray ([`Paused`]).
+const BATCHED: u32 = 1 << 28;
+/// All lobes of reflection and transmission, without textures, shading normals and all that needs them.
+const ALL: u32 = Features::DIFFUSE
+    .union(Features::MIRROR)
+    .union(Features::DIELECTRIC)
+    .union(Features::THIN)
+    .union(Features::ABSORPTION)
+    .bits();
+/// The kernel for surfaces with textures or shading normals, with all lobes.
+const SHADED: u32 = ALL | NESTED | Features::SHADED.bits();
 
 /// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those with
 /// alpha have one kernel each with all lobes.
@@ -161,11 +206,9 @@ fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     const M: Features = D.union(Features::MIRROR);
     const GLASS: Features = Features::DIELECTRIC.union(Features::THIN);
     const ABSORBING: Features = GLASS.union(Features::ABSORPTION);
-    const ALL: u32 = M.union(ABSORBING).bits();
     let mirrors = features.intersects(Features::MIRROR);
     let absorbs = features.intersects(Features::ABSORPTION);
     let lobes = (features.intersects(GLASS), absorbs, mirrors);
-    const SHADED: u32 = ALL | NESTED | Features::SHADED.bits();
     if features.contains(Features::ALPHA) {
         const ALPHA: u32 = SHADED | Features::ALPHA.bits();
         return if aimed { follow::<{ ALPHA | AIMED }> } else { follow::<ALPHA> };
@@ -193,8 +236,9 @@ fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     }
 }
 
-/// Traces one path to its end. `F` selects the lobes that are compiled in.
-fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput) {
+/// Traces one path to its end. `F` selects the lobes that are compiled in; with [`BATCHED`], it is traced up to its next
+/// ray, from where it was paused.
+fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput, paused: &mut Paused) {
     let features = Features::from_bits_truncate(F);
     let scene = walk.scene;
     let shaded = features.intersects(Features::SHADED);
@@ -211,19 +255,32 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     let mut ray = Ray { origin: start.origin.into(), direction: start.direction.into(), t_max: f32::INFINITY };
     let mut power = Vec3::from(start.power);
     let mut flux = FixedFlux::new(start.power);
-    tally.emitted += 1;
-    tally.flux_emitted.add(flux);
     let mut specular_only = true;
     let mut media = MediumStack::from_bits(start.media);
     let mut too_deep = false;
-    for bounce in 0..walk.max_bounces {
+    let mut first = 0;
+    let resumed = if F & BATCHED != 0 { paused.path.take() } else { None };
+    if let Some(path) = resumed {
+        (ray, power, flux, first) = (path.ray, path.power, path.flux, path.bounce);
+        (sampler, specular_only, media, too_deep) = (path.sampler, path.specular_only, path.media, path.too_deep);
+    } else {
+        tally.emitted += 1;
+        tally.flux_emitted.add(flux);
+    }
+    for bounce in first..walk.max_bounces {
         // NaN fails the comparison too.
         let sane = ray.origin.is_finite() && ray.direction.is_finite() && power.abs().max_element() <= Fate::MAX_POWER;
         if !sane || power.is_nan() {
             return tally.end(Fate::Dropped, flux);
         }
         let block = BLOCK_SURFACES + bounce;
-        let found = if features.contains(Features::ALPHA) {
+        let found = if F & BATCHED != 0 {
+            let Some(hit) = paused.hit.take() else {
+                paused.path = Some(PausedPath { ray, bounce, sampler, power, flux, specular_only, media, too_deep });
+                return;
+            };
+            Ok(hit.map(|hit| (scene.interaction(&ray, &hit), hit)))
+        } else if features.contains(Features::ALPHA) {
             // A copy, since a sequence must not advance twice.
             let mut layer = sampler;
             scene.hit_with::<true>(&ray, || layer.words(block)[3])

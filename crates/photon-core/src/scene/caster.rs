@@ -92,6 +92,27 @@ pub trait RayCaster: Send + Sync {
         self.nearest_where(ray, keep).map(|hit| hit.is_some())
     }
 
+    /// [`Self::nearest`] for each ray, into the element of `hits` at the same index. Both have the same length, and all
+    /// elements of `hits` are written.
+    fn nearest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.nearest(ray);
+        }
+    }
+
+    /// Whether calls of [`Self::nearest_many`] with many rays are worth their memory traffic: for casters that trace packets,
+    /// or whose calls are expensive. The CPU then traces photons and camera paths surface by surface in blocks, and shadow
+    /// rays of diffuse surfaces together, in scenes without alpha. The result is the same, bit by bit.
+    fn prefers_batches(&self) -> bool {
+        false
+    }
+
+    /// Returns an error that has occurred since the last call, and forgets it. Called after each stage of a pass, which then
+    /// fails; what was returned for the rays of that stage does not matter.
+    fn take_error(&self) -> Option<Box<dyn std::error::Error + Send + Sync>> {
+        None
+    }
+
     /// Memory of the acceleration structure in bytes, for reports; 0 if unknown.
     fn bytes(&self) -> u64 {
         0
@@ -112,6 +133,16 @@ mod tests {
             let there = next <= self.0 as f32 && t <= ray.t_max;
             there.then_some(Hit { t, primitive: next as u32 - 1, u: 0.25, v: 0.5 })
         }
+    }
+
+    #[test]
+    fn many_rays_are_traced_like_each_of_them() {
+        let along = |z: f32| Ray { origin: Vec3::new(0.0, 0.0, z), direction: Vec3::Z, t_max: 1.0 };
+        let rays = [0.0, 1.5, 9.0].map(along);
+        let mut hits = [Some(Hit { t: 7.0, primitive: 7, u: 0.0, v: 0.0 }); 3];
+        Planes(5).nearest_many(&rays, &mut hits);
+        assert_eq!(hits, rays.map(|ray| Planes(5).nearest(&ray)));
+        assert!(hits[0].is_some() && hits[2].is_none());
     }
 
     #[test]

@@ -1,0 +1,54 @@
+//! Camera paths in batches: those of a row surface by surface, so that a ray caster gets many rays at once.
+
+use photon_core::{FilmPixel, QUERIES_PER_PIXEL, Query};
+
+use crate::stages::eye::{Eye, Path};
+
+/// The paths of a pixel: the one that is being traced, and those that have branched off.
+struct Pixel {
+    column: usize,
+    path: Path,
+    waiting: Vec<Path>,
+}
+
+/// Traces the paths of a row, in a scene without alpha. Each pixel meets its surfaces in the same order as without
+/// batches.
+pub(super) fn trace_row(
+    eye: &Eye<'_>,
+    row: u32,
+    (has_lens, reflections): (bool, bool),
+    pixels: &mut [FilmPixel],
+    queries: &mut Vec<Query>,
+) {
+    let first = if has_lens { Eye::first::<true> } else { Eye::first::<false> };
+    let mut active: Vec<Pixel> = (0..pixels.len())
+        .map(|column| Pixel { column, path: first(eye, column as u32, row), waiting: Vec::new() })
+        .collect();
+    let (mut rays, mut hits) = (Vec::with_capacity(active.len()), Vec::with_capacity(active.len()));
+    while !active.is_empty() {
+        rays.clear();
+        rays.extend(active.iter().map(|pixel| pixel.path.ray));
+        eye.scene.hit_many(&rays, &mut hits);
+        let mut found = hits.iter();
+        active.retain_mut(|Pixel { column, path, waiting }| {
+            let number = row * eye.view.width + *column as u32;
+            let sampler = |branch: u32| eye.sampler(number, branch);
+            let (pixel, hit) = (&mut pixels[*column], Some(found.next().copied().flatten()));
+            let next = if reflections {
+                eye.step::<true, false, true>(path, hit, number, pixel, queries, &sampler)
+            } else {
+                eye.step::<true, false, false>(path, hit, number, pixel, queries, &sampler)
+            };
+            if let Some(branch) = next {
+                waiting.extend(branch);
+                return true;
+            }
+            let Some(next) = waiting.pop() else { return false };
+            *path = next;
+            true
+        });
+    }
+    // In the order of the pixels; the queries of a pixel keep theirs.
+    queries.sort_by_key(|query| query.pixel);
+    debug_assert!(queries.len() <= pixels.len() * QUERIES_PER_PIXEL as usize);
+}

@@ -1,0 +1,225 @@
+//! Scenes from arrays, and additions to scenes of files.
+
+use std::ffi::c_char;
+use std::path::Path;
+
+use photonmap::scene::{
+    CameraDesc, LightDesc, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, SceneBuilder, Surface,
+    ThinLens, VertexAttributes, builtin, builtin_names, load_builder,
+};
+
+use crate::describe::{
+    PM_LIGHT_DIRECTIONAL, PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY,
+    PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR, PM_MATERIAL_THIN, PmCamera, PmLight, PmMaterial, PmMesh,
+};
+use crate::error::{Fault, PmStatus, Result, call, free};
+use crate::pointer;
+use crate::scene::PmScene;
+
+/// A scene under construction. Values are checked by pm_builder_build().
+#[derive(Debug, Default)]
+pub struct PmBuilder {
+    scene: SceneBuilder,
+    materials: Vec<MaterialId>,
+    report: LoadReport,
+}
+
+impl PmBuilder {
+    pub(crate) fn from_file(file: &str, overrides: Option<&str>) -> Result<Self> {
+        let overrides = overrides.map(|path| Overrides::read(Path::new(path))).transpose()?;
+        let (scene, report) = load_builder(Path::new(file), overrides.as_ref())?;
+        Ok(Self { scene, report, ..Self::default() })
+    }
+
+    pub(crate) fn built_in(name: &str) -> Result<Self> {
+        let Some(scene) = builtin(name) else {
+            let names: Vec<&str> = builtin_names().iter().map(|(name, _)| *name).collect();
+            return Err(Fault::argument(format!(
+                "no built-in scene is called {name:?}; there are {}",
+                names.join(", ")
+            )));
+        };
+        Ok(Self { scene, ..Self::default() })
+    }
+
+    pub(crate) fn build(&self) -> Result<PmScene> {
+        Ok(PmScene::new(self.scene.clone().build()?, &self.report))
+    }
+}
+
+/// Makes an empty scene. `*builder` is to be freed with pm_builder_free().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_new(builder: *mut *mut PmBuilder) -> PmStatus {
+    // SAFETY: the caller's pointer to a handle.
+    call(|| unsafe { pointer::hand_out(builder, || Ok(PmBuilder::default())) })
+}
+
+/// Reads a scene file, as pm_scene_load(), to add to it. `*builder` is to be freed with pm_builder_free().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_load(
+    file: *const c_char,
+    overrides: *const c_char,
+    builder: *mut *mut PmBuilder,
+) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's texts, and pointer to a handle.
+        unsafe {
+            pointer::hand_out(builder, || {
+                PmBuilder::from_file(pointer::text(file, "file")?, pointer::text_or_null(overrides, "overrides")?)
+            })
+        }
+    })
+}
+
+/// Adds a material. `*id`, which may be NULL, is what meshes refer to it by.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_material(
+    builder: *mut PmBuilder,
+    material: *const PmMaterial,
+    id: *mut u32,
+) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, struct, and a name within it.
+        let (builder, given, name) = unsafe {
+            let given = pointer::read(material)?;
+            (pointer::exclusive(builder, "builder")?, given, pointer::text_or_null(given.name, "name")?)
+        };
+        let PmMaterial { color, ior, absorption, roughness, .. } = given;
+        let surface = match given.kind {
+            PM_MATERIAL_LAMBERT => Surface::Lambert { albedo: color },
+            PM_MATERIAL_MIRROR => Surface::Mirror { reflectance: color },
+            PM_MATERIAL_DIELECTRIC => Surface::Dielectric { ior, absorption, tint: color, roughness },
+            PM_MATERIAL_THIN => Surface::Thin { ior, tint: color, roughness },
+            PM_MATERIAL_GLOSSY => Surface::Glossy {
+                base_color: color,
+                metallic: given.metallic,
+                roughness,
+                specular: given.specular,
+                ior,
+            },
+            kind => return Err(Fault::argument(format!("PmMaterial.kind is {kind}, but there are 0 to 4"))),
+        };
+        let mut desc = MaterialDesc::new(name.unwrap_or_default(), surface).with_priority(given.priority);
+        desc.emission = given.emission;
+        desc.emits_both_sides = given.emits_both_sides != 0;
+        builder.materials.push(builder.scene.material(desc));
+        if !id.is_null() {
+            // SAFETY: not NULL; the caller's number.
+            unsafe { id.write(builder.materials.len() as u32 - 1) };
+        }
+        Ok(())
+    })
+}
+
+/// Adds triangles.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_mesh(builder: *mut PmBuilder, mesh: *const PmMesh) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, struct, and the arrays within it, which have the lengths within it.
+        let (builder, name, positions, normals, triangles, material) = unsafe {
+            let mesh = pointer::read(mesh)?;
+            let normals = if mesh.normals.is_null() { 0 } else { mesh.vertex_count };
+            let triple = |count| pointer::product(count, 3, "PmMesh");
+            (
+                pointer::exclusive(builder, "builder")?,
+                pointer::text_or_null(mesh.name, "name")?,
+                pointer::array(mesh.positions, triple(mesh.vertex_count)?, "positions")?,
+                pointer::array(mesh.normals, triple(normals)?, "normals")?,
+                pointer::array(mesh.triangles, triple(mesh.triangle_count)?, "triangles")?,
+                mesh.material,
+            )
+        };
+        let Some(&material) = builder.materials.get(material as usize) else {
+            return Err(Fault::argument(format!(
+                "PmMesh.material is {material}, but pm_builder_material() has made {}, numbered from 0",
+                builder.materials.len()
+            )));
+        };
+        let attributes = VertexAttributes::default().with_normals(normals.as_chunks::<3>().0.to_vec());
+        let (positions, triangles) = (positions.as_chunks::<3>().0.to_vec(), triangles.as_chunks::<3>().0.to_vec());
+        builder.scene.mesh_with(name.unwrap_or_default(), positions, triangles, attributes, material);
+        Ok(())
+    })
+}
+
+/// Adds a light.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_light(builder: *mut PmBuilder, light: *const PmLight) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, struct, and a name within it.
+        let (builder, light, name) = unsafe {
+            let light = pointer::read(light)?;
+            (pointer::exclusive(builder, "builder")?, light, pointer::text_or_null(light.name, "name")?)
+        };
+        let PmLight { position, direction, color, inner_angle, outer_angle, .. } = light;
+        let desc = match light.kind {
+            PM_LIGHT_POINT => LightDesc::Point { position, intensity: color },
+            PM_LIGHT_SPOT => LightDesc::Spot { position, direction, intensity: color, inner_angle, outer_angle },
+            PM_LIGHT_DIRECTIONAL => LightDesc::Directional { direction, irradiance: color },
+            kind => return Err(Fault::argument(format!("PmLight.kind is {kind}, but there are 0 to 2"))),
+        };
+        builder.scene.light(name.unwrap_or_default(), desc);
+        Ok(())
+    })
+}
+
+/// Adds a camera; the first one is the default.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_camera(builder: *mut PmBuilder, camera: *const PmCamera) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, struct, and a name within it.
+        let (builder, camera, name) = unsafe {
+            let camera = pointer::read(camera)?;
+            (pointer::exclusive(builder, "builder")?, camera, pointer::text_or_null(camera.name, "name")?)
+        };
+        let PmCamera { position, target, up, vertical_fov, half_height, lens_diameter, focus_distance, .. } = camera;
+        let mut desc = CameraDesc::look_at(position, target, up, vertical_fov);
+        if vertical_fov == 0.0 {
+            desc = desc.with_projection(Projection::Orthographic { half_height });
+        }
+        // NaN is a lens too, and is refused later.
+        if lens_diameter != 0.0 {
+            desc = desc.with_lens(ThinLens::new(lens_diameter, focus_distance));
+        }
+        builder.scene.camera(name.unwrap_or_default(), desc);
+        Ok(())
+    })
+}
+
+/// Applies the text of an override file: an environment, lights and cameras, and changes of materials that were added
+/// before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_overrides(builder: *mut PmBuilder, toml: *const c_char) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle and text.
+        let (builder, text) = unsafe { (pointer::exclusive(builder, "builder")?, pointer::text(toml, "toml")?) };
+        Overrides::parse(text, Path::new("overrides"))?.apply(&mut builder.scene, &mut builder.report)?;
+        Ok(())
+    })
+}
+
+/// Checks everything and makes the scene. A scene without a camera gets one that shows all of it. The builder may be
+/// changed and built again. `*scene` is to be freed with pm_scene_free().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_build(builder: *const PmBuilder, scene: *mut *mut PmScene) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, and pointer to a handle.
+        unsafe {
+            pointer::hand_out(scene, || {
+                let builder = pointer::shared(builder, "builder")?;
+                let mut made = builder.scene.clone();
+                if !made.has_camera() {
+                    made.camera("automatic", made.frame_camera());
+                }
+                Ok(PmScene::new(made.build()?, &builder.report))
+            })
+        }
+    })
+}
+
+/// Frees a builder; NULL is ignored.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_free(builder: *mut PmBuilder) {
+    // SAFETY: the caller's handle.
+    free(|| unsafe { pointer::free(builder) });
+}

@@ -1,0 +1,81 @@
+//! Parts that several calls share: settings, backends, views.
+
+use std::ffi::{c_char, c_void};
+
+use photonmap::Settings;
+
+use crate::caster::PmCaster;
+use crate::error::{Fault, PmStatus, Result};
+use crate::pointer;
+
+/// The picture: its size and camera.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PmView {
+    /// sizeof(PmView).
+    pub size: usize,
+    /// Name of a camera of the scene; NULL: the first one.
+    pub camera: *const c_char,
+    /// Width in pixels, at least 1.
+    pub width: u32,
+    /// Height in pixels, at least 1. At most 2^31 pixels in all.
+    pub height: u32,
+}
+
+/// What a renderer runs on. All zero, except for the size: all cores, with the library's own ray caster.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PmDevice {
+    /// sizeof(PmDevice).
+    pub size: usize,
+    /// "cpu" or "vulkan"; NULL: "cpu". The environment variable PHOTON_VK_DEVICE selects one of several GPUs.
+    pub backend: *const c_char,
+    /// The caller's ray caster; NULL: that of the library. Only on the CPU.
+    pub caster: *const PmCaster,
+    /// Number of threads on the CPU, at most 4096; 0: one for each core. Pictures do not depend on it.
+    pub threads: u32,
+}
+
+/// What a progress function is called with.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PmProgress {
+    /// Size of this struct in the library.
+    pub size: usize,
+    /// Index of the pass.
+    pub pass: u32,
+    /// Passes that this call of pm_renderer_passes() has finished.
+    pub done: u32,
+    /// Passes that it was asked for.
+    pub count: u32,
+    /// Photon paths of the present pass that have been traced, and their number. Equal at the end of a pass.
+    pub traced: u32,
+    /// Photon paths of the present pass.
+    pub total: u32,
+}
+
+/// A progress function: called several times while the photons of each pass are traced, on the thread that renders.
+/// Returns 0 to go on; anything else stops the render within the pass. It must not use the renderer, nor throw exceptions.
+pub type PmProgressFunction = Option<unsafe extern "C" fn(user: *mut c_void, progress: *const PmProgress) -> i32>;
+
+pointer::versioned!(PmView, PmDevice, PmProgress);
+
+/// Settings from JSON; NULL is `{}`.
+///
+/// # Safety
+/// `json` is NULL or a text.
+pub(crate) unsafe fn settings(json: *const c_char) -> Result<Settings> {
+    // SAFETY: as the caller ensures.
+    let Some(text) = (unsafe { pointer::text_or_null(json, "settings") })? else { return Ok(Settings::default()) };
+    // An array would be read as the values of the first fields.
+    if !text.trim_start().starts_with('{') {
+        return Err(Fault::new(
+            PmStatus::InvalidSettings,
+            "settings: not a JSON object, such as {\"photons\": 100000}",
+        ));
+    }
+    let settings: Settings = serde_json::from_str(text)
+        .map_err(|error| Fault::new(PmStatus::InvalidSettings, format!("settings: {error}")))?;
+    settings.validate()?;
+    Ok(settings)
+}

@@ -1,0 +1,246 @@
+//! Renderers.
+
+use std::ffi::{c_char, c_void};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use photonmap::cpu::Cpu;
+use photonmap::film::{FilmInfo, FilmKey, Maker};
+use photonmap::scene::Scene;
+use photonmap::vulkan::Vulkan;
+use photonmap::{Event, Film, PassEnd, Pipeline, Render, Settings, View};
+
+use crate::caster::Caster;
+use crate::error::{Fault, PmStatus, Result, call, free, length};
+use crate::film::PmFilm;
+use crate::options::{self, PmDevice, PmProgress, PmProgressFunction, PmView};
+use crate::pointer;
+use crate::scene::PmScene;
+
+/// Photon paths between two calls of the progress function on the CPU.
+const BATCH: u32 = 1 << 15;
+
+/// A renderer of one scene, with the sums of its passes. One thread at a time may use it.
+#[expect(missing_debug_implementations, reason = "a boxed renderer")]
+pub struct PmRenderer {
+    renderer: Box<dyn Render>,
+    scene: Arc<Scene>,
+    view: View,
+    settings: Settings,
+    /// The pass after the last one in the film, while passes are in ascending order.
+    next: Option<u32>,
+}
+
+impl PmRenderer {
+    fn new(scene: Arc<Scene>, view: View, settings: Settings, device: Device) -> Result<Self> {
+        let renderer: Box<dyn Render> = match device {
+            Device::Cpu(cpu) => Box::new(Pipeline::in_batches(cpu, &scene.view(), view, settings.clone(), BATCH)?),
+            Device::Vulkan(gpu) => Box::new(Pipeline::new(*gpu, &scene.view(), view, settings.clone())?),
+        };
+        Ok(Self { renderer, scene, view, settings, next: Some(0) })
+    }
+
+    /// Renders passes; the number of those that were finished goes to `done`.
+    fn passes(&mut self, first: u32, count: u32, progress: &Progress, done: &mut u32) -> Result {
+        let end = first.checked_add(count).filter(|&end| end < u32::MAX);
+        let end = end.ok_or_else(|| Fault::argument(format!("passes {first} and {count} more exceed 2^32 - 2")))?;
+        let cancelled = || Fault::new(PmStatus::Cancelled, "the progress function stopped the render");
+        for index in first..end {
+            let finished = *done;
+            let mut observer = |event: &Event<'_>| match event {
+                Event::Photons { pass, traced, total } => {
+                    let report = PmProgress {
+                        size: size_of::<PmProgress>(),
+                        pass: *pass,
+                        done: finished,
+                        count,
+                        traced: *traced,
+                        total: *total,
+                    };
+                    progress.call(&report)
+                }
+                _ => ControlFlow::Continue(()),
+            };
+            let last = match self.renderer.pass(index, &mut observer)? {
+                PassEnd::Cancelled => return Err(cancelled()),
+                end => matches!(end, PassEnd::Last(_)),
+            };
+            *done += 1;
+            self.next = self.next.filter(|&next| index >= next).map(|_| index + 1);
+            if last {
+                return if index + 1 < end { Err(cancelled()) } else { Ok(()) };
+            }
+        }
+        Ok(())
+    }
+
+    fn film(&self, film: Film) -> Result<PmFilm> {
+        let facts = self.renderer.facts();
+        let key = FilmKey::new(&self.scene.view(), &self.view, &self.settings, &*self.renderer, 1);
+        let mut info = FilmInfo::new(key, "");
+        info.add_maker(&Maker::new("photonmap-c", facts.backend, &facts.device, 0.0));
+        // On other devices, sums are not those of films of one pass.
+        info.in_order = facts.backend == "cpu" && self.next.is_some();
+        info.errors = film.errors.is_some();
+        info.clamp = film.clamp;
+        Ok(PmFilm { film, info, transparent: self.settings.transparent_background })
+    }
+}
+
+enum Device {
+    Cpu(Cpu),
+    Vulkan(Box<Vulkan>),
+}
+
+/// Opens a device.
+///
+/// # Safety
+/// `device` is NULL or points to a valid struct, whose caster can be called as long as the result exists.
+unsafe fn open(device: *const PmDevice) -> Result<Device> {
+    if device.is_null() {
+        return Ok(Device::Cpu(Cpu::new()?));
+    }
+    // SAFETY: as the caller ensures.
+    let (device, backend) = unsafe {
+        let device = pointer::read(device)?;
+        (device, pointer::text_or_null(device.backend, "backend")?)
+    };
+    match backend.unwrap_or("cpu") {
+        "cpu" => {
+            let cpu = if device.threads == 0 { Cpu::new()? } else { Cpu::with_threads(device.threads as usize)? };
+            if device.caster.is_null() {
+                return Ok(Device::Cpu(cpu));
+            }
+            // SAFETY: as the caller ensures.
+            let caster = unsafe { Caster::new(device.caster) }?;
+            Ok(Device::Cpu(cpu.with_caster(move |scene| Ok(Box::new(caster.prepared(scene)?)))))
+        }
+        "vulkan" if device.caster.is_null() => {
+            let gpu = Vulkan::new().map_err(|error| Fault::from(error).with_status(PmStatus::NoDevice))?;
+            Ok(Device::Vulkan(Box::new(gpu)))
+        }
+        "vulkan" => Err(Fault::argument("a ray caster of the caller works with the backend \"cpu\" alone")),
+        other => Err(Fault::argument(format!("backend is {other:?}, but there are \"cpu\" and \"vulkan\""))),
+    }
+}
+
+/// The caller's progress function.
+struct Progress {
+    function: PmProgressFunction,
+    user: *mut c_void,
+}
+
+impl Progress {
+    fn call(&self, report: &PmProgress) -> ControlFlow<()> {
+        let Some(function) = self.function else { return ControlFlow::Continue(()) };
+        // SAFETY: the caller promises that the function can be called during pm_renderer_passes(), on the same thread.
+        let code = unsafe { function(self.user, report) };
+        if code == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+}
+
+/// Makes a renderer: opens the device, uploads the scene, and traces a pilot pass if radii are derived.
+///
+/// `settings`: a JSON object of settings, such as `{"photons": 100000, "errors": true}`; fields that are left out have
+/// their defaults, and unknown ones are an error. NULL: all defaults. `device` may be NULL: the CPU. The scene may be
+/// freed before the renderer. `*renderer` is to be freed with pm_renderer_free().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_renderer_new(
+    scene: *const PmScene,
+    view: *const PmView,
+    settings: *const c_char,
+    device: *const PmDevice,
+    renderer: *mut *mut PmRenderer,
+) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, structs and texts, and pointer to a handle.
+        unsafe {
+            pointer::hand_out(renderer, || {
+                let scene = &pointer::shared(scene, "scene")?.scene;
+                let view = pointer::read(view)?;
+                let camera = pointer::text_or_null(view.camera, "camera")?;
+                let (width, height) = (view.width, view.height);
+                let view = View { camera: scene.camera(camera, width, height)?, width, height };
+                PmRenderer::new(scene.clone(), view, options::settings(settings)?, open(device)?)
+            })
+        }
+    })
+}
+
+/// Renders the passes `first` to `first + count - 1` and adds them to the film. A pass depends on its index alone, so that
+/// passes may be distributed over renderers and machines.
+///
+/// `progress` may be NULL, and `user` is passed to it. `*done`, which may be NULL, is the number of passes that were
+/// finished, even after an error. If the first pass of a film is stopped, the film has what was traced of it: such a film
+/// can be shown, but neither merged nor written to a film file.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_renderer_passes(
+    renderer: *mut PmRenderer,
+    first: u32,
+    count: u32,
+    progress: PmProgressFunction,
+    user: *mut c_void,
+    done: *mut u32,
+) -> PmStatus {
+    let mut finished = 0;
+    let status = call(|| {
+        // SAFETY: the caller's handle.
+        let renderer = unsafe { pointer::exclusive(renderer, "renderer") }?;
+        renderer.passes(first, count, &Progress { function: progress, user }, &mut finished)
+    });
+    if !done.is_null() {
+        // SAFETY: not NULL; the caller's number.
+        unsafe { done.write(finished) };
+    }
+    status
+}
+
+/// Copies the film: the sums of all passes since the last pm_renderer_take(). `*film` is to be freed with pm_film_free().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_renderer_film(renderer: *mut PmRenderer, film: *mut *mut PmFilm) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, and pointer to a handle.
+        unsafe {
+            pointer::hand_out(film, || {
+                let renderer = pointer::exclusive(renderer, "renderer")?;
+                let film = renderer.renderer.film()?;
+                renderer.film(film)
+            })
+        }
+    })
+}
+
+/// As pm_renderer_film(), and the renderer begins an empty film.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_renderer_take(renderer: *mut PmRenderer, film: *mut *mut PmFilm) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, and pointer to a handle.
+        unsafe {
+            pointer::hand_out(film, || {
+                let renderer = pointer::exclusive(renderer, "renderer")?;
+                let film = renderer.renderer.take()?;
+                let film = renderer.film(film);
+                renderer.next = Some(0);
+                film
+            })
+        }
+    })
+}
+
+/// Copies a description of the device: as pm_last_error().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_renderer_device(renderer: *const PmRenderer, text: *mut c_char, room: usize) -> usize {
+    length(|| {
+        // SAFETY: the caller's handle.
+        let facts = unsafe { pointer::shared(renderer, "renderer") }?.renderer.facts();
+        // SAFETY: the caller's buffer of `room` bytes.
+        Ok(unsafe { pointer::copy_text(&format!("{}: {}", facts.backend, facts.device), text, room) })
+    })
+}
+
+/// Frees a renderer; NULL is ignored. Films that it returned stay valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_renderer_free(renderer: *mut PmRenderer) {
+    // SAFETY: the caller's handle.
+    free(|| unsafe { pointer::free(renderer) });
+}
